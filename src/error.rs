@@ -1,0 +1,204 @@
+//! Errors, sorted by what the reader does next, and the place each one points at.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// Everything that can go wrong between a user's files and a product.
+///
+/// Numeric code does not return errors: what it needs is checked once, when a
+/// [`Scene`](crate::scene::Scene) is made.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A file or folder could not be read or written: check the path, the rights, the space.
+    #[error("{path}: {action}: {source}", path = path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// What was being done, as in "reading".
+        action: &'static str,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The text is not of its format: fix the text at this place. Only the first such place is told.
+    #[error("{at}: {message}")]
+    Syntax {
+        /// Where.
+        at: Location,
+        /// What was expected, and what was found.
+        message: String,
+    },
+    /// The text is well formed, its values are not usable: fix the values. All of them are told.
+    #[error("{}", join(.0))]
+    Invalid(Vec<Problem>),
+    /// Understood, but not something this version can do.
+    #[error("{at}: {feature} is not supported by this version")]
+    Unsupported {
+        /// Where it was asked for.
+        at: Location,
+        /// What was asked for.
+        feature: String,
+    },
+    /// The caller's progress callback asked to stop (Ctrl-C on the command line). Nothing is left behind.
+    #[error("interrupted: nothing was written")]
+    Interrupted,
+}
+
+/// The result of what can fail.
+pub type Result<T> = std::result::Result<T, Error>;
+
+impl Error {
+    /// An [`Error::Io`] while doing `action` on `path`.
+    pub fn io(path: impl AsRef<Path>, action: &'static str, source: std::io::Error) -> Self {
+        Error::Io { path: path.as_ref().to_owned(), action, source }
+    }
+
+    /// An [`Error::Invalid`] with one problem.
+    pub fn invalid(at: Location, message: impl Into<String>) -> Self {
+        Error::Invalid(vec![Problem::new(at, message)])
+    }
+
+    /// An [`Error::Syntax`].
+    pub fn syntax(at: Location, message: impl Into<String>) -> Self {
+        Error::Syntax { at, message: message.into() }
+    }
+}
+
+fn join(problems: &[Problem]) -> String {
+    problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("\n")
+}
+
+/// One thing to mend: where, what is wrong, and what to do about it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Problem {
+    /// Where it is.
+    pub at: Location,
+    /// What is wrong.
+    pub message: String,
+    /// What to do, if more can be said than the message says.
+    pub help: Option<String>,
+}
+
+impl Problem {
+    /// A problem without further help.
+    pub fn new(at: Location, message: impl Into<String>) -> Self {
+        Problem { at, message: message.into(), help: None }
+    }
+
+    /// The same problem with a line of help.
+    #[must_use]
+    pub fn with_help(mut self, help: impl Into<String>) -> Self {
+        self.help = Some(help.into());
+        self
+    }
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let place = self.at.to_string();
+        if !place.is_empty() {
+            write!(f, "{place}: ")?;
+        }
+        f.write_str(&self.message)?;
+        if let Some(help) = &self.help {
+            write!(f, " (help: {help})")?;
+        }
+        Ok(())
+    }
+}
+
+/// A place in a user's input: a file, a line and column in it, and the item there.
+///
+/// Printed as `scene.toml:14:9 sensor.bands[3]`; parts that are not known are left out.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Location {
+    /// The file.
+    pub file: Option<PathBuf>,
+    /// Line, from 1.
+    pub line: Option<usize>,
+    /// Column in characters, from 1.
+    pub column: Option<usize>,
+    /// The item, as in `sensor.bands[3]` or `facet 17`.
+    pub item: Option<String>,
+    /// Byte range in the file's text, for pictures of the place.
+    pub span: Option<(usize, usize)>,
+}
+
+impl Location {
+    /// A whole file.
+    pub fn file(path: impl AsRef<Path>) -> Self {
+        Location { file: Some(path.as_ref().to_owned()), ..Default::default() }
+    }
+
+    /// A line of a file (from 1).
+    pub fn line(path: impl AsRef<Path>, line: usize) -> Self {
+        Location { line: Some(line), ..Location::file(path) }
+    }
+
+    /// A byte range of a file whose text is at hand.
+    pub fn span(path: impl AsRef<Path>, text: &str, start: usize, end: usize) -> Self {
+        let start = start.min(text.len());
+        let before = text.get(..start).unwrap_or("");
+        let line_start = before.rfind('\n').map_or(0, |i| i + 1);
+        Location {
+            line: Some(before.matches('\n').count() + 1),
+            column: Some(before[line_start..].chars().count() + 1),
+            span: Some((start, end.clamp(start, text.len()))),
+            ..Location::file(path)
+        }
+    }
+
+    /// An item that has no place in a file, as the argument of a library call.
+    pub fn item(item: impl Into<String>) -> Self {
+        Location { item: Some(item.into()), ..Default::default() }
+    }
+
+    /// The same place, naming the item there.
+    #[must_use]
+    pub fn with_item(mut self, item: impl Into<String>) -> Self {
+        self.item = Some(item.into());
+        self
+    }
+}
+
+impl fmt::Display for Location {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut gap = "";
+        if let Some(file) = &self.file {
+            write!(f, "{}", file.display())?;
+            if let Some(line) = self.line {
+                write!(f, ":{line}")?;
+                if let Some(column) = self.column {
+                    write!(f, ":{column}")?;
+                }
+            }
+            gap = " ";
+        }
+        if let Some(item) = &self.item {
+            write!(f, "{gap}{item}")?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_place_prints_as_file_line_column_item() {
+        let text = "a = 1\nb = [1, \u{3bc}2]\n";
+        let at = Location::span("scene.toml", text, text.find('2').unwrap(), text.len()).with_item("b[1]");
+        assert_eq!(at.to_string(), "scene.toml:2:10 b[1]");
+        assert_eq!(Location::item("sun").to_string(), "sun");
+        assert_eq!(Location::default().to_string(), "");
+    }
+
+    #[test]
+    fn all_problems_are_told() {
+        let error = Error::Invalid(vec![
+            Problem::new(Location::line("a.obj", 3), "x is NaN"),
+            Problem::new(Location::line("a.obj", 9), "no such vertex").with_help("the file has 8"),
+        ]);
+        assert_eq!(error.to_string(), "a.obj:3: x is NaN\na.obj:9: no such vertex (help: the file has 8)");
+    }
+}

@@ -1,0 +1,88 @@
+//! A unit vector.
+
+use glam::DVec3;
+
+/// A direction in space: a unit vector that cannot be zero or NaN.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Direction(DVec3);
+
+impl Direction {
+    /// The direction of `v`; `None` if `v` is zero, infinite or NaN.
+    ///
+    /// The largest component is divided out first, so neither 1e200 m nor 1e-200 m overflow.
+    pub fn new(v: DVec3) -> Option<Self> {
+        let largest = v.abs().max_element();
+        if !(largest > 0.0 && v.is_finite()) {
+            return None;
+        }
+        let scaled = v / largest;
+        Some(Direction(scaled / scaled.length()))
+    }
+
+    /// The unit vector.
+    pub fn vec(self) -> DVec3 {
+        self.0
+    }
+
+    /// The opposite direction.
+    #[must_use]
+    pub fn reversed(self) -> Self {
+        Direction(-self.0)
+    }
+
+    /// Angle to another direction, rad, by `atan2(|a x b|, a.b)`: exact to rounding near 0 and pi, where `acos` is not.
+    pub fn angle_rad(self, other: Direction) -> f64 {
+        angle_rad(self.0, other.0)
+    }
+
+    /// Two unit vectors that make a right-handed frame (h, v, self) with this one.
+    pub fn frame(self) -> (DVec3, DVec3) {
+        let w = self.0;
+        let helper = if w.x.abs() <= w.y.abs() && w.x.abs() <= w.z.abs() {
+            DVec3::X
+        } else if w.y.abs() <= w.z.abs() {
+            DVec3::Y
+        } else {
+            DVec3::Z
+        };
+        let h = helper.cross(w);
+        let h = h / h.length();
+        (h, w.cross(h))
+    }
+}
+
+/// Angle between two vectors of any length, rad, by `atan2(|a x b|, a.b)`.
+pub fn angle_rad(a: DVec3, b: DVec3) -> f64 {
+    a.cross(b).length().atan2(a.dot(b))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn refuses_what_has_no_direction() {
+        assert!(Direction::new(DVec3::ZERO).is_none());
+        assert!(Direction::new(DVec3::new(f64::NAN, 0.0, 1.0)).is_none());
+        assert!(Direction::new(DVec3::new(f64::INFINITY, 0.0, 1.0)).is_none());
+        let huge = Direction::new(DVec3::new(3e200, 0.0, 4e200)).unwrap().vec();
+        assert!((huge - DVec3::new(0.6, 0.0, 0.8)).length() < 1e-15);
+    }
+
+    #[test]
+    fn frame_is_right_handed() {
+        for v in [DVec3::X, DVec3::NEG_Z, DVec3::new(1.0, 2.0, -3.0), DVec3::new(1.0, 1.0, 1.0)] {
+            let w = Direction::new(v).unwrap();
+            let (h, v) = w.frame();
+            assert!((h.cross(v) - w.vec()).length() < 1e-15);
+            assert!((h.length() - 1.0).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn small_angles_keep_their_digits() {
+        let a = Direction::new(DVec3::X).unwrap();
+        let b = Direction::new(DVec3::new(1.0, 1e-9, 0.0)).unwrap();
+        assert!((a.angle_rad(b) / 1e-9 - 1.0).abs() < 1e-12);
+    }
+}

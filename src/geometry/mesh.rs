@@ -1,0 +1,122 @@
+//! Triangle meshes: what everything else is computed on.
+
+use glam::DVec3;
+
+/// Index of a material in [`Scene::materials`](crate::scene::Scene).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct MaterialId(pub u16);
+
+/// A triangle mesh, in metres, local to the scene's origin. Facets are counter-clockwise seen from outside.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Mesh {
+    /// Vertices, m.
+    pub vertices_m: Vec<DVec3>,
+    /// Three vertex indices for each facet.
+    pub facets: Vec<[u32; 3]>,
+    /// The material of each facet.
+    pub material: Vec<MaterialId>,
+    /// The face (polygon of the input, counted from 0 through all meshes) that each facet was cut from.
+    /// Empty: facet i is face i.
+    pub face_of_facet: Vec<u32>,
+}
+
+/// One facet's corners, with what follows from them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Facet {
+    /// Corners, m, counter-clockwise seen from outside.
+    pub corners_m: [DVec3; 3],
+}
+
+impl Facet {
+    /// Twice the area times the unit normal, m2.
+    pub fn cross_m2(&self) -> DVec3 {
+        let [a, b, c] = self.corners_m;
+        (b - a).cross(c - a)
+    }
+
+    /// Unit normal; the zero vector for a facet without area.
+    pub fn normal(&self) -> DVec3 {
+        self.cross_m2().normalize_or_zero()
+    }
+
+    /// Area, m2.
+    pub fn area_m2(&self) -> f64 {
+        0.5 * self.cross_m2().length()
+    }
+
+    /// Mean of the corners, m.
+    pub fn centroid_m(&self) -> DVec3 {
+        let [a, b, c] = self.corners_m;
+        (a + b + c) / 3.0
+    }
+
+    /// The point with barycentric coordinates (1 - u - v, u, v), m.
+    pub fn point_m(&self, u: f64, v: f64) -> DVec3 {
+        let [a, b, c] = self.corners_m;
+        a + u * (b - a) + v * (c - a)
+    }
+}
+
+impl Mesh {
+    /// A facet.
+    pub fn facet(&self, facet: usize) -> Facet {
+        let [a, b, c] = self.facets[facet];
+        Facet { corners_m: [self.vertices_m[a as usize], self.vertices_m[b as usize], self.vertices_m[c as usize]] }
+    }
+
+    /// The face that a facet was cut from.
+    pub fn face(&self, facet: usize) -> u32 {
+        self.face_of_facet.get(facet).copied().unwrap_or(facet as u32)
+    }
+
+    /// Appends another mesh, whose material ids already mean the same.
+    pub fn append(&mut self, other: Mesh) {
+        let base = self.vertices_m.len() as u32;
+        if !self.face_of_facet.is_empty() || !other.face_of_facet.is_empty() {
+            let mine = self.facets.len();
+            if self.face_of_facet.is_empty() {
+                self.face_of_facet.extend(0..mine as u32);
+            }
+            let faces = self.face_of_facet.iter().max().map_or(0, |f| f + 1);
+            self.face_of_facet.extend((0..other.facets.len()).map(|i| faces + other.face(i)));
+        }
+        self.vertices_m.extend(other.vertices_m);
+        self.facets.extend(other.facets.iter().map(|f| f.map(|v| v + base)));
+        self.material.extend(other.material);
+    }
+
+    /// Smallest and largest coordinates of the vertices that facets use, m; `None` without facets.
+    pub fn bounds_m(&self) -> Option<(DVec3, DVec3)> {
+        let mut vertices = self.facets.iter().flatten().map(|&v| self.vertices_m[v as usize]);
+        let first = vertices.next()?;
+        Some(vertices.fold((first, first), |(lo, hi), v| (lo.min(v), hi.max(v))))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn right_triangle() {
+        let facet = Facet { corners_m: [DVec3::ZERO, DVec3::new(3.0, 0.0, 0.0), DVec3::new(0.0, 4.0, 0.0)] };
+        assert_eq!(facet.area_m2(), 6.0);
+        assert_eq!(facet.normal(), DVec3::Z);
+        assert_eq!(facet.centroid_m(), DVec3::new(1.0, 4.0 / 3.0, 0.0));
+        assert_eq!(facet.point_m(0.5, 0.25), DVec3::new(1.5, 1.0, 0.0));
+    }
+
+    #[test]
+    fn appending_keeps_faces_apart() {
+        let quad = Mesh {
+            vertices_m: vec![DVec3::ZERO, DVec3::X, DVec3::ONE, DVec3::Y],
+            facets: vec![[0, 1, 2], [0, 2, 3]],
+            material: vec![MaterialId(0); 2],
+            face_of_facet: vec![0, 0],
+        };
+        let mut both = quad.clone();
+        both.append(quad);
+        assert_eq!(both.face_of_facet, [0, 0, 1, 1]);
+        assert_eq!(both.facets[3], [4, 6, 7]);
+    }
+}

@@ -1,0 +1,10 @@
+//! Pure shapes in f64: they know no light, file or sensor.
+
+mod direction;
+mod mesh;
+pub mod polygon;
+mod pose;
+
+pub use direction::{Direction, angle_rad};
+pub use mesh::{Facet, MaterialId, Mesh};
+pub use pose::Pose;

@@ -1,0 +1,40 @@
+//! What a surface is made of.
+
+use crate::spectral::{Band, Spectrum};
+
+/// Optical and thermal properties of a surface.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Material {
+    /// Name, as in the scene's dictionary.
+    pub name: String,
+    /// Reflectance factor of a Lambert surface (dimensionless): BRDF = reflectance / pi.
+    pub reflectance: Spectrum,
+    /// Directional emissivity (dimensionless); Kirchhoff: 1 - reflectance unless told otherwise.
+    pub emissivity: Spectrum,
+    /// Share of the Sun's total irradiance that is not absorbed, for the heat balance.
+    pub bond_albedo: f64,
+    /// Emissivity over all wavelengths, for the heat balance.
+    pub emissivity_bolometric: f64,
+    /// Share of each dictionary entry: (index into the dictionary, fraction). One entry, fraction 1, unless a mixture.
+    pub mixture: Vec<(usize, f64)>,
+}
+
+impl Material {
+    pub(super) fn check(&self, bands: &[Band], problem: &mut impl FnMut(&str, String)) {
+        let item = format!("materials.{:?}", self.name);
+        for (what, spectrum) in [("reflectance", &self.reflectance), ("emissivity", &self.emissivity)] {
+            if let Some(message) = super::uncovered(what, spectrum, bands) {
+                problem(&item, message);
+            }
+            if let Some(v) = spectrum.value().iter().find(|v| !(0.0..=1.0).contains(*v)) {
+                problem(&item, format!("{what} {v} is outside 0 to 1: is the table in percent?"));
+            }
+        }
+        if !(0.0..=1.0).contains(&self.bond_albedo) {
+            problem(&item, format!("bond_albedo {} is outside 0 to 1", self.bond_albedo));
+        }
+        if !(self.emissivity_bolometric > 0.0 && self.emissivity_bolometric <= 1.0) {
+            problem(&item, format!("emissivity_bolometric {} is outside 0 to 1", self.emissivity_bolometric));
+        }
+    }
+}

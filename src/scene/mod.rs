@@ -1,0 +1,93 @@
+//! The resolved model of a scene: complete, checked once, immutable. Nothing computed is stored in it.
+
+mod material;
+mod sensor;
+mod source;
+
+use glam::DVec3;
+
+use crate::error::{Error, Location, Problem, Result};
+use crate::geometry::Mesh;
+
+pub use material::Material;
+pub use sensor::{FrameCamera, Sensor};
+pub use source::{Mars, MarsModel, Sun, Thermal};
+
+/// A body's surface, what lights it, and what looks at it.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// Origin of all local coordinates, in the body-fixed frame, m.
+    pub origin_m: DVec3,
+    /// The surface, local to the origin, axes of the body-fixed frame.
+    pub mesh: Mesh,
+    /// What the surface is made of; facets refer to it by index.
+    pub materials: Vec<Material>,
+    /// The Sun.
+    pub sun: Sun,
+    /// Mars as a second source, if there is one.
+    pub mars: Option<Mars>,
+    /// How warm the surface is.
+    pub thermal: Thermal,
+    /// What looks at it.
+    pub sensor: Sensor,
+}
+
+impl Scene {
+    /// Checks what the parts owe each other; below this call no code asks again.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with everything that is missing or out of range.
+    pub fn check(self) -> Result<Self> {
+        let mut problems = Vec::new();
+        let mut problem = |item: &str, message: String| {
+            problems.push(Problem::new(Location::item(item), message));
+        };
+        let mesh = &self.mesh;
+        if mesh.facets.is_empty() {
+            problem("mesh", "has no facets".into());
+        }
+        if mesh.material.len() != mesh.facets.len() {
+            problem("mesh", format!("{} facets, but {} materials of facets", mesh.facets.len(), mesh.material.len()));
+        }
+        if let Some(i) = mesh.vertices_m.iter().position(|v| !v.is_finite()) {
+            problem("mesh", format!("vertex {i} (counted from 0) is not finite"));
+        }
+        let vertices = mesh.vertices_m.len();
+        if let Some(i) = mesh.facets.iter().position(|f| f.iter().any(|v| *v as usize >= vertices)) {
+            problem("mesh", format!("facet {i} (counted from 0) refers to a vertex beyond the {vertices} there are"));
+        }
+        if let Some(i) = mesh.material.iter().position(|m| m.0 as usize >= self.materials.len()) {
+            problem("mesh", format!("facet {i} (counted from 0) has no material"));
+        }
+        self.sensor.check(&mut problem);
+        for material in &self.materials {
+            material.check(&self.sensor.bands, &mut problem);
+        }
+        self.sun.check(&self.sensor.bands, &mut problem);
+        if let Some(mars) = &self.mars {
+            mars.check(&self.sensor.bands, &mut problem);
+        }
+        if problems.is_empty() { Ok(self) } else { Err(Error::Invalid(problems)) }
+    }
+}
+
+/// The first band that looks outside what a spectrum is known for, as a sentence.
+fn uncovered(what: &str, spectrum: &crate::spectral::Spectrum, bands: &[crate::spectral::Band]) -> Option<String> {
+    let (first, last) = spectrum.coverage_um();
+    let outside: Vec<usize> = (0..bands.len())
+        .filter(|&i| {
+            let (lo, hi) = bands[i].support_um();
+            !(first <= lo && hi <= last)
+        })
+        .collect();
+    let i = *outside.first()?;
+    Some(format!(
+        "{what} is known from {first} to {last} um, which does not cover band {} at {} um{}",
+        i + 1,
+        bands[i].centre_um,
+        match outside.len() {
+            1 => String::new(),
+            n => format!(" and {} more", n - 1),
+        }
+    ))
+}
