@@ -1,2 +1,5 @@
-#[test]
-fn t() {}
+//! The integration tests: one binary, one module for each kind of promise.
+
+mod hazards;
+mod sampler;
+mod shapes;
