@@ -201,7 +201,8 @@ impl Wave {
         let (c, e, f) = (other.mean, other.amplitude * cos_crest, other.amplitude * sin_crest);
         let antiderivative = |x: f64| {
             let (sin, cos) = x.sin_cos();
-            (a * c + 0.5 * b * e) * x + (a * e + b * c + 0.5 * b * e * cos) * sin + (0.5 * b * f * sin) * sin - a * f * cos
+            (a * c + 0.5 * b * e) * x + (a * e + b * c + 0.5 * b * e * cos) * sin + (0.5 * b * f * sin) * sin
+                - a * f * cos
         };
         let arcs = self.common_arcs(other);
         arcs.iter().filter(|(from, to)| to > from).map(|(from, to)| antiderivative(*to) - antiderivative(*from)).sum()
@@ -286,9 +287,14 @@ mod tests {
     #[test]
     fn any_azimuth_agrees_with_a_sum_over_patches() {
         let mut seen = 0;
-        for (phase_deg, tilt_deg, azimuth_deg) in
-            [(0.0, 85.0, 70.0), (40.0, 95.0, 130.0), (75.0, 80.0, 60.0), (100.0, 90.0, 45.0), (130.0, 100.0, 20.0), (30.0, 40.0, 200.0)]
-        {
+        for (phase_deg, tilt_deg, azimuth_deg) in [
+            (0.0, 85.0, 70.0),
+            (40.0, 95.0, 130.0),
+            (75.0, 80.0, 60.0),
+            (100.0, 90.0, 45.0),
+            (130.0, 100.0, 20.0),
+            (30.0, 40.0, 200.0),
+        ] {
             let (got, rough) = (at(phase_deg, tilt_deg, azimuth_deg), patches(phase_deg, tilt_deg, azimuth_deg));
             assert!((got - rough).abs() < 3e-6, "{phase_deg} {tilt_deg} {azimuth_deg}: {got} {rough}");
             seen += usize::from(got > 1e-4);
@@ -335,7 +341,8 @@ mod tests {
         }
         let q = R / D;
         for c in [q, -q] {
-            let (inside, outside) = (uniform_sphere_form_factor(q, c * (1.0 - 1e-12)), uniform_sphere_form_factor(q, c));
+            let (inside, outside) =
+                (uniform_sphere_form_factor(q, c * (1.0 - 1e-12)), uniform_sphere_form_factor(q, c));
             assert!((inside - outside).abs() < 1e-12);
         }
     }
