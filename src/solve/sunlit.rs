@@ -1,10 +1,14 @@
 //! Exact shadows: the sunlit part of every facet is what the Sun sees of it.
 
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
 use rayon::prelude::*;
 
 use crate::geometry::polygon::{Point, Rect, area, clip_to_rect};
+use crate::error::Result;
 use crate::geometry::{Direction, Mesh};
 use crate::product::{Lit, Sunlit};
+use crate::progress::{Watch, tell};
 use crate::visibility::{Coverage, Drawing, Scratch, Side, Topology, Visit, cells_of};
 
 /// So many facets share a cell of the Sun's view, in the mean: fewer make more work at cell borders, more are quartered.
@@ -15,11 +19,16 @@ const SLIVER: f64 = 1e-14;
 /// Which part of each facet sees the Sun, a point at infinity in direction `towards`.
 ///
 /// Facets that face away are dark; they still block.
-pub fn sunlit(mesh: &Mesh, topology: &Topology, towards: Direction) -> Sunlit {
+///
+/// # Errors
+/// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
+pub fn sunlit(mesh: &Mesh, topology: &Topology, towards: Direction, watch: Watch<'_>) -> Result<Sunlit> {
     let cells = mesh.facets.len() as f64 / FACETS_PER_CELL;
     let drawing = Drawing::from_sun(mesh, topology, towards, cells);
     let coverage = Coverage::new(&drawing);
-    let rows: Vec<RowShadows> = (0..drawing.grid.rows)
+    let total = u64::from(drawing.grid.rows);
+    let done = AtomicU64::new(0);
+    let rows: Result<Vec<RowShadows>> = (0..drawing.grid.rows)
         .into_par_iter()
         .map_init(Scratch::default, |scratch, row| {
             let mut shadows = RowShadows::default();
@@ -28,11 +37,12 @@ pub fn sunlit(mesh: &Mesh, topology: &Topology, towards: Direction) -> Sunlit {
                 coverage.cell(column, row, scratch, &mut shadows);
                 shadows.close();
             }
-            shadows
+            tell(watch, "sunlight", done.fetch_add(1, Relaxed) + 1, total)?;
+            Ok(shadows)
         })
         .collect();
     drop(coverage);
-    assemble(&drawing, mesh.facets.len(), &rows)
+    Ok(assemble(&drawing, mesh.facets.len(), &rows?))
 }
 
 /// What is not wholly lit in the cells of one row: (facet, column), and the lit polygons there, in drawing coordinates.

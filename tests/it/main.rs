@@ -2,5 +2,7 @@
 
 mod hazards;
 mod oracles;
+mod products;
 mod sampler;
+mod schema;
 mod shapes;

@@ -178,7 +178,7 @@ pub(crate) struct Seen {
 /// Shadows and footprints, checked for inner consistency.
 pub(crate) fn see(mesh: &Mesh, sun: Direction, camera: &FrameCamera) -> Seen {
     let topology = Topology::new(mesh);
-    let sunlit = sunlit(mesh, &topology, sun);
+    let sunlit = sunlit(mesh, &topology, sun, &mmxrt::progress::unwatched).expect("not interrupted");
     sunlit.validate().expect("sunlit polygons are consistent");
     let footprints = footprints(mesh, &topology, &sunlit, camera);
     footprints.validate().expect("footprints are consistent");
