@@ -26,7 +26,7 @@ pub fn radiance_w_m2_sr_um(lambda_um: f64, t_k: f64) -> f64 {
 /// Radiance of a black body between two wavelengths, W m-2 sr-1.
 ///
 /// L = (15 sigma T^4 / pi^5) (G(x1) - G(x2)), x = C2 / (lambda T), G(x) = integral of t^3 / (e^t - 1) from x to infinity.
-/// Source: Chang & Rhee (1984), Int. Comm. Heat Mass Transfer 11, 451; the series of [`tail`].
+/// Source: Chang & Rhee (1984), Int. Comm. Heat Mass Transfer 11, 451, the two series of which meet at x = 1.5.
 /// Limits: error about 1e-15 of the larger G, so a narrow band of relative width w is good to 1e-15 / w.
 pub fn band_radiance_w_m2_sr(from_um: f64, to_um: f64, t_k: f64) -> f64 {
     if t_k == 0.0 {
@@ -45,7 +45,7 @@ pub fn band_radiance_w_m2_sr(from_um: f64, to_um: f64, t_k: f64) -> f64 {
 /// Below this x the power series converges faster, above it the exponential one.
 const X_SERIES: f64 = 1.5;
 
-/// Integral of t^3 / (e^t - 1) from x to infinity: sum of e^(-nx) (x^3/n + 3 x^2/n^2 + 6 x/n^3 + 6/n^4), or pi^4/15 less the [`head`].
+/// Integral of t^3 / (e^t - 1) from x to infinity: sum of e^(-nx) (x^3/n + 3 x^2/n^2 + 6 x/n^3 + 6/n^4), or pi^4/15 less the `head`.
 fn tail(x: f64) -> f64 {
     if x < X_SERIES {
         return PI.powi(4) / 15.0 - head(x);

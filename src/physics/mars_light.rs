@@ -14,11 +14,13 @@ use crate::geometry::Direction;
 ///
 /// - whole disc above the facet: n.V, V by quadratic interpolation in (D, cos phase);
 /// - disc cut by the facet's horizon: a table over tau = asin(-(n.c) / q), -pi/2 where the disc has just risen and pi/2 where it
-///   has just set, and the normal's azimuth about the direction c to Mars, 0 towards the Sun's side; cubic in both, linear in D and phase;
+///   has just set, and the cosine of the normal's azimuth about the direction c to Mars, 1 towards the Sun's side;
+///   cubic in both, linear in D and half phase;
 /// - disc below: 0.
 ///
-/// Error relative to the irradiance on a facet that faces a full Mars (tested): 1e-6 over a site of 2 km on Phobos
-/// and over the whole of Phobos.
+/// Error relative to the irradiance on a facet that faces a full Mars: below 1e-5 where the disc is cut, 3e-8 where it is whole,
+/// over the whole of Phobos as over a site of 2 km (tested at 9 and 13 phase angles; 6e-6 is the largest seen).
+/// One value costs some 40 ns, where the disc is cut 100 to 160 ns; `new` 5 ms.
 #[derive(Debug, Clone)]
 pub struct MarsLight {
     centre_m: DVec3,
@@ -34,9 +36,9 @@ pub struct MarsLight {
 }
 
 /// Intervals of tau.
-const TAUS: usize = 96;
-/// Intervals of azimuth from the Sun's side to the other; the table is even, and has one more column beyond each end.
-const AZIMUTHS: usize = 48;
+const TAUS: usize = 48;
+/// Intervals of the cosine of azimuth: the irradiance is even in azimuth, so smooth in its cosine.
+const AZIMUTHS: usize = 32;
 
 impl MarsLight {
     /// Prepares for facets within the box from `low_m` to `high_m`, in the coordinates of `centre_m`, the centre of Mars.
@@ -66,7 +68,7 @@ impl MarsLight {
             cos_phase,
             half_phase: Range::new(half_phase(cos_phase.high), half_phase(cos_phase.low)),
             vector,
-            horizon: vec![[0.0; 4]; (AZIMUTHS + 3) * (TAUS + 1)],
+            horizon: vec![[0.0; 4]; (AZIMUTHS + 1) * (TAUS + 1)],
         };
         light.fill_horizon();
         light
@@ -76,8 +78,9 @@ impl MarsLight {
     pub fn irradiance(&self, position_m: DVec3, normal: DVec3) -> f64 {
         let to_centre_m = self.centre_m - position_m;
         let distance_m = to_centre_m.length();
-        let to_centre = to_centre_m / distance_m;
-        let sin_radius = self.radius_m / distance_m;
+        let per_m = 1.0 / distance_m;
+        let to_centre = to_centre_m * per_m;
+        let sin_radius = self.radius_m * per_m;
         let cos_tilt = normal.dot(to_centre);
         if cos_tilt <= -sin_radius || sin_radius >= 1.0 {
             return 0.0;
@@ -93,7 +96,10 @@ impl MarsLight {
         let n_2 = normal.dot(to_centre.cross(across));
         let tau = (-cos_tilt / sin_radius).asin();
         let corner = corners(self.distance_m.share(distance_m), self.half_phase.share(half_phase(cos_phase)));
-        self.horizon_at(corner, n_2.abs().atan2(n_1), tau) * sin_radius.powi(3)
+        // Facet, Mars and Sun in line: no azimuth differs from another.
+        let length = (n_1 * n_1 + n_2 * n_2).sqrt();
+        let cos_azimuth = if length > 0.0 { n_1 / length } else { 0.0 };
+        self.horizon_at(corner, cos_azimuth, tau) * sin_radius.powi(3)
     }
 
     fn vector_at(&self, distance_m: f64, cos_phase: f64) -> (f64, f64) {
@@ -108,10 +114,9 @@ impl MarsLight {
         sum
     }
 
-    fn horizon_at(&self, corner: [f64; 4], azimuth: f64, tau: f64) -> f64 {
+    fn horizon_at(&self, corner: [f64; 4], cos_azimuth: f64, tau: f64) -> f64 {
         let (first_row, row_weights) = stencil((tau / PI + 0.5) * TAUS as f64, TAUS + 1);
-        // Column 0 is azimuth -1 step.
-        let (first_column, column_weights) = stencil(azimuth / PI * AZIMUTHS as f64 + 1.0, AZIMUTHS + 3);
+        let (first_column, column_weights) = stencil((0.5 + 0.5 * cos_azimuth) * AZIMUTHS as f64, AZIMUTHS + 1);
         let mut sums = [0.0; 4];
         for (i, x) in column_weights.iter().enumerate() {
             let start = (first_column + i) * (TAUS + 1) + first_row;
@@ -138,31 +143,25 @@ impl MarsLight {
         });
         for (corner, &(distance_m, phase_rad)) in places.as_flattened().iter().enumerate() {
             let q = self.radius_m / distance_m;
-            for column in 1..=AZIMUTHS + 1 {
-                let azimuth = PI * (column - 1) as f64 / AZIMUTHS as f64;
-                let slice = Slice::new(q, phase_rad, azimuth);
+            for column in 0..=AZIMUTHS {
+                let cos_azimuth = 2.0 * column as f64 / AZIMUTHS as f64 - 1.0;
+                let slice = Slice::new(q, phase_rad, cos_azimuth);
                 // Integrals of h sin(x) dx and h cos(x) dx.
                 let (mut by_sin, mut by_cos) = (0.0, 0.0);
                 for row in (0..TAUS).rev() {
                     let tau = -FRAC_PI_2 + step * row as f64;
-                    rule.integral(tau, tau + step, |tau| {
-                        let weight = slice.horizon_integral(tau);
+                    for (tau, weight) in rule.nodes(tau, tau + step) {
                         let (sin, cos) = slice.tilt(tau);
                         // dx = (q cos(tau) / sin(x)) dtau
-                        let dx = 0.5 * step * q * tau.cos() / sin;
-                        by_sin += weight * sin * dx;
-                        by_cos += weight * cos * dx;
-                        0.0
-                    });
+                        let h_dx = slice.horizon_integral(tau) * q * tau.cos() / sin * weight;
+                        by_sin += h_dx * sin;
+                        by_cos += h_dx * cos;
+                    }
                     let (sin, cos) = slice.tilt(tau);
                     self.horizon[column * (TAUS + 1) + row][corner] =
                         (cos * by_sin - sin * by_cos).max(0.0) / q.powi(3);
                 }
             }
-        }
-        for row in 0..=TAUS {
-            self.horizon[row] = self.horizon[2 * (TAUS + 1) + row];
-            self.horizon[(AZIMUTHS + 2) * (TAUS + 1) + row] = self.horizon[AZIMUTHS * (TAUS + 1) + row];
         }
     }
 }
@@ -175,9 +174,10 @@ struct Slice {
 }
 
 impl Slice {
-    fn new(q: f64, phase_rad: f64, azimuth: f64) -> Self {
+    fn new(q: f64, phase_rad: f64, cos_azimuth: f64) -> Self {
         let (sin, cos) = phase_rad.sin_cos();
-        Slice { q, sun: DVec3::new(-cos, sin * azimuth.cos(), -sin * azimuth.sin()) }
+        let sin_azimuth = ((1.0 - cos_azimuth) * (1.0 + cos_azimuth)).sqrt();
+        Slice { q, sun: DVec3::new(-cos, sin * cos_azimuth, -sin * sin_azimuth) }
     }
 
     /// Sine and cosine of the angle between normal and c at tau.
@@ -235,11 +235,13 @@ impl Slice {
 struct Range {
     low: f64,
     high: f64,
+    /// 1 / (high - low): a division here, not for every facet.
+    per_length: f64,
 }
 
 impl Range {
     fn new(low: f64, high: f64) -> Self {
-        Range { low, high }
+        Range { low, high, per_length: 1.0 / (high - low) }
     }
 
     /// Ends and middle.
@@ -249,7 +251,7 @@ impl Range {
 
     /// Where `x` lies: 0 at the low end, 1 at the high end.
     fn share(&self, x: f64) -> f64 {
-        (x - self.low) / (self.high - self.low)
+        (x - self.low) * self.per_length
     }
 }
 
@@ -274,10 +276,10 @@ fn stencil(at: f64, count: usize) -> (usize, [f64; 4]) {
     let first = (at as usize).saturating_sub(1).min(count - 4);
     let x = at - first as f64;
     let weights = [
-        (x - 1.0) * (x - 2.0) * (x - 3.0) / -6.0,
-        x * (x - 2.0) * (x - 3.0) / 2.0,
-        x * (x - 1.0) * (x - 3.0) / -2.0,
-        x * (x - 1.0) * (x - 2.0) / 6.0,
+        (x - 1.0) * (x - 2.0) * (x - 3.0) * (-1.0 / 6.0),
+        x * (x - 2.0) * (x - 3.0) * 0.5,
+        x * (x - 1.0) * (x - 3.0) * -0.5,
+        x * (x - 1.0) * (x - 2.0) * (1.0 / 6.0),
     ];
     (first, weights)
 }
@@ -326,11 +328,11 @@ mod tests {
     }
 
     #[test]
-    fn a_site_of_2_km_is_good_to_1e_6() {
+    fn a_site_of_2_km_is_good_to_1e_5() {
         for phase_deg in [0.0, 10.0, 30.0, 60.0, 75.0, 90.0, 100.0, 110.0, 120.0, 135.0, 150.0, 158.0, 180.0] {
             let (worst, count) = worst(phase_deg, 1e3, DVec3::new(9e3, 2e3, -4e3));
             assert!(count[0] > 1500 && count[1] > 400, "{count:?}");
-            assert!(worst[0] < 1e-6 && worst[1] < 1e-8, "{phase_deg}: {worst:?}");
+            assert!(worst[0] < 1e-5 && worst[1] < 1e-8, "{phase_deg}: {worst:?}");
         }
     }
 
@@ -339,7 +341,7 @@ mod tests {
         for phase_deg in [0.0, 0.5, 20.0, 60.0, 90.0, 110.0, 130.0, 157.0, 179.9] {
             let (worst, count) = worst(phase_deg, 13e3, DVec3::ZERO);
             assert!(count[0] > 1500 && count[1] > 400, "{count:?}");
-            assert!(worst[0] < 1e-6 && worst[1] < 3e-8, "{phase_deg}: {worst:?}");
+            assert!(worst[0] < 1e-5 && worst[1] < 3e-8, "{phase_deg}: {worst:?}");
         }
     }
 
@@ -350,24 +352,5 @@ mod tests {
         let inside = MarsLight::new(DVec3::ZERO, 1.0, sun(0.0), DVec3::NEG_ONE, DVec3::ONE);
         assert_eq!(inside.irradiance(DVec3::X * 0.5, DVec3::X), 0.0);
         assert!(inside.irradiance(DVec3::X * 2.0, DVec3::NEG_X) >= 0.0);
-    }
-
-    #[test]
-    #[ignore = "a measurement, not a test"]
-    fn cost() {
-        let start = std::time::Instant::now();
-        let light = MarsLight::new(CENTRE_M, MARS_RADIUS_M, sun(60.0), DVec3::splat(-1e3), DVec3::splat(1e3));
-        eprintln!("new {:?}", start.elapsed());
-        for (name, x) in [("whole", 0.8), ("cut", 0.1)] {
-            let facets: Vec<(DVec3, DVec3)> = (0..100_000)
-                .map(|i| {
-                    let p = fill(i);
-                    (p * 1e3, DVec3::new(x, p.x - 0.5, (1.0 - x * x - (p.x - 0.5).powi(2)).sqrt()))
-                })
-                .collect();
-            let start = std::time::Instant::now();
-            let sum: f64 = facets.iter().map(|(position_m, normal)| light.irradiance(*position_m, *normal)).sum();
-            eprintln!("{name} {:?} each, {sum}", start.elapsed() / 100_000);
-        }
     }
 }

@@ -27,10 +27,15 @@ impl GaussLegendre {
         GaussLegendre((0..n).map(node).collect())
     }
 
-    /// Integral of `f` from `a` to `b`.
-    pub(crate) fn integral(&self, a: f64, b: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
+    /// Nodes and weights on (a, b).
+    pub(crate) fn nodes(&self, a: f64, b: f64) -> impl Iterator<Item = (f64, f64)> {
         let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
-        half * self.0.iter().map(|(x, weight)| weight * f(middle + half * x)).sum::<f64>()
+        self.0.iter().map(move |(x, weight)| (middle + half * x, half * weight))
+    }
+
+    /// Integral of `f` from `a` to `b`.
+    pub(crate) fn integral(&self, a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
+        self.nodes(a, b).map(|(x, weight)| weight * f(x)).sum()
     }
 }
 
