@@ -29,6 +29,12 @@ pub trait Visit {
 
 /// A cell with more triangles than this is quartered, if quartering helps.
 const FEW: usize = 12;
+/// Quartering is worthwhile if the quarters list their triangles so many times at the most.
+const WORTHWHILE: f64 = 1.8;
+/// Above so many triangles a cell is quartered in any case, down to ...
+const MANY: usize = 64;
+/// ... this depth.
+const DEEP: u32 = 8;
 /// A cell is quartered so often at the most: 4^-25 of a cell is below the rounding of its area.
 const DEEPEST: u32 = 25;
 
@@ -39,11 +45,14 @@ pub struct Coverage<'a> {
     bins: Bins,
 }
 
+/// A part of a cell: where, how deep, and its stretch of the list of triangles.
+type Part = (Rect, u32, usize, usize);
+
 /// Working memory of a thread.
 #[derive(Debug, Default)]
 pub struct Scratch {
     list: Vec<u32>,
-    stack: Vec<(Rect, u32, usize, usize)>,
+    stack: Vec<Part>,
     waiting: Vec<u32>,
     partition: Partition,
 }
@@ -85,17 +94,31 @@ impl<'a> Coverage<'a> {
                 for t in list.iter() {
                     visit.whole(*t, &rect);
                 }
-            } else if list.len() <= FEW || depth == DEEPEST {
+            } else if list.len() > FEW && depth < DEEPEST && self.quarter(&rect, depth, list, waiting, stack) {
+                // Its quarters are on the stack.
+            } else {
                 let few = if depth == DEEPEST { self.nearest(&rect, list) } else { list.as_slice() };
                 partition.resolve(self.drawing, &rect, few, visit);
-            } else {
-                for quarter in rect.quarters() {
-                    let from = waiting.len();
-                    waiting.extend(list.iter().copied().filter(|&t| self.may_touch(t, &quarter)));
-                    stack.push((quarter, depth + 1, from, waiting.len()));
-                }
             }
         }
+    }
+
+    /// Quarters a rectangle, unless its triangles would only be listed again and again: a bundle of slivers
+    /// seen edge-on is as thick in every part of it.
+    fn quarter(&self, rect: &Rect, depth: u32, list: &[u32], waiting: &mut Vec<u32>, stack: &mut Vec<Part>) -> bool {
+        let (listed, stacked) = (waiting.len(), stack.len());
+        for quarter in rect.quarters() {
+            let from = waiting.len();
+            waiting.extend(list.iter().copied().filter(|&t| self.may_touch(t, &quarter)));
+            stack.push((quarter, depth + 1, from, waiting.len()));
+        }
+        let helps = (waiting.len() - listed) as f64 <= WORTHWHILE * list.len() as f64;
+        if helps || (list.len() > MANY && depth < DEEP) {
+            return true;
+        }
+        waiting.truncate(listed);
+        stack.truncate(stacked);
+        false
     }
 
     /// In a cell too small to matter: the triangle that is nearest at its centre stands for all.
