@@ -396,7 +396,7 @@ fn damaged_tables_are_errors_never_other_numbers() {
     let (good, good_header) = npz::read_table(&path).unwrap();
     let bytes = std::fs::read(&path).unwrap();
     let mut refused = 0;
-    for i in 0..bytes.len() {
+    for i in (0..bytes.len()).step_by(3) {
         let mut damaged = bytes.clone();
         damaged[i] ^= 0x55;
         std::fs::write(&path, &damaged).unwrap();
@@ -410,7 +410,7 @@ fn damaged_tables_are_errors_never_other_numbers() {
         }
         let _ = npz::list(&path);
     }
-    assert!(refused > bytes.len() / 2, "{refused} of {} damaged bytes were noticed", bytes.len());
+    assert!(refused > bytes.len() / 6, "{refused} of {} damaged bytes were noticed", bytes.len());
     for length in (0..bytes.len()).step_by(7) {
         std::fs::write(&path, &bytes[..length]).unwrap();
         assert!(npz::read_table(&path).is_err(), "cut to {length} bytes");
@@ -472,24 +472,4 @@ fn reports_come_back_and_their_errors_are_located() {
     let error = report_json::read::<report_json::Run>(&path).unwrap_err().to_string();
     assert!(error.contains("run.json:6:") && error.contains("expected u64"), "{error}");
     assert!(!error.contains("at line"), "{error}");
-}
-
-/// Throw-away measurement of the writer.
-#[test]
-#[ignore]
-fn measure_cube_writing() {
-    let scratch = Scratch::new("bench");
-    let cube = random_cube(256, 256, 300, 400, 20);
-    for interleave in [Interleave::Bsq, Interleave::Bil, Interleave::Bip, Interleave::Bsq] {
-        for precision in [Precision::F32, Precision::F64] {
-            let cpu = || -> u64 {
-                let text = std::fs::read_to_string("/proc/self/stat").unwrap();
-                let f: Vec<&str> = text.rsplit(')').next().unwrap().split_whitespace().collect();
-                f[11].parse::<u64>().unwrap() + f[12].parse::<u64>().unwrap()
-            };
-            let (t, c) = (std::time::Instant::now(), cpu());
-            envi::write_cube(&scratch.join("c.img"), &cube, interleave, precision, "", &unwatched).unwrap();
-            println!("{interleave:?} {precision:?} wall {:.3} cpu {:.2}", t.elapsed().as_secs_f64(), (cpu() - c) as f64 / 100.0);
-        }
-    }
 }
