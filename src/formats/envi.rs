@@ -202,11 +202,7 @@ fn stream_lines<S: Sample>(
 }
 
 /// Hands out the lines of a cube as f32, each [band, sample], several at a time.
-pub(super) fn stream_lines_f32(
-    cube: &Cube,
-    put: &mut impl FnMut(&[u8]) -> Result<()>,
-    watch: Watch<'_>,
-) -> Result<()> {
+pub(super) fn stream_lines_f32(cube: &Cube, put: &mut impl FnMut(&[u8]) -> Result<()>, watch: Watch<'_>) -> Result<()> {
     stream_lines::<f32>(cube, true, put, watch)
 }
 
@@ -386,7 +382,10 @@ fn parse_header(path: &Path, text: &str) -> Result<Header> {
     let mut whole = |key: &str, default: Option<u64>, least: u64| match (get(key).map(str::parse::<u64>), default) {
         (Some(Ok(value)), _) if value >= least => value,
         (Some(_), _) => {
-            problems.push(Problem::new(at(key), format!("{:?} is not a whole number from {least}", get(key).unwrap_or(""))));
+            problems.push(Problem::new(
+                at(key),
+                format!("{:?} is not a whole number from {least}", get(key).unwrap_or("")),
+            ));
             least
         }
         (None, Some(default)) => default,

@@ -105,3 +105,48 @@ pub fn write(path: &Path, cube: &Cube, description: &str, watch: Watch<'_>) -> R
     super::envi::stream_lines_f32(cube, &mut put, watch)?;
     file.flush().map_err(io)
 }
+
+/// What the header of an OpenEXR file says.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Info {
+    /// Pixels in a line.
+    pub samples: usize,
+    /// Lines.
+    pub lines: usize,
+    /// Names of the channels, in the order of the file.
+    pub channels: Vec<String>,
+    /// Text attributes, by name.
+    pub attributes: Vec<(String, String)>,
+}
+
+/// Reads the header of the first part.
+///
+/// # Errors
+/// [`Error::Io`], [`Error::Syntax`] if it is no OpenEXR file, [`Error::Unsupported`] for what the reader does not know.
+pub fn read_info(path: &Path) -> Result<Info> {
+    use exr::meta::attribute::AttributeValue;
+    let meta = exr::meta::MetaData::read_from_file(path, false).map_err(|e| match e {
+        exr::error::Error::Io(e) if e.kind() != std::io::ErrorKind::UnexpectedEof => Error::io(path, "reading", e),
+        exr::error::Error::NotSupported(what) => {
+            Error::Unsupported { at: Location::file(path), feature: format!("OpenEXR with {what}") }
+        }
+        e => Error::syntax(Location::file(path), format!("not a complete OpenEXR file: {e}")),
+    })?;
+    let Some(header) = meta.headers.first() else {
+        return Err(Error::syntax(Location::file(path), "an OpenEXR file without a part"));
+    };
+    let texts = header.own_attributes.other.iter().chain(&header.shared_attributes.other);
+    let mut attributes: Vec<(String, String)> = texts
+        .filter_map(|(name, value)| match value {
+            AttributeValue::Text(text) => Some((name.to_string(), text.to_string())),
+            _ => None,
+        })
+        .collect();
+    attributes.sort();
+    Ok(Info {
+        samples: header.layer_size.width(),
+        lines: header.layer_size.height(),
+        channels: header.channels.list.iter().map(|c| c.name.to_string()).collect(),
+        attributes,
+    })
+}

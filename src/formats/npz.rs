@@ -80,7 +80,12 @@ pub fn write_table(path: &Path, table: &FacetTable, scene: &str) -> Result<()> {
             "irradiance by the Sun on each facet's lit part over that normal to the beam: cos i, or 0",
             Values::F64(&table.sun_irradiance),
         ),
-        column("sun_lit", "1", "each facet: 0 dark, 1 lit all over, 2 lit in the polygons below", Values::Lit(&sunlit.lit)),
+        column(
+            "sun_lit",
+            "1",
+            "each facet: 0 dark, 1 lit all over, 2 lit in the polygons below",
+            Values::Lit(&sunlit.lit),
+        ),
         column("sun_polygon_facet", "1", "facet of each sunlit polygon, ascending", Values::U32(&sunlit.polygon_facet)),
         column(
             "sun_polygon_start",
@@ -158,8 +163,12 @@ fn write(path: &Path, format: &str, scene: &str, columns: &[Column<'_>]) -> Resu
     };
     let io = |e| Error::io(path, "writing", e);
     let text = serde_json::to_string(&header).map_err(|e| io(e.into()))?;
-    let mut file =
-        KeepError { file: BufWriter::with_capacity(1 << 20, File::create(path).map_err(io)?), at: 0, end: 0, error: None };
+    let mut file = KeepError {
+        file: BufWriter::with_capacity(1 << 20, File::create(path).map_err(io)?),
+        at: 0,
+        end: 0,
+        error: None,
+    };
     let done: std::io::Result<()> = (|| {
         let mut zip = ZipWriter::new(&mut file);
         // NumPy's text is UTF-32.
@@ -216,7 +225,9 @@ impl Seek for KeepError {
             SeekFrom::End(offset) => self.end.saturating_add_signed(offset),
         };
         let at = self.at;
-        self.attempt(|file| if file.stream_position()? == at { Ok(()) } else { file.seek(SeekFrom::Start(at)).map(drop) });
+        self.attempt(
+            |file| if file.stream_position()? == at { Ok(()) } else { file.seek(SeekFrom::Start(at)).map(drop) },
+        );
         Ok(self.at)
     }
 }
@@ -548,9 +559,8 @@ fn preamble(bytes: &[u8]) -> std::result::Result<(String, Vec<usize>, usize), St
     let value = |key: &str| text.split_once(&format!("'{key}':")).map(|(_, rest)| rest.trim_start());
     let descr = value("descr").and_then(|v| v.strip_prefix('\'')).and_then(|v| v.split_once('\'')).map(|v| v.0);
     let shape = value("shape").and_then(|v| v.strip_prefix('(')).and_then(|v| v.split_once(')')).map(|v| v.0);
-    let shape: Option<Vec<usize>> = shape.and_then(|s| {
-        s.split(',').map(str::trim).filter(|s| !s.is_empty()).map(|s| s.parse().ok()).collect()
-    });
+    let shape: Option<Vec<usize>> =
+        shape.and_then(|s| s.split(',').map(str::trim).filter(|s| !s.is_empty()).map(|s| s.parse().ok()).collect());
     match (descr, shape, value("fortran_order")) {
         (Some(descr), Some(shape), Some(order)) if order.starts_with("False") || shape.len() < 2 => {
             Ok((descr.to_owned(), shape, end))

@@ -304,6 +304,11 @@ fn open_exr_reads_back_in_the_order_of_wavelength() {
     assert!(text("spectralLayoutVersion").unwrap().contains("1.0"));
     assert!(text("emissiveUnits").unwrap().contains("W.m^-2.sr^-1"));
     assert!(text("radianceUnits").unwrap().contains("um^-1"));
+    let info = exr_cube::read_info(&path).unwrap();
+    assert_eq!((info.samples, info.lines, info.channels), (5, 19, names));
+    assert!(info.attributes.contains(&("emissiveUnits".to_owned(), "W.m^-2.sr^-1".to_owned())));
+    std::fs::write(scratch.join("bad.exr"), "v/1\x01").unwrap();
+    assert!(exr_cube::read_info(&scratch.join("bad.exr")).is_err());
 
     cube.bands[1] = cube.bands[0];
     assert!(matches!(exr_cube::write(&path, &cube, "", &unwatched), Err(mmxrt::Error::Invalid(_))));
@@ -377,8 +382,12 @@ fn facet_tables_are_stored_zips_of_numpy_arrays() {
 fn footprints_are_written() {
     let scratch = Scratch::new("footprints");
     let path = scratch.join("footprints.npz");
-    let footprints =
-        Footprints { row_start: vec![0, 2], facet: vec![4, 9], fraction: vec![0.25, 0.5], lit_fraction: vec![0.0, 0.5] };
+    let footprints = Footprints {
+        row_start: vec![0, 2],
+        facet: vec![4, 9],
+        fraction: vec![0.25, 0.5],
+        lit_fraction: vec![0.0, 0.5],
+    };
     npz::write_footprints(&path, &footprints, "s").unwrap();
     let (header, arrays) = npz::list(&path).unwrap();
     assert_eq!(header.unwrap().format, "mmxrt footprints");
@@ -399,6 +408,8 @@ fn damaged_tables_are_errors_never_other_numbers() {
     for i in (0..bytes.len()).step_by(3) {
         let mut damaged = bytes.clone();
         damaged[i] ^= 0x55;
+        // Some disks are slow to replace what a file holds.
+        std::fs::remove_file(&path).unwrap();
         std::fs::write(&path, &damaged).unwrap();
         match npz::read_table(&path) {
             Err(error) => {
@@ -412,6 +423,7 @@ fn damaged_tables_are_errors_never_other_numbers() {
     }
     assert!(refused > bytes.len() / 6, "{refused} of {} damaged bytes were noticed", bytes.len());
     for length in (0..bytes.len()).step_by(7) {
+        std::fs::remove_file(&path).unwrap();
         std::fs::write(&path, &bytes[..length]).unwrap();
         assert!(npz::read_table(&path).is_err(), "cut to {length} bytes");
     }
