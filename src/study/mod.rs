@@ -1,5 +1,7 @@
-//! What spans several steps. Takes values and callbacks, touches no disk.
+//! Studies: what spans several layers. Takes values and callbacks, touches no disk.
 
+mod closed_forms;
 mod simulate;
+pub mod validate;
 
-pub use simulate::{Check, Counts, Effect, Observation, simulate};
+pub use simulate::{Check, Counts, Effect, Observation, observe, simulate};

@@ -3,18 +3,17 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::error::{Error, Location, Result};
-use crate::product::{Backplanes, Cube, FacetTable, Footprints};
+use crate::error::Result;
+use crate::integrate;
+use crate::product::{Backplanes, Cube, FacetTable, Lit};
 use crate::progress::Watch;
 use crate::scene::Scene;
+use crate::solve;
+use crate::visibility::Topology;
 
 /// What a camera sees of a scene.
 #[derive(Debug, Clone)]
 pub struct Observation {
-    /// What was solved; `None` if a table was given.
-    pub table: Option<FacetTable>,
-    /// Which facets each pixel sees.
-    pub footprints: Footprints,
     /// Radiance.
     pub cube: Cube,
     /// Images of geometry.
@@ -83,10 +82,35 @@ pub struct Counts {
     pub visible_facets: u64,
 }
 
-/// Solves the scene, unless a table already says what its facets receive, and looks at it.
+/// Solves a scene and looks at it.
 ///
 /// # Errors
-/// [`Error::Invalid`] if the table is not of this scene's mesh; [`Error::Interrupted`] if `watch` asks to stop.
-pub fn simulate(_scene: &Scene, _table: Option<&FacetTable>, _watch: Watch<'_>) -> Result<Observation> {
-    Err(Error::Unsupported { at: Location::default(), feature: "simulation".into() })
+/// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
+pub fn simulate(scene: &Scene, watch: Watch<'_>) -> Result<(FacetTable, Observation)> {
+    let topology = Topology::new(&scene.mesh);
+    let table = solve::solve(scene, &topology, watch)?;
+    let observation = observe(scene, &topology, &table, watch)?;
+    Ok((table, observation))
+}
+
+/// Looks at a scene whose facets have been solved.
+///
+/// # Errors
+/// [`Error::Invalid`](crate::Error::Invalid) if the table is not of this scene's mesh;
+/// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
+pub fn observe(scene: &Scene, topology: &Topology, table: &FacetTable, watch: Watch<'_>) -> Result<Observation> {
+    let image = integrate::integrate(scene, topology, table, watch)?;
+    let lit = |kind| table.sunlit.lit.iter().filter(|l| **l == kind).count() as u64;
+    let counts = Counts {
+        facets: scene.mesh.facets.len() as u64,
+        zero_area_facets: (0..scene.mesh.facets.len()).filter(|f| scene.mesh.facet(*f).area_m2() == 0.0).count() as u64,
+        flipped_facets: topology.flipped_facets as u64,
+        open_edges: topology.open_edges as u64,
+        lit_facets: lit(Lit::Full),
+        partly_lit_facets: lit(Lit::Part),
+        visible_facets: image.seen.iter().filter(|s| **s).count() as u64,
+    };
+    let checks =
+        vec![Check { name: "areas in a pixel exceed the pixel by, pixels".into(), value: image.excess_px, limit: 1e-12 }];
+    Ok(Observation { effects: vec![], warnings: vec![], checks, counts, cube: image.cube, backplanes: image.backplanes })
 }

@@ -1,4 +1,8 @@
-//! The integration tests, as one binary.
+//! The integration tests: one binary, one module for each kind of promise.
 
+mod hazards;
+mod oracles;
 mod products;
+mod sampler;
 mod schema;
+mod shapes;
