@@ -156,7 +156,7 @@ impl Console {
     /// An error, on standard error.
     pub(crate) fn error(&self, error: &Error) {
         self.finish_progress();
-        let text = if self.json { super::error_json(error).to_string() } else { super::seams::picture(error) };
+        let text = if self.json { super::error_json(error).to_string() } else { mmxrt::formats::picture(error) };
         // Nobody can be told that standard error is gone.
         let _ = writeln!(std::io::stderr(), "{text}");
     }

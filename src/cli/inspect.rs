@@ -2,13 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+use mmxrt::formats::located::Document;
 use mmxrt::formats::report_json::{self, Report, Run};
-use mmxrt::formats::{envi, exr_cube, npz};
+use mmxrt::formats::{envi, exr_cube, npz, obj, recipe_toml};
 use mmxrt::{Error, Location, Problem, Result};
 use serde_json::{Value, json};
 
 use super::console::Console;
-use super::{Outcome, seams};
+use super::{Outcome, scene};
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
@@ -64,29 +65,16 @@ fn inspect(path: &Path, console: &Console) -> Result<Facts> {
         "exr" => open_exr(path),
         "json" => report(path),
         "obj" => {
-            let (vertices, facets, materials) = seams::count_obj(path)?;
+            let mesh = obj::read(path)?;
             Ok(vec![
                 ("kind", json!("OBJ mesh")),
-                ("vertices", json!(vertices)),
-                ("facets", json!(facets)),
-                ("materials", json!(materials)),
+                ("vertices", json!(mesh.vertices.len())),
+                ("facets", json!(mesh.facets.len())),
+                ("materials", mesh.materials.iter().map(|m| json!({ "name": m.name, "kd": m.kd })).collect()),
+                ("passed_over", json!(mesh.ignored)),
             ])
         }
-        "toml" => {
-            let opened = seams::open_scene(path, &|progress| console.watch(progress))?;
-            let scene = &opened.scene;
-            Ok(vec![
-                ("kind", json!("scene")),
-                ("facets", json!(scene.mesh.facets.len())),
-                ("materials", json!(scene.materials.iter().map(|m| &m.name).collect::<Vec<_>>())),
-                ("sensor", json!(scene.sensor.name)),
-                ("samples", json!(scene.sensor.camera.samples)),
-                ("lines", json!(scene.sensor.camera.lines)),
-                ("bands", json!(scene.sensor.bands.len())),
-                ("defaults", json!(opened.defaults)),
-                ("warnings", json!(opened.warnings)),
-            ])
-        }
+        "toml" => text(path, console),
         _ if path.is_file() => {
             let problem = Problem::new(Location::file(path), format!("no format of ours ends in {extension:?}"))
                 .with_help("these do: hdr, img, npz, exr, json, toml, obj; or name a product folder");
@@ -94,6 +82,36 @@ fn inspect(path: &Path, console: &Console) -> Result<Facts> {
         }
         _ => Err(Error::io(path, "reading", std::io::ErrorKind::NotFound.into())),
     }
+}
+
+/// A scene or a recipe: a recipe has a seed.
+fn text(path: &Path, console: &Console) -> Result<Facts> {
+    let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, "reading", e))?;
+    if Document::parse(text, path)?.has("seed") {
+        let (recipe, _) = recipe_toml::read(path)?;
+        return Ok(vec![
+            ("kind", json!("landscape recipe")),
+            ("seed", json!(recipe.seed)),
+            ("size_m", json!(recipe.size_m)),
+            ("facets", json!(recipe.facets)),
+            ("relief", json!(recipe.relief)),
+            ("craters", json!(recipe.craters)),
+            ("boulders", json!(recipe.boulders)),
+        ]);
+    }
+    let opened = scene::open(path, &|progress| console.watch(progress))?;
+    let scene = &opened.scene;
+    Ok(vec![
+        ("kind", json!("scene")),
+        ("facets", json!(scene.mesh.facets.len())),
+        ("materials", json!(scene.materials.iter().map(|m| &m.name).collect::<Vec<_>>())),
+        ("sensor", json!(scene.sensor.name)),
+        ("samples", json!(scene.sensor.camera.samples)),
+        ("lines", json!(scene.sensor.camera.lines)),
+        ("bands", json!(scene.sensor.bands.len())),
+        ("defaults", json!(opened.defaults)),
+        ("warnings", json!(opened.warnings)),
+    ])
 }
 
 fn folder(path: &Path) -> Result<Facts> {

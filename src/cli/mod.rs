@@ -5,7 +5,7 @@ mod inspect;
 mod integrate;
 mod landscape;
 mod product;
-mod seams;
+mod scene;
 mod simulate;
 mod solve;
 mod validate;

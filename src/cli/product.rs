@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use clap::ValueEnum;
-use mmxrt::Result;
 use mmxrt::formats::envi::{self, Interleave, Precision};
 use mmxrt::formats::folder::Staged;
 use mmxrt::formats::report_json::{self, Image, Report};
@@ -11,9 +10,11 @@ use mmxrt::formats::{exr_cube, npz, quicklook};
 use mmxrt::product::FacetTable;
 use mmxrt::progress::tell;
 use mmxrt::study::Observation;
+use mmxrt::visibility::Topology;
+use mmxrt::{Result, integrate};
 
 use super::console::Console;
-use super::seams::Opened;
+use super::scene::Opened;
 
 #[derive(clap::Args)]
 pub(crate) struct ProductOptions {
@@ -62,21 +63,27 @@ impl ProductOptions {
     }
 }
 
+/// What a product is written from.
+pub(super) struct Made {
+    pub(super) opened: Opened,
+    pub(super) table: FacetTable,
+    pub(super) observation: Observation,
+}
+
 /// Writes everything into the staged folder and gives it its name.
 pub(super) fn write(
     command: &str,
     options: &ProductOptions,
     staged: Staged,
-    opened: &Opened,
-    observation: &Observation,
-    table: Option<&FacetTable>,
+    made: &Made,
+    with_table: bool,
     console: &Console,
 ) -> Result<()> {
     let watch = |progress| console.watch(progress);
     let file = |name: &str| staged.path().join(name);
-    let cube = &observation.cube;
-    let coverage: Vec<f64> =
-        (0..cube.samples * cube.lines).map(|pixel| observation.footprints.coverage(pixel)).collect();
+    let Made { opened, table, observation } = made;
+    let (cube, planes) = (&observation.cube, &observation.backplanes);
+    let coverage = planes.plane("COVERAGE").map_or(&[][..], |plane| &plane.values);
     let title = |what: &str| format!("{what} by mmxrt {} of {}", env!("CARGO_PKG_VERSION"), opened.scene.sensor.name);
 
     let interleave = match options.interleave {
@@ -94,17 +101,19 @@ pub(super) fn write(
     }
     tell(&watch, "writing backplanes", 0, 1)?;
     // Always in double precision: positions in metres have more digits than f32 holds.
-    let planes = &observation.backplanes;
     envi::write_backplanes(&file("backplanes.img"), planes, Precision::F64, &title("Backplanes"))?;
     if options.footprints {
-        npz::write_footprints(&file("footprints.npz"), &observation.footprints, &opened.id)?;
+        let scene = &opened.scene;
+        let topology = Topology::new(&scene.mesh);
+        let footprints = integrate::footprints(&scene.mesh, &topology, &table.sunlit, &scene.sensor.camera);
+        npz::write_footprints(&file("footprints.npz"), &footprints, &opened.id)?;
     }
-    if let Some(table) = table {
+    if with_table {
         npz::write_table(&file("table.npz"), table, &opened.id)?;
     }
     tell(&watch, "writing pictures and reports", 0, 1)?;
-    quicklook::write_grey(&file("quicklook.png"), cube, quicklook::grey_band(&cube.bands), &coverage)?;
-    quicklook::write_colour(&file("quicklook_rgb.png"), cube, quicklook::colour_bands(&cube.bands), &coverage)?;
+    quicklook::write_grey(&file("quicklook.png"), cube, quicklook::grey_band(&cube.bands), coverage)?;
+    quicklook::write_colour(&file("quicklook_rgb.png"), cube, quicklook::colour_bands(&cube.bands), coverage)?;
     let band_um = |band: Option<&mmxrt::spectral::Band>| band.map_or(0.0, |b| b.centre_um);
     let report = Report {
         format_version: report_json::FORMAT_VERSION,
@@ -123,7 +132,7 @@ pub(super) fn write(
         counts: observation.counts,
         defaults: opened.defaults.clone(),
         warnings: opened.warnings.iter().chain(&observation.warnings).cloned().collect(),
-        statistics: report_json::statistics(cube, &coverage, planes),
+        statistics: report_json::statistics(cube, coverage, planes),
     };
     report_json::write(&file("report.json"), &report)?;
     tell(&watch, "writing pictures and reports", 1, 1)?;

@@ -2,12 +2,11 @@
 
 use std::path::PathBuf;
 
-use mmxrt::Result;
-use mmxrt::study;
+use mmxrt::{Result, study};
 
 use super::console::Console;
-use super::product::{self, ProductOptions};
-use super::{Outcome, seams};
+use super::product::{self, Made, ProductOptions};
+use super::{Outcome, scene};
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
@@ -23,9 +22,9 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let watch = |progress| console.watch(progress);
     let staged = arguments.product.stage()?;
-    let opened = seams::open_scene(&arguments.scene, &watch)?;
-    let observation = study::simulate(&opened.scene, None, &watch)?;
-    let table = observation.table.as_ref().filter(|_| arguments.table);
-    product::write("simulate", &arguments.product, staged, &opened, &observation, table, console)?;
+    let opened = scene::open(&arguments.scene, &watch)?;
+    let (table, observation) = study::simulate(&opened.scene, &watch)?;
+    let made = Made { opened, table, observation };
+    product::write("simulate", &arguments.product, staged, &made, arguments.table, console)?;
     Ok(Outcome::Done)
 }

@@ -4,10 +4,11 @@ use std::path::PathBuf;
 
 use mmxrt::formats::folder::Staged;
 use mmxrt::formats::npz;
+use mmxrt::visibility::Topology;
 use mmxrt::{Result, solve};
 
 use super::console::Console;
-use super::{Outcome, seams};
+use super::{Outcome, scene};
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
@@ -24,9 +25,9 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let watch = |progress| console.watch(progress);
     let staged = Staged::file(&arguments.output, arguments.force)?;
-    let opened = seams::open_scene(&arguments.scene, &watch)?;
+    let opened = scene::open(&arguments.scene, &watch)?;
     opened.warnings.iter().for_each(|warning| console.note(&format!("warning: {warning}")));
-    let table = solve::solve(&opened.scene, &watch)?;
+    let table = solve::solve(&opened.scene, &Topology::new(&opened.scene.mesh), &watch)?;
     npz::write_table(staged.path(), &table, &opened.id)?;
     staged.commit()?;
     let (path, facets) = (arguments.output.display().to_string(), table.sun_irradiance.len());

@@ -1,12 +1,13 @@
-//! `mmxrt validate`: the closed-form cases, and what passes.
+//! `mmxrt validate`: what the program computes against numbers from outside, and what passes.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use mmxrt::Result;
+use mmxrt::study::validate::{self, Means, Row, Verdict};
+use mmxrt::{Error, Result};
 
+use super::Outcome;
 use super::console::Console;
-use super::{Outcome, seams};
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
@@ -16,31 +17,39 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
-    let cases = seams::validate(arguments.oracles.as_deref())?;
-    let mut text = String::new();
-    let verdict = |passed: Option<bool>| match passed {
-        Some(true) => "PASS",
-        Some(false) => "FAIL",
-        None => "SKIPPED",
+    let means = Means::default();
+    let rows = match &arguments.oracles {
+        None => validate::closed_forms(&means)?,
+        Some(path) => {
+            let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, "reading", e))?;
+            validate::oracles(&text, path, &means)?
+        }
     };
-    for case in &cases {
-        let (expected, found, tolerance) = (case.expected, case.found, case.tolerance);
-        let _ = write!(text, "{:8}{:40}", verdict(case.passed), case.name);
-        let _ = writeln!(text, " found {found:<24e} expected {expected:<24e} +- {tolerance:e}  {}", case.source);
-    }
-    let count = |passed| cases.iter().filter(|c| c.passed == passed).count();
-    let (passed, failed, skipped) = (count(Some(true)), count(Some(false)), count(None));
-    let _ = writeln!(text, "{passed} passed, {failed} failed, {skipped} skipped");
-    let list: Vec<serde_json::Value> = cases
-        .iter()
-        .map(|c| {
-            serde_json::json!({
-                "name": c.name, "verdict": verdict(c.passed), "found": c.found,
-                "expected": c.expected, "tolerance": c.tolerance, "source": c.source,
-            })
-        })
-        .collect();
-    let json = serde_json::json!({ "passed": passed, "failed": failed, "skipped": skipped, "cases": list });
+    let count = |verdict| validate::count(&rows, verdict);
+    let (passed, failed, skipped) = (count(Verdict::Pass), count(Verdict::Fail), count(Verdict::Skipped));
+    let json = serde_json::json!({ "passed": passed, "failed": failed, "skipped": skipped, "rows": rows });
+    let text = format!("{}{passed} passed, {failed} failed, {skipped} skipped", table(&rows));
     console.result(&text, &json)?;
     Ok(if failed == 0 { Outcome::Done } else { Outcome::Failed })
+}
+
+fn table(rows: &[Row]) -> String {
+    let width = |text: fn(&Row) -> &str| rows.iter().map(|row| text(row).chars().count()).max().unwrap_or(0);
+    let (group, name, tolerance) = (width(|r| &r.group), width(|r| &r.name), width(|r| &r.tolerance));
+    let number = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |v| format!("{v:e}"));
+    let mut text = String::new();
+    for row in rows {
+        let verdict = match row.verdict {
+            Verdict::Pass => "PASS",
+            Verdict::Fail => "FAIL",
+            Verdict::Skipped => "SKIPPED",
+        };
+        let (found, expected) = (number(row.got), number(row.expected));
+        let _ = writeln!(
+            text,
+            "{verdict:7}  {:group$}  {:name$}  {found:>24}  expected {expected:>24}  {:tolerance$}  {}  [{}]",
+            row.group, row.name, row.tolerance, row.unit, row.source
+        );
+    }
+    text
 }

@@ -10,6 +10,7 @@ pub mod npz;
 pub mod obj;
 mod picture;
 pub mod quicklook;
+pub mod recipe_toml;
 pub mod report_json;
 pub mod spectrum_csv;
 
