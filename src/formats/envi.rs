@@ -105,7 +105,7 @@ impl Sample for f64 {
 }
 
 /// Pixels expanded by one task. Not a power of two, so that 16 bands of a block do not share cache sets.
-const BLOCK: usize = 1040;
+const BLOCK: usize = 4112;
 /// Bands of a band-sequential file that are expanded at a time: what [`Cube::expand`] computes at once,
 /// less if that were more memory than this.
 const PASS_BANDS: usize = 16;
@@ -146,60 +146,68 @@ pub fn write_cube(
     write_header(path, &text)
 }
 
-/// Expands a cube into the file's order, pass by pass.
+/// Expands a cube into the file's order, pass by pass, in one buffer.
 fn stream<S: Sample>(
     cube: &Cube,
     interleave: Interleave,
     put: &mut impl FnMut(&[u8]) -> Result<()>,
     watch: Watch<'_>,
 ) -> Result<()> {
+    if interleave != Interleave::Bsq {
+        return stream_lines::<S>(cube, interleave == Interleave::Bil, put, watch);
+    }
     let bands = cube.bands.len();
-    if interleave == Interleave::Bsq {
-        let pixels = cube.samples * cube.lines;
-        let step = (PASS_BYTES / (pixels * S::BYTES).max(1)).clamp(1, PASS_BANDS);
-        for first in (0..bands).step_by(step) {
-            tell(watch, "writing the cube", first as u64, bands as u64)?;
-            let pass = first..(first + step).min(bands);
-            let blocks: Vec<Vec<u8>> = (0..pixels.div_ceil(BLOCK))
-                .into_par_iter()
-                .map(|i| tile::<S>(cube, i * BLOCK..((i + 1) * BLOCK).min(pixels), pass.clone(), true))
-                .collect();
-            for band in 0..pass.len() {
-                for block in &blocks {
-                    let run = block.len() / pass.len();
-                    put(&block[band * run..][..run])?;
-                }
-            }
-        }
-    } else {
-        for first in (0..cube.lines).step_by(PASS_LINES) {
-            tell(watch, "writing the cube", first as u64, cube.lines as u64)?;
-            for line in expand_lines::<S>(cube, first, interleave == Interleave::Bil) {
-                put(&line)?;
+    let pixels = cube.samples * cube.lines;
+    let step = (PASS_BYTES / (pixels * S::BYTES).max(1)).clamp(1, PASS_BANDS);
+    let mut buffer = vec![0; pixels * step.min(bands) * S::BYTES];
+    for first in (0..bands).step_by(step) {
+        tell(watch, "writing the cube", first as u64, bands as u64)?;
+        let pass = first..(first + step).min(bands);
+        // Block after block, each [band, pixel].
+        let pass_bytes = &mut buffer[..pixels * pass.len() * S::BYTES];
+        let block_bytes = BLOCK * pass.len() * S::BYTES;
+        pass_bytes.par_chunks_mut(block_bytes).enumerate().for_each(|(i, bytes)| {
+            tile::<S>(cube, i * BLOCK..((i + 1) * BLOCK).min(pixels), pass.clone(), true, bytes);
+        });
+        for band in 0..pass.len() {
+            for block in pass_bytes.chunks(block_bytes) {
+                let run = block.len() / pass.len();
+                put(&block[band * run..][..run])?;
             }
         }
     }
     Ok(())
 }
 
-/// The bytes of a few lines, each [band, sample] or [sample, band].
-fn expand_lines<S: Sample>(cube: &Cube, first: usize, band_major: bool) -> Vec<Vec<u8>> {
-    (first..(first + PASS_LINES).min(cube.lines))
-        .into_par_iter()
-        .map(|line| {
-            tile::<S>(cube, line * cube.samples..(line + 1) * cube.samples, 0..cube.bands.len(), band_major)
-        })
-        .collect()
+/// Hands out the lines of a cube, each [band, sample] or [sample, band], several at a time.
+fn stream_lines<S: Sample>(
+    cube: &Cube,
+    band_major: bool,
+    put: &mut impl FnMut(&[u8]) -> Result<()>,
+    watch: Watch<'_>,
+) -> Result<()> {
+    let bands = 0..cube.bands.len();
+    let line_bytes = cube.samples * bands.len() * S::BYTES;
+    let mut buffer = vec![0; line_bytes * PASS_LINES.min(cube.lines)];
+    for first in (0..cube.lines).step_by(PASS_LINES) {
+        tell(watch, "writing the cube", first as u64, cube.lines as u64)?;
+        let pass_bytes = &mut buffer[..line_bytes * PASS_LINES.min(cube.lines - first)];
+        pass_bytes.par_chunks_mut(line_bytes.max(1)).enumerate().for_each(|(i, bytes)| {
+            let pixel = (first + i) * cube.samples;
+            tile::<S>(cube, pixel..pixel + cube.samples, bands.clone(), band_major, bytes);
+        });
+        put(pass_bytes)?;
+    }
+    Ok(())
 }
 
-/// The lines of a cube as f32 [band, sample], a few at a time.
-pub(super) fn lines_f32(cube: &Cube) -> impl Iterator<Item = Vec<Vec<u8>>> {
-    (0..cube.lines).step_by(PASS_LINES).map(|first| expand_lines::<f32>(cube, first, true))
+/// Hands out the lines of a cube as f32, each [band, sample], several at a time.
+pub(super) fn stream_lines_f32(cube: &Cube, put: &mut impl FnMut(&[u8]) -> Result<()>, watch: Watch<'_>) -> Result<()> {
+    stream_lines::<f32>(cube, true, put, watch)
 }
 
 /// The bytes of some pixels in some bands: [band, pixel] or [pixel, band].
-fn tile<S: Sample>(cube: &Cube, pixels: Range<usize>, bands: Range<usize>, band_major: bool) -> Vec<u8> {
-    let mut bytes = vec![0; pixels.len() * bands.len() * S::BYTES];
+fn tile<S: Sample>(cube: &Cube, pixels: Range<usize>, bands: Range<usize>, band_major: bool, bytes: &mut [u8]) {
     let (pixel_step, band_step) = if band_major { (1, pixels.len()) } else { (bands.len(), 1) };
     cube.expand(pixels.clone(), bands.clone(), |pixel, band, values| {
         let start = (pixel - pixels.start) * pixel_step + (band - bands.start) * band_step;
@@ -208,7 +216,6 @@ fn tile<S: Sample>(cube: &Cube, pixels: Range<usize>, bands: Range<usize>, band_
             S::store(*value, &mut bytes[at..at + S::BYTES]);
         }
     });
-    bytes
 }
 
 /// Writes backplanes, band-sequential: the numbers to `path`, the header beside it (`.hdr`). NaN is "no surface".
@@ -375,7 +382,10 @@ fn parse_header(path: &Path, text: &str) -> Result<Header> {
     let mut whole = |key: &str, default: Option<u64>, least: u64| match (get(key).map(str::parse::<u64>), default) {
         (Some(Ok(value)), _) if value >= least => value,
         (Some(_), _) => {
-            problems.push(Problem::new(at(key), format!("{:?} is not a whole number from {least}", get(key).unwrap_or(""))));
+            problems.push(Problem::new(
+                at(key),
+                format!("{:?} is not a whole number from {least}", get(key).unwrap_or("")),
+            ));
             least
         }
         (None, Some(default)) => default,

@@ -14,7 +14,7 @@ use std::path::Path;
 
 use crate::error::{Error, Location, Result};
 use crate::product::Cube;
-use crate::progress::{Watch, tell};
+use crate::progress::Watch;
 use crate::spectral::Band;
 
 /// The name of a band's channel, to 1e-6 nm.
@@ -32,6 +32,9 @@ pub fn write(path: &Path, cube: &Cube, description: &str, watch: Watch<'_>) -> R
     let names: Vec<String> = cube.bands.iter().map(channel_name).collect();
     let mut order: Vec<usize> = (0..names.len()).collect();
     order.sort_by(|a, b| names[*a].cmp(&names[*b]));
+    if cube.samples == 0 || cube.lines == 0 || cube.bands.is_empty() {
+        return Err(Error::invalid(Location::file(path), "an image without pixels or bands has no OpenEXR file"));
+    }
     if let Some(pair) = order.windows(2).find(|w| names[w[0]] == names[w[1]]) {
         let message = format!("bands {} and {} both have the centre {}", pair[0] + 1, pair[1] + 1, names[pair[0]]);
         return Err(Error::invalid(Location::file(path), message));
@@ -88,9 +91,8 @@ pub fn write(path: &Path, cube: &Cube, description: &str, watch: Watch<'_>) -> R
     let mut file = BufWriter::with_capacity(1 << 20, File::create(path).map_err(io)?);
     file.write_all(&header).map_err(io)?;
     let mut y = 0_i32;
-    for lines in super::envi::lines_f32(cube) {
-        tell(watch, "writing OpenEXR", y as u64, cube.lines as u64)?;
-        for line in lines {
+    let mut put = |lines: &[u8]| {
+        for line in lines.chunks_exact(line_bytes) {
             file.write_all(&y.to_le_bytes()).map_err(io)?;
             file.write_all(&line_bytes32.to_le_bytes()).map_err(io)?;
             for &band in &order {
@@ -98,6 +100,53 @@ pub fn write(path: &Path, cube: &Cube, description: &str, watch: Watch<'_>) -> R
             }
             y += 1;
         }
-    }
+        Ok(())
+    };
+    super::envi::stream_lines_f32(cube, &mut put, watch)?;
     file.flush().map_err(io)
+}
+
+/// What the header of an OpenEXR file says.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Info {
+    /// Pixels in a line.
+    pub samples: usize,
+    /// Lines.
+    pub lines: usize,
+    /// Names of the channels, in the order of the file.
+    pub channels: Vec<String>,
+    /// Text attributes, by name.
+    pub attributes: Vec<(String, String)>,
+}
+
+/// Reads the header of the first part.
+///
+/// # Errors
+/// [`Error::Io`], [`Error::Syntax`] if it is no OpenEXR file, [`Error::Unsupported`] for what the reader does not know.
+pub fn read_info(path: &Path) -> Result<Info> {
+    use exr::meta::attribute::AttributeValue;
+    let meta = exr::meta::MetaData::read_from_file(path, false).map_err(|e| match e {
+        exr::error::Error::Io(e) if e.kind() != std::io::ErrorKind::UnexpectedEof => Error::io(path, "reading", e),
+        exr::error::Error::NotSupported(what) => {
+            Error::Unsupported { at: Location::file(path), feature: format!("OpenEXR with {what}") }
+        }
+        e => Error::syntax(Location::file(path), format!("not a complete OpenEXR file: {e}")),
+    })?;
+    let Some(header) = meta.headers.first() else {
+        return Err(Error::syntax(Location::file(path), "an OpenEXR file without a part"));
+    };
+    let texts = header.own_attributes.other.iter().chain(&header.shared_attributes.other);
+    let mut attributes: Vec<(String, String)> = texts
+        .filter_map(|(name, value)| match value {
+            AttributeValue::Text(text) => Some((name.to_string(), text.to_string())),
+            _ => None,
+        })
+        .collect();
+    attributes.sort();
+    Ok(Info {
+        samples: header.layer_size.width(),
+        lines: header.layer_size.height(),
+        channels: header.channels.list.iter().map(|c| c.name.to_string()).collect(),
+        attributes,
+    })
 }

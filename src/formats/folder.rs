@@ -69,8 +69,7 @@ impl Staged {
         let mut made: Vec<PathBuf> =
             parent.ancestors().take_while(|p| !p.as_os_str().is_empty() && !p.exists()).map(Path::to_owned).collect();
         made.reverse();
-        let mut staged =
-            Staged { target: target.to_owned(), path: PathBuf::new(), replace, made, committed: false };
+        let mut staged = Staged { target: target.to_owned(), path: PathBuf::new(), replace, made, committed: false };
         std::fs::create_dir_all(parent).map_err(|e| Error::io(parent, "making this folder", e))?;
         staged.path = free_name(parent, name, "partial")?;
         Ok(staged)

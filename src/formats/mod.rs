@@ -1,8 +1,18 @@
-//! Files: one format, one module. Nothing else in the library touches the disk.
+//! Files: one format, one file or folder. Only here and in the command line is the disk touched.
 
 pub mod envi;
 pub mod exr_cube;
 pub mod folder;
+mod input;
+pub mod located;
+pub mod mtl;
 pub mod npz;
+pub mod obj;
+mod picture;
 pub mod quicklook;
+pub mod recipe_toml;
 pub mod report_json;
+pub mod spectrum_csv;
+
+pub use input::InputFile;
+pub use picture::picture;

@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{BufReader, BufWriter, Read, Write};
+use std::io::{BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
@@ -80,7 +80,12 @@ pub fn write_table(path: &Path, table: &FacetTable, scene: &str) -> Result<()> {
             "irradiance by the Sun on each facet's lit part over that normal to the beam: cos i, or 0",
             Values::F64(&table.sun_irradiance),
         ),
-        column("sun_lit", "1", "each facet: 0 dark, 1 lit all over, 2 lit in the polygons below", Values::Lit(&sunlit.lit)),
+        column(
+            "sun_lit",
+            "1",
+            "each facet: 0 dark, 1 lit all over, 2 lit in the polygons below",
+            Values::Lit(&sunlit.lit),
+        ),
         column("sun_polygon_facet", "1", "facet of each sunlit polygon, ascending", Values::U32(&sunlit.polygon_facet)),
         column(
             "sun_polygon_start",
@@ -158,9 +163,14 @@ fn write(path: &Path, format: &str, scene: &str, columns: &[Column<'_>]) -> Resu
     };
     let io = |e| Error::io(path, "writing", e);
     let text = serde_json::to_string(&header).map_err(|e| io(e.into()))?;
-    let file = BufWriter::with_capacity(1 << 20, File::create(path).map_err(io)?);
+    let mut file = KeepError {
+        file: BufWriter::with_capacity(1 << 20, File::create(path).map_err(io)?),
+        at: 0,
+        end: 0,
+        error: None,
+    };
     let done: std::io::Result<()> = (|| {
-        let mut zip = ZipWriter::new(file);
+        let mut zip = ZipWriter::new(&mut file);
         // NumPy's text is UTF-32.
         let utf32: Vec<u8> = text.chars().flat_map(|c| u32::from(c).to_le_bytes()).collect();
         start(&mut zip, "header", &format!("<U{}", utf32.len() / 4), "()", utf32.len())?;
@@ -168,13 +178,62 @@ fn write(path: &Path, format: &str, scene: &str, columns: &[Column<'_>]) -> Resu
         for column in columns {
             column.write(&mut zip)?;
         }
-        zip.finish()?.flush()
+        zip.finish()?;
+        Ok(())
     })();
-    done.map_err(io)
+    // The file's own error tells more than what the zip made of it.
+    file.error.map_or(done, Err).and_then(|()| file.file.flush()).map_err(io)
+}
+
+/// A file that keeps its first error and pretends that all is well, because `ZipWriter` prints, when dropped, what it
+/// could not write.
+struct KeepError {
+    file: BufWriter<File>,
+    at: u64,
+    end: u64,
+    error: Option<std::io::Error>,
+}
+
+impl KeepError {
+    fn attempt(&mut self, act: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>) {
+        if self.error.is_none() {
+            self.error = act(&mut self.file).err();
+        }
+    }
+}
+
+impl Write for KeepError {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.attempt(|file| file.write_all(bytes));
+        self.at += bytes.len() as u64;
+        self.end = self.end.max(self.at);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.attempt(Write::flush);
+        Ok(())
+    }
+}
+
+impl Seek for KeepError {
+    fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
+        // Positions are told without asking the file, which may have failed.
+        self.at = match to {
+            SeekFrom::Start(at) => at,
+            SeekFrom::Current(offset) => self.at.saturating_add_signed(offset),
+            SeekFrom::End(offset) => self.end.saturating_add_signed(offset),
+        };
+        let at = self.at;
+        self.attempt(
+            |file| if file.stream_position()? == at { Ok(()) } else { file.seek(SeekFrom::Start(at)).map(drop) },
+        );
+        Ok(self.at)
+    }
 }
 
 /// Starts a member: its entry in the zip file, and NumPy's preamble.
-fn start<W: Write + std::io::Seek>(
+fn start<W: Write + Seek>(
     zip: &mut ZipWriter<W>,
     name: &str,
     descr: &str,
@@ -198,7 +257,7 @@ fn start<W: Write + std::io::Seek>(
 }
 
 impl Column<'_> {
-    fn write<W: Write + std::io::Seek>(&self, zip: &mut ZipWriter<W>) -> std::io::Result<()> {
+    fn write<W: Write + Seek>(&self, zip: &mut ZipWriter<W>) -> std::io::Result<()> {
         let (descr, shape, bytes) = match &self.values {
             Values::F64(v) => ("<f8", format!("({},)", v.len()), 8 * v.len()),
             Values::U32(v) => ("<u4", format!("({},)", v.len()), 4 * v.len()),
@@ -361,7 +420,7 @@ impl Npz {
         let io = |e| Error::io(path, "reading", e);
         let file = File::open(path).map_err(io)?;
         let file_bytes = file.metadata().map_err(io)?.len();
-        let zip = ZipArchive::new(BufReader::with_capacity(1 << 20, file)).map_err(|e| match e {
+        let zip = ZipArchive::new(BufReader::with_capacity(1 << 16, file)).map_err(|e| match e {
             zip::result::ZipError::Io(e) if e.kind() != std::io::ErrorKind::UnexpectedEof => io(e),
             e => Error::syntax(Location::file(path), format!("not a complete .npz file: {e}")),
         })?;
@@ -500,9 +559,8 @@ fn preamble(bytes: &[u8]) -> std::result::Result<(String, Vec<usize>, usize), St
     let value = |key: &str| text.split_once(&format!("'{key}':")).map(|(_, rest)| rest.trim_start());
     let descr = value("descr").and_then(|v| v.strip_prefix('\'')).and_then(|v| v.split_once('\'')).map(|v| v.0);
     let shape = value("shape").and_then(|v| v.strip_prefix('(')).and_then(|v| v.split_once(')')).map(|v| v.0);
-    let shape: Option<Vec<usize>> = shape.and_then(|s| {
-        s.split(',').map(str::trim).filter(|s| !s.is_empty()).map(|s| s.parse().ok()).collect()
-    });
+    let shape: Option<Vec<usize>> =
+        shape.and_then(|s| s.split(',').map(str::trim).filter(|s| !s.is_empty()).map(|s| s.parse().ok()).collect());
     match (descr, shape, value("fortran_order")) {
         (Some(descr), Some(shape), Some(order)) if order.starts_with("False") || shape.len() < 2 => {
             Ok((descr.to_owned(), shape, end))

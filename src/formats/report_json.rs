@@ -11,6 +11,7 @@ use schemars::{JsonSchema, Schema};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
+use super::InputFile;
 use crate::error::{Error, Location, Result};
 use crate::product::{Backplanes, Cube};
 use crate::study::{Check, Counts, Effect};
@@ -56,6 +57,12 @@ pub struct Input {
     pub bytes: u64,
     /// BLAKE3 hash of its bytes, 64 hexadecimal digits.
     pub blake3: String,
+}
+
+impl From<&InputFile> for Input {
+    fn from(file: &InputFile) -> Self {
+        Input { path: file.path.display().to_string(), bytes: file.bytes, blake3: file.blake3.clone() }
+    }
 }
 
 /// Size of an image.

@@ -1,7 +1,9 @@
 //! Wavelength: tables of values, bands, and means over a band. Always um.
 
 mod band;
+mod solar;
 mod spectrum;
 
 pub use band::Band;
+pub use solar::{solar_e490, solar_mean};
 pub use spectrum::{Extend, Spectrum};

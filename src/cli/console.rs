@@ -1,0 +1,163 @@
+//! What is said to whom: results on standard output, progress and errors on standard error.
+
+use std::io::{ErrorKind, IsTerminal, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant, SystemTime};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use mmxrt::formats::report_json::{FORMAT_VERSION, Run, Stage, rfc3339};
+use mmxrt::progress::Progress;
+use mmxrt::{Error, Result};
+
+/// What takes less than this shows no progress.
+const PATIENCE: Duration = Duration::from_secs(1);
+/// Where there is no terminal, a line this often.
+const LINE_EVERY: Duration = Duration::from_secs(10);
+
+pub(crate) struct Console {
+    quiet: bool,
+    json: bool,
+    terminal: bool,
+    date: SystemTime,
+    began: Instant,
+    interrupted: Arc<AtomicBool>,
+    stages: Mutex<Stages>,
+}
+
+/// The stages of a run, and what is shown of the last one.
+#[derive(Default)]
+struct Stages {
+    done: Vec<Stage>,
+    current: Option<(&'static str, Instant)>,
+    bar: Option<ProgressBar>,
+    line: Option<Instant>,
+}
+
+impl Stages {
+    fn finish(&mut self) {
+        if let Some((name, began)) = self.current.take() {
+            self.done.push(Stage { name: name.to_owned(), wall_s: began.elapsed().as_secs_f64() });
+        }
+        if let Some(bar) = self.bar.take() {
+            bar.finish_and_clear();
+        }
+        self.line = None;
+    }
+}
+
+impl Console {
+    pub(crate) fn new(quiet: bool, json: bool) -> Self {
+        Console {
+            quiet,
+            json,
+            terminal: std::io::stderr().is_terminal(),
+            date: SystemTime::now(),
+            began: Instant::now(),
+            interrupted: Arc::default(),
+            stages: Mutex::default(),
+        }
+    }
+
+    /// From here on Ctrl-C makes the next progress call stop the work, so that what is half written is removed.
+    pub(crate) fn catch_interrupt(&self) -> std::result::Result<(), ctrlc::Error> {
+        let interrupted = Arc::clone(&self.interrupted);
+        ctrlc::set_handler(move || interrupted.store(true, Ordering::Relaxed))
+    }
+
+    /// The callback that the library calls between steps.
+    pub(crate) fn watch(&self, progress: Progress) -> bool {
+        // A panic elsewhere while this was held left nothing that could be wrong here.
+        let mut stages = self.stages.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if stages.current.is_none_or(|(name, _)| name != progress.stage) {
+            stages.finish();
+            stages.current = Some((progress.stage, Instant::now()));
+        }
+        if !self.quiet && !self.json {
+            self.show(&mut stages, progress);
+        }
+        !self.interrupted.load(Ordering::Relaxed)
+    }
+
+    fn show(&self, stages: &mut Stages, progress: Progress) {
+        let Some((name, began)) = stages.current else { return };
+        let elapsed = began.elapsed();
+        if elapsed < PATIENCE || progress.done == 0 {
+            return;
+        }
+        if self.terminal {
+            let bar = stages.bar.get_or_insert_with(|| {
+                let style = ProgressStyle::with_template("{msg:24} {bar:40} {percent:>3} %  {eta} left");
+                ProgressBar::new(progress.total)
+                    .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+                    .with_message(name)
+                    .with_elapsed(elapsed)
+            });
+            bar.set_length(progress.total);
+            bar.set_position(progress.done);
+        } else if stages.line.is_none_or(|last| last.elapsed() > LINE_EVERY) {
+            stages.line = Some(Instant::now());
+            let share = progress.done as f64 / progress.total.max(1) as f64;
+            let left = elapsed.as_secs_f64() * (1.0 / share - 1.0);
+            self.note(&format!("{name}: {:.0} %, {left:.0} s left", 100.0 * share));
+        }
+    }
+
+    /// Ends the last stage and takes its bar away.
+    pub(crate) fn finish_progress(&self) {
+        self.stages.lock().unwrap_or_else(std::sync::PoisonError::into_inner).finish();
+    }
+
+    /// What `run.json` says of the run so far.
+    pub(crate) fn run(&self, command: &str) -> Run {
+        self.finish_progress();
+        let stages = self.stages.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        Run {
+            format_version: FORMAT_VERSION,
+            mmxrt: env!("CARGO_PKG_VERSION").to_owned(),
+            command: command.to_owned(),
+            date: rfc3339(self.date),
+            threads: rayon::current_num_threads() as u64,
+            host_cores: std::thread::available_parallelism().map_or(1, |n| n.get() as u64),
+            wall_s: self.began.elapsed().as_secs_f64(),
+            stages: stages.done.clone(),
+        }
+    }
+
+    /// A remark for people: on standard error, unless quiet.
+    pub(crate) fn note(&self, text: &str) {
+        if !self.quiet && !self.json {
+            // Nobody can be told that standard error is gone.
+            let _ = writeln!(std::io::stderr(), "{text}");
+        }
+    }
+
+    /// A result: as text unless quiet, or as JSON.
+    pub(crate) fn result(&self, text: &str, json: &serde_json::Value) -> Result<()> {
+        self.finish_progress();
+        if self.json {
+            self.print(&format!("{json:#}"))
+        } else if self.quiet {
+            Ok(())
+        } else {
+            self.print(text)
+        }
+    }
+
+    /// A line of standard output. Whoever closed it early, like `head`, has what he wants.
+    fn print(&self, text: &str) -> Result<()> {
+        let mut out = std::io::stdout().lock();
+        match writeln!(out, "{}", text.trim_end()).and_then(|()| out.flush()) {
+            Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(Error::io("standard output", "writing", e)),
+            _ => Ok(()),
+        }
+    }
+
+    /// An error, on standard error.
+    pub(crate) fn error(&self, error: &Error) {
+        self.finish_progress();
+        let text = if self.json { super::error_json(error).to_string() } else { mmxrt::formats::picture(error) };
+        // Nobody can be told that standard error is gone.
+        let _ = writeln!(std::io::stderr(), "{text}");
+    }
+}

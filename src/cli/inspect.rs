@@ -1,0 +1,221 @@
+//! `mmxrt inspect`: what a file holds.
+
+use std::path::{Path, PathBuf};
+
+use mmxrt::formats::located::Document;
+use mmxrt::formats::report_json::{self, Report, Run};
+use mmxrt::formats::{envi, exr_cube, npz, obj, recipe_toml};
+use mmxrt::{Error, Location, Problem, Result};
+use serde_json::{Value, json};
+
+use super::console::Console;
+use super::{Outcome, scene};
+
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// A product folder, ENVI image or header, .npz, .exr, .json report, scene, recipe or .obj
+    file: PathBuf,
+}
+
+/// What a file holds: names and values, in the order they are said.
+type Facts = Vec<(&'static str, Value)>;
+
+pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
+    let facts = inspect(&arguments.file, console)?;
+    let text = facts.iter().map(|(name, value)| line(name, value)).collect::<String>();
+    let json: serde_json::Map<String, Value> =
+        facts.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
+    console.result(&text, &Value::Object(json))?;
+    Ok(Outcome::Done)
+}
+
+/// A fact as text; of a long list only the ends.
+fn line(name: &str, value: &Value) -> String {
+    const ENDS: usize = 6;
+    let short = |value: &Value| match value {
+        Value::String(text) => text.clone(),
+        Value::Object(object) => {
+            let of = |v: &Value| v.as_str().map_or_else(|| v.to_string(), str::to_owned);
+            object.iter().map(|(k, v)| format!("{k} {}", of(v))).collect::<Vec<_>>().join(", ")
+        }
+        other => other.to_string(),
+    };
+    match value {
+        Value::Array(items) if items.is_empty() => format!("{name}: none\n"),
+        Value::Array(items) => {
+            let mut rows: Vec<String> = items.iter().map(|item| format!("  {}\n", short(item))).collect();
+            if rows.len() > 2 * ENDS {
+                let left_out = rows.len() - 2 * ENDS;
+                rows.splice(ENDS..ENDS + left_out, [format!("  ... {left_out} more, see --json\n")]);
+            }
+            format!("{name}:\n{}", rows.concat())
+        }
+        value => format!("{name}: {}\n", short(value)),
+    }
+}
+
+fn inspect(path: &Path, console: &Console) -> Result<Facts> {
+    if path.is_dir() {
+        return folder(path);
+    }
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    match extension.as_str() {
+        "hdr" | "img" | "dat" | "bsq" | "bil" | "bip" | "raw" => image(path),
+        "npz" => arrays(path),
+        "exr" => open_exr(path),
+        "json" => report(path),
+        "obj" => {
+            let mesh = obj::read(path)?;
+            Ok(vec![
+                ("kind", json!("OBJ mesh")),
+                ("vertices", json!(mesh.vertices.len())),
+                ("facets", json!(mesh.facets.len())),
+                ("materials", mesh.materials.iter().map(|m| json!({ "name": m.name, "kd": m.kd })).collect()),
+                ("passed_over", json!(mesh.ignored)),
+            ])
+        }
+        "toml" => text(path, console),
+        _ if path.is_file() => {
+            let problem = Problem::new(Location::file(path), format!("no format of ours ends in {extension:?}"))
+                .with_help("these do: hdr, img, npz, exr, json, toml, obj; or name a product folder");
+            Err(Error::Invalid(vec![problem]))
+        }
+        _ => Err(Error::io(path, "reading", std::io::ErrorKind::NotFound.into())),
+    }
+}
+
+/// A scene or a recipe: a recipe has a seed.
+fn text(path: &Path, console: &Console) -> Result<Facts> {
+    let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, "reading", e))?;
+    if Document::parse(text, path)?.has("seed") {
+        let (recipe, _) = recipe_toml::read(path)?;
+        return Ok(vec![
+            ("kind", json!("landscape recipe")),
+            ("seed", json!(recipe.seed)),
+            ("size_m", json!(recipe.size_m)),
+            ("facets", json!(recipe.facets)),
+            ("relief", json!(recipe.relief)),
+            ("craters", json!(recipe.craters)),
+            ("boulders", json!(recipe.boulders)),
+        ]);
+    }
+    let opened = scene::open(path, &|progress| console.watch(progress))?;
+    let scene = &opened.scene;
+    Ok(vec![
+        ("kind", json!("scene")),
+        ("facets", json!(scene.mesh.facets.len())),
+        ("materials", json!(scene.materials.iter().map(|m| &m.name).collect::<Vec<_>>())),
+        ("sensor", json!(scene.sensor.name)),
+        ("samples", json!(scene.sensor.camera.samples)),
+        ("lines", json!(scene.sensor.camera.lines)),
+        ("bands", json!(scene.sensor.bands.len())),
+        ("defaults", json!(opened.defaults)),
+        ("warnings", json!(opened.warnings)),
+    ])
+}
+
+fn folder(path: &Path) -> Result<Facts> {
+    if !path.join("report.json").is_file() {
+        return Err(Error::invalid(Location::file(path), "is not a product folder: it has no report.json"));
+    }
+    let io = |e| Error::io(path, "reading", e);
+    let mut files = Vec::new();
+    for entry in path.read_dir().map_err(io)? {
+        let entry = entry.map_err(io)?;
+        files.push((entry.file_name().to_string_lossy().into_owned(), entry.metadata().map_err(io)?.len()));
+    }
+    files.sort();
+    let mut facts = vec![("kind", json!("product folder"))];
+    let files = files.iter().map(|(name, bytes)| json!({ "file": name, "bytes": bytes }));
+    facts.push(("files", files.collect()));
+    facts.extend(report(&path.join("report.json"))?.into_iter().filter(|(name, _)| *name != "kind"));
+    Ok(facts)
+}
+
+fn report(path: &Path) -> Result<Facts> {
+    let value: Value = report_json::read(path)?;
+    let list = |value: &Value| value.clone();
+    if value.get("wall_s").is_some() {
+        let run: Run = report_json::read(path)?;
+        return Ok(vec![
+            ("kind", json!("run report")),
+            ("mmxrt", json!(run.mmxrt)),
+            ("command", json!(run.command)),
+            ("date", json!(run.date)),
+            ("threads", json!(run.threads)),
+            ("host_cores", json!(run.host_cores)),
+            ("wall_s", json!(run.wall_s)),
+            ("stages", list(&value["stages"])),
+        ]);
+    }
+    let report: Report = report_json::read(path)?;
+    Ok(vec![
+        ("kind", json!("report")),
+        ("mmxrt", json!(report.mmxrt)),
+        ("scene", json!(report.scene)),
+        ("inputs", list(&value["inputs"])),
+        ("image", list(&value["image"])),
+        ("counts", list(&value["counts"])),
+        ("effects", list(&value["effects"])),
+        ("checks", list(&value["checks"])),
+        ("defaults", json!(report.defaults)),
+        ("warnings", json!(report.warnings)),
+        ("statistics", list(&value["statistics"])),
+    ])
+}
+
+fn image(path: &Path) -> Result<Facts> {
+    let (header_path, data) = envi::pair(path)?;
+    let header = envi::read_header(&header_path)?;
+    let statistics = envi::statistics(&header, &data)?;
+    let bands: Vec<Value> = statistics
+        .iter()
+        .enumerate()
+        .map(|(i, s)| {
+            let name = header.band_names.get(i).cloned();
+            let name = name.or_else(|| Some(format!("{} um", header.wavelength.get(i)?)));
+            let name = name.unwrap_or_else(|| format!("band {}", i + 1));
+            json!({ "band": name, "count": s.count, "min": s.min, "max": s.max, "mean": s.mean })
+        })
+        .collect();
+    Ok(vec![
+        ("kind", json!("ENVI image")),
+        ("description", json!(header.field("description").unwrap_or(""))),
+        ("samples", json!(header.samples)),
+        ("lines", json!(header.lines)),
+        ("bands", json!(header.bands)),
+        ("data_type", json!(format!("{:?}", header.data_type).to_lowercase())),
+        ("interleave", json!(header.interleave.name())),
+        ("data_units", json!(header.field("data units"))),
+        ("statistics", json!(bands)),
+    ])
+}
+
+fn arrays(path: &Path) -> Result<Facts> {
+    let (header, arrays) = npz::list(path)?;
+    let mut facts = vec![("kind", json!(header.as_ref().map_or("NumPy arrays", |h| h.format.as_str())))];
+    if let Some(header) = &header {
+        facts.push(("mmxrt", json!(header.mmxrt)));
+        facts.push(("scene", json!(header.scene)));
+    }
+    let list = arrays.iter().map(|a| {
+        let field = header.as_ref().and_then(|h| h.fields.get(&a.name));
+        json!({
+            "array": a.name, "type": a.descr, "shape": a.shape,
+            "unit": field.map(|f| &f.unit), "meaning": field.map(|f| &f.meaning),
+        })
+    });
+    facts.push(("arrays", list.collect()));
+    Ok(facts)
+}
+
+fn open_exr(path: &Path) -> Result<Facts> {
+    let info = exr_cube::read_info(path)?;
+    Ok(vec![
+        ("kind", json!("OpenEXR image")),
+        ("samples", json!(info.samples)),
+        ("lines", json!(info.lines)),
+        ("attributes", info.attributes.iter().map(|(name, text)| json!({ "name": name, "text": text })).collect()),
+        ("channels", json!(info.channels)),
+    ])
+}

@@ -1,0 +1,65 @@
+//! `mmxrt landscape`: a recipe becomes an OBJ file and its MTL.
+
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use mmxrt::formats::folder::Staged;
+use mmxrt::formats::mtl::{self, ObjMaterial};
+use mmxrt::formats::{obj, recipe_toml};
+use mmxrt::progress::Progress;
+use mmxrt::{Error, Result, landscape};
+
+use super::Outcome;
+use super::console::Console;
+
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// The recipe file
+    recipe: PathBuf,
+    /// The mesh to write: a name that ends in .obj, or a folder for landscape.obj
+    #[arg(long, short, value_name = "OUT")]
+    output: PathBuf,
+    /// Facets, instead of the recipe's
+    #[arg(long, value_name = "N")]
+    facets: Option<u32>,
+    /// Seed, instead of the recipe's
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Replace files that exist
+    #[arg(long)]
+    force: bool,
+}
+
+pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
+    let is_obj = arguments.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
+    let path = if is_obj { arguments.output.clone() } else { arguments.output.join("landscape.obj") };
+    let mtl_path = path.with_extension("mtl");
+    let mtl_name = mtl_path.file_name().unwrap_or_default().to_string_lossy();
+    let (staged_obj, staged_mtl) = (Staged::file(&path, arguments.force)?, Staged::file(&mtl_path, arguments.force)?);
+    let (mut recipe, _) = recipe_toml::read(&arguments.recipe)?;
+    recipe.facets = arguments.facets.unwrap_or(recipe.facets);
+    recipe.seed = arguments.seed.unwrap_or(recipe.seed);
+    let watch = |share: f64| {
+        console.watch(Progress { stage: "making the landscape", done: (share * 1000.0) as u64, total: 1000 })
+    };
+    let landscape = landscape::generate(&recipe, &watch)?;
+    let materials: Vec<ObjMaterial> =
+        landscape.materials.into_iter().map(|(name, kd)| ObjMaterial { name, kd: Some(kd) }).collect();
+    write_file(staged_mtl.path(), |out| mtl::write(out, &materials))?;
+    write_file(staged_obj.path(), |out| obj::write(out, &landscape.mesh, &materials, Some(&mtl_name)))?;
+    let facets = landscape.mesh.facets.len();
+    // The mesh last: it refers to the materials.
+    staged_mtl.commit()?;
+    staged_obj.commit()?;
+    let path = path.display().to_string();
+    let json = serde_json::json!({ "mesh": path, "materials": mtl_path.display().to_string(), "facets": facets });
+    console.result(&format!("{path}: {facets} facets"), &json)?;
+    Ok(Outcome::Done)
+}
+
+fn write_file(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>) -> Result<()> {
+    let io = |e| Error::io(path, "writing", e);
+    let mut out = BufWriter::with_capacity(1 << 20, File::create(path).map_err(io)?);
+    write(&mut out).and_then(|()| out.flush()).map_err(io)
+}

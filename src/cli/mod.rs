@@ -1,0 +1,140 @@
+//! The command line: parses, calls the library, writes. Nothing is computed here.
+
+mod console;
+mod inspect;
+mod integrate;
+mod landscape;
+mod product;
+mod scene;
+mod simulate;
+mod solve;
+mod validate;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use mmxrt::{Error, Location, Problem};
+
+use console::Console;
+
+/// What a space camera sees of a small body: exact facet-to-pixel hyperspectral image simulation.
+///
+/// Exit codes: 0 done, 1 input or I/O, 2 usage, 3 loss under --strict.
+#[derive(Parser)]
+#[command(name = "mmxrt", version)]
+struct Cli {
+    #[command(flatten)]
+    global: Global,
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(clap::Args)]
+struct Global {
+    /// Threads to use; all cores if not given. The products are the same for any number
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Say nothing but errors
+    #[arg(long, short, global = true)]
+    quiet: bool,
+    /// Results on standard output and errors on standard error as JSON
+    #[arg(long, global = true)]
+    json: bool,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// A scene becomes a radiance cube, backplanes, pictures and a report
+    Simulate(simulate::Arguments),
+    /// What reaches each facet of a scene, as a table
+    Solve(solve::Arguments),
+    /// A scene and the table of its facets become the products of `simulate`
+    Integrate(integrate::Arguments),
+    /// A recipe becomes a landscape
+    Landscape(landscape::Arguments),
+    /// Says what a file holds
+    Inspect(inspect::Arguments),
+    /// Runs the closed-form cases and prints what passes
+    Validate(validate::Arguments),
+}
+
+/// How a command ended without an error.
+enum Outcome {
+    Done,
+    /// It ran, and what it verified does not hold.
+    Failed,
+}
+
+pub(crate) fn run() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            // If neither output can be written, the exit code still tells.
+            let _ = error.print();
+            return ExitCode::from(error.exit_code() as u8);
+        }
+    };
+    let console = Console::new(cli.global.quiet, cli.global.json);
+    match start(&cli.global, &console).and_then(|()| dispatch(cli.command, &console)) {
+        Ok(Outcome::Done) => ExitCode::SUCCESS,
+        Ok(Outcome::Failed) => ExitCode::from(1),
+        Err(error) => {
+            console.error(&error);
+            ExitCode::from(1)
+        }
+    }
+}
+
+fn start(global: &Global, console: &Console) -> mmxrt::Result<()> {
+    let cannot = |what: &str, why: String| Error::invalid(Location::item(what), why);
+    console.catch_interrupt().map_err(|e| cannot("Ctrl-C", e.to_string()))?;
+    if let Some(threads) = global.threads {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
+        pool.build_global().map_err(|e| cannot("--threads", e.to_string()))?;
+    }
+    Ok(())
+}
+
+fn dispatch(command: Command, console: &Console) -> mmxrt::Result<Outcome> {
+    match command {
+        Command::Simulate(arguments) => simulate::run(&arguments, console),
+        Command::Solve(arguments) => solve::run(&arguments, console),
+        Command::Integrate(arguments) => integrate::run(&arguments, console),
+        Command::Landscape(arguments) => landscape::run(&arguments, console),
+        Command::Inspect(arguments) => inspect::run(&arguments, console),
+        Command::Validate(arguments) => validate::run(&arguments, console),
+    }
+}
+
+/// An error as the JSON object that `--json` prints.
+fn error_json(error: &Error) -> serde_json::Value {
+    use serde_json::json;
+    let problem = |p: &Problem| {
+        json!({
+            "file": p.at.file, "line": p.at.line, "column": p.at.column, "item": p.at.item,
+            "message": p.message, "help": p.help,
+        })
+    };
+    let (kind, problems) = match error {
+        Error::Io { path, action, source } => {
+            ("io", vec![problem(&Problem::new(Location::file(path), format!("{action}: {source}")))])
+        }
+        Error::Syntax { at, message } => ("syntax", vec![problem(&Problem::new(at.clone(), message))]),
+        Error::Invalid(problems) => ("invalid", problems.iter().map(problem).collect()),
+        Error::Unsupported { at, feature } => {
+            ("unsupported", vec![problem(&Problem::new(at.clone(), format!("{feature} is not supported")))])
+        }
+        Error::Interrupted => ("interrupted", vec![]),
+    };
+    json!({ "error": { "kind": kind, "message": error.to_string(), "problems": problems } })
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        super::Cli::command().debug_assert();
+    }
+}

@@ -1,0 +1,150 @@
+//! The product folder that `simulate` and `integrate` write.
+
+use std::path::PathBuf;
+
+use clap::ValueEnum;
+use mmxrt::formats::envi::{self, Interleave, Precision};
+use mmxrt::formats::folder::Staged;
+use mmxrt::formats::report_json::{self, Image, Report};
+use mmxrt::formats::{exr_cube, npz, quicklook};
+use mmxrt::product::FacetTable;
+use mmxrt::progress::tell;
+use mmxrt::study::Observation;
+use mmxrt::visibility::Topology;
+use mmxrt::{Result, integrate};
+
+use super::console::Console;
+use super::scene::Opened;
+
+#[derive(clap::Args)]
+pub(crate) struct ProductOptions {
+    /// The folder to make
+    #[arg(long, short, value_name = "FOLDER")]
+    output: PathBuf,
+    /// Replace a product folder that exists
+    #[arg(long)]
+    force: bool,
+    /// Order of the cube's numbers
+    #[arg(long, value_enum, default_value = "bsq")]
+    interleave: InterleaveName,
+    /// Precision of the cube's numbers
+    #[arg(long, value_enum, default_value = "f32")]
+    dtype: PrecisionName,
+    /// Write the cube as spectral OpenEXR as well
+    #[arg(long)]
+    exr: bool,
+    /// Write which facets each pixel sees as well
+    #[arg(long)]
+    footprints: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum InterleaveName {
+    /// Band, line, sample
+    Bsq,
+    /// Line, band, sample
+    Bil,
+    /// Line, sample, band
+    Bip,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum PrecisionName {
+    /// Single precision
+    F32,
+    /// Double precision
+    F64,
+}
+
+impl ProductOptions {
+    /// Makes the folder to write into, before anything is computed: it may not be possible.
+    pub(super) fn stage(&self) -> Result<Staged> {
+        Staged::folder(&self.output, self.force)
+    }
+}
+
+/// What a product is written from.
+pub(super) struct Made {
+    pub(super) opened: Opened,
+    pub(super) table: FacetTable,
+    pub(super) observation: Observation,
+}
+
+/// Writes everything into the staged folder and gives it its name.
+pub(super) fn write(
+    command: &str,
+    options: &ProductOptions,
+    staged: Staged,
+    made: &Made,
+    with_table: bool,
+    console: &Console,
+) -> Result<()> {
+    let watch = |progress| console.watch(progress);
+    let file = |name: &str| staged.path().join(name);
+    let Made { opened, table, observation } = made;
+    let (cube, planes) = (&observation.cube, &observation.backplanes);
+    let coverage = planes.plane("COVERAGE").map_or(&[][..], |plane| &plane.values);
+    let title = |what: &str| format!("{what} by mmxrt {} of {}", env!("CARGO_PKG_VERSION"), opened.scene.sensor.name);
+
+    let interleave = match options.interleave {
+        InterleaveName::Bsq => Interleave::Bsq,
+        InterleaveName::Bil => Interleave::Bil,
+        InterleaveName::Bip => Interleave::Bip,
+    };
+    let precision = match options.dtype {
+        PrecisionName::F32 => Precision::F32,
+        PrecisionName::F64 => Precision::F64,
+    };
+    envi::write_cube(&file("cube.img"), cube, interleave, precision, &title("Radiance"), &watch)?;
+    if options.exr {
+        exr_cube::write(&file("cube.exr"), cube, &title("Radiance"), &watch)?;
+    }
+    tell(&watch, "writing backplanes", 0, 1)?;
+    // Always in double precision: positions in metres have more digits than f32 holds.
+    envi::write_backplanes(&file("backplanes.img"), planes, Precision::F64, &title("Backplanes"))?;
+    if options.footprints {
+        let scene = &opened.scene;
+        let topology = Topology::new(&scene.mesh);
+        let footprints = integrate::footprints(&scene.mesh, &topology, &table.sunlit, &scene.sensor.camera);
+        npz::write_footprints(&file("footprints.npz"), &footprints, &opened.id)?;
+    }
+    if with_table {
+        npz::write_table(&file("table.npz"), table, &opened.id)?;
+    }
+    tell(&watch, "writing pictures and reports", 0, 1)?;
+    quicklook::write_grey(&file("quicklook.png"), cube, quicklook::grey_band(&cube.bands), coverage)?;
+    quicklook::write_colour(&file("quicklook_rgb.png"), cube, quicklook::colour_bands(&cube.bands), coverage)?;
+    let band_um = |band: Option<&mmxrt::spectral::Band>| band.map_or(0.0, |b| b.centre_um);
+    let report = Report {
+        format_version: report_json::FORMAT_VERSION,
+        mmxrt: env!("CARGO_PKG_VERSION").to_owned(),
+        scene: opened.id.clone(),
+        inputs: opened.inputs.clone(),
+        image: Image {
+            samples: cube.samples as u64,
+            lines: cube.lines as u64,
+            bands: cube.bands.len() as u64,
+            first_band_um: band_um(cube.bands.first()),
+            last_band_um: band_um(cube.bands.last()),
+        },
+        effects: observation.effects.clone(),
+        checks: observation.checks.clone(),
+        counts: observation.counts,
+        defaults: opened.defaults.clone(),
+        warnings: opened.warnings.iter().chain(&observation.warnings).cloned().collect(),
+        statistics: report_json::statistics(cube, coverage, planes),
+    };
+    report_json::write(&file("report.json"), &report)?;
+    tell(&watch, "writing pictures and reports", 1, 1)?;
+    report_json::write(&file("run.json"), &console.run(command))?;
+    staged.commit()?;
+
+    report.warnings.iter().for_each(|warning| console.note(&format!("warning: {warning}")));
+    for check in report.checks.iter().filter(|c| !c.passed()) {
+        console.note(&format!("check failed: {}: {} is above {}", check.name, check.value, check.limit));
+    }
+    let output = options.output.display().to_string();
+    let text = format!("{output}: {} x {} pixels, {} bands", cube.samples, cube.lines, cube.bands.len());
+    let json = serde_json::json!({ "product": output, "image": report.image, "warnings": report.warnings });
+    console.result(&text, &json)
+}

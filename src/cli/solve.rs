@@ -1,0 +1,37 @@
+//! `mmxrt solve`: a scene becomes a facet table.
+
+use std::path::PathBuf;
+
+use mmxrt::formats::folder::Staged;
+use mmxrt::formats::npz;
+use mmxrt::visibility::Topology;
+use mmxrt::{Result, solve};
+
+use super::console::Console;
+use super::{Outcome, scene};
+
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// The scene file
+    scene: PathBuf,
+    /// The table to write
+    #[arg(long, short, value_name = "TABLE.npz")]
+    output: PathBuf,
+    /// Replace a table that exists
+    #[arg(long)]
+    force: bool,
+}
+
+pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
+    let watch = |progress| console.watch(progress);
+    let staged = Staged::file(&arguments.output, arguments.force)?;
+    let opened = scene::open(&arguments.scene, &watch)?;
+    opened.warnings.iter().for_each(|warning| console.note(&format!("warning: {warning}")));
+    let table = solve::solve(&opened.scene, &Topology::new(&opened.scene.mesh), &watch)?;
+    npz::write_table(staged.path(), &table, &opened.id)?;
+    staged.commit()?;
+    let (path, facets) = (arguments.output.display().to_string(), table.sun_irradiance.len());
+    let json = serde_json::json!({ "table": path, "facets": facets, "warnings": opened.warnings });
+    console.result(&format!("{path}: {facets} facets"), &json)?;
+    Ok(Outcome::Done)
+}

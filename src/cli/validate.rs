@@ -1,0 +1,55 @@
+//! `mmxrt validate`: what the program computes against numbers from outside, and what passes.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use mmxrt::study::validate::{self, Means, Row, Verdict};
+use mmxrt::{Error, Result};
+
+use super::Outcome;
+use super::console::Console;
+
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// Cases of a file, by group and inputs, instead of the built-in ones
+    #[arg(long, value_name = "FILE")]
+    oracles: Option<PathBuf>,
+}
+
+pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
+    let means = Means::default();
+    let rows = match &arguments.oracles {
+        None => validate::closed_forms(&means)?,
+        Some(path) => {
+            let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, "reading", e))?;
+            validate::oracles(&text, path, &means)?
+        }
+    };
+    let count = |verdict| validate::count(&rows, verdict);
+    let (passed, failed, skipped) = (count(Verdict::Pass), count(Verdict::Fail), count(Verdict::Skipped));
+    let json = serde_json::json!({ "passed": passed, "failed": failed, "skipped": skipped, "rows": rows });
+    let text = format!("{}{passed} passed, {failed} failed, {skipped} skipped", table(&rows));
+    console.result(&text, &json)?;
+    Ok(if failed == 0 { Outcome::Done } else { Outcome::Failed })
+}
+
+fn table(rows: &[Row]) -> String {
+    let width = |text: fn(&Row) -> &str| rows.iter().map(|row| text(row).chars().count()).max().unwrap_or(0);
+    let (group, name, tolerance) = (width(|r| &r.group), width(|r| &r.name), width(|r| &r.tolerance));
+    let number = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |v| format!("{v:e}"));
+    let mut text = String::new();
+    for row in rows {
+        let verdict = match row.verdict {
+            Verdict::Pass => "PASS",
+            Verdict::Fail => "FAIL",
+            Verdict::Skipped => "SKIPPED",
+        };
+        let (found, expected) = (number(row.got), number(row.expected));
+        let _ = writeln!(
+            text,
+            "{verdict:7}  {:group$}  {:name$}  {found:>24}  expected {expected:>24}  {:tolerance$}  {}  [{}]",
+            row.group, row.name, row.tolerance, row.unit, row.source
+        );
+    }
+    text
+}

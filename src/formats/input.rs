@@ -1,0 +1,146 @@
+//! Reading whole files, with what a report says of them.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Location, Problem, Result};
+
+/// A file that a result depends on.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct InputFile {
+    /// Its path, as it was opened.
+    pub path: PathBuf,
+    /// Its length, bytes.
+    pub bytes: u64,
+    /// BLAKE3 hash of its bytes, 64 hexadecimal digits.
+    pub blake3: String,
+}
+
+impl InputFile {
+    /// What to say of a file whose bytes are at hand.
+    pub fn of(path: &Path, bytes: &[u8]) -> Self {
+        let blake3 = blake3::hash(bytes).to_hex().to_string();
+        InputFile { path: path.to_owned(), bytes: bytes.len() as u64, blake3 }
+    }
+}
+
+/// A file that is read in pieces, and hashed on the way.
+pub(crate) struct Hashing {
+    file: File,
+    hasher: blake3::Hasher,
+    bytes: u64,
+}
+
+impl Hashing {
+    pub(crate) fn new(file: File) -> Self {
+        Hashing { file, hasher: blake3::Hasher::new(), bytes: 0 }
+    }
+
+    /// What to say of the file, once it has been read to its end.
+    pub(crate) fn finish(self, path: &Path) -> InputFile {
+        InputFile { path: path.to_owned(), bytes: self.bytes, blake3: self.hasher.finalize().to_hex().to_string() }
+    }
+}
+
+impl Read for Hashing {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let n = self.file.read(buffer)?;
+        self.hasher.update(&buffer[..n]);
+        self.bytes += n as u64;
+        Ok(n)
+    }
+}
+
+/// All bytes of a file of at most `limit` bytes.
+///
+/// # Errors
+/// [`Error::Io`]; [`Error::Invalid`] for a longer file, of which no more than `limit` bytes are read.
+pub(crate) fn bytes(path: &Path, limit: u64) -> Result<Vec<u8>> {
+    let reading = |e| Error::io(path, "reading", e);
+    let file = File::open(path).map_err(reading)?;
+    let told = file.metadata().map_err(reading)?.len();
+    let mut bytes = Vec::new();
+    if told <= limit {
+        // A pipe or device tells no length, or a wrong one: the limit holds for what comes.
+        bytes.try_reserve_exact(told as usize + 1).map_err(|e| reading(e.into()))?;
+        file.take(limit + 1).read_to_end(&mut bytes).map_err(reading)?;
+    }
+    if told > limit || bytes.len() as u64 > limit {
+        let message = format!("is longer than the {limit} bytes that are read of such a file");
+        return Err(Error::invalid(Location::file(path), message));
+    }
+    Ok(bytes)
+}
+
+/// The text of a file of at most `limit` bytes, without a byte order mark.
+///
+/// # Errors
+/// As [`bytes`]; [`Error::Syntax`] where it is not UTF-8.
+pub(crate) fn text(path: &Path, limit: u64) -> Result<(String, InputFile)> {
+    let bytes = bytes(path, limit)?;
+    let input = InputFile::of(path, &bytes);
+    match String::from_utf8(bytes) {
+        Ok(text) => Ok((text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text), input)),
+        Err(e) => {
+            let good = String::from_utf8_lossy(&e.as_bytes()[..e.utf8_error().valid_up_to()]);
+            let at = Location::span(path, &good, good.len(), good.len());
+            Err(Error::syntax(at, "not UTF-8 text: save the file as UTF-8"))
+        }
+    }
+}
+
+/// The first problems of a file, and the number of all.
+#[derive(Debug, Default)]
+pub(crate) struct Problems {
+    first: Vec<Problem>,
+    count: usize,
+}
+
+impl Problems {
+    /// As many are told one by one.
+    const TOLD: usize = 20;
+
+    pub(crate) fn push(&mut self, problem: impl FnOnce() -> Problem) {
+        self.count += 1;
+        if self.first.len() < Self::TOLD {
+            self.first.push(problem());
+        }
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    pub(crate) fn finish(mut self, path: &Path) -> Result<()> {
+        if self.count > self.first.len() {
+            let rest = self.count - self.first.len();
+            self.first.push(Problem::new(Location::file(path), format!("and {rest} more problems")));
+        }
+        if self.first.is_empty() { Ok(()) } else { Err(Error::Invalid(self.first)) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_longer_than_the_limit_is_refused() {
+        let path = std::env::temp_dir().join(format!("mmxrt-input-{}", std::process::id()));
+        std::fs::write(&path, b"12345").unwrap();
+        assert_eq!(bytes(&path, 5).unwrap(), b"12345");
+        assert!(bytes(&path, 4).unwrap_err().to_string().contains("longer than the 4 bytes"));
+        std::fs::write(&path, b"ab\n\xffc").unwrap();
+        assert!(text(&path, 99).unwrap_err().to_string().contains(":2:1: not UTF-8"));
+        std::fs::remove_file(&path).unwrap();
+        assert!(matches!(bytes(&path, 5), Err(Error::Io { .. })));
+    }
+
+    #[test]
+    fn the_hash_is_blake3() {
+        // The empty input's hash, from the BLAKE3 paper's test vectors.
+        let empty = InputFile::of(Path::new("x"), b"");
+        assert_eq!(empty.blake3, "af1349b9f5f9a1a6a0404dea36dcc9499bcb25c9adc112b7cc9a93cae41f3262");
+    }
+}

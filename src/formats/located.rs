@@ -1,0 +1,527 @@
+//! TOML that people write: read into typed values, with every problem at its place.
+//!
+//! Serde stops at the first thing it cannot use and often does not know where. Here the text becomes a tree that
+//! remembers its places; the tree is compared with the JSON Schema of the type it should be, and *all* that is unknown,
+//! missing or of another kind is told; only then does serde read it. The schema is the published one, so that editors
+//! and this reader cannot disagree.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use schemars::JsonSchema;
+use serde::de::DeserializeOwned;
+use serde_json::{Map, Value};
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use crate::error::{Error, Location, Problem, Result};
+
+/// A TOML text as a tree whose items know their places.
+///
+/// Items are named as in `sensor.bands.start_um`, `mesh[0].obj` and `materials."blue unit".reflectance`.
+#[derive(Debug)]
+pub struct Document {
+    path: PathBuf,
+    text: String,
+    tree: Value,
+    places: BTreeMap<String, Place>,
+    problems: Vec<Problem>,
+}
+
+#[derive(Debug, Clone)]
+struct Place {
+    key: Range<usize>,
+    value: Range<usize>,
+}
+
+impl Document {
+    /// Parses a text; `path` is for messages.
+    ///
+    /// # Errors
+    /// [`Error::Syntax`] at the first place that is not TOML.
+    pub fn parse(text: String, path: &Path) -> Result<Self> {
+        let root = DeTable::parse(&text).map_err(|e| {
+            let span = e.span().unwrap_or(0..0);
+            Error::syntax(Location::span(path, &text, span.start, span.end), e.message())
+        })?;
+        let mut document = Document {
+            path: path.to_owned(),
+            text: String::new(),
+            tree: Value::Null,
+            places: BTreeMap::new(),
+            problems: Vec::new(),
+        };
+        document.tree = document.table(root.get_ref(), "", &text);
+        document.text = text;
+        document.problems.sort_by_key(|p| p.at.span);
+        Ok(document)
+    }
+
+    fn table(&mut self, table: &DeTable<'_>, path: &str, text: &str) -> Value {
+        let mut map = Map::new();
+        for (key, value) in table.iter() {
+            let item = member(path, key.get_ref());
+            self.places.insert(item.clone(), Place { key: key.span(), value: value.span() });
+            map.insert(key.get_ref().to_string(), self.value(value, &item, text));
+        }
+        Value::Object(map)
+    }
+
+    /// The value without its places; `Null`, which TOML does not have, for what was told as a problem.
+    fn value(&mut self, value: &Spanned<DeValue<'_>>, item: &str, text: &str) -> Value {
+        let refused = match value.get_ref() {
+            DeValue::String(s) => return Value::String(s.to_string()),
+            DeValue::Boolean(b) => return Value::Bool(*b),
+            DeValue::Table(table) => return self.table(table, item, text),
+            DeValue::Array(array) => {
+                let elements = array.iter().enumerate().map(|(i, element)| {
+                    let item = format!("{item}[{i}]");
+                    self.places.insert(item.clone(), Place { key: element.span(), value: element.span() });
+                    self.value(element, &item, text)
+                });
+                return Value::Array(elements.collect());
+            }
+            DeValue::Integer(i) => match i64::from_str_radix(i.as_str(), i.radix()) {
+                Ok(i) => return Value::from(i),
+                Err(_) => format!("{i} does not fit in 64 bits"),
+            },
+            DeValue::Float(f) => match f.as_str().parse::<f64>() {
+                Ok(f) if f.is_finite() => return Value::from(f),
+                _ => format!("{f} is not a finite number"),
+            },
+            DeValue::Datetime(d) => format!("{d} is a date: nothing here is"),
+        };
+        let span = value.span();
+        let at = Location::span(&self.path, text, span.start, span.end).with_item(item);
+        self.problems.push(Problem::new(at, refused));
+        Value::Null
+    }
+
+    /// The text.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The place of an item's value; of the nearest item around it, if the text does not have it (a default, say).
+    pub fn at(&self, item: &str) -> Location {
+        let mut known = item;
+        while !known.is_empty() {
+            if let Some(place) = self.places.get(known) {
+                return Location::span(&self.path, &self.text, place.value.start, place.value.end).with_item(item);
+            }
+            known = parent(known);
+        }
+        Location::file(&self.path).with_item(item)
+    }
+
+    /// Whether the text has an item.
+    pub fn has(&self, item: &str) -> bool {
+        self.places.contains_key(item)
+    }
+
+    /// The keys of a table, in the order of the text.
+    pub fn keys(&self, item: &str) -> Vec<String> {
+        let mut table = Some(&self.tree);
+        for key in item.split('.').filter(|k| !k.is_empty()) {
+            table = table.and_then(|t| t.get(key));
+        }
+        let mut keys: Vec<&String> = table.and_then(Value::as_object).map_or(vec![], |map| map.keys().collect());
+        keys.sort_by_key(|key| self.places.get(&member(item, key)).map(|place| place.key.start));
+        keys.into_iter().cloned().collect()
+    }
+
+    /// The whole text as a `T`.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with every key that is unknown or missing and every value of another kind or out of range.
+    pub fn read<T: DeserializeOwned + JsonSchema>(&self) -> Result<T> {
+        let schema = schema::<T>();
+        let mut problems = self.problems.clone();
+        self.compare(&schema, &schema, &self.tree, "", &mut problems);
+        if !problems.is_empty() {
+            problems.sort_by_key(|p| p.at.span);
+            return Err(Error::Invalid(problems));
+        }
+        serde_json::from_value(self.tree.clone()).map_err(|e| Error::invalid(Location::file(&self.path), e.to_string()))
+    }
+
+    fn compare(&self, root: &Value, schema: &Value, value: &Value, item: &str, problems: &mut Vec<Problem>) {
+        let schema = resolved(root, schema);
+        let choices = choices(root, schema);
+        if value.is_null() {
+            return;
+        }
+        if !choices.is_empty() {
+            let words: Vec<&str> = choices.iter().flat_map(|c| words(c)).collect();
+            if let (Value::String(found), false) = (value, words.is_empty())
+                && !choices.iter().any(|c| words_free(c))
+            {
+                if !words.contains(&found.as_str()) {
+                    problems.push(self.not_a_word(found, &words, item));
+                }
+                return;
+            }
+            let fitting: Vec<&&Value> = choices.iter().filter(|c| kind_fits(c, value)).collect();
+            let outcome = |choice: &Value| {
+                let mut found = Vec::new();
+                self.compare(root, choice, value, item, &mut found);
+                found
+            };
+            match fitting.iter().map(|c| outcome(c)).min_by_key(Vec::len) {
+                Some(found) => problems.extend(found),
+                None => {
+                    let expected: Vec<String> = choices.iter().map(|c| described(c)).collect();
+                    problems.push(self.other_kind(&expected.join(" or "), value, item));
+                }
+            }
+            return;
+        }
+        let words = words(schema);
+        if let (Value::String(found), false) = (value, words.is_empty()) {
+            if !words.contains(&found.as_str()) {
+                problems.push(self.not_a_word(found, &words, item));
+            }
+            return;
+        }
+        if !kind_fits(schema, value) {
+            problems.push(self.other_kind(&described(schema), value, item));
+            return;
+        }
+        match value {
+            Value::Object(map) => self.compare_table(root, schema, map, item, problems),
+            Value::Array(elements) => {
+                let limit = |key: &str| schema.get(key).and_then(Value::as_u64).map(|n| n as usize);
+                let (least, most) = (limit("minItems").unwrap_or(0), limit("maxItems").unwrap_or(usize::MAX));
+                if !(least..=most).contains(&elements.len()) {
+                    let expected = if least == most {
+                        format!("{least}")
+                    } else if most == usize::MAX {
+                        format!("at least {least}")
+                    } else {
+                        format!("{least} to {most}")
+                    };
+                    let message = format!("expected a list of {expected}, found {}", elements.len());
+                    problems.push(Problem::new(self.at(item), message));
+                }
+                if let Some(schema) = schema.get("items") {
+                    for (i, element) in elements.iter().enumerate() {
+                        self.compare(root, schema, element, &format!("{item}[{i}]"), problems);
+                    }
+                }
+            }
+            Value::Number(number) => {
+                if let Some(message) = number.as_f64().and_then(|x| out_of_range(schema, x)) {
+                    problems.push(Problem::new(self.at(item), message));
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn compare_table(
+        &self,
+        root: &Value,
+        schema: &Value,
+        map: &Map<String, Value>,
+        item: &str,
+        problems: &mut Vec<Problem>,
+    ) {
+        let empty = Map::new();
+        let known = schema.get("properties").and_then(Value::as_object).unwrap_or(&empty);
+        let others = schema.get("additionalProperties");
+        for (key, value) in map {
+            let member = member(item, key);
+            match (known.get(key), others) {
+                (Some(schema), _) => self.compare(root, schema, value, &member, problems),
+                (None, Some(Value::Bool(false))) => {
+                    let at = match self.places.get(&member) {
+                        Some(place) => Location::span(&self.path, &self.text, place.key.start, place.key.end),
+                        None => Location::file(&self.path),
+                    };
+                    let names: Vec<&str> = known.keys().map(String::as_str).collect();
+                    let help = match nearest(key, &names) {
+                        Some(name) => format!("did you mean `{name}`?"),
+                        None => format!("known here: {}", names.join(", ")),
+                    };
+                    problems.push(Problem::new(at.with_item(&member), format!("unknown key `{key}`")).with_help(help));
+                }
+                (None, Some(schema)) if schema.is_object() => self.compare(root, schema, value, &member, problems),
+                (None, _) => {}
+            }
+        }
+        for key in schema.get("required").and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str) {
+            if !map.contains_key(key) {
+                let described = known.get(key).and_then(|s| s.get("description")).and_then(Value::as_str);
+                let mut problem = Problem::new(self.at(item), format!("`{key}` is missing"));
+                problem.help = described.and_then(|d| d.lines().next()).map(str::to_owned);
+                problems.push(problem);
+            }
+        }
+    }
+
+    fn other_kind(&self, expected: &str, found: &Value, item: &str) -> Problem {
+        let found = match found {
+            Value::String(s) => format!("the string {s:?}"),
+            Value::Bool(b) => format!("{b}"),
+            Value::Number(n) => format!("{n}"),
+            Value::Array(_) => "a list".into(),
+            Value::Object(_) => "a table".into(),
+            Value::Null => "nothing".into(),
+        };
+        Problem::new(self.at(item), format!("expected {expected}, found {found}"))
+    }
+
+    fn not_a_word(&self, found: &str, words: &[&str], item: &str) -> Problem {
+        let known: Vec<String> = words.iter().map(|w| format!("{w:?}")).collect();
+        let problem = Problem::new(self.at(item), format!("expected {}, found {found:?}", known.join(" or ")));
+        match nearest(found, words) {
+            Some(word) => problem.with_help(format!("did you mean {word:?}?")),
+            None => problem,
+        }
+    }
+}
+
+/// The JSON Schema (2020-12) of a type.
+pub fn schema<T: JsonSchema>() -> Value {
+    schemars::schema_for!(T).to_value()
+}
+
+/// The name of a table's item.
+pub fn member(table: &str, key: &str) -> String {
+    let bare = !key.is_empty() && key.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-');
+    match (table, bare) {
+        ("", true) => key.to_owned(),
+        ("", false) => format!("{key:?}"),
+        (_, true) => format!("{table}.{key}"),
+        (_, false) => format!("{table}.{key:?}"),
+    }
+}
+
+/// The item around an item: `a.b[3]` is in `a.b` is in `a`. A quoted key may hold anything, so cuts within one find nothing.
+fn parent(item: &str) -> &str {
+    item.rfind(['.', '[']).map_or("", |i| &item[..i])
+}
+
+fn resolved<'a>(root: &'a Value, mut schema: &'a Value) -> &'a Value {
+    while let Some(target) = schema.get("$ref").and_then(Value::as_str) {
+        match target.strip_prefix('#').and_then(|pointer| root.pointer(pointer)) {
+            Some(next) => schema = next,
+            None => break,
+        }
+    }
+    schema
+}
+
+/// What a value may be instead, without `null`, which TOML does not have.
+fn choices<'a>(root: &'a Value, schema: &'a Value) -> Vec<&'a Value> {
+    let listed = ["anyOf", "oneOf"].iter().filter_map(|key| schema.get(*key)?.as_array()).flatten();
+    let mut all = Vec::new();
+    for choice in listed.map(|choice| resolved(root, choice)) {
+        let inner = choices(root, choice);
+        if inner.is_empty() {
+            all.push(choice);
+        } else {
+            all.extend(inner);
+        }
+    }
+    all.retain(|choice| choice.get("type").and_then(Value::as_str) != Some("null"));
+    all
+}
+
+/// The strings that a schema allows, if it allows only some.
+fn words(schema: &Value) -> Vec<&str> {
+    let constant = schema.get("const").into_iter();
+    constant
+        .chain(schema.get("enum").and_then(Value::as_array).into_iter().flatten())
+        .filter_map(Value::as_str)
+        .collect()
+}
+
+/// Whether a schema allows any string.
+fn words_free(schema: &Value) -> bool {
+    words(schema).is_empty() && kinds(schema).contains(&"string")
+}
+
+fn kinds(schema: &Value) -> Vec<&str> {
+    match schema.get("type") {
+        Some(Value::String(kind)) => vec![kind],
+        Some(Value::Array(kinds)) => kinds.iter().filter_map(Value::as_str).filter(|k| *k != "null").collect(),
+        _ => vec![],
+    }
+}
+
+fn kind_fits(schema: &Value, value: &Value) -> bool {
+    let kinds = kinds(schema);
+    kinds.is_empty()
+        || kinds.iter().any(|kind| match *kind {
+            "number" => value.is_number(),
+            "integer" => value.is_i64() || value.is_u64(),
+            "string" => value.is_string(),
+            "boolean" => value.is_boolean(),
+            "array" => value.is_array(),
+            "object" => value.is_object(),
+            _ => false,
+        })
+}
+
+fn described(schema: &Value) -> String {
+    let words = words(schema);
+    if !words.is_empty() {
+        return words.iter().map(|w| format!("{w:?}")).collect::<Vec<_>>().join(" or ");
+    }
+    let length = schema.get("minItems").filter(|n| Some(*n) == schema.get("maxItems"));
+    let names = kinds(schema).into_iter().map(|kind| match (kind, length) {
+        ("number", _) => "a number".into(),
+        ("integer", _) => "a whole number".into(),
+        ("string", _) => "a string".into(),
+        ("boolean", _) => "true or false".into(),
+        ("array", Some(n)) => format!("a list of {n}"),
+        ("array", None) => "a list".into(),
+        (_, _) => "a table".to_owned(),
+    });
+    names.collect::<Vec<String>>().join(" or ")
+}
+
+fn out_of_range(schema: &Value, x: f64) -> Option<String> {
+    let limit = |key: &str| schema.get(key).and_then(Value::as_f64);
+    if let Some(least) = limit("minimum").filter(|least| x < *least) {
+        return Some(format!("{x} is less than {least}"));
+    }
+    if let Some(most) = limit("maximum").filter(|most| x > *most) {
+        return Some(format!("{x} is more than {most}"));
+    }
+    if schema.get("format").and_then(Value::as_str) == Some("uint32") && x > f64::from(u32::MAX) {
+        return Some(format!("{x} is more than {}", u32::MAX));
+    }
+    if let Some(bound) = limit("exclusiveMinimum").filter(|bound| x <= *bound) {
+        return Some(format!("{x} is not more than {bound}"));
+    }
+    limit("exclusiveMaximum").filter(|bound| x >= *bound).map(|bound| format!("{x} is not less than {bound}"))
+}
+
+/// The known word that a word was probably meant to be: two letters, or a third of them, differ.
+pub fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
+    // Long input is no slip of the keyboard, and the table below grows with its length.
+    if word.len() > 64 {
+        return None;
+    }
+    let all = known.iter().map(|k| (distance(word, k), *k));
+    let (distance, best) = all.min_by_key(|(distance, _)| *distance)?;
+    (distance <= (best.len() / 3).max(2) && distance < word.len()).then_some(best)
+}
+
+/// Levenshtein distance: insertions, deletions and exchanges of characters.
+fn distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, y) in b.iter().enumerate() {
+            let next = (diagonal + usize::from(x != *y)).min(row[j] + 1).min(row[j + 1] + 1);
+            diagonal = row[j + 1];
+            row[j + 1] = next;
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde::Deserialize;
+
+    #[derive(Debug, Deserialize, JsonSchema, PartialEq)]
+    #[serde(deny_unknown_fields)]
+    struct Outer {
+        /// Where it is, m.
+        position_m: [f64; 3],
+        count: Option<u32>,
+        inner: BTreeMap<String, Inner>,
+    }
+
+    #[derive(Debug, Deserialize, JsonSchema, PartialEq)]
+    #[serde(deny_unknown_fields)]
+    struct Inner {
+        value: Either,
+        kind: Option<Kind>,
+    }
+
+    #[derive(Debug, Deserialize, JsonSchema, PartialEq)]
+    #[serde(untagged)]
+    enum Either {
+        Number(f64),
+        Text(String),
+    }
+
+    #[derive(Debug, Deserialize, JsonSchema, PartialEq)]
+    #[serde(rename_all = "lowercase")]
+    enum Kind {
+        /// One.
+        Hold,
+        /// The other.
+        Error,
+    }
+
+    fn read(text: &str) -> Result<Outer> {
+        Document::parse(text.to_owned(), Path::new("a.toml"))?.read()
+    }
+
+    #[test]
+    fn good_text_is_read() {
+        let outer = read("position_m = [1, 2.5, 0x10]\n[inner.\"b c\"]\nvalue = \"x\"\nkind = \"hold\"\n").unwrap();
+        assert_eq!(outer.position_m, [1.0, 2.5, 16.0]);
+        assert_eq!(outer.inner["b c"], Inner { value: Either::Text("x".into()), kind: Some(Kind::Hold) });
+    }
+
+    #[test]
+    fn all_problems_are_told_at_their_places() {
+        let text = "position_m = [1, nan]\ncount = -3\npositon_m = 1\n[inner.a]\nvalue = true\nkind = \"hodl\"\n[inner.\"b c\"]\nzzz = 1979-05-27\n";
+        let told = read(text).unwrap_err().to_string();
+        let expected = [
+            "a.toml:1:14 position_m: expected a list of 3, found 2",
+            "a.toml:1:18 position_m[1]: nan is not a finite number",
+            "a.toml:2:9 count: -3 is less than 0",
+            "a.toml:3:1 positon_m: unknown key `positon_m` (help: did you mean `position_m`?)",
+            "a.toml:5:9 inner.a.value: expected a number or a string, found true",
+            "a.toml:6:8 inner.a.kind: expected \"hold\" or \"error\", found \"hodl\" (help: did you mean \"hold\"?)",
+            "a.toml:7:1 inner.\"b c\": `value` is missing",
+            "a.toml:8:1 inner.\"b c\".zzz: unknown key `zzz` (help: known here: kind, value)",
+            "a.toml:8:7 inner.\"b c\".zzz: 1979-05-27 is a date",
+        ];
+        assert_eq!(told.lines().count(), expected.len(), "{told}");
+        for (line, expected) in told.lines().zip(expected) {
+            assert!(line.starts_with(expected), "{line}\n{expected}");
+        }
+    }
+
+    #[test]
+    fn a_missing_key_is_described() {
+        assert!(read("[inner]\n").unwrap_err().to_string().contains("`position_m` is missing (help: Where it is, m.)"));
+    }
+
+    #[test]
+    fn the_first_syntax_error_is_told() {
+        let error = read("a = 1\nb = [1,\nc = \n").unwrap_err();
+        assert!(matches!(error, Error::Syntax { .. }));
+        assert!(error.to_string().starts_with("a.toml:3:"), "{error}");
+    }
+
+    #[test]
+    fn keys_keep_their_order_and_items_their_places() {
+        let document = Document::parse("[m]\nz = 1\n\"a.b\" = {c = 2}\n".into(), Path::new("a.toml")).unwrap();
+        assert_eq!(document.keys("m"), ["z", "a.b"]);
+        assert_eq!(document.at("m.\"a.b\".c").to_string(), "a.toml:3:14 m.\"a.b\".c");
+        assert_eq!(document.at("m.\"a.b\".d").to_string(), "a.toml:3:9 m.\"a.b\".d");
+        assert_eq!(document.at("q").to_string(), "a.toml q");
+    }
+
+    #[test]
+    fn slips_of_the_keyboard_are_near() {
+        assert_eq!(nearest("reflectence", &["mixture", "reflectance"]), Some("reflectance"));
+        assert_eq!(nearest("position_km", &["position_m"]), Some("position_m"));
+        assert_eq!(nearest("x", &["reflectance"]), None);
+        assert_eq!(distance("kitten", "sitting"), 3);
+    }
+}

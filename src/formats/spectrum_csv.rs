@@ -1,0 +1,216 @@
+//! Spectra as tables of comma-separated values.
+//!
+//! Lines that begin with `#` are comments. The first other line is the header: its first column is `wavelength_um` or
+//! `wavelength_nm`; its second names the quantity and its unit: `reflectance`, `emissivity` or `albedo` (fractions), the
+//! same with `_percent`, `irradiance_w_m2_um` or `irradiance_w_m2_nm`. Further columns (an uncertainty, say) are passed
+//! over. Rows ascend in wavelength.
+
+use std::path::Path;
+
+use crate::error::{Error, Location, Problem, Result};
+use crate::spectral::{Extend, Spectrum};
+use crate::units::um_from_nm;
+
+use super::input::{self, InputFile, Problems};
+
+/// What a table must hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// Reflectance, emissivity or albedo, 0 to 1.
+    Fraction,
+    /// Spectral irradiance, W m-2 um-1.
+    Irradiance,
+}
+
+/// Longer files are refused, bytes.
+const LIMIT: u64 = 64 << 20;
+
+/// Reads a spectrum, in um and fractions or W m-2 um-1.
+///
+/// # Errors
+/// [`Error::Io`]; [`Error::Invalid`] with the lines that cannot be used: no header that states both units, fewer
+/// columns than two, what is no finite number, wavelengths that do not ascend, fractions outside 0 to 1.
+pub fn read(path: &Path, quantity: Quantity, extend: Extend) -> Result<(Spectrum, InputFile)> {
+    let (text, input) = input::text(path, LIMIT)?;
+    Ok((parse(&text, path, quantity, extend)?, input))
+}
+
+/// Reads the text of a spectrum; `path` is for messages.
+///
+/// # Errors
+/// [`Error::Invalid`], as [`read`].
+pub fn parse(text: &str, path: &Path, quantity: Quantity, extend: Extend) -> Result<Spectrum> {
+    let mut problems = Problems::default();
+    let mut units = None;
+    let (mut wavelength_um, mut values) = (Vec::new(), Vec::new());
+    let mut previous = 0.0;
+    for (i, line) in text.lines().enumerate() {
+        let at = |cell: &str| {
+            let start = cell.as_ptr() as usize - text.as_ptr() as usize;
+            let column = cell.as_ptr() as usize - line.as_ptr() as usize;
+            let column = line.get(..column).map(|before| before.chars().count() + 1);
+            Location { column, span: Some((start, start + cell.len())), ..Location::line(path, i + 1) }
+        };
+        let row = line.trim();
+        if row.is_empty() || row.starts_with('#') {
+            continue;
+        }
+        let mut cells = row.split(',').map(str::trim);
+        let (Some(first), Some(second)) = (cells.next(), cells.next()) else {
+            problems
+                .push(|| Problem::new(at(row), "one column: a wavelength and a value, parted by a comma, are needed"));
+            if units.is_none() {
+                break;
+            }
+            continue;
+        };
+        let Some((um, unit)) = units else {
+            units = header(first, second, quantity);
+            if units.is_none() {
+                let expected = match quantity {
+                    Quantity::Fraction => "`reflectance` or `reflectance_percent` (emissivity and albedo likewise)",
+                    Quantity::Irradiance => "`irradiance_w_m2_um` or `irradiance_w_m2_nm`",
+                };
+                problems.push(|| {
+                    let message = format!("the header `{first},{second}` does not state the units");
+                    let help = format!("the first line is `wavelength_um` or `wavelength_nm`, then {expected}");
+                    Problem::new(at(row), message).with_help(help)
+                });
+                break;
+            }
+            continue;
+        };
+        let number = |cell: &str| cell.parse::<f64>().ok().filter(|x| x.is_finite());
+        let (Some(w), Some(v)) = (number(first), number(second)) else {
+            let cell = if number(first).is_none() { first } else { second };
+            problems.push(|| Problem::new(at(cell), format!("`{cell}` is not a finite number")));
+            continue;
+        };
+        let (w, v) = (um(w), v * unit);
+        if w <= previous {
+            problems.push(|| {
+                let message = match w {
+                    _ if w <= 0.0 => format!("wavelength {first} is not positive"),
+                    _ if w == previous => format!("wavelength {first} is there twice"),
+                    _ => format!("wavelength {first} is less than the one before it: sort the rows"),
+                };
+                Problem::new(at(first), message)
+            });
+            continue;
+        }
+        previous = w;
+        match quantity {
+            Quantity::Fraction if !(0.0..=1.0).contains(&v) => problems.push(|| {
+                let problem = Problem::new(at(second), format!("{second} is outside 0 to {}", 1.0 / unit));
+                match unit {
+                    1.0 if v > 1.0 => {
+                        problem.with_help("if these are percent, say so in the header: `reflectance_percent`")
+                    }
+                    _ => problem,
+                }
+            }),
+            Quantity::Irradiance if v < 0.0 => {
+                problems.push(|| Problem::new(at(second), format!("irradiance {second} is negative")));
+            }
+            _ => {
+                wavelength_um.push(w);
+                values.push(v);
+            }
+        }
+    }
+    if let (Some(&first), Some(&last)) = (wavelength_um.first(), wavelength_um.last()) {
+        suspect_unit(first, last, path, &mut problems);
+    }
+    problems.finish(path)?;
+    Spectrum::new(wavelength_um, values, extend).ok_or_else(|| {
+        Error::invalid(Location::file(path), "no rows: a header that states units, then at least one row")
+    })
+}
+
+/// Conversions to um, and to fractions or W m-2 um-1, as the header says.
+fn header(first: &str, second: &str, quantity: Quantity) -> Option<(fn(f64) -> f64, f64)> {
+    let um: fn(f64) -> f64 = match first {
+        "wavelength_um" => |um| um,
+        "wavelength_nm" => um_from_nm,
+        _ => return None,
+    };
+    let fraction = |name: &str| ["reflectance", "emissivity", "albedo"].contains(&name);
+    let unit = match quantity {
+        Quantity::Fraction if fraction(second) => 1.0,
+        Quantity::Fraction if second.strip_suffix("_percent").is_some_and(fraction) => 0.01,
+        Quantity::Irradiance if second == "irradiance_w_m2_um" => 1.0,
+        Quantity::Irradiance if second == "irradiance_w_m2_nm" => 1000.0,
+        _ => return None,
+    };
+    Some((um, unit))
+}
+
+/// Tables that reach no wavelength between 0.1 and 100 um are in another unit than their header says.
+fn suspect_unit(first_um: f64, last_um: f64, path: &Path, problems: &mut Problems) {
+    let help = match () {
+        () if first_um > 100.0 => "these look like nanometres: is the header `wavelength_nm`?",
+        () if last_um < 0.1 => "these look like micrometres: is the header `wavelength_um`?",
+        () => return,
+    };
+    problems.push(|| {
+        Problem::new(Location::file(path), format!("wavelengths from {first_um} to {last_um} um")).with_help(help)
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn told(text: &str, quantity: Quantity) -> String {
+        parse(text, Path::new("a.csv"), quantity, Extend::Error).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn units_are_those_of_the_header() {
+        let a = "# assumed\nwavelength_um,reflectance,sigma\n0.5,0.05,0.01\n\n1.0,0.125,0.01\n";
+        let b = "wavelength_nm, reflectance_percent\r\n500,5\r\n1000,12.5\r\n";
+        for text in [a, b] {
+            let s = parse(text, Path::new("a.csv"), Quantity::Fraction, Extend::Error).unwrap();
+            assert_eq!((s.wavelength_um(), s.value()), (&[0.5, 1.0][..], &[0.05, 0.125][..]));
+        }
+        let s = parse("wavelength_nm,irradiance_w_m2_nm\n500,2\n", Path::new("a"), Quantity::Irradiance, Extend::Hold)
+            .unwrap();
+        assert_eq!((s.wavelength_um(), s.value()), (&[0.5][..], &[2000.0][..]));
+    }
+
+    #[test]
+    fn every_bad_row_is_told_with_its_place() {
+        let text = "wavelength_um,reflectance\n1,0.1\n2, x\n3\n2.5,nan\n0.5,0.1\n1,0.1\n4,7\n-1,0.1\n5,-0.1\n";
+        let told = told(text, Quantity::Fraction);
+        let expected = [
+            "a.csv:3:4: `x` is not a finite number",
+            "a.csv:4:1: one column",
+            "a.csv:5:5: `nan` is not",
+            "a.csv:6:1: wavelength 0.5 is less than",
+            "a.csv:7:1: wavelength 1 is there twice",
+            "a.csv:8:3: 7 is outside 0 to 1 (help: if these are percent",
+            "a.csv:9:1: wavelength -1 is not positive",
+            "a.csv:10:3: -0.1 is outside 0 to 1",
+        ];
+        assert_eq!(told.lines().count(), expected.len(), "{told}");
+        for (line, expected) in told.lines().zip(expected) {
+            assert!(line.starts_with(expected), "{line}");
+        }
+    }
+
+    #[test]
+    fn a_header_without_units_is_refused() {
+        for text in ["0.5,0.1\n1,0.1\n", "lambda,red\n1,2\n", "wavelength_um,irradiance_w_m2_um\n1,2\n"] {
+            assert!(told(text, Quantity::Fraction).contains("a.csv:1:1: the header"), "{text}");
+        }
+        assert!(told("wavelength_um,reflectance\n1,0.1\n", Quantity::Irradiance).contains("irradiance_w_m2_nm"));
+        assert!(told("# nothing\n", Quantity::Fraction).contains("no rows"));
+        assert!(told("wavelength\n", Quantity::Fraction).contains("one column"));
+    }
+
+    #[test]
+    fn nanometres_that_are_called_micrometres_are_suspected() {
+        assert!(told("wavelength_um,reflectance\n400,0.1\n2500,0.1\n", Quantity::Fraction).contains("nanometres"));
+        assert!(told("wavelength_nm,reflectance\n0.4,0.1\n2.5,0.1\n", Quantity::Fraction).contains("micrometres"));
+    }
+}

@@ -1,0 +1,157 @@
+//! The program as people call it: exit codes, what is said where, and what is left behind.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+fn mmxrt() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_mmxrt"))
+}
+
+fn run(arguments: &[&str]) -> (i32, String, String) {
+    let Output { status, stdout, stderr } = mmxrt().args(arguments).output().unwrap();
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    (status.code().unwrap(), text(stdout), text(stderr))
+}
+
+struct Scratch(PathBuf);
+
+impl Scratch {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("mmxrt-cli-{}-{name}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&path);
+        std::fs::create_dir_all(&path).unwrap();
+        Scratch(path)
+    }
+
+    fn join(&self, name: &str) -> String {
+        self.0.join(name).to_str().unwrap().to_owned()
+    }
+
+    fn names(&self) -> Vec<String> {
+        let entries = self.0.read_dir().unwrap();
+        let mut names: Vec<String> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    fn recipe(&self, text: &str) -> String {
+        std::fs::write(self.0.join("recipe.toml"), text).unwrap();
+        self.join("recipe.toml")
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+#[test]
+fn usage_errors_exit_with_2() {
+    for arguments in [&["simulat"][..], &["simulate"], &["inspect"], &["--threads", "0", "validate"], &[]] {
+        let (code, out, err) = run(arguments);
+        assert_eq!((code, out.as_str()), (2, ""), "{arguments:?}");
+        assert!(err.contains("--help") || err.contains("Usage"), "{arguments:?}: {err}");
+    }
+    let (code, out, _) = run(&["--help"]);
+    assert!(code == 0 && out.contains("simulate") && out.contains("validate"));
+}
+
+#[test]
+fn a_landscape_is_made_inspected_and_never_overwritten_unasked() {
+    let scratch = Scratch::new("landscape");
+    let recipe = scratch.recipe("version = 1\nseed = 7\nfacets = 2000\n");
+    let obj = scratch.join("site/hills.obj");
+    let (code, out, err) = run(&["landscape", &recipe, "-o", &obj, "--threads", "2"]);
+    assert_eq!((code, err.as_str()), (0, ""));
+    assert!(out.starts_with(&format!("{obj}: ")) && out.ends_with(" facets\n"), "{out}");
+    let first = std::fs::read(&obj).unwrap();
+    assert!(Path::new(&scratch.join("site/hills.mtl")).is_file());
+
+    let (code, out, err) = run(&["landscape", &recipe, "-o", &obj, "--seed", "8"]);
+    assert_eq!((code, out.as_str()), (1, ""));
+    assert!(err.contains("hills.obj") && err.contains("--force"), "{err}");
+    assert!(std::fs::read(&obj).unwrap() == first);
+    let (code, out, err) = run(&["landscape", &recipe, "-o", &obj, "--seed", "8", "--force", "--quiet"]);
+    assert_eq!((code, out.as_str(), err.as_str()), (0, "", ""));
+    assert!(std::fs::read(&obj).unwrap() != first);
+    assert_eq!(scratch.names(), ["recipe.toml", "site"]);
+
+    let (code, out, _) = run(&["--json", "inspect", &obj]);
+    let facts: serde_json::Value = serde_json::from_str(&out).unwrap();
+    let facets = facts["facets"].as_u64().unwrap();
+    assert!(code == 0 && (1900..2100).contains(&facets), "{facts}");
+    let (code, out, _) = run(&["inspect", &recipe]);
+    assert!(code == 0 && out.starts_with("kind: landscape recipe\nseed: 7\n"), "{out}");
+}
+
+#[test]
+fn errors_name_the_place_as_text_and_as_json() {
+    let scratch = Scratch::new("errors");
+    let recipe = scratch.recipe("version = 1\nseed = 7\nfacets = 2\nrelif = 3\n");
+    let out = scratch.join("out/x.obj");
+    let (code, _, err) = run(&["landscape", &recipe, "-o", &out]);
+    assert!(code == 1 && err.contains("recipe.toml:4") && err.contains("relif"), "{err}");
+    let (code, said, err) = run(&["landscape", &recipe, "-o", &out, "--json"]);
+    let error: serde_json::Value = serde_json::from_str(&err).unwrap();
+    assert_eq!((code, said.as_str(), error["error"]["kind"].as_str()), (1, "", Some("invalid")));
+    assert_eq!(error["error"]["problems"][0]["line"], 4);
+    assert_eq!(scratch.names(), ["recipe.toml"], "an error left something behind");
+
+    let recipe = scratch.recipe("version = 1\nseed = 7\nfacets = 2\n");
+    let (_, _, err) = run(&["landscape", &recipe, "-o", &out, "--json"]);
+    let error: serde_json::Value = serde_json::from_str(&err).unwrap();
+    assert_eq!(error["error"]["problems"][0]["line"], 3, "{error}");
+
+    let (code, _, err) = run(&["inspect", &scratch.join("none.npz")]);
+    assert!(code == 1 && err.contains("none.npz") && err.contains("reading"), "{err}");
+    let (code, _, err) = run(&["inspect", &scratch.join("none.xyz")]);
+    assert!(code == 1 && err.contains("none.xyz"), "{err}");
+    let (code, _, err) = run(&["inspect", scratch.0.to_str().unwrap()]);
+    assert!(code == 1 && err.contains("not a product folder"), "{err}");
+}
+
+#[test]
+fn a_failed_check_exits_with_1() {
+    let scratch = Scratch::new("validate");
+    let path = scratch.join("oracles.json");
+    let record = |expected: &str| {
+        format!(
+            r#"{{"oracles": [{{"group": "thermal", "name": "thesis_eq9_T", "inputs": {{"cos_i": 0.5}}, "expected": {expected}, "tol_rel": 1e-9}}, {{"group": "hearsay", "name": "x", "expected": 1}}]}}"#
+        )
+    };
+    std::fs::write(&path, record("240")).unwrap();
+    let (code, out, _) = run(&["validate", "--oracles", &path]);
+    assert!(code == 0 && out.contains("PASS") && out.ends_with("1 passed, 0 failed, 1 skipped\n"), "{out}");
+    std::fs::write(&path, record("241")).unwrap();
+    let (code, out, _) = run(&["validate", "--oracles", &path]);
+    assert!(code == 1 && out.contains("FAIL") && out.ends_with("0 passed, 1 failed, 1 skipped\n"), "{out}");
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_error() {
+    let mut child = mmxrt().arg("validate").stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!((output.status.code(), String::from_utf8(output.stderr).unwrap().as_str()), (Some(0), ""));
+}
+
+#[test]
+#[cfg(unix)]
+fn an_interrupted_command_leaves_nothing() {
+    let scratch = Scratch::new("interrupt");
+    let recipe = scratch.recipe("version = 1\nseed = 7\nfacets = 4000000\n");
+    let out = scratch.join("deep/down/x.obj");
+    let mut child = mmxrt().args(["landscape", &recipe, "-o", &out]).stderr(Stdio::piped()).spawn().unwrap();
+    while !Path::new(&scratch.join("deep/down")).is_dir() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+        assert!(child.try_wait().unwrap().is_none(), "ended before it could be interrupted");
+    }
+    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(sent.success());
+    let output = child.wait_with_output().unwrap();
+    let err = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{err}");
+    assert!(err.contains("interrupted"), "{err}");
+    assert_eq!(scratch.names(), ["recipe.toml"]);
+}
