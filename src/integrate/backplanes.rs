@@ -100,7 +100,8 @@ impl<'a> Planes<'a> {
     fn means(&self, pixel: &Pixel, coverage: f64, values: &mut [f64; FIXED.len()], abundance: &mut [f64]) {
         let mesh = &self.scene.mesh;
         let (mut position_m, mut range_m, mut lit) = (DVec3::ZERO, 0.0, 0.0);
-        let (mut phase, mut incidence, mut emission, mut local_incidence, mut local_emission) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        let (mut phase, mut incidence, mut emission, mut local_incidence, mut local_emission) =
+            (0.0, 0.0, 0.0, 0.0, 0.0);
         let mut sunlit_incidence = 0.0;
         let mut area_of_material = [0.0; 8];
         let mut more_materials = std::collections::BTreeMap::new();
@@ -202,9 +203,10 @@ impl<'a> Planes<'a> {
     /// Puts names to the planes.
     pub(super) fn name(&self, values: Vec<Vec<f64>>, samples: usize, lines: usize) -> Backplanes {
         let fixed = FIXED.iter().map(|(name, unit)| ((*name).to_string(), (*unit).to_string()));
-        let abundance = self.entries.iter().flat_map(|entry| {
-            ["ABUNDANCE", "ABUNDANCE_LIT"].map(|kind| (format!("{kind} {entry}"), "1".to_string()))
-        });
+        let abundance = self
+            .entries
+            .iter()
+            .flat_map(|entry| ["ABUNDANCE", "ABUNDANCE_LIT"].map(|kind| (format!("{kind} {entry}"), "1".to_string())));
         let named = fixed.chain(abundance).zip(values);
         let planes = named.map(|((name, unit), values)| Plane { name, unit, values }).collect();
         Backplanes { samples, lines, planes }

@@ -73,8 +73,7 @@ impl<'a> Emission<'a> {
                 let at = |spectrum: &crate::spectral::Spectrum| spectrum.at(um).unwrap_or(f64::NAN);
                 let sunlight = sun::irradiance_at(at(&self.scene.sun.irradiance_1au), self.scene.sun.distance_m);
                 let mars = self.scene.mars.as_ref().map_or(0.0, |m| at(&m.reflectance));
-                let black: Vec<f64> =
-                    temperatures_k.iter().map(|t| blackbody::radiance_w_m2_sr_um(um, *t)).collect();
+                let black: Vec<f64> = temperatures_k.iter().map(|t| blackbody::radiance_w_m2_sr_um(um, *t)).collect();
                 for (m, material) in self.scene.materials.iter().enumerate() {
                     let first = m * self.rows_of_material();
                     let reflected = brdf(material, at(&material.reflectance)) * sunlight;

@@ -4,8 +4,8 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
-use crate::geometry::polygon::{Point, Rect, area, clip_to_rect};
 use crate::error::Result;
+use crate::geometry::polygon::{Point, Rect, area, clip_to_rect};
 use crate::geometry::{Direction, Mesh};
 use crate::product::{Lit, Sunlit};
 use crate::progress::{Watch, tell};

@@ -110,7 +110,17 @@ pub fn observe(scene: &Scene, topology: &Topology, table: &FacetTable, watch: Wa
         partly_lit_facets: lit(Lit::Part),
         visible_facets: image.seen.iter().filter(|s| **s).count() as u64,
     };
-    let checks =
-        vec![Check { name: "areas in a pixel exceed the pixel by, pixels".into(), value: image.excess_px, limit: 1e-12 }];
-    Ok(Observation { effects: vec![], warnings: vec![], checks, counts, cube: image.cube, backplanes: image.backplanes })
+    let checks = vec![Check {
+        name: "areas in a pixel exceed the pixel by, pixels".into(),
+        value: image.excess_px,
+        limit: 1e-12,
+    }];
+    Ok(Observation {
+        effects: vec![],
+        warnings: vec![],
+        checks,
+        counts,
+        cube: image.cube,
+        backplanes: image.backplanes,
+    })
 }

@@ -65,9 +65,11 @@ impl Piece {
 
 /// Columns or rows whose inside an extent touches; empty if it lies outside.
 fn touched(lo: f64, hi: f64, count: u32) -> std::ops::Range<u32> {
-    let first = lo.floor().clamp(0.0, f64::from(count));
-    let last = hi.ceil().clamp(0.0, f64::from(count));
-    first as u32..(last as u32).max(first as u32)
+    // A cast to u32 rounds towards 0 and saturates; floor and ceil would be library calls on plain x86-64.
+    let first = (lo as u32).min(count);
+    let below = hi as u32;
+    let last = (below + u32::from(f64::from(below) < hi)).min(count);
+    first..last.max(first)
 }
 
 /// Calls `visit` with each cell that a triangle may touch, in ascending order.
@@ -89,7 +91,7 @@ pub fn for_each_cell_of(corners: [Point; 3], grid: Grid, mut visit: impl FnMut(u
     let [a, b, c] = corners;
     let columns = touched(a[0].min(b[0]).min(c[0]), a[0].max(b[0]).max(c[0]), grid.columns);
     let rows = touched(a[1].min(b[1]).min(c[1]), a[1].max(b[1]).max(c[1]), grid.rows);
-    if columns.is_empty() {
+    if columns.is_empty() || rows.is_empty() {
         return;
     }
     if (columns.len() as u64) * (rows.len() as u64) <= u64::from(TRACED_CELLS) {

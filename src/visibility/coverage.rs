@@ -8,8 +8,8 @@ use robust::{Coord, orient2d};
 
 use super::bins::Bins;
 use super::drawing::Drawing;
-use super::partition::Partition;
-use crate::geometry::polygon::{Point, Rect};
+use super::partition::{Candidate, Partition};
+use crate::geometry::polygon::{Point, Rect, side};
 
 /// Receives what is seen in the parts of a cell.
 pub trait Visit {
@@ -51,6 +51,8 @@ type Part = (Rect, u32, usize, usize);
 /// Working memory of a thread.
 #[derive(Debug, Default)]
 pub struct Scratch {
+    triangles: Vec<u32>,
+    candidates: Vec<Candidate>,
     list: Vec<u32>,
     stack: Vec<Part>,
     waiting: Vec<u32>,
@@ -71,16 +73,18 @@ impl<'a> Coverage<'a> {
     /// Tells `visit` what is seen in a cell.
     pub fn cell(&self, column: u32, row: u32, scratch: &mut Scratch, visit: &mut impl Visit) {
         let cell = row as usize * self.drawing.grid.columns as usize + column as usize;
-        let Scratch { list, stack, waiting, partition } = scratch;
-        self.bins.cell(cell, list);
+        let Scratch { triangles, candidates, list, stack, waiting, partition } = scratch;
+        self.bins.cell(cell, triangles);
         let rect = self.drawing.grid.cell(column, row);
-        if self.is_settled(&rect, list) {
-            visit.settled(list, &rect);
+        if self.is_settled(&rect, triangles) {
+            visit.settled(triangles, &rect);
             return;
         }
-        // The stack holds rectangles with their triangles, a stretch of `waiting` each; the last one is the last stretch.
+        candidates.clear();
+        candidates.extend(triangles.iter().map(|t| Candidate::new(self.drawing, *t)));
+        // The stack holds rectangles with their candidates, a stretch of `waiting` each; the last one is the last stretch.
         waiting.clear();
-        waiting.extend_from_slice(list);
+        waiting.extend(0..candidates.len() as u32);
         stack.clear();
         stack.push((rect, 0, 0, waiting.len()));
         while let Some((rect, depth, from, to)) = stack.pop() {
@@ -90,86 +94,88 @@ impl<'a> Coverage<'a> {
             if list.is_empty() {
                 continue;
             }
-            if depth > 0 && self.is_settled(&rect, list) {
-                for t in list.iter() {
-                    visit.whole(*t, &rect);
-                }
-            } else if list.len() > FEW && depth < DEEPEST && self.quarter(&rect, depth, list, waiting, stack) {
-                // Its quarters are on the stack.
-            } else {
-                let few = if depth == DEEPEST { self.nearest(&rect, list) } else { list.as_slice() };
-                partition.resolve(self.drawing, &rect, few, visit);
+            let centre = rect.centre();
+            let is_open = |c: &Candidate| self.is_open_in(c, &rect);
+            let at_centre = |c: &Candidate| covers(c.outline, centre);
+            let of = |i: &u32| &candidates[*i as usize];
+            if depth > 0
+                && list.iter().filter(|i| at_centre(of(i))).take(2).count() == 1
+                && !list.iter().any(|i| is_open(of(i)))
+            {
+                list.iter().for_each(|i| visit.whole(of(i).triangle, &rect));
+            } else if depth == DEEPEST {
+                let nearest = list.iter().map(of).filter(|c| at_centre(c)).max_by(|a, b| a.is_nearer(b));
+                nearest.into_iter().for_each(|c| visit.whole(c.triangle, &rect));
+            } else if list.len() <= FEW || !quarter(&rect, depth, list, candidates, waiting, stack) {
+                partition.resolve(self.drawing, &rect, candidates, list, is_open, at_centre, visit);
             }
-        }
-    }
-
-    /// Quarters a rectangle, unless its triangles would only be listed again and again: a bundle of slivers
-    /// seen edge-on is as thick in every part of it.
-    fn quarter(&self, rect: &Rect, depth: u32, list: &[u32], waiting: &mut Vec<u32>, stack: &mut Vec<Part>) -> bool {
-        let (listed, stacked) = (waiting.len(), stack.len());
-        for quarter in rect.quarters() {
-            let from = waiting.len();
-            waiting.extend(list.iter().copied().filter(|&t| self.may_touch(t, &quarter)));
-            stack.push((quarter, depth + 1, from, waiting.len()));
-        }
-        let helps = (waiting.len() - listed) as f64 <= WORTHWHILE * list.len() as f64;
-        if helps || (list.len() > MANY && depth < DEEP) {
-            return true;
-        }
-        waiting.truncate(listed);
-        stack.truncate(stacked);
-        false
-    }
-
-    /// In a cell too small to matter: the triangle that is nearest at its centre stands for all.
-    fn nearest<'l>(&self, rect: &Rect, list: &'l [u32]) -> &'l [u32] {
-        let near = |t: u32| self.drawing.corners(t).iter().map(|p| p[2]).fold(f64::NEG_INFINITY, f64::max);
-        let covers = (0..list.len()).filter(|&i| covers(self.drawing.outline(list[i]), rect.centre()));
-        match covers.max_by(|&i, &j| near(list[i]).total_cmp(&near(list[j]))) {
-            Some(i) => &list[i..=i],
-            None => &list[..0],
         }
     }
 
     /// Whether the cell has exactly one layer everywhere, or none.
-    fn is_settled(&self, rect: &Rect, list: &[u32]) -> bool {
-        for &t in list {
-            if self.drawing.has_open_edge(t) && self.open_edge_crosses(t, rect) {
-                return false;
-            }
-        }
+    fn is_settled(&self, rect: &Rect, triangles: &[u32]) -> bool {
         let centre = rect.centre();
         let mut layers = 0;
-        for &t in list {
-            let outline = self.drawing.outline(t);
-            if covers(outline, centre) {
-                layers += 1;
-                if layers > 1 {
+        for &t in triangles {
+            if self.drawing.has_open_edge(t) {
+                let corners = self.drawing.corners(t).map(|p| [p[0], p[1]]);
+                let crosses =
+                    |k: usize| self.drawing.is_open(t, k) && may_cross(corners[k], corners[(k + 1) % 3], rect);
+                if (0..3).any(crosses) {
                     return false;
                 }
             }
+            layers += u32::from(covers(self.drawing.outline(t), centre));
         }
-        // No layer although triangles are listed: they only touch the cell's border.
-        layers == 1 || list.is_empty() || list.iter().all(|&t| !self.may_touch(t, rect))
+        layers == 1 || triangles.is_empty()
     }
 
-    fn open_edge_crosses(&self, triangle: u32, rect: &Rect) -> bool {
-        let corners = self.drawing.corners(triangle).map(|p| [p[0], p[1]]);
-        (0..3).any(|k| self.drawing.is_open(triangle, k) && may_cross(corners[k], corners[(k + 1) % 3], rect))
-    }
-
-    /// Whether a triangle may overlap a rectangle; errs on the side of yes.
-    fn may_touch(&self, triangle: u32, rect: &Rect) -> bool {
-        let outline = self.drawing.outline(triangle);
-        if !Rect::of(&outline).overlaps(rect) {
+    /// Whether an open edge of a candidate may cross a rectangle.
+    fn is_open_in(&self, candidate: &Candidate, rect: &Rect) -> bool {
+        let t = candidate.triangle;
+        if !self.drawing.has_open_edge(t) {
             return false;
         }
-        let corners = rect.corners();
-        (0..3).all(|k| {
-            let (a, b) = (outline[k], outline[(k + 1) % 3]);
-            !corners.iter().all(|c| crate::geometry::polygon::side(a, b, *c) < 0.0)
-        })
+        let corners = self.drawing.corners(t).map(|p| [p[0], p[1]]);
+        (0..3).any(|k| self.drawing.is_open(t, k) && may_cross(corners[k], corners[(k + 1) % 3], rect))
     }
+}
+
+/// Quarters a rectangle, unless its candidates would only be listed again and again: a bundle of slivers
+/// seen edge-on is as thick in every part of it.
+fn quarter(
+    rect: &Rect,
+    depth: u32,
+    list: &[u32],
+    candidates: &[Candidate],
+    waiting: &mut Vec<u32>,
+    stack: &mut Vec<Part>,
+) -> bool {
+    let (listed, stacked) = (waiting.len(), stack.len());
+    for quarter in rect.quarters() {
+        let from = waiting.len();
+        waiting.extend(list.iter().copied().filter(|&i| may_touch(&candidates[i as usize], &quarter)));
+        stack.push((quarter, depth + 1, from, waiting.len()));
+    }
+    let helps = (waiting.len() - listed) as f64 <= WORTHWHILE * list.len() as f64;
+    if helps || (list.len() > MANY && depth < DEEP) {
+        return true;
+    }
+    waiting.truncate(listed);
+    stack.truncate(stacked);
+    false
+}
+
+/// Whether a candidate may overlap a rectangle; errs on the side of yes.
+fn may_touch(candidate: &Candidate, rect: &Rect) -> bool {
+    if !candidate.bounds.overlaps(rect) {
+        return false;
+    }
+    let corners = rect.corners();
+    (0..3).all(|k| {
+        let (a, b) = (candidate.outline[k], candidate.outline[(k + 1) % 3]);
+        !corners.iter().all(|c| side(a, b, *c) < 0.0)
+    })
 }
 
 /// Whether a segment may cross a rectangle; errs on the side of yes.
@@ -181,7 +187,7 @@ fn may_cross(a: Point, b: Point, rect: &Rect) -> bool {
     {
         return false;
     }
-    let sides = rect.corners().map(|c| crate::geometry::polygon::side(a, b, c));
+    let sides = rect.corners().map(|c| side(a, b, c));
     !(sides.iter().all(|s| *s > 0.0) || sides.iter().all(|s| *s < 0.0))
 }
 

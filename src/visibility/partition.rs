@@ -6,7 +6,6 @@
 
 use super::coverage::Visit;
 use super::drawing::Drawing;
-use super::topology::NONE;
 use crate::geometry::polygon::{Point, Rect, area, clip_to_rect, side, split};
 
 const SKY: u32 = u32::MAX;
@@ -15,26 +14,87 @@ const SLIVER: f64 = 1e-15;
 /// Forward error of a nearness, in units of eps x (magnitude of nearness + slope x magnitude of coordinates).
 const DEPTH_ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// A triangle in the cell.
+/// A triangle, with what its contests need: made once for a cell, however often the cell is quartered.
 #[derive(Debug, Clone, Copy)]
-struct Candidate {
-    triangle: u32,
+pub(super) struct Candidate {
+    pub(super) triangle: u32,
     facet: u32,
-    outline: [Point; 3],
-    bounds: Rect,
+    /// Counter-clockwise.
+    pub(super) outline: [Point; 3],
+    pub(super) bounds: Rect,
     /// Nearness is anchor[2] + slope . (p - anchor).
     anchor: [f64; 3],
     slope: [f64; 2],
     /// Bound of the error of a nearness within the triangle.
     error: f64,
-    /// Greatest nearness in the cell, with its error.
-    nearest: f64,
     continuations: [u32; 3],
-    /// Something of it is hidden.
-    cut: bool,
 }
 
-/// A convex part of the cell and who is seen there.
+impl Candidate {
+    pub(super) fn new(drawing: &Drawing, triangle: u32) -> Self {
+        let [magnitude_xy, magnitude_near] = drawing.magnitude();
+        let [a, b, c] = drawing.corners(triangle);
+        let (bx, by, bz) = (b[0] - a[0], b[1] - a[1], b[2] - a[2]);
+        let (cx, cy, cz) = (c[0] - a[0], c[1] - a[1], c[2] - a[2]);
+        let det = bx * cy - by * cx;
+        let slope = [(bz * cy - cz * by) / det, (bx * cz - cx * bz) / det];
+        let size = bx.abs().max(cx.abs()).max(by.abs()).max(cy.abs());
+        let products = (bz * cy).abs() + (cz * by).abs() + (bx * cz).abs() + (cx * bz).abs();
+        let steep = slope[0].abs() + slope[1].abs();
+        let outline = drawing.outline(triangle);
+        Candidate {
+            triangle,
+            facet: drawing.facet(triangle),
+            outline,
+            bounds: Rect::of(&outline),
+            anchor: a,
+            slope,
+            error: DEPTH_ROUNDING * (magnitude_near + steep * magnitude_xy + products / det.abs() * size),
+            continuations: drawing.continuations(triangle),
+        }
+    }
+
+    fn nearness(&self, p: Point) -> f64 {
+        self.anchor[2] + self.slope[0] * (p[0] - self.anchor[0]) + self.slope[1] * (p[1] - self.anchor[1])
+    }
+
+    /// Orders candidates by the nearness of their nearest corner.
+    pub(super) fn is_nearer(&self, other: &Candidate) -> std::cmp::Ordering {
+        let nearest = |c: &Candidate| c.outline.iter().map(|p| c.nearness(*p)).fold(f64::NEG_INFINITY, f64::max);
+        nearest(self).total_cmp(&nearest(other))
+    }
+
+    /// Whether two candidates cannot overlap: one facet, or facets that share an edge and face the same way.
+    fn continues(&self, other: &Candidate) -> bool {
+        self.facet == other.facet || self.continuations.contains(&other.facet)
+    }
+
+    /// Whether one of the three sides keeps a polygon out.
+    fn keeps_out(&self, polygon: &[Point]) -> bool {
+        (0..3).any(|k| {
+            let (a, b) = (self.outline[k], self.outline[if k == 2 { 0 } else { k + 1 }]);
+            polygon.iter().all(|p| side(a, b, *p) <= 0.0)
+        })
+    }
+}
+
+/// A candidate's part in the rectangle at hand.
+#[derive(Debug, Clone, Copy)]
+struct Share {
+    candidate: u32,
+    bounds: Rect,
+    /// Greatest nearness there, with its error.
+    nearest: f64,
+    /// Clipped polygon, a stretch of the partition's points.
+    start: u32,
+    end: u32,
+    /// Something of it is hidden.
+    cut: bool,
+    /// Already in the partition.
+    placed: bool,
+}
+
+/// A convex part of the rectangle and who is seen there: a share, or the sky.
 #[derive(Debug, Clone, Copy)]
 struct Fragment {
     owner: u32,
@@ -45,91 +105,164 @@ struct Fragment {
     farthest: f64,
 }
 
-/// The partition of one cell; kept to reuse its memory.
+/// The partition of one rectangle; kept to reuse its memory.
 #[derive(Debug, Default)]
 pub(super) struct Partition {
-    candidates: Vec<Candidate>,
+    shares: Vec<Share>,
     fragments: Vec<Fragment>,
     points: Vec<Point>,
+    sheet: Vec<u32>,
     cutter: Cutter,
 }
 
 impl Partition {
-    /// Finds what is seen in `rect` and tells `visit`.
-    pub(super) fn resolve(&mut self, drawing: &Drawing, rect: &Rect, triangles: &[u32], visit: &mut impl Visit) {
-        self.gather(drawing, rect, triangles);
-        self.points.clear();
-        self.fragments.clear();
-        self.add(SKY, &rect.corners());
+    /// Finds what is seen in `rect` of the candidates in `list` and tells `visit`.
+    ///
+    /// `is_open(candidate)` tells whether an open edge of it may cross the rectangle, `at_centre` whether it covers the centre.
+    pub(super) fn resolve(
+        &mut self,
+        drawing: &Drawing,
+        rect: &Rect,
+        candidates: &[Candidate],
+        list: &[u32],
+        is_open: impl Fn(&Candidate) -> bool,
+        at_centre: impl Fn(&Candidate) -> bool,
+        visit: &mut impl Visit,
+    ) {
         let least_area = SLIVER * rect.area();
-        let mut inserted = 0;
-        while inserted < self.candidates.len() {
-            let farthest_seen = self.fragments.iter().map(|f| f.farthest).fold(f64::INFINITY, f64::min);
-            if self.candidates[inserted].nearest < farthest_seen {
-                break;
+        self.fragments.clear();
+        self.gather(rect, candidates, list, least_area);
+        if !self.start_with_a_sheet(candidates, is_open, at_centre) {
+            let start = self.points.len() as u32;
+            self.points.extend(rect.corners());
+            let end = self.points.len() as u32;
+            self.fragments.push(Fragment { owner: SKY, start, end, bounds: *rect, farthest: f64::NEG_INFINITY });
+        }
+        let mut next = 0;
+        while next < self.shares.len() {
+            if !self.shares[next].placed {
+                let farthest_seen = self.fragments.iter().map(|f| f.farthest).fold(f64::INFINITY, f64::min);
+                if self.shares[next].nearest < farthest_seen {
+                    break;
+                }
+                self.insert(drawing, candidates, next, least_area);
             }
-            self.insert(drawing, inserted, least_area);
-            inserted += 1;
+            next += 1;
         }
-        for candidate in &mut self.candidates[inserted..] {
-            candidate.cut = true;
+        for share in self.shares[next..].iter_mut().filter(|s| !s.placed) {
+            share.cut = true;
         }
-        for candidate in &self.candidates {
-            if candidate.cut {
-                visit.cut(candidate.triangle, rect);
+        for share in &self.shares {
+            let triangle = candidates[share.candidate as usize].triangle;
+            if share.cut {
+                visit.cut(triangle, rect);
             } else {
-                visit.whole(candidate.triangle, rect);
+                visit.whole(triangle, rect);
             }
         }
         for fragment in self.fragments.iter().filter(|f| f.owner != SKY && f.start < f.end) {
-            let owner = &self.candidates[fragment.owner as usize];
+            let owner = &self.shares[fragment.owner as usize];
             if owner.cut {
-                visit.piece(owner.triangle, rect, &self.points[fragment.start as usize..fragment.end as usize]);
+                let polygon = &self.points[fragment.start as usize..fragment.end as usize];
+                visit.piece(candidates[owner.candidate as usize].triangle, rect, polygon);
             }
         }
     }
 
-    /// The triangles that have a share of the cell, nearest first.
-    fn gather(&mut self, drawing: &Drawing, rect: &Rect, triangles: &[u32]) {
-        self.candidates.clear();
+    /// The candidates that have a share of the rectangle, nearest first.
+    fn gather(&mut self, rect: &Rect, candidates: &[Candidate], list: &[u32], least_area: f64) {
+        self.shares.clear();
+        self.points.clear();
         let clipped = &mut self.cutter.overlap;
-        for &triangle in triangles {
-            let outline = drawing.outline(triangle);
-            clip_to_rect(&outline, rect, clipped, &mut self.cutter.spare);
-            if area(clipped) > SLIVER * rect.area() {
-                self.candidates.push(Candidate::new(drawing, triangle, outline, clipped));
-            }
-        }
-        self.candidates.sort_by(|a, b| b.nearest.total_cmp(&a.nearest));
-    }
-
-    fn add(&mut self, owner: u32, polygon: &[Point]) {
-        let start = self.points.len() as u32;
-        self.points.extend_from_slice(polygon);
-        let farthest = match self.candidates.get(owner as usize) {
-            Some(c) => polygon.iter().map(|p| c.nearness(*p)).fold(f64::INFINITY, f64::min) - c.error,
-            None => f64::NEG_INFINITY,
-        };
-        let end = self.points.len() as u32;
-        self.fragments.push(Fragment { owner, start, end, bounds: Rect::of(polygon), farthest });
-    }
-
-    /// Gives a candidate what it wins of the fragments that are there.
-    fn insert(&mut self, drawing: &Drawing, new: usize, least_area: f64) {
-        for i in 0..self.fragments.len() {
-            let fragment = self.fragments[i];
-            let candidate = &self.candidates[new];
-            if fragment.start == fragment.end || !fragment.bounds.overlaps(&candidate.bounds) {
+        for &i in list {
+            let candidate = &candidates[i as usize];
+            clip_to_rect(&candidate.outline, rect, clipped, &mut self.cutter.spare);
+            if area(clipped) <= least_area {
                 continue;
             }
-            let owner = self.candidates.get(fragment.owner as usize);
+            let start = self.points.len() as u32;
+            self.points.extend_from_slice(clipped);
+            let nearest = clipped.iter().map(|p| candidate.nearness(*p)).fold(f64::NEG_INFINITY, f64::max);
+            self.shares.push(Share {
+                candidate: i,
+                bounds: Rect::of(clipped),
+                nearest: nearest + candidate.error,
+                start,
+                end: self.points.len() as u32,
+                cut: false,
+                placed: false,
+            });
+        }
+        self.shares.sort_by(|a, b| b.nearest.total_cmp(&a.nearest));
+    }
+
+    /// Starts from facets that hang together and cover the rectangle once, without an open edge in it: the nearest such sheet.
+    ///
+    /// Its facets are the fragments as they are, where the sky would first have to be cut up.
+    fn start_with_a_sheet(
+        &mut self,
+        candidates: &[Candidate],
+        is_open: impl Fn(&Candidate) -> bool,
+        at_centre: impl Fn(&Candidate) -> bool,
+    ) -> bool {
+        let of = |share: &Share| &candidates[share.candidate as usize];
+        for first in 0..self.shares.len() {
+            // A sheet that covers the rectangle covers its centre: grown from there, each sheet is met once.
+            if !at_centre(of(&self.shares[first])) {
+                continue;
+            }
+            self.sheet.clear();
+            self.sheet.push(first as u32);
+            let mut grown = 0;
+            let mut complete = true;
+            while complete && grown < self.sheet.len() {
+                let member = of(&self.shares[self.sheet[grown] as usize]);
+                grown += 1;
+                complete = !is_open(member);
+                for (i, share) in self.shares.iter().enumerate() {
+                    if member.continuations.contains(&of(share).facet) && !self.sheet.contains(&(i as u32)) {
+                        complete &= !at_centre(of(share));
+                        self.sheet.push(i as u32);
+                    }
+                }
+            }
+            if complete {
+                for k in 0..self.sheet.len() {
+                    let share = self.sheet[k];
+                    self.shares[share as usize].placed = true;
+                    let Share { start, end, bounds, candidate, .. } = self.shares[share as usize];
+                    let farthest = self.farthest(&candidates[candidate as usize], start, end);
+                    self.fragments.push(Fragment { owner: share, start, end, bounds, farthest });
+                }
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Least nearness of a candidate at some points, with its error.
+    fn farthest(&self, candidate: &Candidate, start: u32, end: u32) -> f64 {
+        let points = &self.points[start as usize..end as usize];
+        points.iter().map(|p| candidate.nearness(*p)).fold(f64::INFINITY, f64::min) - candidate.error
+    }
+
+    /// Gives a share what it wins of the fragments that are there.
+    fn insert(&mut self, drawing: &Drawing, candidates: &[Candidate], new: usize, least_area: f64) {
+        let Share { candidate, bounds, nearest, .. } = self.shares[new];
+        let candidate = &candidates[candidate as usize];
+        for i in 0..self.fragments.len() {
+            let fragment = self.fragments[i];
+            if fragment.start == fragment.end || !fragment.bounds.overlaps(&bounds) {
+                continue;
+            }
+            let owner = self.shares.get(fragment.owner as usize).map(|s| &candidates[s.candidate as usize]);
             if let Some(owner) = owner
-                && (candidate.continues(owner) || (candidate.cut && candidate.nearest < fragment.farthest))
+                && (candidate.continues(owner) || (self.shares[new].cut && nearest < fragment.farthest))
             {
                 continue;
             }
             let polygon = &self.points[fragment.start as usize..fragment.end as usize];
-            if !self.cutter.overlap(polygon, candidate, least_area) {
+            if candidate.keeps_out(polygon) || !self.cutter.overlap(polygon, candidate, least_area) {
                 continue;
             }
             let verdict = match owner {
@@ -137,64 +270,39 @@ impl Partition {
                 Some(owner) => self.cutter.contest(drawing, candidate, owner, least_area),
             };
             if verdict != Verdict::WinsAll {
-                self.candidates[new].cut = true;
+                self.shares[new].cut = true;
             }
             if verdict == Verdict::WinsNothing {
                 continue;
             }
             if fragment.owner != SKY {
-                self.candidates[fragment.owner as usize].cut = true;
+                self.shares[fragment.owner as usize].cut = true;
             }
             self.fragments[i] = Fragment { end: fragment.start, farthest: f64::INFINITY, ..fragment };
-            let cutter = std::mem::take(&mut self.cutter);
-            self.add(new as u32, &cutter.overlap);
-            let mut start = 0;
-            for &end in &cutter.kept_end {
-                self.add(fragment.owner, &cutter.kept[start..end]);
-                start = end;
+            self.add(new as u32, Some(candidate), Cut::Overlap);
+            for k in 0..self.cutter.kept_end.len() {
+                self.add(fragment.owner, owner, Cut::Kept(k));
             }
-            self.cutter = cutter;
         }
+    }
+
+    /// Adds what the cutter has cut as a fragment.
+    fn add(&mut self, owner: u32, candidate: Option<&Candidate>, cut: Cut) {
+        let polygon = self.cutter.polygon(cut);
+        let start = self.points.len() as u32;
+        self.points.extend_from_slice(polygon);
+        let end = self.points.len() as u32;
+        let bounds = Rect::of(polygon);
+        let farthest = candidate.map_or(f64::NEG_INFINITY, |c| self.farthest(c, start, end));
+        self.fragments.push(Fragment { owner, start, end, bounds, farthest });
     }
 }
 
-impl Candidate {
-    fn new(drawing: &Drawing, triangle: u32, outline: [Point; 3], clipped: &[Point]) -> Self {
-        let [magnitude_xy, magnitude_near] = drawing.magnitude();
-        let [a, b, c] = drawing.corners(triangle);
-        let (bx, by, bz) = (b[0] - a[0], b[1] - a[1], b[2] - a[2]);
-        let (cx, cy, cz) = (c[0] - a[0], c[1] - a[1], c[2] - a[2]);
-        let det = bx * cy - by * cx;
-        let slope = [(bz * cy - cz * by) / det, (bx * cz - cx * bz) / det];
-        let size = bx.abs().max(cx.abs()).max(by.abs()).max(cy.abs());
-        let products = (bz * cy).abs() + (cz * by).abs() + (bx * cz).abs() + (cx * bz).abs();
-        let steep = slope[0].abs() + slope[1].abs();
-        let error = DEPTH_ROUNDING * (magnitude_near + steep * magnitude_xy + products / det.abs() * size);
-        let mut candidate = Candidate {
-            triangle,
-            facet: drawing.facet(triangle),
-            outline,
-            bounds: Rect::of(clipped),
-            anchor: a,
-            slope,
-            error,
-            nearest: 0.0,
-            continuations: drawing.continuations(triangle),
-            cut: false,
-        };
-        let nearest = clipped.iter().map(|p| candidate.nearness(*p)).fold(f64::NEG_INFINITY, f64::max);
-        candidate.nearest = nearest + error;
-        candidate
-    }
-
-    fn nearness(&self, p: Point) -> f64 {
-        self.anchor[2] + self.slope[0] * (p[0] - self.anchor[0]) + self.slope[1] * (p[1] - self.anchor[1])
-    }
-
-    /// Whether two candidates cannot overlap: one facet, or facets that share an edge and face the same way.
-    fn continues(&self, other: &Candidate) -> bool {
-        self.facet == other.facet || (other.facet != NONE && self.continuations.contains(&other.facet))
-    }
+/// What the cutter holds: the overlap, or the n-th polygon that the owner keeps.
+#[derive(Clone, Copy)]
+enum Cut {
+    Overlap,
+    Kept(usize),
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -217,6 +325,13 @@ struct Cutter {
 }
 
 impl Cutter {
+    fn polygon(&self, cut: Cut) -> &[Point] {
+        match cut {
+            Cut::Overlap => &self.overlap,
+            Cut::Kept(k) => &self.kept[if k == 0 { 0 } else { self.kept_end[k - 1] }..self.kept_end[k]],
+        }
+    }
+
     fn keep(&mut self, least_area: f64) {
         if area(&self.outside) > least_area {
             self.kept.extend_from_slice(&self.outside);
