@@ -5,6 +5,7 @@ pub mod located;
 pub mod mtl;
 pub mod obj;
 mod picture;
+pub mod scene_toml;
 pub mod spectrum_csv;
 
 pub use input::InputFile;
