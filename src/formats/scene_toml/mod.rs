@@ -1,7 +1,7 @@
 //! `scene.toml`: everything a simulation needs, or where it lies.
 //!
 //! Reading goes in three steps, and each tells all its problems: the text against the schema
-//! ([`located`](super::located)); each part against itself and the files it names; the whole, by [`Scene::check`].
+//! ([`located`]); each part against itself and the files it names; the whole, by [`Scene::check`].
 
 mod materials;
 mod mesh;
