@@ -2,6 +2,7 @@
 
 // Lowest layer first: a module uses only those above it in this list (tests/it/layers.rs).
 pub mod error;
+pub mod progress;
 pub mod units;
 pub mod geometry;
 pub mod visibility;

@@ -1,10 +1,16 @@
-//! Files: one format, one file or folder. Only here and in the command line is the disk touched.
+//! Files: one format, one module. Only here and in the command line is the disk touched.
 
+pub mod envi;
+pub mod exr_cube;
+pub mod folder;
 mod input;
 pub mod located;
 pub mod mtl;
+pub mod npz;
 pub mod obj;
 mod picture;
+pub mod quicklook;
+pub mod report_json;
 pub mod scene_toml;
 pub mod spectrum_csv;
 

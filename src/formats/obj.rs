@@ -605,7 +605,7 @@ fn triangulate(corners: &[u32], vertices: &[DVec3], facets: &mut Vec<[u32; 3]>) 
                     && turn(b, c, p) >= 0.0
                     && turn(c, a, p) >= 0.0
             };
-            turn(a, b, c) > 0.0 && !left.iter().any(|p| holds(p))
+            turn(a, b, c) > 0.0 && !left.iter().any(holds)
         };
         let k = (0..m).find(|k| is_ear(k)).unwrap_or(0);
         push(left[(k + m - 1) % m], left[k], left[(k + 1) % m]);

@@ -19,6 +19,11 @@ impl Direction {
         Some(Direction(scaled / scaled.length()))
     }
 
+    /// `v` itself, bit for bit, as read back from a file; `None` unless its length is 1 to rounding.
+    pub fn from_unit(v: DVec3) -> Option<Self> {
+        ((v.length_squared() - 1.0).abs() <= 8.0 * f64::EPSILON).then_some(Direction(v))
+    }
+
     /// The unit vector.
     pub fn vec(self) -> DVec3 {
         self.0
@@ -67,6 +72,14 @@ mod tests {
         assert!(Direction::new(DVec3::new(f64::INFINITY, 0.0, 1.0)).is_none());
         let huge = Direction::new(DVec3::new(3e200, 0.0, 4e200)).unwrap().vec();
         assert!((huge - DVec3::new(0.6, 0.0, 0.8)).length() < 1e-15);
+    }
+
+    #[test]
+    fn unit_vectors_are_taken_as_they_are() {
+        let v = Direction::new(DVec3::new(1.0, 2.0, -3.0)).unwrap();
+        assert_eq!(Direction::from_unit(v.vec()), Some(v));
+        assert!(Direction::from_unit(DVec3::new(1.0, 1e-6, 0.0)).is_none());
+        assert!(Direction::from_unit(DVec3::NAN).is_none());
     }
 
     #[test]

@@ -1,1 +1,176 @@
-//! integrate
+//! Scene and facet table to images: what each pixel sees, exactly.
+//!
+//! A pixel's entries (facet, area, lit area) are found once; weights of spectra and backplanes are sums over them.
+
+mod backplanes;
+mod footprints;
+mod lit;
+mod pixel;
+
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
+use rayon::prelude::*;
+
+use crate::error::Result;
+use crate::product::{Backplanes, Cube, FacetTable};
+use crate::progress::{Watch, tell};
+use crate::scene::Scene;
+use crate::solve::Emission;
+use crate::visibility::{Coverage, Scratch, Topology};
+
+use backplanes::Planes;
+use lit::{LitArea, first_polygons};
+use pixel::Pixel;
+
+pub use footprints::footprints;
+
+/// What a camera sees.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Image {
+    /// Radiance.
+    pub cube: Cube,
+    /// Images of geometry.
+    pub backplanes: Backplanes,
+    /// For each facet whether some pixel sees it.
+    pub seen: Vec<bool>,
+    /// Area that shows the inner side of a facet, pixels.
+    pub back_area_px: f64,
+    /// Largest amount by which the areas in a pixel exceed the pixel, pixels: rounding.
+    pub excess_px: f64,
+}
+
+/// One line of the image.
+#[derive(Default)]
+struct Line {
+    row_start: Vec<u32>,
+    row: Vec<u32>,
+    weight: Vec<f64>,
+    planes: Vec<Vec<f64>>,
+    seen: Vec<u32>,
+    back_area_px: f64,
+    excess_px: f64,
+}
+
+/// Looks at a scene.
+///
+/// # Errors
+/// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
+pub fn integrate(scene: &Scene, topology: &Topology, table: &FacetTable, watch: Watch<'_>) -> Result<Image> {
+    let camera = &scene.sensor.camera;
+    let drawing = footprints::draw(&scene.mesh, topology, camera);
+    let coverage = Coverage::new(&drawing);
+    let first = first_polygons(&table.sunlit);
+    let emission = Emission::new(scene, table);
+    let planes = Planes::new(scene, table);
+    let done = AtomicU64::new(0);
+    let lines: Result<Vec<Line>> = (0..camera.lines)
+        .into_par_iter()
+        .map_init(
+            || {
+                let lit = LitArea::new(&scene.mesh, camera, &table.sunlit, &first, |f| drawing.is_cut(f));
+                (Scratch::default(), Pixel::new(&drawing, lit), Weights::new(emission.rows()))
+            },
+            |(scratch, pixel, weights), row| {
+                let mut line = Line { planes: vec![vec![]; planes.count()], ..Line::default() };
+                pixel.new_line(row);
+                for column in 0..camera.samples {
+                    pixel.look(&coverage, column, row, scratch);
+                    line.row_start.push(line.row.len() as u32);
+                    line.look(scene, &emission, pixel, weights);
+                    planes.add(pixel, column, row, &mut line.planes);
+                }
+                tell(watch, "image", done.fetch_add(1, Relaxed) + 1, u64::from(camera.lines))?;
+                Ok(line)
+            },
+        )
+        .collect();
+    drop(coverage);
+    Ok(assemble(scene, &emission, &planes, lines?))
+}
+
+impl Line {
+    /// Adds up what a pixel sees.
+    fn look(&mut self, scene: &Scene, emission: &Emission, pixel: &Pixel, weights: &mut Weights) {
+        let mut area = 0.0;
+        for e in &pixel.entries {
+            area += e.area;
+            self.seen.push(e.facet);
+            if e.front {
+                let [x, y] = e.centroid();
+                let to_observer = -scene.sensor.camera.ray(x, y);
+                emission.towards(e.facet, to_observer, e.area, e.lit, |row, weight| weights.add(row, weight));
+            } else {
+                self.back_area_px += e.area;
+            }
+        }
+        self.excess_px = self.excess_px.max(area - 1.0);
+        weights.drain(|row, weight| {
+            self.row.push(row);
+            self.weight.push(weight);
+        });
+    }
+}
+
+/// Weights of a pixel, by row.
+struct Weights {
+    value: Vec<f64>,
+    used: Vec<u32>,
+}
+
+impl Weights {
+    fn new(rows: usize) -> Self {
+        Weights { value: vec![0.0; rows], used: vec![] }
+    }
+
+    fn add(&mut self, row: u32, weight: f64) {
+        let value = &mut self.value[row as usize];
+        if *value == 0.0 {
+            self.used.push(row);
+        }
+        *value += weight;
+    }
+
+    /// Hands out the weights by ascending row, and forgets them.
+    fn drain(&mut self, mut put: impl FnMut(u32, f64)) {
+        self.used.sort_unstable();
+        self.used.dedup();
+        for row in self.used.drain(..) {
+            let weight = std::mem::take(&mut self.value[row as usize]);
+            if weight != 0.0 {
+                put(row, weight);
+            }
+        }
+    }
+}
+
+fn assemble(scene: &Scene, emission: &Emission, planes: &Planes, lines: Vec<Line>) -> Image {
+    let camera = &scene.sensor.camera;
+    let entries = lines.iter().map(|l| l.row.len()).sum();
+    let mut cube = Cube {
+        samples: camera.samples as usize,
+        lines: camera.lines as usize,
+        bands: scene.sensor.bands.clone(),
+        row_start: Vec::with_capacity(camera.samples as usize * camera.lines as usize + 1),
+        row: Vec::with_capacity(entries),
+        weight: Vec::with_capacity(entries),
+        spectra: emission.spectra(),
+    };
+    let mut seen = vec![false; scene.mesh.facets.len()];
+    let mut values = vec![Vec::with_capacity(cube.samples * cube.lines); planes.count()];
+    let (mut back_area_px, mut excess_px) = (0.0, 0.0f64);
+    for line in lines {
+        let base = cube.row.len() as u32;
+        cube.row_start.extend(line.row_start.iter().map(|s| base + s));
+        cube.row.extend(line.row);
+        cube.weight.extend(line.weight);
+        for (all, part) in values.iter_mut().zip(line.planes) {
+            all.extend(part);
+        }
+        line.seen.iter().for_each(|f| seen[*f as usize] = true);
+        back_area_px += line.back_area_px;
+        excess_px = excess_px.max(line.excess_px);
+    }
+    cube.row_start.push(cube.row.len() as u32);
+    let backplanes = planes.name(values, cube.samples, cube.lines);
+    Image { cube, backplanes, seen, back_area_px, excess_px }
+}

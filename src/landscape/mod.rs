@@ -34,6 +34,10 @@ pub struct Landscape {
     pub mesh: Mesh,
     /// Name and linear RGB of each material, by index: [`MATERIALS`].
     pub materials: Vec<(String, [f64; 3])>,
+    /// Craters that were made; the rest of the recipe's are too small for the grid.
+    pub craters: usize,
+    /// Boulders that were made; the rest of the recipe's are too small for the grid.
+    pub boulders: usize,
 }
 
 /// Makes the landscape of a recipe: the same bytes at any thread count.
@@ -69,7 +73,7 @@ pub fn generate(recipe: &Recipe, progress: &dyn Fn(f64) -> bool) -> Result<Lands
         return Err(Error::Interrupted);
     }
     let materials = MATERIALS.map(|(name, rgb)| (name.to_owned(), rgb)).to_vec();
-    Ok(Landscape { mesh, materials })
+    Ok(Landscape { mesh, materials, craters: craters.len(), boulders: plan.boulders.len() })
 }
 
 /// The nearest whole multiple of 1e-5 m, as the f64 that reading its decimal text gives: a whole number over a whole
@@ -167,7 +171,7 @@ mod tests {
             }
         }
         assert_eq!((boulders, grounds), (200, 1));
-        assert_eq!(landscape.materials.len(), 2);
+        assert_eq!((landscape.materials.len(), landscape.boulders), (2, 200));
         assert!((mesh.facets.len() as f64 / 20_000.0 - 1.0).abs() < 0.02);
     }
 

@@ -128,7 +128,7 @@ impl Default for Craters {
 
 impl Default for Boulders {
     fn default() -> Self {
-        Boulders { count: 3000, min_diameter_m: 2.0, max_diameter_m: 12.0, exponent: 3.0, sunk: 0.5 }
+        Boulders { count: 3000, min_diameter_m: 2.0, max_diameter_m: 12.0, exponent: 2.5, sunk: 0.5 }
     }
 }
 
@@ -282,5 +282,15 @@ mod tests {
         assert!(problems[0].message.contains("need 120000 facets, more than half of recipe.facets = 200000"));
         recipe.boulders.count = 5000;
         assert_eq!(recipe.check(), []);
+    }
+
+    #[test]
+    fn bench_landscapes_differ_in_facets_alone() {
+        let texts =
+            [include_str!("../../benches/landscape_2e5.toml"), include_str!("../../benches/landscape_2e6.toml")];
+        let [small, large] = texts.map(|text| toml::from_str::<Recipe>(text).unwrap());
+        assert_eq!((small.facets, large.facets), (200_000, 2_000_000));
+        assert_eq!(Recipe { facets: 2_000_000, ..small }, large);
+        assert_eq!(large.check(), []);
     }
 }

@@ -130,12 +130,4 @@ mod tests {
             assert!((before - after).abs() < 1e-4, "{before} {after}");
         }
     }
-
-    #[test]
-    fn lattices_stay_rotations() {
-        // 3-4-5 turned 40 times keeps its length to rounding
-        let last = octaves(&relief(), 1, 1e-9).pop().unwrap();
-        let per_m = 2f64.powi(39) / 1000.0;
-        assert!((last.cos_per_m.hypot(last.sin_per_m) / per_m - 1.0).abs() < 1e-13);
-    }
 }

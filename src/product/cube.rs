@@ -1,5 +1,7 @@
 //! The hyperspectral cube, kept as what it was computed from.
 
+use std::ops::Range;
+
 use ndarray::Array3;
 
 use crate::spectral::Band;
@@ -27,31 +29,52 @@ pub struct Cube {
 }
 
 impl Cube {
-    /// Radiance of a pixel in every band, W m-2 sr-1 um-1.
-    pub fn pixel(&self, pixel: usize, radiance: &mut [f64]) {
-        let bands = self.bands.len();
-        radiance[..bands].fill(0.0);
-        for i in self.row_start[pixel] as usize..self.row_start[pixel + 1] as usize {
-            let row = self.row[i] as usize * bands;
-            let weight = self.weight[i];
-            for (value, spectrum) in radiance.iter_mut().zip(&self.spectra[row..row + bands]) {
-                *value += weight * spectrum;
+    /// Radiance of some pixels in some bands, W m-2 sr-1 um-1: `put(pixel, first_band, values)` gets a few bands of
+    /// one pixel at a time, all pixels before the next bands.
+    ///
+    /// Each value is the sum of its weights times spectra in the order they are stored, however it is asked for.
+    pub fn expand(&self, pixels: Range<usize>, bands: Range<usize>, mut put: impl FnMut(usize, usize, &[f64])) {
+        // 16 sums stay in registers while the weights stream by.
+        let mut band = bands.start;
+        while band + 16 <= bands.end {
+            pixels.clone().for_each(|pixel| put(pixel, band, &self.panel::<16>(pixel, band)));
+            band += 16;
+        }
+        while band + 4 <= bands.end {
+            pixels.clone().for_each(|pixel| put(pixel, band, &self.panel::<4>(pixel, band)));
+            band += 4;
+        }
+        while band < bands.end {
+            pixels.clone().for_each(|pixel| put(pixel, band, &self.panel::<1>(pixel, band)));
+            band += 1;
+        }
+    }
+
+    /// Radiance of a pixel in `N` bands.
+    fn panel<const N: usize>(&self, pixel: usize, first_band: usize) -> [f64; N] {
+        let entries = self.row_start[pixel] as usize..self.row_start[pixel + 1] as usize;
+        let mut sum = [0.0; N];
+        for (row, weight) in self.row[entries.clone()].iter().zip(&self.weight[entries]) {
+            let spectrum = &self.spectra[*row as usize * self.bands.len() + first_band..][..N];
+            for (sum, value) in sum.iter_mut().zip(spectrum) {
+                *sum += weight * value;
             }
         }
+        sum
+    }
+
+    /// Radiance of a pixel in every band, W m-2 sr-1 um-1.
+    pub fn pixel(&self, pixel: usize, radiance: &mut [f64]) {
+        self.expand(pixel..pixel + 1, 0..self.bands.len(), |_, band, values| {
+            radiance[band..band + values.len()].copy_from_slice(values);
+        });
     }
 
     /// Radiance of every pixel in one band, line by line, W m-2 sr-1 um-1.
     pub fn band(&self, band: usize) -> Vec<f64> {
-        let bands = self.bands.len();
-        self.row_start
-            .windows(2)
-            .map(|r| {
-                let entries = r[0] as usize..r[1] as usize;
-                entries
-                    .map(|i| self.weight[i] * self.spectra[self.row[i] as usize * bands + band])
-                    .fold(0.0, |a, b| a + b)
-            })
-            .collect()
+        let mut radiance = Vec::with_capacity(self.samples * self.lines);
+        self.expand(0..self.samples * self.lines, band..band + 1, |_, _, values| radiance.push(values[0]));
+        radiance
     }
 
     /// The whole cube as [line, sample, band], W m-2 sr-1 um-1.
@@ -63,5 +86,50 @@ impl Cube {
             }
         }
         array
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two pixels of 21 bands; pixel 0 is 2 a + 3 b, pixel 1 is sky.
+    fn cube() -> Cube {
+        let bands = (0..21).map(|i| Band { centre_um: 1.0 + f64::from(i), fwhm_um: None }).collect();
+        let a = (0..21).map(f64::from);
+        let b = (0..21).map(|i| 100.0 * f64::from(i));
+        Cube {
+            samples: 2,
+            lines: 1,
+            bands,
+            row_start: vec![0, 2, 2],
+            row: vec![0, 1],
+            weight: vec![2.0, 3.0],
+            spectra: a.chain(b).collect(),
+        }
+    }
+
+    #[test]
+    fn a_pixel_is_the_weighted_sum_of_its_spectra() {
+        let mut radiance = [f64::NAN; 21];
+        cube().pixel(0, &mut radiance);
+        for (i, value) in radiance.iter().enumerate() {
+            assert_eq!(*value, 302.0 * i as f64);
+        }
+        cube().pixel(1, &mut radiance);
+        assert_eq!(radiance, [0.0; 21]);
+    }
+
+    #[test]
+    fn pixels_bands_and_the_whole_cube_are_the_same_numbers() {
+        let mut cube = cube();
+        cube.weight = vec![0.1, 1.0 / 3.0];
+        let array = cube.to_array();
+        let mut radiance = [0.0; 21];
+        cube.pixel(0, &mut radiance);
+        for (band, value) in radiance.iter().enumerate() {
+            assert_eq!(*value, array[[0, 0, band]]);
+            assert_eq!(cube.band(band), [*value, 0.0]);
+        }
     }
 }

@@ -31,6 +31,11 @@ impl FrameCamera {
         self.world_from_sensor.vector(DVec3::new(x, y, 1.0))
     }
 
+    /// Where the boresight meets the image, pixels from the first pixel's outer corner.
+    pub fn boresight_px(&self) -> [f64; 2] {
+        [0.5 * f64::from(self.samples), 0.5 * f64::from(self.lines)]
+    }
+
     /// Angle that the central pixel subtends, rad.
     pub fn ifov_rad(&self) -> f64 {
         2.0 * (0.5 * self.pitch).atan()

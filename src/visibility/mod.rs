@@ -1,1 +1,16 @@
-//! visibility
+//! What is seen from where, exactly: geometry only, no wavelength.
+//!
+//! One engine serves the Sun (parallel rays: what it sees is lit) and cameras (rays through a point).
+//! A mesh is [drawn](Drawing) once, its triangles are sorted into the cells of a grid, and each cell
+//! is settled or resolved by [`Coverage`].
+
+mod bins;
+mod coverage;
+mod drawing;
+mod partition;
+mod topology;
+
+pub use bins::for_each_cell_of as cells_of;
+pub use coverage::{Coverage, Scratch, Visit};
+pub use drawing::{Drawing, Grid, Side, View};
+pub use topology::{NONE, Topology};

@@ -1,4 +1,10 @@
-//! One binary for all integration tests.
+//! The integration tests: one binary, one module for each kind of promise.
 
+mod hazards;
 mod malformed_scene;
+mod oracles;
+mod products;
+mod sampler;
 mod scene_files;
+mod schema;
+mod shapes;

@@ -76,8 +76,8 @@ pub fn read(path: &Path) -> Result<SceneFile> {
 }
 
 /// The JSON Schema of `scene.toml`.
-pub fn schema() -> serde_json::Value {
-    located::schema::<SceneToml>()
+pub fn schema() -> schemars::Schema {
+    schemars::schema_for!(SceneToml)
 }
 
 /// What the parts of a scene file are read with.

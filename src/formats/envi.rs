@@ -1,0 +1,557 @@
+//! ENVI: a file of numbers and a text header beside it. Cubes and backplanes are written; any header can be inspected.
+
+use std::fmt::Write as _;
+use std::fs::File;
+use std::io::{BufReader, Read, Seek, SeekFrom, Write};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+
+use crate::error::{Error, Location, Problem, Result};
+use crate::product::{Backplanes, Cube};
+use crate::progress::{Watch, tell};
+
+/// Order of the numbers in the file, slowest index first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Interleave {
+    /// Band, line, sample.
+    #[default]
+    Bsq,
+    /// Line, band, sample.
+    Bil,
+    /// Line, sample, band.
+    Bip,
+}
+
+impl Interleave {
+    /// The name in the header.
+    pub fn name(self) -> &'static str {
+        match self {
+            Interleave::Bsq => "bsq",
+            Interleave::Bil => "bil",
+            Interleave::Bip => "bip",
+        }
+    }
+}
+
+/// How a number is stored. Always little-endian when written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum DataType {
+    /// 8 bits, unsigned (ENVI data type 1).
+    U8,
+    /// 16 bits, signed (2).
+    I16,
+    /// 32 bits, signed (3).
+    I32,
+    /// Single precision (4).
+    #[default]
+    F32,
+    /// Double precision (5).
+    F64,
+    /// 16 bits, unsigned (12).
+    U16,
+}
+
+impl DataType {
+    const CODES: [(u64, DataType); 6] = [
+        (1, DataType::U8),
+        (2, DataType::I16),
+        (3, DataType::I32),
+        (4, DataType::F32),
+        (5, DataType::F64),
+        (12, DataType::U16),
+    ];
+
+    /// Size of a number, bytes.
+    pub fn bytes(self) -> usize {
+        match self {
+            DataType::U8 => 1,
+            DataType::I16 | DataType::U16 => 2,
+            DataType::I32 | DataType::F32 => 4,
+            DataType::F64 => 8,
+        }
+    }
+}
+
+/// The precision of what is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Precision {
+    /// Single: half the size, rounded once, at the write.
+    #[default]
+    F32,
+    /// Double: as computed.
+    F64,
+}
+
+/// A number as it is written.
+trait Sample {
+    const BYTES: usize;
+    fn store(value: f64, at: &mut [u8]);
+}
+
+impl Sample for f32 {
+    const BYTES: usize = 4;
+    fn store(value: f64, at: &mut [u8]) {
+        at.copy_from_slice(&(value as f32).to_le_bytes());
+    }
+}
+
+impl Sample for f64 {
+    const BYTES: usize = 8;
+    fn store(value: f64, at: &mut [u8]) {
+        at.copy_from_slice(&value.to_le_bytes());
+    }
+}
+
+/// Pixels expanded by one task. Not a power of two, so that 16 bands of a block do not share cache sets.
+const BLOCK: usize = 1040;
+/// Bands of a band-sequential file that are expanded at a time: what [`Cube::expand`] computes at once,
+/// less if that were more memory than this.
+const PASS_BANDS: usize = 16;
+const PASS_BYTES: usize = 64 << 20;
+/// Lines expanded at a time in the other interleaves.
+const PASS_LINES: usize = 16;
+
+/// Writes a radiance cube: the numbers to `path`, the header beside it (`.hdr`).
+///
+/// The cube is expanded on the way to the disk and never held in memory; the bytes do not depend on the number of threads.
+///
+/// # Errors
+/// [`Error::Io`] if a file cannot be written, [`Error::Interrupted`] if `watch` asks to stop.
+pub fn write_cube(
+    path: &Path,
+    cube: &Cube,
+    interleave: Interleave,
+    precision: Precision,
+    description: &str,
+    watch: Watch<'_>,
+) -> Result<()> {
+    let mut file = File::create(path).map_err(|e| Error::io(path, "writing", e))?;
+    let mut put = |bytes: &[u8]| file.write_all(bytes).map_err(|e| Error::io(path, "writing", e));
+    match precision {
+        Precision::F32 => stream::<f32>(cube, interleave, &mut put, watch)?,
+        Precision::F64 => stream::<f64>(cube, interleave, &mut put, watch)?,
+    }
+    let mut text = common_header(description, cube.samples, cube.lines, cube.bands.len(), interleave, precision);
+    text.push_str("data units = W m-2 sr-1 um-1\nwavelength units = Micrometers\n");
+    list(&mut text, "wavelength", cube.bands.iter().map(|b| b.centre_um.to_string()));
+    if cube.bands.iter().any(|b| b.fwhm_um.is_some()) {
+        list(&mut text, "fwhm", cube.bands.iter().map(|b| b.fwhm_um.unwrap_or(0.0).to_string()));
+    }
+    let [red, green, blue] = super::quicklook::colour_bands(&cube.bands);
+    if cube.bands.len() >= 3 {
+        list(&mut text, "default bands", [red, green, blue].map(|b| (b + 1).to_string()).into_iter());
+    }
+    write_header(path, &text)
+}
+
+/// Expands a cube into the file's order, pass by pass.
+fn stream<S: Sample>(
+    cube: &Cube,
+    interleave: Interleave,
+    put: &mut impl FnMut(&[u8]) -> Result<()>,
+    watch: Watch<'_>,
+) -> Result<()> {
+    let bands = cube.bands.len();
+    if interleave == Interleave::Bsq {
+        let pixels = cube.samples * cube.lines;
+        let step = (PASS_BYTES / (pixels * S::BYTES).max(1)).clamp(1, PASS_BANDS);
+        for first in (0..bands).step_by(step) {
+            tell(watch, "writing the cube", first as u64, bands as u64)?;
+            let pass = first..(first + step).min(bands);
+            let blocks: Vec<Vec<u8>> = (0..pixels.div_ceil(BLOCK))
+                .into_par_iter()
+                .map(|i| tile::<S>(cube, i * BLOCK..((i + 1) * BLOCK).min(pixels), pass.clone(), true))
+                .collect();
+            for band in 0..pass.len() {
+                for block in &blocks {
+                    let run = block.len() / pass.len();
+                    put(&block[band * run..][..run])?;
+                }
+            }
+        }
+    } else {
+        for first in (0..cube.lines).step_by(PASS_LINES) {
+            tell(watch, "writing the cube", first as u64, cube.lines as u64)?;
+            for line in expand_lines::<S>(cube, first, interleave == Interleave::Bil) {
+                put(&line)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The bytes of a few lines, each [band, sample] or [sample, band].
+fn expand_lines<S: Sample>(cube: &Cube, first: usize, band_major: bool) -> Vec<Vec<u8>> {
+    (first..(first + PASS_LINES).min(cube.lines))
+        .into_par_iter()
+        .map(|line| tile::<S>(cube, line * cube.samples..(line + 1) * cube.samples, 0..cube.bands.len(), band_major))
+        .collect()
+}
+
+/// The lines of a cube as f32 [band, sample], a few at a time.
+pub(super) fn lines_f32(cube: &Cube) -> impl Iterator<Item = Vec<Vec<u8>>> {
+    (0..cube.lines).step_by(PASS_LINES).map(|first| expand_lines::<f32>(cube, first, true))
+}
+
+/// The bytes of some pixels in some bands: [band, pixel] or [pixel, band].
+fn tile<S: Sample>(cube: &Cube, pixels: Range<usize>, bands: Range<usize>, band_major: bool) -> Vec<u8> {
+    let mut bytes = vec![0; pixels.len() * bands.len() * S::BYTES];
+    let (pixel_step, band_step) = if band_major { (1, pixels.len()) } else { (bands.len(), 1) };
+    cube.expand(pixels.clone(), bands.clone(), |pixel, band, values| {
+        let start = (pixel - pixels.start) * pixel_step + (band - bands.start) * band_step;
+        for (k, value) in values.iter().enumerate() {
+            let at = (start + k * band_step) * S::BYTES;
+            S::store(*value, &mut bytes[at..at + S::BYTES]);
+        }
+    });
+    bytes
+}
+
+/// Writes backplanes, band-sequential: the numbers to `path`, the header beside it (`.hdr`). NaN is "no surface".
+///
+/// # Errors
+/// [`Error::Io`] if a file cannot be written; [`Error::Invalid`] for a plane of another size than the image.
+pub fn write_backplanes(path: &Path, planes: &Backplanes, precision: Precision, description: &str) -> Result<()> {
+    let pixels = planes.samples * planes.lines;
+    if let Some(plane) = planes.planes.iter().find(|p| p.values.len() != pixels) {
+        let message = format!("{} values for an image of {} x {}", plane.values.len(), planes.samples, planes.lines);
+        return Err(Error::invalid(Location::item(format!("backplane {}", plane.name)), message));
+    }
+    let mut file = File::create(path).map_err(|e| Error::io(path, "writing", e))?;
+    for plane in &planes.planes {
+        let bytes: Vec<u8> = match precision {
+            Precision::F32 => plane.values.iter().flat_map(|v| (*v as f32).to_le_bytes()).collect(),
+            Precision::F64 => plane.values.iter().flat_map(|v| v.to_le_bytes()).collect(),
+        };
+        file.write_all(&bytes).map_err(|e| Error::io(path, "writing", e))?;
+    }
+    let (samples, lines, bands) = (planes.samples, planes.lines, planes.planes.len());
+    let mut text = common_header(description, samples, lines, bands, Interleave::Bsq, precision);
+    text.push_str("data ignore value = nan\n");
+    // ENVI has one unit for a file; ours differ, so that a plane's name carries its own.
+    let name = |p: &crate::product::Plane| match p.unit.as_str() {
+        "" | "1" => plain(&p.name),
+        unit => plain(&format!("{} ({unit})", p.name)),
+    };
+    list(&mut text, "band names", planes.planes.iter().map(name));
+    write_header(path, &text)
+}
+
+fn common_header(
+    description: &str,
+    samples: usize,
+    lines: usize,
+    bands: usize,
+    interleave: Interleave,
+    precision: Precision,
+) -> String {
+    let data_type = match precision {
+        Precision::F32 => 4,
+        Precision::F64 => 5,
+    };
+    format!(
+        "ENVI\ndescription = {{{}}}\nsamples = {samples}\nlines = {lines}\nbands = {bands}\nheader offset = 0\n\
+         file type = ENVI Standard\ndata type = {data_type}\ninterleave = {}\nbyte order = 0\n",
+        description.replace(['{', '}', '\n'], " "),
+        interleave.name()
+    )
+}
+
+/// A name that the header's lists can hold.
+fn plain(name: &str) -> String {
+    name.replace(['{', '}', ',', '\n'], " ")
+}
+
+fn list(text: &mut String, key: &str, values: impl Iterator<Item = String>) {
+    let values: Vec<String> = values.collect();
+    let rows: Vec<String> = values.chunks(8).map(|row| row.join(", ")).collect();
+    let _ = writeln!(text, "{key} = {{\n {}}}", rows.join(",\n "));
+}
+
+fn write_header(data: &Path, text: &str) -> Result<()> {
+    let path = data.with_extension("hdr");
+    std::fs::write(&path, text).map_err(|e| Error::io(&path, "writing", e))
+}
+
+/// What a header says.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Header {
+    /// The header file.
+    pub path: PathBuf,
+    /// Pixels in a line.
+    pub samples: usize,
+    /// Lines.
+    pub lines: usize,
+    /// Bands.
+    pub bands: usize,
+    /// Bytes before the first number.
+    pub header_offset: u64,
+    /// How a number is stored.
+    pub data_type: DataType,
+    /// In which order.
+    pub interleave: Interleave,
+    /// Most significant byte first.
+    pub big_endian: bool,
+    /// Centres of the bands, in `wavelength_units`; empty if not given.
+    pub wavelength: Vec<f64>,
+    /// Full widths at half maximum, in `wavelength_units`; empty if not given.
+    pub fwhm: Vec<f64>,
+    /// Names of the bands; empty if not given.
+    pub band_names: Vec<String>,
+    /// The number that stands for "nothing here".
+    pub ignore: Option<f64>,
+    /// Every key (lower case) and its text, in the order of the file.
+    pub fields: Vec<(String, String)>,
+}
+
+impl Header {
+    /// The text of a key (lower case).
+    pub fn field(&self, key: &str) -> Option<&str> {
+        self.fields.iter().find(|(k, _)| k == key).map(|(_, v)| v.as_str())
+    }
+
+    /// Size of the numbers in the data file, bytes; `None` if no file can be so large.
+    pub fn data_bytes(&self) -> Option<u64> {
+        let count = (self.samples as u64).checked_mul(self.lines as u64)?.checked_mul(self.bands as u64)?;
+        count.checked_mul(self.data_type.bytes() as u64)
+    }
+}
+
+/// Headers are text of a few kilobytes; a larger file is something else.
+const LARGEST_HEADER: u64 = 16 << 20;
+
+/// Reads a header.
+///
+/// # Errors
+/// [`Error::Io`], [`Error::Syntax`] at the first line that is none, [`Error::Invalid`] with all values that are missing
+/// or wrong, [`Error::Unsupported`] for complex numbers and other data types we do not read.
+pub fn read_header(path: &Path) -> Result<Header> {
+    let size = std::fs::metadata(path).map_err(|e| Error::io(path, "reading", e))?.len();
+    if size > LARGEST_HEADER {
+        return Err(Error::syntax(Location::file(path), format!("{size} bytes are too many for an ENVI header")));
+    }
+    let bytes = std::fs::read(path).map_err(|e| Error::io(path, "reading", e))?;
+    parse_header(path, &String::from_utf8_lossy(&bytes))
+}
+
+fn parse_header(path: &Path, text: &str) -> Result<Header> {
+    let mut lines = text.lines().enumerate();
+    if lines.next().is_none_or(|(_, first)| first.trim() != "ENVI") {
+        return Err(Error::syntax(Location::line(path, 1), "an ENVI header begins with the line ENVI"));
+    }
+    let mut fields: Vec<(usize, String, String)> = Vec::new();
+    while let Some((index, line)) = lines.next() {
+        if line.trim().is_empty() || line.trim_start().starts_with(';') {
+            continue;
+        }
+        let Some((key, value)) = line.split_once('=') else {
+            return Err(Error::syntax(Location::line(path, index + 1), "expected `key = value`"));
+        };
+        let mut value = value.trim().to_owned();
+        if value.starts_with('{') {
+            while !value.contains('}') {
+                let Some((_, next)) = lines.next() else {
+                    let at = Location::line(path, index + 1).with_item(key.trim());
+                    return Err(Error::syntax(at, "the list that begins here with { is not closed with }"));
+                };
+                value.push('\n');
+                value.push_str(next.trim());
+            }
+            value = value.trim_start_matches('{').trim_end().trim_end_matches('}').trim().to_owned();
+        }
+        fields.push((index + 1, key.trim().to_lowercase(), value));
+    }
+
+    let mut problems = Vec::new();
+    let at = |key: &str| match fields.iter().find(|f| f.1 == key) {
+        Some((line, ..)) => Location::line(path, *line).with_item(key),
+        None => Location::file(path).with_item(key),
+    };
+    let get = |key: &str| fields.iter().find(|f| f.1 == key).map(|f| f.2.as_str());
+    let mut whole = |key: &str, default: Option<u64>, least: u64| match (get(key).map(str::parse::<u64>), default) {
+        (Some(Ok(value)), _) if value >= least => value,
+        (Some(_), _) => {
+            problems.push(Problem::new(
+                at(key),
+                format!("{:?} is not a whole number from {least}", get(key).unwrap_or("")),
+            ));
+            least
+        }
+        (None, Some(default)) => default,
+        (None, None) => {
+            problems.push(Problem::new(at(key), "is missing"));
+            least
+        }
+    };
+    let (samples, line_count, bands) = (whole("samples", None, 1), whole("lines", None, 1), whole("bands", None, 1));
+    let header_offset = whole("header offset", Some(0), 0);
+    let code = whole("data type", None, 1);
+    let big_endian = whole("byte order", Some(0), 0) == 1;
+    let interleave = match get("interleave").map(str::to_lowercase).as_deref() {
+        Some("bsq") | None => Interleave::Bsq,
+        Some("bil") => Interleave::Bil,
+        Some("bip") => Interleave::Bip,
+        Some(other) => {
+            problems.push(Problem::new(at("interleave"), format!("{other:?} is none of bsq, bil, bip")));
+            Interleave::Bsq
+        }
+    };
+    let items = |key: &str| -> Vec<String> {
+        get(key).map_or(Vec::new(), |v| v.split(',').map(|s| s.trim().to_owned()).filter(|s| !s.is_empty()).collect())
+    };
+    let mut numbers = |key: &str| -> Vec<f64> {
+        let texts = items(key);
+        let values: Vec<f64> = texts.iter().filter_map(|s| s.parse().ok()).collect();
+        if values.len() != texts.len() {
+            problems.push(Problem::new(at(key), "has items that are not numbers"));
+        } else if !values.is_empty() && values.len() as u64 != bands {
+            problems.push(Problem::new(at(key), format!("{} values for {bands} bands", values.len())));
+        }
+        values
+    };
+    let (wavelength, fwhm) = (numbers("wavelength"), numbers("fwhm"));
+    let ignore = get("data ignore value").and_then(|v| v.parse().ok());
+    if !problems.is_empty() {
+        return Err(Error::Invalid(problems));
+    }
+    let Some(data_type) = DataType::CODES.iter().find(|c| c.0 == code).map(|c| c.1) else {
+        return Err(Error::Unsupported { at: at("data type"), feature: format!("ENVI data type {code}") });
+    };
+    let header = Header {
+        path: path.to_owned(),
+        samples: samples as usize,
+        lines: line_count as usize,
+        bands: bands as usize,
+        header_offset,
+        data_type,
+        interleave,
+        big_endian,
+        wavelength,
+        fwhm,
+        band_names: items("band names"),
+        ignore,
+        fields: fields.iter().map(|(_, k, v)| (k.clone(), v.clone())).collect(),
+    };
+    match header.data_bytes() {
+        Some(_) => Ok(header),
+        None => Err(Error::invalid(at("samples"), "samples x lines x bands is more than a file can hold")),
+    }
+}
+
+/// The header and the data file of one image, whichever of the two is named.
+///
+/// # Errors
+/// [`Error::Invalid`] if the other one is not there.
+pub fn pair(path: &Path) -> Result<(PathBuf, PathBuf)> {
+    let is_header = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("hdr"));
+    let appended = {
+        let mut name = path.as_os_str().to_owned();
+        name.push(".hdr");
+        PathBuf::from(name)
+    };
+    let found = if is_header {
+        let bare = path.with_extension("");
+        let candidates = ["img", "dat", "bsq", "bil", "bip", "raw"].map(|e| path.with_extension(e));
+        candidates.into_iter().chain([bare]).find(|p| p.is_file()).map(|data| (path.to_owned(), data))
+    } else {
+        [path.with_extension("hdr"), appended].into_iter().find(|p| p.is_file()).map(|header| (header, path.to_owned()))
+    };
+    found.ok_or_else(|| {
+        let (other, help) = if is_header {
+            ("data file", "it has the header's name with .img, .dat, .bsq, .bil, .bip, .raw, or without .hdr")
+        } else {
+            ("header", "it has the data file's name with .hdr")
+        };
+        let problem = Problem::new(Location::file(path), format!("its {other} is not beside it")).with_help(help);
+        Error::Invalid(vec![problem])
+    })
+}
+
+/// What the numbers of one band are like.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BandStatistics {
+    /// Numbers that count: not NaN and not the ignored value.
+    pub count: u64,
+    /// Smallest of them.
+    pub min: f64,
+    /// Largest of them.
+    pub max: f64,
+    /// Their mean.
+    pub mean: f64,
+}
+
+/// Reads the data file once and says what each band is like.
+///
+/// # Errors
+/// [`Error::Io`]; [`Error::Invalid`] if the file is shorter than the header says.
+pub fn statistics(header: &Header, data: &Path) -> Result<Vec<BandStatistics>> {
+    let io = |e| Error::io(data, "reading", e);
+    let size = std::fs::metadata(data).map_err(io)?.len();
+    let wanted = header.data_bytes().and_then(|b| b.checked_add(header.header_offset));
+    if wanted.is_none_or(|wanted| size < wanted) {
+        let message = format!(
+            "{size} bytes, but its header asks for {} x {} x {} numbers of {} bytes after {}",
+            header.samples,
+            header.lines,
+            header.bands,
+            header.data_type.bytes(),
+            header.header_offset
+        );
+        return Err(Error::invalid(Location::file(data), message));
+    }
+    let mut file = BufReader::with_capacity(1 << 20, File::open(data).map_err(io)?);
+    file.seek(SeekFrom::Start(header.header_offset)).map_err(io)?;
+    let empty = BandStatistics { count: 0, min: f64::INFINITY, max: f64::NEG_INFINITY, mean: 0.0 };
+    let mut statistics = vec![empty; header.bands];
+    // A run is what one band has in one piece.
+    let (run, runs) = match header.interleave {
+        Interleave::Bsq => (header.samples, header.lines * header.bands),
+        Interleave::Bil => (header.samples, header.lines * header.bands),
+        Interleave::Bip => (1, header.lines * header.samples * header.bands),
+    };
+    let bytes_each = header.data_type.bytes();
+    let mut bytes = vec![0; run * bytes_each];
+    for i in 0..runs {
+        file.read_exact(&mut bytes).map_err(io)?;
+        let band = &mut statistics[match header.interleave {
+            Interleave::Bsq => i / header.lines,
+            Interleave::Bil | Interleave::Bip => i % header.bands,
+        }];
+        for number in bytes.chunks_exact_mut(bytes_each) {
+            if header.big_endian {
+                number.reverse();
+            }
+            let value = number_le(header.data_type, number);
+            if !value.is_nan() && header.ignore != Some(value) {
+                band.count += 1;
+                band.min = band.min.min(value);
+                band.max = band.max.max(value);
+                band.mean += value;
+            }
+        }
+    }
+    for band in &mut statistics {
+        if band.count > 0 {
+            band.mean /= band.count as f64;
+        } else {
+            *band = BandStatistics { count: 0, min: f64::NAN, max: f64::NAN, mean: f64::NAN };
+        }
+    }
+    Ok(statistics)
+}
+
+fn number_le(data_type: DataType, bytes: &[u8]) -> f64 {
+    let mut raw = [0; 8];
+    raw[..bytes.len()].copy_from_slice(bytes);
+    let bits = u64::from_le_bytes(raw);
+    match data_type {
+        DataType::U8 => f64::from(bits as u8),
+        DataType::I16 => f64::from(bits as u16 as i16),
+        DataType::I32 => f64::from(bits as u32 as i32),
+        DataType::F32 => f64::from(f32::from_bits(bits as u32)),
+        DataType::F64 => f64::from_bits(bits),
+        DataType::U16 => f64::from(bits as u16),
+    }
+}

@@ -1,0 +1,103 @@
+//! Spectral OpenEXR: a radiance cube as one channel for each band.
+//!
+//! Layout: Fichet, Pacanowski and Wilkie (2021), "An OpenEXR layout for spectral images", JCGT 10(3): channels
+//! `S0.<wavelength>nm` with a decimal comma, attributes `spectralLayoutVersion` and `emissiveUnits`. The layout's unit,
+//! W.m^-2.sr^-1, leaves open per which wavelength; ours is in the attribute `radianceUnits`: W.m^-2.sr^-1.um^-1.
+//! Wavelengths have leading zeros, so that OpenEXR's alphabetical order of channels is the order of wavelength.
+//!
+//! The file is uncompressed and written line by line, without the crate `exr`: that holds all channels in memory and
+//! writes attributes in hash order, another one at each run. (It reads what is written here.)
+
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::Path;
+
+use crate::error::{Error, Location, Result};
+use crate::product::Cube;
+use crate::progress::{Watch, tell};
+use crate::spectral::Band;
+
+/// The name of a band's channel, to 1e-6 nm.
+pub fn channel_name(band: &Band) -> String {
+    // 950 nm is 0950,000000.
+    format!("S0.{}nm", format!("{:011.6}", band.centre_um * 1000.0).replace('.', ","))
+}
+
+/// Writes a cube as f32 scan lines.
+///
+/// # Errors
+/// [`Error::Invalid`] if two bands would have the same channel name or the image is larger than OpenEXR can hold,
+/// [`Error::Io`] if the file cannot be written, [`Error::Interrupted`] if `watch` asks to stop.
+pub fn write(path: &Path, cube: &Cube, description: &str, watch: Watch<'_>) -> Result<()> {
+    let names: Vec<String> = cube.bands.iter().map(channel_name).collect();
+    let mut order: Vec<usize> = (0..names.len()).collect();
+    order.sort_by(|a, b| names[*a].cmp(&names[*b]));
+    if let Some(pair) = order.windows(2).find(|w| names[w[0]] == names[w[1]]) {
+        let message = format!("bands {} and {} both have the centre {}", pair[0] + 1, pair[1] + 1, names[pair[0]]);
+        return Err(Error::invalid(Location::file(path), message));
+    }
+    let line_bytes = 4 * cube.samples * cube.bands.len();
+    let (Ok(last_x), Ok(last_y), Ok(line_bytes32)) =
+        (i32::try_from(cube.samples), i32::try_from(cube.lines), i32::try_from(line_bytes))
+    else {
+        return Err(Error::invalid(Location::file(path), "the image is too large for OpenEXR"));
+    };
+    let (last_x, last_y) = (last_x - 1, last_y - 1);
+
+    let mut header: Vec<u8> = Vec::new();
+    header.extend(20_000_630_i32.to_le_bytes());
+    // Version 2, single-part scan lines; names are shorter than 32 bytes.
+    header.extend(2_i32.to_le_bytes());
+    let mut channels: Vec<u8> = Vec::new();
+    for &band in &order {
+        channels.extend(names[band].as_bytes());
+        channels.push(0);
+        // FLOAT; linear 0 and three reserved bytes; sampling 1 x 1.
+        [2_i32, 0, 1, 1].iter().for_each(|v| channels.extend(v.to_le_bytes()));
+    }
+    channels.push(0);
+    let window: Vec<u8> = [0, 0, last_x, last_y].iter().flat_map(|v| v.to_le_bytes()).collect();
+    let mut attribute = |name: &str, kind: &str, value: &[u8]| {
+        [name, kind].iter().for_each(|text| {
+            header.extend(text.as_bytes());
+            header.push(0);
+        });
+        header.extend((value.len() as i32).to_le_bytes());
+        header.extend(value);
+    };
+    attribute("channels", "chlist", &channels);
+    attribute("comments", "string", description.as_bytes());
+    attribute("compression", "compression", &[0]);
+    attribute("dataWindow", "box2i", &window);
+    attribute("displayWindow", "box2i", &window);
+    attribute("emissiveUnits", "string", b"W.m^-2.sr^-1");
+    attribute("lineOrder", "lineOrder", &[0]);
+    attribute("pixelAspectRatio", "float", &1_f32.to_le_bytes());
+    attribute("radianceUnits", "string", b"W.m^-2.sr^-1.um^-1");
+    attribute("screenWindowCenter", "v2f", &[0; 8]);
+    attribute("screenWindowWidth", "float", &1_f32.to_le_bytes());
+    attribute("spectralLayoutVersion", "string", b"1.0");
+    header.push(0);
+    // Where each scan line begins.
+    let first = header.len() as u64 + 8 * cube.lines as u64;
+    for line in 0..cube.lines as u64 {
+        header.extend((first + line * (8 + line_bytes as u64)).to_le_bytes());
+    }
+
+    let io = |e| Error::io(path, "writing", e);
+    let mut file = BufWriter::with_capacity(1 << 20, File::create(path).map_err(io)?);
+    file.write_all(&header).map_err(io)?;
+    let mut y = 0_i32;
+    for lines in super::envi::lines_f32(cube) {
+        tell(watch, "writing OpenEXR", y as u64, cube.lines as u64)?;
+        for line in lines {
+            file.write_all(&y.to_le_bytes()).map_err(io)?;
+            file.write_all(&line_bytes32.to_le_bytes()).map_err(io)?;
+            for &band in &order {
+                file.write_all(&line[4 * cube.samples * band..][..4 * cube.samples]).map_err(io)?;
+            }
+            y += 1;
+        }
+    }
+    file.flush().map_err(io)
+}

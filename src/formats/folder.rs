@@ -1,0 +1,246 @@
+//! What is half written never stands under its final name.
+
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Location, Problem, Result};
+
+/// A file or folder that is written under a hidden name beside its final one, and renamed when complete.
+///
+/// Dropped before [`commit`](Staged::commit), it leaves nothing: not even the folders made to hold it.
+#[derive(Debug)]
+pub struct Staged {
+    target: PathBuf,
+    path: PathBuf,
+    replace: bool,
+    /// Folders above the target that were not there before, outermost first.
+    made: Vec<PathBuf>,
+    committed: bool,
+}
+
+/// A folder that holds one of these is a product folder, or one staged as such; no other folder is ever replaced.
+const MARKS: [&str; 2] = ["report.json", "run.json"];
+
+impl Staged {
+    /// An empty folder to write into.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if the target exists and `replace` is false, or if it is not a product folder;
+    /// [`Error::Io`] if a folder cannot be made there.
+    pub fn folder(target: &Path, replace: bool) -> Result<Self> {
+        let staged = Self::new(target, replace)?;
+        if replace && target.exists() {
+            let is_empty = target.read_dir().map_err(|e| Error::io(target, "reading", e))?.next().is_none();
+            if !is_empty && !MARKS.iter().any(|mark| target.join(mark).is_file()) {
+                let problem = Problem::new(Location::file(target), "is not a product folder, so it is not replaced")
+                    .with_help("remove it yourself, or choose another name");
+                return Err(Error::Invalid(vec![problem]));
+            }
+        }
+        std::fs::create_dir(&staged.path).map_err(|e| Error::io(&staged.path, "making this folder", e))?;
+        Ok(staged)
+    }
+
+    /// A name to write a file to.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if the target exists and `replace` is false, or is a folder;
+    /// [`Error::Io`] if the folder around it cannot be made.
+    pub fn file(target: &Path, replace: bool) -> Result<Self> {
+        if target.is_dir() {
+            return Err(Error::invalid(Location::file(target), "is a folder; name a file"));
+        }
+        Self::new(target, replace)
+    }
+
+    fn new(target: &Path, replace: bool) -> Result<Self> {
+        let Some(name) = target.file_name() else {
+            return Err(Error::invalid(Location::file(target), "has no name that a product could take"));
+        };
+        if !replace && target.symlink_metadata().is_ok() {
+            let problem = Problem::new(Location::file(target), "exists")
+                .with_help("choose another name, or replace it with --force");
+            return Err(Error::Invalid(vec![problem]));
+        }
+        let parent = match target.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent,
+            _ => Path::new("."),
+        };
+        let mut made: Vec<PathBuf> =
+            parent.ancestors().take_while(|p| !p.as_os_str().is_empty() && !p.exists()).map(Path::to_owned).collect();
+        made.reverse();
+        let mut staged = Staged { target: target.to_owned(), path: PathBuf::new(), replace, made, committed: false };
+        std::fs::create_dir_all(parent).map_err(|e| Error::io(parent, "making this folder", e))?;
+        staged.path = free_name(parent, name, "partial")?;
+        Ok(staged)
+    }
+
+    /// Where to write.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Gives what is written its final name. What stood there before is removed only after that.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if it cannot be renamed: then what stood there before still does.
+    pub fn commit(mut self) -> Result<()> {
+        let failed = |path: &Path, e| Error::io(path, "giving the product its final name", e);
+        if self.path.is_file() {
+            std::fs::rename(&self.path, &self.target).map_err(|e| failed(&self.target, e))?;
+        } else if self.replace && self.target.exists() {
+            let parent = self.path.parent().unwrap_or(Path::new("."));
+            let old = free_name(parent, self.target.file_name().unwrap_or_default(), "old")?;
+            std::fs::rename(&self.target, &old).map_err(|e| failed(&self.target, e))?;
+            if let Err(e) = std::fs::rename(&self.path, &self.target) {
+                let back = std::fs::rename(&old, &self.target);
+                return Err(failed(if back.is_ok() { &self.target } else { &old }, e));
+            }
+            self.committed = true;
+            std::fs::remove_dir_all(&old).map_err(|e| Error::io(&old, "removing what was replaced", e))?;
+        } else if self.target.symlink_metadata().is_ok() {
+            return Err(failed(&self.target, ErrorKind::AlreadyExists.into()));
+        } else {
+            std::fs::rename(&self.path, &self.target).map_err(|e| failed(&self.target, e))?;
+        }
+        self.committed = true;
+        Ok(())
+    }
+}
+
+impl Drop for Staged {
+    fn drop(&mut self) {
+        if self.committed {
+            return;
+        }
+        // Nothing more can be done about what fails here: the error that led here is the one to tell.
+        if self.path.is_dir() {
+            let _ = std::fs::remove_dir_all(&self.path);
+        } else if self.path.is_file() {
+            let _ = std::fs::remove_file(&self.path);
+        }
+        for folder in self.made.iter().rev() {
+            let _ = std::fs::remove_dir(folder);
+        }
+    }
+}
+
+/// A hidden name in `parent` that nothing has yet.
+fn free_name(parent: &Path, name: &std::ffi::OsStr, suffix: &str) -> Result<PathBuf> {
+    (0..1000)
+        .map(|i| {
+            let mut hidden = std::ffi::OsString::from(".");
+            hidden.push(name);
+            hidden.push(format!(".{i}.{suffix}"));
+            parent.join(hidden)
+        })
+        .find(|p| p.symlink_metadata().is_err())
+        .ok_or_else(|| Error::io(parent, "finding a free hidden name", ErrorKind::AlreadyExists.into()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn empty_folder(name: &str) -> PathBuf {
+        let path = std::env::temp_dir().join(format!("mmxrt-folder-{}-{name}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&path);
+        std::fs::create_dir_all(&path).unwrap();
+        path
+    }
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<String> =
+            folder.read_dir().unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    fn product(target: &Path, text: &str) {
+        let staged = Staged::folder(target, true).unwrap();
+        std::fs::write(staged.path().join("report.json"), text).unwrap();
+        staged.commit().unwrap();
+    }
+
+    #[test]
+    fn a_product_appears_whole_or_not_at_all() {
+        let top = empty_folder("whole");
+        let target = top.join("a/b/product");
+        {
+            let staged = Staged::folder(&target, false).unwrap();
+            std::fs::write(staged.path().join("cube.img"), "half").unwrap();
+            assert!(!target.exists());
+        }
+        assert_eq!(names(&top), [""; 0], "what was dropped left something behind");
+        let staged = Staged::folder(&target, false).unwrap();
+        std::fs::write(staged.path().join("cube.img"), "all").unwrap();
+        staged.commit().unwrap();
+        assert_eq!(names(&top.join("a/b")), ["product"]);
+        assert_eq!(std::fs::read_to_string(target.join("cube.img")).unwrap(), "all");
+        std::fs::remove_dir_all(top).unwrap();
+    }
+
+    #[test]
+    fn what_exists_is_replaced_only_on_request_and_only_if_it_is_a_product() {
+        let top = empty_folder("force");
+        let target = top.join("product");
+        product(&target, "old");
+        assert!(Staged::folder(&target, false).unwrap_err().to_string().contains("exists"));
+        product(&target, "new");
+        assert_eq!(std::fs::read_to_string(target.join("report.json")).unwrap(), "new");
+        assert_eq!(names(&top), ["product"]);
+
+        let home = top.join("thesis");
+        std::fs::create_dir(&home).unwrap();
+        std::fs::write(home.join("chapter1.tex"), "years of work").unwrap();
+        assert!(Staged::folder(&home, true).unwrap_err().to_string().contains("not a product folder"));
+        assert_eq!(names(&home), ["chapter1.tex"]);
+        assert_eq!(names(&top), ["product", "thesis"]);
+        std::fs::remove_dir_all(top).unwrap();
+    }
+
+    #[test]
+    fn a_failed_rename_leaves_the_old_product_in_place() {
+        let top = empty_folder("rename");
+        let target = top.join("product");
+        product(&target, "old");
+        let staged = Staged::folder(&target, true).unwrap();
+        std::fs::remove_dir(staged.path()).unwrap();
+        let error = staged.commit().unwrap_err();
+        assert!(matches!(&error, Error::Io { path, .. } if *path == target), "{error}");
+        assert_eq!(std::fs::read_to_string(target.join("report.json")).unwrap(), "old");
+        assert_eq!(names(&top), ["product"]);
+        std::fs::remove_dir_all(top).unwrap();
+    }
+
+    #[test]
+    fn a_file_is_staged_too() {
+        let top = empty_folder("file");
+        let target = top.join("table.npz");
+        drop(Staged::file(&target, false).unwrap());
+        let staged = Staged::file(&target, false).unwrap();
+        std::fs::write(staged.path(), "half").unwrap();
+        drop(staged);
+        assert_eq!(names(&top), [""; 0]);
+        for (text, replace) in [("one", false), ("two", true)] {
+            let staged = Staged::file(&target, replace).unwrap();
+            std::fs::write(staged.path(), text).unwrap();
+            staged.commit().unwrap();
+            assert_eq!(std::fs::read_to_string(&target).unwrap(), text);
+        }
+        assert!(Staged::file(&target, false).is_err());
+        assert!(Staged::file(&top, true).is_err());
+        assert!(Staged::file(Path::new(".."), true).is_err());
+        assert_eq!(names(&top), ["table.npz"]);
+        std::fs::remove_dir_all(top).unwrap();
+    }
+
+    #[test]
+    fn a_place_that_cannot_hold_a_folder_is_named() {
+        let top = empty_folder("nofolder");
+        std::fs::write(top.join("file"), "").unwrap();
+        let error = Staged::folder(&top.join("file/product"), false).unwrap_err();
+        assert!(matches!(&error, Error::Io { path, .. } if *path == top.join("file")), "{error}");
+        std::fs::remove_dir_all(top).unwrap();
+    }
+}

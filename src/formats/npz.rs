@@ -1,0 +1,517 @@
+//! `.npz`: NumPy arrays in a zip file, stored. Facet tables are written and read back bit for bit; footprints are written.
+//!
+//! The member `header` is a text of JSON (`str(np.load(f)["header"])`): format, versions, scene, and what each array holds.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{BufReader, BufWriter, Read, Write};
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
+
+use crate::error::{Error, Location, Problem, Result};
+use crate::geometry::Direction;
+use crate::product::{FacetTable, Footprints, Lit, Sunlit};
+
+const TABLE: &str = "mmxrt facet table";
+const FOOTPRINTS: &str = "mmxrt footprints";
+const FORMAT_VERSION: u32 = 1;
+
+/// What the member `header` says.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Header {
+    /// What the file holds: `mmxrt facet table` or `mmxrt footprints`.
+    pub format: String,
+    /// Version of that format.
+    pub format_version: u32,
+    /// Version of mmxrt that wrote it.
+    pub mmxrt: String,
+    /// Which scene it belongs to, as its writer named it.
+    pub scene: String,
+    /// Every array: its unit and meaning.
+    pub fields: BTreeMap<String, Field>,
+}
+
+/// What an array holds.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Field {
+    /// Unit; 1 for what has none.
+    pub unit: String,
+    /// Meaning.
+    pub meaning: String,
+}
+
+/// An array about to be written.
+struct Column<'a> {
+    name: &'static str,
+    unit: &'static str,
+    meaning: &'static str,
+    values: Values<'a>,
+}
+
+enum Values<'a> {
+    F64(&'a [f64]),
+    U32(&'a [u32]),
+    Lit(&'a [Lit]),
+    Uv(&'a [[f64; 2]]),
+    Vector([f64; 3]),
+}
+
+/// Writes a facet table. `scene` says which scene it belongs to; it comes back from [`read_table`].
+///
+/// # Errors
+/// [`Error::Io`] if the file cannot be written.
+pub fn write_table(path: &Path, table: &FacetTable, scene: &str) -> Result<()> {
+    let sunlit = &table.sunlit;
+    let column = |name, unit, meaning, values| Column { name, unit, meaning, values };
+    let mut columns = vec![
+        column(
+            "sun_direction",
+            "1",
+            "unit vector from the scene's origin to the Sun, body-fixed axes",
+            Values::Vector(table.sun_direction.vec().to_array()),
+        ),
+        column(
+            "sun_irradiance",
+            "1",
+            "irradiance by the Sun on each facet's lit part over that normal to the beam: cos i, or 0",
+            Values::F64(&table.sun_irradiance),
+        ),
+        column(
+            "sun_lit",
+            "1",
+            "each facet: 0 dark, 1 lit all over, 2 lit in the polygons below",
+            Values::Lit(&sunlit.lit),
+        ),
+        column("sun_polygon_facet", "1", "facet of each sunlit polygon, ascending", Values::U32(&sunlit.polygon_facet)),
+        column(
+            "sun_polygon_start",
+            "1",
+            "first vertex of each sunlit polygon, and the number of vertices as the last element",
+            Values::U32(&sunlit.polygon_start),
+        ),
+        column(
+            "sun_polygon_uv",
+            "1",
+            "vertices (u, v) of the sunlit polygons: the point a + u (b - a) + v (c - a) of the facet",
+            Values::Uv(&sunlit.uv),
+        ),
+    ];
+    if let Some(direction) = table.mars_direction {
+        columns.push(column(
+            "mars_direction",
+            "1",
+            "unit vector from the scene's origin to the centre of Mars, body-fixed axes",
+            Values::Vector(direction.vec().to_array()),
+        ));
+    }
+    let optional = [
+        (
+            "mars_irradiance",
+            "1",
+            "irradiance by Mars on each facet over Mars' reflectance times the solar irradiance normal to the beam",
+            &table.mars_irradiance,
+        ),
+        ("temperature_lit_k", "K", "temperature of each facet's lit part", &table.temperature_lit_k),
+        ("temperature_shaded_k", "K", "temperature of each facet's shaded part", &table.temperature_shaded_k),
+    ];
+    for (name, unit, meaning, values) in optional {
+        if !values.is_empty() {
+            columns.push(column(name, unit, meaning, Values::F64(values)));
+        }
+    }
+    write(path, TABLE, scene, &columns)
+}
+
+/// Writes footprints: which facets each pixel sees, as a sparse matrix [pixel, facet] (CSR).
+///
+/// # Errors
+/// [`Error::Io`] if the file cannot be written.
+pub fn write_footprints(path: &Path, footprints: &Footprints, scene: &str) -> Result<()> {
+    let column = |name, meaning, values| Column { name, unit: "1", meaning, values };
+    let columns = [
+        column(
+            "row_start",
+            "first entry of each pixel (line by line), and the number of entries as the last element",
+            Values::U32(&footprints.row_start),
+        ),
+        column("facet", "facet of each entry, from 0, ascending within a pixel", Values::U32(&footprints.facet)),
+        column("fraction", "share of the pixel's area that sees the facet", Values::F64(&footprints.fraction)),
+        column(
+            "lit_fraction",
+            "share of the pixel's area that sees the facet's sunlit part",
+            Values::F64(&footprints.lit_fraction),
+        ),
+    ];
+    write(path, FOOTPRINTS, scene, &columns)
+}
+
+fn write(path: &Path, format: &str, scene: &str, columns: &[Column<'_>]) -> Result<()> {
+    let fields = columns
+        .iter()
+        .map(|c| (c.name.to_owned(), Field { unit: c.unit.to_owned(), meaning: c.meaning.to_owned() }))
+        .collect();
+    let header = Header {
+        format: format.to_owned(),
+        format_version: FORMAT_VERSION,
+        mmxrt: env!("CARGO_PKG_VERSION").to_owned(),
+        scene: scene.to_owned(),
+        fields,
+    };
+    let io = |e| Error::io(path, "writing", e);
+    let text = serde_json::to_string(&header).map_err(|e| io(e.into()))?;
+    let file = BufWriter::with_capacity(1 << 20, File::create(path).map_err(io)?);
+    let done: std::io::Result<()> = (|| {
+        let mut zip = ZipWriter::new(file);
+        // NumPy's text is UTF-32.
+        let utf32: Vec<u8> = text.chars().flat_map(|c| u32::from(c).to_le_bytes()).collect();
+        start(&mut zip, "header", &format!("<U{}", utf32.len() / 4), "()", utf32.len())?;
+        zip.write_all(&utf32)?;
+        for column in columns {
+            column.write(&mut zip)?;
+        }
+        zip.finish()?.flush()
+    })();
+    done.map_err(io)
+}
+
+/// Starts a member: its entry in the zip file, and NumPy's preamble.
+fn start<W: Write + std::io::Seek>(
+    zip: &mut ZipWriter<W>,
+    name: &str,
+    descr: &str,
+    shape: &str,
+    bytes: usize,
+) -> std::io::Result<()> {
+    let options = SimpleFileOptions::default()
+        .compression_method(CompressionMethod::Stored)
+        .last_modified_time(DateTime::default())
+        .unix_permissions(0o644)
+        .large_file(bytes as u64 >= u64::from(u32::MAX) - 1024);
+    zip.start_file(format!("{name}.npy"), options)?;
+    let mut preamble = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}");
+    // Magic and length take 10 bytes; the data begins at a multiple of 64.
+    let padding = 63 - (10 + preamble.len()) % 64;
+    preamble.extend(std::iter::repeat_n(' ', padding));
+    preamble.push('\n');
+    zip.write_all(b"\x93NUMPY\x01\x00")?;
+    zip.write_all(&(preamble.len() as u16).to_le_bytes())?;
+    zip.write_all(preamble.as_bytes())
+}
+
+impl Column<'_> {
+    fn write<W: Write + std::io::Seek>(&self, zip: &mut ZipWriter<W>) -> std::io::Result<()> {
+        let (descr, shape, bytes) = match &self.values {
+            Values::F64(v) => ("<f8", format!("({},)", v.len()), 8 * v.len()),
+            Values::U32(v) => ("<u4", format!("({},)", v.len()), 4 * v.len()),
+            Values::Lit(v) => ("|u1", format!("({},)", v.len()), v.len()),
+            Values::Uv(v) => ("<f8", format!("({}, 2)", v.len()), 16 * v.len()),
+            Values::Vector(_) => ("<f8", "(3,)".to_owned(), 24),
+        };
+        start(zip, self.name, descr, &shape, bytes)?;
+        match &self.values {
+            Values::F64(v) => pieces(zip, v, |x| x.to_le_bytes()),
+            Values::U32(v) => pieces(zip, v, |x| x.to_le_bytes()),
+            Values::Lit(v) => pieces(zip, v, |x| [*x as u8]),
+            Values::Uv(v) => pieces(zip, v.as_flattened(), |x| x.to_le_bytes()),
+            Values::Vector(v) => pieces(zip, v, |x| x.to_le_bytes()),
+        }
+    }
+}
+
+/// Writes values as bytes, a few thousand at a time.
+fn pieces<T, const N: usize>(out: &mut impl Write, values: &[T], bytes: impl Fn(&T) -> [u8; N]) -> std::io::Result<()> {
+    values.chunks(8192).try_for_each(|piece| out.write_all(&piece.iter().flat_map(&bytes).collect::<Vec<u8>>()))
+}
+
+/// Name, NumPy's type and shape of an array.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ArrayInfo {
+    /// Name of the member, without `.npy`.
+    pub name: String,
+    /// Type, as in `<f8`.
+    pub descr: String,
+    /// Length of each axis.
+    pub shape: Vec<usize>,
+}
+
+/// The header of one of our files (`None` in any other `.npz`) and its arrays.
+///
+/// # Errors
+/// [`Error::Io`], or [`Error::Syntax`] if it is not an `.npz` file.
+pub fn list(path: &Path) -> Result<(Option<Header>, Vec<ArrayInfo>)> {
+    let mut file = Npz::open(path)?;
+    let names = file.zip.file_names().filter_map(|n| Some(n.ok()?.strip_suffix(".npy")?.to_owned()));
+    let names: Vec<String> = names.filter(|n| n != "header").collect();
+    let header = file.array("header").ok().flatten().and_then(|a| serde_json::from_str(&a.text()?).ok());
+    let mut arrays = Vec::new();
+    for name in names {
+        if let Some(array) = file.array(&name)? {
+            arrays.push(ArrayInfo { name, descr: array.descr, shape: array.shape });
+        }
+    }
+    Ok((header, arrays))
+}
+
+/// Reads a facet table: the one written, bit for bit, and its header.
+///
+/// # Errors
+/// [`Error::Io`]; [`Error::Syntax`] naming the array that is damaged; [`Error::Unsupported`] for a newer format or a
+/// compressed file; [`Error::Invalid`] with everything that is missing, of the wrong size, or out of range.
+pub fn read_table(path: &Path) -> Result<(FacetTable, Header)> {
+    let mut file = Npz::open(path)?;
+    let header = file.header(TABLE)?;
+    let mut problems = Vec::new();
+    let sun_irradiance = file.f64s("sun_irradiance", 1, true, &mut problems)?;
+    let lit_codes = file.bytes("sun_lit", &mut problems)?;
+    let polygon_facet = file.u32s("sun_polygon_facet", &mut problems)?;
+    let polygon_start = file.u32s("sun_polygon_start", &mut problems)?;
+    let uv = file.f64s("sun_polygon_uv", 2, true, &mut problems)?;
+    let sun_direction = file.direction("sun_direction", true, &mut problems)?;
+    let mars_direction = file.direction("mars_direction", false, &mut problems)?;
+    let mars_irradiance = file.f64s("mars_irradiance", 1, false, &mut problems)?;
+    let temperature_lit_k = file.f64s("temperature_lit_k", 1, false, &mut problems)?;
+    let temperature_shaded_k = file.f64s("temperature_shaded_k", 1, false, &mut problems)?;
+
+    let facets = sun_irradiance.len();
+    let mut problem = |item: String, message: String| {
+        problems.push(Problem::new(Location::file(path).with_item(item), message));
+    };
+    let lengths = [
+        ("sun_lit", lit_codes.len(), false),
+        ("mars_irradiance", mars_irradiance.len(), true),
+        ("temperature_lit_k", temperature_lit_k.len(), true),
+        ("temperature_shaded_k", temperature_shaded_k.len(), true),
+    ];
+    for (name, length, may_be_empty) in lengths {
+        if length != facets && !(may_be_empty && length == 0) {
+            problem(name.into(), format!("has {length} values, but sun_irradiance has {facets}"));
+        }
+    }
+    if temperature_lit_k.len() != temperature_shaded_k.len() {
+        problem("temperature_lit_k".into(), "lit and shaded parts need a temperature, or neither".into());
+    }
+    if mars_direction.is_some() == mars_irradiance.is_empty() && facets > 0 {
+        problem("mars_irradiance".into(), "Mars needs both mars_direction and mars_irradiance, or neither".into());
+    }
+    let ranged = [
+        ("sun_irradiance", &sun_irradiance),
+        ("mars_irradiance", &mars_irradiance),
+        ("temperature_lit_k", &temperature_lit_k),
+        ("temperature_shaded_k", &temperature_shaded_k),
+    ];
+    for (name, values) in ranged {
+        if let Some(i) = values.iter().position(|v| !(*v >= 0.0 && v.is_finite())) {
+            problem(format!("{name}[{i}]"), format!("{} is not a number from 0", values[i]));
+        }
+    }
+    if let Some(i) = uv.iter().position(|v| !v.is_finite()) {
+        problem(format!("sun_polygon_uv[{}]", i / 2), "is not a point".into());
+    }
+    if let Some(i) = lit_codes.iter().position(|code| *code > 2) {
+        problem(format!("sun_lit[{i}]"), format!("{} is none of 0, 1, 2", lit_codes[i]));
+    }
+    let lit = lit_codes.iter().map(|code| [Lit::Dark, Lit::Full, Lit::Part][usize::from(*code).min(2)]).collect();
+    let uv = uv.chunks_exact(2).map(|p| [p[0], p[1]]).collect();
+    let sunlit = Sunlit { lit, polygon_facet, polygon_start, uv };
+    if let Err(message) = sunlit.validate() {
+        problem("sun_polygon_start".into(), message);
+    } else if let Some(i) = sunlit.polygon_start.windows(2).position(|w| w[1] - w[0] < 3) {
+        problem(format!("sun_polygon_start[{i}]"), "a polygon needs three vertices".into());
+    }
+    match sun_direction {
+        Some(sun_direction) if problems.is_empty() => Ok((
+            FacetTable {
+                sun_direction,
+                sun_irradiance,
+                sunlit,
+                mars_direction,
+                mars_irradiance,
+                temperature_lit_k,
+                temperature_shaded_k,
+            },
+            header,
+        )),
+        _ => Err(Error::Invalid(problems)),
+    }
+}
+
+struct Npz {
+    path: PathBuf,
+    file_bytes: u64,
+    zip: ZipArchive<BufReader<File>>,
+}
+
+/// An array as it is in the file.
+struct Array {
+    descr: String,
+    shape: Vec<usize>,
+    data: Vec<u8>,
+}
+
+impl Array {
+    /// The text of a `<U` array without axes.
+    fn text(&self) -> Option<String> {
+        let is_text = self.descr.starts_with("<U") && self.shape.is_empty();
+        let chars = self.data.chunks_exact(4).map(|c| char::from_u32(u32::from_le_bytes([c[0], c[1], c[2], c[3]])));
+        is_text.then(|| chars.collect::<Option<String>>()).flatten().map(|s| s.trim_end_matches('\0').to_owned())
+    }
+}
+
+impl Npz {
+    fn open(path: &Path) -> Result<Self> {
+        let io = |e| Error::io(path, "reading", e);
+        let file = File::open(path).map_err(io)?;
+        let file_bytes = file.metadata().map_err(io)?.len();
+        let zip = ZipArchive::new(BufReader::with_capacity(1 << 20, file)).map_err(|e| match e {
+            zip::result::ZipError::Io(e) if e.kind() != std::io::ErrorKind::UnexpectedEof => io(e),
+            e => Error::syntax(Location::file(path), format!("not a complete .npz file: {e}")),
+        })?;
+        Ok(Npz { path: path.to_owned(), file_bytes, zip })
+    }
+
+    fn at(&self, name: &str) -> Location {
+        Location::file(&self.path).with_item(name)
+    }
+
+    fn header(&mut self, format: &str) -> Result<Header> {
+        let Some(array) = self.array("header")? else {
+            return Err(Error::invalid(self.at("header"), format!("is missing: this is no {format}")));
+        };
+        let header: Header = array
+            .text()
+            .ok_or_else(|| "not a text".to_owned())
+            .and_then(|text| serde_json::from_str(&text).map_err(|e| e.to_string()))
+            .map_err(|e| Error::syntax(self.at("header"), e))?;
+        if header.format != format {
+            return Err(Error::invalid(self.at("header"), format!("says {:?}; expected {format:?}", header.format)));
+        }
+        if header.format_version != FORMAT_VERSION {
+            let feature = format!("format version {} of {format}", header.format_version);
+            return Err(Error::Unsupported { at: self.at("header"), feature });
+        }
+        Ok(header)
+    }
+
+    /// An array; `None` if there is none of this name. Never holds more than the file does.
+    fn array(&mut self, name: &str) -> Result<Option<Array>> {
+        let at = Location::file(&self.path).with_item(name);
+        let damaged = |message: String| Error::syntax(at.clone(), message);
+        let mut member = match self.zip.by_name(&format!("{name}.npy")) {
+            Ok(member) => member,
+            Err(zip::result::ZipError::FileNotFound) => return Ok(None),
+            Err(zip::result::ZipError::UnsupportedArchive(_)) => {
+                let feature = "a compressed .npz file (save it with np.savez)".to_owned();
+                return Err(Error::Unsupported { at, feature });
+            }
+            Err(e) => return Err(damaged(e.to_string())),
+        };
+        if member.compression() != CompressionMethod::Stored {
+            return Err(Error::Unsupported { at, feature: "a compressed .npz file (save it with np.savez)".into() });
+        }
+        if member.size() > self.file_bytes {
+            return Err(damaged(format!("claims {} bytes in a file of {}", member.size(), self.file_bytes)));
+        }
+        let mut bytes = Vec::with_capacity(member.size() as usize);
+        member.read_to_end(&mut bytes).map_err(|e| damaged(e.to_string()))?;
+        let (descr, shape, start) = preamble(&bytes).map_err(&damaged)?;
+        let width: Option<usize> = match descr.split_at_checked(2) {
+            Some(("<U", length)) => length.parse::<usize>().ok().and_then(|n| n.checked_mul(4)),
+            Some((_, width)) => width.parse().ok(),
+            None => None,
+        };
+        let wanted = shape.iter().try_fold(width.unwrap_or(usize::MAX), |product, n| product.checked_mul(*n));
+        if width.is_none() || wanted != Some(bytes.len() - start) {
+            let message = format!("{} bytes of data do not make an array {shape:?} of {descr:?}", bytes.len() - start);
+            return Err(damaged(message));
+        }
+        bytes.drain(..start);
+        Ok(Some(Array { descr, shape, data: bytes }))
+    }
+
+    /// The data of an array of a type with `columns` values a row (1: a plain list); empty, and a problem if it is
+    /// needed, when it is not there or of another type.
+    fn data(
+        &mut self,
+        name: &str,
+        descr: &str,
+        columns: usize,
+        needed: bool,
+        problems: &mut Vec<Problem>,
+    ) -> Result<Vec<u8>> {
+        let Some(array) = self.array(name)? else {
+            if needed {
+                problems.push(Problem::new(self.at(name), "is missing"));
+            }
+            return Ok(Vec::new());
+        };
+        let is_shaped = match array.shape[..] {
+            [_] => columns == 1,
+            [_, n] => columns == n && n > 1,
+            _ => false,
+        };
+        if array.descr != descr || !is_shaped {
+            let rows = if columns == 1 { "(n,)".to_owned() } else { format!("(n, {columns})") };
+            let message = format!("is {:?} of {:?}, expected {descr:?} of shape {rows}", array.descr, array.shape);
+            problems.push(Problem::new(self.at(name), message));
+            return Ok(Vec::new());
+        }
+        Ok(array.data)
+    }
+
+    fn f64s(&mut self, name: &str, columns: usize, needed: bool, problems: &mut Vec<Problem>) -> Result<Vec<f64>> {
+        let data = self.data(name, "<f8", columns, needed, problems)?;
+        Ok(data.as_chunks::<8>().0.iter().map(|b| f64::from_le_bytes(*b)).collect())
+    }
+
+    fn u32s(&mut self, name: &str, problems: &mut Vec<Problem>) -> Result<Vec<u32>> {
+        let data = self.data(name, "<u4", 1, true, problems)?;
+        Ok(data.as_chunks::<4>().0.iter().map(|b| u32::from_le_bytes(*b)).collect())
+    }
+
+    fn bytes(&mut self, name: &str, problems: &mut Vec<Problem>) -> Result<Vec<u8>> {
+        self.data(name, "|u1", 1, true, problems)
+    }
+
+    fn direction(&mut self, name: &str, needed: bool, problems: &mut Vec<Problem>) -> Result<Option<Direction>> {
+        let values = self.f64s(name, 1, needed, problems)?;
+        if values.is_empty() {
+            return Ok(None);
+        }
+        let direction = <[f64; 3]>::try_from(values).ok().and_then(|v| Direction::from_unit(DVec3::from_array(v)));
+        if direction.is_none() {
+            problems.push(Problem::new(self.at(name), "is not a unit vector of three components"));
+        }
+        Ok(direction)
+    }
+}
+
+/// Type, shape and start of the data of a `.npy` file.
+fn preamble(bytes: &[u8]) -> std::result::Result<(String, Vec<usize>, usize), String> {
+    let short = || "is cut short".to_owned();
+    if bytes.get(..6) != Some(b"\x93NUMPY") {
+        return Err("is not a NumPy array".into());
+    }
+    let (length, start) = match bytes.get(6).ok_or_else(short)? {
+        1 => (bytes.get(8..10).map(|b| usize::from(u16::from_le_bytes([b[0], b[1]]))), 10),
+        _ => (bytes.get(8..12).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as usize), 12),
+    };
+    let end = length.and_then(|l| l.checked_add(start)).ok_or_else(short)?;
+    let text = bytes.get(start..end).ok_or_else(short)?;
+    let text = std::str::from_utf8(text).map_err(|_| "its preamble is not text".to_owned())?;
+    let value = |key: &str| text.split_once(&format!("'{key}':")).map(|(_, rest)| rest.trim_start());
+    let descr = value("descr").and_then(|v| v.strip_prefix('\'')).and_then(|v| v.split_once('\'')).map(|v| v.0);
+    let shape = value("shape").and_then(|v| v.strip_prefix('(')).and_then(|v| v.split_once(')')).map(|v| v.0);
+    let shape: Option<Vec<usize>> =
+        shape.and_then(|s| s.split(',').map(str::trim).filter(|s| !s.is_empty()).map(|s| s.parse().ok()).collect());
+    match (descr, shape, value("fortran_order")) {
+        (Some(descr), Some(shape), Some(order)) if order.starts_with("False") || shape.len() < 2 => {
+            Ok((descr.to_owned(), shape, end))
+        }
+        (Some(_), Some(_), Some(_)) => Err("is in Fortran order; save it with np.ascontiguousarray".into()),
+        _ => Err(format!("its preamble is not understood: {}", text.trim())),
+    }
+}

@@ -1,0 +1,259 @@
+//! `report.json`: what a product is made of and how good it is. `run.json`: how long that took, where and when.
+//!
+//! The first is the same, byte for byte, at every run; the second never is. JSON Schemas of both are in `schemas/`.
+
+use std::fs::File;
+use std::io::{BufReader, Write};
+use std::path::Path;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use schemars::{JsonSchema, Schema};
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Error, Location, Result};
+use crate::product::{Backplanes, Cube};
+use crate::study::{Check, Counts, Effect};
+
+/// Version of both formats.
+pub const FORMAT_VERSION: u32 = 1;
+
+/// What a product is made of, and how good it is.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Report {
+    /// Version of this format.
+    pub format_version: u32,
+    /// Version of mmxrt.
+    pub mmxrt: String,
+    /// The scene: a hash of its inputs.
+    pub scene: String,
+    /// Every file the result depends on.
+    pub inputs: Vec<Input>,
+    /// Size of the image.
+    pub image: Image,
+    /// What was modelled, and what was left out.
+    pub effects: Vec<Effect>,
+    /// What was verified of this result.
+    pub checks: Vec<Check>,
+    /// What the mesh is like.
+    pub counts: Counts,
+    /// What the input did not say, and what was taken for it.
+    pub defaults: Vec<String>,
+    /// What a reader of the result should know.
+    pub warnings: Vec<String>,
+    /// The numbers of the cube (first, middle and last band, covered pixels) and of every backplane.
+    pub statistics: Vec<Statistic>,
+}
+
+/// A file that a result depends on.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Input {
+    /// Its path, as it was opened.
+    pub path: String,
+    /// Its length, bytes.
+    pub bytes: u64,
+    /// BLAKE3 hash of its bytes, 64 hexadecimal digits.
+    pub blake3: String,
+}
+
+/// Size of an image.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Image {
+    /// Pixels in a line.
+    pub samples: u64,
+    /// Lines.
+    pub lines: u64,
+    /// Bands.
+    pub bands: u64,
+    /// Centre of the first band, um.
+    pub first_band_um: f64,
+    /// Centre of the last band, um.
+    pub last_band_um: f64,
+}
+
+/// What the numbers of an image are like.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Statistic {
+    /// The image.
+    pub name: String,
+    /// Unit.
+    pub unit: String,
+    /// Pixels that have a value.
+    pub count: u64,
+    /// Smallest value; null without any.
+    pub min: Option<f64>,
+    /// Largest value; null without any.
+    pub max: Option<f64>,
+    /// Mean value; null without any.
+    pub mean: Option<f64>,
+}
+
+impl Statistic {
+    /// Of the values that are numbers.
+    pub fn of(name: impl Into<String>, unit: impl Into<String>, values: impl Iterator<Item = f64>) -> Self {
+        let (mut count, mut min, mut max, mut sum) = (0, f64::INFINITY, f64::NEG_INFINITY, 0.0);
+        for value in values.filter(|v| !v.is_nan()) {
+            count += 1;
+            min = min.min(value);
+            max = max.max(value);
+            sum += value;
+        }
+        let some = |value: f64| (count > 0).then_some(value);
+        Statistic {
+            name: name.into(),
+            unit: unit.into(),
+            count,
+            min: some(min),
+            max: some(max),
+            mean: some(sum / count as f64),
+        }
+    }
+}
+
+/// Statistics of a cube's first, middle and last band over the pixels with `coverage`, and of every backplane.
+pub fn statistics(cube: &Cube, coverage: &[f64], backplanes: &Backplanes) -> Vec<Statistic> {
+    let mut bands = vec![0, cube.bands.len() / 2, cube.bands.len().saturating_sub(1)];
+    bands.dedup();
+    bands.retain(|band| *band < cube.bands.len());
+    let covered = |band: usize| {
+        let values = cube.band(band).into_iter().zip(coverage);
+        values.filter(|(_, c)| **c > 0.0).map(|(value, _)| value).collect::<Vec<f64>>()
+    };
+    let of_band = |band: usize| {
+        let name = format!("radiance at {} um", cube.bands[band].centre_um);
+        Statistic::of(name, "W m-2 sr-1 um-1", covered(band).into_iter())
+    };
+    let of_planes = backplanes.planes.iter().map(|p| Statistic::of(&p.name, &p.unit, p.values.iter().copied()));
+    bands.into_iter().map(of_band).chain(of_planes).collect()
+}
+
+/// How long a run took, where and when.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Run {
+    /// Version of this format.
+    pub format_version: u32,
+    /// Version of mmxrt.
+    pub mmxrt: String,
+    /// The command, as in "simulate".
+    pub command: String,
+    /// When it began, UTC (RFC 3339).
+    pub date: String,
+    /// Threads it used.
+    pub threads: u64,
+    /// Cores the machine has.
+    pub host_cores: u64,
+    /// From start to end, s.
+    pub wall_s: f64,
+    /// The stages, in the order they began.
+    pub stages: Vec<Stage>,
+}
+
+/// A part of a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Stage {
+    /// What was done.
+    pub name: String,
+    /// How long it took, s.
+    pub wall_s: f64,
+}
+
+/// JSON Schema of [`Report`].
+pub fn report_schema() -> Schema {
+    schemars::schema_for!(Report)
+}
+
+/// JSON Schema of [`Run`].
+pub fn run_schema() -> Schema {
+    schemars::schema_for!(Run)
+}
+
+/// Writes either as JSON for people to read.
+///
+/// # Errors
+/// [`Error::Io`] if the file cannot be written.
+pub fn write(path: &Path, value: &impl Serialize) -> Result<()> {
+    let io = |e| Error::io(path, "writing", e);
+    let text = serde_json::to_string_pretty(value).map_err(|e| io(e.into()))?;
+    let mut file = File::create(path).map_err(io)?;
+    file.write_all(text.as_bytes()).and_then(|()| file.write_all(b"\n")).map_err(io)
+}
+
+/// Reads a [`Report`] or a [`Run`].
+///
+/// # Errors
+/// [`Error::Io`], or [`Error::Syntax`] at the place that is not of its format.
+pub fn read<T: DeserializeOwned>(path: &Path) -> Result<T> {
+    let file = File::open(path).map_err(|e| Error::io(path, "reading", e))?;
+    serde_json::from_reader(BufReader::new(file)).map_err(|e| match e.classify() {
+        serde_json::error::Category::Io => Error::io(path, "reading", e.into()),
+        _ => {
+            let at = Location { column: Some(e.column()), ..Location::line(path, e.line()) };
+            let message = e.to_string();
+            // The place is in the location already.
+            Error::syntax(at, message.split(" at line ").next().unwrap_or(&message))
+        }
+    })
+}
+
+/// A time in UTC as RFC 3339, to the second: `2026-11-22T03:04:05Z`.
+pub fn rfc3339(time: SystemTime) -> String {
+    let seconds = match time.duration_since(UNIX_EPOCH) {
+        Ok(after) => after.as_secs() as i64,
+        Err(before) => -(before.duration().as_secs() as i64),
+    };
+    let (days, second) = (seconds.div_euclid(86_400), seconds.rem_euclid(86_400));
+    let (year, month, day) = date(days);
+    format!("{year:04}-{month:02}-{day:02}T{:02}:{:02}:{:02}Z", second / 3600, second / 60 % 60, second % 60)
+}
+
+/// Year, month and day of a day counted from 1970-01-01 (Gregorian).
+///
+/// Years are counted from 1 March, so that the leap day is a year's last. Source: Hinnant (2013), "chrono-Compatible
+/// Low-Level Date Algorithms", `civil_from_days`.
+fn date(days: i64) -> (i64, i64, i64) {
+    let from_march_0000 = days + 719_468;
+    let era = from_march_0000.div_euclid(146_097);
+    let day_of_era = from_march_0000.rem_euclid(146_097);
+    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let month_from_march = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * month_from_march + 2) / 5 + 1;
+    let month = if month_from_march < 10 { month_from_march + 3 } else { month_from_march - 9 };
+    (year_of_era + era * 400 + i64::from(month <= 2), month, day)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    #[test]
+    fn known_dates() {
+        // From `date -u -d @N +%FT%TZ`.
+        for (seconds, text) in [
+            (0, "1970-01-01T00:00:00Z"),
+            (951_782_399, "2000-02-28T23:59:59Z"),
+            (951_782_400, "2000-02-29T00:00:00Z"),
+            (1_709_251_199, "2024-02-29T23:59:59Z"),
+            (1_000_000_000, "2001-09-09T01:46:40Z"),
+            (4_107_542_400, "2100-03-01T00:00:00Z"),
+        ] {
+            assert_eq!(rfc3339(UNIX_EPOCH + Duration::from_secs(seconds)), text);
+        }
+        assert_eq!(rfc3339(UNIX_EPOCH - Duration::from_secs(1)), "1969-12-31T23:59:59Z");
+    }
+
+    #[test]
+    fn statistics_leave_out_what_is_no_number() {
+        let s = Statistic::of("x", "m", [f64::NAN, 1.0, 4.0, f64::NAN, 1.0].into_iter());
+        assert_eq!((s.count, s.min, s.max, s.mean), (3, Some(1.0), Some(4.0), Some(2.0)));
+        let none = Statistic::of("x", "m", [f64::NAN].into_iter());
+        assert_eq!((none.count, none.min, none.mean), (0, None, None));
+    }
+}

@@ -1,0 +1,66 @@
+//! Which facets each pixel sees, as a product.
+
+use rayon::prelude::*;
+
+use super::lit::{LitArea, first_polygons};
+use super::pixel::Pixel;
+use crate::geometry::Mesh;
+use crate::product::{Footprints, Sunlit};
+use crate::scene::FrameCamera;
+use crate::visibility::{Coverage, Drawing, Grid, Scratch, Topology, View};
+
+/// The drawing of a mesh in a camera.
+pub(super) fn draw<'a>(mesh: &'a Mesh, topology: &'a Topology, camera: &FrameCamera) -> Drawing<'a> {
+    let axes = camera.world_from_sensor.rotation;
+    let view = View::Pinhole {
+        centre_m: camera.centre_m(),
+        h: axes.x_axis,
+        v: axes.y_axis,
+        u: axes.z_axis,
+        scale: 1.0 / camera.pitch,
+        offset: camera.boresight_px(),
+    };
+    Drawing::new(mesh, topology, view, Grid { columns: camera.samples, rows: camera.lines })
+}
+
+/// The facets that each pixel sees and the share of them that is lit: exact area fractions.
+pub fn footprints(mesh: &Mesh, topology: &Topology, sunlit: &Sunlit, camera: &FrameCamera) -> Footprints {
+    let drawing = draw(mesh, topology, camera);
+    let coverage = Coverage::new(&drawing);
+    let first = first_polygons(sunlit);
+    let lines: Vec<Footprints> = (0..camera.lines)
+        .into_par_iter()
+        .map_init(
+            || {
+                (
+                    Scratch::default(),
+                    Pixel::new(&drawing, LitArea::new(mesh, camera, sunlit, &first, |f| drawing.is_cut(f))),
+                )
+            },
+            |(scratch, pixel), row| {
+                let mut line = Footprints::default();
+                pixel.new_line(row);
+                for column in 0..camera.samples {
+                    pixel.look(&coverage, column, row, scratch);
+                    line.row_start.push(line.facet.len() as u32);
+                    for e in &pixel.entries {
+                        line.facet.push(e.facet);
+                        line.fraction.push(e.area);
+                        line.lit_fraction.push(e.lit);
+                    }
+                }
+                line
+            },
+        )
+        .collect();
+    let mut all = Footprints::default();
+    for line in lines {
+        let base = all.facet.len() as u32;
+        all.row_start.extend(line.row_start.iter().map(|s| base + s));
+        all.facet.extend(line.facet);
+        all.fraction.extend(line.fraction);
+        all.lit_fraction.extend(line.lit_fraction);
+    }
+    all.row_start.push(all.facet.len() as u32);
+    all
+}

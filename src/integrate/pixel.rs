@@ -1,0 +1,133 @@
+//! What one pixel sees: the facets, their areas in the image, and how much of that is lit.
+
+use crate::geometry::polygon::{Point, Rect, area_and_moment, clip_to_rect, side};
+use crate::visibility::{Drawing, Scratch, Side, Visit};
+
+use super::lit::{LitArea, Window};
+
+/// A facet in a pixel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Entry {
+    pub(super) facet: u32,
+    /// Whether its outer side is seen; the inner one only blocks.
+    pub(super) front: bool,
+    /// Area in the image, pixels.
+    pub(super) area: f64,
+    /// Lit area in the image, pixels.
+    pub(super) lit: f64,
+    /// Area times centroid, image coordinates.
+    pub(super) moment: Point,
+}
+
+impl Entry {
+    /// Image centroid of what is seen, pixels.
+    pub(super) fn centroid(&self) -> Point {
+        [self.moment[0] / self.area, self.moment[1] / self.area]
+    }
+}
+
+/// Collects what a pixel sees.
+pub(super) struct Pixel<'a> {
+    drawing: &'a Drawing<'a>,
+    lit: LitArea<'a>,
+    /// Facets, ascending, one entry each, once [`Pixel::look`] is done.
+    pub(super) entries: Vec<Entry>,
+    /// The facet at the pixel's centre, and whether it is lit there.
+    pub(super) centre: Option<u32>,
+    at: Point,
+    clipped: Vec<Point>,
+    spare: Vec<Point>,
+}
+
+impl<'a> Pixel<'a> {
+    pub(super) fn new(drawing: &'a Drawing<'a>, lit: LitArea<'a>) -> Self {
+        Pixel { drawing, lit, entries: vec![], centre: None, at: [0.0; 2], clipped: vec![], spare: vec![] }
+    }
+
+    /// Looks through a pixel.
+    pub(super) fn look(
+        &mut self,
+        coverage: &crate::visibility::Coverage,
+        column: u32,
+        row: u32,
+        scratch: &mut Scratch,
+    ) {
+        self.entries.clear();
+        self.centre = None;
+        self.at = self.drawing.grid.cell(column, row).centre();
+        coverage.cell(column, row, scratch, self);
+        self.merge();
+    }
+
+    /// Whether the facet at the pixel's centre is lit there.
+    pub(super) fn centre_is_lit(&mut self) -> bool {
+        self.centre.is_some_and(|facet| self.lit.is_lit_at(facet, self.at))
+    }
+
+    /// Called when a new line of the image begins.
+    pub(super) fn new_line(&mut self, row: u32) {
+        self.lit.new_line(row);
+    }
+
+    /// Pieces of a facet become one entry.
+    fn merge(&mut self) {
+        if !self.entries.windows(2).all(|w| w[0].facet < w[1].facet) {
+            self.entries.sort_by_key(|e| e.facet);
+            self.entries.dedup_by(|next, first| {
+                let same = next.facet == first.facet;
+                if same {
+                    first.area += next.area;
+                    first.lit += next.lit;
+                    first.moment[0] += next.moment[0];
+                    first.moment[1] += next.moment[1];
+                }
+                same
+            });
+        }
+    }
+
+    fn add(&mut self, facet: u32, polygon: &[Point], window: &Window) {
+        let (area, moment) = area_and_moment(polygon);
+        if area <= 0.0 {
+            return;
+        }
+        let front = self.drawing.side(facet) == Side::Front;
+        let lit = if front { self.lit.of(facet, window, area) } else { 0.0 };
+        self.entries.push(Entry { facet, front, area, lit, moment });
+    }
+}
+
+impl Visit for Pixel<'_> {
+    fn whole(&mut self, triangle: u32, rect: &Rect) {
+        let outline = self.drawing.outline(triangle);
+        let facet = self.drawing.facet(triangle);
+        if triangle == facet && rect.contains(&Rect::of(&outline)) {
+            self.add(facet, &outline, &Window::Facet);
+        } else {
+            let mut clipped = std::mem::take(&mut self.clipped);
+            clip_to_rect(&outline, rect, &mut clipped, &mut self.spare);
+            self.add(facet, &clipped, &Window::Rect { rect, outline: &outline });
+            self.clipped = clipped;
+        }
+        if self.centre.is_none() && holds(&outline, self.at) && holds(&rect.corners(), self.at) {
+            self.centre = Some(facet);
+        }
+    }
+
+    fn cut(&mut self, _: u32, _: &Rect) {}
+
+    fn piece(&mut self, triangle: u32, _: &Rect, polygon: &[Point]) {
+        let facet = self.drawing.facet(triangle);
+        self.add(facet, polygon, &Window::Piece(polygon));
+        if self.centre.is_none() && holds(polygon, self.at) {
+            self.centre = Some(facet);
+        }
+    }
+}
+
+/// Whether a counter-clockwise polygon holds a point, its border included.
+pub(super) fn holds(polygon: &[Point], p: Point) -> bool {
+    !polygon.is_empty()
+        && (0..polygon.len())
+            .all(|i| side(polygon[i], polygon[if i + 1 == polygon.len() { 0 } else { i + 1 }], p) >= 0.0)
+}

@@ -1,0 +1,30 @@
+//! How long work tells its caller how far it is, and learns that it should stop.
+
+use crate::error::{Error, Result};
+
+/// How far a stage is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Progress {
+    /// What is being done, as in "sunlight".
+    pub stage: &'static str,
+    /// Steps done.
+    pub done: u64,
+    /// Steps in all.
+    pub total: u64,
+}
+
+/// Called between steps, from any thread; `false` asks to stop.
+pub type Watch<'a> = &'a (dyn Fn(Progress) -> bool + Sync);
+
+/// A [`Watch`] for those who do not want to know: never stops anything.
+pub fn unwatched(_: Progress) -> bool {
+    true
+}
+
+/// Tells the caller.
+///
+/// # Errors
+/// [`Error::Interrupted`] if it asks to stop.
+pub fn tell(watch: Watch<'_>, stage: &'static str, done: u64, total: u64) -> Result<()> {
+    if watch(Progress { stage, done, total }) { Ok(()) } else { Err(Error::Interrupted) }
+}

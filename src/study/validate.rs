@@ -1,0 +1,499 @@
+//! Checks against numbers from outside: oracles, each with its inputs, expected value, tolerance and source.
+//!
+//! A file of oracles is JSON: `{"oracles": [{"group", "name", "inputs", "expected", "unit", "tol_rel", "tol_abs", "tolerance", "source"}]}`.
+//! `expected` is a number, a fraction as text ("2663/6800"), or lists and objects of them. What an oracle asks for is
+//! told by its group, its name up to the first `(` or `=`, and its inputs; an input that is missing is looked for in the name ("rho=0.07").
+
+use std::path::Path;
+
+use glam::{DMat3, DVec3};
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use super::closed_forms;
+use crate::error::{Error, Location, Problem, Result};
+use crate::geometry::{Direction, Pose, angle_rad};
+use crate::physics::reflectance::{Brdf, PhotometricAngles};
+use crate::physics::{blackbody, heat, mars, sun};
+use crate::spectral::Spectrum;
+use crate::units::AU_M;
+
+/// Share of each pixel (row, column; a unit square from (column, row)) that a triangle covers.
+pub type Coverage = fn(triangle: [[f64; 2]; 3], columns: usize, rows: usize) -> Vec<Vec<f64>>;
+
+/// What a check may use of the product. What is missing, its oracles are skipped.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Means<'a> {
+    /// Solar spectral irradiance at 1 au, ASTM E490, W m-2 um-1.
+    pub solar: Option<&'a Spectrum>,
+    /// Exact coverage of pixels.
+    pub coverage: Option<Coverage>,
+}
+
+/// How a check ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "UPPERCASE")]
+pub enum Verdict {
+    /// Within the tolerance.
+    Pass,
+    /// Not within it.
+    Fail,
+    /// Not something this version can compute.
+    Skipped,
+}
+
+/// One number that was checked.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Row {
+    /// Group of the oracle.
+    pub group: String,
+    /// Name of the oracle; of one with several quantities, `name/quantity` or `name[row][column]`.
+    pub name: String,
+    /// The number it should be; none where an oracle of several quantities is skipped as a whole.
+    pub expected: Option<f64>,
+    /// The number it is.
+    pub got: Option<f64>,
+    /// How far apart they may be, as in "1e-12 rel", "1e-8 abs", "factor 10" (of an oracle that gives an order of magnitude only).
+    pub tolerance: String,
+    /// Pass, fail or skipped.
+    pub verdict: Verdict,
+    /// Unit of the numbers.
+    pub unit: String,
+    /// Where the expected number comes from.
+    pub source: String,
+}
+
+/// How many rows have a verdict.
+pub fn count(rows: &[Row], verdict: Verdict) -> usize {
+    rows.iter().filter(|row| row.verdict == verdict).count()
+}
+
+/// The built-in checks: those of `tests/data/oracles.json`.
+///
+/// # Errors
+/// None in practice: the file is part of the program.
+pub fn closed_forms(means: &Means) -> Result<Vec<Row>> {
+    oracles(include_str!("../../tests/data/oracles.json"), Path::new("tests/data/oracles.json"), means)
+}
+
+/// Runs a file of oracles, given its text; `path` is what messages call it.
+///
+/// # Errors
+/// [`Error::Syntax`] if the text is not JSON; [`Error::Invalid`] with every oracle that lacks a group, name or expected value.
+pub fn oracles(text: &str, path: &Path, means: &Means) -> Result<Vec<Row>> {
+    let file: Value = serde_json::from_str(text).map_err(|error| {
+        let at = Location { column: Some(error.column()), ..Location::line(path, error.line()) };
+        Error::syntax(at, format!("not JSON: {error}"))
+    })?;
+    let Some(list) = file.get("oracles").and_then(Value::as_array).filter(|list| !list.is_empty()) else {
+        return Err(Error::invalid(Location::file(path), "holds no oracles: a list \"oracles\" is expected"));
+    };
+    let (mut rows, mut problems) = (Vec::new(), Vec::new());
+    for (i, record) in list.iter().enumerate() {
+        match Oracle::read(record) {
+            Ok(oracle) => oracle.run(means, &mut rows),
+            Err(message) => {
+                problems.push(Problem::new(Location::file(path).with_item(format!("oracles[{i}]")), message));
+            }
+        }
+    }
+    if problems.is_empty() { Ok(rows) } else { Err(Error::Invalid(problems)) }
+}
+
+/// Tolerance, in degrees, of an expected 0 that comes with a relative tolerance only: what the arc cosine of a dot product
+/// rounded to f64 resolves near 0 (sqrt(2 eps) rad), which is how such zeros were made.
+const ZERO_TOLERANCE: f64 = 1.3e-6;
+
+struct Oracle<'a> {
+    group: &'a str,
+    name: &'a str,
+    inputs: &'a Value,
+    expected: &'a Value,
+    unit: &'a str,
+    source: &'a str,
+    tol_rel: Option<f64>,
+    tol_abs: Option<f64>,
+}
+
+impl<'a> Oracle<'a> {
+    fn read(record: &'a Value) -> std::result::Result<Self, String> {
+        let text = |key: &str| record.get(key).and_then(Value::as_str);
+        let number = |key: &str| record.get(key).and_then(Value::as_f64);
+        let needed = |key: &str| text(key).ok_or_else(|| format!("has no text {key:?}"));
+        Ok(Oracle {
+            group: needed("group")?,
+            name: needed("name")?,
+            inputs: record.get("inputs").unwrap_or(&Value::Null),
+            expected: record.get("expected").ok_or("has no \"expected\"")?,
+            unit: text("unit").unwrap_or(""),
+            source: text("source").unwrap_or(""),
+            tol_rel: number("tol_rel"),
+            tol_abs: number("tol_abs"),
+        })
+    }
+
+    fn run(&self, means: &Means, rows: &mut Vec<Row>) {
+        match self.value(means) {
+            Some(got) => self.compare(self.name.to_owned(), self.expected, Some(&got), rows),
+            None => rows.push(self.row(self.name.to_owned(), number(self.expected), None, Verdict::Skipped)),
+        }
+    }
+
+    fn compare(&self, name: String, expected: &Value, got: Option<&Value>, rows: &mut Vec<Row>) {
+        match expected {
+            Value::Array(list) => {
+                for (i, expected) in list.iter().enumerate() {
+                    self.compare(format!("{name}[{i}]"), expected, got.and_then(|got| got.get(i)), rows);
+                }
+            }
+            Value::Object(map) => {
+                for (key, expected) in map {
+                    self.compare(format!("{name}/{key}"), expected, got.and_then(|got| got.get(key)), rows);
+                }
+            }
+            leaf => {
+                let (expected, got) = (number(leaf), got.and_then(Value::as_f64));
+                let verdict = match (expected, got) {
+                    (Some(expected), Some(got)) if self.close(expected, got) => Verdict::Pass,
+                    (Some(_), Some(_)) => Verdict::Fail,
+                    _ => Verdict::Skipped,
+                };
+                rows.push(self.row(name, expected, got, verdict));
+            }
+        }
+    }
+
+    fn close(&self, expected: f64, got: f64) -> bool {
+        let difference = (got - expected).abs();
+        match (self.tol_rel, self.tol_abs) {
+            (None, None) => expected == got || (0.1..=10.0).contains(&(got / expected)),
+            (Some(_), None) if expected == 0.0 => difference <= ZERO_TOLERANCE,
+            (rel, abs) => {
+                rel.is_some_and(|rel| difference <= rel * expected.abs()) || abs.is_some_and(|abs| difference <= abs)
+            }
+        }
+    }
+
+    fn row(&self, name: String, expected: Option<f64>, got: Option<f64>, verdict: Verdict) -> Row {
+        let tolerance = match (self.tol_rel, self.tol_abs) {
+            (None, None) => "factor 10".to_owned(),
+            (Some(_), None) if expected == Some(0.0) => format!("{ZERO_TOLERANCE:e} abs"),
+            (Some(rel), None) => format!("{rel:e} rel"),
+            (None, Some(abs)) => format!("{abs:e} abs"),
+            (Some(rel), Some(abs)) => format!("{rel:e} rel or {abs:e} abs"),
+        };
+        let (group, unit, source) = (self.group.to_owned(), self.unit.to_owned(), self.source.to_owned());
+        Row { group, name, expected, got, tolerance, verdict, unit, source }
+    }
+
+    /// An input, or what the name says of it.
+    fn input(&self, key: &str) -> Option<f64> {
+        let in_name = || {
+            let (_, rest) = self.name.split_once(&format!("{key}="))?;
+            rest.split([',', ')']).next()?.parse().ok()
+        };
+        self.inputs.get(key).and_then(Value::as_f64).or_else(in_name)
+    }
+
+    fn vector(&self, key: &str) -> Option<DVec3> {
+        vector(self.inputs.get(key)?)
+    }
+
+    /// Distance from the Sun: an input, or as in "(rho=0.07,1.5AU)".
+    fn distance_m(&self) -> Option<f64> {
+        let in_name = || self.name.split(['(', ',', ')']).find_map(|part| part.strip_suffix("AU")?.parse::<f64>().ok());
+        Some(self.input("d_au").or_else(in_name)? * AU_M)
+    }
+
+    fn value(&self, means: &Means) -> Option<Value> {
+        let kind = self.name.split(['(', '=']).next().unwrap_or("");
+        match self.group {
+            "blackbody" => self.blackbody(kind),
+            "sun" => self.sun(kind, means),
+            "marsshine" => self.marsshine(kind),
+            "formfactor" => self.form_factor(kind),
+            "coverage" => self.coverage(means),
+            "camera" => self.camera(kind),
+            "scene" => self.scene(kind, means),
+            "numerics" => self.numerics(kind),
+            "disc" => self.disc(kind),
+            "geometry" => self.geometry(kind),
+            "thermal" => self.thermal(kind),
+            _ => None,
+        }
+    }
+
+    fn blackbody(&self, kind: &str) -> Option<Value> {
+        let input = |key| self.input(key);
+        Some(json!(match kind {
+            "planck_L" => blackbody::radiance_w_m2_sr_um(input("lambda_um")?, input("T_K")?),
+            "band_L" => blackbody::band_radiance_w_m2_sr(input("l1_um")?, input("l2_um")?, input("T_K")?),
+            "brightness_T" => closed_forms::brightness_temperature_k(input("lambda_um")?, input("L")?),
+            _ => return None,
+        }))
+    }
+
+    fn sun(&self, kind: &str, means: &Means) -> Option<Value> {
+        Some(json!(match kind {
+            "TSI" => sun::irradiance_at(self.input("S0")?, self.distance_m()?),
+            "angular_radius" => sun::angular_radius_rad(self.distance_m()?),
+            "solid_angle" => sun::solid_angle_sr(self.distance_m()?),
+            "light_time" => sun::light_time_s(self.distance_m()?),
+            "E490_integral" => means.solar?.integral(self.input("l1")?, self.input("l2")?)?,
+            _ => return None,
+        }))
+    }
+
+    fn marsshine(&self, kind: &str) -> Option<Value> {
+        let (radius, distance) = (self.input("R")?, self.input("D")?);
+        let q2 = (radius / distance).powi(2);
+        Some(json!(match kind {
+            "uniform_full_disc_upper_bound" => self.input("rho")? * q2,
+            "lambert_full_phase_far_field" => 2.0 / 3.0 * self.input("rho")? * q2,
+            "isotropic_mean_far_field" => 0.25 * self.input("rho")? * q2,
+            "mean_over_coplanar_orbit_far_field" =>
+                2.0 / 3.0 * self.input("rho")? * q2 * (2.0 / std::f64::consts::PI).powi(2),
+            "lambert_full_phase_near_field_per_rho"
+            | "lambert_near_field_facing_per_rho"
+            | "lambert_near_field_tilted_per_rho" => {
+                // Mars towards +Z, the Sun and azimuth 0 on the side of +X.
+                let (sin_phase, cos_phase) = self.input("phase_deg")?.to_radians().sin_cos();
+                let (sin_tilt, cos_tilt) = self.input("tilt_deg").unwrap_or(0.0).to_radians().sin_cos();
+                let (sin_az, cos_az) = self.input("azimuth_deg").unwrap_or(0.0).to_radians().sin_cos();
+                let normal = DVec3::new(sin_tilt * cos_az, sin_tilt * sin_az, cos_tilt);
+                mars::irradiance(distance * DVec3::Z, radius, normal, DVec3::new(sin_phase, 0.0, -cos_phase))
+            }
+            _ => return None,
+        }))
+    }
+
+    fn form_factor(&self, kind: &str) -> Option<Value> {
+        let input = |key| self.input(key);
+        Some(json!(match kind {
+            "plane_to_sphere_F" => {
+                mars::uniform_sphere_form_factor(input("R")? / input("D")?, input("tilt_deg")?.to_radians().cos())
+            }
+            "mars_angular_diameter_from_phobos_deg" => 2.0 * (input("R")? / input("D")?).asin().to_degrees(),
+            "parallel_rectangles" => closed_forms::parallel_rectangles(input("a")?, input("b")?, input("distance")?),
+            "perpendicular_rectangles" => {
+                closed_forms::perpendicular_rectangles(input("common")?, input("w1")?, input("h2")?)
+            }
+            "element_to_coaxial_disc" => {
+                let (radius, height) = (input("R")?, input("h")?);
+                radius * radius / (radius * radius + height * height)
+            }
+            "element_to_triangle_clipped" => {
+                let triangle = self.inputs.get("triangle")?.as_array()?;
+                let polygon = triangle.iter().map(vector).collect::<Option<Vec<_>>>()?;
+                closed_forms::element_to_polygon(self.vector("normal")?, &polygon)
+            }
+            _ => return None,
+        }))
+    }
+
+    fn coverage(&self, means: &Means) -> Option<Value> {
+        let point = |v: &Value| Some([v.get(0)?.as_f64()?, v.get(1)?.as_f64()?]);
+        let corners = self.inputs.get("vertices")?.as_array()?;
+        let triangle: [[f64; 2]; 3] = corners.iter().map(point).collect::<Option<Vec<_>>>()?.try_into().ok()?;
+        let grid = self.inputs.get("grid")?;
+        let (columns, rows) = (grid.get(0)?.as_u64()?, grid.get(1)?.as_u64()?);
+        // As many pixels as are expected, so that no file can ask for more memory than it is long.
+        let expected = self.expected.as_array()?;
+        let same = expected.len() as u64 == rows
+            && expected.iter().all(|row| row.as_array().is_some_and(|row| row.len() as u64 == columns));
+        let coverage = means.coverage.filter(|_| same)?;
+        Some(json!(coverage(triangle, columns as usize, rows as usize)))
+    }
+
+    fn camera(&self, kind: &str) -> Option<Value> {
+        Some(match kind {
+            "eq17_18_19" => {
+                let axes = [self.vector("h")?, self.vector("v")?, self.vector("u")?];
+                let world_from_sensor = Pose {
+                    rotation: DMat3::from_cols_array_2d(&axes.map(|a| a.to_array())),
+                    translation_m: self.vector("O")?,
+                };
+                let p = world_from_sensor.inverse().point(self.vector("P")?);
+                json!({"X": p.x / p.z, "Y": p.y / p.z, "Z": p.z})
+            }
+            "perspective_correct_midpoint" => {
+                let (z0, z1, s) = (self.input("Z0")?, self.input("Z1")?, self.input("s_image")?);
+                json!({"t_3d": s * z0 / (s * z0 + (1.0 - s) * z1)})
+            }
+            "near_plane_clip" => {
+                let (a, b, near) = (self.vector("A")?, self.vector("B")?, self.input("near")?);
+                json!({"point": (a + (b - a) * ((near - a.z) / (b.z - a.z))).to_array()})
+            }
+            _ => return None,
+        })
+    }
+
+    fn scene(&self, kind: &str, means: &Means) -> Option<Value> {
+        Some(match kind {
+            "table_I_geometry" => {
+                let (observer, sun_m, target) = (self.vector("MMX")?, self.vector("Sun")?, self.vector("target")?);
+                let radii = self.vector("ellipsoid_m")?;
+                let to_sun = sun_m - target;
+                let to_observer = observer - target;
+                let ellipsoid_normal = target / (radii * radii);
+                let degrees = |a, b| angle_rad(a, b).to_degrees();
+                json!({
+                    "range_MMX_target_m": to_observer.length(),
+                    "range_MMX_centre_m": observer.length(),
+                    "target_radius_m": target.length(),
+                    "sun_distance_m": sun_m.length(),
+                    "sun_distance_AU": sun_m.length() / AU_M,
+                    "phase_deg": degrees(to_sun, to_observer),
+                    "incidence_radial_deg": degrees(to_sun, target),
+                    "emission_radial_deg": degrees(to_observer, target),
+                    "incidence_ellipsoid_deg": degrees(to_sun, ellipsoid_normal),
+                    "emission_ellipsoid_deg": degrees(to_observer, ellipsoid_normal),
+                    "target_lon_deg": target.y.atan2(target.x).to_degrees(),
+                    "light_time_s": sun::light_time_s(sun_m.length()),
+                })
+            }
+            "thermal_over_reflected" => {
+                json!(self.thermal_over_reflected(self.input("lambda_um")?, self.input("T")?, means)?)
+            }
+            "wavelength_where_thermal" => {
+                let (t_k, ratio) = (self.input("T_K")?, self.input("ratio")?);
+                // The ratio rises with wavelength.
+                let (mut low_um, mut high_um) = (1.0, 10.0);
+                for _ in 0..60 {
+                    let middle_um = 0.5 * (low_um + high_um);
+                    if self.thermal_over_reflected(middle_um, t_k, means)? < ratio {
+                        low_um = middle_um;
+                    } else {
+                        high_um = middle_um;
+                    }
+                }
+                json!(low_um)
+            }
+            "eclipse_by_mars_central_duration" => {
+                // Where nothing else is said: at the mean distance of Mars.
+                let sun_rad = sun::angular_radius_rad(self.distance_m().unwrap_or(1.523_679 * AU_M));
+                let mars_rad = (self.input("R")? / self.input("D")?).asin();
+                let s_per_rad = self.input("period_s")? / std::f64::consts::PI;
+                json!({"total_s": (mars_rad - sun_rad) * s_per_rad, "partial_each_s": sun_rad * s_per_rad})
+            }
+            "flat_lambert_radiance_table_I_1um" => {
+                let cos_incidence = self.input("i_deg")?.to_radians().cos();
+                json!(lambert_radiance(self.input("rho")?, self.input("E490_1um")?, self.distance_m()?, cos_incidence))
+            }
+            _ => return None,
+        })
+    }
+
+    /// Thermal over reflected radiance of a facet under the Sun.
+    fn thermal_over_reflected(&self, lambda_um: f64, t_k: f64, means: &Means) -> Option<f64> {
+        let reflected = lambert_radiance(self.input("rho")?, means.solar?.at(lambda_um)?, self.distance_m()?, 1.0);
+        Some(blackbody::radiance_w_m2_sr_um(lambda_um, t_k) / reflected)
+    }
+
+    fn numerics(&self, kind: &str) -> Option<Value> {
+        // Table I of Domagala (2020).
+        let sun_m = self.vector("Sun").unwrap_or(DVec3::new(3.992e10, 2.1812e11, 1.1501e10));
+        let target_m = self.vector("target").unwrap_or(DVec3::new(-2743.5946, 11860.036, 0.51269));
+        Some(match kind {
+            "ulp" => {
+                let x = self.input("x")?;
+                let x_32 = x as f32;
+                json!({"f32": f64::from(x_32.next_up() - x_32), "f64": x.next_up() - x})
+            }
+            "sun_position_divided_by" => {
+                let scaled_m = sun_m / self.input("factor")?;
+                let up = Direction::new(target_m)?.vec();
+                let east_m = 1000.0 * Direction::new(DVec3::Z.cross(up))?.vec();
+                json!({
+                    "sun_dist_m": scaled_m.length(),
+                    "direction_error_deg": angle_rad(sun_m - target_m, scaled_m - target_m).to_degrees(),
+                    "divergence_2km_deg":
+                        angle_rad(scaled_m - (target_m + east_m), scaled_m - (target_m - east_m)).to_degrees(),
+                    "height_above_target_m": (scaled_m - target_m).dot(up),
+                })
+            }
+            "sun_perspective_rounding" => {
+                let lost = closed_forms::sun_camera_rounding(sun_m / self.input("factor")?, target_m)?;
+                json!({
+                    "lateral_err_f64_m": lost.lateral_f64_m,
+                    "lateral_err_f32_m": lost.lateral_f32_m,
+                    "depth_err_f64_m": lost.depth_f64_m,
+                    "depth_err_f32_m": lost.depth_f32_m,
+                    "metres_per_1e_minus_9": 1e-9 * lost.depth_m,
+                })
+            }
+            _ => return None,
+        })
+    }
+
+    fn disc(&self, kind: &str) -> Option<Value> {
+        Some(json!(match kind {
+            "lambert_sphere_phase" => closed_forms::lambert_sphere_phase(self.input("phase_deg")?),
+            "lommel_seeliger_sphere_phase" => closed_forms::lommel_seeliger_sphere_phase(self.input("phase_deg")?),
+            "lambert_phase_integral" => closed_forms::lambert_phase_integral(),
+            _ => return None,
+        }))
+    }
+
+    fn geometry(&self, kind: &str) -> Option<Value> {
+        Some(match kind {
+            "ellipsoid_projected_area" => {
+                json!(closed_forms::ellipsoid_projected_area(self.vector("radii_km")?, self.vector("view")?))
+            }
+            "ellipsoid_lit_visible_projected_area" => {
+                let (radii, sun, view) = (self.vector("radii_km")?, self.vector("sun")?, self.vector("view")?);
+                json!(closed_forms::ellipsoid_lit_projected_area(radii, sun, view))
+            }
+            "ellipsoid_disc_integrated" => {
+                let (radii, sun, view) = (self.vector("radii_km")?, self.vector("sun")?, self.vector("view")?);
+                let (lambert, lommel_seeliger) = closed_forms::ellipsoid_disc_integrals(radii, sun, view);
+                json!({"int_mu0_mu_dA": lambert, "int_mu0_mu_over_sum_dA": lommel_seeliger})
+            }
+            "pinhole_image_of_sphere" => {
+                let (a_rad, b_rad) =
+                    (self.input("angular_radius_deg")?.to_radians(), self.input("offaxis_deg")?.to_radians());
+                let (centre, along, across) =
+                    closed_forms::pinhole_image_of_sphere(a_rad, b_rad, self.input("f").unwrap_or(1.0));
+                let area = std::f64::consts::PI * along * across;
+                json!({"centre": centre, "semi_radial": along, "semi_tangential": across, "area": area})
+            }
+            _ => return None,
+        })
+    }
+
+    fn thermal(&self, kind: &str) -> Option<Value> {
+        Some(json!(match kind {
+            "radiative_equilibrium_T" => {
+                let normal = sun::irradiance_at(self.input("S0")?, self.distance_m()?);
+                let absorbed = (1.0 - self.input("A")?) * sun::irradiance_on_facet(normal, self.input("cos_i")?);
+                heat::equilibrium_temperature_k(absorbed, self.input("eps")?)
+            }
+            "thesis_eq9_T" => heat::thesis_temperature_k(self.input("cos_i")?),
+            _ => return None,
+        }))
+    }
+}
+
+/// Radiance of a Lambert facet under the Sun alone, in the unit of the irradiance per sr.
+fn lambert_radiance(reflectance: f64, irradiance_1au: f64, distance_m: f64, cos_incidence: f64) -> f64 {
+    let angles = PhotometricAngles { cos_incidence, cos_emission: 1.0, phase_rad: cos_incidence.acos() };
+    Brdf::Lambert { reflectance }.eval(&angles)
+        * sun::irradiance_on_facet(sun::irradiance_at(irradiance_1au, distance_m), cos_incidence)
+}
+
+/// A number, or a fraction as text.
+fn number(value: &Value) -> Option<f64> {
+    let text = match value {
+        Value::String(text) => text,
+        other => return other.as_f64(),
+    };
+    match text.split_once('/') {
+        Some((over, under)) => Some(over.parse::<f64>().ok()? / under.parse::<f64>().ok()?),
+        None => text.parse().ok(),
+    }
+}
+
+fn vector(value: &Value) -> Option<DVec3> {
+    let [x, y, z] = value.as_array()?.as_slice() else { return None };
+    Some(DVec3::new(x.as_f64()?, y.as_f64()?, z.as_f64()?))
+}

@@ -1,0 +1,124 @@
+//! Which triangles touch which cell.
+
+use rayon::prelude::*;
+
+use super::drawing::{Drawing, Grid};
+use crate::geometry::polygon::Point;
+
+/// For every cell, row by row, the triangles that touch it, ascending.
+#[derive(Debug)]
+pub(super) struct Bins {
+    pieces: Vec<Piece>,
+}
+
+/// The lists of a stretch of triangles.
+#[derive(Debug)]
+struct Piece {
+    start: Vec<u32>,
+    triangle: Vec<u32>,
+}
+
+/// Triangles are sorted in so many stretches, whatever the number of threads.
+const PIECES: usize = 4;
+/// A triangle whose bounds hold more cells than this is traced row by row.
+const TRACED_CELLS: u32 = 16;
+
+impl Bins {
+    pub(super) fn new(drawing: &Drawing) -> Self {
+        let length = drawing.len().div_ceil(PIECES).max(1);
+        let stretches: Vec<std::ops::Range<usize>> =
+            (0..PIECES).map(|i| (i * length).min(drawing.len())..((i + 1) * length).min(drawing.len())).collect();
+        Bins { pieces: stretches.into_par_iter().map(|range| Piece::new(drawing, range)).collect() }
+    }
+
+    /// Writes the triangles of a cell into `list`.
+    pub(super) fn cell(&self, cell: usize, list: &mut Vec<u32>) {
+        list.clear();
+        for piece in &self.pieces {
+            list.extend_from_slice(&piece.triangle[piece.start[cell] as usize..piece.start[cell + 1] as usize]);
+        }
+    }
+}
+
+impl Piece {
+    fn new(drawing: &Drawing, range: std::ops::Range<usize>) -> Self {
+        let cells = drawing.grid.columns as usize * drawing.grid.rows as usize;
+        // Counted one place to the right, so that the running sum leaves each cell's start in its own place.
+        let mut start = vec![0u32; cells + 1];
+        for t in range.clone() {
+            for_each_cell(drawing, t as u32, |cell| start[cell + 1] += 1);
+        }
+        for cell in 0..cells {
+            start[cell + 1] += start[cell];
+        }
+        let mut triangle = vec![0u32; start[cells] as usize];
+        let mut fill = start.clone();
+        for t in range {
+            for_each_cell(drawing, t as u32, |cell| {
+                triangle[fill[cell] as usize] = t as u32;
+                fill[cell] += 1;
+            });
+        }
+        Piece { start, triangle }
+    }
+}
+
+/// Columns or rows whose inside an extent touches; empty if it lies outside.
+fn touched(lo: f64, hi: f64, count: u32) -> std::ops::Range<u32> {
+    let first = lo.floor().clamp(0.0, f64::from(count));
+    let last = hi.ceil().clamp(0.0, f64::from(count));
+    first as u32..(last as u32).max(first as u32)
+}
+
+/// Calls `visit` with each cell that a triangle may touch, in ascending order.
+fn for_each_cell(drawing: &Drawing, triangle: u32, mut visit: impl FnMut(usize)) {
+    if !drawing.is_drawn(triangle) {
+        return;
+    }
+    let corners = drawing.corners(triangle).map(|p| [p[0], p[1]]);
+    for_each_cell_of(corners, drawing.grid, |row, columns| {
+        let base = row as usize * drawing.grid.columns as usize;
+        for column in columns {
+            visit(base + column as usize);
+        }
+    });
+}
+
+/// Calls `visit` with each row and its columns that a triangle may touch, rows ascending.
+pub fn for_each_cell_of(corners: [Point; 3], grid: Grid, mut visit: impl FnMut(u32, std::ops::Range<u32>)) {
+    let [a, b, c] = corners;
+    let columns = touched(a[0].min(b[0]).min(c[0]), a[0].max(b[0]).max(c[0]), grid.columns);
+    let rows = touched(a[1].min(b[1]).min(c[1]), a[1].max(b[1]).max(c[1]), grid.rows);
+    if columns.is_empty() {
+        return;
+    }
+    if (columns.len() as u64) * (rows.len() as u64) <= u64::from(TRACED_CELLS) {
+        rows.for_each(|row| visit(row, columns.clone()));
+        return;
+    }
+    // Rounding of an interpolated x, with room to spare: a cell too many costs little, one too few is wrong.
+    let slack = 1e-9 * (1.0 + corners.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs())));
+    for row in rows {
+        let (low, high) = (f64::from(row), f64::from(row) + 1.0);
+        let (mut x0, mut x1) = (f64::INFINITY, f64::NEG_INFINITY);
+        for (p, q) in [(a, b), (b, c), (c, a)] {
+            let (p, q) = if p[1] <= q[1] { (p, q) } else { (q, p) };
+            if q[1] < low || p[1] > high {
+                continue;
+            }
+            for y in [low.max(p[1]), high.min(q[1])] {
+                let t = if q[1] > p[1] { (y - p[1]) / (q[1] - p[1]) } else { 0.0 };
+                let x = p[0] + t * (q[0] - p[0]);
+                x0 = x0.min(x);
+                x1 = x1.max(x);
+            }
+            // A level edge lies in the row with both its ends.
+            if p[1] == q[1] {
+                x0 = x0.min(q[0]);
+                x1 = x1.max(q[0]);
+            }
+        }
+        let inside = touched(x0 - slack, x1 + slack, grid.columns);
+        visit(row, inside.start.max(columns.start)..inside.end.min(columns.end).max(inside.start.max(columns.start)));
+    }
+}

@@ -1,0 +1,449 @@
+//! A mesh drawn in the plane of a view: each vertex projected once, each facet's side decided once.
+//!
+//! The rounded drawing is the exact input of everything that follows: neighbours share vertices, so they fit to the last bit.
+
+use glam::DVec3;
+use rayon::prelude::*;
+use robust::{Coord, orient2d};
+
+use super::topology::{NONE, Topology};
+use crate::geometry::polygon::{Point, Rect};
+use crate::geometry::{Direction, Mesh};
+
+/// How points of space become points of the drawing. The drawing's unit is a cell; h points right, v down, u away from the viewer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum View {
+    /// All rays parallel.
+    Parallel {
+        /// Right, unit vector.
+        h: DVec3,
+        /// Down, unit vector.
+        v: DVec3,
+        /// Away from the viewer, unit vector.
+        u: DVec3,
+        /// Cells per metre along h and v.
+        scale: [f64; 2],
+        /// Drawing coordinates of the origin.
+        offset: [f64; 2],
+    },
+    /// All rays through one point.
+    Pinhole {
+        /// Projection centre, m.
+        centre_m: DVec3,
+        /// Right, unit vector.
+        h: DVec3,
+        /// Down, unit vector.
+        v: DVec3,
+        /// Boresight, unit vector.
+        u: DVec3,
+        /// Cells per unit of tangent.
+        scale: f64,
+        /// Drawing coordinates of the boresight.
+        offset: [f64; 2],
+    },
+}
+
+/// The cells of a drawing: unit squares from (0, 0) to (columns, rows).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Grid {
+    /// Cells in a row.
+    pub columns: u32,
+    /// Rows.
+    pub rows: u32,
+}
+
+impl Grid {
+    /// The square of a cell.
+    pub fn cell(&self, column: u32, row: u32) -> Rect {
+        let (x, y) = (f64::from(column), f64::from(row));
+        Rect { min: [x, y], max: [x + 1.0, y + 1.0] }
+    }
+
+    /// All cells together.
+    pub fn bounds(&self) -> Rect {
+        Rect { min: [0.0; 2], max: [f64::from(self.columns), f64::from(self.rows)] }
+    }
+}
+
+/// Which side of a facet the viewer sees.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// The outer one.
+    Front,
+    /// The inner one: it blocks, but neither receives nor emits.
+    Back,
+    /// Neither: seen edge-on.
+    Edge,
+}
+
+const DRAWN: u8 = 1;
+const FRONT: u8 = 2;
+const BACK: u8 = 4;
+const OPEN: [u8; 3] = [8, 16, 32];
+/// The facet was cut at the image's side planes: its pieces are drawn in its place.
+const CUT: u8 = 64;
+
+/// A triangle cut from a facet that crosses the camera plane or reaches far beyond the image.
+#[derive(Debug, Clone, Copy)]
+struct Extra {
+    facet: u32,
+    vertices: [u32; 3],
+}
+
+/// A mesh, drawn. Triangles are the facets, by their index, then the pieces of those that had to be cut.
+#[derive(Debug)]
+pub struct Drawing<'a> {
+    mesh: &'a Mesh,
+    topology: &'a Topology,
+    /// The view.
+    pub view: View,
+    /// The cells.
+    pub grid: Grid,
+    /// x, y in cells; nearness: height towards the viewer, m (parallel) or 1 / depth, 1/m (pinhole). Affine over a facet.
+    points: Vec<[f64; 3]>,
+    extra: Vec<Extra>,
+    flags: Vec<u8>,
+    /// Largest magnitude of x, y and of nearness among what is drawn.
+    magnitude: [f64; 2],
+}
+
+/// Facets are cut at the image's side planes once a corner lies this many image sizes beside the image, or behind the camera.
+const CUT_BEYOND: f64 = 4.0;
+/// ... and these planes lie so many image sizes beside the image, so that no cut edge comes near a pixel.
+const CUT_AT: f64 = 1.0;
+
+impl<'a> Drawing<'a> {
+    /// Draws a mesh for light from a direction, with cells fitted to what is there.
+    ///
+    /// The axes follow the mesh's own extent as seen from there, so that under grazing light cells are as flat as facets are.
+    pub fn from_sun(mesh: &'a Mesh, topology: &'a Topology, towards: Direction, cells: f64) -> Self {
+        let (h, v) = long_and_short(mesh, towards);
+        let u = -towards.vec();
+        let used = |f: fn(f64, f64) -> f64, start: f64| {
+            mesh.facets.iter().flatten().fold([start; 2], |m, &i| {
+                let p = mesh.vertices_m[i as usize];
+                [f(m[0], p.dot(h)), f(m[1], p.dot(v))]
+            })
+        };
+        let (lo, hi) = (used(f64::min, f64::INFINITY), used(f64::max, f64::NEG_INFINITY));
+        let side = cells.sqrt().ceil().clamp(1.0, 4096.0);
+        let grid = Grid { columns: side as u32, rows: side as u32 };
+        // A margin of 1e-3 cells keeps the outermost points inside.
+        let scale = [0, 1].map(|k| {
+            let extent = hi[k] - lo[k];
+            if extent > 0.0 { (side - 2e-3) / extent } else { 1.0 }
+        });
+        let offset = [1e-3 - lo[0] * scale[0], 1e-3 - lo[1] * scale[1]];
+        Self::new(mesh, topology, View::Parallel { h, v, u, scale, offset }, grid)
+    }
+
+    /// Draws a mesh in a view.
+    pub fn new(mesh: &'a Mesh, topology: &'a Topology, view: View, grid: Grid) -> Self {
+        let points: Vec<[f64; 3]> = mesh.vertices_m.par_iter().with_min_len(4096).map(|p| project(&view, *p)).collect();
+        let mut drawing =
+            Drawing { mesh, topology, view, grid, points, extra: vec![], flags: vec![], magnitude: [0.0; 2] };
+        drawing.decide_sides();
+        drawing.cut_far_facets();
+        drawing.mark_open_edges();
+        drawing.measure();
+        drawing
+    }
+
+    /// Number of triangles: facets, then pieces of facets.
+    pub(super) fn len(&self) -> usize {
+        self.flags.len()
+    }
+
+    /// The facet of a triangle.
+    pub fn facet(&self, triangle: u32) -> u32 {
+        let facets = self.mesh.facets.len() as u32;
+        if triangle < facets { triangle } else { self.extra[(triangle - facets) as usize].facet }
+    }
+
+    fn vertices(&self, triangle: u32) -> [u32; 3] {
+        match self.mesh.facets.get(triangle as usize) {
+            Some(facet) => *facet,
+            None => self.extra[triangle as usize - self.mesh.facets.len()].vertices,
+        }
+    }
+
+    /// Corners of a triangle: x, y in cells, nearness.
+    pub fn corners(&self, triangle: u32) -> [[f64; 3]; 3] {
+        self.vertices(triangle).map(|v| self.points[v as usize])
+    }
+
+    /// Corners of a triangle in the plane, counter-clockwise (x right, y up).
+    pub fn outline(&self, triangle: u32) -> [Point; 3] {
+        let [a, b, c] = self.corners(triangle).map(|p| [p[0], p[1]]);
+        if self.flags[triangle as usize] & BACK != 0 { [a, b, c] } else { [a, c, b] }
+    }
+
+    /// Whether a triangle is drawn at all.
+    pub(super) fn is_drawn(&self, triangle: u32) -> bool {
+        self.flags[triangle as usize] & DRAWN != 0
+    }
+
+    /// Whether an edge (0: a-b, 1: b-c, 2: c-a) may have something else on its other side than a facet that continues this one.
+    pub(super) fn is_open(&self, triangle: u32, edge: usize) -> bool {
+        self.flags[triangle as usize] & OPEN[edge] != 0
+    }
+
+    /// Whether any edge of a triangle is open.
+    pub(super) fn has_open_edge(&self, triangle: u32) -> bool {
+        self.flags[triangle as usize] & (OPEN[0] | OPEN[1] | OPEN[2]) != 0
+    }
+
+    /// The facets beyond the edges of a triangle that cannot overlap it, being its continuation in the drawing.
+    pub(super) fn continuations(&self, triangle: u32) -> [u32; 3] {
+        let facet = self.facet(triangle);
+        if self.flags[triangle as usize] & CUT != 0 || triangle as usize >= self.mesh.facets.len() {
+            return [NONE; 3];
+        }
+        let mut next = self.topology.neighbour[facet as usize];
+        for (k, n) in next.iter_mut().enumerate() {
+            if self.is_open(triangle, k) {
+                *n = NONE;
+            }
+        }
+        next
+    }
+
+    /// Which side of a facet the viewer sees.
+    pub fn side(&self, facet: u32) -> Side {
+        match self.flags[facet as usize] & (FRONT | BACK) {
+            FRONT => Side::Front,
+            BACK => Side::Back,
+            _ => Side::Edge,
+        }
+    }
+
+    /// Whether a facet had to be cut because it crosses the camera plane or reaches far beyond the image.
+    pub fn is_cut(&self, facet: u32) -> bool {
+        self.flags[facet as usize] & CUT != 0
+    }
+
+    /// Largest magnitude of drawing coordinates, and of nearness.
+    pub(super) fn magnitude(&self) -> [f64; 2] {
+        self.magnitude
+    }
+
+    /// What decides between two facets at the same depth: material, then the sorted corners. Not the index, which a user may shuffle.
+    pub(super) fn rank(&self, facet: u32) -> (u16, [[u64; 3]; 3], u32) {
+        let mut corners = self.mesh.facet(facet as usize).corners_m.map(|p| p.to_array().map(ordered_bits));
+        corners.sort_unstable();
+        (self.mesh.material[facet as usize].0, corners, facet)
+    }
+
+    fn decide_sides(&mut self) {
+        let image = self.grid.bounds();
+        let reach = [0, 1].map(|k| CUT_BEYOND * image.max[k]);
+        let pinhole = matches!(self.view, View::Pinhole { .. });
+        let (points, topology) = (&self.points, self.topology);
+        self.flags = self
+            .mesh
+            .facets
+            .par_iter()
+            .with_min_len(4096)
+            .enumerate()
+            .map(|(i, facet)| {
+                let corners = facet.map(|v| points[v as usize]);
+                if pinhole {
+                    let far = |p: &[f64; 3]| {
+                        !(p[2] > 0.0) || (0..2).any(|k| p[k] < -reach[k] || p[k] > image.max[k] + reach[k])
+                    };
+                    if corners.iter().any(far) {
+                        return CUT;
+                    }
+                }
+                let [a, b, c] = corners.map(|p| [p[0], p[1]]);
+                let turn = turn(a, b, c);
+                // h right, v down, u forward is right-handed: an outer side seen from in front turns negative.
+                let side = if turn < 0.0 {
+                    FRONT
+                } else if turn > 0.0 {
+                    BACK
+                } else {
+                    return 0;
+                };
+                let hidden = side == BACK && topology.closed[i];
+                let drawn = !hidden && Rect::of(&[a, b, c]).overlaps(&image);
+                side | if drawn { DRAWN } else { 0 }
+            })
+            .collect();
+    }
+
+    /// Cuts facets that cross the camera plane or reach far beyond the image, in homogeneous coordinates, at planes beside the image.
+    fn cut_far_facets(&mut self) {
+        let View::Pinhole { centre_m, h, v, u, scale, offset } = self.view else { return };
+        let image = self.grid.bounds();
+        // Planes through the projection centre: w = (n . (p - centre)) >= 0 inside.
+        let mut planes = Vec::new();
+        for (axis, side) in [(0, h), (1, v)] {
+            let margin = CUT_AT * image.max[axis];
+            let low = (-margin - offset[axis]) / scale;
+            let high = (image.max[axis] + margin - offset[axis]) / scale;
+            planes.push(side - low * u);
+            planes.push(high * u - side);
+        }
+        let mut places: std::collections::HashMap<(u32, u32, usize), u32> = Default::default();
+        for facet in 0..self.mesh.facets.len() as u32 {
+            if self.flags[facet as usize] & CUT == 0 {
+                continue;
+            }
+            let corners = self.mesh.facets[facet as usize];
+            // Polygon of (drawing vertex or original vertex, position, original edge it lies on).
+            let mut polygon: Vec<(DVec3, Name)> =
+                corners.iter().map(|&i| (self.mesh.vertices_m[i as usize] - centre_m, Name::Corner(i))).collect();
+            for (number, plane) in planes.iter().enumerate() {
+                polygon = cut(&polygon, *plane, number);
+                if polygon.len() < 3 {
+                    break;
+                }
+            }
+            if polygon.len() < 3 {
+                continue;
+            }
+            let ids: Vec<u32> = polygon
+                .iter()
+                .map(|(p, name)| match name {
+                    // A corner inside all planes: drawn where it was, if it has a finite place.
+                    Name::Corner(i) => *i,
+                    Name::Cut(a, b, plane) => *places.entry((*a, *b, *plane)).or_insert_with(|| {
+                        self.points.push(project(&self.view, *p + centre_m));
+                        self.points.len() as u32 - 1
+                    }),
+                    Name::Inner => {
+                        self.points.push(project(&self.view, *p + centre_m));
+                        self.points.len() as u32 - 1
+                    }
+                })
+                .collect();
+            for k in 2..ids.len() {
+                let vertices = [ids[0], ids[k - 1], ids[k]];
+                let [a, b, c] = vertices.map(|v| self.points[v as usize]);
+                let sound = [a, b, c].iter().all(|p| p.iter().all(|x| x.is_finite()) && p[2] > 0.0);
+                let turn = turn([a[0], a[1]], [b[0], b[1]], [c[0], c[1]]);
+                if !sound || turn == 0.0 {
+                    continue;
+                }
+                let side = if turn < 0.0 { FRONT } else { BACK };
+                let mine = &mut self.flags[facet as usize];
+                if *mine & (FRONT | BACK) == 0 {
+                    *mine |= side;
+                }
+                let hidden = side == BACK && self.topology.closed[facet as usize];
+                if *mine & side != 0 && !hidden {
+                    self.extra.push(Extra { facet, vertices });
+                }
+            }
+        }
+    }
+
+    /// An edge is open unless the facet beyond it is drawn on the same side.
+    fn mark_open_edges(&mut self) {
+        let sides = &self.flags;
+        let mut flags: Vec<u8> = sides
+            .par_iter()
+            .with_min_len(4096)
+            .zip(&self.topology.neighbour)
+            .map(|(&flag, neighbour)| {
+                let side = flag & (FRONT | BACK);
+                let mut marked = flag;
+                for (k, &n) in neighbour.iter().enumerate() {
+                    if n == NONE || side == 0 || sides[n as usize] & (FRONT | BACK) != side {
+                        marked |= OPEN[k];
+                    }
+                }
+                marked
+            })
+            .collect();
+        // Pieces of cut facets: every edge open. They are few, and open only means that nothing is taken for granted.
+        let all_open = DRAWN | OPEN[0] | OPEN[1] | OPEN[2];
+        flags.extend(self.extra.iter().map(|e| all_open | sides[e.facet as usize] & (FRONT | BACK)));
+        self.flags = flags;
+    }
+
+    fn measure(&mut self) {
+        let image = self.grid.bounds();
+        self.magnitude[0] = (1.0 + 2.0 * CUT_BEYOND) * image.max[0].max(image.max[1]);
+        self.magnitude[1] = (0..self.len() as u32)
+            .filter(|t| self.is_drawn(*t))
+            .flat_map(|t| self.corners(t))
+            .fold(0.0, |m, p| m.max(p[2].abs()));
+    }
+}
+
+/// What a corner of a cut facet is: an original vertex, a point on an original edge and a plane, or neither.
+#[derive(Clone, Copy, PartialEq)]
+enum Name {
+    Corner(u32),
+    Cut(u32, u32, usize),
+    Inner,
+}
+
+/// The part of a polygon (about the projection centre) where n . p >= 0. Crossings are computed in the order of the original edge's ends.
+fn cut(polygon: &[(DVec3, Name)], plane: DVec3, number: usize) -> Vec<(DVec3, Name)> {
+    let mut out = Vec::new();
+    for i in 0..polygon.len() {
+        let ((p, a), (q, b)) = (polygon[i], polygon[(i + 1) % polygon.len()]);
+        let (d, e) = (plane.dot(p), plane.dot(q));
+        if d >= 0.0 {
+            out.push((p, a));
+        }
+        if (d > 0.0 && e < 0.0) || (d < 0.0 && e > 0.0) {
+            let (from, to, df, de, name) = match (a, b) {
+                (Name::Corner(x), Name::Corner(y)) if x <= y => (p, q, d, e, Name::Cut(x, y, number)),
+                (Name::Corner(x), Name::Corner(y)) => (q, p, e, d, Name::Cut(y, x, number)),
+                _ => (p, q, d, e, Name::Inner),
+            };
+            out.push((from + (to - from) * (df / (df - de)), name));
+        }
+    }
+    out
+}
+
+fn project(view: &View, p_m: DVec3) -> [f64; 3] {
+    match view {
+        View::Parallel { h, v, u, scale, offset } => {
+            [p_m.dot(*h) * scale[0] + offset[0], p_m.dot(*v) * scale[1] + offset[1], -p_m.dot(*u)]
+        }
+        View::Pinhole { centre_m, h, v, u, scale, offset } => {
+            let p = p_m - *centre_m;
+            let near = 1.0 / p.dot(*u);
+            [p.dot(*h) * near * scale + offset[0], p.dot(*v) * near * scale + offset[1], near]
+        }
+    }
+}
+
+/// Twice the signed area of a triangle, with the sign of exact arithmetic.
+fn turn(a: Point, b: Point, c: Point) -> f64 {
+    let coord = |p: Point| Coord { x: p[0], y: p[1] };
+    orient2d(coord(a), coord(b), coord(c))
+}
+
+/// A key whose order is that of the numbers.
+fn ordered_bits(x: f64) -> u64 {
+    let bits = (x + 0.0).to_bits();
+    if bits >> 63 == 1 { !bits } else { bits | 1 << 63 }
+}
+
+/// Unit vectors across `towards`: h along the longer extent of the mesh as seen from there, v along the shorter; h x v = -towards.
+fn long_and_short(mesh: &Mesh, towards: Direction) -> (DVec3, DVec3) {
+    let (h, v) = towards.reversed().frame();
+    let n = mesh.facets.len().max(1);
+    // A few thousand facets tell the extent as well as all of them.
+    let step = n.div_ceil(4096);
+    let centres: Vec<[f64; 2]> = (0..mesh.facets.len())
+        .step_by(step)
+        .map(|f| {
+            let p = mesh.facet(f).centroid_m();
+            [p.dot(h), p.dot(v)]
+        })
+        .collect();
+    let count = centres.len().max(1) as f64;
+    let mean = [0, 1].map(|k| centres.iter().map(|c| c[k]).sum::<f64>() / count);
+    let moment = |i: usize, k: usize| centres.iter().map(|c| (c[i] - mean[i]) * (c[k] - mean[k])).sum::<f64>();
+    let angle = 0.5 * (2.0 * moment(0, 1)).atan2(moment(0, 0) - moment(1, 1));
+    let (sin, cos) = angle.sin_cos();
+    (cos * h + sin * v, cos * v - sin * h)
+}

@@ -1,0 +1,289 @@
+//! Which facets meet at an edge, and which parts of a mesh are closed.
+
+use std::collections::HashMap;
+
+use crate::geometry::Mesh;
+
+/// No facet.
+pub const NONE: u32 = u32::MAX;
+
+/// How the facets of a mesh hang together.
+#[derive(Debug, Clone)]
+pub struct Topology {
+    /// For each facet and each of its edges (a-b, b-c, c-a): the one facet that runs along it the other way, or [`NONE`].
+    pub neighbour: Vec<[u32; 3]>,
+    /// Whether a facet belongs to a part proven closed and outward-oriented: its back faces can never be seen from outside.
+    pub closed: Vec<bool>,
+    /// Edges with one facet only, or with more than two.
+    pub open_edges: usize,
+    /// Facets that must be turned over to agree with the larger part of their surroundings.
+    pub flipped_facets: usize,
+}
+
+/// One end of a matching: the larger vertex of an edge, and 4 x facet + edge.
+#[derive(Clone, Copy)]
+struct Half {
+    other: u32,
+    code: u32,
+}
+
+impl Topology {
+    /// Finds neighbours and closed parts. Vertices of open edges at the same place count as one, so seams close.
+    pub fn new(mesh: &Mesh) -> Self {
+        let mut neighbour = vec![[NONE; 3]; mesh.facets.len()];
+        let mut same_way: Vec<[u32; 2]> = Vec::new();
+        let mut open = match_by_index(mesh, &mut neighbour, &mut same_way);
+        if !open.is_empty() {
+            open = match_by_place(mesh, open, &mut neighbour, &mut same_way);
+        }
+        let mut has_open_edge = vec![false; mesh.facets.len()];
+        for code in &open {
+            has_open_edge[*code as usize / 4] = true;
+        }
+        let parts = Parts::new(&neighbour, &same_way);
+        let (closed, flipped_facets) = parts.closed_and_flipped(mesh, &has_open_edge, &same_way);
+        Topology { neighbour, closed, open_edges: open.len(), flipped_facets }
+    }
+}
+
+fn ends(mesh: &Mesh, code: u32) -> (u32, u32) {
+    let facet = mesh.facets[code as usize / 4];
+    let k = code as usize % 4;
+    (facet[k], facet[if k == 2 { 0 } else { k + 1 }])
+}
+
+/// Joins two halves of an edge: the other way round they are neighbours, the same way round one of them is flipped.
+fn join(one: (u32, bool), two: (u32, bool), neighbour: &mut [[u32; 3]], same_way: &mut Vec<[u32; 2]>) {
+    let (f, g) = (one.0 / 4, two.0 / 4);
+    if one.1 != two.1 {
+        neighbour[f as usize][one.0 as usize % 4] = g;
+        neighbour[g as usize][two.0 as usize % 4] = f;
+    } else {
+        same_way.push([f, g]);
+    }
+}
+
+/// Matches edges by vertex index; returns the codes of those left over.
+fn match_by_index(mesh: &Mesh, neighbour: &mut [[u32; 3]], same_way: &mut Vec<[u32; 2]>) -> Vec<u32> {
+    let mut start = vec![0u32; mesh.vertices_m.len() + 1];
+    for &[a, b, c] in &mesh.facets {
+        for (p, q) in [(a, b), (b, c), (c, a)] {
+            if p != q {
+                start[p.min(q) as usize + 1] += 1;
+            }
+        }
+    }
+    for i in 1..start.len() {
+        start[i] += start[i - 1];
+    }
+    let mut halves = vec![Half { other: 0, code: 0 }; start[start.len() - 1] as usize];
+    let mut fill = start.clone();
+    for (i, &[a, b, c]) in mesh.facets.iter().enumerate() {
+        for (k, (p, q)) in [(a, b), (b, c), (c, a)].into_iter().enumerate() {
+            if p != q {
+                let at = &mut fill[p.min(q) as usize];
+                // The lowest bit of the code's edge number is free at 3: direction goes into the top bit.
+                let code = (4 * i + k) as u32 | if p < q { 1 << 31 } else { 0 };
+                halves[*at as usize] = Half { other: p.max(q), code };
+                *at += 1;
+            }
+        }
+    }
+    let mut open = Vec::new();
+    for v in 0..mesh.vertices_m.len() {
+        let bucket = &mut halves[start[v] as usize..start[v + 1] as usize];
+        match_bucket(bucket, |h| h.other, |h| h.code, neighbour, same_way, &mut open);
+    }
+    open
+}
+
+/// Matches the halves of a bucket that have the same key: exactly two make a pair, others stay open.
+fn match_bucket<H: Copy, K: Ord + Copy>(
+    bucket: &mut [H],
+    key: impl Fn(&H) -> K,
+    code: impl Fn(&H) -> u32,
+    neighbour: &mut [[u32; 3]],
+    same_way: &mut Vec<[u32; 2]>,
+    open: &mut Vec<u32>,
+) {
+    bucket.sort_unstable_by_key(|h| (key(h), code(h)));
+    let way = |c: u32| (c & !(1 << 31), c >> 31 == 1);
+    for run in bucket.chunk_by(|a, b| key(a) == key(b)) {
+        match run {
+            [one, two] => join(way(code(one)), way(code(two)), neighbour, same_way),
+            _ => open.extend(run.iter().map(|h| code(h) & !(1 << 31))),
+        }
+    }
+}
+
+/// Matches left-over edges by the coordinates of their ends; returns the codes of those still left over.
+fn match_by_place(mesh: &Mesh, open: Vec<u32>, neighbour: &mut [[u32; 3]], same_way: &mut Vec<[u32; 2]>) -> Vec<u32> {
+    let mut place: HashMap<[u64; 3], u32> = HashMap::new();
+    let mut id = |v: u32| {
+        // + 0.0 makes -0.0 and 0.0 one place.
+        let key = mesh.vertices_m[v as usize].to_array().map(|x| (x + 0.0).to_bits());
+        *place.entry(key).or_insert(v)
+    };
+    let mut halves: Vec<((u32, u32), u32)> = open
+        .iter()
+        .filter_map(|&code| {
+            let (p, q) = ends(mesh, code);
+            let (p, q) = (id(p), id(q));
+            let way = if p < q { 1 << 31 } else { 0 };
+            (p != q).then_some(((p.min(q), p.max(q)), code | way))
+        })
+        .collect();
+    let mut left = Vec::new();
+    match_bucket(&mut halves, |h| h.0, |h| h.1, neighbour, same_way, &mut left);
+    left.sort_unstable();
+    left
+}
+
+/// Connected parts, each facet with its turn (whether it is flipped against the first of its part).
+struct Parts {
+    part: Vec<u32>,
+    turned: Vec<bool>,
+    count: usize,
+}
+
+impl Parts {
+    fn new(neighbour: &[[u32; 3]], same_way: &[[u32; 2]]) -> Self {
+        let mut across: HashMap<u32, Vec<u32>> = HashMap::new();
+        for &[f, g] in same_way {
+            across.entry(f).or_default().push(g);
+            across.entry(g).or_default().push(f);
+        }
+        let mut part = vec![NONE; neighbour.len()];
+        let mut turned = vec![false; neighbour.len()];
+        let mut count = 0;
+        let mut stack = Vec::new();
+        for first in 0..neighbour.len() {
+            if part[first] != NONE {
+                continue;
+            }
+            part[first] = count;
+            stack.push(first as u32);
+            while let Some(f) = stack.pop() {
+                let turn = turned[f as usize];
+                let mut reach = |g: u32, turn: bool| {
+                    if part[g as usize] == NONE {
+                        part[g as usize] = count;
+                        turned[g as usize] = turn;
+                        stack.push(g);
+                    }
+                };
+                for g in neighbour[f as usize] {
+                    if g != NONE {
+                        reach(g, turn);
+                    }
+                }
+                if !across.is_empty() {
+                    for &g in across.get(&f).into_iter().flatten() {
+                        reach(g, !turn);
+                    }
+                }
+            }
+            count += 1;
+        }
+        Parts { part, turned, count: count as usize }
+    }
+
+    fn closed_and_flipped(&self, mesh: &Mesh, has_open_edge: &[bool], same_way: &[[u32; 2]]) -> (Vec<bool>, usize) {
+        let mut facets = vec![0usize; self.count];
+        let mut turned = vec![0usize; self.count];
+        let mut closed = vec![true; self.count];
+        for (f, &part) in self.part.iter().enumerate() {
+            facets[part as usize] += 1;
+            turned[part as usize] += usize::from(self.turned[f]);
+            closed[part as usize] &= !has_open_edge[f];
+        }
+        for &[f, _] in same_way {
+            closed[self.part[f as usize] as usize] = false;
+        }
+        // Volume about a vertex of the part: positive when normals point outward.
+        let mut about = vec![None; self.count];
+        let mut volume_m3 = vec![0.0; self.count];
+        for (f, &part) in self.part.iter().enumerate() {
+            let part = part as usize;
+            if closed[part] {
+                let [a, b, c] = mesh.facet(f).corners_m;
+                let o = *about[part].get_or_insert(a);
+                volume_m3[part] += (a - o).dot((b - o).cross(c - o)) / 6.0;
+            }
+        }
+        let proven: Vec<bool> = (0..self.count).map(|p| closed[p] && volume_m3[p] > 0.0).collect();
+        let flipped = (0..self.count).map(|p| turned[p].min(facets[p] - turned[p])).sum();
+        (self.part.iter().map(|p| proven[*p as usize]).collect(), flipped)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::MaterialId;
+    use glam::DVec3;
+
+    fn tetrahedron() -> Mesh {
+        Mesh {
+            vertices_m: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z],
+            facets: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+            material: vec![MaterialId(0); 4],
+            face_of_facet: vec![],
+        }
+    }
+
+    #[test]
+    fn a_tetrahedron_is_closed() {
+        let t = Topology::new(&tetrahedron());
+        assert_eq!((t.open_edges, t.flipped_facets), (0, 0));
+        assert_eq!(t.closed, [true; 4]);
+        assert_eq!(t.neighbour[0], [3, 2, 1]);
+    }
+
+    #[test]
+    fn inside_out_is_not_outward() {
+        let mut mesh = tetrahedron();
+        mesh.facets.iter_mut().for_each(|f| f.swap(0, 1));
+        let t = Topology::new(&mesh);
+        assert_eq!(t.open_edges, 0);
+        assert_eq!(t.closed, [false; 4]);
+    }
+
+    #[test]
+    fn one_flipped_facet_is_counted() {
+        let mut mesh = tetrahedron();
+        mesh.facets[2].swap(0, 1);
+        let t = Topology::new(&mesh);
+        assert_eq!((t.open_edges, t.flipped_facets), (0, 1));
+        assert_eq!(t.closed, [false; 4]);
+    }
+
+    #[test]
+    fn a_missing_facet_opens_three_edges() {
+        let mut mesh = tetrahedron();
+        mesh.facets.pop();
+        mesh.material.pop();
+        let t = Topology::new(&mesh);
+        assert_eq!(t.open_edges, 3);
+        assert_eq!(t.closed, [false; 3]);
+    }
+
+    #[test]
+    fn a_seam_of_doubled_vertices_closes() {
+        let mut mesh = tetrahedron();
+        let doubled = mesh.facets.iter().flatten().map(|v| mesh.vertices_m[*v as usize]).collect();
+        mesh.vertices_m = doubled;
+        mesh.facets = (0..4).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        let t = Topology::new(&mesh);
+        assert_eq!(t.open_edges, 0);
+        assert_eq!(t.closed, [true; 4]);
+    }
+
+    #[test]
+    fn three_facets_at_an_edge_are_open() {
+        let mut mesh = tetrahedron();
+        mesh.facets = vec![[0, 1, 2], [1, 0, 3], [0, 1, 3]];
+        mesh.material.pop();
+        assert_eq!(Topology::new(&mesh).open_edges, 7);
+    }
+}

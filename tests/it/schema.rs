@@ -1,0 +1,25 @@
+//! The JSON Schemas in `schemas/` are those of the types that read and write the files.
+
+use std::path::Path;
+
+use mmxrt::formats::{report_json, scene_toml};
+
+#[test]
+fn schemas_are_those_of_the_types() {
+    let generated = [
+        ("report.schema.json", report_json::report_schema()),
+        ("run.schema.json", report_json::run_schema()),
+        ("scene.schema.json", scene_toml::schema()),
+    ];
+    for (name, schema) in generated {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("schemas").join(name);
+        let text = format!("{}\n", serde_json::to_string_pretty(&schema).unwrap());
+        if std::env::var_os("MMXRT_WRITE_SCHEMAS").is_some() {
+            std::fs::write(&path, &text).unwrap();
+        }
+        assert!(
+            std::fs::read_to_string(&path).is_ok_and(|stored| stored == text),
+            "schemas/{name} is out of date: MMXRT_WRITE_SCHEMAS=1 cargo test --release schemas"
+        );
+    }
+}
