@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
+use mmxrt::Result;
 use mmxrt::formats::report_json::Input;
-use mmxrt::progress::Watch;
+use mmxrt::formats::scene_toml;
+use mmxrt::progress::{Watch, tell};
 use mmxrt::scene::Scene;
-use mmxrt::{Error, Location, Result};
 
 /// A scene with what the report says of its files.
 pub(super) struct Opened {
@@ -18,6 +19,15 @@ pub(super) struct Opened {
 }
 
 /// Reads a scene and all that it names.
-pub(super) fn open(path: &Path, _watch: Watch<'_>) -> Result<Opened> {
-    Err(Error::Unsupported { at: Location::file(path), feature: "reading scenes".into() })
+pub(super) fn open(path: &Path, watch: Watch<'_>) -> Result<Opened> {
+    tell(watch, "reading the scene", 0, 1)?;
+    let file = scene_toml::read(path)?;
+    tell(watch, "reading the scene", 1, 1)?;
+    Ok(Opened {
+        scene: file.scene,
+        id: scene_toml::id(&file.inputs),
+        inputs: file.inputs.iter().map(Input::from).collect(),
+        defaults: file.defaults.iter().map(|d| format!("{} = {}", d.item, d.value)).collect(),
+        warnings: file.notes,
+    })
 }

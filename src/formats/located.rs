@@ -136,7 +136,7 @@ impl Document {
     /// # Errors
     /// [`Error::Invalid`] with every key that is unknown or missing and every value of another kind or out of range.
     pub fn read<T: DeserializeOwned + JsonSchema>(&self) -> Result<T> {
-        let schema = schema::<T>();
+        let schema = schemars::schema_for!(T).to_value();
         let mut problems = self.problems.clone();
         self.compare(&schema, &schema, &self.tree, "", &mut problems);
         if !problems.is_empty() {
@@ -280,11 +280,6 @@ impl Document {
             None => problem,
         }
     }
-}
-
-/// The JSON Schema (2020-12) of a type.
-pub fn schema<T: JsonSchema>() -> Value {
-    schemars::schema_for!(T).to_value()
 }
 
 /// The name of a table's item.

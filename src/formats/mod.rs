@@ -1,4 +1,4 @@
-//! Files: one format, one file or folder. Only here and in the command line is the disk touched.
+//! Files: one format, one module. Only here and in the command line is the disk touched.
 
 pub mod envi;
 pub mod exr_cube;
@@ -12,6 +12,7 @@ mod picture;
 pub mod quicklook;
 pub mod recipe_toml;
 pub mod report_json;
+pub mod scene_toml;
 pub mod spectrum_csv;
 
 pub use input::InputFile;

@@ -64,7 +64,7 @@ pub fn parse(text: &str, path: &Path, quantity: Quantity, extend: Extend) -> Res
             }
             continue;
         };
-        let Some((um, unit)) = units else {
+        let Some((nanometres, unit)) = units else {
             units = header(first, second, quantity);
             if units.is_none() {
                 let expected = match quantity {
@@ -86,7 +86,7 @@ pub fn parse(text: &str, path: &Path, quantity: Quantity, extend: Extend) -> Res
             problems.push(|| Problem::new(at(cell), format!("`{cell}` is not a finite number")));
             continue;
         };
-        let (w, v) = (um(w), v * unit);
+        let (w, v) = (if nanometres { um_from_nm(w) } else { w }, v * unit);
         if w <= previous {
             problems.push(|| {
                 let message = match w {
@@ -127,11 +127,11 @@ pub fn parse(text: &str, path: &Path, quantity: Quantity, extend: Extend) -> Res
     })
 }
 
-/// Conversions to um, and to fractions or W m-2 um-1, as the header says.
-fn header(first: &str, second: &str, quantity: Quantity) -> Option<(fn(f64) -> f64, f64)> {
-    let um: fn(f64) -> f64 = match first {
-        "wavelength_um" => |um| um,
-        "wavelength_nm" => um_from_nm,
+/// Whether wavelengths are nm, and what makes values fractions or W m-2 um-1, as the header says.
+fn header(first: &str, second: &str, quantity: Quantity) -> Option<(bool, f64)> {
+    let nanometres = match first {
+        "wavelength_um" => false,
+        "wavelength_nm" => true,
         _ => return None,
     };
     let fraction = |name: &str| ["reflectance", "emissivity", "albedo"].contains(&name);
@@ -142,7 +142,7 @@ fn header(first: &str, second: &str, quantity: Quantity) -> Option<(fn(f64) -> f
         Quantity::Irradiance if second == "irradiance_w_m2_nm" => 1000.0,
         _ => return None,
     };
-    Some((um, unit))
+    Some((nanometres, unit))
 }
 
 /// Tables that reach no wavelength between 0.1 and 100 um are in another unit than their header says.

@@ -12,7 +12,7 @@ pub struct Band {
 /// The response is cut this many standard deviations from the centre: exp(-k^2/2) = 1.5e-8 there.
 const CUT_SIGMA: f64 = 6.0;
 /// Simpson intervals between two knots, per standard deviation.
-const STEPS_PER_SIGMA: f64 = 8.0;
+const STEPS_PER_SIGMA: f64 = 16.0;
 
 impl Band {
     /// First and last wavelength that the band looks at, um.

@@ -2,8 +2,10 @@
 
 mod cli;
 mod hazards;
+mod malformed_scene;
 mod oracles;
 mod products;
 mod sampler;
+mod scene_files;
 mod schema;
 mod shapes;

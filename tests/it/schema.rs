@@ -2,12 +2,15 @@
 
 use std::path::Path;
 
-use mmxrt::formats::report_json;
+use mmxrt::formats::{report_json, scene_toml};
 
 #[test]
 fn schemas_are_those_of_the_types() {
-    let generated =
-        [("report.schema.json", report_json::report_schema()), ("run.schema.json", report_json::run_schema())];
+    let generated = [
+        ("report.schema.json", report_json::report_schema()),
+        ("run.schema.json", report_json::run_schema()),
+        ("scene.schema.json", scene_toml::schema()),
+    ];
     for (name, schema) in generated {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("schemas").join(name);
         let text = format!("{}\n", serde_json::to_string_pretty(&schema).unwrap());

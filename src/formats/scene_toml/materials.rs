@@ -1,0 +1,318 @@
+//! The material dictionary, and which of its entries a mesh's material is.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::formats::mtl::ObjMaterial;
+use crate::geometry::MaterialId;
+use crate::scene::Material;
+use crate::spectral::{Extend, Spectrum, solar_mean};
+
+use super::super::located::{self, member};
+use super::Reader;
+use super::types::{ExtendToml, MaterialToml};
+
+/// Bolometric emissivity of a surface that does not state one; Phobos and most powders lie between 0.9 and 1.
+const EMISSIVITY_BOLOMETRIC: f64 = 0.95;
+/// Two colours are the same if no channel differs by more: one step of the 8 bits that most programs keep.
+const COLOUR_STEP: f64 = 1.0 / 255.0;
+/// Shares of a mixture add up to 1 to within this.
+const SHARE_TOLERANCE: f64 = 1e-9;
+
+/// The dictionary: entries in the order of the file.
+pub(super) struct Dictionary {
+    pub(super) names: Vec<String>,
+    /// The entries; `None` if one of them cannot be used.
+    pub(super) materials: Option<Vec<Material>>,
+    /// Entries that a mesh uses.
+    pub(super) used: BTreeSet<usize>,
+    /// The entries each mixture names.
+    pub(super) parts: Vec<Vec<usize>>,
+}
+
+impl Reader {
+    pub(super) fn dictionary(&mut self, entries: &BTreeMap<String, MaterialToml>) -> Dictionary {
+        let names = self.document.keys("materials");
+        if names.is_empty() {
+            self.problem("materials", "no materials");
+        }
+        let index = |name: &str| names.iter().position(|n| n == name);
+        let mut parts = vec![Vec::new(); names.len()];
+        let mut order = Vec::new();
+        let mut good = true;
+        for (i, name) in names.iter().enumerate() {
+            let item = member("materials", name);
+            if name.starts_with('#') && linear_from_hex(name).is_none() {
+                self.helped(
+                    &item,
+                    format!("{name:?} is not a colour"),
+                    "a colour is # and six hexadecimal digits, sRGB",
+                );
+                good = false;
+            }
+            let Some(entry) = entries.get(name) else { continue };
+            if entry.reflectance.is_some() == entry.mixture.is_some() {
+                self.problem(&item, "give either `reflectance` or `mixture`");
+                good = false;
+            }
+            for (part, share) in entry.mixture.iter().flatten() {
+                let at = member(&member(&item, "mixture"), part);
+                match index(part) {
+                    Some(part) => parts[i].push(part),
+                    None => {
+                        let known: Vec<&str> = names.iter().map(String::as_str).collect();
+                        let help = match located::nearest(part, &known) {
+                            Some(near) => format!("did you mean {near:?}?"),
+                            None => format!("entries are {}", quoted(&names)),
+                        };
+                        self.helped(&at, format!("no material {part:?} in the dictionary"), help);
+                        good = false;
+                    }
+                }
+                good &= self.fraction(&at, *share).is_some();
+            }
+            if let Some(mixture) = &entry.mixture {
+                let sum: f64 = mixture.values().sum();
+                if (sum - 1.0).abs() > SHARE_TOLERANCE {
+                    let help =
+                        if (sum - 100.0).abs() < 1e-6 { Some("shares are fractions, not percent") } else { None };
+                    self.problem(&member(&item, "mixture"), format!("shares add up to {sum}, not 1")).help =
+                        help.map(Into::into);
+                    good = false;
+                }
+                if entry.extend.is_some() && entry.emissivity.is_none() {
+                    self.problem(&member(&item, "extend"), "a mixture has no table of its own: set this for its parts");
+                    good = false;
+                }
+            }
+        }
+        // Parts before mixtures of them; what never becomes ready goes in a circle.
+        while order.len() < names.len() {
+            let ready = |i: &usize| !order.contains(i) && parts[*i].iter().all(|p| order.contains(p));
+            let Some(next) = (0..names.len()).find(ready) else { break };
+            order.push(next);
+        }
+        if order.len() < names.len() {
+            // What follows the circle without being in it would be told as well: tell only what reaches itself.
+            for i in (0..names.len()).filter(|&i| reaches(&parts, i)) {
+                let item = member(&member("materials", &names[i]), "mixture");
+                self.problem(&item, format!("{:?} is a mixture of itself", names[i]));
+            }
+            good = false;
+        }
+        let mut materials: Vec<Option<Material>> = vec![None; names.len()];
+        for i in order {
+            if let Some(entry) = entries.get(&names[i]) {
+                materials[i] = self.material(i, &names, entry, &materials);
+            }
+        }
+        let materials = materials.into_iter().collect::<Option<Vec<_>>>().filter(|_| good);
+        Dictionary { names, materials, used: BTreeSet::new(), parts }
+    }
+
+    fn material(
+        &mut self,
+        i: usize,
+        names: &[String],
+        entry: &MaterialToml,
+        known: &[Option<Material>],
+    ) -> Option<Material> {
+        let item = member("materials", &names[i]);
+        let extend = match entry.extend {
+            Some(ExtendToml::Hold) => Extend::Hold,
+            Some(ExtendToml::Error) | None => Extend::Error,
+        };
+        // The parts with their shares; none for an entry with a reflectance of its own.
+        let mixed: Vec<(f64, &Material)> = entry
+            .mixture
+            .iter()
+            .flatten()
+            .map(|(part, share)| {
+                let part = names.iter().position(|n| n == part)?;
+                Some((*share, known[part].as_ref()?))
+            })
+            .collect::<Option<_>>()?;
+        let reflectance = match &entry.reflectance {
+            Some(values) => self.fraction_spectrum(&member(&item, "reflectance"), values, extend)?,
+            None => {
+                let parts: Vec<(f64, &Spectrum)> = mixed.iter().map(|(share, m)| (*share, &m.reflectance)).collect();
+                let Some(mixture) = Spectrum::mixture(&parts) else {
+                    self.problem(&member(&item, "mixture"), "its parts' tables have no wavelength in common");
+                    return None;
+                };
+                mixture
+            }
+        };
+        let emissivity = match &entry.emissivity {
+            Some(values) => self.fraction_spectrum(&member(&item, "emissivity"), values, extend),
+            None => {
+                self.stated(&member(&item, "emissivity"), "1 - reflectance");
+                Some(reflectance.map(|r| 1.0 - r))
+            }
+        };
+        let mean = |of: fn(&Material) -> f64| mixed.iter().map(|(share, m)| share * of(m)).sum::<f64>();
+        let at = member(&item, "bond_albedo");
+        let bond_albedo = match entry.bond_albedo {
+            Some(value) => self.fraction(&at, value),
+            None if !mixed.is_empty() => {
+                let value = mean(|m| m.bond_albedo);
+                self.stated(&at, format!("{value:.4}: that of its parts, by their shares"));
+                Some(value)
+            }
+            None => match solar_mean(&reflectance) {
+                Some(value) => {
+                    self.stated(&at, format!("{value:.4}: mean of the reflectance, weighted with E490"));
+                    Some(value)
+                }
+                None => {
+                    self.problem(&at, "cannot be found from the reflectance, which E490 does not overlap: give it");
+                    None
+                }
+            },
+        };
+        let at = member(&item, "emissivity_bolometric");
+        let emissivity_bolometric = match entry.emissivity_bolometric {
+            Some(0.0) => {
+                self.problem(&at, "0: nothing would cool the surface");
+                None
+            }
+            Some(value) => self.fraction(&at, value),
+            None if !mixed.is_empty() => {
+                let value = mean(|m| m.emissivity_bolometric);
+                self.stated(&at, format!("{value}: that of its parts, by their shares"));
+                Some(value)
+            }
+            None => {
+                self.stated(&at, format!("{EMISSIVITY_BOLOMETRIC}"));
+                Some(EMISSIVITY_BOLOMETRIC)
+            }
+        };
+        let mut shares: BTreeMap<usize, f64> = BTreeMap::new();
+        for (share, part) in &mixed {
+            for (base, fraction) in &part.mixture {
+                *shares.entry(*base).or_default() += share * fraction;
+            }
+        }
+        if mixed.is_empty() {
+            shares.insert(i, 1.0);
+        }
+        Some(Material {
+            name: names[i].clone(),
+            reflectance,
+            emissivity: emissivity?,
+            bond_albedo: bond_albedo?,
+            emissivity_bolometric: emissivity_bolometric?,
+            mixture: shares.into_iter().collect(),
+        })
+    }
+
+    /// The dictionary's entry for a mesh's material, by name or colour; `item` is the mesh.
+    pub(super) fn entry_of(
+        &mut self,
+        item: &str,
+        material: &ObjMaterial,
+        dictionary: &mut Dictionary,
+    ) -> Option<MaterialId> {
+        let matches = |key: &str| {
+            let same = |(a, b): (f64, f64)| (a - b).abs() <= COLOUR_STEP;
+            key == material.name
+                || material.kd.zip(linear_from_hex(key)).is_some_and(|(kd, rgb)| kd.into_iter().zip(rgb).all(same))
+        };
+        let found: Vec<usize> = (0..dictionary.names.len()).filter(|&i| matches(&dictionary.names[i])).collect();
+        if let [entry] = found[..] {
+            dictionary.used.insert(entry);
+            return u16::try_from(entry).ok().map(MaterialId);
+        }
+        let colour = material.kd.map_or("without a colour".into(), |kd| format!("colour {}", hex_from_linear(kd)));
+        let (problem, help) = match found.len() {
+            0 => ("is not in the dictionary", format!("entries are {}", quoted(&dictionary.names))),
+            _ => {
+                let several: Vec<String> = found.iter().map(|&i| dictionary.names[i].clone()).collect();
+                ("fits several entries", format!("they are {}: keep one, or use names for keys", quoted(&several)))
+            }
+        };
+        let name = match material.name.as_str() {
+            "" => "material \"\" of the mesh (faces before the first `usemtl`)".into(),
+            name => format!("material {name:?} of the mesh"),
+        };
+        self.helped(item, format!("{name}, {colour}, {problem}"), help);
+        None
+    }
+
+    pub(super) fn note_unused(&mut self, dictionary: &Dictionary) {
+        let mut used = dictionary.used.clone();
+        let mut open: Vec<usize> = used.iter().copied().collect();
+        while let Some(i) = open.pop() {
+            open.extend(dictionary.parts[i].iter().filter(|p| used.insert(**p)));
+        }
+        for i in (0..dictionary.names.len()).filter(|i| !used.contains(i)) {
+            self.notes.push(format!("{}: no mesh uses this material", member("materials", &dictionary.names[i])));
+        }
+    }
+}
+
+fn quoted(names: &[String]) -> String {
+    names.iter().map(|n| format!("{n:?}")).collect::<Vec<_>>().join(", ")
+}
+
+/// Whether following a mixture's parts leads back to it.
+fn reaches(parts: &[Vec<usize>], start: usize) -> bool {
+    let mut seen = BTreeSet::new();
+    let mut open = parts[start].clone();
+    while let Some(i) = open.pop() {
+        if i == start {
+            return true;
+        }
+        if seen.insert(i) {
+            open.extend(&parts[i]);
+        }
+    }
+    false
+}
+
+/// Linear RGB of `#rrggbb`, by IEC 61966-2-1 (sRGB).
+fn linear_from_hex(hex: &str) -> Option<[f64; 3]> {
+    let digits = hex.strip_prefix('#')?;
+    if digits.len() != 6 || !digits.bytes().all(|b| b.is_ascii_hexdigit()) {
+        return None;
+    }
+    let all = u32::from_str_radix(digits, 16).ok()?;
+    Some([all >> 16, all >> 8 & 255, all & 255].map(|byte| {
+        let s = f64::from(byte) / 255.0;
+        if s <= 0.04045 { s / 12.92 } else { ((s + 0.055) / 1.055).powf(2.4) }
+    }))
+}
+
+/// `#rrggbb` of linear RGB: the inverse of [`linear_from_hex`], rounded.
+fn hex_from_linear(rgb: [f64; 3]) -> String {
+    let [r, g, b] = rgb.map(|c| {
+        let s = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
+        (255.0 * s).round().clamp(0.0, 255.0) as u8
+    });
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn srgb_has_the_standards_values() {
+        assert_eq!(linear_from_hex("#000000"), Some([0.0; 3]));
+        assert_eq!(linear_from_hex("#ffffff"), Some([1.0; 3]));
+        // Mid grey 188 is 0.5029 (IEC 61966-2-1), 10 is on the straight part: 10 / 255 / 12.92.
+        let [r, g, _] = linear_from_hex("#bc0aFF").unwrap();
+        assert!((r - 0.502_886).abs() < 1e-6 && (g - 10.0 / 255.0 / 12.92).abs() < 1e-15);
+        for bad in ["bc0aff", "#bc0af", "#bc0afg", "#+c0aff", "#\u{e9}\u{e9}\u{e9}"] {
+            assert_eq!(linear_from_hex(bad), None, "{bad}");
+        }
+        for hex in ["#000000", "#b03020", "#0a0b0c", "#ffffff"] {
+            assert_eq!(hex_from_linear(linear_from_hex(hex).unwrap()), hex);
+        }
+    }
+
+    #[test]
+    fn circles_are_found() {
+        let parts = [vec![1], vec![2], vec![1], vec![]];
+        assert_eq!([0, 1, 2, 3].map(|i| reaches(&parts, i)), [false, true, true, false]);
+    }
+}

@@ -1,0 +1,195 @@
+//! Meshes: read or made, and placed.
+
+use std::path::Path;
+
+use glam::{DMat3, DQuat, DVec3};
+
+use crate::error::{Error, Location, Problem, Result};
+use crate::formats::input::{self, InputFile};
+use crate::formats::located::Document;
+use crate::formats::mtl::ObjMaterial;
+use crate::formats::obj;
+use crate::geometry::{Direction, Mesh, Pose};
+use crate::landscape::{self, Recipe};
+
+use super::materials::Dictionary;
+use super::types::{Coordinates, GivenPose, MeshToml, NamedPose, PoseToml, RecipeToml, Up};
+use super::{LIMIT, Reader};
+
+/// Unit vectors and quaternions have length 1 to within this.
+pub(super) const UNIT_TOLERANCE: f64 = 1e-9;
+
+impl Reader {
+    /// All meshes in one, local to the origin, with the dictionary's materials.
+    pub(super) fn meshes(&mut self, meshes: &[MeshToml], dictionary: &mut Dictionary) -> Option<Mesh> {
+        let mut all = Some(Mesh::default());
+        for (i, toml) in meshes.iter().enumerate() {
+            let item = format!("mesh[{i}]");
+            match (self.mesh(&item, toml, dictionary), &mut all) {
+                (Some(mesh), Some(all)) if all.facets.is_empty() => *all = mesh,
+                (Some(mesh), Some(all)) => all.append(mesh),
+                (None, _) => all = None,
+                (Some(_), None) => {}
+            }
+        }
+        if all.is_some() {
+            self.note_unused(dictionary);
+        }
+        all
+    }
+
+    fn mesh(&mut self, item: &str, toml: &MeshToml, dictionary: &mut Dictionary) -> Option<Mesh> {
+        let pose = self.pose(item, toml);
+        let key = |key: &str| format!("{item}.{key}");
+        let (mut mesh, materials) = match (&toml.obj, &toml.recipe) {
+            (Some(name), None) => {
+                let read = obj::read(&self.path(name));
+                let obj = self.taken(&key("obj"), read)?;
+                self.inputs.extend(obj.inputs);
+                if !obj.ignored.is_empty() {
+                    let list: Vec<String> = obj.ignored.iter().map(|(word, n)| format!("{n} x `{word}`")).collect();
+                    self.notes.push(format!("{item}.obj: statements passed over: {}", list.join(", ")));
+                }
+                let material = obj.facet_material.iter().map(|m| crate::geometry::MaterialId(*m)).collect();
+                let face_of_facet = obj.face_of_facet;
+                (Mesh { vertices_m: obj.vertices, facets: obj.facets, material, face_of_facet }, obj.materials)
+            }
+            (None, Some(recipe)) => {
+                for (given, name) in [
+                    (toml.unit_m.is_some(), "unit_m"),
+                    (toml.up.is_some(), "up"),
+                    (toml.coordinates.is_some(), "coordinates"),
+                ] {
+                    if given {
+                        self.problem(&key(name), "a recipe makes metres, z up, local: this is for OBJ files");
+                    }
+                }
+                let landscape = self.recipe(&key("recipe"), recipe)?;
+                let materials = landscape.materials.into_iter().map(|(name, kd)| ObjMaterial { name, kd: Some(kd) });
+                (landscape.mesh, materials.collect())
+            }
+            _ => {
+                self.problem(item, "give either `obj` or `recipe`");
+                return None;
+            }
+        };
+        let source = if toml.obj.is_some() { key("obj") } else { key("recipe") };
+        let entries: Vec<_> = materials.iter().map(|m| self.entry_of(&source, m, dictionary)).collect();
+        let entries: Vec<_> = entries.into_iter().collect::<Option<_>>()?;
+        for material in &mut mesh.material {
+            *material = entries[material.0 as usize];
+        }
+        let pose = pose?;
+        let unit_m = toml.unit_m.unwrap_or(1.0);
+        let up = toml.up.unwrap_or(Up::Z);
+        for vertex in &mut mesh.vertices_m {
+            let v = match up {
+                Up::Z => *vertex,
+                Up::Y => DVec3::new(vertex.x, -vertex.z, vertex.y),
+            };
+            *vertex = pose.point(v * unit_m);
+        }
+        self.suspect_unit(item, toml, &mesh);
+        Some(mesh)
+    }
+
+    /// A body's coordinates that end far from the origin are probably not in the unit or the frame that was said.
+    fn suspect_unit(&mut self, item: &str, toml: &MeshToml, mesh: &Mesh) {
+        let Some((lo, hi)) = mesh.bounds_m() else { return };
+        let (size_m, away_m) = ((hi - lo).length(), lo.max(DVec3::ZERO).max(-hi).length());
+        let item = format!("{item}.{}", if toml.unit_m.is_some() { "unit_m" } else { "obj" });
+        if toml.obj.is_some() && away_m > 100.0 * size_m.max(1.0) {
+            self.notes.push(format!(
+                "{item}: the mesh is {size_m:.1} m across and {away_m:.1} m away from the origin: check `unit_m` and `coordinates`"
+            ));
+        }
+    }
+
+    fn pose(&mut self, item: &str, toml: &MeshToml) -> Option<Pose> {
+        let at = format!("{item}.pose");
+        let given = match (&toml.pose, toml.recipe.is_some()) {
+            (Some(pose), _) => pose,
+            (None, true) => {
+                self.stated(&at, "radial");
+                &PoseToml::Named(NamedPose::Radial)
+            }
+            (None, false) => &PoseToml::Named(NamedPose::Body),
+        };
+        if toml.coordinates == Some(Coordinates::Body) {
+            if !matches!(given, PoseToml::Named(NamedPose::Body)) {
+                self.problem(&at, "coordinates of the body have the body's pose: leave this out");
+                return None;
+            }
+            return Some(Pose { rotation: DMat3::IDENTITY, translation_m: -self.origin_m });
+        }
+        match given {
+            PoseToml::Named(NamedPose::Body) => Some(Pose::IDENTITY),
+            PoseToml::Named(NamedPose::Radial) => {
+                let outward = Direction::new(self.origin_m);
+                let east = Direction::new(DVec3::Z.cross(self.origin_m));
+                let (Some(up), Some(east)) = (outward, east) else {
+                    self.helped(
+                        &at,
+                        "a radial pose needs an origin that is away from the body's centre and poles, where east is no direction",
+                        "give `origin_m`, or the pose as `world_from_mesh_xyzw`",
+                    );
+                    return None;
+                };
+                let (up, east) = (up.vec(), east.vec());
+                Some(Pose { rotation: DMat3::from_cols(east, up.cross(east), up), translation_m: DVec3::ZERO })
+            }
+            PoseToml::Given(GivenPose { world_from_mesh_xyzw, translation_m }) => {
+                let rotation = self.rotation(&format!("{at}.world_from_mesh_xyzw"), *world_from_mesh_xyzw)?;
+                Some(Pose { rotation, translation_m: translation_m.map_or(DVec3::ZERO, DVec3::from_array) })
+            }
+        }
+    }
+
+    pub(super) fn rotation(&mut self, item: &str, xyzw: [f64; 4]) -> Option<DMat3> {
+        let q = DQuat::from_array(xyzw);
+        if (q.length() - 1.0).abs() > UNIT_TOLERANCE {
+            self.problem(item, format!("a rotation is a quaternion of length 1; this one has {}", q.length()));
+            return None;
+        }
+        Some(DMat3::from_quat(q.normalize()))
+    }
+
+    fn recipe(&mut self, item: &str, toml: &RecipeToml) -> Option<landscape::Landscape> {
+        let made = match toml {
+            RecipeToml::Given(recipe) => generate(recipe, &self.document, item),
+            RecipeToml::File(name) => {
+                let path = self.path(name);
+                let read = read_recipe(&path);
+                let (recipe, document, input) = self.taken(item, read)?;
+                self.inputs.push(input);
+                generate(&recipe, &document, "")
+            }
+        };
+        self.taken(item, made)
+    }
+}
+
+fn read_recipe(path: &Path) -> Result<(Recipe, Document, InputFile)> {
+    let (text, input) = input::text(path, LIMIT)?;
+    let document = Document::parse(text, path)?;
+    Ok((document.read()?, document, input))
+}
+
+/// Makes a landscape; problems of the recipe get their places in the text that it stands in at `item`.
+fn generate(recipe: &Recipe, document: &Document, item: &str) -> Result<landscape::Landscape> {
+    landscape::generate(recipe, &|_| true).map_err(|error| match error {
+        Error::Invalid(problems) => {
+            let placed = problems.into_iter().map(|problem| {
+                let key = problem.at.item.as_deref().unwrap_or("").trim_start_matches("recipe").trim_start_matches('.');
+                let at = match item {
+                    "" => document.at(key),
+                    item if key.is_empty() => document.at(item),
+                    item => document.at(&format!("{item}.{key}")),
+                };
+                Problem { at: Location { item: at.item.clone(), ..at }, ..problem }
+            });
+            Error::Invalid(placed.collect())
+        }
+        other => other,
+    })
+}

@@ -1,0 +1,358 @@
+//! `scene.toml`: everything a simulation needs, or where it lies.
+//!
+//! Reading goes in three steps, and each tells all its problems: the text against the schema
+//! ([`located`]); each part against itself and the files it names; the whole, by [`Scene::check`].
+
+mod materials;
+mod mesh;
+mod types;
+mod view;
+
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+
+use crate::error::{Error, Problem, Result};
+use crate::geometry::Direction;
+use crate::scene::{Mars, MarsModel, Scene, Sun, Thermal};
+use crate::spectral::{Extend, Spectrum, solar_e490};
+use crate::units::{AU_M, MARS_RADIUS_M};
+
+use super::input::{self, InputFile};
+use super::located::{self, Document};
+use super::spectrum_csv::{self, Quantity};
+use types::{MarsModelToml, MarsToml, SceneToml, SunToml, ThermalModelToml, ThermalToml, Values};
+
+/// A scene and what its report should say about where it came from.
+#[derive(Debug, Clone)]
+pub struct SceneFile {
+    /// The scene, checked.
+    pub scene: Scene,
+    /// What the file left to this program, and what was taken.
+    pub defaults: Vec<Stated>,
+    /// What is worth knowing and no error.
+    pub notes: Vec<String>,
+    /// Every file that was read: the scene file first.
+    pub inputs: Vec<InputFile>,
+}
+
+/// A name for what these files hold: the BLAKE3 hash of their hashes. A facet table carries that of the scene it is of.
+pub fn id(inputs: &[InputFile]) -> String {
+    let mut hasher = blake3::Hasher::new();
+    inputs.iter().for_each(|input| _ = hasher.update(input.blake3.as_bytes()));
+    hasher.finalize().to_hex().to_string()
+}
+
+/// A value that the file does not state.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Stated {
+    /// The item, as it would be named in the file.
+    pub item: String,
+    /// What was taken, and why.
+    pub value: String,
+}
+
+/// Longer scene files and recipes are refused, bytes.
+const LIMIT: u64 = 16 << 20;
+
+/// Reads a scene file, the files it names, and makes the meshes of its recipes.
+///
+/// # Errors
+/// [`Error::Io`] if the scene file cannot be read; [`Error::Syntax`] at the first place that is not TOML;
+/// [`Error::Invalid`] with all problems of the text, or of the values and the files named, or of the whole.
+pub fn read(path: &Path) -> Result<SceneFile> {
+    let (text, input) = input::text(path, LIMIT)?;
+    let document = Document::parse(text, path)?;
+    let toml: SceneToml = document.read()?;
+    let mut reader = Reader {
+        folder: path.parent().unwrap_or(Path::new("")).to_owned(),
+        document,
+        origin_m: DVec3::from_array(toml.origin_m),
+        problems: Vec::new(),
+        defaults: Vec::new(),
+        notes: Vec::new(),
+        inputs: vec![input],
+    };
+    let scene = reader.scene(&toml);
+    let (Some(scene), true) = (scene, reader.problems.is_empty()) else {
+        reader.problems.sort_by_key(|p| (p.at.file.as_deref() != Some(path), p.at.span));
+        return Err(Error::Invalid(reader.problems));
+    };
+    let scene = scene.check().map_err(|e| reader.placed(e))?;
+    Ok(SceneFile { scene, defaults: reader.defaults, notes: reader.notes, inputs: reader.inputs })
+}
+
+/// The JSON Schema of `scene.toml`.
+pub fn schema() -> schemars::Schema {
+    schemars::schema_for!(SceneToml)
+}
+
+/// What the parts of a scene file are read with.
+struct Reader {
+    folder: PathBuf,
+    document: Document,
+    origin_m: DVec3,
+    problems: Vec<Problem>,
+    defaults: Vec<Stated>,
+    notes: Vec<String>,
+    inputs: Vec<InputFile>,
+}
+
+impl Reader {
+    fn scene(&mut self, toml: &SceneToml) -> Option<Scene> {
+        let mut dictionary = self.dictionary(&toml.materials);
+        let mesh = self.meshes(&toml.mesh, &mut dictionary);
+        let sun = self.sun(&toml.sun);
+        let mars = toml.mars.as_ref().map(|mars| self.mars(mars));
+        let thermal = self.thermal(toml.thermal.as_ref());
+        let sensor = self.sensor(&toml.sensor, &toml.observer, mesh.as_ref());
+        Some(Scene {
+            origin_m: self.origin_m,
+            mesh: mesh?,
+            materials: dictionary.materials?,
+            sun: sun?,
+            mars: match mars {
+                Some(mars) => Some(mars?),
+                None => None,
+            },
+            thermal,
+            sensor: sensor?,
+        })
+    }
+
+    fn problem(&mut self, item: &str, message: impl Into<String>) -> &mut Problem {
+        let problem = Problem::new(self.document.at(item), message);
+        self.problems.push(problem);
+        self.problems.last_mut().expect("one was pushed")
+    }
+
+    fn helped(&mut self, item: &str, message: impl Into<String>, help: impl Into<String>) {
+        self.problem(item, message).help = Some(help.into());
+    }
+
+    fn stated(&mut self, item: &str, value: impl Into<String>) {
+        self.defaults.push(Stated { item: item.to_owned(), value: value.into() });
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.join(name)
+    }
+
+    /// A value, or the problems of the file that was to give it. A file that cannot be read is a problem of the item that names it.
+    fn taken<T>(&mut self, item: &str, outcome: Result<T>) -> Option<T> {
+        match outcome {
+            Ok(value) => return Some(value),
+            Err(Error::Invalid(problems)) => self.problems.extend(problems),
+            Err(Error::Syntax { at, message }) => self.problems.push(Problem::new(at, message)),
+            Err(error) => {
+                self.problem(item, error.to_string());
+            }
+        }
+        None
+    }
+
+    fn spectrum_file(&mut self, item: &str, name: &str, quantity: Quantity, extend: Extend) -> Option<Spectrum> {
+        let read = spectrum_csv::read(&self.path(name), quantity, extend);
+        let (spectrum, input) = self.taken(item, read)?;
+        if !self.inputs.contains(&input) {
+            self.inputs.push(input);
+        }
+        Some(spectrum)
+    }
+
+    /// A share of something: a number or a table, 0 to 1.
+    fn fraction_spectrum(&mut self, item: &str, values: &Values, extend: Extend) -> Option<Spectrum> {
+        match values {
+            Values::Constant(value) => self.fraction(item, *value).map(Spectrum::constant),
+            Values::File(name) => self.spectrum_file(item, name, Quantity::Fraction, extend),
+        }
+    }
+
+    fn fraction(&mut self, item: &str, value: f64) -> Option<f64> {
+        match value {
+            0.0..=1.0 => return Some(value),
+            1.0..=100.0 => {
+                let help = format!("if this is percent, write {}", value / 100.0);
+                self.helped(item, format!("{value} is outside 0 to 1"), help);
+            }
+            _ => {
+                self.problem(item, format!("{value} is outside 0 to 1"));
+            }
+        }
+        None
+    }
+
+    fn positive(&mut self, item: &str, value: f64) -> Option<f64> {
+        if value > 0.0 {
+            return Some(value);
+        }
+        self.problem(item, format!("{value} is not positive"));
+        None
+    }
+
+    fn sun(&mut self, toml: &SunToml) -> Option<Sun> {
+        let towards_m = match (toml.position_m, toml.direction, toml.distance_au) {
+            (Some(position_m), None, None) => Some(DVec3::from_array(position_m) - self.origin_m),
+            (None, Some(direction), Some(distance_au)) => {
+                let direction = Direction::new(DVec3::from_array(direction));
+                if direction.is_none() {
+                    self.problem("sun.direction", "has no length");
+                }
+                direction.map(|d| d.vec() * distance_au * AU_M)
+            }
+            _ => {
+                self.problem("sun", "give `position_m`, or `direction` and `distance_au`");
+                None
+            }
+        };
+        let item = if toml.position_m.is_some() { "sun.position_m" } else { "sun.distance_au" };
+        let place = towards_m.and_then(|v| {
+            let au = v.length() / AU_M;
+            let (positive, metres) = (toml.distance_au.is_none_or(|au| au > 0.0), toml.distance_au.is_none());
+            if !positive || !(0.1..=1e5).contains(&au) {
+                let help = match (metres, au) {
+                    (true, 0.0..0.1) => "positions are in metres, and whole: kilometres, or a position divided by a factor, change the light",
+                    (false, 1e5..) => "the distance is in au: 1 au is 149597870700 m",
+                    _ => "Phobos is 1.38 to 1.67 au from the Sun",
+                };
+                self.helped(item, format!("the Sun is {au:.4} au from the origin"), help);
+                return None;
+            }
+            if !(0.3..=40.0).contains(&au) {
+                self.notes.push(format!("{item}: the Sun is {au:.4} au from the origin"));
+            }
+            Some((Direction::new(v)?, v.length()))
+        });
+        let (spectrum, total) = self.sun_spectrum(toml)?;
+        let (direction, distance_m) = place?;
+        Some(Sun { direction, distance_m, irradiance_1au: spectrum, total_irradiance_1au_w_m2: total })
+    }
+
+    /// The spectrum at 1 au and its total, W m-2: its integral, with E490 where it is not known.
+    fn sun_spectrum(&mut self, toml: &SunToml) -> Option<(Spectrum, f64)> {
+        let e490 = solar_e490();
+        let spectrum = match toml.spectrum.as_deref() {
+            Some("e490") => e490.clone(),
+            Some(name) => self.spectrum_file("sun.spectrum", name, Quantity::Irradiance, Extend::Error)?,
+            None => {
+                self.stated("sun.spectrum", "ASTM E490-00a, built in");
+                e490.clone()
+            }
+        };
+        let (first, last) = spectrum.coverage_um();
+        let (lo, hi) = e490.coverage_um();
+        let integral = |s: &Spectrum, a: f64, b: f64| if a < b { s.integral(a, b).unwrap_or(0.0) } else { 0.0 };
+        let table = integral(&spectrum, first, last);
+        let total = table + integral(e490, lo, first.min(hi)) + integral(e490, last.max(lo), hi);
+        let Some(wanted) = toml.total_irradiance_w_m2 else {
+            self.stated("sun.total_irradiance_w_m2", format!("{total:.2}: the spectrum as it is, not scaled"));
+            return Some((spectrum, total));
+        };
+        if !(1000.0..=2000.0).contains(&wanted) {
+            let message = format!("{wanted} W m-2 is not the Sun at 1 au, where it is 1361");
+            let help = "the distance is taken into account afterwards";
+            self.helped("sun.total_irradiance_w_m2", message, help);
+            return None;
+        }
+        self.notes.push(format!("sun.total_irradiance_w_m2: the spectrum is scaled by {:.6}", wanted / total));
+        Some((spectrum.map(|v| v * (wanted / total)), wanted))
+    }
+
+    fn mars(&mut self, toml: &MarsToml) -> Option<Mars> {
+        let radius_m = match toml.radius_m {
+            Some(r) if r > 0.0 && r < 1e5 => {
+                self.helped(
+                    "mars.radius_m",
+                    format!("Mars with a radius of {r} m"),
+                    "if this is km, write 1000 times as much",
+                );
+                None
+            }
+            Some(r) => self.positive("mars.radius_m", r),
+            None => {
+                self.stated("mars.radius_m", format!("{MARS_RADIUS_M}"));
+                Some(MARS_RADIUS_M)
+            }
+        };
+        let reflectance = match &toml.albedo {
+            Some(values) => self.fraction_spectrum("mars.albedo", values, Extend::Error),
+            None => {
+                self.stated("mars.albedo", "0.25 at all wavelengths");
+                Some(Spectrum::constant(0.25))
+            }
+        };
+        let bond_albedo = match toml.bond_albedo {
+            Some(value) => self.fraction("mars.bond_albedo", value),
+            None => {
+                self.stated("mars.bond_albedo", "0.25");
+                Some(0.25)
+            }
+        };
+        let thermal_exitance_w_m2 = match toml.thermal_exitance_w_m2 {
+            Some(value) if (0.0..=1000.0).contains(&value) => Some(value),
+            Some(value) => {
+                self.problem("mars.thermal_exitance_w_m2", format!("{value} is outside 0 to 1000"));
+                None
+            }
+            None => {
+                self.stated("mars.thermal_exitance_w_m2", "110");
+                Some(110.0)
+            }
+        };
+        let model = match toml.model {
+            Some(MarsModelToml::Thesis) => MarsModel::Thesis,
+            Some(MarsModelToml::NearField) => MarsModel::NearField,
+            None => {
+                self.stated("mars.model", "near_field");
+                MarsModel::NearField
+            }
+        };
+        let centre_m = DVec3::from_array(toml.position_m) - self.origin_m;
+        if centre_m.length() <= radius_m? {
+            let message = format!("the origin is {:.0} m from the centre of Mars, inside it", centre_m.length());
+            self.helped("mars.position_m", message, "positions are in metres: is this in km?");
+            return None;
+        }
+        Some(Mars {
+            centre_m,
+            radius_m: radius_m?,
+            reflectance: reflectance?,
+            bond_albedo: bond_albedo?,
+            thermal_exitance_w_m2: thermal_exitance_w_m2?,
+            model,
+        })
+    }
+
+    fn thermal(&mut self, toml: Option<&ThermalToml>) -> Thermal {
+        match toml.and_then(|t| t.model) {
+            Some(ThermalModelToml::Equilibrium) => Thermal::Equilibrium,
+            Some(ThermalModelToml::Thesis) => Thermal::Thesis,
+            Some(ThermalModelToml::Off) => Thermal::Off,
+            None => {
+                self.stated("thermal.model", "equilibrium");
+                Thermal::Equilibrium
+            }
+        }
+    }
+
+    /// What [`Scene::check`] found, with the places of the items it names.
+    fn placed(&self, error: Error) -> Error {
+        let Error::Invalid(problems) = error else { return error };
+        let names = self.document.keys("materials");
+        let placed = problems.into_iter().map(|problem| {
+            let item = problem.at.item.clone().unwrap_or_default();
+            let name = names.iter().find(|name| item.strip_prefix("materials.") == Some(&format!("{name:?}")));
+            let material = name.map(|name| located::member("materials", name));
+            // "reflectance is known from ..." is about the key of that name.
+            let key = problem.message.split(' ').next().unwrap_or("");
+            let within = located::member(material.as_deref().unwrap_or(&item), key);
+            let written = self.document.has(&within);
+            let at = self.document.at(if written { &within } else { material.as_deref().unwrap_or(&item) });
+            (material.is_some() && !written, Problem { at, ..problem })
+        });
+        // What follows from a material's reflectance (its emissivity, mixtures of it) need not be told beside it.
+        let (derived, own): (Vec<_>, Vec<_>) = placed.partition(|(derived, _)| *derived);
+        let told = if own.is_empty() { derived } else { own };
+        Error::Invalid(told.into_iter().map(|(_, problem)| problem).collect())
+    }
+}

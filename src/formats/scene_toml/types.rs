@@ -1,0 +1,306 @@
+//! What people write in `scene.toml`. The published schema is made from these types and their comments.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use crate::landscape::Recipe;
+
+/// A scene: a body's surface, what lights it, and what looks at it. Relative paths start at this file's folder.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SceneToml {
+    /// Version of this format: 1.
+    #[schemars(range(min = 1, max = 1))]
+    #[allow(dead_code, reason = "the schema checks it")]
+    pub(crate) mmxrt_scene: u32,
+    /// Origin of all local coordinates, in the body-fixed frame (x: longitude 0, z: north), m.
+    pub(crate) origin_m: [f64; 3],
+    /// The surface: one or more meshes.
+    #[schemars(length(min = 1))]
+    pub(crate) mesh: Vec<MeshToml>,
+    /// What the surface is made of. The key is a material's name in the mesh, or its colour: `"#b03020"` (sRGB).
+    pub(crate) materials: BTreeMap<String, MaterialToml>,
+    /// The Sun.
+    pub(crate) sun: SunToml,
+    /// Mars as a second source; leave it out for none.
+    pub(crate) mars: Option<MarsToml>,
+    /// How warm the surface is.
+    pub(crate) thermal: Option<ThermalToml>,
+    /// Where the camera is, and where it looks.
+    pub(crate) observer: ObserverToml,
+    /// The camera.
+    pub(crate) sensor: SensorToml,
+}
+
+/// A mesh: from an OBJ file, or made from a recipe.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct MeshToml {
+    /// Path of an OBJ file.
+    pub(crate) obj: Option<String>,
+    /// A landscape recipe, or the path of one.
+    pub(crate) recipe: Option<RecipeToml>,
+    /// The OBJ's unit of length, m: 1000 for km. Default 1.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub(crate) unit_m: Option<f64>,
+    /// The OBJ's axis that points up. Default "z".
+    pub(crate) up: Option<Up>,
+    /// Whether the OBJ's coordinates are local to `origin_m`, or start at the body's centre. Default "local".
+    pub(crate) coordinates: Option<Coordinates>,
+    /// How local coordinates stand on the body. Default "body"; "radial" for a recipe.
+    pub(crate) pose: Option<PoseToml>,
+}
+
+/// A recipe, or a file with one.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(crate) enum RecipeToml {
+    /// Path of a recipe.
+    File(String),
+    /// The recipe itself.
+    Given(Box<Recipe>),
+}
+
+/// The axis that points up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Up {
+    /// z up.
+    Z,
+    /// y up, z towards the viewer, as many modelling programs have it.
+    Y,
+}
+
+/// Where a mesh's coordinates start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Coordinates {
+    /// At `origin_m`.
+    Local,
+    /// At the body's centre, axes of the body: `origin_m` is subtracted.
+    Body,
+}
+
+/// How local coordinates stand on the body.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(crate) enum PoseToml {
+    /// By name.
+    Named(NamedPose),
+    /// By numbers.
+    Given(GivenPose),
+}
+
+/// Poses with a name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum NamedPose {
+    /// Axes of the body.
+    Body,
+    /// x east, y north, z along the outward radius at `origin_m`.
+    Radial,
+}
+
+/// A rotation and a translation.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct GivenPose {
+    /// Rotation as a unit quaternion (x, y, z, w) that carries mesh axes into body axes.
+    pub(crate) world_from_mesh_xyzw: [f64; 4],
+    /// Where the mesh's origin is, from `origin_m`, axes of the body, m. Default 0.
+    pub(crate) translation_m: Option<[f64; 3]>,
+}
+
+/// What a surface is made of: its own reflectance, or a mixture of other entries.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct MaterialToml {
+    /// Reflectance factor (Lambert), 0 to 1: a number, or the path of a CSV table.
+    pub(crate) reflectance: Option<Values>,
+    /// Shares of other entries, which add up to 1.
+    pub(crate) mixture: Option<BTreeMap<String, f64>>,
+    /// What tables are beyond their ends: unknown ("error", the default), or their last value ("hold").
+    pub(crate) extend: Option<ExtendToml>,
+    /// Emissivity, 0 to 1: a number, or the path of a CSV table. Default 1 - reflectance.
+    pub(crate) emissivity: Option<Values>,
+    /// Share of all sunlight that is not absorbed. Default: mean of the reflectance, weighted with the solar spectrum.
+    pub(crate) bond_albedo: Option<f64>,
+    /// Emissivity over all wavelengths, for the heat balance. Default 0.95.
+    pub(crate) emissivity_bolometric: Option<f64>,
+}
+
+/// A number for all wavelengths, or a table.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(crate) enum Values {
+    /// The same at all wavelengths.
+    Constant(f64),
+    /// Path of a CSV table.
+    File(String),
+}
+
+/// What a table is beyond its ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum ExtendToml {
+    /// The last value.
+    Hold,
+    /// Unknown.
+    Error,
+}
+
+/// The Sun: a position, or a direction and a distance. Both are taken from `origin_m`.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SunToml {
+    /// Position in the body-fixed frame, from the body's centre, m.
+    pub(crate) position_m: Option<[f64; 3]>,
+    /// Towards the Sun from `origin_m`, axes of the body; any length.
+    pub(crate) direction: Option<[f64; 3]>,
+    /// From `origin_m` to the Sun, au.
+    pub(crate) distance_au: Option<f64>,
+    /// Irradiance at 1 au: "e490" (ASTM E490-00a, built in, the default) or the path of a CSV table.
+    pub(crate) spectrum: Option<String>,
+    /// Total irradiance at 1 au that the spectrum is scaled to, W m-2. Default: the spectrum as it is.
+    pub(crate) total_irradiance_w_m2: Option<f64>,
+}
+
+/// Mars as an extended second source.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct MarsToml {
+    /// Position of its centre in the body-fixed frame, from the body's centre, m.
+    pub(crate) position_m: [f64; 3],
+    /// Radius, m. Default 3389500.
+    pub(crate) radius_m: Option<f64>,
+    /// Lambert reflectance, 0 to 1: a number, or the path of a CSV table. Default 0.25.
+    pub(crate) albedo: Option<Values>,
+    /// Bond albedo, for the heat balance. Default 0.25.
+    pub(crate) bond_albedo: Option<f64>,
+    /// Mean thermal exitance, for the heat balance, W m-2. Default 110.
+    pub(crate) thermal_exitance_w_m2: Option<f64>,
+    /// Which equations. Default "near_field".
+    pub(crate) model: Option<MarsModelToml>,
+}
+
+/// How Mars-light is computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum MarsModelToml {
+    /// Lambert sphere near at hand: phase, tilt and horizon of each facet.
+    NearField,
+    /// Domagala (2020), equations (4) to (8) as printed.
+    Thesis,
+}
+
+/// How warm the surface is.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ThermalToml {
+    /// Which model. Default "equilibrium".
+    pub(crate) model: Option<ThermalModelToml>,
+}
+
+/// How temperature is computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum ThermalModelToml {
+    /// Each facet in equilibrium with what it absorbs.
+    Equilibrium,
+    /// Domagala (2020), equation (9).
+    Thesis,
+    /// No thermal emission.
+    Off,
+}
+
+/// Where the camera is, and one of: `target_m` and `up`; `h`, `v` and `u`; `world_from_sensor_xyzw`.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ObserverToml {
+    /// Projection centre in the body-fixed frame, from the body's centre, m.
+    pub(crate) position_m: [f64; 3],
+    /// Point that the boresight goes through, in the body-fixed frame, m.
+    pub(crate) target_m: Option<[f64; 3]>,
+    /// Direction that points to the top of the image, axes of the body; any length.
+    pub(crate) up: Option<[f64; 3]>,
+    /// Unit vector to the right of the image (+X, along a line), axes of the body.
+    pub(crate) h: Option<[f64; 3]>,
+    /// Unit vector to the bottom of the image (+Y, line after line), axes of the body.
+    pub(crate) v: Option<[f64; 3]>,
+    /// Unit vector of the boresight (+Z): h x v = u.
+    pub(crate) u: Option<[f64; 3]>,
+    /// Unit quaternion (x, y, z, w) that carries sensor axes into body axes.
+    pub(crate) world_from_sensor_xyzw: Option<[f64; 4]>,
+}
+
+/// A frame camera, by preset or by its own numbers; what is given beside a preset replaces the preset's.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SensorToml {
+    /// "macromega": 256 x 256 pixels, 300 bands from 0.95 to 3.6 um, IFOV 0.5 mrad.
+    pub(crate) preset: Option<Preset>,
+    /// Name of the instrument.
+    pub(crate) name: Option<String>,
+    /// Pixels in a line.
+    #[schemars(range(min = 1, max = 16384))]
+    pub(crate) samples: Option<u32>,
+    /// Lines.
+    #[schemars(range(min = 1, max = 16384))]
+    pub(crate) lines: Option<u32>,
+    /// Angle that the central pixel subtends, mrad.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub(crate) ifov_mrad: Option<f64>,
+    /// Angle that a line of pixels subtends, deg.
+    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 180))]
+    pub(crate) fov_deg: Option<f64>,
+    /// "scene": the smallest field of view that holds every vertex in front of the camera; the boresight stays.
+    pub(crate) fit: Option<Fit>,
+    /// Bands.
+    pub(crate) bands: Option<BandsToml>,
+}
+
+/// Known instruments.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Preset {
+    /// MacrOmega on MMX.
+    Macromega,
+}
+
+/// What the field of view is fitted to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Fit {
+    /// All meshes.
+    Scene,
+}
+
+/// Bands: `start_um`, `stop_um` and `count` (both ends included), or `centres_um`.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct BandsToml {
+    /// Centre of the first band, um.
+    pub(crate) start_um: Option<f64>,
+    /// Centre of the last band, um.
+    pub(crate) stop_um: Option<f64>,
+    /// Number of bands.
+    #[schemars(range(min = 1, max = 100_000))]
+    pub(crate) count: Option<u32>,
+    /// Centres of the bands, um.
+    #[schemars(length(min = 1, max = 100_000))]
+    pub(crate) centres_um: Option<Vec<f64>>,
+    /// Full width at half maximum of a Gaussian response, um: one for all, or one for each. Default: monochromatic.
+    pub(crate) fwhm_um: Option<Fwhm>,
+}
+
+/// One width, or one for each band.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(crate) enum Fwhm {
+    /// One for all bands.
+    All(f64),
+    /// One for each band.
+    Each(Vec<f64>),
+}

@@ -1,0 +1,231 @@
+//! The camera: where it is, where it looks, its pixels and its bands.
+
+use glam::{DMat3, DVec3};
+
+use crate::geometry::{Direction, Mesh, Pose};
+use crate::scene::{FrameCamera, Sensor};
+use crate::spectral::Band;
+
+use super::Reader;
+use super::mesh::UNIT_TOLERANCE;
+use super::types::{BandsToml, Fit, Fwhm, ObserverToml, Preset, SensorToml};
+
+/// No band lies beyond this, um: wavelengths above are nanometres.
+const LONGEST_UM: f64 = 100.0;
+
+impl Reader {
+    pub(super) fn sensor(&mut self, toml: &SensorToml, observer: &ObserverToml, mesh: Option<&Mesh>) -> Option<Sensor> {
+        let preset = toml.preset == Some(Preset::Macromega);
+        let pose = self.observer(observer);
+        let samples = self.given("sensor.samples", toml.samples, preset.then_some(256));
+        let lines = self.given("sensor.lines", toml.lines, preset.then_some(256));
+        let bands = match (&toml.bands, preset) {
+            (Some(bands), _) => self.bands(bands),
+            (None, true) => {
+                self.stated("sensor.bands", "MacrOmega: 300 bands from 0.95 to 3.6 um, monochromatic");
+                Some(evenly(0.95, 3.6, 300))
+            }
+            (None, false) => {
+                self.problem("sensor", "`bands` is missing");
+                None
+            }
+        };
+        let name = match (&toml.name, preset) {
+            (Some(name), _) => name.clone(),
+            (None, true) => "MacrOmega".into(),
+            (None, false) => {
+                self.stated("sensor.name", "frame camera");
+                "frame camera".into()
+            }
+        };
+        let (samples, lines) = (samples?, lines?);
+        let pitch = match (toml.ifov_mrad, toml.fov_deg, toml.fit) {
+            (Some(ifov_mrad), None, None) => {
+                if ifov_mrad > 1000.0 {
+                    let message = format!("a pixel of {ifov_mrad} mrad");
+                    self.helped("sensor.ifov_mrad", message, "if this is microradians, write a thousandth");
+                    return None;
+                }
+                Some(2.0 * (0.5 * ifov_mrad * 1e-3).tan())
+            }
+            (None, Some(fov_deg), None) => Some(2.0 * (0.5 * fov_deg.to_radians()).tan() / f64::from(samples)),
+            (None, None, Some(Fit::Scene)) => match (pose, mesh) {
+                (Some(pose), Some(mesh)) => self.fitted(&pose, samples, lines, mesh),
+                _ => None,
+            },
+            (None, None, None) if preset => {
+                self.stated("sensor.ifov_mrad", "0.5: MacrOmega");
+                Some(2.0 * (0.5 * 0.5e-3_f64).tan())
+            }
+            _ => {
+                self.problem("sensor", "give one of `ifov_mrad`, `fov_deg` and `fit`");
+                None
+            }
+        };
+        let camera = FrameCamera { world_from_sensor: pose?, samples, lines, pitch: pitch? };
+        Some(Sensor { name, camera, bands: bands? })
+    }
+
+    fn given(&mut self, item: &str, value: Option<u32>, preset: Option<u32>) -> Option<u32> {
+        if let (None, Some(preset)) = (value, preset) {
+            self.stated(item, format!("{preset}: MacrOmega"));
+        } else if value.is_none() {
+            self.problem("sensor", format!("`{}` is missing", item.trim_start_matches("sensor.")));
+        }
+        value.or(preset)
+    }
+
+    /// The pixel pitch with which every vertex in front of the camera is in the image, and one is on its border.
+    fn fitted(&mut self, pose: &Pose, samples: u32, lines: u32, mesh: &Mesh) -> Option<f64> {
+        let sensor_from_world = pose.inverse();
+        let mut pitch = 0.0_f64;
+        for &vertex in mesh.facets.iter().flatten() {
+            let v = sensor_from_world.point(mesh.vertices_m[vertex as usize]);
+            if v.z > 0.0 {
+                pitch = pitch.max((v.x / v.z).abs() / (0.5 * f64::from(samples)));
+                pitch = pitch.max((v.y / v.z).abs() / (0.5 * f64::from(lines)));
+            }
+        }
+        if !(pitch > 0.0 && pitch.is_finite()) {
+            self.helped("sensor.fit", "no part of the mesh is in front of the camera", "check `observer`");
+            return None;
+        }
+        let ifov_mrad = 2e3 * (0.5 * pitch).atan();
+        let fov_deg = (2.0 * (0.5 * pitch * f64::from(samples)).atan()).to_degrees();
+        self.stated("sensor.ifov_mrad", format!("{ifov_mrad:.6} (a line spans {fov_deg:.4} deg): fitted to the scene"));
+        Some(pitch)
+    }
+
+    fn observer(&mut self, toml: &ObserverToml) -> Option<Pose> {
+        let position_m = DVec3::from_array(toml.position_m);
+        let axes = (toml.h, toml.v, toml.u);
+        let rotation = match (toml.target_m, toml.up, axes, toml.world_from_sensor_xyzw) {
+            (Some(target_m), Some(up), (None, None, None), None) => {
+                let Some(u) = Direction::new(DVec3::from_array(target_m) - position_m) else {
+                    self.problem("observer.target_m", "is where the camera is: there is no direction to look in");
+                    return None;
+                };
+                let up = DVec3::from_array(up);
+                // The right of the image is normal to the boresight and to up. Up along the boresight leaves only rounding.
+                let h = Direction::new(up).map(|up| u.vec().cross(up.vec()));
+                let Some(h) = h.filter(|h| h.length() > UNIT_TOLERANCE).and_then(Direction::new) else {
+                    self.helped(
+                        "observer.up",
+                        "has no length across the line of sight: the image has no top",
+                        "give a direction that is not along the line of sight, as [0, 0, 1] for north",
+                    );
+                    return None;
+                };
+                DMat3::from_cols(h.vec(), u.vec().cross(h.vec()), u.vec())
+            }
+            (None, None, (Some(h), Some(v), Some(u)), None) => {
+                let [h, v, u] = [h, v, u].map(DVec3::from_array);
+                let lengths = [("h", h), ("v", v), ("u", u)];
+                for (name, vector) in lengths {
+                    if (vector.length() - 1.0).abs() > UNIT_TOLERANCE {
+                        self.problem(
+                            &format!("observer.{name}"),
+                            format!("is not a unit vector: its length is {}", vector.length()),
+                        );
+                        return None;
+                    }
+                }
+                if (h.cross(v) - u).length() > UNIT_TOLERANCE {
+                    let help = if (h.cross(v) + u).length() <= UNIT_TOLERANCE {
+                        "h x v = -u: the image would be a mirror image; exchange or turn one of them"
+                    } else {
+                        "they must be at right angles"
+                    };
+                    self.helped("observer.u", "h x v is not u", help);
+                    return None;
+                }
+                DMat3::from_cols(h, v, u)
+            }
+            (None, None, (None, None, None), Some(xyzw)) => self.rotation("observer.world_from_sensor_xyzw", xyzw)?,
+            _ => {
+                let message = "give one of: `target_m` and `up`; `h`, `v` and `u`; `world_from_sensor_xyzw`";
+                self.problem("observer", message);
+                return None;
+            }
+        };
+        Some(Pose { rotation, translation_m: position_m - self.origin_m })
+    }
+
+    fn bands(&mut self, toml: &BandsToml) -> Option<Vec<Band>> {
+        let mut bands = match (toml.start_um, toml.stop_um, toml.count, &toml.centres_um) {
+            (Some(start), Some(stop), Some(count), None) => {
+                if !(start < stop || (start == stop && count == 1)) {
+                    self.problem("sensor.bands.stop_um", format!("{stop} is not beyond start_um = {start}"));
+                    return None;
+                }
+                if count == 1 && start != stop {
+                    self.problem(
+                        "sensor.bands.count",
+                        "one band cannot have two centres: make start_um and stop_um equal",
+                    );
+                    return None;
+                }
+                evenly(start, stop, count)
+            }
+            (None, None, None, Some(centres)) => {
+                centres.iter().map(|&centre_um| Band { centre_um, fwhm_um: None }).collect()
+            }
+            _ => {
+                self.problem("sensor.bands", "give `start_um`, `stop_um` and `count`, or `centres_um`");
+                return None;
+            }
+        };
+        let item = |i: usize| match toml.centres_um {
+            Some(_) => format!("sensor.bands.centres_um[{i}]"),
+            None if i == 0 => "sensor.bands.start_um".into(),
+            None => "sensor.bands.stop_um".into(),
+        };
+        let wrong: Vec<usize> =
+            (0..bands.len()).filter(|&i| !(bands[i].centre_um > 0.0 && bands[i].centre_um < LONGEST_UM)).collect();
+        // Of evenly spaced bands the ends say it all.
+        let told = wrong.iter().filter(|&&i| toml.centres_um.is_some() || i == 0 || i + 1 == bands.len()).take(20);
+        for &i in told {
+            let um = bands[i].centre_um;
+            let problem = self.problem(&item(i), format!("{um} um is outside 0 to {LONGEST_UM} um"));
+            if um >= LONGEST_UM {
+                problem.help = Some(format!("if this is nanometres, write {}", um / 1000.0));
+            }
+        }
+        match &toml.fwhm_um {
+            Some(Fwhm::All(fwhm)) => bands.iter_mut().for_each(|band| band.fwhm_um = Some(*fwhm)),
+            Some(Fwhm::Each(fwhm)) if fwhm.len() == bands.len() => {
+                bands.iter_mut().zip(fwhm).for_each(|(band, fwhm)| band.fwhm_um = Some(*fwhm));
+            }
+            Some(Fwhm::Each(fwhm)) => {
+                self.problem("sensor.bands.fwhm_um", format!("{} widths for {} bands", fwhm.len(), bands.len()));
+                return None;
+            }
+            None => {
+                self.stated("sensor.bands.fwhm_um", "none: bands are monochromatic");
+            }
+        }
+        let widest = bands.iter().find(|b| b.fwhm_um.is_some_and(|w| !(w > 0.0 && w < b.centre_um)));
+        if let Some(band) = widest.filter(|_| wrong.is_empty()) {
+            let (centre, width) = (band.centre_um, band.fwhm_um.unwrap_or(0.0));
+            let problem =
+                self.problem("sensor.bands.fwhm_um", format!("a width of {width} um for a band at {centre} um"));
+            problem.help = Some(
+                "widths are in um, positive and less than the centre; leave them out for monochromatic bands".into(),
+            );
+            return None;
+        }
+        wrong.is_empty().then_some(bands)
+    }
+}
+
+/// Bands at equal steps, both ends included.
+fn evenly(start_um: f64, stop_um: f64, count: u32) -> Vec<Band> {
+    let last = count - 1;
+    let centre_um = |i: u32| match i {
+        0 => start_um,
+        // Not a rounding error beyond the end: tables may end there too.
+        i if i == last => stop_um,
+        i => start_um + (stop_um - start_um) * (f64::from(i) / f64::from(last)),
+    };
+    (0..count).map(|i| Band { centre_um: centre_um(i), fwhm_um: None }).collect()
+}

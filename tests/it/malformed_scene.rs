@@ -1,0 +1,312 @@
+//! Bad scene files: each is told at its place, in words that say what to do.
+
+use std::path::{Path, PathBuf};
+
+use mmxrt::formats::{picture, scene_toml};
+
+/// A folder that goes away with the test.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("mmxrt-malformed-{}-{name}", std::process::id()));
+        std::fs::create_dir_all(&path).unwrap();
+        Folder(path)
+    }
+
+    fn write(&self, name: &str, text: &str) -> PathBuf {
+        let path = self.0.join(name);
+        std::fs::write(&path, text).unwrap();
+        path
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+const GOOD: &str = r##"mmxrt_scene = 1
+origin_m = [0, 0, 10000]
+[[mesh]]
+obj = "plate.obj"
+[materials]
+ground = { reflectance = "flat.csv" }
+"#ff0000" = { reflectance = 0.2, emissivity = 0.8 }
+mix = { mixture = { ground = 0.25, "#ff0000" = 0.75 } }
+[sun]
+direction = [0, 0, 1]
+distance_au = 1.5
+[mars]
+position_m = [9.4e6, 0, 0]
+[thermal]
+model = "equilibrium"
+[observer]
+position_m = [0, 0, 20000]
+target_m = [0, 0, 10000]
+up = [0, 1, 0]
+[sensor]
+samples = 8
+lines = 4
+fov_deg = 1.0
+[sensor.bands]
+start_um = 1.0
+stop_um = 2.0
+count = 3
+"##;
+
+const PLATE: &str = "mtllib plate.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nusemtl ground\nf 1 2 3 4\nusemtl red\nf 1 2 3\nusemtl mix\nf 1 2 3\n";
+
+fn prepared(name: &str) -> Folder {
+    let folder = Folder::new(name);
+    folder.write("plate.obj", PLATE);
+    folder.write("plate.mtl", "newmtl ground\nKd 0.5 0.5 0.5\nnewmtl red\nKd 1 0.002 0\nnewmtl mix\n");
+    folder.write("flat.csv", "wavelength_nm,reflectance_percent\n900,5\n2500,15\n");
+    folder.write("short.csv", "wavelength_um,reflectance\n0.9,0.05\n1.4,0.15\n");
+    folder.write("bare.csv", "0.9,0.05\n1.4,0.15\n");
+    folder.write("wild.csv", "wavelength_um,reflectance\n1,0.1\n0.5,nan\n");
+    folder.write("nan.obj", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 4\n");
+    folder.write("empty.obj", "v 0 0 0\n");
+    folder.write("unnamed.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    folder.write("orphan.obj", "mtllib lost.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl ground\nf 1 2 3\n");
+    folder.write("recipe.toml", "version = 1\nseed = 1\nfacets = 3\n");
+    folder.write("recipe_key.toml", "version = 1\nseeds = 1\n");
+    folder
+}
+
+#[test]
+fn the_good_scene_is_read() {
+    let folder = prepared("good");
+    let file = scene_toml::read(&folder.write("scene.toml", GOOD)).unwrap();
+    let scene = &file.scene;
+    assert_eq!(scene.mesh.facets.len(), 4);
+    assert_eq!(scene.mesh.material.iter().map(|m| m.0).collect::<Vec<_>>(), [0, 0, 1, 2]);
+    let names: Vec<&str> = scene.materials.iter().map(|m| m.name.as_str()).collect();
+    assert_eq!(names, ["ground", "#ff0000", "mix"]);
+    // 5 to 15 % from 0.9 to 2.5 um: 0.05 + 0.1 x 0.7 / 1.6 at 1.6 um.
+    let ground = 0.05 + 0.1 * 0.7 / 1.6;
+    let [a, b, mix] = &scene.materials[..] else { panic!() };
+    assert!((a.reflectance.at(1.6).unwrap() - ground).abs() < 1e-15);
+    assert!((a.emissivity.at(1.6).unwrap() - (1.0 - ground)).abs() < 1e-15);
+    assert!((mix.reflectance.at(1.6).unwrap() - (0.25 * ground + 0.75 * 0.2)).abs() < 1e-15);
+    assert_eq!(mix.mixture, [(0, 0.25), (1, 0.75)]);
+    assert_eq!(b.emissivity.at(3.0), Some(0.8));
+    assert!((b.bond_albedo - 0.2).abs() < 1e-12 && b.emissivity_bolometric == 0.95);
+    assert_eq!(scene.sun.distance_m, 1.5 * 149_597_870_700.0);
+    assert!((scene.sun.total_irradiance_1au_w_m2 - 1366.090796839).abs() < 1e-6);
+    let camera = &scene.sensor.camera;
+    assert_eq!(camera.centre_m().to_array(), [0.0, 0.0, 10000.0]);
+    // Looking down with north up: right is east, the image's bottom is south.
+    let axes = camera.world_from_sensor.rotation;
+    assert_eq!(axes.x_axis.to_array(), [1.0, 0.0, 0.0]);
+    assert_eq!(axes.y_axis.to_array(), [0.0, -1.0, 0.0]);
+    assert_eq!(axes.z_axis.to_array(), [0.0, 0.0, -1.0]);
+    assert!((camera.pitch - 2.0 * 0.5_f64.to_radians().tan() / 8.0).abs() < 1e-18);
+    let centres: Vec<f64> = scene.sensor.bands.iter().map(|b| b.centre_um).collect();
+    assert_eq!(centres, [1.0, 1.5, 2.0]);
+    let read: Vec<&str> = file.inputs.iter().filter_map(|i| i.path.file_name()?.to_str()).collect();
+    assert_eq!(read, ["scene.toml", "flat.csv", "plate.obj", "plate.mtl"]);
+    for item in ["sun.spectrum", "mars.radius_m", "materials.ground.bond_albedo", "sensor.bands.fwhm_um"] {
+        assert!(file.defaults.iter().any(|d| d.item == item), "{item} in {:?}", file.defaults);
+    }
+}
+
+/// (text of the good scene, what stands in its place, place of the problem, words of the message)
+const CASES: &[(&str, &str, &str, &str)] = &[
+    // keys, types, values
+    ("mmxrt_scene = 1\n", "", "scene.toml ", "`mmxrt_scene` is missing"),
+    ("mmxrt_scene = 1", "mmxrt_scene = 2", ":1:15 mmxrt_scene", "2 is more than 1"),
+    ("origin_m = [0, 0, 10000]", "origin_m = [0, 0]", ":2:12 origin_m", "expected a list of 3, found 2"),
+    (
+        "origin_m = [0, 0, 10000]",
+        "origin_m = [0, 0, \"a\"]",
+        ":2:19 origin_m[2]",
+        "expected a number, found the string \"a\"",
+    ),
+    ("origin_m = [0, 0, 10000]", "origin_m = [0, 0, nan]", ":2:19 origin_m[2]", "not a finite number"),
+    ("[thermal]", "[thermel]", ":14:2 thermel", "did you mean `thermal`?"),
+    ("samples = 8", "sample = 8", ":21:1 sensor.sample", "did you mean `samples`?"),
+    ("samples = 8", "samples = 8.5", ":21:11 sensor.samples", "expected a whole number, found 8.5"),
+    ("samples = 8", "samples = 1_000_000_000", ":21:11 sensor.samples", "is more than 16384"),
+    ("model = \"equilibrium\"", "model = \"thesis2\"", ":15:9 thermal.model", "did you mean \"thesis\"?"),
+    ("count = 3", "count = 3\ncount = 4", ":28:1", "duplicate key"),
+    ("[sun]", "[sun", ":9:5", ""),
+    // meshes
+    ("obj = \"plate.obj\"", "obj = \"none.obj\"", ":4:7 mesh[0].obj", "none.obj: reading"),
+    ("obj = \"plate.obj\"", "obj = \"nan.obj\"", "nan.obj:1: ", "not a finite number"),
+    ("obj = \"plate.obj\"", "obj = \"nan.obj\"", "nan.obj:4: ", "vertex index 4: the file has 3 vertices"),
+    ("obj = \"plate.obj\"", "obj = \"empty.obj\"", "empty.obj: ", "holds no faces"),
+    ("obj = \"plate.obj\"", "obj = \"unnamed.obj\"", ":4:7 mesh[0].obj", "faces before the first `usemtl`"),
+    ("obj = \"plate.obj\"", "obj = \"orphan.obj\"", "orphan.obj:1: ", "material file `lost.mtl` cannot be read"),
+    ("obj = \"plate.obj\"", "obj = \"plate.obj\"\nunit_m = 0", ":5:10 mesh[0].unit_m", "0 is not more than 0"),
+    ("obj = \"plate.obj\"", "obj = \"plate.obj\"\npose = \"radial\"", ":5:8 mesh[0].pose", "radial pose"),
+    ("obj = \"plate.obj\"", "obj = \"plate.obj\"\npose = \"up\"", ":5:8 mesh[0].pose", "expected"),
+    (
+        "obj = \"plate.obj\"",
+        "obj = \"plate.obj\"\npose = { world_from_mesh_xyzw = [0, 0, 0, 2] }",
+        ":5:33 mesh[0].pose",
+        "length 1; this one has 2",
+    ),
+    (
+        "obj = \"plate.obj\"",
+        "obj = \"plate.obj\"\nrecipe = \"recipe.toml\"",
+        ":3:1 mesh[0]",
+        "either `obj` or `recipe`",
+    ),
+    (
+        "obj = \"plate.obj\"",
+        "recipe = { version = 1, seed = 1, facets = 3 }\npose = \"body\"",
+        ":4:44 mesh[0].recipe.facets",
+        "3 is not from 1000",
+    ),
+    (
+        "obj = \"plate.obj\"",
+        "recipe = \"recipe.toml\"\npose = \"body\"",
+        "recipe.toml:3:10 facets",
+        "3 is not from 1000",
+    ),
+    (
+        "obj = \"plate.obj\"",
+        "recipe = \"recipe_key.toml\"\npose = \"body\"",
+        "recipe_key.toml:2:1 seeds",
+        "did you mean `seed`?",
+    ),
+    ("obj = \"plate.obj\"", "recipe = \"none.toml\"\npose = \"body\"", ":4:10 mesh[0].recipe", "none.toml: reading"),
+    // materials
+    ("ground = {", "grounds = {", ":4:7 mesh[0].obj", "material \"ground\" of the mesh"),
+    ("\"#ff0000\" = {", "\"#ff000\" = {", ":7:12 materials.\"#ff000\"", "not a colour"),
+    ("mix = {", "\"#ff0100\" = { reflectance = 0.1 }\nmix = {", ":4:7 mesh[0].obj", "fits several entries"),
+    (
+        "reflectance = 0.2",
+        "reflectance = 20",
+        ":7:29 materials.\"#ff0000\".reflectance",
+        "if this is percent, write 0.2",
+    ),
+    ("reflectance = 0.2", "reflectance = -0.2", ":7:29 materials.\"#ff0000\".reflectance", "-0.2 is outside 0 to 1"),
+    ("flat.csv", "short.csv", ":6:26 materials.ground.reflectance", "does not cover band 2 at 1.5 um and 1 more"),
+    ("flat.csv", "bare.csv", "bare.csv:1:1: ", "does not state the units"),
+    ("flat.csv", "wild.csv", "wild.csv:3:5: ", "`nan` is not a finite number"),
+    ("flat.csv", "none.csv", ":6:26 materials.ground.reflectance", "none.csv: reading"),
+    ("ground = 0.25", "ground = 0.5", ":8:19 materials.mix.mixture", "shares add up to 1.25, not 1"),
+    ("ground = 0.25", "grond = 0.25", ":8:29 materials.mix.mixture.grond", "did you mean \"ground\"?"),
+    ("{ ground = 0.25, \"#ff0000\" = 0.75 }", "{ mix = 1 }", ":8:19 materials.mix.mixture", "a mixture of itself"),
+    (
+        "mix = { mixture",
+        "mix = { reflectance = 0.1, mixture",
+        ":8:7 materials.mix",
+        "either `reflectance` or `mixture`",
+    ),
+    // Sun and Mars
+    ("distance_au = 1.5", "distance_au = 2.2e11", ":11:15 sun.distance_au", "1 au is 149597870700 m"),
+    ("distance_au = 1.5", "distance_au = -1.5", ":11:15 sun.distance_au", "au from the origin"),
+    (
+        "direction = [0, 0, 1]\ndistance_au = 1.5",
+        "position_m = [3.992e7, 2.1812e8, 1.1501e7]",
+        ":10:14 sun.position_m",
+        "positions are in metres",
+    ),
+    ("direction = [0, 0, 1]", "direction = [0, 0, 0]", ":10:13 sun.direction", "has no length"),
+    ("direction = [0, 0, 1]\n", "", ":9:1 sun", "give `position_m`, or `direction` and `distance_au`"),
+    ("distance_au = 1.5", "distance_au = 1.5\ntotal_irradiance_w_m2 = 1.361", ":12:25 sun.total", "where it is 1361"),
+    ("distance_au = 1.5", "distance_au = 1.5\nspectrum = \"flat.csv\"", "flat.csv:1:1: ", "irradiance_w_m2_nm"),
+    ("position_m = [9.4e6, 0, 0]", "position_m = [9400, 0, 0]", ":13:14 mars.position_m", "is this in km?"),
+    (
+        "position_m = [9.4e6, 0, 0]",
+        "position_m = [9.4e6, 0, 0]\nradius_m = 3389.5",
+        ":14:12 mars.radius_m",
+        "if this is km",
+    ),
+    (
+        "position_m = [9.4e6, 0, 0]",
+        "position_m = [9.4e6, 0, 0]\nalbedo = \"short.csv\"",
+        ":14:10 mars.albedo",
+        "does not cover band 2",
+    ),
+    // observer and sensor
+    ("up = [0, 1, 0]", "up = [0, 0, 1]", ":19:6 observer.up", "the image has no top"),
+    ("target_m = [0, 0, 10000]", "target_m = [0, 0, 20000]", ":18:12 observer.target_m", "is where the camera is"),
+    (
+        "target_m = [0, 0, 10000]\nup = [0, 1, 0]",
+        "h = [1, 0, 0]\nv = [0, 1, 0]\nu = [0, 0, -1]",
+        ":20:5 observer.u",
+        "mirror image",
+    ),
+    (
+        "target_m = [0, 0, 10000]\nup = [0, 1, 0]",
+        "h = [2, 0, 0]\nv = [0, 1, 0]\nu = [0, 0, -1]",
+        ":18:5 observer.h",
+        "its length is 2",
+    ),
+    ("up = [0, 1, 0]\n", "", ":16:1 observer", "give one of: `target_m` and `up`"),
+    ("fov_deg = 1.0", "fov_deg = 180", ":23:11 sensor.fov_deg", "180 is not less than 180"),
+    ("fov_deg = 1.0", "fov_deg = 1.0\nfit = \"scene\"", ":20:1 sensor", "one of `ifov_mrad`, `fov_deg` and `fit`"),
+    (
+        "start_um = 1.0\nstop_um = 2.0",
+        "start_um = 950\nstop_um = 2000",
+        ":25:12 sensor.bands.start_um",
+        "if this is nanometres, write 0.95",
+    ),
+    ("stop_um = 2.0", "stop_um = 0.5", ":26:11 sensor.bands.stop_um", "is not beyond start_um = 1"),
+    ("count = 3", "count = 3\nfwhm_um = [0.01, 0.01]", ":28:11 sensor.bands.fwhm_um", "2 widths for 3 bands"),
+    ("count = 3", "count = 3\nfwhm_um = 10", ":28:11 sensor.bands.fwhm_um", "a width of 10 um"),
+];
+
+#[test]
+fn each_problem_is_told_at_its_place() {
+    let folder = prepared("cases");
+    let (mut seen, mut failures) = (0, Vec::new());
+    for (good, bad, place, words) in CASES {
+        assert_eq!(GOOD.matches(good).count(), 1, "{good:?} must be in the good scene once");
+        let error = scene_toml::read(&folder.write("scene.toml", &GOOD.replace(good, bad)));
+        let told = error.as_ref().map_or_else(|e| e.to_string(), |_| "accepted".to_owned());
+        if !told.lines().any(|line| line.contains(place) && line.contains(words)) {
+            failures.push(format!("{bad:?}\nexpected {place} {words}\n{told}"));
+        } else if let Err(error) = error {
+            assert!(picture(&error).lines().any(|line| line.contains(words)), "{}", picture(&error));
+        }
+        seen += 1;
+    }
+    assert!(failures.is_empty(), "{} of {seen}:\n{}", failures.len(), failures.join("\n\n"));
+    assert!(seen >= 50);
+}
+
+#[test]
+fn all_problems_are_told_at_once() {
+    let folder = prepared("all");
+    let mut text = GOOD.to_owned();
+    let edits = [
+        ("reflectance = 0.2", "reflectance = 20"),
+        ("ground = 0.25", "ground = 0.5"),
+        ("distance_au = 1.5", "distance_au = 0"),
+        ("up = [0, 1, 0]", "up = [0, 0, 0]"),
+        ("stop_um = 2.0", "stop_um = 0.5"),
+        ("plate.obj", "empty.obj"),
+    ];
+    for (good, bad) in edits {
+        text = text.replace(good, bad);
+    }
+    let told = scene_toml::read(&folder.write("scene.toml", &text)).unwrap_err().to_string();
+    assert_eq!(told.lines().count(), edits.len(), "{told}");
+}
+
+#[test]
+fn no_cut_of_a_scene_makes_the_reader_panic() {
+    let folder = prepared("cuts");
+    let mut refused = 0;
+    for end in (0..GOOD.len()).step_by(7) {
+        refused += usize::from(scene_toml::read(&folder.write("scene.toml", &GOOD[..end])).is_err());
+    }
+    assert!(refused > 50);
+    for bytes in [&b"\xff\xfe\x00"[..], b"\0", &[b'['; 100_000], b"a.a.a=1\na=2"] {
+        let path = folder.0.join("bytes.toml");
+        std::fs::write(&path, bytes).unwrap();
+        assert!(scene_toml::read(&path).is_err());
+    }
+}
+
+#[test]
+fn a_missing_scene_is_an_io_error() {
+    let error = scene_toml::read(Path::new("/nowhere/scene.toml")).unwrap_err();
+    assert!(matches!(error, mmxrt::Error::Io { .. }), "{error}");
+}

@@ -1,0 +1,63 @@
+//! The shipped scenes are read, and hold what their sheets say.
+
+use std::path::{Path, PathBuf};
+
+use mmxrt::formats::scene_toml;
+
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+#[test]
+fn the_site_of_table_i_is_read_as_it_is_printed() {
+    let file = scene_toml::read(&root().join("scenes/phobos_site/scene.toml")).unwrap();
+    let scene = &file.scene;
+    let camera = &scene.sensor.camera;
+    // Distances and angles of Table I: range 77 273.6 m, Sun 1.4842525 au, incidence 23.5734 deg.
+    assert!((camera.centre_m().length() - 77_273.6).abs() < 0.05);
+    assert!((scene.sun.distance_m / mmxrt::units::AU_M - 1.484_252_5).abs() < 1e-7);
+    let outward = mmxrt::geometry::Direction::new(scene.origin_m).unwrap();
+    assert!((scene.sun.direction.angle_rad(outward).to_degrees() - 23.5734).abs() < 5e-5);
+    // Straight above, north up: right of the image is east, which is x of the radial pose.
+    let down = camera.world_from_sensor.rotation.z_axis;
+    assert!((down + outward.vec()).length() < 1e-4);
+    let east = glam::DVec3::Z.cross(outward.vec()).normalize();
+    assert!((camera.world_from_sensor.rotation.x_axis - east).length() < 1e-4);
+    // 2 km, and what perspective adds for relief, in 256 pixels: 7.8 m.
+    let pixel_m = camera.pitch * camera.centre_m().length();
+    assert!((7.8..8.0).contains(&pixel_m), "{pixel_m}");
+    assert_eq!((camera.samples, camera.lines, scene.sensor.bands.len()), (256, 256, 300));
+    assert_eq!(scene.sensor.bands[299].centre_um, 3.6);
+    assert_eq!(scene.materials.len(), 2);
+    assert!((scene.materials[0].reflectance.at(1.0).unwrap() - 0.10617).abs() < 1e-15);
+    // The mesh lies around the origin, its relief along the outward radius.
+    let height = |v: &glam::DVec3| v.dot(outward.vec()).abs();
+    assert!(scene.mesh.vertices_m.iter().map(height).fold(0.0, f64::max) < 300.0);
+    assert!(scene.mesh.vertices_m.len() > 50_000);
+    assert!(file.notes.is_empty(), "{:?}", file.notes);
+}
+
+#[test]
+fn mars_stands_high_over_the_mars_side_and_the_sun_low() {
+    let file = scene_toml::read(&root().join("scenes/phobos_mars_side/scene.toml")).unwrap();
+    let scene = &file.scene;
+    let outward = mmxrt::geometry::Direction::new(scene.origin_m).unwrap();
+    let mars = mmxrt::geometry::Direction::new(scene.mars.as_ref().unwrap().centre_m).unwrap();
+    assert!((scene.sun.direction.angle_rad(outward).to_degrees() - 77.07).abs() < 0.01);
+    assert!((mars.angle_rad(outward).to_degrees() - 20.03).abs() < 0.01);
+    assert!((scene.sensor.camera.centre_m().length() - 77_000.0).abs() < 0.1);
+}
+
+#[test]
+fn every_shipped_scene_has_its_sheet() {
+    let mut seen = 0;
+    for entry in std::fs::read_dir(root().join("scenes")).unwrap() {
+        let folder: &Path = &entry.unwrap().path();
+        let sheet = std::fs::read_to_string(folder.join("README.md")).unwrap();
+        for part in ["**Rationale.**", "**Geometry.**", "**Expected.**", "**Tolerance and why.**"] {
+            assert!(sheet.contains(part), "{}: {part}", folder.display());
+        }
+        seen += 1;
+    }
+    assert!(seen >= 2);
+}
