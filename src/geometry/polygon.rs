@@ -44,10 +44,9 @@ impl Rect {
     pub fn of(points: &[Point]) -> Rect {
         let mut rect = Rect { min: [f64::INFINITY; 2], max: [f64::NEG_INFINITY; 2] };
         for p in points {
-            for k in 0..2 {
-                rect.min[k] = rect.min[k].min(p[k]);
-                rect.max[k] = rect.max[k].max(p[k]);
-            }
+            let [x, y] = *p;
+            rect.min = [rect.min[0].min(x), rect.min[1].min(y)];
+            rect.max = [rect.max[0].max(x), rect.max[1].max(y)];
         }
         rect
     }

@@ -41,7 +41,8 @@ impl TemperatureGrid {
 
     /// First of the six points for a temperature, and their weights (sum 1); `None` if it emits nothing.
     pub(super) fn weights(&self, temperature_k: f64) -> Option<(usize, [f64; POINTS])> {
-        if !(temperature_k >= COLDEST_K) || self.count < POINTS {
+        let emits = temperature_k >= COLDEST_K && self.count >= POINTS;
+        if !emits {
             return None;
         }
         let x = temperature_k.ln() / STEP - self.first;

@@ -249,7 +249,8 @@ impl<'a> Drawing<'a> {
                 let corners = facet.map(|v| points[v as usize]);
                 if pinhole {
                     let far = |p: &[f64; 3]| {
-                        !(p[2] > 0.0) || (0..2).any(|k| p[k] < -reach[k] || p[k] > image.max[k] + reach[k])
+                        let near = p[2] > 0.0 && (0..2).all(|k| -reach[k] <= p[k] && p[k] <= image.max[k] + reach[k]);
+                        !near
                     };
                     if corners.iter().any(far) {
                         return CUT;

@@ -266,13 +266,13 @@ impl Partition {
                 continue;
             }
             let verdict = match owner {
-                None => Verdict::WinsAll,
+                None => Won::All,
                 Some(owner) => self.cutter.contest(drawing, candidate, owner, least_area),
             };
-            if verdict != Verdict::WinsAll {
+            if verdict != Won::All {
                 self.shares[new].cut = true;
             }
-            if verdict == Verdict::WinsNothing {
+            if verdict == Won::Nothing {
                 continue;
             }
             if fragment.owner != SKY {
@@ -306,10 +306,10 @@ enum Cut {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Verdict {
-    WinsAll,
-    WinsSome,
-    WinsNothing,
+enum Won {
+    All,
+    Some,
+    Nothing,
 }
 
 /// Cuts a fragment into what a candidate covers and what its owner keeps.
@@ -363,7 +363,7 @@ impl Cutter {
     }
 
     /// Who is nearer in the overlap; where both are, in parts, the overlap is reduced to what the candidate wins.
-    fn contest(&mut self, drawing: &Drawing, candidate: &Candidate, owner: &Candidate, least_area: f64) -> Verdict {
+    fn contest(&mut self, drawing: &Drawing, candidate: &Candidate, owner: &Candidate, least_area: f64) -> Won {
         let error = candidate.error + owner.error;
         self.value.clear();
         self.value.extend(self.overlap.iter().map(|p| {
@@ -373,18 +373,18 @@ impl Cutter {
         let ahead = self.value.iter().any(|d| *d > 0.0);
         let behind = self.value.iter().any(|d| *d < 0.0);
         match (ahead, behind) {
-            (true, false) => Verdict::WinsAll,
-            (false, true) => Verdict::WinsNothing,
-            (false, false) if drawing.rank(candidate.facet) < drawing.rank(owner.facet) => Verdict::WinsAll,
-            (false, false) => Verdict::WinsNothing,
+            (true, false) => Won::All,
+            (false, true) => Won::Nothing,
+            (false, false) if drawing.rank(candidate.facet) < drawing.rank(owner.facet) => Won::All,
+            (false, false) => Won::Nothing,
             (true, true) => {
                 split(&self.overlap, &self.value, &mut self.spare, &mut self.outside);
                 if area(&self.spare) <= least_area {
-                    return Verdict::WinsNothing;
+                    return Won::Nothing;
                 }
                 std::mem::swap(&mut self.overlap, &mut self.spare);
                 self.keep(least_area);
-                Verdict::WinsSome
+                Won::Some
             }
         }
     }
