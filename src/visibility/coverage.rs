@@ -196,10 +196,13 @@ impl Front {
                 return false;
             }
             for facet in member.continuations {
-                if let Ok(i) = candidates.binary_search_by_key(&facet, |c| c.triangle)
-                    && self.listed[i] == listing
-                    && self.joined[i] < self.search
-                {
+                let Ok(i) = candidates.binary_search_by_key(&facet, |c| c.triangle) else { continue };
+                if self.listed[i] != listing {
+                    // Beside the rectangle, or found hidden before the cell was quartered: then the sheet is not whole.
+                    if may_touch(&candidates[i], rect) {
+                        return false;
+                    }
+                } else if self.joined[i] < self.search {
                     if self.joined[i] > listing || self.at_centre.contains(&(i as u32)) {
                         return false;
                     }
