@@ -3,7 +3,7 @@
 use crate::scratch::Scratch;
 use crate::shapes::*;
 use glam::DVec3;
-use mmxrt::geometry::{Facet, MaterialId, Mesh};
+use mmxrt::geometry::{MaterialId, Mesh};
 use mmxrt::physics::mars;
 use mmxrt::spectral::solar_e490;
 use mmxrt::study::Observation;
@@ -119,13 +119,20 @@ fn mars_adds_its_closed_form() {
     scratch.obj("plane", &plane(0.1, 0.0), &[("ground", None)]);
     let up = ORIGIN.normalize();
     let to_sun = (SUN - ORIGIN).normalize();
+    // From the Sun's side of the sky over the horizon to the other: Mars is lit where the Sun is not near it.
+    let aside = (to_sun - to_sun.dot(up) * up).normalize();
+    let opposite = |elevation_deg: f64| {
+        let (sin, cos) = elevation_deg.to_radians().sin_cos();
+        9.376e6 * (sin * up - cos * aside)
+    };
     let mut seen_cases = 0;
-    // Where Table I has it, low and cut by the horizon; behind; straight above with the whole disc up; aslant.
-    for (position, cut) in [
-        (DVec3::new(9.376e6, 0.0, 0.0), true),
-        (DVec3::new(-9.376e6, 0.0, 0.0), true),
-        (9.376e6 * up, false),
-        (9.376e6 * (up + 0.8 * DVec3::X).normalize(), false),
+    // As in Table I, low and cut by the horizon; below the horizon but for a rim; the whole disc up.
+    for (position, cut, least_share) in [
+        (DVec3::new(9.376e6, 0.0, 0.0), true, 0.0),
+        (opposite(-10.0), true, 0.0),
+        (opposite(10.0), true, 0.001),
+        (opposite(25.0), false, 0.001),
+        (opposite(35.0), false, 0.001),
     ] {
         let mars_text =
             format!("[mars]\nposition_m = {:?}\nradius_m = 3389500\nalbedo = 0.3\n{NO_HEAT}", position.to_array());
@@ -140,9 +147,9 @@ fn mars_adds_its_closed_form() {
             assert!(off <= tolerance, "{position}: {} not {expected}: {off:e} > {tolerance:e}", radiance[0]);
             seen_cases += 1;
         }
-        assert!(cut || share > 0.001, "{position}: {share}");
+        assert!(share >= least_share, "{position}: {share}");
     }
-    assert!(seen_cases >= 4 * 1000);
+    assert!(seen_cases >= 5 * 1000);
 }
 
 /// Planck's radiance, W m-2 sr-1 um-1: 2 h c^2 and h c / k of the SI of 2019.
@@ -163,7 +170,7 @@ fn the_plane_glows_at_its_equilibrium_temperature() {
     let to_sun = SUN - ORIGIN;
     let (cos_i, au2) = (ORIGIN.normalize().dot(to_sun.normalize()), (to_sun.length() / AU).powi(2));
     // E490's whole integral, 0.1195 to 1000 um.
-    let sunlight = 1366.090_796_839 * cos_i / au2;
+    let sunlight = 1_366.090_796_839 * cos_i / au2;
     let t = (0.97 * sunlight / (0.9 * STEFAN_BOLTZMANN)).powf(0.25);
     assert!((310.0..330.0).contains(&t), "{t}");
     for radiance in covered(&seen) {
@@ -224,7 +231,7 @@ bands = {{ centres_um = [1.5, 3.4] }}
     let mars_light = mars::irradiance(to_mars, radius, DVec3::Z, to_sun);
     // Mars overhead, whole: form factor (R / D)^2.
     let mars_heat = 120.0 * (radius / 9.376e6).powi(2);
-    let total = 1366.090_796_839 / 2.25;
+    let total = 1_366.090_796_839 / 2.25;
     let background = 0.95 * 0.25 * mars_light * total + 0.95 * mars_heat;
     let temperature = |absorbed: f64| (absorbed / (0.95 * STEFAN_BOLTZMANN)).powf(0.25);
     let (lit_k, shaded_k) = (temperature(0.95 * total * to_sun.z + background), temperature(background));
@@ -260,7 +267,7 @@ fn a_gaussian_band_is_the_gaussian_mean() {
             let sigma2 = fwhm * fwhm / (8.0 * 2f64.ln());
             // The mean of f over a Gaussian is f(centre) + f'' sigma^2 / 2.
             assert_close("product", radiance[b], geometry * (0.02 * um * irradiance - 4.0 * sigma2), 1e-9);
-            assert_close("linear", covered(&flat)[pixel][b], geometry * 0.05 * irradiance, 1e-10);
+            assert_close("linear", covered(&flat)[pixel][b], geometry * 0.05 * irradiance, 1e-9);
         }
         if pixel == 3 {
             break;
@@ -332,5 +339,5 @@ fn random_triangulations_are_sound() {
     let m = random_triangulation(1.0, 300);
     let area: f64 = (0..m.facets.len()).map(|f| m.facet(f).area_m2()).sum();
     assert!(m.facets.len() >= 300 && (area - 4.0).abs() < 1e-12);
-    assert!((0..m.facets.len()).all(|f| Facet::normal(&m.facet(f)) == DVec3::Z));
+    assert!((0..m.facets.len()).all(|f| (m.facet(f).normal() - DVec3::Z).length() < 1e-15));
 }

@@ -31,8 +31,13 @@ const SUN: DVec3 = DVec3::new(2e11, -0.5e11, 0.9e11);
 
 /// A scene around `place`: everything is given in body coordinates, but for a mesh of `local` ones.
 fn text(origin_m: DVec3, place: DVec3, sun: &str, coordinates: &str) -> String {
+    from_afar(1.0, origin_m, place, sun, coordinates)
+}
+
+/// The same for a site so many times as large, from so many times as far.
+fn from_afar(times: f64, origin_m: DVec3, place: DVec3, sun: &str, coordinates: &str) -> String {
     let mars = place + DVec3::new(9e6, 1e6, 2e6);
-    let observer = place + DVec3::new(20.0, -30.0, 90.0);
+    let observer = place + times * DVec3::new(20.0, -30.0, 90.0);
     let list = |v: DVec3| format!("{:?}", v.to_array());
     format!(
         r#"
@@ -145,11 +150,11 @@ fn moving_the_body_by_2_23_m_changes_no_bit() {
 #[test]
 fn moving_the_body_by_1e7_m_changes_the_ninth_digit_at_most() {
     let scratch = Scratch::new("moved");
-    // Coordinates that 1e7 m cuts off at 2e-9 m.
+    // Pixels of 14 m, and coordinates that 1e7 m cuts off at 2e-9 m.
     let mut mesh = site();
-    mesh.vertices_m.iter_mut().for_each(|v| *v = *v * 1.01 + DVec3::splat(std::f64::consts::FRAC_1_PI));
+    mesh.vertices_m.iter_mut().for_each(|v| *v = *v * 10.1 + DVec3::splat(std::f64::consts::FRAC_1_PI));
     let by_m = DVec3::new(-1e7, 1e7, 1e7);
-    let scene = |place: DVec3| text(place, place, &sun_at(place + SUN), "body");
+    let scene = |place: DVec3| from_afar(10.0, place, place, &sun_at(place + SUN), "body");
     let one = look(&scratch, &moved(mesh.clone(), PLACE), &scene(PLACE));
     let two = look(&scratch, &moved(mesh, PLACE + by_m), &scene(PLACE + by_m));
     assert_worth_looking_at(&one);

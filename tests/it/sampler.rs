@@ -2,7 +2,7 @@
 //!
 //! What both compute is the mean over each pixel of cos i where the Sun is seen, 0 elsewhere. The sampler's two images
 //! differ by their noise; the product may differ from their mean by no more than that noise explains.
-//! `MMXRT_HEAVY=1` takes 64 times as many rays.
+//! `MMXRT_HEAVY=1` takes 16 times as many rays.
 
 use crate::shapes::*;
 use glam::DVec3;
@@ -145,7 +145,7 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
 /// `least_shadow`: the share of cos i over the image that shadows take away, at least: there is something to get wrong.
 fn assert_converges(camera: &FrameCamera, towards_sun: Direction, least_shadow: f64) {
     let heavy = std::env::var("MMXRT_HEAVY").is_ok_and(|v| v == "1");
-    let side = if heavy { 256 } else { 32 };
+    let side = if heavy { 128 } else { 32 };
     let mesh = site();
     let ours = exact(&mesh, towards_sun, camera);
     let [one, two] = [1, 2].map(|seed| sampled(&mesh, towards_sun.vec(), camera, side, seed));
@@ -156,7 +156,7 @@ fn assert_converges(camera: &FrameCamera, towards_sun: Direction, least_shadow: 
     let worst = (0..ours.len()).max_by(|a, b| (ours[*a] - mean[*a]).abs().total_cmp(&(ours[*b] - mean[*b]).abs()));
     let worst = worst.unwrap();
     let told = format!("worst pixel {worst}: {}, rays say {} and {}", ours[worst], one[worst], two[worst]);
-    assert!(error <= 1.2 * noise, "error {error:e}, noise {noise:e}; {told}");
+    assert!(error <= 1.2 * noise, "error {error:e}, noise {noise:e} of {level}; {told}");
     assert!(noise > 0.0 && noise < 0.02 * level, "noise {noise:e} of {level}");
     // Without shadows.
     let bare: f64 = {
@@ -166,7 +166,6 @@ fn assert_converges(camera: &FrameCamera, towards_sun: Direction, least_shadow: 
         f.facet.iter().zip(&f.fraction).map(|(facet, share)| share * cos_i(*facet)).sum()
     };
     let shadow = 1.0 - ours.iter().sum::<f64>() / bare;
-    println!("mean {level:.4}, noise {noise:.3e}, error {error:.3e}, in shadow {shadow:.3}");
     assert!(shadow >= least_shadow, "shadows take {shadow} of the light");
 }
 
@@ -182,16 +181,16 @@ fn rays_agree_at_24_degrees() {
 
 #[test]
 fn rays_agree_at_60_degrees() {
-    assert_converges(&above(), sun(60.0, 200.0), 0.03);
+    assert_converges(&above(), sun(60.0, 200.0), 0.02);
 }
 
 #[test]
 fn rays_agree_at_85_degrees() {
-    assert_converges(&above(), sun(85.0, 110.0), 0.3);
+    assert_converges(&above(), sun(85.0, 110.0), 0.4);
 }
 
 #[test]
 fn rays_agree_in_an_oblique_view() {
     let camera = camera([700.0, -500.0, 320.0], [0.0; 3], [0.0, 0.0, 1.0], 32, 0.08 / 32.0);
-    assert_converges(&camera, sun(70.0, 10.0), 0.1);
+    assert_converges(&camera, sun(70.0, 10.0), 0.05);
 }
