@@ -56,9 +56,14 @@ impl Direction {
     }
 }
 
-/// Angle between two vectors of any length, rad, by `atan2(|a x b|, a.b)`.
+/// Angle between two vectors of any length, rad, to a few units in the last place everywhere.
+///
+/// Away from 0 and pi by the arc cosine, which is well conditioned there and costs half as much; near them, where it loses
+/// half its digits, by `atan2(|a x b|, a.b)`.
 pub fn angle_rad(a: DVec3, b: DVec3) -> f64 {
-    a.cross(b).length().atan2(a.dot(b))
+    let dot = a.dot(b);
+    let cos = dot / (a.length_squared() * b.length_squared()).sqrt();
+    if cos.abs() < 0.9 { cos.acos() } else { a.cross(b).length().atan2(dot) }
 }
 
 #[cfg(test)]

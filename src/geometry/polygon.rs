@@ -6,6 +6,7 @@
 pub type Point = [f64; 2];
 
 /// Signed area, about the first vertex: positive counter-clockwise where x points right and y up.
+#[inline]
 pub fn area(polygon: &[Point]) -> f64 {
     let Some(&[x0, y0]) = polygon.first() else { return 0.0 };
     let mut twice = 0.0;
@@ -41,6 +42,7 @@ pub struct Rect {
 
 impl Rect {
     /// The bounds of some points.
+    #[inline]
     pub fn of(points: &[Point]) -> Rect {
         let mut rect = Rect { min: [f64::INFINITY; 2], max: [f64::NEG_INFINITY; 2] };
         for p in points {
@@ -52,6 +54,7 @@ impl Rect {
     }
 
     /// Whether two rectangles share more than a border.
+    #[inline]
     pub fn overlaps(&self, other: &Rect) -> bool {
         self.min[0] < other.max[0]
             && other.min[0] < self.max[0]
@@ -60,6 +63,7 @@ impl Rect {
     }
 
     /// Whether another rectangle lies inside or on the border.
+    #[inline]
     pub fn contains(&self, other: &Rect) -> bool {
         self.min[0] <= other.min[0]
             && other.max[0] <= self.max[0]
@@ -98,12 +102,14 @@ impl Rect {
 /// The point where the segment between `a` and `b` meets the line where `da`, `db` (of strictly opposite signs) pass zero.
 ///
 /// The ends are taken in the order of their coordinates, so that two polygons that share the segment get the same bits.
+#[inline]
 fn crossing(a: Point, da: f64, b: Point, db: f64) -> Point {
     let ((a, da), (b, db)) = if (a[0], a[1]) <= (b[0], b[1]) { ((a, da), (b, db)) } else { ((b, db), (a, da)) };
     let t = da / (da - db);
     [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])]
 }
 
+#[inline]
 fn push(polygon: &mut Vec<Point>, p: Point) {
     if polygon.last() != Some(&p) {
         polygon.push(p);
@@ -155,6 +161,7 @@ pub fn split(polygon: &[Point], value: &[f64], inside: &mut Vec<Point>, outside:
 /// exactly 0 where the sign is not certain in f64.
 ///
 /// Antisymmetric to the last bit in the exchange of `a` and `b`.
+#[inline]
 pub fn side(a: Point, b: Point, p: Point) -> f64 {
     let (a, b, sign) = if (a[0], a[1]) <= (b[0], b[1]) { (a, b, 1.0) } else { (b, a, -1.0) };
     let left = (b[0] - a[0]) * (p[1] - a[1]);

@@ -1,8 +1,8 @@
 //! Geometry of each pixel: where it looks, from what angle, at what.
 //!
 //! Names without `_MEAN` are the centre ray's values, as ISIS `phocube` gives them; `_MEAN` are means over the covered area
-//! of the pixel, each fragment taken at the ray through its image centroid. Latitude and longitude come from a position,
-//! they are never averaged themselves.
+//! of the pixel, each fragment taken at the ray through its image centroid. Latitude, longitude, and the angles that know no
+//! facet (phase, incidence and emission on the radial) are those of the mean position: they are never averaged themselves.
 
 use glam::DVec3;
 
@@ -59,11 +59,20 @@ struct Hit {
     /// In the scene, m.
     point_m: DVec3,
     range_m: f64,
-    phase_rad: f64,
-    incidence_rad: f64,
-    emission_rad: f64,
-    local_incidence_rad: f64,
-    local_emission_rad: f64,
+    /// From the camera, of any length.
+    ray: DVec3,
+    /// Normal of the facet, of any length.
+    normal: DVec3,
+}
+
+impl Hit {
+    fn local_incidence_rad(&self, planes: &Planes) -> f64 {
+        angle_rad(self.normal, planes.towards_sun)
+    }
+
+    fn local_emission_rad(&self) -> f64 {
+        angle_rad(self.normal, -self.ray)
+    }
 }
 
 impl<'a> Planes<'a> {
@@ -100,8 +109,7 @@ impl<'a> Planes<'a> {
     fn means(&self, pixel: &Pixel, coverage: f64, values: &mut [f64; FIXED.len()], abundance: &mut [f64]) {
         let mesh = &self.scene.mesh;
         let (mut position_m, mut range_m, mut lit) = (DVec3::ZERO, 0.0, 0.0);
-        let (mut phase, mut incidence, mut emission, mut local_incidence, mut local_emission) =
-            (0.0, 0.0, 0.0, 0.0, 0.0);
+        let (mut local_incidence, mut local_emission) = (0.0, 0.0);
         let mut sunlit_incidence = 0.0;
         let mut area_of_material = [0.0; 8];
         let mut more_materials = std::collections::BTreeMap::new();
@@ -111,12 +119,10 @@ impl<'a> Planes<'a> {
             let hit = self.hit(e.facet, x, y);
             position_m += e.area * hit.point_m;
             range_m += e.area * hit.range_m;
-            phase += e.area * hit.phase_rad;
-            incidence += e.area * hit.incidence_rad;
-            emission += e.area * hit.emission_rad;
-            local_incidence += e.area * hit.local_incidence_rad;
-            local_emission += e.area * hit.local_emission_rad;
-            sunlit_incidence += e.lit * hit.local_incidence_rad;
+            let (incidence_rad, emission_rad) = (hit.local_incidence_rad(self), hit.local_emission_rad());
+            local_incidence += e.area * incidence_rad;
+            local_emission += e.area * emission_rad;
+            sunlit_incidence += e.lit * incidence_rad;
             lit += e.lit;
             if e.area > largest.0 {
                 largest = (e.area, e.facet);
@@ -137,7 +143,9 @@ impl<'a> Planes<'a> {
         values[2] = f64::from(largest.1);
         values[3] = f64::from(mesh.face(largest.1 as usize));
         values[4] = material as f64;
-        let body_m = position_m / coverage + self.scene.origin_m;
+        let mean_m = position_m / coverage;
+        let body_m = mean_m + self.scene.origin_m;
+        let to_observer = self.scene.sensor.camera.centre_m() - mean_m;
         let (latitude, longitude) = planetocentric_deg(body_m);
         let degrees = |sum: f64| (sum / coverage).to_degrees();
         values[19..31].copy_from_slice(&[
@@ -147,9 +155,9 @@ impl<'a> Planes<'a> {
             body_m.y,
             body_m.z,
             range_m / coverage,
-            degrees(phase),
-            degrees(incidence),
-            degrees(emission),
+            angle_rad(self.towards_sun, to_observer).to_degrees(),
+            angle_rad(body_m, self.towards_sun).to_degrees(),
+            angle_rad(body_m, to_observer).to_degrees(),
             degrees(local_incidence),
             degrees(local_emission),
             if lit > 0.0 { (sunlit_incidence / lit).to_degrees() } else { f64::NAN },
@@ -169,13 +177,13 @@ impl<'a> Planes<'a> {
             body_m.y,
             body_m.z,
             hit.range_m,
-            hit.phase_rad.to_degrees(),
-            hit.incidence_rad.to_degrees(),
-            hit.emission_rad.to_degrees(),
-            hit.local_incidence_rad.to_degrees(),
-            hit.local_emission_rad.to_degrees(),
+            angle_rad(self.towards_sun, -hit.ray).to_degrees(),
+            angle_rad(body_m, self.towards_sun).to_degrees(),
+            angle_rad(body_m, -hit.ray).to_degrees(),
+            hit.local_incidence_rad(self).to_degrees(),
+            hit.local_emission_rad().to_degrees(),
             resolution_m,
-            resolution_m / hit.local_emission_rad.cos().abs(),
+            resolution_m / hit.local_emission_rad().cos().abs(),
             f64::from(u8::from(pixel.centre_is_lit())),
         ]);
     }
@@ -188,16 +196,7 @@ impl<'a> Planes<'a> {
         let normal = facet.cross_m2();
         let away = normal.dot(facet.corners_m[0] - camera.centre_m()) / normal.dot(ray);
         let point_m = camera.centre_m() + away * ray;
-        let up = point_m + self.scene.origin_m;
-        Hit {
-            point_m,
-            range_m: away * ray.length(),
-            phase_rad: angle_rad(self.towards_sun, -ray),
-            incidence_rad: angle_rad(up, self.towards_sun),
-            emission_rad: angle_rad(up, -ray),
-            local_incidence_rad: angle_rad(normal, self.towards_sun),
-            local_emission_rad: angle_rad(normal, -ray),
-        }
+        Hit { point_m, range_m: away * ray.length(), ray, normal }
     }
 
     /// Puts names to the planes.

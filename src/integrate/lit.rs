@@ -67,6 +67,9 @@ pub(super) struct LitArea<'a> {
     row: u32,
     /// Of facets with many lit polygons: those that reach the line at hand, by their left border.
     line: BTreeMap<u32, Vec<(Rect, Vec<Point>)>>,
+    /// Of the facet looked at last: its lit polygons in the image, each with its bounds and where it ends in `mapped`.
+    last: Option<u32>,
+    reach: Vec<(Rect, usize)>,
     mapped: Vec<Point>,
     common: Vec<Point>,
     spare: Vec<Point>,
@@ -100,6 +103,8 @@ impl<'a> LitArea<'a> {
             is_cut: Box::new(is_cut),
             row: 0,
             line: BTreeMap::new(),
+            last: None,
+            reach: vec![],
             mapped: vec![],
             common: vec![],
             spare: vec![],
@@ -118,10 +123,11 @@ impl<'a> LitArea<'a> {
             Lit::Full => return seen,
             Lit::Part => {}
         }
-        let view = FacetView::new(self.mesh, self.camera, facet);
         let polygons = self.first[facet as usize] as usize..self.first[facet as usize + 1] as usize;
         let mut lit = 0.0;
         if (self.is_cut)(facet) {
+            self.last = None;
+            let view = FacetView::new(self.mesh, self.camera, facet);
             // Corners of the facet have no place in the image: meet on the facet instead, and come back.
             let mut on_facet: Vec<Point> = window.outline().iter().map(|p| view.uv(*p)).collect();
             counter_clockwise(&mut on_facet);
@@ -134,6 +140,7 @@ impl<'a> LitArea<'a> {
                 lit += area(&back).abs();
             }
         } else if polygons.len() > MANY {
+            let view = FacetView::new(self.mesh, self.camera, facet);
             let bounds = window.bounds();
             let (mut common, mut spare) = (Vec::new(), Vec::new());
             for (reach, mapped) in self.line_polygons(facet, &view, polygons) {
@@ -145,14 +152,32 @@ impl<'a> LitArea<'a> {
                 }
             }
         } else {
-            for i in polygons {
-                self.mapped.clear();
-                self.mapped.extend(polygon(self.sunlit, i).iter().map(|p| view.image(*p)));
-                counter_clockwise(&mut self.mapped);
-                lit += window.common_area(&self.mapped, &mut self.common, &mut self.spare);
+            if self.last != Some(facet) {
+                self.map(&FacetView::new(self.mesh, self.camera, facet), polygons);
+                self.last = Some(facet);
+            }
+            let bounds = window.bounds();
+            let mut start = 0;
+            for (reach, end) in &self.reach {
+                if reach.overlaps(&bounds) {
+                    lit += window.common_area(&self.mapped[start..*end], &mut self.common, &mut self.spare);
+                }
+                start = *end;
             }
         }
         lit.min(seen)
+    }
+
+    /// Maps lit polygons into the image.
+    fn map(&mut self, view: &FacetView, polygons: std::ops::Range<usize>) {
+        self.mapped.clear();
+        self.reach.clear();
+        for i in polygons {
+            let start = self.mapped.len();
+            self.mapped.extend(polygon(self.sunlit, i).iter().map(|p| view.image(*p)));
+            counter_clockwise(&mut self.mapped[start..]);
+            self.reach.push((Rect::of(&self.mapped[start..]), self.mapped.len()));
+        }
     }
 
     /// Whether a facet is lit at an image point that sees it.

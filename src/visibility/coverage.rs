@@ -8,7 +8,7 @@ use robust::{Coord, orient2d};
 
 use super::bins::Bins;
 use super::drawing::Drawing;
-use super::partition::{Candidate, Partition};
+use super::partition::{Candidate, Ground, Partition};
 use crate::geometry::polygon::{Point, Rect, side};
 
 /// Receives what is seen in the parts of a cell.
@@ -109,7 +109,8 @@ impl<'a> Coverage<'a> {
                 let nearest = front.at_centre.first();
                 nearest.into_iter().for_each(|i| visit.whole(candidates[*i as usize].triangle, &rect));
             } else if list.len() <= FEW || !quarter(&rect, depth, list, candidates, waiting, stack) {
-                partition.resolve(self.drawing, &rect, candidates, list, &front.sheet, visit);
+                let ground = Ground { drawing: self.drawing, rect: &rect, candidates };
+                partition.resolve(&ground, list, &front.sheet, visit);
             }
         }
     }

@@ -155,36 +155,44 @@ impl<'a> Drawing<'a> {
     }
 
     /// The facet of a triangle.
+    #[inline]
     pub fn facet(&self, triangle: u32) -> u32 {
         let facets = self.mesh.facets.len() as u32;
         if triangle < facets { triangle } else { self.extra[(triangle - facets) as usize].facet }
     }
 
+    #[inline]
     fn vertices(&self, triangle: u32) -> [u32; 3] {
-        match self.mesh.facets.get(triangle as usize) {
-            Some(facet) => *facet,
-            None => self.extra[triangle as usize - self.mesh.facets.len()].vertices,
+        let facets = &self.mesh.facets;
+        if (triangle as usize) < facets.len() {
+            facets[triangle as usize]
+        } else {
+            self.extra[triangle as usize - facets.len()].vertices
         }
     }
 
     /// Corners of a triangle: x, y in cells, nearness.
+    #[inline]
     pub fn corners(&self, triangle: u32) -> [[f64; 3]; 3] {
         self.vertices(triangle).map(|v| self.points[v as usize])
     }
 
     /// Corners of a triangle in the plane, counter-clockwise (x right, y up).
+    #[inline]
     pub fn outline(&self, triangle: u32) -> [Point; 3] {
         let [a, b, c] = self.corners(triangle).map(|p| [p[0], p[1]]);
         if self.flags[triangle as usize] & BACK != 0 { [a, b, c] } else { [a, c, b] }
     }
 
     /// Whether a triangle is drawn at all.
+    #[inline]
     pub(super) fn is_drawn(&self, triangle: u32) -> bool {
         self.flags[triangle as usize] & DRAWN != 0
     }
 
     /// The sides of a triangle's outline (bit k: the side that starts at its corner k) that may have something else beyond
     /// them than a facet that continues this one.
+    #[inline]
     pub(super) fn open_sides(&self, triangle: u32) -> u8 {
         let flags = self.flags[triangle as usize];
         let open = |k: usize| u8::from(flags & OPEN[k] != 0);

@@ -107,6 +107,13 @@ struct Fragment {
     farthest: f64,
 }
 
+/// What is contested: a rectangle, and all that may be in it.
+pub(super) struct Ground<'a> {
+    pub(super) drawing: &'a Drawing<'a>,
+    pub(super) rect: &'a Rect,
+    pub(super) candidates: &'a [Candidate],
+}
+
 /// The partition of one rectangle; kept to reuse its memory.
 #[derive(Debug, Default)]
 pub(super) struct Partition {
@@ -117,18 +124,11 @@ pub(super) struct Partition {
 }
 
 impl Partition {
-    /// Finds what is seen in `rect` of the candidates in `list` and tells `visit`.
+    /// Finds what is seen in the rectangle of the candidates in `list` and tells `visit`.
     ///
     /// `sheet`: candidates that cover the rectangle once, without overlap; empty if none are known to.
-    pub(super) fn resolve(
-        &mut self,
-        drawing: &Drawing,
-        rect: &Rect,
-        candidates: &[Candidate],
-        list: &[u32],
-        sheet: &[u32],
-        visit: &mut impl Visit,
-    ) {
+    pub(super) fn resolve(&mut self, ground: &Ground, list: &[u32], sheet: &[u32], visit: &mut impl Visit) {
+        let Ground { rect, candidates, .. } = ground;
         let least_area = SLIVER * rect.area();
         self.fragments.clear();
         self.gather(rect, candidates, list, least_area);
@@ -136,7 +136,7 @@ impl Partition {
             let start = self.points.len() as u32;
             self.points.extend(rect.corners());
             let end = self.points.len() as u32;
-            self.fragments.push(Fragment { owner: SKY, start, end, bounds: *rect, farthest: f64::NEG_INFINITY });
+            self.fragments.push(Fragment { owner: SKY, start, end, bounds: **rect, farthest: f64::NEG_INFINITY });
         } else {
             self.start_with(sheet, candidates);
         }
@@ -147,7 +147,7 @@ impl Partition {
                 if self.shares[next].nearest < farthest_seen {
                     break;
                 }
-                self.insert(drawing, candidates, next, least_area);
+                self.insert(ground, next, least_area);
             }
             next += 1;
         }
@@ -217,7 +217,8 @@ impl Partition {
     }
 
     /// Gives a share what it wins of the fragments that are there.
-    fn insert(&mut self, drawing: &Drawing, candidates: &[Candidate], new: usize, least_area: f64) {
+    fn insert(&mut self, ground: &Ground, new: usize, least_area: f64) {
+        let Ground { drawing, candidates, .. } = ground;
         let Share { candidate, bounds, nearest, .. } = self.shares[new];
         let candidate = &candidates[candidate as usize];
         for i in 0..self.fragments.len() {
