@@ -219,15 +219,22 @@ pub fn intersect(a: &[Point], b: &[Point], out: &mut Vec<Point>, spare: &mut Vec
             if d.abs() <= doubt * reach { 0.0 } else { d }
         };
         spare.clear();
-        for k in 0..out.len() {
-            let m = if k + 1 == out.len() { 0 } else { k + 1 };
-            let (d, e) = (distance(out[k]), distance(out[m]));
-            if d >= 0.0 {
-                push(spare, out[k]);
-            }
+        let Some(&last) = out.last() else { return };
+        let (mut before, mut e) = (last, distance(last));
+        let mut untouched = e >= 0.0;
+        for &x in out.iter() {
+            let d = distance(x);
+            untouched &= d >= 0.0;
             if (d > 0.0 && e < 0.0) || (d < 0.0 && e > 0.0) {
-                push(spare, crossing(out[k], d, out[m], e));
+                push(spare, crossing(before, e, x, d));
             }
+            if d >= 0.0 {
+                push(spare, x);
+            }
+            (before, e) = (x, d);
+        }
+        if untouched {
+            continue;
         }
         tidy(spare);
         std::mem::swap(out, spare);
