@@ -40,9 +40,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let (mut recipe, _) = recipe_toml::read(&arguments.recipe)?;
     recipe.facets = arguments.facets.unwrap_or(recipe.facets);
     recipe.seed = arguments.seed.unwrap_or(recipe.seed);
-    let watch = |share: f64| {
-        console.watch(Progress { stage: "making the landscape", done: (share * 1000.0) as u64, total: 1000 })
-    };
+    let watch = |share: f64| console.watch(Progress::of_share("making the landscape", share));
     let landscape = landscape::generate(&recipe, &watch)?;
     let materials: Vec<ObjMaterial> =
         landscape.materials.into_iter().map(|(name, kd)| ObjMaterial { name, kd: Some(kd) }).collect();

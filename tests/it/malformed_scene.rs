@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use mmxrt::formats::{picture, scene_toml};
+use mmxrt::progress::unwatched;
 
 /// A folder that goes away with the test.
 struct Folder(PathBuf);
@@ -78,7 +79,7 @@ fn prepared(name: &str) -> Folder {
 #[test]
 fn the_good_scene_is_read() {
     let folder = prepared("good");
-    let file = scene_toml::read(&folder.write("scene.toml", GOOD)).unwrap();
+    let file = scene_toml::read(&folder.write("scene.toml", GOOD), &unwatched).unwrap();
     let scene = &file.scene;
     assert_eq!(scene.mesh.facets.len(), 4);
     assert_eq!(scene.mesh.material.iter().map(|m| m.0).collect::<Vec<_>>(), [0, 0, 1, 2]);
@@ -258,7 +259,7 @@ fn each_problem_is_told_at_its_place() {
     let (mut seen, mut failures) = (0, Vec::new());
     for (good, bad, place, words) in CASES {
         assert_eq!(GOOD.matches(good).count(), 1, "{good:?} must be in the good scene once");
-        let error = scene_toml::read(&folder.write("scene.toml", &GOOD.replace(good, bad)));
+        let error = scene_toml::read(&folder.write("scene.toml", &GOOD.replace(good, bad)), &unwatched);
         let told = error.as_ref().map_or_else(|e| e.to_string(), |_| "accepted".to_owned());
         if !told.lines().any(|line| line.contains(place) && line.contains(words)) {
             failures.push(format!("{bad:?}\nexpected {place} {words}\n{told}"));
@@ -286,7 +287,7 @@ fn all_problems_are_told_at_once() {
     for (good, bad) in edits {
         text = text.replace(good, bad);
     }
-    let told = scene_toml::read(&folder.write("scene.toml", &text)).unwrap_err().to_string();
+    let told = scene_toml::read(&folder.write("scene.toml", &text), &unwatched).unwrap_err().to_string();
     assert_eq!(told.lines().count(), edits.len(), "{told}");
 }
 
@@ -295,18 +296,18 @@ fn no_cut_of_a_scene_makes_the_reader_panic() {
     let folder = prepared("cuts");
     let mut refused = 0;
     for end in (0..GOOD.len()).step_by(7) {
-        refused += usize::from(scene_toml::read(&folder.write("scene.toml", &GOOD[..end])).is_err());
+        refused += usize::from(scene_toml::read(&folder.write("scene.toml", &GOOD[..end]), &unwatched).is_err());
     }
     assert!(refused > 50);
     for bytes in [&b"\xff\xfe\x00"[..], b"\0", &[b'['; 100_000], b"a.a.a=1\na=2"] {
         let path = folder.0.join("bytes.toml");
         std::fs::write(&path, bytes).unwrap();
-        assert!(scene_toml::read(&path).is_err());
+        assert!(scene_toml::read(&path, &unwatched).is_err());
     }
 }
 
 #[test]
 fn a_missing_scene_is_an_io_error() {
-    let error = scene_toml::read(Path::new("/nowhere/scene.toml")).unwrap_err();
+    let error = scene_toml::read(Path::new("/nowhere/scene.toml"), &unwatched).unwrap_err();
     assert!(matches!(error, mmxrt::Error::Io { .. }), "{error}");
 }
