@@ -1,7 +1,13 @@
 //! Studies: what spans several layers. Takes values and callbacks, touches no disk.
 
 mod closed_forms;
+mod effects;
 mod simulate;
+mod site;
+mod table_id;
 pub mod validate;
+mod warnings;
 
-pub use simulate::{Check, Counts, Effect, Observation, observe, simulate};
+pub use effects::Effect;
+pub use simulate::{Check, Counts, Observation, observe, simulate};
+pub use table_id::table_id;
