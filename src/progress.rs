@@ -33,5 +33,8 @@ pub fn unwatched(_: Progress) -> bool {
 /// # Errors
 /// [`Error::Interrupted`] if it asks to stop.
 pub fn tell(watch: Watch<'_>, stage: &'static str, done: u64, total: u64) -> Result<()> {
+    if done == 0 || done == total {
+        tracing::debug!(done, total, "{stage}");
+    }
     if watch(Progress { stage, done, total }) { Ok(()) } else { Err(Error::Interrupted) }
 }

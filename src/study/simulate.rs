@@ -107,7 +107,7 @@ pub fn observe(scene: &Scene, topology: &Topology, table: &FacetTable, watch: Wa
     Ok(Observation {
         effects: account.effects(),
         warnings: warnings(&account, &counts, &image),
-        checks: checks(scene, table, &image),
+        checks: checks(scene, table, &site, &image),
         counts,
         cube: image.cube,
         backplanes: image.backplanes,
@@ -134,7 +134,7 @@ fn fits(scene: &Scene, table: &FacetTable) -> Result<()> {
 }
 
 /// What must hold whatever the scene.
-fn checks(scene: &Scene, table: &FacetTable, image: &Image) -> Vec<Check> {
+fn checks(scene: &Scene, table: &FacetTable, site: &Site, image: &Image) -> Vec<Check> {
     let check = |name: &str, value: f64, limit: f64| Check { name: name.to_owned(), value, limit };
     let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
     let sunlit = &table.sunlit;
@@ -163,8 +163,8 @@ fn checks(scene: &Scene, table: &FacetTable, image: &Image) -> Vec<Check> {
         check("weights and spectra that are no finite number", bad as f64, 0.0),
     ];
     if let Some(mars) = scene.mars.as_ref().filter(|m| m.model == MarsModel::NearField) {
-        let nearest_m =
-            scene.mesh.bounds_m().map_or(0.0, |(lo, hi)| mars.centre_m.distance(mars.centre_m.clamp(lo, hi)));
+        let (low_m, high_m) = site.box_m;
+        let nearest_m = mars.centre_m.distance(mars.centre_m.clamp(low_m, high_m));
         let bound = bounds::mars_light(1.0, (mars.radius_m / nearest_m).min(1.0), 1.0);
         let name = "largest irradiance by Mars, over that of sunlight at its zenith on all of Mars";
         checks.push(check(name, largest(&table.mars_irradiance) / bound, 1.0));

@@ -5,6 +5,7 @@ mod hazards;
 mod malformed_scene;
 mod oracles;
 mod products;
+mod report;
 mod sampler;
 mod scene_files;
 mod schema;

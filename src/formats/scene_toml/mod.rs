@@ -88,6 +88,8 @@ pub fn read(path: &Path, watch: Watch<'_>) -> Result<SceneFile> {
         return Err(Error::Invalid(reader.problems));
     };
     let scene = scene.check().map_err(|e| reader.placed(e))?;
+    let mesh = &scene.mesh;
+    tracing::info!(vertices = mesh.vertices_m.len(), facets = mesh.facets.len(), "read {}", path.display());
     Ok(SceneFile { scene, defaults: reader.defaults, notes: reader.notes, inputs: reader.inputs })
 }
 
