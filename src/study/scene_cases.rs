@@ -19,9 +19,9 @@ use crate::units::AU_M;
 use crate::visibility::Topology;
 
 /// Table I of Domagala (2020): spacecraft, Sun and target in the body-fixed frame of Phobos, m.
-const SPACECRAFT_M: DVec3 = DVec3::new(-20_159.4581, 87_145.4911, 3.7671);
+const SPACECRAFT_M: DVec3 = DVec3::new(-20159.4581, 87145.4911, 3.7671);
 const SUN_M: DVec3 = DVec3::new(3.992e10, 2.1812e11, 1.1501e10);
-const TARGET_M: DVec3 = DVec3::new(-2743.5946, 11_860.036, 0.51269);
+const TARGET_M: DVec3 = DVec3::new(-2743.5946, 11860.036, 0.51269);
 
 /// All cases.
 pub(super) fn rows() -> Result<Vec<Row>> {

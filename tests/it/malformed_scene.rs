@@ -113,6 +113,30 @@ fn the_good_scene_is_read() {
     }
 }
 
+#[test]
+fn faces_without_a_material_are_the_default_and_a_mesh_can_be_of_one() {
+    let folder = prepared("default");
+    let with_default = GOOD.replace("[sun]", "default = { reflectance = 0.3 }\n[sun]");
+    let read = |text: &str| scene_toml::read(&folder.write("scene.toml", text), &unwatched).unwrap().scene;
+    let unnamed = read(&with_default.replace("plate.obj", "unnamed.obj"));
+    assert_eq!(unnamed.materials[unnamed.mesh.material[0].0 as usize].name, "default");
+    let all_mix = read(&GOOD.replace("obj = \"plate.obj\"", "obj = \"plate.obj\"\nmaterial = \"mix\""));
+    assert_eq!(all_mix.mesh.material.iter().map(|m| m.0).collect::<Vec<_>>(), [2; 4]);
+    let unnamed = read(&GOOD.replace("obj = \"plate.obj\"", "obj = \"unnamed.obj\"\nmaterial = \"ground\""));
+    assert_eq!(unnamed.mesh.material.len(), 1);
+}
+
+#[test]
+fn reading_stops_when_it_is_asked_to() {
+    let folder = prepared("stop");
+    let path = folder.write("scene.toml", &GOOD.replace("obj = \"plate.obj\"", "recipe = \"recipe.toml\""));
+    let stopped = scene_toml::read(&path, &|progress| progress.stage != "reading the scene");
+    assert!(matches!(stopped, Err(mmxrt::Error::Interrupted)), "{stopped:?}");
+    let good = folder.write("scene.toml", GOOD);
+    let stopped = scene_toml::read(&good, &|progress| progress.stage != "reading meshes");
+    assert!(matches!(stopped, Err(mmxrt::Error::Interrupted)), "{stopped:?}");
+}
+
 /// (text of the good scene, what stands in its place, place of the problem, words of the message)
 const CASES: &[(&str, &str, &str, &str)] = &[
     // keys, types, values
@@ -138,7 +162,19 @@ const CASES: &[(&str, &str, &str, &str)] = &[
     ("obj = \"plate.obj\"", "obj = \"nan.obj\"", "nan.obj:1: ", "not a finite number"),
     ("obj = \"plate.obj\"", "obj = \"nan.obj\"", "nan.obj:4: ", "vertex index 4: the file has 3 vertices"),
     ("obj = \"plate.obj\"", "obj = \"empty.obj\"", "empty.obj: ", "holds no faces"),
-    ("obj = \"plate.obj\"", "obj = \"unnamed.obj\"", ":4:7 mesh[0].obj", "faces before the first `usemtl`"),
+    ("obj = \"plate.obj\"", "obj = \"unnamed.obj\"", ":4:7 mesh[0].obj", "add an entry `default`"),
+    (
+        "obj = \"plate.obj\"",
+        "obj = \"plate.obj\"\nmaterial = \"gruond\"",
+        ":5:12 mesh[0].material",
+        "did you mean \"ground\"?",
+    ),
+    (
+        "position_m = [0, 0, 20000]",
+        "position_m = [0, 0, 5000]",
+        ":17:14 observer.position_m",
+        "sees the surface from behind",
+    ),
     ("obj = \"plate.obj\"", "obj = \"orphan.obj\"", "orphan.obj:1: ", "material file `lost.mtl` cannot be read"),
     ("obj = \"plate.obj\"", "obj = \"plate.obj\"\nunit_m = 0", ":5:10 mesh[0].unit_m", "0 is not more than 0"),
     ("obj = \"plate.obj\"", "obj = \"plate.obj\"\npose = \"radial\"", ":5:8 mesh[0].pose", "radial pose"),
