@@ -45,7 +45,7 @@ pub struct Coverage<'a> {
     bins: Bins,
 }
 
-/// A part of a cell: where, how deep, and its stretch of the list of triangles.
+/// A part of a cell: where, how deep, and its stretch of the list of candidates.
 type Part = (Rect, u32, usize, usize);
 
 /// Working memory of a thread.
@@ -56,6 +56,7 @@ pub struct Scratch {
     list: Vec<u32>,
     stack: Vec<Part>,
     waiting: Vec<u32>,
+    front: Front,
     partition: Partition,
 }
 
@@ -73,7 +74,7 @@ impl<'a> Coverage<'a> {
     /// Tells `visit` what is seen in a cell.
     pub fn cell(&self, column: u32, row: u32, scratch: &mut Scratch, visit: &mut impl Visit) {
         let cell = row as usize * self.drawing.grid.columns as usize + column as usize;
-        let Scratch { triangles, candidates, list, stack, waiting, partition } = scratch;
+        let Scratch { triangles, candidates, list, stack, waiting, front, partition } = scratch;
         self.bins.cell(cell, triangles);
         let rect = self.drawing.grid.cell(column, row);
         if self.is_settled(&rect, triangles) {
@@ -94,20 +95,21 @@ impl<'a> Coverage<'a> {
             if list.is_empty() {
                 continue;
             }
-            let centre = rect.centre();
-            let is_open = |c: &Candidate| self.is_open_in(c, &rect);
-            let at_centre = |c: &Candidate| covers(c.outline, centre);
-            let of = |i: &u32| &candidates[*i as usize];
-            if depth > 0
-                && list.iter().filter(|i| at_centre(of(i))).take(2).count() == 1
-                && !list.iter().any(|i| is_open(of(i)))
-            {
-                list.iter().for_each(|i| visit.whole(of(i).triangle, &rect));
+            front.find(self.drawing, &rect, candidates, list);
+            list.retain(|i| {
+                let hidden = front.hides(*i, &candidates[*i as usize]);
+                if hidden {
+                    visit.cut(candidates[*i as usize].triangle, &rect);
+                }
+                !hidden
+            });
+            if !list.is_empty() && list.len() == front.sheet.len() {
+                list.iter().for_each(|i| visit.whole(candidates[*i as usize].triangle, &rect));
             } else if depth == DEEPEST {
-                let nearest = list.iter().map(of).filter(|c| at_centre(c)).max_by(|a, b| a.is_nearer(b));
-                nearest.into_iter().for_each(|c| visit.whole(c.triangle, &rect));
+                let nearest = front.at_centre.first();
+                nearest.into_iter().for_each(|i| visit.whole(candidates[*i as usize].triangle, &rect));
             } else if list.len() <= FEW || !quarter(&rect, depth, list, candidates, waiting, stack) {
-                partition.resolve(self.drawing, &rect, candidates, list, is_open, at_centre, visit);
+                partition.resolve(self.drawing, &rect, candidates, list, &front.sheet, visit);
             }
         }
     }
@@ -117,27 +119,114 @@ impl<'a> Coverage<'a> {
         let centre = rect.centre();
         let mut layers = 0;
         for &t in triangles {
-            if self.drawing.has_open_edge(t) {
-                let corners = self.drawing.corners(t).map(|p| [p[0], p[1]]);
-                let crosses =
-                    |k: usize| self.drawing.is_open(t, k) && may_cross(corners[k], corners[(k + 1) % 3], rect);
-                if (0..3).any(crosses) {
-                    return false;
-                }
+            let outline = self.drawing.outline(t);
+            let open = self.drawing.open_sides(t);
+            if open != 0 && open_side_crosses(open, &outline, rect) {
+                return false;
             }
-            layers += u32::from(covers(self.drawing.outline(t), centre));
+            layers += u32::from(covers(&outline, centre));
         }
         layers == 1 || triangles.is_empty()
     }
+}
 
-    /// Whether an open edge of a candidate may cross a rectangle.
-    fn is_open_in(&self, candidate: &Candidate, rect: &Rect) -> bool {
-        let t = candidate.triangle;
-        if !self.drawing.has_open_edge(t) {
+/// The nearest sheet of facets that hang together and cover a rectangle once, without an open edge in it.
+///
+/// What lies behind all of it is hidden and need not be looked at further.
+#[derive(Debug, Default)]
+struct Front {
+    /// Candidates that cover the centre, nearest first.
+    at_centre: Vec<u32>,
+    /// The sheet; empty if there is none.
+    sheet: Vec<u32>,
+    /// For each candidate the number of the last search in which it was listed, and in which it joined a sheet.
+    listed: Vec<u32>,
+    joined: Vec<u32>,
+    search: u32,
+    /// Least nearness in the sheet.
+    farthest: f64,
+}
+
+impl Front {
+    fn find(&mut self, drawing: &Drawing, rect: &Rect, candidates: &[Candidate], list: &[u32]) {
+        let centre = rect.centre();
+        if self.listed.len() < candidates.len() {
+            self.listed.resize(candidates.len(), 0);
+            self.joined.resize(candidates.len(), 0);
+        }
+        self.next_search();
+        self.at_centre.clear();
+        self.sheet.clear();
+        self.farthest = f64::NEG_INFINITY;
+        for &i in list {
+            self.listed[i as usize] = self.search;
+            if covers(&candidates[i as usize].outline, centre) {
+                self.at_centre.push(i);
+            }
+        }
+        let near = |i: u32| candidates[i as usize].nearness(centre);
+        self.at_centre.sort_unstable_by(|a, b| near(*b).total_cmp(&near(*a)).then(a.cmp(b)));
+        let listing = self.search;
+        for first in 0..self.at_centre.len() {
+            if self.grow(rect, candidates, listing, first) {
+                let farthest = self.sheet.iter().map(|i| candidates[*i as usize].farthest);
+                // Corners are projected with this error; strictly separate ranges of nearness then mean separate surfaces.
+                self.farthest = farthest.fold(f64::INFINITY, f64::min) - 8.0 * f64::EPSILON * drawing.magnitude()[1];
+                return;
+            }
+            self.sheet.clear();
+        }
+    }
+
+    /// Follows a facet to its continuations. Whether they make a sheet that covers the rectangle once.
+    fn grow(&mut self, rect: &Rect, candidates: &[Candidate], listing: u32, first: usize) -> bool {
+        let first = self.at_centre[first];
+        if self.joined[first as usize] > listing {
+            // Part of a sheet that failed.
             return false;
         }
-        let corners = self.drawing.corners(t).map(|p| [p[0], p[1]]);
-        (0..3).any(|k| self.drawing.is_open(t, k) && may_cross(corners[k], corners[(k + 1) % 3], rect))
+        self.search += 1;
+        self.sheet.push(first);
+        self.joined[first as usize] = self.search;
+        let mut grown = 0;
+        while grown < self.sheet.len() {
+            let member = &candidates[self.sheet[grown] as usize];
+            grown += 1;
+            if member.open != 0 && open_side_crosses(member.open, &member.outline, rect) {
+                return false;
+            }
+            for facet in member.continuations {
+                let Ok(i) = candidates.binary_search_by_key(&facet, |c| c.triangle) else { continue };
+                if self.listed[i] != listing {
+                    // Beside the rectangle, or found hidden before the cell was quartered: then the sheet is not whole.
+                    if may_touch(&candidates[i], rect) {
+                        return false;
+                    }
+                } else if self.joined[i] < self.search {
+                    if self.joined[i] > listing || self.at_centre.contains(&(i as u32)) {
+                        return false;
+                    }
+                    self.joined[i] = self.search;
+                    self.sheet.push(i as u32);
+                }
+            }
+        }
+        true
+    }
+
+    /// Numbers of searches only grow; before they run out, all is forgotten.
+    fn next_search(&mut self) {
+        if self.search > u32::MAX / 2 {
+            self.listed.fill(0);
+            self.joined.fill(0);
+            self.search = 0;
+        }
+        self.search += 1;
+    }
+
+    /// Whether a candidate lies behind the whole sheet.
+    fn hides(&self, i: u32, candidate: &Candidate) -> bool {
+        candidate.nearest < self.farthest && !self.sheet.contains(&i)
     }
 }
 
@@ -178,9 +267,14 @@ fn may_touch(candidate: &Candidate, rect: &Rect) -> bool {
     })
 }
 
+/// Whether one of the sides of an outline that `open` names (bit k: from corner k on) may cross a rectangle.
+fn open_side_crosses(open: u8, outline: &[Point; 3], rect: &Rect) -> bool {
+    (0..3).any(|k| open >> k & 1 == 1 && may_cross(outline[k], outline[(k + 1) % 3], rect))
+}
+
 /// Whether a segment may cross a rectangle; errs on the side of yes.
 fn may_cross(a: Point, b: Point, rect: &Rect) -> bool {
-    if !(Rect::of(&[a, b]).min[0] <= rect.max[0]
+    if !(a[0].min(b[0]) <= rect.max[0]
         && a[0].max(b[0]) >= rect.min[0]
         && a[1].min(b[1]) <= rect.max[1]
         && a[1].max(b[1]) >= rect.min[1])
@@ -193,7 +287,7 @@ fn may_cross(a: Point, b: Point, rect: &Rect) -> bool {
 
 /// Whether a counter-clockwise triangle holds a point, in exact arithmetic. A point on a shared edge belongs to one side:
 /// it is looked at as if moved by (e, e^2), e infinitesimal.
-fn covers(outline: [Point; 3], p: Point) -> bool {
+fn covers(outline: &[Point; 3], p: Point) -> bool {
     let lowest = |k: usize| outline[0][k].min(outline[1][k]).min(outline[2][k]);
     let highest = |k: usize| outline[0][k].max(outline[1][k]).max(outline[2][k]);
     if p[0] < lowest(0) || p[0] > highest(0) || p[1] < lowest(1) || p[1] > highest(1) {
@@ -219,12 +313,12 @@ mod tests {
     fn a_point_on_a_shared_edge_belongs_to_one_triangle() {
         let (a, b, c, d) = ([0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]);
         for p in [[0.5, 0.5], [0.25, 0.25], [0.5, 0.25]] {
-            assert_eq!(u8::from(covers([a, b, c], p)) + u8::from(covers([a, c, d], p)), 1);
+            assert_eq!(u8::from(covers(&[a, b, c], p)) + u8::from(covers(&[a, c, d], p)), 1);
         }
         // Four triangles around a centre: the centre belongs to one of them.
         let m = [0.5, 0.5];
         let fan = [[a, b, m], [b, c, m], [c, d, m], [d, a, m]];
-        assert_eq!(fan.iter().filter(|t| covers(**t, m)).count(), 1);
+        assert_eq!(fan.iter().filter(|t| covers(t, m)).count(), 1);
     }
 
     #[test]

@@ -183,14 +183,14 @@ impl<'a> Drawing<'a> {
         self.flags[triangle as usize] & DRAWN != 0
     }
 
-    /// Whether an edge (0: a-b, 1: b-c, 2: c-a) may have something else on its other side than a facet that continues this one.
-    pub(super) fn is_open(&self, triangle: u32, edge: usize) -> bool {
-        self.flags[triangle as usize] & OPEN[edge] != 0
-    }
-
-    /// Whether any edge of a triangle is open.
-    pub(super) fn has_open_edge(&self, triangle: u32) -> bool {
-        self.flags[triangle as usize] & (OPEN[0] | OPEN[1] | OPEN[2]) != 0
+    /// The sides of a triangle's outline (bit k: the side that starts at its corner k) that may have something else beyond
+    /// them than a facet that continues this one.
+    pub(super) fn open_sides(&self, triangle: u32) -> u8 {
+        let flags = self.flags[triangle as usize];
+        let open = |k: usize| u8::from(flags & OPEN[k] != 0);
+        // The outline of a front side runs a, c, b: its sides are c-a, b-c, a-b.
+        let order = if flags & BACK != 0 { [0, 1, 2] } else { [2, 1, 0] };
+        open(order[0]) | open(order[1]) << 1 | open(order[2]) << 2
     }
 
     /// The facets beyond the edges of a triangle that cannot overlap it, being its continuation in the drawing.
@@ -201,7 +201,7 @@ impl<'a> Drawing<'a> {
         }
         let mut next = self.topology.neighbour[facet as usize];
         for (k, n) in next.iter_mut().enumerate() {
-            if self.is_open(triangle, k) {
+            if self.flags[triangle as usize] & OPEN[k] != 0 {
                 *n = NONE;
             }
         }

@@ -19,15 +19,20 @@ const DEPTH_ROUNDING: f64 = 16.0 * f64::EPSILON;
 pub(super) struct Candidate {
     pub(super) triangle: u32,
     facet: u32,
+    pub(super) continuations: [u32; 3],
+    /// The sides of the outline that are open, bit k for the one that starts at corner k.
+    pub(super) open: u8,
     /// Counter-clockwise.
     pub(super) outline: [Point; 3],
     pub(super) bounds: Rect,
+    /// Greatest and least nearness of its corners.
+    pub(super) nearest: f64,
+    pub(super) farthest: f64,
     /// Nearness is anchor[2] + slope . (p - anchor).
     anchor: [f64; 3],
     slope: [f64; 2],
     /// Bound of the error of a nearness within the triangle.
     error: f64,
-    continuations: [u32; 3],
 }
 
 impl Candidate {
@@ -36,8 +41,8 @@ impl Candidate {
         let [a, b, c] = drawing.corners(triangle);
         let (bx, by, bz) = (b[0] - a[0], b[1] - a[1], b[2] - a[2]);
         let (cx, cy, cz) = (c[0] - a[0], c[1] - a[1], c[2] - a[2]);
-        let det = bx * cy - by * cx;
-        let slope = [(bz * cy - cz * by) / det, (bx * cz - cx * bz) / det];
+        let inverse = 1.0 / (bx * cy - by * cx);
+        let slope = [(bz * cy - cz * by) * inverse, (bx * cz - cx * bz) * inverse];
         let size = bx.abs().max(cx.abs()).max(by.abs()).max(cy.abs());
         let products = (bz * cy).abs() + (cz * by).abs() + (bx * cz).abs() + (cx * bz).abs();
         let steep = slope[0].abs() + slope[1].abs();
@@ -45,23 +50,20 @@ impl Candidate {
         Candidate {
             triangle,
             facet: drawing.facet(triangle),
+            continuations: drawing.continuations(triangle),
+            open: drawing.open_sides(triangle),
             outline,
             bounds: Rect::of(&outline),
+            nearest: a[2].max(b[2]).max(c[2]),
+            farthest: a[2].min(b[2]).min(c[2]),
             anchor: a,
             slope,
-            error: DEPTH_ROUNDING * (magnitude_near + steep * magnitude_xy + products / det.abs() * size),
-            continuations: drawing.continuations(triangle),
+            error: DEPTH_ROUNDING * (magnitude_near + steep * magnitude_xy + products * inverse.abs() * size),
         }
     }
 
-    fn nearness(&self, p: Point) -> f64 {
+    pub(super) fn nearness(&self, p: Point) -> f64 {
         self.anchor[2] + self.slope[0] * (p[0] - self.anchor[0]) + self.slope[1] * (p[1] - self.anchor[1])
-    }
-
-    /// Orders candidates by the nearness of their nearest corner.
-    pub(super) fn is_nearer(&self, other: &Candidate) -> std::cmp::Ordering {
-        let nearest = |c: &Candidate| c.outline.iter().map(|p| c.nearness(*p)).fold(f64::NEG_INFINITY, f64::max);
-        nearest(self).total_cmp(&nearest(other))
     }
 
     /// Whether two candidates cannot overlap: one facet, or facets that share an edge and face the same way.
@@ -111,32 +113,32 @@ pub(super) struct Partition {
     shares: Vec<Share>,
     fragments: Vec<Fragment>,
     points: Vec<Point>,
-    sheet: Vec<u32>,
     cutter: Cutter,
 }
 
 impl Partition {
     /// Finds what is seen in `rect` of the candidates in `list` and tells `visit`.
     ///
-    /// `is_open(candidate)` tells whether an open edge of it may cross the rectangle, `at_centre` whether it covers the centre.
+    /// `sheet`: candidates that cover the rectangle once, without overlap; empty if none are known to.
     pub(super) fn resolve(
         &mut self,
         drawing: &Drawing,
         rect: &Rect,
         candidates: &[Candidate],
         list: &[u32],
-        is_open: impl Fn(&Candidate) -> bool,
-        at_centre: impl Fn(&Candidate) -> bool,
+        sheet: &[u32],
         visit: &mut impl Visit,
     ) {
         let least_area = SLIVER * rect.area();
         self.fragments.clear();
         self.gather(rect, candidates, list, least_area);
-        if !self.start_with_a_sheet(candidates, is_open, at_centre) {
+        if sheet.is_empty() {
             let start = self.points.len() as u32;
             self.points.extend(rect.corners());
             let end = self.points.len() as u32;
             self.fragments.push(Fragment { owner: SKY, start, end, bounds: *rect, farthest: f64::NEG_INFINITY });
+        } else {
+            self.start_with(sheet, candidates);
         }
         let mut next = 0;
         while next < self.shares.len() {
@@ -196,48 +198,16 @@ impl Partition {
         self.shares.sort_by(|a, b| b.nearest.total_cmp(&a.nearest));
     }
 
-    /// Starts from facets that hang together and cover the rectangle once, without an open edge in it: the nearest such sheet.
-    ///
-    /// Its facets are the fragments as they are, where the sky would first have to be cut up.
-    fn start_with_a_sheet(
-        &mut self,
-        candidates: &[Candidate],
-        is_open: impl Fn(&Candidate) -> bool,
-        at_centre: impl Fn(&Candidate) -> bool,
-    ) -> bool {
-        let of = |share: &Share| &candidates[share.candidate as usize];
-        for first in 0..self.shares.len() {
-            // A sheet that covers the rectangle covers its centre: grown from there, each sheet is met once.
-            if !at_centre(of(&self.shares[first])) {
-                continue;
-            }
-            self.sheet.clear();
-            self.sheet.push(first as u32);
-            let mut grown = 0;
-            let mut complete = true;
-            while complete && grown < self.sheet.len() {
-                let member = of(&self.shares[self.sheet[grown] as usize]);
-                grown += 1;
-                complete = !is_open(member);
-                for (i, share) in self.shares.iter().enumerate() {
-                    if member.continuations.contains(&of(share).facet) && !self.sheet.contains(&(i as u32)) {
-                        complete &= !at_centre(of(share));
-                        self.sheet.push(i as u32);
-                    }
-                }
-            }
-            if complete {
-                for k in 0..self.sheet.len() {
-                    let share = self.sheet[k];
-                    self.shares[share as usize].placed = true;
-                    let Share { start, end, bounds, candidate, .. } = self.shares[share as usize];
-                    let farthest = self.farthest(&candidates[candidate as usize], start, end);
-                    self.fragments.push(Fragment { owner: share, start, end, bounds, farthest });
-                }
-                return true;
+    /// Starts from a sheet: its facets are the fragments as they are, where the sky would first have to be cut up.
+    fn start_with(&mut self, sheet: &[u32], candidates: &[Candidate]) {
+        for i in 0..self.shares.len() {
+            let Share { candidate, start, end, bounds, .. } = self.shares[i];
+            if sheet.contains(&candidate) {
+                self.shares[i].placed = true;
+                let farthest = self.farthest(&candidates[candidate as usize], start, end);
+                self.fragments.push(Fragment { owner: i as u32, start, end, bounds, farthest });
             }
         }
-        false
     }
 
     /// Least nearness of a candidate at some points, with its error.

@@ -14,7 +14,7 @@ pub struct Topology {
     pub neighbour: Vec<[u32; 3]>,
     /// Whether a facet belongs to a part proven closed and outward-oriented: its back faces can never be seen from outside.
     pub closed: Vec<bool>,
-    /// Edges with one facet only, or with more than two.
+    /// Facets' edges without exactly one other facet along them: one where a facet ends, three where three facets meet.
     pub open_edges: usize,
     /// Facets that must be turned over to agree with the larger part of their surroundings.
     pub flipped_facets: usize,
@@ -284,6 +284,7 @@ mod tests {
         let mut mesh = tetrahedron();
         mesh.facets = vec![[0, 1, 2], [1, 0, 3], [0, 1, 3]];
         mesh.material.pop();
-        assert_eq!(Topology::new(&mesh).open_edges, 7);
+        // Three at the edge 0-1, and the free 1-2 and 2-0. The other two facets are back to back: along 0-3 and 1-3 they pair.
+        assert_eq!(Topology::new(&mesh).open_edges, 5);
     }
 }

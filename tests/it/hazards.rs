@@ -7,11 +7,6 @@ fn assert_near(what: &str, got: f64, expected: f64, tolerance: f64) {
     assert!((got - expected).abs() <= tolerance, "{what}: {got}, expected {expected} within {tolerance:e}");
 }
 
-/// A camera at the origin whose image coordinates are x + 2, y + 2 (in 4 x 4 pixels) for a point (x, y, 1).
-fn unit_camera(pixels: u32) -> mmxrt::scene::FrameCamera {
-    camera([0.0; 3], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0], pixels, 1.0)
-}
-
 #[test]
 fn a_triangle_covers_pixels_by_exact_fractions() {
     // Exact rational clipping of (0.3, 0.2) (3.7, 1.1) (1.4, 3.6) on 4 x 4 pixels.
@@ -23,7 +18,7 @@ fn a_triangle_covers_pixels_by_exact_fractions() {
     ];
     let at = |x: f64, y: f64| [x - 2.0, y - 2.0, 1.0];
     let m = mesh(&[at(0.3, 0.2), at(3.7, 1.1), at(1.4, 3.6)], &[[0, 2, 1]]);
-    let seen = see(&m, direction([0.0, 0.0, -1.0]), &unit_camera(4));
+    let seen = see(&m, direction([0.0, 0.0, -1.0]), &unit_camera(4, 4));
     for (row, line) in expected.iter().enumerate() {
         for (column, fraction) in line.iter().enumerate() {
             let got = seen.footprints.coverage(4 * row + column);
@@ -37,7 +32,7 @@ fn a_triangle_covers_pixels_by_exact_fractions() {
 fn a_sliver_of_1e_9_keeps_six_digits() {
     let at = |x: f64, y: f64| [x - 4.0, y - 4.0, 1.0];
     let m = mesh(&[at(0.125, 0.5), at(7.875, 0.500000001), at(7.875, 0.500000002)], &[[0, 2, 1]]);
-    let seen = see(&m, direction([0.0, 0.0, -1.0]), &unit_camera(8));
+    let seen = see(&m, direction([0.0, 0.0, -1.0]), &unit_camera(8, 8));
     assert_near("area", totals(&seen, |_| true).0 / 3.875e-9, 1.0, 1e-6);
 }
 

@@ -1,7 +1,13 @@
 //! The integration tests: one binary, one module for each kind of promise.
 
+mod bodies;
 mod cli;
+mod determinism;
+mod exact;
+mod flat_plane;
 mod hazards;
+mod invariance;
+mod layers;
 mod malformed_scene;
 mod oracles;
 mod products;
@@ -9,4 +15,5 @@ mod report;
 mod sampler;
 mod scene_files;
 mod schema;
+mod scratch;
 mod shapes;

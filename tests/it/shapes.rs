@@ -160,6 +160,34 @@ pub(crate) fn nadir(height: f64, width: f64, pixels: u32) -> FrameCamera {
     camera([0.0, 0.0, height], [0.0; 3], [0.0, 1.0, 0.0], pixels, width / height / f64::from(pixels))
 }
 
+/// A camera at the origin that sees (x, y, 1) at (x + columns / 2, y + rows / 2) in an image of columns x rows pixels.
+pub(crate) fn unit_camera(columns: u32, rows: u32) -> FrameCamera {
+    FrameCamera { samples: columns, lines: rows, ..camera([0.0; 3], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0], 1, 1.0) }
+}
+
+/// Numbers without a pattern, the same in every run: splitmix64 (Steele, Lea & Flood 2014).
+pub(crate) struct Random(pub(crate) u64);
+
+impl Random {
+    /// The next 64 bits.
+    pub(crate) fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ z >> 31
+    }
+
+    /// Evenly from 0 to 1, 1 excluded.
+    pub(crate) fn share(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Evenly from the whole numbers of a range, both ends included.
+    pub(crate) fn whole(&mut self, from: i64, to: i64) -> i64 {
+        from + (self.share() * (to - from + 1) as f64) as i64
+    }
+}
+
 pub(crate) fn direction(v: [f64; 3]) -> Direction {
     Direction::new(DVec3::from_array(v)).expect("a direction")
 }

@@ -1,0 +1,154 @@
+#!/usr/bin/env python3
+"""How fast mmxrt is: whole processes, from an OBJ file on the disk to a complete product folder.
+
+    cargo build --release
+    python3 benches/speed.py            # five runs of each row; --runs 1 for a first look
+
+Needs Python 3 on Linux or macOS, and nothing else. Each row is one scene of benches/landscape_*.toml: 2 x 2 km seen
+from 77 km straight above in 256 x 256 pixels, Sun 30 deg from x (east) to y (north), Mars in the sky, all default effects on
+(exact shadows, Mars-light, thermal emission). Measured is the process as the system accounts for it: CPU time (user +
+system) and peak memory. The table is the median of the runs, in Markdown.
+"""
+
+import argparse
+import math
+import os
+import pathlib
+import platform
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+
+HERE = pathlib.Path(__file__).resolve().parent
+
+# name, landscape, incidence in deg, bands
+CASES = [
+    ("2e5 facets, 60 deg, 1 band", "landscape_2e5", 60, 1),
+    ("2e6 facets, 60 deg, 1 band", "landscape_2e6", 60, 1),
+    ("2e6 facets, 85 deg, 1 band", "landscape_2e6", 85, 1),
+    ("2e6 facets, 60 deg, 300 bands", "landscape_2e6", 60, 300),
+]
+
+
+def scene(landscape, incidence_deg, bands):
+    """A scene file: local axes x east, y north, z up, with the origin as the body's centre, so that nothing is rotated."""
+    incidence, azimuth = math.radians(incidence_deg), math.radians(30)
+    sun = (math.sin(incidence) * math.cos(azimuth), math.sin(incidence) * math.sin(azimuth), math.cos(incidence))
+    centres = "{ centres_um = [1.0] }" if bands == 1 else f"{{ start_um = 0.95, stop_um = 3.6, count = {bands} }}"
+    spectra = HERE.parent / "scenes" / "phobos_site"
+    return f"""mmxrt_scene = 1
+origin_m = [0.0, 0.0, 0.0]
+mesh = [{{ obj = "{landscape}.obj" }}]
+
+[materials]
+phobos_blue = {{ reflectance = '{spectra / "blue_unit.csv"}' }}
+phobos_red = {{ reflectance = '{spectra / "red_unit.csv"}' }}
+
+[sun]
+direction = [{sun[0]!r}, {sun[1]!r}, {sun[2]!r}]
+distance_au = 1.5237
+
+[mars]
+position_m = [2.8e6, 0.9e6, 8.9e6]
+
+[observer]
+position_m = [0.0, 0.0, 77000.0]
+target_m = [0.0, 0.0, 0.0]
+up = [0.0, 1.0, 0.0]
+
+[sensor]
+samples = 256
+lines = 256
+fit = "scene"
+bands = {centres}
+"""
+
+
+def run(command):
+    """Runs a command; its CPU seconds, wall seconds and peak memory in GB."""
+    began = time.monotonic()
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+    _, status, usage = os.wait4(process.pid, 0)
+    wall_s = time.monotonic() - began
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode != 0:
+        sys.exit(f"{' '.join(command)}: exit code {process.returncode}")
+    # ru_maxrss is in bytes on macOS, in KiB elsewhere.
+    unit = 1 if sys.platform == "darwin" else 1024
+    return usage.ru_utime + usage.ru_stime, wall_s, usage.ru_maxrss * unit / 1e9
+
+
+def machine():
+    """The processor's name and the number of cores."""
+    try:
+        lines = pathlib.Path("/proc/cpuinfo").read_text().splitlines()
+        name = next(line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))
+    except (OSError, StopIteration):
+        name = platform.processor() or platform.machine()
+    return f"{os.cpu_count()} cores, {name}"
+
+
+def verdict(value, limit):
+    return "yes" if value <= limit else "**no**"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--runs", type=int, default=5, help="runs of each row, of which the median is told (5)")
+    parser.add_argument("--program", default=str(HERE.parent / "target/release/mmxrt"), help="the program to measure")
+    parser.add_argument("--keep", metavar="FOLDER", help="keep meshes, scenes and products in this folder")
+    arguments = parser.parse_args()
+    if not os.access(arguments.program, os.X_OK):
+        sys.exit(f"{arguments.program}: no such program; build it first: cargo build --release")
+
+    folder = pathlib.Path(arguments.keep or tempfile.mkdtemp(prefix="mmxrt_bench_"))
+    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        for landscape in sorted({case[1] for case in CASES}):
+            if not (folder / f"{landscape}.obj").exists():
+                print(f"making {landscape}.obj", file=sys.stderr)
+                recipe, mesh = HERE / f"{landscape}.toml", folder / f"{landscape}.obj"
+                run([arguments.program, "--quiet", "landscape", str(recipe), "-o", str(mesh)])
+        cpu_s, wall_s, peak_gb = {}, {}, {}
+        for name, landscape, incidence_deg, bands in CASES:
+            path = folder / f"{landscape}_{incidence_deg}deg_{bands}.toml"
+            path.write_text(scene(landscape, incidence_deg, bands))
+            product = path.with_suffix("")
+            command = [arguments.program, "--quiet", "simulate", str(path), "-o", str(product), "--force"]
+            # Once without counting: the mesh is then in the system's cache, as it is for whoever just made it.
+            run(command)
+            seen = []
+            for i in range(arguments.runs):
+                seen.append(run(command))
+                print(f"{name}: run {i + 1}: {seen[-1][0]:.2f} CPU s, {seen[-1][1]:.2f} s", file=sys.stderr)
+            cpu_s[name], wall_s[name], peak_gb[name] = (statistics.median(s[k] for s in seen) for k in range(3))
+    finally:
+        if not arguments.keep:
+            shutil.rmtree(folder)
+
+    print(f"Machine: {machine()}. Median of {arguments.runs}; CPU seconds are user + system.\n")
+    print("| whole process, 256 x 256 pixels, nadir | CPU s | wall s | peak GB |")
+    print("|---|---|---|---|")
+    for name in cpu_s:
+        print(f"| {name} | {cpu_s[name]:.2f} | {wall_s[name]:.2f} | {peak_gb[name]:.2f} |")
+
+    small, large, grazing, many = (case[0] for case in CASES)
+    asked = [
+        ("2e5 facets, 60 deg, 1 band", cpu_s[small], 0.4, "CPU s"),
+        ("2e6 facets, 60 deg, 1 band", cpu_s[large], 3.0, "CPU s"),
+        ("the same: peak memory", peak_gb[large], 0.8, "GB"),
+        ("2e6 facets, 85 deg, 1 band", cpu_s[grazing], 5.0, "CPU s"),
+        ("300 bands instead of 1, at 2e6 facets", cpu_s[many] - cpu_s[large], 0.6, "CPU s"),
+        ("2e6 against 2e5 facets", cpu_s[large] / cpu_s[small], 11.0, "x"),
+    ]
+    print("\n| asked for | at most | measured | kept |")
+    print("|---|---|---|---|")
+    for name, value, limit, unit in asked:
+        print(f"| {name} | {limit:g} {unit} | {value:.2f} {unit} | {verdict(value, limit)} |")
+
+
+if __name__ == "__main__":
+    main()

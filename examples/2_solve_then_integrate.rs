@@ -1,0 +1,55 @@
+//! Two steps: what reaches the facets, then what a camera sees: `cargo run --release --example 2_solve_then_integrate`.
+//!
+//! `solve` is the part that depends on the Sun, `integrate` the part that depends on the camera. Between them lies the
+//! facet table: as a value, or as a file that NumPy opens and that another solver may write.
+
+#![allow(clippy::print_stdout)]
+
+use std::path::Path;
+
+use mmxrt::formats::{npz, scene_toml};
+use mmxrt::integrate::integrate;
+use mmxrt::progress::unwatched;
+use mmxrt::solve::solve;
+use mmxrt::spectral::Band;
+use mmxrt::visibility::Topology;
+use mmxrt::{Error, Result};
+
+fn main() -> Result<()> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/phobos_site/scene.toml");
+    let file = scene_toml::read(&path)?;
+    println!("{} facets; values the file leaves open:", file.scene.mesh.facets.len());
+    file.defaults.iter().for_each(|d| println!("  {} = {}", d.item, d.value));
+
+    // Which facets are neighbours, and which parts are closed: once for a mesh.
+    let topology = Topology::new(&file.scene.mesh);
+    let table = solve(&file.scene, &topology, &unwatched)?;
+    let lit = (0..table.sunlit.lit.len() as u32).map(|f| table.sunlit.fraction(f)).sum::<f64>();
+    println!("the Sun sees {lit:.2} facets' worth of it");
+
+    // The table keeps every bit on its way through a file.
+    let table_path = std::env::temp_dir().join(format!("mmxrt_example_{}.npz", std::process::id()));
+    npz::write_table(&table_path, &table, &scene_toml::id(&file.inputs))?;
+    let (read, header) = npz::read_table(&table_path)?;
+    assert_eq!(read, table);
+    println!("{}: {}", header.format, header.fields.keys().cloned().collect::<Vec<_>>().join(", "));
+    std::fs::remove_file(&table_path).map_err(|e| Error::io(&table_path, "removing", e))?;
+
+    // Two cameras look at the same solution: the one of the file, and one with a narrower view and other bands.
+    let mut narrow = file.scene.clone();
+    narrow.sensor.camera.pitch /= 4.0;
+    narrow.sensor.bands = [2.0, 3.6].map(|centre_um| Band { centre_um, fwhm_um: Some(0.02) }).into();
+    for scene in [file.scene, narrow.check()?] {
+        let image = integrate(&scene, &topology, &table, &unwatched)?;
+        let last = scene.sensor.bands.len() - 1;
+        let radiance = image.cube.band(last);
+        println!(
+            "{} bands, {:.3} mrad: mean at {:.2} um is {:.6} W m-2 sr-1 um-1",
+            scene.sensor.bands.len(),
+            1e3 * scene.sensor.camera.ifov_rad(),
+            scene.sensor.bands[last].centre_um,
+            radiance.iter().sum::<f64>() / radiance.len() as f64
+        );
+    }
+    Ok(())
+}

@@ -1,0 +1,83 @@
+//! The same bytes at any number of threads, and in one pass or two.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::Command;
+
+use crate::scratch::Scratch;
+
+/// Shadows, Mars above the horizon, heat, two materials, Gaussian bands.
+const SCENE: &str = r#"
+mmxrt_scene = 1
+origin_m = [11951.9372, 4350.1494, 0.0]
+[[mesh]]
+recipe = { version = 1, seed = 5, facets = 6000, size_m = 200.0, relief = { rms_m = 5.0, longest_m = 120.0 }, craters = { count = 100, min_diameter_m = 4.0, max_diameter_m = 60.0 }, boulders = { count = 60 } }
+[materials]
+phobos_blue = { reflectance = 0.06 }
+phobos_red = { reflectance = 0.09 }
+[sun]
+direction = [-0.121202, 0.987109, 0.104528]
+distance_au = 1.5237
+[mars]
+position_m = [9.376e6, 0.0, 0.0]
+[observer]
+position_m = [12800.0, 4400.0, 300.0]
+target_m = [11951.9372, 4350.1494, 0.0]
+up = [0.0, 0.0, 1.0]
+[sensor]
+samples = 48
+lines = 40
+fit = "scene"
+bands = { start_um = 0.95, stop_um = 3.6, count = 21, fwhm_um = 0.02 }
+"#;
+
+fn run(folder: &Path, threads: &str, arguments: &[&str]) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_mmxrt"));
+    let output = command.current_dir(folder).args(["--quiet", "--threads", threads]).args(arguments).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+/// Every file of a folder but run.json, which says when and how fast.
+fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let names = folder.read_dir().unwrap().map(|e| e.unwrap().file_name().into_string().unwrap());
+    names
+        .filter(|name| name != "run.json")
+        .map(|name| (name.clone(), std::fs::read(folder.join(name)).unwrap()))
+        .collect()
+}
+
+fn assert_same(what: &str, one: &BTreeMap<String, Vec<u8>>, other: &BTreeMap<String, Vec<u8>>, but: &[&str]) {
+    let mut seen = 0;
+    for (name, bytes) in other {
+        if !but.contains(&name.as_str()) {
+            assert!(!bytes.is_empty() && one.get(name) == Some(bytes), "{what}: {name} differs");
+            seen += 1;
+        }
+    }
+    assert!(seen >= 6, "{what}: only {seen} files");
+}
+
+#[test]
+fn threads_and_steps_change_no_byte() {
+    let scratch = Scratch::new("determinism");
+    let folder = scratch.path();
+    scratch.write("scene.toml", SCENE);
+    let simulate = |threads: &str| {
+        let out = format!("out{threads}");
+        run(folder, threads, &["simulate", "scene.toml", "-o", &out, "--exr", "--footprints", "--table"]);
+        files(&folder.join(out))
+    };
+    let [one, two, four] = ["1", "2", "4"].map(simulate);
+    assert!(one.len() >= 10, "{:?}", one.keys());
+    assert_same("2 threads", &one, &two, &[]);
+    assert_same("4 threads", &one, &four, &[]);
+    assert_eq!((one.len(), one.len()), (two.len(), four.len()));
+    // Something of everything is there: coverage, shadows, Mars-light and heat.
+    let radiance = |line: &str| one["cube.hdr"].windows(line.len()).any(|w| w == line.as_bytes());
+    assert!(radiance("bands = 21") && one["cube.img"].len() == 48 * 40 * 21 * 4);
+
+    run(folder, "2", &["solve", "scene.toml", "-o", "table.npz"]);
+    assert!(std::fs::read(folder.join("table.npz")).unwrap() == one["table.npz"], "the table differs");
+    run(folder, "1", &["integrate", "scene.toml", "--table", "table.npz", "-o", "out", "--exr", "--footprints"]);
+    assert_same("solve and integrate", &one, &files(&folder.join("out")), &[]);
+}
