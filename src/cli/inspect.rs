@@ -146,6 +146,7 @@ fn text(path: &Path, console: &Console) -> Result<Facts> {
         ("first_band_um", json!(bands.first().map(|b| b.centre_um))),
         ("last_band_um", json!(bands.last().map(|b| b.centre_um))),
         ("fwhm_um", json!(bands.first().and_then(|b| b.fwhm_um))),
+        ("table_id", json!(study::table_id(scene))),
         ("defaults", json!(opened.defaults)),
         ("warnings", json!(opened.warnings)),
     ])

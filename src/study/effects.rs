@@ -222,11 +222,14 @@ impl<'a> Account<'a> {
             let reflectance = self.materials.iter().map(|m| of(m)).fold(0.0, f64::max);
             (reflectance * form_factor < 1.0).then(|| bounds::interreflection(reflectance, form_factor, cos))
         });
+        let slopes = match self.site.up {
+            Some(_) => format!("slopes up to {:.0} deg", self.site.cos_steepest.acos().to_degrees()),
+            None => "a body may have any slope".to_owned(),
+        };
         let note = format!(
-            "the surroundings fill at most {:.0} % of a facet's view (the steepest slope is {:.0} deg); all of them taken as lit at normal \
-             incidence. On gentle ground the truth is 10 to 100 times less; in shadow it is often the only light",
+            "the surroundings fill at most {:.0} % of a facet's view ({slopes}), all of them taken as lit at normal incidence. \
+             On gentle ground the truth is 10 to 100 times less; in shadow it is often the only light",
             100.0 * form_factor,
-            self.site.cos_steepest.acos().to_degrees(),
         );
         left_out("interreflection", bound, note)
     }

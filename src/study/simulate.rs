@@ -11,7 +11,7 @@ use crate::geometry::polygon::area;
 use crate::integrate::{self, Image};
 use crate::physics::bounds;
 use crate::product::{Backplanes, Cube, FacetTable, Lit};
-use crate::progress::Watch;
+use crate::progress::{Watch, tell};
 use crate::scene::{MarsModel, Scene};
 use crate::solve;
 use crate::visibility::Topology;
@@ -91,6 +91,7 @@ pub fn simulate(scene: &Scene, watch: Watch<'_>) -> Result<(FacetTable, Observat
 pub fn observe(scene: &Scene, topology: &Topology, table: &FacetTable, watch: Watch<'_>) -> Result<Observation> {
     fits(scene, table)?;
     let image = integrate::integrate(scene, topology, table, watch)?;
+    tell(watch, "report", 0, 1)?;
     let site = Site::new(&scene.mesh, topology);
     let account = Account::new(scene, table, &site, &image.backplanes);
     let lit = |kind| table.sunlit.lit.iter().filter(|l| **l == kind).count() as u64;
@@ -104,14 +105,16 @@ pub fn observe(scene: &Scene, topology: &Topology, table: &FacetTable, watch: Wa
         visible_facets: image.seen.iter().filter(|s| **s).count() as u64,
     };
     tracing::info!(?counts, "observed");
-    Ok(Observation {
+    let observation = Observation {
         effects: account.effects(),
         warnings: warnings(&account, &counts, &image),
         checks: checks(scene, table, &site, &image),
         counts,
         cube: image.cube,
         backplanes: image.backplanes,
-    })
+    };
+    tell(watch, "report", 1, 1)?;
+    Ok(observation)
 }
 
 /// Says if a table cannot be of a scene.
