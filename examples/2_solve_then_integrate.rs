@@ -12,12 +12,13 @@ use mmxrt::integrate::integrate;
 use mmxrt::progress::unwatched;
 use mmxrt::solve::solve;
 use mmxrt::spectral::Band;
+use mmxrt::study::table_id;
 use mmxrt::visibility::Topology;
 use mmxrt::{Error, Result};
 
 fn main() -> Result<()> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/phobos_site/scene.toml");
-    let file = scene_toml::read(&path)?;
+    let file = scene_toml::read(&path, &unwatched)?;
     println!("{} facets; values the file leaves open:", file.scene.mesh.facets.len());
     file.defaults.iter().for_each(|d| println!("  {} = {}", d.item, d.value));
 
@@ -29,7 +30,7 @@ fn main() -> Result<()> {
 
     // The table keeps every bit on its way through a file.
     let table_path = std::env::temp_dir().join(format!("mmxrt_example_{}.npz", std::process::id()));
-    npz::write_table(&table_path, &table, &scene_toml::id(&file.inputs))?;
+    npz::write_table(&table_path, &table, &table_id(&file.scene))?;
     let (read, header) = npz::read_table(&table_path)?;
     assert_eq!(read, table);
     println!("{}: {}", header.format, header.fields.keys().cloned().collect::<Vec<_>>().join(", "));

@@ -53,7 +53,7 @@ fn main() -> Result<()> {
     for (name, text) in [("lid.obj", MESH), ("lid.mtl", MATERIALS), ("lid.csv", REFLECTANCE), ("scene.toml", SCENE)] {
         write(folder.join(name), text).map_err(io)?;
     }
-    let scene = scene_toml::read(&folder.join("scene.toml"))?.scene;
+    let scene = scene_toml::read(&folder.join("scene.toml"), &unwatched)?.scene;
     std::fs::remove_dir_all(&folder).map_err(io)?;
 
     let topology = Topology::new(&scene.mesh);

@@ -13,6 +13,13 @@ pub struct Progress {
     pub total: u64,
 }
 
+impl Progress {
+    /// A stage that knows its share done (0 to 1), in steps of a thousandth.
+    pub fn of_share(stage: &'static str, share: f64) -> Self {
+        Progress { stage, done: (share * 1000.0) as u64, total: 1000 }
+    }
+}
+
 /// Called between steps, from any thread; `false` asks to stop.
 pub type Watch<'a> = &'a (dyn Fn(Progress) -> bool + Sync);
 
@@ -26,5 +33,8 @@ pub fn unwatched(_: Progress) -> bool {
 /// # Errors
 /// [`Error::Interrupted`] if it asks to stop.
 pub fn tell(watch: Watch<'_>, stage: &'static str, done: u64, total: u64) -> Result<()> {
+    if done == 0 || done == total {
+        tracing::debug!(done, total, "{stage}");
+    }
     if watch(Progress { stage, done, total }) { Ok(()) } else { Err(Error::Interrupted) }
 }

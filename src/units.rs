@@ -14,6 +14,8 @@ pub const AU_M: f64 = 149_597_870_700.0;
 pub const SUN_RADIUS_M: f64 = 695_700_000.0;
 /// Nominal total solar irradiance at 1 au, W m-2 (IAU 2015 Resolution B3).
 pub const TSI_1AU_W_M2: f64 = 1361.0;
+/// Mean distance of Phobos from the centre of Mars, m (Lainey et al. 2007).
+pub const PHOBOS_ORBIT_M: f64 = 9_376_000.0;
 /// Volumetric mean radius of Mars, m (IAU 2015, pck00011).
 pub const MARS_RADIUS_M: f64 = 3_389_500.0;
 

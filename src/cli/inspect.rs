@@ -4,8 +4,10 @@ use std::path::{Path, PathBuf};
 
 use mmxrt::formats::located::Document;
 use mmxrt::formats::report_json::{self, Report, Run};
-use mmxrt::formats::{envi, exr_cube, npz, obj, recipe_toml};
-use mmxrt::{Error, Location, Problem, Result};
+use mmxrt::formats::spectrum_csv::{self, Quantity};
+use mmxrt::formats::{envi, exr_cube, mtl, npz, obj, recipe_toml};
+use mmxrt::spectral::Extend;
+use mmxrt::{Error, Location, Problem, Result, study};
 use serde_json::{Value, json};
 
 use super::console::Console;
@@ -13,7 +15,7 @@ use super::{Outcome, scene};
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// A product folder, ENVI image or header, .npz, .exr, .json report, scene, recipe or .obj
+    /// A product folder, ENVI image or header, .npz, .exr, .json report, scene, recipe, spectrum (.csv), .obj or .mtl
     file: PathBuf,
 }
 
@@ -75,9 +77,15 @@ fn inspect(path: &Path, console: &Console) -> Result<Facts> {
             ])
         }
         "toml" => text(path, console),
+        "csv" => spectrum(path),
+        "mtl" => {
+            let (materials, _) = mtl::read(path)?;
+            let list = materials.iter().map(|m| json!({ "name": m.name, "kd": m.kd })).collect();
+            Ok(vec![("kind", json!("MTL materials")), ("materials", list)])
+        }
         _ if path.is_file() => {
             let problem = Problem::new(Location::file(path), format!("no format of ours ends in {extension:?}"))
-                .with_help("these do: hdr, img, npz, exr, json, toml, obj; or name a product folder");
+                .with_help("these do: hdr, img, npz, exr, json, toml, csv, obj, mtl; or name a product folder");
             Err(Error::Invalid(vec![problem]))
         }
         _ => Err(Error::io(path, "reading", std::io::ErrorKind::NotFound.into())),
@@ -101,16 +109,67 @@ fn text(path: &Path, console: &Console) -> Result<Facts> {
     }
     let opened = scene::open(path, &|progress| console.watch(progress))?;
     let scene = &opened.scene;
+    let about = study::summary(scene);
+    let materials = scene.materials.iter().map(|m| {
+        let middle = scene.sensor.bands.get(scene.sensor.bands.len() / 2).map(|b| b.centre_um);
+        json!({
+            "name": m.name, "bond_albedo": m.bond_albedo,
+            "reflectance": middle.and_then(|um| m.reflectance.at(um)), "at_um": middle,
+        })
+    });
+    let bands = &scene.sensor.bands;
+    let [x, y, z] = about.size_m;
     Ok(vec![
         ("kind", json!("scene")),
-        ("facets", json!(scene.mesh.facets.len())),
-        ("materials", json!(scene.materials.iter().map(|m| &m.name).collect::<Vec<_>>())),
+        ("facets", json!(about.facets)),
+        ("vertices", json!(about.vertices)),
+        ("open_edges", json!(about.open_edges)),
+        ("flipped_facets", json!(about.flipped_facets)),
+        ("zero_area_facets", json!(about.zero_area_facets)),
+        ("size_m", json!({ "x": x, "y": y, "z": z })),
+        ("materials", materials.collect()),
+        ("sun_distance_au", json!(about.sun_distance_au)),
+        ("sun_elevation_deg", json!(about.sun_elevation_deg)),
+        ("mean_incidence_deg", json!(about.mean_incidence_deg)),
+        ("phase_deg", json!(about.phase_deg)),
+        ("emission_deg", json!(about.emission_deg)),
+        ("range_m", json!(about.range_m)),
+        ("mars_elevation_deg", json!(about.mars_elevation_deg)),
+        ("mars_radius_deg", json!(about.mars_radius_deg)),
         ("sensor", json!(scene.sensor.name)),
         ("samples", json!(scene.sensor.camera.samples)),
         ("lines", json!(scene.sensor.camera.lines)),
-        ("bands", json!(scene.sensor.bands.len())),
+        ("ifov_mrad", json!(about.ifov_mrad)),
+        ("pixel_m", json!(about.pixel_m)),
+        ("image_m", json!({ "across": about.image_m[0], "down": about.image_m[1] })),
+        ("bands", json!(bands.len())),
+        ("first_band_um", json!(bands.first().map(|b| b.centre_um))),
+        ("last_band_um", json!(bands.last().map(|b| b.centre_um))),
+        ("fwhm_um", json!(bands.first().and_then(|b| b.fwhm_um))),
+        ("table_id", json!(study::table_id(scene))),
         ("defaults", json!(opened.defaults)),
         ("warnings", json!(opened.warnings)),
+    ])
+}
+
+/// A spectrum: of a surface or of the Sun.
+fn spectrum(path: &Path) -> Result<Facts> {
+    let read = |quantity| spectrum_csv::read(path, quantity, Extend::Error);
+    let (unit, read) = match (read(Quantity::Fraction), read(Quantity::Irradiance)) {
+        (Err(_), Ok(irradiance)) => ("W m-2 um-1", Ok(irradiance)),
+        (fraction, _) => ("1", fraction),
+    };
+    let (spectrum, _) = read?;
+    let (first, last) = spectrum.coverage_um();
+    let values = spectrum.value().iter().copied();
+    Ok(vec![
+        ("kind", json!("spectrum")),
+        ("points", json!(spectrum.value().len())),
+        ("first_um", json!(first)),
+        ("last_um", json!(last)),
+        ("unit", json!(unit)),
+        ("min", json!(values.clone().fold(f64::INFINITY, f64::min))),
+        ("max", json!(values.fold(f64::NEG_INFINITY, f64::max))),
     ])
 }
 

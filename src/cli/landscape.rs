@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use mmxrt::formats::folder::Staged;
 use mmxrt::formats::mtl::{self, ObjMaterial};
@@ -40,14 +40,12 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let (mut recipe, _) = recipe_toml::read(&arguments.recipe)?;
     recipe.facets = arguments.facets.unwrap_or(recipe.facets);
     recipe.seed = arguments.seed.unwrap_or(recipe.seed);
-    let watch = |share: f64| {
-        console.watch(Progress { stage: "making the landscape", done: (share * 1000.0) as u64, total: 1000 })
-    };
+    let watch = |share: f64| console.watch(Progress::of_share("making the landscape", share));
     let landscape = landscape::generate(&recipe, &watch)?;
     let materials: Vec<ObjMaterial> =
         landscape.materials.into_iter().map(|(name, kd)| ObjMaterial { name, kd: Some(kd) }).collect();
-    write_file(staged_mtl.path(), |out| mtl::write(out, &materials))?;
-    write_file(staged_obj.path(), |out| obj::write(out, &landscape.mesh, &materials, Some(&mtl_name)))?;
+    write_file(&staged_mtl, |out| mtl::write(out, &materials))?;
+    write_file(&staged_obj, |out| obj::write(out, &landscape.mesh, &materials, Some(&mtl_name)))?;
     let facets = landscape.mesh.facets.len();
     // The mesh last: it refers to the materials.
     staged_mtl.commit()?;
@@ -58,8 +56,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-fn write_file(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>) -> Result<()> {
-    let io = |e| Error::io(path, "writing", e);
-    let mut out = BufWriter::with_capacity(1 << 20, File::create(path).map_err(io)?);
+fn write_file(staged: &Staged, write: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>) -> Result<()> {
+    let io = |e| staged.named(Error::io(staged.path(), "writing", e));
+    let mut out = BufWriter::with_capacity(1 << 20, File::create(staged.path()).map_err(io)?);
     write(&mut out).and_then(|()| out.flush()).map_err(io)
 }

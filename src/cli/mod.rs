@@ -10,6 +10,7 @@ mod simulate;
 mod solve;
 mod validate;
 
+use std::io::IsTerminal;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -19,7 +20,8 @@ use console::Console;
 
 /// What a space camera sees of a small body: exact facet-to-pixel hyperspectral image simulation.
 ///
-/// Exit codes: 0 done, 1 input or I/O, 2 usage, 3 loss under --strict.
+/// Exit codes: 0 done, 1 bad input, failed I/O, a failed check or Ctrl-C, 2 usage, 3 loss under --strict. Whatever the code
+/// but 0 is, nothing is left under the name of the output.
 #[derive(Parser)]
 #[command(name = "mmxrt", version)]
 struct Cli {
@@ -37,6 +39,9 @@ struct Global {
     /// Say nothing but errors
     #[arg(long, short, global = true)]
     quiet: bool,
+    /// Say on standard error what is being done
+    #[arg(long, short, global = true, conflicts_with = "quiet")]
+    verbose: bool,
     /// Results on standard output and errors on standard error as JSON
     #[arg(long, global = true)]
     json: bool,
@@ -87,6 +92,14 @@ pub(crate) fn run() -> ExitCode {
 
 fn start(global: &Global, console: &Console) -> mmxrt::Result<()> {
     let cannot = |what: &str, why: String| Error::invalid(Location::item(what), why);
+    if global.verbose {
+        // Only fails if another subscriber was set before; none was.
+        let _ = tracing_subscriber::fmt()
+            .with_writer(std::io::stderr)
+            .with_ansi(std::io::stderr().is_terminal())
+            .with_max_level(tracing::Level::DEBUG)
+            .try_init();
+    }
     console.catch_interrupt().map_err(|e| cannot("Ctrl-C", e.to_string()))?;
     if let Some(threads) = global.threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());

@@ -11,7 +11,7 @@ use mmxrt::product::FacetTable;
 use mmxrt::progress::tell;
 use mmxrt::study::Observation;
 use mmxrt::visibility::Topology;
-use mmxrt::{Result, integrate};
+use mmxrt::{Result, integrate, study};
 
 use super::console::Console;
 use super::scene::Opened;
@@ -70,7 +70,7 @@ pub(super) struct Made {
     pub(super) observation: Observation,
 }
 
-/// Writes everything into the staged folder and gives it its name.
+/// Writes everything into the staged folder, gives it its name, and says so.
 pub(super) fn write(
     command: &str,
     options: &ProductOptions,
@@ -79,6 +79,27 @@ pub(super) fn write(
     with_table: bool,
     console: &Console,
 ) -> Result<()> {
+    let report = write_files(command, options, &staged, made, with_table, console).map_err(|e| staged.named(e))?;
+    staged.commit()?;
+    report.warnings.iter().for_each(|warning| console.note(&format!("warning: {warning}")));
+    for check in report.checks.iter().filter(|c| !c.passed()) {
+        console.note(&format!("check failed: {}: {} is above {}", check.name, check.value, check.limit));
+    }
+    let output = options.output.display().to_string();
+    let Image { samples, lines, bands, .. } = report.image;
+    let text = format!("{output}: {samples} x {lines} pixels, {bands} bands");
+    let json = serde_json::json!({ "product": output, "image": report.image, "warnings": report.warnings });
+    console.result(&text, &json)
+}
+
+fn write_files(
+    command: &str,
+    options: &ProductOptions,
+    staged: &Staged,
+    made: &Made,
+    with_table: bool,
+    console: &Console,
+) -> Result<Report> {
     let watch = |progress| console.watch(progress);
     let file = |name: &str| staged.path().join(name);
     let Made { opened, table, observation } = made;
@@ -109,7 +130,7 @@ pub(super) fn write(
         npz::write_footprints(&file("footprints.npz"), &footprints, &opened.id)?;
     }
     if with_table {
-        npz::write_table(&file("table.npz"), table, &opened.id)?;
+        npz::write_table(&file("table.npz"), table, &study::table_id(&opened.scene))?;
     }
     tell(&watch, "writing pictures and reports", 0, 1)?;
     quicklook::write_grey(&file("quicklook.png"), cube, quicklook::grey_band(&cube.bands), coverage)?;
@@ -137,14 +158,5 @@ pub(super) fn write(
     report_json::write(&file("report.json"), &report)?;
     tell(&watch, "writing pictures and reports", 1, 1)?;
     report_json::write(&file("run.json"), &console.run(command))?;
-    staged.commit()?;
-
-    report.warnings.iter().for_each(|warning| console.note(&format!("warning: {warning}")));
-    for check in report.checks.iter().filter(|c| !c.passed()) {
-        console.note(&format!("check failed: {}: {} is above {}", check.name, check.value, check.limit));
-    }
-    let output = options.output.display().to_string();
-    let text = format!("{output}: {} x {} pixels, {} bands", cube.samples, cube.lines, cube.bands.len());
-    let json = serde_json::json!({ "product": output, "image": report.image, "warnings": report.warnings });
-    console.result(&text, &json)
+    Ok(report)
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use mmxrt::Result;
 use mmxrt::formats::report_json::Input;
 use mmxrt::formats::scene_toml;
-use mmxrt::progress::{Watch, tell};
+use mmxrt::progress::Watch;
 use mmxrt::scene::Scene;
 
 /// A scene with what the report says of its files.
@@ -20,9 +20,7 @@ pub(super) struct Opened {
 
 /// Reads a scene and all that it names.
 pub(super) fn open(path: &Path, watch: Watch<'_>) -> Result<Opened> {
-    tell(watch, "reading the scene", 0, 1)?;
-    let file = scene_toml::read(path)?;
-    tell(watch, "reading the scene", 1, 1)?;
+    let file = scene_toml::read(path, watch)?;
     Ok(Opened {
         scene: file.scene,
         id: scene_toml::id(&file.inputs),

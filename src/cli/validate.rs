@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use mmxrt::study::validate::{self, Means, Row, Verdict};
+use mmxrt::study::validate::{self, Row, Verdict};
 use mmxrt::{Error, Result};
 
 use super::Outcome;
@@ -11,18 +11,17 @@ use super::console::Console;
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Cases of a file, by group and inputs, instead of the built-in ones
+    /// Cases of a file, by group and inputs, instead of the built-in ones; what is not known is SKIPPED and counted
     #[arg(long, value_name = "FILE")]
     oracles: Option<PathBuf>,
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
-    let means = Means::default();
     let rows = match &arguments.oracles {
-        None => validate::closed_forms(&means)?,
+        None => validate::closed_forms()?,
         Some(path) => {
             let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, "reading", e))?;
-            validate::oracles(&text, path, &means)?
+            validate::oracles(&text, path)?
         }
     };
     let count = |verdict| validate::count(&rows, verdict);

@@ -37,7 +37,7 @@ impl Staged {
                 return Err(Error::Invalid(vec![problem]));
             }
         }
-        std::fs::create_dir(&staged.path).map_err(|e| Error::io(&staged.path, "making this folder", e))?;
+        std::fs::create_dir(&staged.path).map_err(|e| Error::io(target, "making this folder", e))?;
         Ok(staged)
     }
 
@@ -78,6 +78,22 @@ impl Staged {
     /// Where to write.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// An error that names what is written by the final name, which is the one its reader knows.
+    #[must_use]
+    pub fn named(&self, error: Error) -> Error {
+        match error {
+            Error::Io { path, action, source } => {
+                let path = match path.strip_prefix(&self.path) {
+                    Ok(inside) if inside.as_os_str().is_empty() => self.target.clone(),
+                    Ok(inside) => self.target.join(inside),
+                    Err(_) => path,
+                };
+                Error::Io { path, action, source }
+            }
+            other => other,
+        }
     }
 
     /// Gives what is written its final name. What stood there before is removed only after that.
@@ -232,6 +248,23 @@ mod tests {
         assert!(Staged::file(&top, true).is_err());
         assert!(Staged::file(Path::new(".."), true).is_err());
         assert_eq!(names(&top), ["table.npz"]);
+        std::fs::remove_dir_all(top).unwrap();
+    }
+
+    #[test]
+    fn errors_name_what_is_staged_by_its_final_name() {
+        let top = empty_folder("named");
+        let told = |staged: &Staged, path: PathBuf| {
+            staged.named(Error::io(path, "writing", ErrorKind::StorageFull.into())).to_string()
+        };
+        let folder = Staged::folder(&top.join("product"), false).unwrap();
+        let cube = told(&folder, folder.path().join("cube.img"));
+        assert!(cube.starts_with(&format!("{}: writing: ", top.join("product/cube.img").display())), "{cube}");
+        let file = Staged::file(&top.join("table.npz"), false).unwrap();
+        let table = told(&file, file.path().to_owned());
+        assert!(table.starts_with(&format!("{}: writing: ", top.join("table.npz").display())), "{table}");
+        assert!(told(&file, top.join("other")).starts_with(&top.join("other").display().to_string()));
+        drop((folder, file));
         std::fs::remove_dir_all(top).unwrap();
     }
 

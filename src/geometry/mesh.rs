@@ -69,6 +69,16 @@ impl Mesh {
         self.face_of_facet.get(facet).copied().unwrap_or(facet as u32)
     }
 
+    /// At most `count` facets, spread evenly over the mesh's order without falling into step with a grid: all of them
+    /// if there are no more.
+    pub fn spread(&self, count: usize) -> impl Iterator<Item = usize> + Clone {
+        let facets = self.facets.len();
+        // Multiples of the golden ratio, modulo 1, are never far apart nor close together.
+        const GOLDEN: f64 = 0.618_033_988_749_894_8;
+        let place = move |i: usize| ((i as f64 * GOLDEN).fract() * facets as f64) as usize;
+        (0..facets.min(count)).map(move |i| if facets <= count { i } else { place(i) })
+    }
+
     /// Appends another mesh, whose material ids already mean the same.
     pub fn append(&mut self, other: Mesh) {
         let base = self.vertices_m.len() as u32;
@@ -104,6 +114,20 @@ mod tests {
         assert_eq!(facet.normal(), DVec3::Z);
         assert_eq!(facet.centroid_m(), DVec3::new(1.0, 4.0 / 3.0, 0.0));
         assert_eq!(facet.point_m(0.5, 0.25), DVec3::new(1.5, 1.0, 0.0));
+    }
+
+    #[test]
+    fn facets_are_spread_over_the_mesh() {
+        let mesh = Mesh { facets: vec![[0; 3]; 1000], ..Mesh::default() };
+        assert!(mesh.spread(1000).eq(0..1000));
+        let mut some: Vec<usize> = mesh.spread(100).collect();
+        some.sort_unstable();
+        assert_eq!(some.len(), 100);
+        // The three-gap theorem: no gap above 1000 / F(11) = 1000 / 55 and its smaller kin.
+        assert!(
+            some[0] < 19 && some[99] > 980 && some.windows(2).all(|w| (3..19).contains(&(w[1] - w[0]))),
+            "{some:?}"
+        );
     }
 
     #[test]

@@ -4,7 +4,9 @@ mod direction;
 mod mesh;
 pub mod polygon;
 mod pose;
+mod solid_angle;
 
 pub use direction::{Direction, angle_rad};
 pub use mesh::{Facet, MaterialId, Mesh};
 pub use pose::Pose;
+pub use solid_angle::signed_solid_angle_sr;

@@ -11,6 +11,11 @@ pub fn equilibrium_temperature_k(absorbed_w_m2: f64, emissivity_bolometric: f64)
     (absorbed_w_m2.max(0.0) / (emissivity_bolometric * STEFAN_BOLTZMANN_W_M2_K4)).sqrt().sqrt()
 }
 
+/// What a surface emits over all wavelengths, W m-2: eps sigma T^4. Source: Stefan-Boltzmann.
+pub fn emitted_w_m2(t_k: f64, emissivity_bolometric: f64) -> f64 {
+    emissivity_bolometric * STEFAN_BOLTZMANN_W_M2_K4 * t_k.powi(4)
+}
+
 /// Temperature by the thesis, K: T = 150 + 180 E_sun / E_S, E_sun / E_S the cosine of incidence, 0 in shadow.
 ///
 /// Source: equation (9) of Domagala (2020), as printed. Limits: linear in the cosine, at any distance from the Sun;
@@ -42,6 +47,7 @@ mod tests {
         assert!((equilibrium_temperature_k(300.0, 0.95) / full - 0.5f64.powf(0.25)).abs() < 1e-15);
         assert_eq!(equilibrium_temperature_k(0.0, 0.95), 0.0);
         assert_eq!(equilibrium_temperature_k(-1.0, 0.95), 0.0);
+        assert!((emitted_w_m2(full, 0.95) / 600.0 - 1.0).abs() < 1e-14);
     }
 
     #[test]

@@ -9,7 +9,7 @@
 //! | Planck radiance, (10) without emissivity | [`blackbody::radiance_w_m2_sr_um`] | Planck; SI 2019 constants | oracles `planck_L` |
 //! | Planck radiance of a band | [`blackbody::band_radiance_w_m2_sr`] | Chang & Rhee (1984) | oracles `band_L`; whole spectrum = sigma T^4 / pi |
 //! | emissivity 1 - rho | [`reflectance::kirchhoff_emissivity`] | Kirchhoff | energy balance |
-//! | local equilibrium temperature | [`heat::equilibrium_temperature_k`] | Stefan-Boltzmann | oracles `radiative_equilibrium_T` |
+//! | local equilibrium temperature | [`heat::equilibrium_temperature_k`], [`heat::emitted_w_m2`] | Stefan-Boltzmann | oracles `radiative_equilibrium_T` |
 //! | (9) | [`heat::thesis_temperature_k`] | Domagala (2020) | oracles `thesis_eq9_T` |
 //! | (3) | [`sun::irradiance_on_facet`] | Lambert's cosine | flat plane |
 //! | (5) inverse square | [`sun::irradiance_at`] | - | oracles `TSI` |
@@ -18,12 +18,15 @@
 //! | Lambert sphere lit by the Sun, near at hand | [`mars::irradiance`], [`mars::irradiance_vector`] | integral over the visible cap | oracles `marsshine` |
 //! | the same, fast, for the facets of one scene | [`mars_light::MarsLight`] | E'' + E = great-circle integral | against [`mars::irradiance`] |
 //! | (4), (6), (7), (8) | [`mars::thesis_irradiance`] | Domagala (2020), as printed | 0.06516322993 |
+//! | bounds of Mars-light, interreflection, penumbra | [`bounds::mars_light`], [`bounds::interreflection`], [`bounds::surroundings_form_factor`], [`bounds::penumbra_width_m`] | set up here | full Mars; Ingersoll's bowl; flat ground; straight edge |
+//! | eclipse | [`sun::eclipse`] | two discs | oracles `eclipse_by_mars_central_duration` |
 //! | (2), (13): BRDF | [`reflectance::Brdf`] | Nicodemus et al. (1977); Hapke (2012) | Lambert rho / pi |
 //!
 //! Elsewhere, because they are geometry or sums: (11) to (13) in `solve::radiance`, (16) in `spectral::Band`,
 //! (17) to (19) in `scene::FrameCamera`.
 
 pub mod blackbody;
+pub mod bounds;
 pub mod heat;
 pub mod mars;
 pub mod mars_light;

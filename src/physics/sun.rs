@@ -34,9 +34,44 @@ pub fn light_time_s(distance_m: f64) -> f64 {
     distance_m / LIGHT_SPEED_M_S
 }
 
+/// How much of the Sun another body hides.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Eclipse {
+    /// Nothing.
+    None,
+    /// Part of its disc.
+    Partial,
+    /// All of it.
+    Total,
+}
+
+/// Whether a larger disc hides the Sun: partly from a separation alpha + s on, wholly from alpha - s on.
+///
+/// Limits: a body without air, and alpha >= s.
+pub fn eclipse(separation_rad: f64, disc_radius_rad: f64, sun_radius_rad: f64) -> Eclipse {
+    if separation_rad <= disc_radius_rad - sun_radius_rad {
+        Eclipse::Total
+    } else if separation_rad < disc_radius_rad + sun_radius_rad {
+        Eclipse::Partial
+    } else {
+        Eclipse::None
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn mars_eclipses_the_sun_within_its_disc() {
+        // Seen from Phobos, 9376 km from Mars, once around in 27553.84 s: 3217.366 s of darkness, and before and after it
+        // 26.769 s of partial eclipse (computed independently).
+        let (alpha, s) = ((3389.5_f64 / 9376.0).asin(), angular_radius_rad(1.523_679 * AU_M));
+        let at = |from_middle_s: f64| eclipse(2.0 * PI / 27_553.843_872 * from_middle_s, alpha, s);
+        assert_eq!([0.0, 1608.6].map(at), [Eclipse::Total; 2]);
+        assert_eq!([1608.8, 1635.4].map(at), [Eclipse::Partial; 2]);
+        assert_eq!([1635.5, 9000.0].map(at), [Eclipse::None; 2]);
+    }
 
     // Values at 1.666 au and 1.523679 au: computed independently in mpmath with R = 6.957e8 m.
     #[test]

@@ -4,10 +4,12 @@ mod material;
 mod sensor;
 mod source;
 
+use std::f64::consts::PI;
+
 use glam::DVec3;
 
 use crate::error::{Error, Location, Problem, Result};
-use crate::geometry::Mesh;
+use crate::geometry::{Mesh, signed_solid_angle_sr};
 
 pub use material::Material;
 pub use sensor::{FrameCamera, Sensor};
@@ -36,7 +38,8 @@ impl Scene {
     /// Checks what the parts owe each other; below this call no code asks again.
     ///
     /// # Errors
-    /// [`Error::Invalid`] with everything that is missing or out of range.
+    /// [`Error::Invalid`] with everything that is missing or out of range; if nothing is, with a camera inside the surface or
+    /// behind it.
     pub fn check(self) -> Result<Self> {
         let mut problems = Vec::new();
         let mut problem = |item: &str, message: String| {
@@ -67,8 +70,38 @@ impl Scene {
         if let Some(mars) = &self.mars {
             mars.check(&self.sensor.bands, &mut problem);
         }
+        if problems.is_empty() {
+            problems.extend(seen_from_behind(mesh, self.sensor.camera.centre_m()));
+        }
         if problems.is_empty() { Ok(self) } else { Err(Error::Invalid(problems)) }
     }
+}
+
+/// A camera away from the mesh is judged by this many facets.
+const SAMPLE: usize = 4096;
+
+/// Says that the camera is inside a body or under the ground, where it would see a black image, or nothing.
+///
+/// With the camera among the mesh's coordinates the sum of all facets' solid angles decides: 4 pi inside a closed body, 2 pi
+/// under a wide sheet. From elsewhere a closed body shows as much front as back, a sheet of terrain only its front.
+fn seen_from_behind(mesh: &Mesh, eye_m: DVec3) -> Option<Problem> {
+    let first_m = *mesh.vertices_m.first()?;
+    let (low_m, high_m) = mesh.vertices_m.iter().fold((first_m, first_m), |(lo, hi), v| (lo.min(*v), hi.max(*v)));
+    let among = low_m.cmple(eye_m).all() && eye_m.cmple(high_m).all();
+    let (mut front_sr, mut back_sr) = (0.0, 0.0);
+    for facet in mesh.spread(if among { usize::MAX } else { SAMPLE }) {
+        let omega_sr = signed_solid_angle_sr(mesh.facet(facet).corners_m.map(|p| p - eye_m));
+        if omega_sr > 0.0 { back_sr += omega_sr } else { front_sr -= omega_sr }
+    }
+    let message = if among && back_sr - front_sr > 3.0 * PI {
+        "the camera is inside the surface"
+    } else if (among && back_sr - front_sr > PI) || back_sr > 9.0 * front_sr {
+        "the camera sees the surface from behind: it is under the ground, or the mesh's facets are inside out"
+    } else {
+        return None;
+    };
+    let help = "positions are in metres from the body's centre: check their unit and `origin_m`, and the mesh's `unit_m`, `up` and `coordinates`";
+    Some(Problem::new(Location::item("observer.position_m"), message).with_help(help))
 }
 
 /// The first band that looks outside what a spectrum is known for, as a sentence.

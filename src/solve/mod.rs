@@ -18,6 +18,7 @@ use crate::visibility::Topology;
 
 pub use emission::Emission;
 pub use sunlit::sunlit;
+pub use temperature_grid::interpolation_error;
 
 /// Irradiance, sunlit polygons and temperature of every facet.
 ///

@@ -1,7 +1,16 @@
 //! Studies: what spans several layers. Takes values and callbacks, touches no disk.
 
 mod closed_forms;
+mod effects;
+mod scene_cases;
 mod simulate;
+mod site;
+mod summary;
+mod table_id;
 pub mod validate;
+mod warnings;
 
-pub use simulate::{Check, Counts, Effect, Observation, observe, simulate};
+pub use effects::Effect;
+pub use simulate::{Check, Counts, Observation, observe, simulate};
+pub use summary::{Summary, summary};
+pub use table_id::table_id;

@@ -3,11 +3,16 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::error::Result;
-use crate::integrate;
+use super::effects::{Account, Effect};
+use super::site::Site;
+use super::warnings::warnings;
+use crate::error::{Error, Location, Problem, Result};
+use crate::geometry::polygon::area;
+use crate::integrate::{self, Image};
+use crate::physics::bounds;
 use crate::product::{Backplanes, Cube, FacetTable, Lit};
-use crate::progress::Watch;
-use crate::scene::Scene;
+use crate::progress::{Watch, tell};
+use crate::scene::{MarsModel, Scene};
 use crate::solve;
 use crate::visibility::Topology;
 
@@ -26,21 +31,6 @@ pub struct Observation {
     pub counts: Counts,
     /// What a reader of the result should know, as sentences.
     pub warnings: Vec<String>,
-}
-
-/// Something that shapes the light, modelled or left out.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Effect {
-    /// Its name.
-    pub name: String,
-    /// Whether it is in the result.
-    pub modelled: bool,
-    /// At most so much would a pixel's radiance change, relative, with it (if left out) or without its
-    /// approximations (if modelled); null: not known.
-    pub bound: Option<f64>,
-    /// How it is modelled, or why it is left out.
-    pub note: String,
 }
 
 /// Something that must hold for a result to be right.
@@ -99,28 +89,88 @@ pub fn simulate(scene: &Scene, watch: Watch<'_>) -> Result<(FacetTable, Observat
 /// [`Error::Invalid`](crate::Error::Invalid) if the table is not of this scene's mesh;
 /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
 pub fn observe(scene: &Scene, topology: &Topology, table: &FacetTable, watch: Watch<'_>) -> Result<Observation> {
+    fits(scene, table)?;
     let image = integrate::integrate(scene, topology, table, watch)?;
+    tell(watch, "report", 0, 1)?;
+    let site = Site::new(&scene.mesh, topology);
+    let account = Account::new(scene, table, &site, &image.backplanes);
     let lit = |kind| table.sunlit.lit.iter().filter(|l| **l == kind).count() as u64;
     let counts = Counts {
         facets: scene.mesh.facets.len() as u64,
-        zero_area_facets: (0..scene.mesh.facets.len()).filter(|f| scene.mesh.facet(*f).area_m2() == 0.0).count() as u64,
+        zero_area_facets: site.zero_area_facets,
         flipped_facets: topology.flipped_facets as u64,
         open_edges: topology.open_edges as u64,
         lit_facets: lit(Lit::Full),
         partly_lit_facets: lit(Lit::Part),
         visible_facets: image.seen.iter().filter(|s| **s).count() as u64,
     };
-    let checks = vec![Check {
-        name: "areas in a pixel exceed the pixel by, pixels".into(),
-        value: image.excess_px,
-        limit: 1e-12,
-    }];
-    Ok(Observation {
-        effects: vec![],
-        warnings: vec![],
-        checks,
+    tracing::info!(?counts, "observed");
+    let observation = Observation {
+        effects: account.effects(),
+        warnings: warnings(&account, &counts, &image),
+        checks: checks(scene, table, &site, &image),
         counts,
         cube: image.cube,
         backplanes: image.backplanes,
-    })
+    };
+    tell(watch, "report", 1, 1)?;
+    Ok(observation)
+}
+
+/// Says if a table cannot be of a scene.
+fn fits(scene: &Scene, table: &FacetTable) -> Result<()> {
+    let facets = scene.mesh.facets.len();
+    let columns = [
+        ("sun_irradiance", table.sun_irradiance.len(), false),
+        ("sunlit", table.sunlit.lit.len(), false),
+        ("mars_irradiance", table.mars_irradiance.len(), true),
+        ("temperature_lit_k", table.temperature_lit_k.len(), true),
+        ("temperature_shaded_k", table.temperature_shaded_k.len(), true),
+    ];
+    let wrong = columns.into_iter().filter(|(_, n, may_be_empty)| *n != facets && !(*may_be_empty && *n == 0));
+    let problem = |(name, n, _)| {
+        Problem::new(Location::item(name), format!("has {n} values, but the scene has {facets} facets"))
+            .with_help("the table is of another mesh: solve the scene again")
+    };
+    let problems: Vec<Problem> = wrong.map(problem).collect();
+    if problems.is_empty() { Ok(()) } else { Err(Error::Invalid(problems)) }
+}
+
+/// What must hold whatever the scene.
+fn checks(scene: &Scene, table: &FacetTable, site: &Site, image: &Image) -> Vec<Check> {
+    let check = |name: &str, value: f64, limit: f64| Check { name: name.to_owned(), value, limit };
+    let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
+    let sunlit = &table.sunlit;
+    let share = |i: usize| {
+        let polygon = &sunlit.uv[sunlit.polygon_start[i] as usize..sunlit.polygon_start[i + 1] as usize];
+        2.0 * area(polygon).abs()
+    };
+    // Polygons are in the order of their facets.
+    let (mut facet, mut sum, mut most) = (None, 0.0, 0.0_f64);
+    for i in 0..sunlit.polygon_facet.len() {
+        if facet != Some(sunlit.polygon_facet[i]) {
+            (facet, sum) = (Some(sunlit.polygon_facet[i]), 0.0);
+        }
+        sum += share(i);
+        most = most.max(sum);
+    }
+    let bad = image.cube.weight.iter().chain(&image.cube.spectra).filter(|v| !v.is_finite()).count();
+    let mut checks = vec![
+        check("areas in a pixel exceed the pixel by, pixels", image.excess_px, 1e-12),
+        check("lit part of a facet exceeds the facet by, facets", (most - 1.0).max(0.0), 1e-9),
+        check(
+            "largest irradiance by the Sun, over that normal to its beam",
+            largest(&table.sun_irradiance),
+            1.0 + 1e-12,
+        ),
+        check("weights and spectra that are no finite number", bad as f64, 0.0),
+    ];
+    if let Some(mars) = scene.mars.as_ref().filter(|m| m.model == MarsModel::NearField) {
+        let (low_m, high_m) = site.box_m;
+        let nearest_m = mars.centre_m.distance(mars.centre_m.clamp(low_m, high_m));
+        let bound = bounds::mars_light(1.0, (mars.radius_m / nearest_m).min(1.0), 1.0);
+        let name = "largest irradiance by Mars, over that of sunlight at its zenith on all of Mars";
+        checks.push(check(name, largest(&table.mars_irradiance) / bound, 1.0));
+    }
+    checks
 }

@@ -10,25 +10,13 @@ use glam::{DMat3, DVec3};
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::closed_forms;
+use super::{closed_forms, scene_cases};
 use crate::error::{Error, Location, Problem, Result};
 use crate::geometry::{Direction, Pose, angle_rad};
 use crate::physics::reflectance::{Brdf, PhotometricAngles};
 use crate::physics::{blackbody, heat, mars, sun};
-use crate::spectral::Spectrum;
+use crate::spectral::solar_e490;
 use crate::units::AU_M;
-
-/// Share of each pixel (row, column; a unit square from (column, row)) that a triangle covers.
-pub type Coverage = fn(triangle: [[f64; 2]; 3], columns: usize, rows: usize) -> Vec<Vec<f64>>;
-
-/// What a check may use of the product. What is missing, its oracles are skipped.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Means<'a> {
-    /// Solar spectral irradiance at 1 au, ASTM E490, W m-2 um-1.
-    pub solar: Option<&'a Spectrum>,
-    /// Exact coverage of pixels.
-    pub coverage: Option<Coverage>,
-}
 
 /// How a check ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
@@ -68,19 +56,21 @@ pub fn count(rows: &[Row], verdict: Verdict) -> usize {
     rows.iter().filter(|row| row.verdict == verdict).count()
 }
 
-/// The built-in checks: those of `tests/data/oracles.json`.
+/// The built-in checks: those of `tests/data/oracles.json`, and whole scenes that have a closed form.
 ///
 /// # Errors
 /// None in practice: the file is part of the program.
-pub fn closed_forms(means: &Means) -> Result<Vec<Row>> {
-    oracles(include_str!("../../tests/data/oracles.json"), Path::new("tests/data/oracles.json"), means)
+pub fn closed_forms() -> Result<Vec<Row>> {
+    let mut rows = oracles(include_str!("../../tests/data/oracles.json"), Path::new("tests/data/oracles.json"))?;
+    rows.extend(scene_cases::rows()?);
+    Ok(rows)
 }
 
 /// Runs a file of oracles, given its text; `path` is what messages call it.
 ///
 /// # Errors
 /// [`Error::Syntax`] if the text is not JSON; [`Error::Invalid`] with every oracle that lacks a group, name or expected value.
-pub fn oracles(text: &str, path: &Path, means: &Means) -> Result<Vec<Row>> {
+pub fn oracles(text: &str, path: &Path) -> Result<Vec<Row>> {
     let file: Value = serde_json::from_str(text).map_err(|error| {
         let at = Location { column: Some(error.column()), ..Location::line(path, error.line()) };
         Error::syntax(at, format!("not JSON: {error}"))
@@ -91,7 +81,7 @@ pub fn oracles(text: &str, path: &Path, means: &Means) -> Result<Vec<Row>> {
     let (mut rows, mut problems) = (Vec::new(), Vec::new());
     for (i, record) in list.iter().enumerate() {
         match Oracle::read(record) {
-            Ok(oracle) => oracle.run(means, &mut rows),
+            Ok(oracle) => oracle.run(&mut rows),
             Err(message) => {
                 problems.push(Problem::new(Location::file(path).with_item(format!("oracles[{i}]")), message));
             }
@@ -132,8 +122,8 @@ impl<'a> Oracle<'a> {
         })
     }
 
-    fn run(&self, means: &Means, rows: &mut Vec<Row>) {
-        match self.value(means) {
+    fn run(&self, rows: &mut Vec<Row>) {
+        match self.value() {
             Some(got) => self.compare(self.name.to_owned(), self.expected, Some(&got), rows),
             None => rows.push(self.row(self.name.to_owned(), number(self.expected), None, Verdict::Skipped)),
         }
@@ -205,16 +195,16 @@ impl<'a> Oracle<'a> {
         Some(self.input("d_au").or_else(in_name)? * AU_M)
     }
 
-    fn value(&self, means: &Means) -> Option<Value> {
+    fn value(&self) -> Option<Value> {
         let kind = self.name.split(['(', '=']).next().unwrap_or("");
         match self.group {
             "blackbody" => self.blackbody(kind),
-            "sun" => self.sun(kind, means),
+            "sun" => self.sun(kind),
             "marsshine" => self.marsshine(kind),
             "formfactor" => self.form_factor(kind),
-            "coverage" => self.coverage(means),
+            "coverage" => self.coverage(),
             "camera" => self.camera(kind),
-            "scene" => self.scene(kind, means),
+            "scene" => self.scene(kind),
             "numerics" => self.numerics(kind),
             "disc" => self.disc(kind),
             "geometry" => self.geometry(kind),
@@ -233,13 +223,13 @@ impl<'a> Oracle<'a> {
         }))
     }
 
-    fn sun(&self, kind: &str, means: &Means) -> Option<Value> {
+    fn sun(&self, kind: &str) -> Option<Value> {
         Some(json!(match kind {
             "TSI" => sun::irradiance_at(self.input("S0")?, self.distance_m()?),
             "angular_radius" => sun::angular_radius_rad(self.distance_m()?),
             "solid_angle" => sun::solid_angle_sr(self.distance_m()?),
             "light_time" => sun::light_time_s(self.distance_m()?),
-            "E490_integral" => means.solar?.integral(self.input("l1")?, self.input("l2")?)?,
+            "E490_integral" => solar_e490().integral(self.input("l1")?, self.input("l2")?)?,
             _ => return None,
         }))
     }
@@ -291,7 +281,7 @@ impl<'a> Oracle<'a> {
         }))
     }
 
-    fn coverage(&self, means: &Means) -> Option<Value> {
+    fn coverage(&self) -> Option<Value> {
         let point = |v: &Value| Some([v.get(0)?.as_f64()?, v.get(1)?.as_f64()?]);
         let corners = self.inputs.get("vertices")?.as_array()?;
         let triangle: [[f64; 2]; 3] = corners.iter().map(point).collect::<Option<Vec<_>>>()?.try_into().ok()?;
@@ -301,8 +291,7 @@ impl<'a> Oracle<'a> {
         let expected = self.expected.as_array()?;
         let same = expected.len() as u64 == rows
             && expected.iter().all(|row| row.as_array().is_some_and(|row| row.len() as u64 == columns));
-        let coverage = means.coverage.filter(|_| same)?;
-        Some(json!(coverage(triangle, columns as usize, rows as usize)))
+        same.then(|| json!(scene_cases::coverage(triangle, columns as u32, rows as u32)))
     }
 
     fn camera(&self, kind: &str) -> Option<Value> {
@@ -328,7 +317,7 @@ impl<'a> Oracle<'a> {
         })
     }
 
-    fn scene(&self, kind: &str, means: &Means) -> Option<Value> {
+    fn scene(&self, kind: &str) -> Option<Value> {
         Some(match kind {
             "table_I_geometry" => {
                 let (observer, sun_m, target) = (self.vector("MMX")?, self.vector("Sun")?, self.vector("target")?);
@@ -353,7 +342,7 @@ impl<'a> Oracle<'a> {
                 })
             }
             "thermal_over_reflected" => {
-                json!(self.thermal_over_reflected(self.input("lambda_um")?, self.input("T")?, means)?)
+                json!(self.thermal_over_reflected(self.input("lambda_um")?, self.input("T")?)?)
             }
             "wavelength_where_thermal" => {
                 let (t_k, ratio) = (self.input("T_K")?, self.input("ratio")?);
@@ -361,7 +350,7 @@ impl<'a> Oracle<'a> {
                 let (mut low_um, mut high_um) = (1.0, 10.0);
                 for _ in 0..60 {
                     let middle_um = 0.5 * (low_um + high_um);
-                    if self.thermal_over_reflected(middle_um, t_k, means)? < ratio {
+                    if self.thermal_over_reflected(middle_um, t_k)? < ratio {
                         low_um = middle_um;
                     } else {
                         high_um = middle_um;
@@ -385,8 +374,8 @@ impl<'a> Oracle<'a> {
     }
 
     /// Thermal over reflected radiance of a facet under the Sun.
-    fn thermal_over_reflected(&self, lambda_um: f64, t_k: f64, means: &Means) -> Option<f64> {
-        let reflected = lambert_radiance(self.input("rho")?, means.solar?.at(lambda_um)?, self.distance_m()?, 1.0);
+    fn thermal_over_reflected(&self, lambda_um: f64, t_k: f64) -> Option<f64> {
+        let reflected = lambert_radiance(self.input("rho")?, solar_e490().at(lambda_um)?, self.distance_m()?, 1.0);
         Some(blackbody::radiance_w_m2_sr_um(lambda_um, t_k) / reflected)
     }
 

@@ -155,3 +155,151 @@ fn an_interrupted_command_leaves_nothing() {
     assert!(err.contains("interrupted"), "{err}");
     assert_eq!(scratch.names(), ["recipe.toml"]);
 }
+
+const SCENE: &str = r#"mmxrt_scene = 1
+origin_m = [0.0, 12000.0, 0.0]
+[[mesh]]
+recipe = { version = 1, seed = 7, facets = 2000 }
+[materials]
+phobos_blue = { reflectance = 0.07 }
+phobos_red = { reflectance = 0.1 }
+[sun]
+direction = [0.0, 1.0, 0.5]
+distance_au = 1.5
+[observer]
+position_m = [0.0, 82000.0, 0.0]
+target_m = [0.0, 12000.0, 0.0]
+up = [0, 0, 1]
+[sensor]
+samples = 16
+lines = 16
+fit = "scene"
+bands = { centres_um = [1.0] }
+"#;
+
+impl Scratch {
+    fn scene(&self, text: &str) -> String {
+        std::fs::write(self.0.join("scene.toml"), text).unwrap();
+        self.join("scene.toml")
+    }
+}
+
+#[test]
+fn a_table_serves_another_camera_and_is_refused_for_another_sun() {
+    let scratch = Scratch::new("table");
+    let (table, product) = (scratch.join("table.npz"), scratch.join("product"));
+    let scene = scratch.scene(SCENE);
+    let (code, _, err) = run(&["solve", &scene, "-o", &table]);
+    assert_eq!(code, 0, "{err}");
+    scratch.scene(&SCENE.replace("samples = 16", "samples = 24").replace("[1.0]", "[1.0, 2.0]"));
+    let (code, out, err) = run(&["integrate", &scene, "--table", &table, "-o", &product]);
+    assert!(code == 0 && out.ends_with("24 x 16 pixels, 2 bands\n"), "{out}{err}");
+    scratch.scene(&SCENE.replace("1.0, 0.5]", "1.0, 0.4]"));
+    let (code, _, err) = run(&["integrate", &scene, "--table", &table, "-o", &scratch.join("other")]);
+    assert!(code == 1 && err.contains("table.npz") && err.contains("was solved for another scene"), "{err}");
+    assert!(err.contains("mmxrt solve"), "{err}");
+    assert_eq!(scratch.names(), ["product", "scene.toml", "table.npz"]);
+}
+
+#[test]
+fn a_camera_under_the_terrain_is_told_at_its_place() {
+    let scratch = Scratch::new("under");
+    let scene = scratch.scene(&SCENE.replace("position_m = [0.0, 82000.0, 0.0]", "position_m = [0.0, 2000.0, 0.0]"));
+    let (code, _, err) = run(&["simulate", &scene, "-o", &scratch.join("out")]);
+    assert!(code == 1 && err.contains("scene.toml:12:14") && err.contains("from behind"), "{err}");
+    assert_eq!(scratch.names(), ["scene.toml"]);
+}
+
+#[test]
+fn a_scene_is_inspected() {
+    let scratch = Scratch::new("inspect");
+    let scene = scratch.scene(SCENE);
+    let (code, out, err) = run(&["inspect", &scene, "--json"]);
+    assert_eq!(code, 0, "{err}");
+    let facts: serde_json::Value = serde_json::from_str(&out).unwrap();
+    let number = |key: &str| facts[key].as_f64().unwrap_or_else(|| panic!("no {key}: {facts}"));
+    // The Sun stands atan(0.5) from the zenith, where the camera is.
+    for key in ["phase_deg", "sun_elevation_deg"] {
+        let expected = if key == "phase_deg" { 26.565 } else { 63.435 };
+        assert!((number(key) - expected).abs() < 1e-3, "{key}: {}", number(key));
+    }
+    assert!((number("range_m") - 70_000.0).abs() < 1e-6 && number("emission_deg").abs() < 1e-9);
+    // 2 km, and what perspective adds, in 16 pixels.
+    assert!((125.0..126.0).contains(&number("pixel_m")), "{}", number("pixel_m"));
+    assert!((1900.0..2100.0).contains(&number("facets")) && number("mean_incidence_deg") > 20.0);
+    assert_eq!(facts["mars_elevation_deg"], serde_json::Value::Null);
+    let (code, out, _) = run(&["inspect", &scene]);
+    assert!(code == 0 && out.starts_with("kind: scene\nfacets: ") && out.contains("\nphase_deg: 26.56"), "{out}");
+    let table = scratch.join("grey.csv");
+    std::fs::write(&table, "wavelength_nm,reflectance_percent\n900,5\n2500,15\n").unwrap();
+    let (code, out, _) = run(&["inspect", &table]);
+    assert!(code == 0 && out.contains("first_um: 0.9\nlast_um: 2.5\nunit: 1\nmin: 0.05\nmax: 0.15"), "{out}");
+}
+
+#[test]
+fn what_is_being_done_is_said_on_request() {
+    let scratch = Scratch::new("verbose");
+    let scene = scratch.scene(SCENE);
+    let (code, out, err) = run(&["simulate", &scene, "-o", &scratch.join("out"), "--verbose"]);
+    assert_eq!(code, 0, "{err}");
+    assert!(err.contains("sunlight") && err.contains("facets=") && !out.contains("facets="), "{err}");
+    let (code, _, err) = run(&["simulate", &scene, "-o", &scratch.join("quiet"), "--quiet"]);
+    assert_eq!((code, err.as_str()), (0, ""));
+    let (code, _, _) = run(&["simulate", &scene, "-o", &scratch.join("x"), "--quiet", "--verbose"]);
+    assert_eq!(code, 2);
+}
+
+/// A limit on the size of files stands for a disk that is full: writes fail half-way.
+#[test]
+#[cfg(unix)]
+fn a_write_that_fails_names_the_final_path_and_leaves_nothing() {
+    let scratch = Scratch::new("full");
+    let scene = scratch.scene(SCENE);
+    for (command, output, culprit) in [("simulate", "product", "product/cube.img"), ("solve", "table.npz", "table.npz")]
+    {
+        let path = scratch.join(output);
+        let limited = Command::new("sh")
+            .args(["-c", "trap '' XFSZ; ulimit -f 1; exec \"$@\"", "sh", env!("CARGO_BIN_EXE_mmxrt")])
+            .args([command, &scene, "-o", &path])
+            .output()
+            .unwrap();
+        let err = String::from_utf8(limited.stderr).unwrap();
+        assert_eq!(limited.status.code(), Some(1), "{err}");
+        assert!(err.contains(&scratch.join(culprit)) && err.contains("writing"), "{err}");
+        assert!(!err.contains("partial"), "{err}");
+        assert_eq!(scratch.names(), ["scene.toml"]);
+    }
+}
+
+#[test]
+fn an_output_that_cannot_be_made_is_named() {
+    let scratch = Scratch::new("nowhere");
+    let scene = scratch.scene(SCENE);
+    let (code, _, err) = run(&["simulate", &scene, "-o", &format!("{scene}/out")]);
+    assert!(code == 1 && err.contains("scene.toml") && err.contains("making this folder"), "{err}");
+    std::fs::create_dir(scratch.join("taken")).unwrap();
+    let (code, _, err) = run(&["simulate", &scene, "-o", &scratch.join("taken")]);
+    assert!(code == 1 && err.contains("exists") && err.contains("--force"), "{err}");
+    assert_eq!(scratch.names(), ["scene.toml", "taken"]);
+}
+
+#[test]
+#[cfg(unix)]
+fn a_scene_that_is_still_being_made_can_be_interrupted() {
+    let scratch = Scratch::new("making");
+    let scene = scratch.scene(&SCENE.replace("facets = 2000", "facets = 4000000"));
+    let out = scratch.join("out");
+    let mut child = mmxrt().args(["simulate", &scene, "-o", &out]).stderr(Stdio::piped()).spawn().unwrap();
+    while scratch.names().len() < 2 {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+        assert!(child.try_wait().unwrap().is_none(), "ended before it could be interrupted");
+    }
+    let began = std::time::Instant::now();
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    let err = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.code() == Some(1) && err.contains("interrupted"), "{err}");
+    // Making the landscape, and what follows, takes many times this.
+    assert!(began.elapsed().as_secs() < 20);
+    assert_eq!(scratch.names(), ["scene.toml"]);
+}

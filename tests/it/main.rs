@@ -11,6 +11,7 @@ mod layers;
 mod malformed_scene;
 mod oracles;
 mod products;
+mod report;
 mod sampler;
 mod scene_files;
 mod schema;

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use mmxrt::formats::{picture, scene_toml};
+use mmxrt::progress::unwatched;
 
 /// A folder that goes away with the test.
 struct Folder(PathBuf);
@@ -78,7 +79,7 @@ fn prepared(name: &str) -> Folder {
 #[test]
 fn the_good_scene_is_read() {
     let folder = prepared("good");
-    let file = scene_toml::read(&folder.write("scene.toml", GOOD)).unwrap();
+    let file = scene_toml::read(&folder.write("scene.toml", GOOD), &unwatched).unwrap();
     let scene = &file.scene;
     assert_eq!(scene.mesh.facets.len(), 4);
     assert_eq!(scene.mesh.material.iter().map(|m| m.0).collect::<Vec<_>>(), [0, 0, 1, 2]);
@@ -112,6 +113,30 @@ fn the_good_scene_is_read() {
     }
 }
 
+#[test]
+fn faces_without_a_material_are_the_default_and_a_mesh_can_be_of_one() {
+    let folder = prepared("default");
+    let with_default = GOOD.replace("[sun]", "default = { reflectance = 0.3 }\n[sun]");
+    let read = |text: &str| scene_toml::read(&folder.write("scene.toml", text), &unwatched).unwrap().scene;
+    let unnamed = read(&with_default.replace("plate.obj", "unnamed.obj"));
+    assert_eq!(unnamed.materials[unnamed.mesh.material[0].0 as usize].name, "default");
+    let all_mix = read(&GOOD.replace("obj = \"plate.obj\"", "obj = \"plate.obj\"\nmaterial = \"mix\""));
+    assert_eq!(all_mix.mesh.material.iter().map(|m| m.0).collect::<Vec<_>>(), [2; 4]);
+    let unnamed = read(&GOOD.replace("obj = \"plate.obj\"", "obj = \"unnamed.obj\"\nmaterial = \"ground\""));
+    assert_eq!(unnamed.mesh.material.len(), 1);
+}
+
+#[test]
+fn reading_stops_when_it_is_asked_to() {
+    let folder = prepared("stop");
+    let path = folder.write("scene.toml", &GOOD.replace("obj = \"plate.obj\"", "recipe = \"recipe.toml\""));
+    let stopped = scene_toml::read(&path, &|progress| progress.stage != "reading the scene");
+    assert!(matches!(stopped, Err(mmxrt::Error::Interrupted)), "{stopped:?}");
+    let good = folder.write("scene.toml", GOOD);
+    let stopped = scene_toml::read(&good, &|progress| progress.stage != "reading meshes");
+    assert!(matches!(stopped, Err(mmxrt::Error::Interrupted)), "{stopped:?}");
+}
+
 /// (text of the good scene, what stands in its place, place of the problem, words of the message)
 const CASES: &[(&str, &str, &str, &str)] = &[
     // keys, types, values
@@ -137,7 +162,19 @@ const CASES: &[(&str, &str, &str, &str)] = &[
     ("obj = \"plate.obj\"", "obj = \"nan.obj\"", "nan.obj:1: ", "not a finite number"),
     ("obj = \"plate.obj\"", "obj = \"nan.obj\"", "nan.obj:4: ", "vertex index 4: the file has 3 vertices"),
     ("obj = \"plate.obj\"", "obj = \"empty.obj\"", "empty.obj: ", "holds no faces"),
-    ("obj = \"plate.obj\"", "obj = \"unnamed.obj\"", ":4:7 mesh[0].obj", "faces before the first `usemtl`"),
+    ("obj = \"plate.obj\"", "obj = \"unnamed.obj\"", ":4:7 mesh[0].obj", "add an entry `default`"),
+    (
+        "obj = \"plate.obj\"",
+        "obj = \"plate.obj\"\nmaterial = \"gruond\"",
+        ":5:12 mesh[0].material",
+        "did you mean \"ground\"?",
+    ),
+    (
+        "position_m = [0, 0, 20000]",
+        "position_m = [0, 0, 5000]",
+        ":17:14 observer.position_m",
+        "sees the surface from behind",
+    ),
     ("obj = \"plate.obj\"", "obj = \"orphan.obj\"", "orphan.obj:1: ", "material file `lost.mtl` cannot be read"),
     ("obj = \"plate.obj\"", "obj = \"plate.obj\"\nunit_m = 0", ":5:10 mesh[0].unit_m", "0 is not more than 0"),
     ("obj = \"plate.obj\"", "obj = \"plate.obj\"\npose = \"radial\"", ":5:8 mesh[0].pose", "radial pose"),
@@ -258,7 +295,7 @@ fn each_problem_is_told_at_its_place() {
     let (mut seen, mut failures) = (0, Vec::new());
     for (good, bad, place, words) in CASES {
         assert_eq!(GOOD.matches(good).count(), 1, "{good:?} must be in the good scene once");
-        let error = scene_toml::read(&folder.write("scene.toml", &GOOD.replace(good, bad)));
+        let error = scene_toml::read(&folder.write("scene.toml", &GOOD.replace(good, bad)), &unwatched);
         let told = error.as_ref().map_or_else(|e| e.to_string(), |_| "accepted".to_owned());
         if !told.lines().any(|line| line.contains(place) && line.contains(words)) {
             failures.push(format!("{bad:?}\nexpected {place} {words}\n{told}"));
@@ -286,7 +323,7 @@ fn all_problems_are_told_at_once() {
     for (good, bad) in edits {
         text = text.replace(good, bad);
     }
-    let told = scene_toml::read(&folder.write("scene.toml", &text)).unwrap_err().to_string();
+    let told = scene_toml::read(&folder.write("scene.toml", &text), &unwatched).unwrap_err().to_string();
     assert_eq!(told.lines().count(), edits.len(), "{told}");
 }
 
@@ -295,18 +332,18 @@ fn no_cut_of_a_scene_makes_the_reader_panic() {
     let folder = prepared("cuts");
     let mut refused = 0;
     for end in (0..GOOD.len()).step_by(7) {
-        refused += usize::from(scene_toml::read(&folder.write("scene.toml", &GOOD[..end])).is_err());
+        refused += usize::from(scene_toml::read(&folder.write("scene.toml", &GOOD[..end]), &unwatched).is_err());
     }
     assert!(refused > 50);
     for bytes in [&b"\xff\xfe\x00"[..], b"\0", &[b'['; 100_000], b"a.a.a=1\na=2"] {
         let path = folder.0.join("bytes.toml");
         std::fs::write(&path, bytes).unwrap();
-        assert!(scene_toml::read(&path).is_err());
+        assert!(scene_toml::read(&path, &unwatched).is_err());
     }
 }
 
 #[test]
 fn a_missing_scene_is_an_io_error() {
-    let error = scene_toml::read(Path::new("/nowhere/scene.toml")).unwrap_err();
+    let error = scene_toml::read(Path::new("/nowhere/scene.toml"), &unwatched).unwrap_err();
     assert!(matches!(error, mmxrt::Error::Io { .. }), "{error}");
 }

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use mmxrt::formats::scene_toml;
+use mmxrt::progress::unwatched;
 
 fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
@@ -10,7 +11,7 @@ fn root() -> PathBuf {
 
 #[test]
 fn the_site_of_table_i_is_read_as_it_is_printed() {
-    let file = scene_toml::read(&root().join("scenes/phobos_site/scene.toml")).unwrap();
+    let file = scene_toml::read(&root().join("scenes/phobos_site/scene.toml"), &unwatched).unwrap();
     let scene = &file.scene;
     let camera = &scene.sensor.camera;
     // Distances and angles of Table I: range 77 273.6 m, Sun 1.4842525 au, incidence 23.5734 deg.
@@ -39,7 +40,7 @@ fn the_site_of_table_i_is_read_as_it_is_printed() {
 
 #[test]
 fn mars_stands_high_over_the_mars_side_and_the_sun_low() {
-    let file = scene_toml::read(&root().join("scenes/phobos_mars_side/scene.toml")).unwrap();
+    let file = scene_toml::read(&root().join("scenes/phobos_mars_side/scene.toml"), &unwatched).unwrap();
     let scene = &file.scene;
     let outward = mmxrt::geometry::Direction::new(scene.origin_m).unwrap();
     let mars = mmxrt::geometry::Direction::new(scene.mars.as_ref().unwrap().centre_m).unwrap();

@@ -42,7 +42,7 @@ impl Scratch {
     /// Reads a scene from its text.
     pub(crate) fn scene(&self, text: &str) -> Scene {
         let path = self.write("scene.toml", text);
-        scene_toml::read(&path).unwrap_or_else(|e| panic!("{e}\n{text}")).scene
+        scene_toml::read(&path, &unwatched).unwrap_or_else(|e| panic!("{e}\n{text}")).scene
     }
 
     /// Reads a scene from its text, and looks at it.

@@ -15,6 +15,8 @@ use super::types::{ExtendToml, MaterialToml};
 const EMISSIVITY_BOLOMETRIC: f64 = 0.95;
 /// Two colours are the same if no channel differs by more: one step of the 8 bits that most programs keep.
 const COLOUR_STEP: f64 = 1.0 / 255.0;
+/// Entry for faces without a material.
+const UNNAMED: &str = "default";
 /// Shares of a mixture add up to 1 to within this.
 const SHARE_TOLERANCE: f64 = 1e-9;
 
@@ -29,7 +31,7 @@ pub(super) struct Dictionary {
     pub(super) parts: Vec<Vec<usize>>,
 }
 
-impl Reader {
+impl Reader<'_> {
     pub(super) fn dictionary(&mut self, entries: &BTreeMap<String, MaterialToml>) -> Dictionary {
         let names = self.document.keys("materials");
         if names.is_empty() {
@@ -59,12 +61,7 @@ impl Reader {
                 match index(part) {
                     Some(part) => parts[i].push(part),
                     None => {
-                        let known: Vec<&str> = names.iter().map(String::as_str).collect();
-                        let help = match located::nearest(part, &known) {
-                            Some(near) => format!("did you mean {near:?}?"),
-                            None => format!("entries are {}", quoted(&names)),
-                        };
-                        self.helped(&at, format!("no material {part:?} in the dictionary"), help);
+                        self.helped(&at, format!("no material {part:?} in the dictionary"), help_for(part, &names));
                         good = false;
                     }
                 }
@@ -205,6 +202,16 @@ impl Reader {
         })
     }
 
+    /// The dictionary's entry of a name that `item` gives.
+    pub(super) fn entry_named(&mut self, item: &str, name: &str, dictionary: &mut Dictionary) -> Option<MaterialId> {
+        let Some(entry) = dictionary.names.iter().position(|n| n == name) else {
+            self.helped(item, format!("no material {name:?} in the dictionary"), help_for(name, &dictionary.names));
+            return None;
+        };
+        dictionary.used.insert(entry);
+        u16::try_from(entry).ok().map(MaterialId)
+    }
+
     /// The dictionary's entry for a mesh's material, by name or colour; `item` is the mesh.
     pub(super) fn entry_of(
         &mut self,
@@ -214,7 +221,8 @@ impl Reader {
     ) -> Option<MaterialId> {
         let matches = |key: &str| {
             let same = |(a, b): (f64, f64)| (a - b).abs() <= COLOUR_STEP;
-            key == material.name
+            let name = if material.name.is_empty() { UNNAMED } else { &material.name };
+            key == name
                 || material.kd.zip(linear_from_hex(key)).is_some_and(|(kd, rgb)| kd.into_iter().zip(rgb).all(same))
         };
         let found: Vec<usize> = (0..dictionary.names.len()).filter(|&i| matches(&dictionary.names[i])).collect();
@@ -224,6 +232,12 @@ impl Reader {
         }
         let colour = material.kd.map_or("without a colour".into(), |kd| format!("colour {}", hex_from_linear(kd)));
         let (problem, help) = match found.len() {
+            0 if material.name.is_empty() => {
+                let entries = quoted(&dictionary.names);
+                let help =
+                    format!("add an entry `{UNNAMED}`, or give the mesh `material = ...`; entries are {entries}");
+                ("is not in the dictionary", help)
+            }
             0 => ("is not in the dictionary", format!("entries are {}", quoted(&dictionary.names))),
             _ => {
                 let several: Vec<String> = found.iter().map(|&i| dictionary.names[i].clone()).collect();
@@ -247,6 +261,15 @@ impl Reader {
         for i in (0..dictionary.names.len()).filter(|i| !used.contains(i)) {
             self.notes.push(format!("{}: no mesh uses this material", member("materials", &dictionary.names[i])));
         }
+    }
+}
+
+/// What may have been meant by a name that is no entry.
+fn help_for(name: &str, entries: &[String]) -> String {
+    let known: Vec<&str> = entries.iter().map(String::as_str).collect();
+    match located::nearest(name, &known) {
+        Some(near) => format!("did you mean {near:?}?"),
+        None => format!("entries are {}", quoted(entries)),
     }
 }
 

@@ -11,6 +11,7 @@ use crate::formats::mtl::ObjMaterial;
 use crate::formats::obj;
 use crate::geometry::{Direction, Mesh, Pose};
 use crate::landscape::{self, Recipe};
+use crate::progress::{Progress, Watch};
 
 use super::materials::Dictionary;
 use super::types::{Coordinates, GivenPose, MeshToml, NamedPose, PoseToml, RecipeToml, Up};
@@ -19,11 +20,14 @@ use super::{LIMIT, Reader};
 /// Unit vectors and quaternions have length 1 to within this.
 pub(super) const UNIT_TOLERANCE: f64 = 1e-9;
 
-impl Reader {
+impl Reader<'_> {
     /// All meshes in one, local to the origin, with the dictionary's materials.
     pub(super) fn meshes(&mut self, meshes: &[MeshToml], dictionary: &mut Dictionary) -> Option<Mesh> {
         let mut all = Some(Mesh::default());
         for (i, toml) in meshes.iter().enumerate() {
+            if self.interrupted {
+                return None;
+            }
             let item = format!("mesh[{i}]");
             match (self.mesh(&item, toml, dictionary), &mut all) {
                 (Some(mesh), Some(all)) if all.facets.is_empty() => *all = mesh,
@@ -43,7 +47,9 @@ impl Reader {
         let key = |key: &str| format!("{item}.{key}");
         let (mut mesh, materials) = match (&toml.obj, &toml.recipe) {
             (Some(name), None) => {
+                self.tell("reading meshes", 0, 1);
                 let read = obj::read(&self.path(name));
+                self.tell("reading meshes", 1, 1);
                 let obj = self.taken(&key("obj"), read)?;
                 self.inputs.extend(obj.inputs);
                 if !obj.ignored.is_empty() {
@@ -74,7 +80,10 @@ impl Reader {
             }
         };
         let source = if toml.obj.is_some() { key("obj") } else { key("recipe") };
-        let entries: Vec<_> = materials.iter().map(|m| self.entry_of(&source, m, dictionary)).collect();
+        let entries: Vec<_> = match &toml.material {
+            Some(name) => vec![self.entry_named(&key("material"), name, dictionary); materials.len()],
+            None => materials.iter().map(|m| self.entry_of(&source, m, dictionary)).collect(),
+        };
         let entries: Vec<_> = entries.into_iter().collect::<Option<_>>()?;
         for material in &mut mesh.material {
             *material = entries[material.0 as usize];
@@ -156,13 +165,13 @@ impl Reader {
 
     fn recipe(&mut self, item: &str, toml: &RecipeToml) -> Option<landscape::Landscape> {
         let made = match toml {
-            RecipeToml::Given(recipe) => generate(recipe, &self.document, item),
+            RecipeToml::Given(recipe) => generate(recipe, &self.document, item, self.watch),
             RecipeToml::File(name) => {
                 let path = self.path(name);
                 let read = read_recipe(&path);
                 let (recipe, document, input) = self.taken(item, read)?;
                 self.inputs.push(input);
-                generate(&recipe, &document, "")
+                generate(&recipe, &document, "", self.watch)
             }
         };
         self.taken(item, made)
@@ -176,8 +185,9 @@ fn read_recipe(path: &Path) -> Result<(Recipe, Document, InputFile)> {
 }
 
 /// Makes a landscape; problems of the recipe get their places in the text that it stands in at `item`.
-fn generate(recipe: &Recipe, document: &Document, item: &str) -> Result<landscape::Landscape> {
-    landscape::generate(recipe, &|_| true).map_err(|error| match error {
+fn generate(recipe: &Recipe, document: &Document, item: &str, watch: Watch<'_>) -> Result<landscape::Landscape> {
+    let told = |share: f64| watch(Progress::of_share("making the landscape", share));
+    landscape::generate(recipe, &told).map_err(|error| match error {
         Error::Invalid(problems) => {
             let placed = problems.into_iter().map(|problem| {
                 let key = problem.at.item.as_deref().unwrap_or("").trim_start_matches("recipe").trim_start_matches('.');

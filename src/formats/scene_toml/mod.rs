@@ -14,6 +14,7 @@ use glam::DVec3;
 
 use crate::error::{Error, Problem, Result};
 use crate::geometry::Direction;
+use crate::progress::{Progress, Watch};
 use crate::scene::{Mars, MarsModel, Scene, Sun, Thermal};
 use crate::spectral::{Extend, Spectrum, solar_e490};
 use crate::units::{AU_M, MARS_RADIUS_M};
@@ -59,8 +60,9 @@ const LIMIT: u64 = 16 << 20;
 ///
 /// # Errors
 /// [`Error::Io`] if the scene file cannot be read; [`Error::Syntax`] at the first place that is not TOML;
-/// [`Error::Invalid`] with all problems of the text, or of the values and the files named, or of the whole.
-pub fn read(path: &Path) -> Result<SceneFile> {
+/// [`Error::Invalid`] with all problems of the text, or of the values and the files named, or of the whole;
+/// [`Error::Interrupted`] if `watch` asks to stop.
+pub fn read(path: &Path, watch: Watch<'_>) -> Result<SceneFile> {
     let (text, input) = input::text(path, LIMIT)?;
     let document = Document::parse(text, path)?;
     let toml: SceneToml = document.read()?;
@@ -72,13 +74,22 @@ pub fn read(path: &Path) -> Result<SceneFile> {
         defaults: Vec::new(),
         notes: Vec::new(),
         inputs: vec![input],
+        watch,
+        interrupted: false,
     };
+    reader.tell("reading the scene", 0, 1);
     let scene = reader.scene(&toml);
+    reader.tell("reading the scene", 1, 1);
+    if reader.interrupted {
+        return Err(Error::Interrupted);
+    }
     let (Some(scene), true) = (scene, reader.problems.is_empty()) else {
         reader.problems.sort_by_key(|p| (p.at.file.as_deref() != Some(path), p.at.span));
         return Err(Error::Invalid(reader.problems));
     };
     let scene = scene.check().map_err(|e| reader.placed(e))?;
+    let mesh = &scene.mesh;
+    tracing::info!(vertices = mesh.vertices_m.len(), facets = mesh.facets.len(), "read {}", path.display());
     Ok(SceneFile { scene, defaults: reader.defaults, notes: reader.notes, inputs: reader.inputs })
 }
 
@@ -88,7 +99,7 @@ pub fn schema() -> schemars::Schema {
 }
 
 /// What the parts of a scene file are read with.
-struct Reader {
+struct Reader<'a> {
     folder: PathBuf,
     document: Document,
     origin_m: DVec3,
@@ -96,9 +107,12 @@ struct Reader {
     defaults: Vec<Stated>,
     notes: Vec<String>,
     inputs: Vec<InputFile>,
+    watch: Watch<'a>,
+    /// The caller has asked to stop.
+    interrupted: bool,
 }
 
-impl Reader {
+impl Reader<'_> {
     fn scene(&mut self, toml: &SceneToml) -> Option<Scene> {
         let mut dictionary = self.dictionary(&toml.materials);
         let mesh = self.meshes(&toml.mesh, &mut dictionary);
@@ -134,6 +148,10 @@ impl Reader {
         self.defaults.push(Stated { item: item.to_owned(), value: value.into() });
     }
 
+    fn tell(&mut self, stage: &'static str, done: u64, total: u64) {
+        self.interrupted |= !(self.watch)(Progress { stage, done, total });
+    }
+
     fn path(&self, name: &str) -> PathBuf {
         self.folder.join(name)
     }
@@ -144,6 +162,7 @@ impl Reader {
             Ok(value) => return Some(value),
             Err(Error::Invalid(problems)) => self.problems.extend(problems),
             Err(Error::Syntax { at, message }) => self.problems.push(Problem::new(at, message)),
+            Err(Error::Interrupted) => self.interrupted = true,
             Err(error) => {
                 self.problem(item, error.to_string());
             }

@@ -20,7 +20,8 @@ pub(crate) struct SceneToml {
     /// The surface: one or more meshes.
     #[schemars(length(min = 1))]
     pub(crate) mesh: Vec<MeshToml>,
-    /// What the surface is made of. The key is a material's name in the mesh, or its colour: `"#b03020"` (sRGB).
+    /// What the surface is made of. The key is a material's name in the mesh, or its colour: `"#b03020"` (sRGB);
+    /// `default` is for faces without a material.
     pub(crate) materials: BTreeMap<String, MaterialToml>,
     /// The Sun.
     pub(crate) sun: SunToml,
@@ -51,6 +52,8 @@ pub(crate) struct MeshToml {
     pub(crate) coordinates: Option<Coordinates>,
     /// How local coordinates stand on the body. Default "body"; "radial" for a recipe.
     pub(crate) pose: Option<PoseToml>,
+    /// Entry of the dictionary that all of this mesh is made of, whatever the mesh itself says.
+    pub(crate) material: Option<String>,
 }
 
 /// A recipe, or a file with one.

@@ -13,7 +13,7 @@ use super::types::{BandsToml, Fit, Fwhm, ObserverToml, Preset, SensorToml};
 /// No band lies beyond this, um: wavelengths above are nanometres.
 const LONGEST_UM: f64 = 100.0;
 
-impl Reader {
+impl Reader<'_> {
     pub(super) fn sensor(&mut self, toml: &SensorToml, observer: &ObserverToml, mesh: Option<&Mesh>) -> Option<Sensor> {
         let preset = toml.preset == Some(Preset::Macromega);
         let pose = self.observer(observer);

@@ -1,0 +1,384 @@
+//! What shapes the light, modelled or not, each with a bound of what that costs.
+//!
+//! Bounds are relative to the **median sunlit radiance**: sunlight reflected by the same material at the median incidence of
+//! the sunlit pixels, in the worst band and material. A pixel in shadow may change by more of its own radiance.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::site::Site;
+use crate::geometry::{Direction, angle_rad};
+use crate::physics::reflectance::{Brdf, PhotometricAngles};
+use crate::physics::sun::{self, Eclipse};
+use crate::physics::{blackbody, bounds, heat};
+use crate::product::{Backplanes, FacetTable};
+use crate::scene::{MarsModel, Material, Scene, Thermal};
+use crate::solve;
+use crate::units::{MARS_RADIUS_M, PHOBOS_ORBIT_M};
+
+/// Something that shapes the light, modelled or left out.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Effect {
+    /// Its name.
+    pub name: String,
+    /// Whether it is in the result.
+    pub modelled: bool,
+    /// By at most this share of the median sunlit radiance would a sunlit pixel change with it (if left out) or without its
+    /// approximations (if modelled), in the worst band; null: not known.
+    pub bound: Option<f64>,
+    /// How it is modelled, or why it is left out, and what the bound is of.
+    pub note: String,
+}
+
+/// Shadows and fractions are exact to this, relative: what the tests hold them to.
+const ROUNDING: f64 = 1e-9;
+/// Largest error of the fast Mars-light, relative to that on a facet that faces a full Mars (see [`MarsLight`](crate::physics::mars_light::MarsLight)).
+const MARS_LIGHT_ERROR: f64 = 1e-5;
+/// Stellar aberration at Mars: its largest orbital speed and Phobos' own, 28.6 km/s, over that of light; rad.
+const ABERRATION_RAD: f64 = 9.6e-5;
+/// Albedo of a Mars that a scene does not have.
+const MARS_ALBEDO: f64 = 0.25;
+
+/// What the bounds are made from.
+pub(super) struct Account<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) table: &'a FacetTable,
+    pub(super) site: &'a Site,
+    /// Median cosine of incidence of the sunlit pixels; `None` if nothing that is seen is lit.
+    pub(super) cos_incidence: Option<f64>,
+    /// Share of the site that terrain outside it might shadow.
+    pub(super) open_to_shadow: f64,
+    pub(super) eclipse: Option<Eclipse>,
+    materials: Vec<&'a Material>,
+}
+
+impl<'a> Account<'a> {
+    pub(super) fn new(scene: &'a Scene, table: &'a FacetTable, site: &'a Site, backplanes: &Backplanes) -> Self {
+        let mut used = vec![false; scene.materials.len()];
+        scene.mesh.material.iter().for_each(|m| used[m.0 as usize] = true);
+        let materials = scene.materials.iter().zip(used).filter(|(_, used)| *used).map(|(m, _)| m).collect();
+        let eclipse = scene.mars.as_ref().and_then(|mars| {
+            let (towards_m, sun_rad) = (Direction::new(mars.centre_m)?, sun::angular_radius_rad(scene.sun.distance_m));
+            let separation_rad = scene.sun.direction.angle_rad(towards_m);
+            Some(sun::eclipse(separation_rad, (mars.radius_m / mars.centre_m.length()).asin(), sun_rad))
+        });
+        Account {
+            scene,
+            table,
+            site,
+            cos_incidence: median_cos_incidence(backplanes),
+            open_to_shadow: site.open_to_shadow(&scene.mesh, scene.sun.direction.vec()),
+            eclipse,
+            materials,
+        }
+    }
+
+    pub(super) fn effects(&self) -> Vec<Effect> {
+        vec![
+            self.sunlight(),
+            self.photometry(),
+            self.mars_light(),
+            self.mars_light_shadows(),
+            self.thermal_emission(),
+            self.thermal_inertia(),
+            self.heat_from_mars(),
+            self.interreflection(),
+            self.penumbra(),
+            self.terrain_outside(),
+            self.eclipse_by_mars(),
+            self.aberration(),
+            left_out(
+                "instrument",
+                None,
+                "the cube is radiance at the aperture: no PSF, distortion, smear, stray light or noise",
+            ),
+        ]
+    }
+
+    fn sunlight(&self) -> Effect {
+        let note = "point source; exact shadows and areas of plane facets. The spectrum is an input: E490 is uncertain by 1 to 3 % \
+                    below 2 um, 3 to 5 % above 2.5 um";
+        modelled("sunlight", Some(ROUNDING), note)
+    }
+
+    fn photometry(&self) -> Effect {
+        let camera_m = self.scene.sensor.camera.centre_m();
+        let phase_deg = angle_rad(camera_m, self.scene.sun.direction.vec()).to_degrees();
+        let note = format!(
+            "surfaces are Lambert, and smooth below the size of a facet. No bound without a photometric function: one fitted to Phobos \
+             gives 0.37 times the radiance of a Lambert surface of its geometric albedo at 30 deg phase, 0.25 at 60 deg; here the \
+             phase angle at the origin is {phase_deg:.1} deg"
+        );
+        left_out("photometric function", None, note)
+    }
+
+    fn mars_light(&self) -> Effect {
+        let bound = self.mars_light_bound();
+        match self.scene.mars.as_ref().filter(|_| !self.table.mars_irradiance.is_empty()).map(|m| m.model) {
+            Some(MarsModel::NearField) => modelled(
+                "Mars-light",
+                bound.map(|b| b * MARS_LIGHT_ERROR),
+                "a Lambert sphere near at hand with its phase, tilt and horizon of each facet; uniform and without air: the albedo is an input",
+            ),
+            Some(MarsModel::Thesis) => modelled(
+                "Mars-light",
+                bound.map(|b| 2.0 * b),
+                "Domagala (2020), equations (4) to (8) as printed: no phase, no horizon; 2.4 times the light of a full Lambert sphere",
+            ),
+            None => left_out(
+                "Mars-light",
+                bound,
+                format!(
+                    "no Mars in the scene: the bound is that of a full Mars of albedo {MARS_ALBEDO} over Phobos. It is the main light in shadows that face Mars"
+                ),
+            ),
+        }
+    }
+
+    fn mars_light_shadows(&self) -> Effect {
+        let largest = self.table.mars_irradiance.iter().copied().fold(0.0, f64::max);
+        let bound = match &self.scene.mars {
+            Some(_) if largest == 0.0 => Some(0.0),
+            _ => self.mars_light_bound(),
+        };
+        left_out(
+            "shadows in Mars-light",
+            bound,
+            "a facet's own horizon cuts Mars, other terrain does not: up to all of the Mars-light",
+        )
+    }
+
+    fn thermal_emission(&self) -> Effect {
+        let hottest_k = self.hottest_k();
+        match self.scene.thermal {
+            Thermal::Off => left_out(
+                "thermal emission",
+                self.emitted(hottest_k),
+                format!(
+                    "off: the bound is the emission of the warmest facet in equilibrium with sunlight, {hottest_k:.1} K"
+                ),
+            ),
+            Thermal::Thesis => modelled(
+                "thermal emission",
+                self.emitted(hottest_k.max(heat::thesis_temperature_k(1.0))),
+                "Domagala (2020), equation (9): 150 to 330 K at any distance from the Sun; the bound is all of the emission",
+            ),
+            Thermal::Equilibrium => modelled(
+                "thermal emission",
+                self.largest_up_to(hottest_k, |um, m, t_k| {
+                    solve::interpolation_error(um, t_k).min(1.0) * emission(m, um, t_k)
+                }),
+                format!(
+                    "each facet in equilibrium with what it absorbs, its lit and shaded parts apart; up to {hottest_k:.1} K. The bound is \
+                         of the interpolation in temperature; see thermal inertia for the rest"
+                ),
+            ),
+        }
+    }
+
+    fn thermal_inertia(&self) -> Effect {
+        let hottest_k = self.hottest_k();
+        left_out(
+            "thermal inertia",
+            self.emitted(hottest_k),
+            format!(
+                "no heat is stored or conducted. The bound is the emission at {hottest_k:.1} K: what a fresh shadow might still send, \
+                     and more than equilibrium can be wrong in sunlight"
+            ),
+        )
+    }
+
+    fn heat_from_mars(&self) -> Effect {
+        let (q, has_mars) = self.mars_seen();
+        let scene = self.scene;
+        let total_w_m2 = sun::irradiance_at(scene.sun.total_irradiance_1au_w_m2, scene.sun.distance_m);
+        // Reflected or emitted, Mars sends no more than sunlight at its zenith.
+        let bound = self.largest_up_to(self.hottest_k(), |um, m, t_k| {
+            let own_w_m2 = heat::emitted_w_m2(t_k, m.emissivity_bolometric);
+            let heated_k = heat::equilibrium_temperature_k(own_w_m2 + q * q * total_w_m2, m.emissivity_bolometric);
+            emission(m, um, heated_k) - emission(m, um, t_k)
+        });
+        match scene.thermal {
+            Thermal::Equilibrium if has_mars => modelled(
+                "heat from Mars",
+                bound,
+                "sunlight that Mars reflects, and its mean thermal exitance on day and night side alike; the bound is all of it",
+            ),
+            Thermal::Equilibrium => {
+                left_out("heat from Mars", bound, "no Mars in the scene: the bound is that of a full Mars over Phobos")
+            }
+            _ => left_out("heat from Mars", bound, "the thermal model has no heat balance"),
+        }
+    }
+
+    fn interreflection(&self) -> Effect {
+        let form_factor = bounds::surroundings_form_factor(self.site.cos_steepest);
+        let bound = self.cos_incidence.and_then(|cos| {
+            let of = |m: &Material| {
+                let values = self.bands_um().filter_map(|um| m.reflectance.at(um));
+                values.fold(0.0, f64::max)
+            };
+            let reflectance = self.materials.iter().map(|m| of(m)).fold(0.0, f64::max);
+            (reflectance * form_factor < 1.0).then(|| bounds::interreflection(reflectance, form_factor, cos))
+        });
+        let slopes = match self.site.up {
+            Some(_) => format!("slopes up to {:.0} deg", self.site.cos_steepest.acos().to_degrees()),
+            None => "a body may have any slope".to_owned(),
+        };
+        let note = format!(
+            "the surroundings fill at most {:.0} % of a facet's view ({slopes}), all of them taken as lit at normal incidence. \
+             On gentle ground the truth is 10 to 100 times less; in shadow it is often the only light",
+            100.0 * form_factor,
+        );
+        left_out("interreflection", bound, note)
+    }
+
+    fn penumbra(&self) -> Effect {
+        let scene = self.scene;
+        let camera = &scene.sensor.camera;
+        let eye_m = camera.centre_m();
+        let (low_m, high_m) = self.site.box_m;
+        let pixel_m = eye_m.distance(eye_m.clamp(low_m, high_m)) * camera.pitch;
+        let sun_rad = sun::angular_radius_rad(scene.sun.distance_m);
+        let ray_m = self.site.longest_ray_m(self.site.up.map_or(0.0, |up| up.dot(scene.sun.direction.vec())));
+        // Square to the rays. On a slope the penumbra is wider by 1 / cos i, and as much less bright.
+        let wide_px = bounds::penumbra_width_m(ray_m, sun_rad, 1.0) / pixel_m;
+        let note = format!(
+            "the Sun is a point. Only pixels that a shadow's edge crosses change: with the edge's cause at most {ray_m:.0} m away, \
+             penumbrae are up to {wide_px:.2} pixels wide, square to the light"
+        );
+        left_out("the Sun's disc", self.cos_incidence.map(|cos| wide_px.min(0.5) / cos), note)
+    }
+
+    fn terrain_outside(&self) -> Effect {
+        let share = 100.0 * self.open_to_shadow;
+        let (bound, note) = match self.site.up {
+            None => (0.0, "the mesh is a body: there is none".to_owned()),
+            Some(_) if share == 0.0 => (0.0, "every ray to the Sun leaves the site above its highest point".to_owned()),
+            Some(_) => (
+                1.0,
+                format!(
+                    "from {share:.1} % of the site's area rays to the Sun leave it below its highest point: these might be in shadow"
+                ),
+            ),
+        };
+        left_out("terrain outside the mesh", Some(bound), note)
+    }
+
+    fn eclipse_by_mars(&self) -> Effect {
+        let (bound, note) = match self.eclipse {
+            None => (None, "no Mars in the scene: cannot be said"),
+            Some(Eclipse::None) => (Some(0.0), "Mars is not in front of the Sun"),
+            Some(Eclipse::Partial) => (Some(1.0), "Mars covers part of the Sun's disc: the site has less sunlight"),
+            Some(Eclipse::Total) => (Some(1.0), "Mars covers the Sun: the site has no sunlight"),
+        };
+        left_out("eclipse by Mars", bound, note)
+    }
+
+    fn aberration(&self) -> Effect {
+        let bound = self.cos_incidence.map(|cos| ABERRATION_RAD * (1.0 - cos * cos).max(0.0).sqrt() / cos);
+        let note = "directions and distances are taken as given. Apparent ones of one instant need nothing more; geometric ones are off by \
+                    up to 1e-4 rad, a twentieth of the Sun's disc";
+        left_out("aberration and light time", bound, note)
+    }
+
+    /// Centres and ends of all bands, um.
+    fn bands_um(&self) -> impl Iterator<Item = f64> {
+        let ends = |b: &crate::spectral::Band| {
+            let (lo, hi) = b.support_um();
+            [lo, b.centre_um, hi]
+        };
+        self.scene.sensor.bands.iter().flat_map(ends)
+    }
+
+    /// The sine of the angular radius of Mars, or of what it would be over Phobos, and whether the scene has a Mars.
+    fn mars_seen(&self) -> (f64, bool) {
+        match &self.scene.mars {
+            Some(mars) => {
+                let (low_m, high_m) = self.site.box_m;
+                let nearest_m = mars.centre_m.distance(mars.centre_m.clamp(low_m, high_m));
+                ((mars.radius_m / nearest_m).min(1.0), true)
+            }
+            None => (MARS_RADIUS_M / PHOBOS_ORBIT_M, false),
+        }
+    }
+
+    fn mars_light_bound(&self) -> Option<f64> {
+        let (q, _) = self.mars_seen();
+        let albedo = match &self.scene.mars {
+            Some(mars) => self.bands_um().filter_map(|um| mars.reflectance.at(um)).fold(0.0, f64::max),
+            None => MARS_ALBEDO,
+        };
+        self.cos_incidence.map(|cos| bounds::mars_light(albedo, q, cos))
+    }
+
+    /// The warmest temperature of the table; without one, of a facet in equilibrium with sunlight at normal incidence, K.
+    fn hottest_k(&self) -> f64 {
+        let (scene, table) = (self.scene, self.table);
+        let of_table = table.temperature_lit_k.iter().chain(&table.temperature_shaded_k).copied().fold(0.0, f64::max);
+        if of_table > 0.0 {
+            return of_table;
+        }
+        let total_w_m2 = sun::irradiance_at(scene.sun.total_irradiance_1au_w_m2, scene.sun.distance_m);
+        let of = |m: &&Material| {
+            heat::equilibrium_temperature_k((1.0 - m.bond_albedo) * total_w_m2, m.emissivity_bolometric)
+        };
+        self.materials.iter().map(of).fold(0.0, f64::max)
+    }
+
+    /// What a surface at a temperature emits, relative to the median sunlit radiance.
+    fn emitted(&self, t_k: f64) -> Option<f64> {
+        self.largest(|um, m| emission(m, um, t_k))
+    }
+
+    /// As [`largest`](Account::largest), also over temperatures up to the warmest: warm surfaces emit most, but may change least.
+    fn largest_up_to(&self, hottest_k: f64, radiance: impl Fn(f64, &Material, f64) -> f64) -> Option<f64> {
+        const STEPS: u32 = 16;
+        let at = |um, m: &Material, i| radiance(um, m, hottest_k * f64::from(i) / f64::from(STEPS));
+        self.largest(|um, m| (1..=STEPS).map(|i| at(um, m, i)).fold(0.0, f64::max))
+    }
+
+    /// The largest ratio, over bands and materials, of a radiance (of wavelength, um, and material; W m-2 sr-1 um-1) to the
+    /// median sunlit radiance.
+    fn largest(&self, radiance: impl Fn(f64, &Material) -> f64) -> Option<f64> {
+        let cos = self.cos_incidence?;
+        let mut largest = 0.0_f64;
+        for um in self.bands_um() {
+            for material in &self.materials {
+                let ratio = radiance(um, material) / sunlit_radiance(self.scene, material, um, cos)?;
+                largest = largest.max(if ratio.is_nan() { 0.0 } else { ratio });
+            }
+        }
+        largest.is_finite().then_some(largest)
+    }
+}
+
+/// Sunlight that a material reflects at an incidence, W m-2 sr-1 um-1.
+fn sunlit_radiance(scene: &Scene, material: &Material, um: f64, cos_incidence: f64) -> Option<f64> {
+    let normal = sun::irradiance_at(scene.sun.irradiance_1au.at(um)?, scene.sun.distance_m);
+    let angles = PhotometricAngles { cos_incidence, cos_emission: 1.0, phase_rad: cos_incidence.acos() };
+    let brdf = Brdf::Lambert { reflectance: material.reflectance.at(um)? };
+    Some(brdf.eval(&angles) * sun::irradiance_on_facet(normal, cos_incidence))
+}
+
+/// Thermal emission of a material, W m-2 sr-1 um-1.
+fn emission(material: &Material, um: f64, t_k: f64) -> f64 {
+    material.emissivity.at(um).unwrap_or(1.0) * blackbody::radiance_w_m2_sr_um(um, t_k)
+}
+
+/// Median over the pixels that see sunlit ground.
+fn median_cos_incidence(backplanes: &Backplanes) -> Option<f64> {
+    let plane = backplanes.plane("SUNLIT_LOCALINCIDENCE_MEAN")?;
+    let mut cosines: Vec<f64> = plane.values.iter().filter(|i| !i.is_nan()).map(|i| i.to_radians().cos()).collect();
+    let middle = cosines.len() / 2;
+    (!cosines.is_empty()).then(|| *cosines.select_nth_unstable_by(middle, f64::total_cmp).1).filter(|cos| *cos > 0.0)
+}
+
+fn modelled(name: &str, bound: Option<f64>, note: impl Into<String>) -> Effect {
+    Effect { name: name.to_owned(), modelled: true, bound, note: note.into() }
+}
+
+fn left_out(name: &str, bound: Option<f64>, note: impl Into<String>) -> Effect {
+    Effect { name: name.to_owned(), modelled: false, bound, note: note.into() }
+}

@@ -1,0 +1,220 @@
+//! What a mesh is like as a place: which way is up, how steep it is, and where rays leave it.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::geometry::{Direction, Mesh};
+use crate::visibility::Topology;
+
+/// Shares of area are taken over this many facets.
+const SAMPLE: usize = 16_384;
+/// The outline of a site, seen from above, is that of its extents in so many directions.
+const SIDES: usize = 64;
+/// Below this ratio of vector area to area (a hemisphere's) an open mesh is a body with holes, not a site.
+const SITE_RATIO: f64 = 0.5;
+
+/// A mesh as a place.
+pub(super) struct Site {
+    /// The mean normal of an open sheet; `None` for a body, closed or nearly so.
+    pub(super) up: Option<DVec3>,
+    /// Whether some edge has a facet on one side only.
+    pub(super) is_open: bool,
+    /// Cosine of the steepest slope against `up`; -1 for a body.
+    pub(super) cos_steepest: f64,
+    /// Lowest and highest coordinate along `up`, m; of no meaning for a body.
+    height_m: (f64, f64),
+    /// Corners of the box around it, m.
+    pub(super) box_m: (DVec3, DVec3),
+    pub(super) zero_area_facets: u64,
+}
+
+impl Site {
+    pub(super) fn new(mesh: &Mesh, topology: &Topology) -> Self {
+        let (mut vector_m2, mut area_m2) = (DVec3::ZERO, 0.0);
+        for facet in mesh.spread(SAMPLE) {
+            let cross_m2 = mesh.facet(facet).cross_m2();
+            vector_m2 += cross_m2;
+            area_m2 += cross_m2.length();
+        }
+        let is_open = topology.open_edges > 0;
+        let up = Direction::new(vector_m2).filter(|_| is_open && vector_m2.length() >= SITE_RATIO * area_m2);
+        let up = up.map(Direction::vec);
+        let chunk = 65_536;
+        // Extremes and counts: the same in any order.
+        let parts = (0..mesh.facets.len().div_ceil(chunk)).into_par_iter().map(|c| {
+            let mut part = Extremes::NONE;
+            for facet in c * chunk..((c + 1) * chunk).min(mesh.facets.len()) {
+                part.add(mesh, facet, up);
+            }
+            part
+        });
+        let all = parts.reduce(|| Extremes::NONE, Extremes::with);
+        let cos_steepest = if up.is_some() { all.cos_steepest.min(1.0) } else { -1.0 };
+        Site {
+            up,
+            is_open,
+            cos_steepest,
+            height_m: all.height_m,
+            box_m: all.box_m,
+            zero_area_facets: all.zero_area_facets,
+        }
+    }
+
+    /// Longest way, m, that a ray at this cosine to `up` can go between two points of the surface.
+    pub(super) fn longest_ray_m(&self, cos_to_up: f64) -> f64 {
+        let across_m = (self.box_m.1 - self.box_m.0).length();
+        match self.up {
+            Some(_) if cos_to_up > 0.0 => ((self.height_m.1 - self.height_m.0) / cos_to_up).min(across_m),
+            _ => across_m,
+        }
+    }
+
+    /// Share of a site's area that faces the Sun, and from which a ray towards it leaves the site's outline below its
+    /// highest point: what lies outside might shadow it. 0 for a body.
+    pub(super) fn open_to_shadow(&self, mesh: &Mesh, towards_sun: DVec3) -> f64 {
+        let Some(up) = self.up else { return 0.0 };
+        let rise = towards_sun.dot(up);
+        let (east, north) = Direction::new(up).map_or((DVec3::X, DVec3::Y), Direction::frame);
+        let sides: Vec<DVec3> = (0..SIDES)
+            .map(|k| {
+                let (sin, cos) = (std::f64::consts::TAU * k as f64 / SIDES as f64).sin_cos();
+                cos * east + sin * north
+            })
+            .collect();
+        let mut reach_m = vec![f64::NEG_INFINITY; SIDES];
+        for p_m in mesh.spread(SAMPLE).flat_map(|facet| mesh.facet(facet).corners_m) {
+            for (reach_m, side) in reach_m.iter_mut().zip(&sides) {
+                *reach_m = reach_m.max(p_m.dot(*side));
+            }
+        }
+        // Height that a ray gains until it is over the outline: below 0 if the Sun is.
+        let gain_m = |p_m: DVec3| {
+            let ways_m = sides.iter().zip(&reach_m).filter_map(|(side, reach_m)| {
+                let speed = side.dot(towards_sun);
+                (speed > 0.0).then(|| (reach_m - p_m.dot(*side)).max(0.0) / speed)
+            });
+            rise * ways_m.fold(f64::INFINITY, f64::min)
+        };
+        let (mut area_m2, mut open_m2) = (0.0, 0.0);
+        for facet in mesh.spread(SAMPLE) {
+            let facet = mesh.facet(facet);
+            let (cross_m2, p_m) = (facet.cross_m2(), facet.centroid_m());
+            area_m2 += cross_m2.length();
+            if cross_m2.dot(towards_sun) > 0.0 && p_m.dot(up) + gain_m(p_m) < self.height_m.1 {
+                open_m2 += cross_m2.length();
+            }
+        }
+        if area_m2 > 0.0 { open_m2 / area_m2 } else { 0.0 }
+    }
+}
+
+/// Extremes over some facets.
+#[derive(Clone, Copy)]
+struct Extremes {
+    cos_steepest: f64,
+    height_m: (f64, f64),
+    box_m: (DVec3, DVec3),
+    zero_area_facets: u64,
+}
+
+impl Extremes {
+    const NONE: Extremes = Extremes {
+        cos_steepest: f64::INFINITY,
+        height_m: (f64::INFINITY, f64::NEG_INFINITY),
+        box_m: (DVec3::INFINITY, DVec3::NEG_INFINITY),
+        zero_area_facets: 0,
+    };
+
+    fn add(&mut self, mesh: &Mesh, facet: usize, up: Option<DVec3>) {
+        let facet = mesh.facet(facet);
+        let cross_m2 = facet.cross_m2();
+        let twice_area_m2 = cross_m2.length();
+        if twice_area_m2 == 0.0 {
+            self.zero_area_facets += 1;
+        } else if let Some(up) = up {
+            self.cos_steepest = self.cos_steepest.min(cross_m2.dot(up) / twice_area_m2);
+        }
+        for p_m in facet.corners_m {
+            let z_m = up.map_or(0.0, |up| p_m.dot(up));
+            self.height_m = (self.height_m.0.min(z_m), self.height_m.1.max(z_m));
+            self.box_m = (self.box_m.0.min(p_m), self.box_m.1.max(p_m));
+        }
+    }
+
+    fn with(self, other: Self) -> Self {
+        Extremes {
+            cos_steepest: self.cos_steepest.min(other.cos_steepest),
+            height_m: (self.height_m.0.min(other.height_m.0), self.height_m.1.max(other.height_m.1)),
+            box_m: (self.box_m.0.min(other.box_m.0), self.box_m.1.max(other.box_m.1)),
+            zero_area_facets: self.zero_area_facets + other.zero_area_facets,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::MaterialId;
+
+    /// A square sheet of 2 n x 2 n cells of 1 m, turned in its plane by `turn_rad`, with a height.
+    fn sheet(n: i32, turn_rad: f64, height_m: impl Fn(f64, f64) -> f64) -> Mesh {
+        let (sin, cos) = turn_rad.sin_cos();
+        let mut mesh = Mesh::default();
+        for j in -n..=n {
+            for i in -n..=n {
+                let (x, y) = (f64::from(i), f64::from(j));
+                mesh.vertices_m.push(DVec3::new(cos * x - sin * y, sin * x + cos * y, height_m(x, y)));
+            }
+        }
+        let row = 2 * n as u32 + 1;
+        for j in 0..row - 1 {
+            for i in 0..row - 1 {
+                let a = j * row + i;
+                mesh.facets.extend([[a, a + 1, a + row + 1], [a, a + row + 1, a + row]]);
+            }
+        }
+        mesh.material = vec![MaterialId(0); mesh.facets.len()];
+        mesh
+    }
+
+    #[test]
+    fn rays_that_leave_below_the_top_are_counted() {
+        // A plain of 100 x 100 m with a needle 10 m high in its middle, the Sun 45 deg high along a side: rays leave below
+        // 10 m from the last 10 m of the plain, a tenth of it, however the plain is turned.
+        for turn_rad in [0.0, 0.3] {
+            let mesh = sheet(50, turn_rad, |x, y| if x == 0.0 && y == 0.0 { 10.0 } else { 0.0 });
+            let site = Site::new(&mesh, &Topology::new(&mesh));
+            assert!((site.up.unwrap() - DVec3::Z).length() < 1e-3);
+            let sun = DVec3::new(turn_rad.cos(), turn_rad.sin(), 1.0).normalize();
+            let share = site.open_to_shadow(&mesh, sun);
+            assert!((share - 0.1).abs() < 0.006, "{share}");
+            assert_eq!(site.open_to_shadow(&mesh, DVec3::Z), 0.0);
+            // The mean normal is a little askew.
+            assert!((site.longest_ray_m(0.5) - 20.0).abs() < 0.3);
+        }
+    }
+
+    #[test]
+    fn slopes_and_facets_without_area_are_found() {
+        let mut mesh = sheet(20, 0.0, |x, _| 0.5 * x);
+        mesh.facets.push([0, 0, 1]);
+        let site = Site::new(&mesh, &Topology::new(&mesh));
+        // Upright against its own mean plane.
+        assert!((site.cos_steepest - 1.0).abs() < 1e-12);
+        assert_eq!(site.zero_area_facets, 1);
+        let roof = sheet(20, 0.0, |x, _| -x.abs());
+        let site = Site::new(&roof, &Topology::new(&roof));
+        assert!((site.cos_steepest - 0.5f64.sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_body_is_no_site() {
+        let (a, b, c, d) = (DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z);
+        let facets = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+        let mesh = Mesh { vertices_m: vec![a, b, c, d], facets, material: vec![MaterialId(0); 4], ..Mesh::default() };
+        let site = Site::new(&mesh, &Topology::new(&mesh));
+        assert!(site.up.is_none() && !site.is_open && site.cos_steepest == -1.0);
+        assert_eq!(site.open_to_shadow(&mesh, DVec3::X), 0.0);
+        assert!((site.longest_ray_m(1.0) - 3f64.sqrt()).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,52 @@
+//! Which scenes a facet table serves.
+
+use blake3::Hasher;
+use glam::DVec3;
+
+use crate::scene::{MarsModel, Scene, Thermal};
+
+/// A name for everything that [`solve`](crate::solve::solve) reads of a scene: BLAKE3 of the resolved values, 64 hexadecimal digits.
+///
+/// Scenes that differ in camera, bands or spectra only share their table; so do files that say the same in other words.
+pub fn table_id(scene: &Scene) -> String {
+    let mut hasher = Hasher::new();
+    let mut put = |values: &[f64]| values.iter().for_each(|v| _ = hasher.update(&v.to_le_bytes()));
+    let Scene { origin_m, mesh, materials, sun, mars, thermal, sensor: _ } = scene;
+    put(&origin_m.to_array());
+    put(&sun.direction.vec().to_array());
+    put(&[sun.distance_m, sun.total_irradiance_1au_w_m2]);
+    if let Some(mars) = mars {
+        put(&mars.centre_m.to_array());
+        put(&[mars.radius_m, mars.bond_albedo, mars.thermal_exitance_w_m2]);
+    }
+    materials.iter().for_each(|m| put(&[m.bond_albedo, m.emissivity_bolometric]));
+    // Which of the above there are, so that no two scenes are the same row of numbers.
+    let mars_model = mars.as_ref().map_or(0, |m| match m.model {
+        MarsModel::NearField => 1,
+        MarsModel::Thesis => 2,
+    });
+    let thermal = match thermal {
+        Thermal::Equilibrium => 0,
+        Thermal::Thesis => 1,
+        Thermal::Off => 2,
+    };
+    for number in [mars_model, thermal, materials.len(), mesh.vertices_m.len(), mesh.facets.len()] {
+        hasher.update(&(number as u64).to_le_bytes());
+    }
+    update_in_pieces(&mut hasher, &mesh.vertices_m, |v: &DVec3, bytes| {
+        v.to_array().iter().for_each(|x| bytes.extend(x.to_le_bytes()));
+    });
+    update_in_pieces(&mut hasher, &mesh.facets, |f, bytes| f.iter().for_each(|v| bytes.extend(v.to_le_bytes())));
+    update_in_pieces(&mut hasher, &mesh.material, |m, bytes| bytes.extend(m.0.to_le_bytes()));
+    hasher.finalize().to_hex().to_string()
+}
+
+/// Hashes a long list through a buffer.
+fn update_in_pieces<T>(hasher: &mut Hasher, values: &[T], mut put: impl FnMut(&T, &mut Vec<u8>)) {
+    let mut bytes = Vec::new();
+    for piece in values.chunks(4096) {
+        bytes.clear();
+        piece.iter().for_each(|value| put(value, &mut bytes));
+        hasher.update(&bytes);
+    }
+}

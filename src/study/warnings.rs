@@ -1,0 +1,63 @@
+//! What a reader of a result should know, as sentences.
+
+use super::effects::Account;
+use super::simulate::Counts;
+use crate::integrate::Image;
+use crate::physics::sun::Eclipse;
+use crate::product::Lit;
+
+/// Less of the image than this may show facets from behind without a word: rims of open sheets do.
+const BACK_SHARE: f64 = 0.01;
+
+pub(super) fn warnings(account: &Account, counts: &Counts, image: &Image) -> Vec<String> {
+    let mut all = Vec::new();
+    let facets = |n: u64| if n == 1 { "1 facet".to_owned() } else { format!("{n} facets") };
+    if counts.visible_facets == 0 {
+        all.push("nothing is in view: no pixel sees a facet; check the observer's position and target, and the field of view".into());
+    }
+    if account.table.sunlit.lit.iter().all(|l| *l == Lit::Dark) {
+        let rest = match (account.table.mars_irradiance.is_empty(), account.table.temperature_lit_k.is_empty()) {
+            (true, true) => "the image is black",
+            _ => "what the image shows is Mars-light and heat",
+        };
+        all.push(format!("nothing is lit: the Sun is below every facet or behind the terrain; {rest}"));
+    }
+    let covered_px: f64 = image.backplanes.plane("COVERAGE").map_or(0.0, |p| p.values.iter().sum());
+    if image.back_area_px > BACK_SHARE * covered_px {
+        all.push(format!(
+            "{:.1} % of what the camera sees are facets from behind, which are black: the camera is under the terrain, or facets are inside out",
+            100.0 * image.back_area_px / covered_px
+        ));
+    }
+    match account.eclipse {
+        Some(Eclipse::Total) => {
+            all.push("the site is in eclipse: Mars covers the Sun, but the image is lit as if it did not".into())
+        }
+        Some(Eclipse::Partial) => {
+            all.push(
+                "the site is in partial eclipse: Mars covers part of the Sun, but the image is lit as if it did not"
+                    .into(),
+            );
+        }
+        _ => {}
+    }
+    if account.open_to_shadow > 0.0 {
+        all.push(format!(
+            "{:.1} % of the site might be shadowed by terrain outside it: from there, rays to the Sun leave the site below its highest point",
+            100.0 * account.open_to_shadow
+        ));
+    }
+    if counts.flipped_facets > 0 {
+        all.push(format!(
+            "{} with the inner side out, against their neighbours: seen from outside they are black",
+            facets(counts.flipped_facets)
+        ));
+    }
+    if counts.zero_area_facets > 0 {
+        all.push(format!("{} without area: they neither shine nor block", facets(counts.zero_area_facets)));
+    }
+    if account.site.is_open && account.site.up.is_none() {
+        all.push(format!("the body is not closed: {} open edges", counts.open_edges));
+    }
+    all
+}

@@ -1,0 +1,323 @@
+//! What a result says of itself: effects with bounds, warnings, checks; and what is refused.
+
+use glam::DVec3;
+use mmxrt::Error;
+use mmxrt::geometry::{Direction, Mesh};
+use mmxrt::progress::unwatched;
+use mmxrt::scene::{FrameCamera, Mars, MarsModel, Material, Scene, Sensor, Sun, Thermal};
+use mmxrt::spectral::{Band, Spectrum, solar_e490};
+use mmxrt::study::{Effect, Observation, simulate, table_id};
+
+use crate::shapes::*;
+
+const MARS_M: f64 = 9_376_000.0;
+
+fn material(reflectance: f64) -> Material {
+    Material {
+        name: "ground".into(),
+        reflectance: Spectrum::constant(reflectance),
+        emissivity: Spectrum::constant(1.0 - reflectance),
+        bond_albedo: reflectance,
+        emissivity_bolometric: 0.95,
+        mixture: vec![(0, 1.0)],
+    }
+}
+
+fn mars(towards: [f64; 3]) -> Mars {
+    Mars {
+        centre_m: MARS_M * direction(towards).vec(),
+        radius_m: 3_389_500.0,
+        reflectance: Spectrum::constant(0.25),
+        bond_albedo: 0.25,
+        thermal_exitance_w_m2: 110.0,
+        model: MarsModel::NearField,
+    }
+}
+
+/// A scene of one material, without Mars or heat, in bands at 1 and 3.6 um.
+fn scene(mesh: Mesh, towards_sun: Direction, camera: FrameCamera) -> Scene {
+    Scene {
+        origin_m: DVec3::new(0.0, 0.0, 11_000.0),
+        mesh,
+        materials: vec![material(0.07)],
+        sun: Sun {
+            direction: towards_sun,
+            distance_m: 1.5237 * mmxrt::units::AU_M,
+            irradiance_1au: solar_e490().clone(),
+            total_irradiance_1au_w_m2: 1366.1,
+        },
+        mars: None,
+        thermal: Thermal::Off,
+        sensor: Sensor {
+            name: "camera".into(),
+            camera,
+            bands: [1.0, 3.6].map(|centre_um| Band { centre_um, fwhm_um: None }).into(),
+        },
+    }
+}
+
+fn observed(scene: &Scene) -> Observation {
+    let (_, observation) = simulate(&scene.clone().check().unwrap(), &unwatched).unwrap();
+    for check in &observation.checks {
+        assert!(check.passed(), "{check:?}");
+    }
+    assert!(observation.checks.len() >= 4);
+    observation
+}
+
+fn hills() -> Mesh {
+    grid(50.0, 60, |x, y| 4.0 * (0.15 * x).sin() * (0.2 * y + 0.1 * x).cos())
+}
+
+fn effect<'a>(observation: &'a Observation, name: &str) -> &'a Effect {
+    observation.effects.iter().find(|e| e.name == name).unwrap_or_else(|| panic!("no effect {name:?}"))
+}
+
+fn warned(observation: &Observation, words: &str) -> bool {
+    observation.warnings.iter().any(|w| w.contains(words))
+}
+
+/// Median of the radiance of pixels that are lit all over.
+fn median_sunlit(observation: &Observation, band: usize) -> f64 {
+    let lit = &observation.backplanes.plane("LIT_FRACTION").unwrap().values;
+    let radiance = observation.cube.band(band);
+    let mut lit: Vec<f64> = radiance.into_iter().zip(lit).filter(|(_, lit)| **lit > 0.999).map(|(l, _)| l).collect();
+    assert!(lit.len() > 50);
+    lit.sort_by(f64::total_cmp);
+    lit[lit.len() / 2]
+}
+
+/// Largest change between two cubes in any band, relative to the median sunlit radiance of the first.
+fn largest_change(one: &Observation, other: &Observation) -> f64 {
+    let of_band = |band| {
+        let reference = median_sunlit(one, band);
+        let pairs = one.cube.band(band).into_iter().zip(other.cube.band(band));
+        pairs.map(|(a, b)| (a - b).abs() / reference).fold(0.0, f64::max)
+    };
+    (0..one.cube.bands.len()).map(of_band).fold(0.0, f64::max)
+}
+
+#[test]
+fn every_effect_says_what_it_is() {
+    let observation = observed(&scene(hills(), sun(40.0, 10.0), nadir(1e4, 80.0, 24)));
+    assert_eq!(observation.effects.len(), 13);
+    let mut bounded = 0;
+    for effect in &observation.effects {
+        assert!(effect.note.len() > 20, "{effect:?}");
+        assert!(effect.bound.is_none_or(|b| b >= 0.0 && b.is_finite()), "{effect:?}");
+        bounded += usize::from(effect.bound.is_some());
+    }
+    // Not known: photometry, the instrument, and an eclipse by a Mars that is not in the scene.
+    assert_eq!(bounded, 10);
+    let modelled: Vec<&str> = observation.effects.iter().filter(|e| e.modelled).map(|e| e.name.as_str()).collect();
+    assert_eq!(modelled, ["sunlight"]);
+    let mut all = scene(hills(), sun(40.0, 10.0), nadir(1e4, 80.0, 24));
+    all.mars = Some(mars([0.3, -0.1, 1.0]));
+    all.thermal = Thermal::Equilibrium;
+    let modelled = observed(&all).effects.iter().filter(|e| e.modelled).count();
+    assert_eq!(modelled, 4);
+}
+
+#[test]
+fn bounds_of_what_is_left_out_hold() {
+    let plain = scene(hills(), sun(40.0, 10.0), nadir(1e4, 80.0, 24));
+    let without = observed(&plain);
+    // A half Mars, 30 deg above the horizon.
+    let mut with_mars = plain.clone();
+    with_mars.mars = Some(mars([-0.9, -0.15, 0.5]));
+    let change = largest_change(&without, &observed(&with_mars));
+    let bound = effect(&without, "Mars-light").bound.unwrap();
+    assert!(change > 0.0 && change <= bound, "Mars-light: {change} {bound}");
+
+    let mut warm = plain.clone();
+    warm.thermal = Thermal::Equilibrium;
+    let warm_seen = observed(&warm);
+    let change = largest_change(&without, &warm_seen);
+    let bound = effect(&without, "thermal emission").bound.unwrap();
+    assert!(change > 1.0 && change <= bound, "thermal emission: {change} {bound}");
+    // What was left out is also what a shadow that is no cooler than sunlit ground would send.
+    let bound = effect(&warm_seen, "thermal inertia").bound.unwrap();
+    assert!(change <= bound, "thermal inertia: {change} {bound}");
+
+    let mut heated = warm.clone();
+    heated.mars = with_mars.mars.clone();
+    let change = largest_change(&warm_seen, &observed(&heated));
+    let bound = effect(&warm_seen, "heat from Mars").bound.unwrap() + effect(&warm_seen, "Mars-light").bound.unwrap();
+    assert!(change > 0.0 && change <= bound, "heat: {change} {bound}");
+}
+
+#[test]
+fn the_suns_disc_changes_no_more_than_its_bound() {
+    // A box 6 m high on a plane, pixels of 0.5 m, the Sun 70 deg from the zenith: penumbrae of a few decimetres.
+    let ground = joined(&[plane(60.0, 0.0), cuboid([-2.0, -2.0, -1.0], [2.0, 2.0, 6.0])]);
+    let camera = camera([0.0, 0.0, 1e4], [-5.0, 0.0, 0.0], [0.0, 1.0, 0.0], 48, 0.5 / 1e4);
+    let towards = sun(70.0, 0.0);
+    let point = observed(&scene(ground.clone(), towards, camera.clone()));
+    let radius_rad = mmxrt::physics::sun::angular_radius_rad(1.5237 * mmxrt::units::AU_M);
+    let (h, v) = towards.frame();
+    // The mean over directions on the disc, of equal shares of its area.
+    let count = 24;
+    let mut mean = vec![0.0; 48 * 48];
+    for i in 0..count {
+        let r = radius_rad * ((f64::from(i) + 0.5) / f64::from(count)).sqrt();
+        let a = 2.399_963_229_728_653 * f64::from(i);
+        let there = Direction::new(towards.vec() + r * (a.cos() * h + a.sin() * v)).unwrap();
+        let seen = observed(&scene(ground.clone(), there, camera.clone()));
+        mean.iter_mut().zip(seen.cube.band(0)).for_each(|(m, l)| *m += l / f64::from(count));
+    }
+    let reference = median_sunlit(&point, 0);
+    let change = point.cube.band(0).iter().zip(&mean).map(|(a, b)| (a - b).abs() / reference).fold(0.0, f64::max);
+    let bound = effect(&point, "the Sun's disc").bound.unwrap();
+    assert!(change > 0.01 && change <= bound, "{change} {bound}");
+}
+
+#[test]
+fn a_black_scene_is_a_result_and_says_so() {
+    let flat = || grid(50.0, 60, |_, _| 0.0);
+    let black = observed(&scene(flat(), sun(95.0, 10.0), nadir(1e4, 80.0, 8)));
+    assert!(warned(&black, "nothing is lit") && warned(&black, "the image is black"), "{:?}", black.warnings);
+    assert!(black.cube.band(0).iter().all(|l| *l == 0.0));
+    assert!(black.counts.visible_facets > 100 && black.counts.lit_facets == 0);
+    assert_eq!(effect(&black, "Mars-light").bound, None);
+    let mut warm = scene(flat(), sun(95.0, 10.0), nadir(1e4, 80.0, 8));
+    warm.mars = Some(mars([0.0, 0.0, 1.0]));
+    warm.thermal = Thermal::Equilibrium;
+    assert!(warned(&observed(&warm), "Mars-light and heat"));
+}
+
+#[test]
+fn an_empty_image_says_so() {
+    let away = camera([0.0, 0.0, 100.0], [0.0, 500.0, 100.0], [0.0, 0.0, 1.0], 8, 1e-3);
+    let empty = observed(&scene(plane(10.0, 0.0), sun(30.0, 0.0), away));
+    assert!(warned(&empty, "nothing is in view"), "{:?}", empty.warnings);
+    assert_eq!(empty.counts.visible_facets, 0);
+    let full = observed(&scene(plane(10.0, 0.0), sun(30.0, 0.0), nadir(1000.0, 10.0, 8)));
+    assert!(full.warnings.is_empty(), "{:?}", full.warnings);
+}
+
+#[test]
+fn a_site_in_eclipse_says_so() {
+    // Mars has a radius of 21.2 deg, the Sun one of 0.175 deg.
+    let towards = sun(30.0, 0.0);
+    for (off_deg, words) in [(0.0, "is in eclipse"), (20.9, "is in eclipse"), (21.2, "in partial eclipse"), (21.5, "")]
+    {
+        let mut site = scene(plane(10.0, 0.0), towards, nadir(1000.0, 10.0, 8));
+        site.mars = Some(mars(sun(30.0 + off_deg, 0.0).vec().to_array()));
+        let seen = observed(&site);
+        let expected = usize::from(!words.is_empty());
+        assert_eq!(seen.warnings.iter().filter(|w| w.contains("eclipse") && w.contains(words)).count(), expected);
+        assert_eq!(effect(&seen, "eclipse by Mars").bound, Some(expected as f64), "{off_deg}");
+    }
+}
+
+#[test]
+fn a_camera_inside_or_under_the_surface_is_refused() {
+    let down = |z: f64| camera([3.0, 4.0, z], [3.0, 4.0, z - 1.0], [0.0, 1.0, 0.0], 8, 1e-2);
+    let told = |mesh: &Mesh, camera: FrameCamera| match scene(mesh.clone(), sun(30.0, 0.0), camera).check() {
+        Ok(_) => String::new(),
+        Err(Error::Invalid(problems)) => {
+            assert_eq!((problems.len(), problems[0].at.item.as_deref()), (1, Some("observer.position_m")));
+            problems[0].message.clone()
+        }
+        Err(other) => panic!("{other}"),
+    };
+    let (inside, under) = ("inside the surface", "from behind");
+    let ball = sphere([0.0; 3], 10.0, 3);
+    let site = joined(&[hills(), cuboid([0.0, 0.0, -10.0], [10.0, 10.0, 30.0])]);
+    let cases = [
+        ("in a ball", &ball, down(1.0), inside),
+        ("above a ball", &ball, down(11.0), ""),
+        ("far above a ball", &ball, down(1e6), ""),
+        ("just below hills", &hills(), down(-8.0), under),
+        ("among hills", &hills(), down(3.9), ""),
+        ("far below hills", &hills(), down(-1e5), under),
+        ("above hills", &hills(), down(50.0), ""),
+        ("in a block on hills", &site, down(20.0), under),
+        ("above a block on hills", &site, down(40.0), ""),
+    ];
+    for (what, mesh, camera, words) in cases {
+        let told = told(mesh, camera);
+        assert!(told.contains(words) && told.is_empty() == words.is_empty(), "{what}: {told:?}");
+    }
+}
+
+#[test]
+fn flaws_of_a_mesh_are_counted() {
+    let mut mesh = hills();
+    mesh.facets[100].swap(0, 1);
+    mesh.facets.push([0, 0, 1]);
+    mesh.material.push(mesh.material[0]);
+    let seen = observed(&scene(mesh, sun(20.0, 0.0), nadir(1e4, 80.0, 8)));
+    assert!(warned(&seen, "1 facet with the inner side out"), "{:?}", seen.warnings);
+    assert!(warned(&seen, "1 facet without area"), "{:?}", seen.warnings);
+    let mut ball = sphere([0.0; 3], 10.0, 2);
+    ball.facets.pop();
+    ball.material.pop();
+    let seen = observed(&scene(ball, sun(20.0, 0.0), nadir(1000.0, 25.0, 8)));
+    assert!(warned(&seen, "not closed: 3 open edges"), "{:?}", seen.warnings);
+}
+
+#[test]
+fn terrain_outside_a_site_may_shadow_it_under_a_low_sun() {
+    let low = observed(&scene(hills(), sun(85.0, 10.0), nadir(1e4, 80.0, 8)));
+    assert!(warned(&low, "might be shadowed by terrain outside"), "{:?}", low.warnings);
+    assert_eq!(effect(&low, "terrain outside the mesh").bound, Some(1.0));
+    let high = observed(&scene(hills(), sun(1.0, 10.0), nadir(1e4, 80.0, 8)));
+    assert!(effect(&high, "terrain outside the mesh").bound.is_some());
+    let body = observed(&scene(sphere([0.0; 3], 10.0, 2), sun(85.0, 10.0), nadir(1000.0, 25.0, 8)));
+    assert_eq!(effect(&body, "terrain outside the mesh").bound, Some(0.0));
+}
+
+#[test]
+fn one_table_serves_all_cameras_and_bands_and_no_other_scene() {
+    let base = {
+        let mut base = scene(hills(), sun(40.0, 10.0), nadir(1e4, 80.0, 8));
+        base.mars = Some(mars([0.0, 1.0, 1.0]));
+        base.thermal = Thermal::Equilibrium;
+        base
+    };
+    let id = table_id(&base);
+    assert_eq!(id.len(), 64);
+    let changed = |change: &dyn Fn(&mut Scene)| {
+        let mut other = base.clone();
+        change(&mut other);
+        table_id(&other)
+    };
+    let same: [&dyn Fn(&mut Scene); 4] = [
+        &|s| s.sensor.camera = nadir(2e4, 10.0, 64),
+        &|s| s.sensor.bands.truncate(1),
+        &|s| s.materials[0].reflectance = Spectrum::constant(0.2),
+        &|s| s.sun.irradiance_1au = Spectrum::constant(1.0),
+    ];
+    for (i, change) in same.into_iter().enumerate() {
+        assert_eq!(changed(change), id, "{i}");
+    }
+    let other: [&dyn Fn(&mut Scene); 11] = [
+        &|s| s.origin_m.z += 1.0,
+        &|s| s.mesh.vertices_m[7].z += 1e-9,
+        &|s| s.mesh.facets.swap(3, 4),
+        &|s| s.sun.direction = sun(40.0, 10.1),
+        &|s| s.sun.distance_m *= 1.01,
+        &|s| s.sun.total_irradiance_1au_w_m2 = 1361.0,
+        &|s| s.mars = None,
+        &|s| s.mars.iter_mut().for_each(|m| m.model = MarsModel::Thesis),
+        &|s| s.mars.iter_mut().for_each(|m| m.thermal_exitance_w_m2 = 0.0),
+        &|s| s.thermal = Thermal::Off,
+        &|s| s.materials[0].bond_albedo = 0.02,
+    ];
+    let mut ids: Vec<String> = other.into_iter().map(changed).collect();
+    ids.push(id);
+    ids.sort();
+    ids.dedup();
+    assert_eq!(ids.len(), 12);
+}
+
+#[test]
+fn a_table_of_another_mesh_is_refused() {
+    let one = scene(hills(), sun(40.0, 10.0), nadir(1e4, 80.0, 8));
+    let (table, _) = simulate(&one, &unwatched).unwrap();
+    let other = scene(plane(50.0, 0.0), sun(40.0, 10.0), nadir(1e4, 80.0, 8));
+    let topology = mmxrt::visibility::Topology::new(&other.mesh);
+    let error = mmxrt::study::observe(&other, &topology, &table, &unwatched).unwrap_err().to_string();
+    assert!(error.contains("has 7200 values, but the scene has 2 facets"), "{error}");
+}
