@@ -50,6 +50,10 @@ pub(super) struct Account<'a> {
     /// Share of the site that terrain outside it might shadow.
     pub(super) open_to_shadow: f64,
     pub(super) eclipse: Option<Eclipse>,
+    /// The largest of the table's irradiances by Mars.
+    pub(super) largest_mars_irradiance: f64,
+    /// The warmest temperature of the table; without one, of a facet in equilibrium with sunlight at normal incidence, K.
+    hottest_k: f64,
     materials: Vec<&'a Material>,
 }
 
@@ -57,7 +61,15 @@ impl<'a> Account<'a> {
     pub(super) fn new(scene: &'a Scene, table: &'a FacetTable, site: &'a Site, backplanes: &Backplanes) -> Self {
         let mut used = vec![false; scene.materials.len()];
         scene.mesh.material.iter().for_each(|m| used[m.0 as usize] = true);
-        let materials = scene.materials.iter().zip(used).filter(|(_, used)| *used).map(|(m, _)| m).collect();
+        let materials: Vec<&Material> =
+            scene.materials.iter().zip(used).filter(|(_, used)| *used).map(|(m, _)| m).collect();
+        let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
+        let of_table_k = largest(&table.temperature_lit_k).max(largest(&table.temperature_shaded_k));
+        let total_w_m2 = sun::irradiance_at(scene.sun.total_irradiance_1au_w_m2, scene.sun.distance_m);
+        let at_noon_k = |m: &&Material| {
+            heat::equilibrium_temperature_k((1.0 - m.bond_albedo) * total_w_m2, m.emissivity_bolometric)
+        };
+        let hottest_k = if of_table_k > 0.0 { of_table_k } else { materials.iter().map(at_noon_k).fold(0.0, f64::max) };
         let eclipse = scene.mars.as_ref().and_then(|mars| {
             let (towards_m, sun_rad) = (Direction::new(mars.centre_m)?, sun::angular_radius_rad(scene.sun.distance_m));
             let separation_rad = scene.sun.direction.angle_rad(towards_m);
@@ -70,6 +82,8 @@ impl<'a> Account<'a> {
             cos_incidence: median_cos_incidence(backplanes),
             open_to_shadow: site.open_to_shadow(&scene.mesh, scene.sun.direction.vec()),
             eclipse,
+            largest_mars_irradiance: largest(&table.mars_irradiance),
+            hottest_k,
             materials,
         }
     }
@@ -137,9 +151,8 @@ impl<'a> Account<'a> {
     }
 
     fn mars_light_shadows(&self) -> Effect {
-        let largest = self.table.mars_irradiance.iter().copied().fold(0.0, f64::max);
         let bound = match &self.scene.mars {
-            Some(_) if largest == 0.0 => Some(0.0),
+            Some(_) if self.largest_mars_irradiance == 0.0 => Some(0.0),
             _ => self.mars_light_bound(),
         };
         left_out(
@@ -150,7 +163,7 @@ impl<'a> Account<'a> {
     }
 
     fn thermal_emission(&self) -> Effect {
-        let hottest_k = self.hottest_k();
+        let hottest_k = self.hottest_k;
         match self.scene.thermal {
             Thermal::Off => left_out(
                 "thermal emission",
@@ -178,7 +191,7 @@ impl<'a> Account<'a> {
     }
 
     fn thermal_inertia(&self) -> Effect {
-        let hottest_k = self.hottest_k();
+        let hottest_k = self.hottest_k;
         left_out(
             "thermal inertia",
             self.emitted(hottest_k),
@@ -194,7 +207,7 @@ impl<'a> Account<'a> {
         let scene = self.scene;
         let total_w_m2 = sun::irradiance_at(scene.sun.total_irradiance_1au_w_m2, scene.sun.distance_m);
         // Reflected or emitted, Mars sends no more than sunlight at its zenith.
-        let bound = self.largest_up_to(self.hottest_k(), |um, m, t_k| {
+        let bound = self.largest_up_to(self.hottest_k, |um, m, t_k| {
             let own_w_m2 = heat::emitted_w_m2(t_k, m.emissivity_bolometric);
             let heated_k = heat::equilibrium_temperature_k(own_w_m2 + q * q * total_w_m2, m.emissivity_bolometric);
             emission(m, um, heated_k) - emission(m, um, t_k)
@@ -311,20 +324,6 @@ impl<'a> Account<'a> {
             None => MARS_ALBEDO,
         };
         self.cos_incidence.map(|cos| bounds::mars_light(albedo, q, cos))
-    }
-
-    /// The warmest temperature of the table; without one, of a facet in equilibrium with sunlight at normal incidence, K.
-    fn hottest_k(&self) -> f64 {
-        let (scene, table) = (self.scene, self.table);
-        let of_table = table.temperature_lit_k.iter().chain(&table.temperature_shaded_k).copied().fold(0.0, f64::max);
-        if of_table > 0.0 {
-            return of_table;
-        }
-        let total_w_m2 = sun::irradiance_at(scene.sun.total_irradiance_1au_w_m2, scene.sun.distance_m);
-        let of = |m: &&Material| {
-            heat::equilibrium_temperature_k((1.0 - m.bond_albedo) * total_w_m2, m.emissivity_bolometric)
-        };
-        self.materials.iter().map(of).fold(0.0, f64::max)
     }
 
     /// What a surface at a temperature emits, relative to the median sunlit radiance.

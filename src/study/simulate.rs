@@ -108,7 +108,7 @@ pub fn observe(scene: &Scene, topology: &Topology, table: &FacetTable, watch: Wa
     let observation = Observation {
         effects: account.effects(),
         warnings: warnings(&account, &counts, &image),
-        checks: checks(scene, table, &site, &image),
+        checks: checks(&account, &image),
         counts,
         cube: image.cube,
         backplanes: image.backplanes,
@@ -137,7 +137,8 @@ fn fits(scene: &Scene, table: &FacetTable) -> Result<()> {
 }
 
 /// What must hold whatever the scene.
-fn checks(scene: &Scene, table: &FacetTable, site: &Site, image: &Image) -> Vec<Check> {
+fn checks(account: &Account, image: &Image) -> Vec<Check> {
+    let Account { scene, table, site, .. } = account;
     let check = |name: &str, value: f64, limit: f64| Check { name: name.to_owned(), value, limit };
     let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
     let sunlit = &table.sunlit;
@@ -170,7 +171,7 @@ fn checks(scene: &Scene, table: &FacetTable, site: &Site, image: &Image) -> Vec<
         let nearest_m = mars.centre_m.distance(mars.centre_m.clamp(low_m, high_m));
         let bound = bounds::mars_light(1.0, (mars.radius_m / nearest_m).min(1.0), 1.0);
         let name = "largest irradiance by Mars, over that of sunlight at its zenith on all of Mars";
-        checks.push(check(name, largest(&table.mars_irradiance) / bound, 1.0));
+        checks.push(check(name, account.largest_mars_irradiance / bound, 1.0));
     }
     checks
 }
