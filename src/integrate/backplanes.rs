@@ -12,7 +12,7 @@ use crate::product::{Backplanes, FacetTable, Plane};
 use crate::scene::Scene;
 
 /// Planes that every product has: name and unit.
-const FIXED: [(&str, &str); 31] = [
+const FIXED: [(&str, &str); 30] = [
     ("COVERAGE", "1"),
     ("LIT_FRACTION", "1"),
     ("FACET", "index from 0"),
@@ -43,7 +43,6 @@ const FIXED: [(&str, &str); 31] = [
     ("EMISSION_MEAN", "deg"),
     ("LOCALINCIDENCE_MEAN", "deg"),
     ("LOCALEMISSION_MEAN", "deg"),
-    ("SUNLIT_LOCALINCIDENCE_MEAN", "deg"),
 ];
 
 /// Computes the planes.
@@ -110,7 +109,6 @@ impl<'a> Planes<'a> {
         let mesh = &self.scene.mesh;
         let (mut position_m, mut range_m, mut lit) = (DVec3::ZERO, 0.0, 0.0);
         let (mut local_incidence, mut local_emission) = (0.0, 0.0);
-        let mut sunlit_incidence = 0.0;
         let mut area_of_material = [0.0; 8];
         let mut more_materials = std::collections::BTreeMap::new();
         let mut largest = (0.0, 0);
@@ -119,10 +117,8 @@ impl<'a> Planes<'a> {
             let hit = self.hit(e.facet, x, y);
             position_m += e.area * hit.point_m;
             range_m += e.area * hit.range_m;
-            let (incidence_rad, emission_rad) = (hit.local_incidence_rad(self), hit.local_emission_rad());
-            local_incidence += e.area * incidence_rad;
-            local_emission += e.area * emission_rad;
-            sunlit_incidence += e.lit * incidence_rad;
+            local_incidence += e.area * hit.local_incidence_rad(self);
+            local_emission += e.area * hit.local_emission_rad();
             lit += e.lit;
             if e.area > largest.0 {
                 largest = (e.area, e.facet);
@@ -148,7 +144,7 @@ impl<'a> Planes<'a> {
         let to_observer = self.scene.sensor.camera.centre_m() - mean_m;
         let (latitude, longitude) = planetocentric_deg(body_m);
         let degrees = |sum: f64| (sum / coverage).to_degrees();
-        values[19..31].copy_from_slice(&[
+        values[19..30].copy_from_slice(&[
             latitude,
             longitude,
             body_m.x,
@@ -160,7 +156,6 @@ impl<'a> Planes<'a> {
             angle_rad(body_m, to_observer).to_degrees(),
             degrees(local_incidence),
             degrees(local_emission),
-            if lit > 0.0 { (sunlit_incidence / lit).to_degrees() } else { f64::NAN },
         ]);
     }
 

@@ -366,12 +366,17 @@ fn emission(material: &Material, um: f64, t_k: f64) -> f64 {
     material.emissivity.at(um).unwrap_or(1.0) * blackbody::radiance_w_m2_sr_um(um, t_k)
 }
 
-/// Median over the pixels that see sunlit ground.
+/// Median over the pixels that are sunlit for the most part; over all that have any light if none are.
 fn median_cos_incidence(backplanes: &Backplanes) -> Option<f64> {
-    let plane = backplanes.plane("SUNLIT_LOCALINCIDENCE_MEAN")?;
-    let mut cosines: Vec<f64> = plane.values.iter().filter(|i| !i.is_nan()).map(|i| i.to_radians().cos()).collect();
+    let (incidence, lit) = (backplanes.plane("LOCALINCIDENCE_MEAN")?, backplanes.plane("LIT_FRACTION")?);
+    let cosines = |least: f64| -> Vec<f64> {
+        let pixels = incidence.values.iter().zip(&lit.values);
+        let lit = pixels.filter(|(_, lit)| **lit > least).map(|(i, _)| i.to_radians().cos());
+        lit.filter(|cos| *cos > 0.0).collect()
+    };
+    let mut cosines = [0.5, 0.0].into_iter().map(cosines).find(|c| !c.is_empty())?;
     let middle = cosines.len() / 2;
-    (!cosines.is_empty()).then(|| *cosines.select_nth_unstable_by(middle, f64::total_cmp).1).filter(|cos| *cos > 0.0)
+    Some(*cosines.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 fn modelled(name: &str, bound: Option<f64>, note: impl Into<String>) -> Effect {
