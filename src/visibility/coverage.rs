@@ -2,7 +2,8 @@
 //!
 //! A cell that no open edge crosses holds the same number of layers everywhere (an edge that is not open only passes
 //! from a facet to its continuation). If that number, counted at the cell's centre, is one, everything in the cell is seen;
-//! nothing needs to be compared. Other cells are quartered until few facets remain, then [partitioned](super::partition).
+//! nothing needs to be compared. Elsewhere what lies behind the nearest [whole sheet](Front) is set aside; if more than that
+//! sheet is left, the cell is quartered until few facets remain, then [partitioned](super::partition).
 
 use robust::{Coord, orient2d};
 

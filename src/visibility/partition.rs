@@ -276,6 +276,7 @@ enum Cut {
     Kept(usize),
 }
 
+/// What a candidate wins of an overlap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Won {
     All,
