@@ -173,7 +173,7 @@ impl fmt::Display for Location {
             }
             gap = " ";
         }
-        if let Some(item) = &self.item {
+        if let Some(item) = self.item.as_ref().filter(|item| !item.is_empty()) {
             write!(f, "{gap}{item}")?;
         }
         Ok(())

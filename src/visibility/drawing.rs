@@ -348,7 +348,7 @@ impl<'a> Drawing<'a> {
         }
     }
 
-    /// An edge is open unless the facet beyond it is drawn on the same side.
+    /// An edge is open unless the facet beyond it is drawn on the same side, and in one piece.
     fn mark_open_edges(&mut self) {
         let sides = &self.flags;
         let mut flags: Vec<u8> = sides
@@ -359,7 +359,7 @@ impl<'a> Drawing<'a> {
                 let side = flag & (FRONT | BACK);
                 let mut marked = flag;
                 for (k, &n) in neighbour.iter().enumerate() {
-                    if n == NONE || side == 0 || sides[n as usize] & (FRONT | BACK) != side {
+                    if n == NONE || side == 0 || sides[n as usize] & (FRONT | BACK | CUT) != side {
                         marked |= OPEN[k];
                     }
                 }

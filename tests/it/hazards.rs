@@ -218,6 +218,35 @@ fn a_facet_through_the_camera_plane_is_cut_there() {
 }
 
 #[test]
+fn a_camera_close_to_the_ground_sees_no_point_twice() {
+    // Facets beside, below and behind the camera are cut; boxes stand before and among them.
+    let hills = grid(100.0, 60, |x, y| (0.3 * x).sin() + (0.23 * y + 0.2 * x).cos());
+    let boxes: Vec<_> = (0..12)
+        .map(|k| {
+            let (x, y) = (7.0 * f64::from(k) - 40.0, 3.0 * f64::from(k % 5) - 4.0);
+            of_material(cuboid([x, y, -3.0], [x + 2.0, y + 1.5, 4.0]), 1)
+        })
+        .collect();
+    let all = joined(&[vec![hills], boxes].concat());
+    let mut below = 0;
+    for (from, pitch) in [([0.3, -1.0, 2.5], 0.3), ([-5.2, 6.0, 3.0], 1.0), ([20.0, 20.0, 2.2], 5.0)] {
+        let cam = camera(from, [from[0] + 3.0, from[1] + 1.0, from[2]], [0.0, 0.0, 1.0], 24, pitch);
+        // `see` refuses pixels that add up to more than 1.
+        let seen = see(&all, sun(50.0, 120.0), &cam);
+        for pixel in 0..24 * 24 {
+            // More than 7 deg below the horizontal every ray meets ground 20 m away or nearer, from 3 m up.
+            let (x, y) = (f64::from(pixel % 24) + 0.5, f64::from(pixel / 24));
+            if cam.ray(x, y).normalize().z < -0.12 {
+                below += 1;
+                let got = seen.footprints.coverage(pixel as usize);
+                assert_near(&format!("pitch {pitch}, pixel {pixel}"), got, 1.0, 1e-12);
+            }
+        }
+    }
+    assert!(below > 500, "{below}");
+}
+
+#[test]
 fn a_hundred_thousand_facets_in_one_pixel_add_up() {
     let hills = grid(1.0, 224, |x, y| 0.2 * (7.0 * x).sin() * (5.0 * y).cos());
     assert!(hills.facets.len() > 100_000);
