@@ -140,7 +140,7 @@ fn reading_stops_when_it_is_asked_to() {
 /// (text of the good scene, what stands in its place, place of the problem, words of the message)
 const CASES: &[(&str, &str, &str, &str)] = &[
     // keys, types, values
-    ("mmxrt_scene = 1\n", "", "scene.toml ", "`mmxrt_scene` is missing"),
+    ("mmxrt_scene = 1\n", "", "scene.toml", "`mmxrt_scene` is missing"),
     ("mmxrt_scene = 1", "mmxrt_scene = 2", ":1:15 mmxrt_scene", "2 is more than 1"),
     ("origin_m = [0, 0, 10000]", "origin_m = [0, 0]", ":2:12 origin_m", "expected a list of 3, found 2"),
     (
