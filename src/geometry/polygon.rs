@@ -62,6 +62,15 @@ impl Rect {
             && other.min[1] < self.max[1]
     }
 
+    /// What two rectangles share; turned inside out if they share nothing.
+    #[inline]
+    pub fn common(&self, other: &Rect) -> Rect {
+        Rect {
+            min: [self.min[0].max(other.min[0]), self.min[1].max(other.min[1])],
+            max: [self.max[0].min(other.max[0]), self.max[1].min(other.max[1])],
+        }
+    }
+
     /// Whether another rectangle lies inside or on the border.
     #[inline]
     pub fn contains(&self, other: &Rect) -> bool {
@@ -132,6 +141,7 @@ fn tidy(polygon: &mut Vec<Point>) {
 pub fn split(polygon: &[Point], value: &[f64], inside: &mut Vec<Point>, outside: &mut Vec<Point>) {
     inside.clear();
     outside.clear();
+    let (mut some_inside, mut some_outside) = (false, false);
     for i in 0..polygon.len() {
         let j = if i + 1 == polygon.len() { 0 } else { i + 1 };
         let (p, d, e) = (polygon[i], value[i], value[j]);
@@ -141,64 +151,152 @@ pub fn split(polygon: &[Point], value: &[f64], inside: &mut Vec<Point>, outside:
         if d <= 0.0 {
             push(outside, p);
         }
+        some_inside |= d > 0.0;
+        some_outside |= d < 0.0;
         if (d > 0.0 && e < 0.0) || (d < 0.0 && e > 0.0) {
             let x = crossing(p, d, polygon[j], e);
             push(inside, x);
             push(outside, x);
         }
     }
-    if value.iter().all(|d| *d <= 0.0) {
+    if !some_inside {
         inside.clear();
     }
-    if value.iter().all(|d| *d >= 0.0) {
+    if !some_outside {
         outside.clear();
     }
     tidy(inside);
     tidy(outside);
 }
 
-/// Signed distance (times the length of a-b) of `p` from the line through `a` and `b`, positive to the left;
-/// exactly 0 where the sign is not certain in f64.
-///
-/// Antisymmetric to the last bit in the exchange of `a` and `b`.
+/// The directed line through two points: which side of it others lie on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Line {
+    /// The end with the lower coordinates, the step from there to the other, and 1, or -1 where that is backwards.
+    from: Point,
+    step: [f64; 2],
+    sign: f64,
+}
+
+impl Line {
+    /// The line from `a` to `b`.
+    #[inline]
+    pub fn through(a: Point, b: Point) -> Line {
+        let (from, to, sign) = if (a[0], a[1]) <= (b[0], b[1]) { (a, b, 1.0) } else { (b, a, -1.0) };
+        Line { from, step: [to[0] - from[0], to[1] - from[1]], sign }
+    }
+
+    /// Signed distance (times the length of a-b) of `p` from the line, positive to the left;
+    /// exactly 0 where the sign is not certain in f64.
+    ///
+    /// Antisymmetric to the last bit in the exchange of the line's ends.
+    #[inline]
+    pub fn side(&self, p: Point) -> f64 {
+        let left = self.step[0] * (p[1] - self.from[1]);
+        let right = self.step[1] * (p[0] - self.from[0]);
+        let d = left - right;
+        // Forward error of the four differences, two products and one sum: Shewchuk (1997), 3 + 16 eps of |left| + |right|.
+        if d.abs() <= 4.0 * f64::EPSILON * (left.abs() + right.abs()) { 0.0 } else { self.sign * d }
+    }
+
+    /// The corner of a rectangle that lies farthest to the left.
+    #[inline]
+    fn leftmost(&self, rect: &Rect) -> Point {
+        let x = if self.sign * self.step[1] > 0.0 { rect.min[0] } else { rect.max[0] };
+        let y = if self.sign * self.step[0] > 0.0 { rect.max[1] } else { rect.min[1] };
+        [x, y]
+    }
+
+    /// Whether all of a rectangle lies to the right, for certain.
+    #[inline]
+    pub fn has_on_its_right(&self, rect: &Rect) -> bool {
+        self.side(self.leftmost(rect)) < 0.0
+    }
+
+    /// Whether all of a rectangle lies to one side, for certain.
+    #[inline]
+    pub fn passes_by(&self, rect: &Rect) -> bool {
+        let [x, y] = self.leftmost(rect);
+        let opposite = |lo: f64, hi: f64, at: f64| if at == lo { hi } else { lo };
+        let rightmost = [opposite(rect.min[0], rect.max[0], x), opposite(rect.min[1], rect.max[1], y)];
+        self.side([x, y]) < 0.0 || self.side(rightmost) > 0.0
+    }
+}
+
+/// Signed distance of `p` from the line from `a` to `b`: see [`Line::side`].
 #[inline]
 pub fn side(a: Point, b: Point, p: Point) -> f64 {
-    let (a, b, sign) = if (a[0], a[1]) <= (b[0], b[1]) { (a, b, 1.0) } else { (b, a, -1.0) };
-    let left = (b[0] - a[0]) * (p[1] - a[1]);
-    let right = (b[1] - a[1]) * (p[0] - a[0]);
-    let d = left - right;
-    // Forward error of the four differences, two products and one sum: Shewchuk (1997), 3 + 16 eps of |left| + |right|.
-    if d.abs() <= 4.0 * f64::EPSILON * (left.abs() + right.abs()) { 0.0 } else { sign * d }
+    Line::through(a, b).side(p)
 }
 
 /// The part of a convex polygon inside a rectangle, appended to nothing: `out` is cleared first.
 pub fn clip_to_rect(polygon: &[Point], rect: &Rect, out: &mut Vec<Point>, spare: &mut Vec<Point>) {
     out.clear();
+    let bounds = Rect::of(polygon);
+    // What one limit cuts off can only make another needless, so that the first bounds tell which are needed.
+    let limits = [
+        (0, bounds.min[0] < rect.min[0], rect.min[0], 1.0),
+        (0, bounds.max[0] > rect.max[0], rect.max[0], -1.0),
+        (1, bounds.min[1] < rect.min[1], rect.min[1], 1.0),
+        (1, bounds.max[1] > rect.max[1], rect.max[1], -1.0),
+    ];
+    let needed = limits.into_iter().filter(|l| l.1).map(|(axis, _, limit, sign)| (axis, limit, sign));
     out.extend_from_slice(polygon);
-    for axis in 0..2 {
-        for (limit, sign) in [(rect.min[axis], 1.0), (rect.max[axis], -1.0)] {
-            if out.iter().all(|p| sign * (p[axis] - limit) >= 0.0) {
-                continue;
+    for (axis, limit, sign) in needed {
+        spare.clear();
+        let Some(&last) = out.last() else { return };
+        let (mut before, mut e) = (last, sign * (last[axis] - limit));
+        for &p in out.iter() {
+            let d = sign * (p[axis] - limit);
+            if (d > 0.0 && e < 0.0) || (d < 0.0 && e > 0.0) {
+                let mut x = crossing(before, e, p, d);
+                x[axis] = limit;
+                push(spare, x);
             }
-            spare.clear();
-            for i in 0..out.len() {
-                let j = if i + 1 == out.len() { 0 } else { i + 1 };
-                let (p, q) = (out[i], out[j]);
-                let (d, e) = (sign * (p[axis] - limit), sign * (q[axis] - limit));
-                if d >= 0.0 {
-                    push(spare, p);
-                }
-                if (d > 0.0 && e < 0.0) || (d < 0.0 && e > 0.0) {
-                    let mut x = crossing(p, d, q, e);
-                    x[axis] = limit;
-                    push(spare, x);
-                }
+            if d >= 0.0 {
+                push(spare, p);
             }
-            tidy(spare);
-            std::mem::swap(out, spare);
-            if out.is_empty() {
-                return;
-            }
+            (before, e) = (p, d);
+        }
+        tidy(spare);
+        std::mem::swap(out, spare);
+    }
+}
+
+/// The part of a convex polygon to the left of some lines. `out` is cleared first.
+pub fn clip_to_sides(polygon: &[Point], sides: &[Line], out: &mut Vec<Point>, spare: &mut Vec<Point>) {
+    out.clear();
+    out.extend_from_slice(polygon);
+    for line in sides {
+        cut_by(|p| line.side(p), out, spare);
+    }
+}
+
+/// Leaves of a polygon what lies where `distance`, affine, is not negative; nothing if that has no interior.
+#[inline]
+fn cut_by(distance: impl Fn(Point) -> f64, polygon: &mut Vec<Point>, spare: &mut Vec<Point>) {
+    let Some(&last) = polygon.last() else { return };
+    spare.clear();
+    let (mut before, mut e) = (last, distance(last));
+    let (mut untouched, mut inside) = (true, false);
+    for &x in polygon.iter() {
+        let d = distance(x);
+        untouched &= d >= 0.0;
+        inside |= d > 0.0;
+        if (d > 0.0 && e < 0.0) || (d < 0.0 && e > 0.0) {
+            push(spare, crossing(before, e, x, d));
+        }
+        if d >= 0.0 {
+            push(spare, x);
+        }
+        (before, e) = (x, d);
+    }
+    // Where every distance is 0 the line has no direction, and cuts nothing.
+    if !untouched {
+        tidy(spare);
+        std::mem::swap(polygon, spare);
+        if !inside {
+            polygon.clear();
         }
     }
 }
@@ -213,34 +311,13 @@ pub fn intersect(a: &[Point], b: &[Point], out: &mut Vec<Point>, spare: &mut Vec
     let doubt = END_ROUNDING * b.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
     for i in 0..b.len() {
         let (p, q) = (b[i], b[if i + 1 == b.len() { 0 } else { i + 1 }]);
+        let line = Line::through(p, q);
         let distance = |x: Point| {
-            let d = side(p, q, x);
+            let d = line.side(x);
             let reach = (x[0] - p[0]).abs() + (x[1] - p[1]).abs() + (x[0] - q[0]).abs() + (x[1] - q[1]).abs();
             if d.abs() <= doubt * reach { 0.0 } else { d }
         };
-        spare.clear();
-        let Some(&last) = out.last() else { return };
-        let (mut before, mut e) = (last, distance(last));
-        let mut untouched = e >= 0.0;
-        for &x in out.iter() {
-            let d = distance(x);
-            untouched &= d >= 0.0;
-            if (d > 0.0 && e < 0.0) || (d < 0.0 && e > 0.0) {
-                push(spare, crossing(before, e, x, d));
-            }
-            if d >= 0.0 {
-                push(spare, x);
-            }
-            (before, e) = (x, d);
-        }
-        if untouched {
-            continue;
-        }
-        tidy(spare);
-        std::mem::swap(out, spare);
-        if out.is_empty() {
-            return;
-        }
+        cut_by(distance, out, spare);
     }
 }
 

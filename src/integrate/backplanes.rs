@@ -90,8 +90,8 @@ impl<'a> Planes<'a> {
         FIXED.len() + 2 * self.entries.len()
     }
 
-    /// Adds one pixel's values to the planes.
-    pub(super) fn add(&self, pixel: &mut Pixel, column: u32, row: u32, planes: &mut [Vec<f64>]) {
+    /// Writes one pixel's values into its line of each plane.
+    pub(super) fn add(&self, pixel: &mut Pixel, column: u32, row: u32, planes: &mut [&mut [f64]]) {
         let mut values = [f64::NAN; FIXED.len()];
         let mut abundance = vec![0.0; 2 * self.entries.len()];
         let coverage: f64 = pixel.entries.iter().map(|e| e.area).sum();
@@ -101,7 +101,7 @@ impl<'a> Planes<'a> {
             self.centre(pixel, column, row, &mut values);
         }
         for (plane, value) in planes.iter_mut().zip(values.iter().chain(&abundance)) {
-            plane.push(*value);
+            plane[column as usize] = *value;
         }
     }
 
@@ -113,7 +113,7 @@ impl<'a> Planes<'a> {
         let mut more_materials = std::collections::BTreeMap::new();
         let mut largest = (0.0, 0);
         for e in &pixel.entries {
-            let [x, y] = e.centroid();
+            let [x, y] = e.centroid(&pixel.rect);
             let hit = self.hit(e.facet, x, y);
             position_m += e.area * hit.point_m;
             range_m += e.area * hit.range_m;

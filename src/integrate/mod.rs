@@ -7,7 +7,7 @@ mod footprints;
 mod lit;
 mod pixel;
 
-use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
@@ -45,8 +45,6 @@ struct Line {
     row_start: Vec<u32>,
     row: Vec<u32>,
     weight: Vec<f64>,
-    planes: Vec<Vec<f64>>,
-    seen: Vec<u32>,
     back_area_px: f64,
     excess_px: f64,
 }
@@ -62,22 +60,33 @@ pub fn integrate(scene: &Scene, topology: &Topology, table: &FacetTable, watch: 
     let first = first_polygons(&table.sunlit);
     let emission = Emission::new(scene, table);
     let planes = Planes::new(scene, table);
+    let (samples, rows) = (camera.samples as usize, camera.lines as usize);
+    let mut values = vec![vec![0.0; samples * rows]; planes.count()];
+    // Each line of the image writes its own part of every plane.
+    let mut parts: Vec<Vec<&mut [f64]>> = std::iter::repeat_with(Vec::new).take(rows).collect();
+    for plane in &mut values {
+        plane.chunks_mut(samples).zip(&mut parts).for_each(|(chunk, part)| part.push(chunk));
+    }
+    let mut seen = Vec::with_capacity(scene.mesh.facets.len());
+    seen.resize_with(scene.mesh.facets.len(), || AtomicBool::new(false));
     let done = AtomicU64::new(0);
-    let lines: Result<Vec<Line>> = (0..camera.lines)
+    let lines: Result<Vec<Line>> = parts
         .into_par_iter()
+        .enumerate()
         .map_init(
             || {
                 let lit = LitArea::new(&scene.mesh, camera, &table.sunlit, &first, |f| drawing.is_cut(f));
                 (Scratch::default(), Pixel::new(&drawing, lit), Weights::new(emission.rows()))
             },
-            |(scratch, pixel, weights), row| {
-                let mut line = Line { planes: vec![vec![]; planes.count()], ..Line::default() };
+            |(scratch, pixel, weights), (row, mut part)| {
+                let row = row as u32;
+                let mut line = Line::default();
                 pixel.new_line(row);
                 for column in 0..camera.samples {
                     pixel.look(&coverage, column, row, scratch);
                     line.row_start.push(line.row.len() as u32);
-                    line.look(scene, &emission, pixel, weights);
-                    planes.add(pixel, column, row, &mut line.planes);
+                    line.look(scene, &emission, pixel, weights, &seen);
+                    planes.add(pixel, column, row, &mut part);
                 }
                 tell(watch, "image", done.fetch_add(1, Relaxed) + 1, u64::from(camera.lines))?;
                 Ok(line)
@@ -85,18 +94,25 @@ pub fn integrate(scene: &Scene, topology: &Topology, table: &FacetTable, watch: 
         )
         .collect();
     drop(coverage);
-    Ok(assemble(scene, &emission, &planes, lines?))
+    let lines = lines?;
+    Ok(Image {
+        back_area_px: lines.iter().map(|l| l.back_area_px).sum(),
+        excess_px: lines.iter().map(|l| l.excess_px).fold(0.0, f64::max),
+        cube: assemble(scene, &emission, lines),
+        backplanes: planes.name(values, samples, rows),
+        seen: seen.into_iter().map(AtomicBool::into_inner).collect(),
+    })
 }
 
 impl Line {
     /// Adds up what a pixel sees.
-    fn look(&mut self, scene: &Scene, emission: &Emission, pixel: &Pixel, weights: &mut Weights) {
+    fn look(&mut self, scene: &Scene, emission: &Emission, pixel: &Pixel, weights: &mut Weights, seen: &[AtomicBool]) {
         let mut area = 0.0;
         for e in &pixel.entries {
             area += e.area;
-            self.seen.push(e.facet);
+            seen[e.facet as usize].store(true, Relaxed);
             if e.front {
-                let [x, y] = e.centroid();
+                let [x, y] = e.centroid(&pixel.rect);
                 let to_observer = -scene.sensor.camera.ray(x, y);
                 emission.towards(e.facet, to_observer, e.area, e.lit, |row, weight| weights.add(row, weight));
             } else {
@@ -143,7 +159,7 @@ impl Weights {
     }
 }
 
-fn assemble(scene: &Scene, emission: &Emission, planes: &Planes, lines: Vec<Line>) -> Image {
+fn assemble(scene: &Scene, emission: &Emission, lines: Vec<Line>) -> Cube {
     let camera = &scene.sensor.camera;
     let entries = lines.iter().map(|l| l.row.len()).sum();
     let mut cube = Cube {
@@ -155,22 +171,12 @@ fn assemble(scene: &Scene, emission: &Emission, planes: &Planes, lines: Vec<Line
         weight: Vec::with_capacity(entries),
         spectra: emission.spectra(),
     };
-    let mut seen = vec![false; scene.mesh.facets.len()];
-    let mut values = vec![Vec::with_capacity(cube.samples * cube.lines); planes.count()];
-    let (mut back_area_px, mut excess_px) = (0.0, 0.0f64);
     for line in lines {
         let base = cube.row.len() as u32;
         cube.row_start.extend(line.row_start.iter().map(|s| base + s));
         cube.row.extend(line.row);
         cube.weight.extend(line.weight);
-        for (all, part) in values.iter_mut().zip(line.planes) {
-            all.extend(part);
-        }
-        line.seen.iter().for_each(|f| seen[*f as usize] = true);
-        back_area_px += line.back_area_px;
-        excess_px = excess_px.max(line.excess_px);
     }
     cube.row_start.push(cube.row.len() as u32);
-    let backplanes = planes.name(values, cube.samples, cube.lines);
-    Image { cube, backplanes, seen, back_area_px, excess_px }
+    cube
 }

@@ -5,6 +5,9 @@ use crate::visibility::{Drawing, Scratch, Side, Visit};
 
 use super::lit::{LitArea, Window};
 
+/// Of a facet that is hidden all over, subtraction leaves less than this, pixels.
+const REMAINDER: f64 = 1e-14;
+
 /// A facet in a pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Entry {
@@ -21,8 +24,9 @@ pub(super) struct Entry {
 
 impl Entry {
     /// Image centroid of what is seen, pixels.
-    pub(super) fn centroid(&self) -> Point {
-        [self.moment[0] / self.area, self.moment[1] / self.area]
+    pub(super) fn centroid(&self, pixel: &Rect) -> Point {
+        // What little subtraction leaves has a moment of rounding.
+        [0, 1].map(|k| (self.moment[k] / self.area).clamp(pixel.min[k], pixel.max[k]))
     }
 }
 
@@ -34,6 +38,10 @@ pub(super) struct Pixel<'a> {
     pub(super) entries: Vec<Entry>,
     /// The facet at the pixel's centre, and whether it is lit there.
     pub(super) centre: Option<u32>,
+    /// Whether some entries are the rest after a subtraction.
+    subtracted: bool,
+    /// The pixel's square, and its centre.
+    pub(super) rect: Rect,
     at: Point,
     clipped: Vec<Point>,
     spare: Vec<Point>,
@@ -41,7 +49,17 @@ pub(super) struct Pixel<'a> {
 
 impl<'a> Pixel<'a> {
     pub(super) fn new(drawing: &'a Drawing<'a>, lit: LitArea<'a>) -> Self {
-        Pixel { drawing, lit, entries: vec![], centre: None, at: [0.0; 2], clipped: vec![], spare: vec![] }
+        Pixel {
+            drawing,
+            lit,
+            entries: vec![],
+            centre: None,
+            subtracted: false,
+            rect: drawing.grid.cell(0, 0),
+            at: [0.0; 2],
+            clipped: vec![],
+            spare: vec![],
+        }
     }
 
     /// Looks through a pixel.
@@ -53,8 +71,10 @@ impl<'a> Pixel<'a> {
         scratch: &mut Scratch,
     ) {
         self.entries.clear();
+        self.subtracted = false;
         self.centre = None;
-        self.at = self.drawing.grid.cell(column, row).centre();
+        self.rect = self.drawing.grid.cell(column, row);
+        self.at = self.rect.centre();
         coverage.cell(column, row, scratch, self);
         self.merge();
     }
@@ -69,7 +89,7 @@ impl<'a> Pixel<'a> {
         self.lit.new_line(row);
     }
 
-    /// Pieces of a facet become one entry.
+    /// Pieces of a facet become one entry, and what is left of it by rounding alone none.
     fn merge(&mut self) {
         if !self.entries.windows(2).all(|w| w[0].facet < w[1].facet) {
             self.entries.sort_by_key(|e| e.facet);
@@ -84,16 +104,24 @@ impl<'a> Pixel<'a> {
                 same
             });
         }
+        if self.subtracted {
+            self.entries.retain_mut(|e| {
+                e.lit = e.lit.clamp(0.0, e.area.max(0.0));
+                e.area > REMAINDER
+            });
+        }
     }
 
-    fn add(&mut self, facet: u32, polygon: &[Point], window: &Window) {
+    /// Adds a convex piece of a facet, or with `sign` -1 takes it away again.
+    fn add(&mut self, facet: u32, polygon: &[Point], window: &Window, sign: f64) {
         let (area, moment) = area_and_moment(polygon);
         if area <= 0.0 {
             return;
         }
         let front = self.drawing.side(facet) == Side::Front;
         let lit = if front { self.lit.of(facet, window, area) } else { 0.0 };
-        self.entries.push(Entry { facet, front, area, lit, moment });
+        let moment = [sign * moment[0], sign * moment[1]];
+        self.entries.push(Entry { facet, front, area: sign * area, lit: sign * lit, moment });
     }
 }
 
@@ -102,11 +130,11 @@ impl Visit for Pixel<'_> {
         let outline = self.drawing.outline(triangle);
         let facet = self.drawing.facet(triangle);
         if triangle == facet && rect.contains(&Rect::of(&outline)) {
-            self.add(facet, &outline, &Window::Facet);
+            self.add(facet, &outline, &Window::Facet, 1.0);
         } else {
             let mut clipped = std::mem::take(&mut self.clipped);
             clip_to_rect(&outline, rect, &mut clipped, &mut self.spare);
-            self.add(facet, &clipped, &Window::Rect { rect, outline: &outline });
+            self.add(facet, &clipped, &Window::Rect { rect, outline: &outline }, 1.0);
             self.clipped = clipped;
         }
         if self.centre.is_none() && holds(&outline, self.at) && holds(&rect.corners(), self.at) {
@@ -114,11 +142,18 @@ impl Visit for Pixel<'_> {
         }
     }
 
+    const SIGNED: bool = true;
+
+    fn hidden(&mut self, triangle: u32, _: &Rect, polygon: &[Point]) {
+        self.subtracted = true;
+        self.add(self.drawing.facet(triangle), polygon, &Window::Piece(polygon), -1.0);
+    }
+
     fn cut(&mut self, _: u32, _: &Rect) {}
 
     fn piece(&mut self, triangle: u32, _: &Rect, polygon: &[Point]) {
         let facet = self.drawing.facet(triangle);
-        self.add(facet, polygon, &Window::Piece(polygon));
+        self.add(facet, polygon, &Window::Piece(polygon), 1.0);
         if self.centre.is_none() && holds(polygon, self.at) {
             self.centre = Some(facet);
         }

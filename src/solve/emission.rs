@@ -2,12 +2,12 @@
 
 use glam::DVec3;
 
-use super::temperature_grid::TemperatureGrid;
+use super::temperature_grid::{POINTS, TemperatureGrid};
 use crate::physics::reflectance::{Brdf, PhotometricAngles};
 use crate::physics::{blackbody, sun};
 use crate::product::FacetTable;
 use crate::scene::{Material, Scene};
-use crate::spectral::Band;
+use crate::spectral::{Band, Spectrum};
 
 /// Answers what a facet sends towards an observer.
 ///
@@ -18,34 +18,47 @@ pub struct Emission<'a> {
     scene: &'a Scene,
     table: &'a FacetTable,
     grid: TemperatureGrid,
+    /// Thermal radiance of [material, temperature, band], W m-2 sr-1 um-1.
+    thermal: Vec<f64>,
+    /// Few bands take a row each for thermal emission of any temperature: fewer weights than temperatures would need.
+    row_per_band: bool,
 }
 
 impl<'a> Emission<'a> {
     /// For the facets of a scene and what was solved for them.
     pub fn new(scene: &'a Scene, table: &'a FacetTable) -> Self {
         let temperatures_k = table.temperature_lit_k.iter().chain(&table.temperature_shaded_k).copied();
-        Emission { scene, table, grid: TemperatureGrid::new(temperatures_k) }
+        let grid = TemperatureGrid::new(temperatures_k);
+        let row_per_band = grid.len() > 0 && scene.sensor.bands.len() <= POINTS;
+        let mut emission = Emission { scene, table, grid, thermal: vec![], row_per_band };
+        emission.thermal = emission.thermal();
+        emission
     }
 
     /// Number of rows.
     pub fn rows(&self) -> usize {
-        self.scene.materials.len() * self.rows_of_material()
+        self.first_thermal_row()
+            + if self.row_per_band {
+                self.scene.sensor.bands.len()
+            } else {
+                self.scene.materials.len() * self.grid.len()
+            }
     }
 
-    /// Rows of a material: sunlight, Mars-light, then one for each temperature.
-    fn rows_of_material(&self) -> usize {
-        2 + self.grid.len()
+    /// Each material under the Sun and under Mars comes first.
+    fn first_thermal_row(&self) -> usize {
+        2 * self.scene.materials.len()
     }
 
     /// Adds to `add(row, weight)` what a facet sends towards `to_observer` when `area` of it is seen, `lit` of that lit.
     pub fn towards(&self, facet: u32, _to_observer: DVec3, area: f64, lit: f64, mut add: impl FnMut(u32, f64)) {
         let f = facet as usize;
-        let first = self.scene.mesh.material[f].0 as usize * self.rows_of_material();
+        let material = self.scene.mesh.material[f].0 as usize;
         if lit > 0.0 {
-            add(first as u32, lit * self.table.sun_irradiance[f]);
+            add(2 * material as u32, lit * self.table.sun_irradiance[f]);
         }
         if let Some(mars) = self.table.mars_irradiance.get(f) {
-            add(first as u32 + 1, area * mars);
+            add(2 * material as u32 + 1, area * mars);
         }
         if self.grid.len() > 0 {
             let parts = [(lit, &self.table.temperature_lit_k), (area - lit, &self.table.temperature_shaded_k)];
@@ -53,11 +66,24 @@ impl<'a> Emission<'a> {
                 if part > 0.0
                     && let Some((at, weights)) = self.grid.weights(temperature_k[f])
                 {
-                    let row = (first + 2 + at) as u32;
-                    for (k, weight) in weights.iter().enumerate() {
-                        add(row + k as u32, part * weight);
-                    }
+                    self.add_thermal(part, material * self.grid.len() + at, &weights, &mut add);
                 }
+            }
+        }
+    }
+
+    /// Adds thermal emission, interpolated between some temperatures of a material, the first of which is `first`.
+    fn add_thermal(&self, part: f64, first: usize, weights: &[f64; POINTS], add: &mut impl FnMut(u32, f64)) {
+        let row = self.first_thermal_row();
+        if self.row_per_band {
+            let bands = self.scene.sensor.bands.len();
+            for band in 0..bands {
+                let of_point = |(k, weight): (usize, &f64)| weight * self.thermal[(first + k) * bands + band];
+                add((row + band) as u32, part * weights.iter().enumerate().map(of_point).sum::<f64>());
+            }
+        } else {
+            for (k, weight) in weights.iter().enumerate() {
+                add((row + first + k) as u32, part * weight);
             }
         }
     }
@@ -65,28 +91,44 @@ impl<'a> Emission<'a> {
     /// The spectra of the rows, [row, band], W m-2 sr-1 um-1 for a weight of 1.
     pub fn spectra(&self) -> Vec<f64> {
         let bands = &self.scene.sensor.bands;
-        let temperatures_k: Vec<f64> = self.grid.temperatures_k().collect();
         let mut spectra = vec![0.0; self.rows() * bands.len()];
         for (b, band) in bands.iter().enumerate() {
-            let mut put = |row: usize, value: f64| spectra[row * bands.len() + b] += value;
             for (um, weight) in band.quadrature(&self.knots_um(band)) {
-                let at = |spectrum: &crate::spectral::Spectrum| spectrum.at(um).unwrap_or(f64::NAN);
-                let sunlight = sun::irradiance_at(at(&self.scene.sun.irradiance_1au), self.scene.sun.distance_m);
-                let mars = self.scene.mars.as_ref().map_or(0.0, |m| at(&m.reflectance));
-                let black: Vec<f64> = temperatures_k.iter().map(|t| blackbody::radiance_w_m2_sr_um(um, *t)).collect();
+                let sunlight = sun::irradiance_at(at(&self.scene.sun.irradiance_1au, um), self.scene.sun.distance_m);
+                let mars = self.scene.mars.as_ref().map_or(0.0, |m| at(&m.reflectance, um));
                 for (m, material) in self.scene.materials.iter().enumerate() {
-                    let first = m * self.rows_of_material();
-                    let reflected = brdf(material, at(&material.reflectance)) * sunlight;
-                    put(first, weight * reflected);
-                    put(first + 1, weight * reflected * mars);
-                    let emissivity = at(&material.emissivity);
-                    for (k, b) in black.iter().enumerate() {
-                        put(first + 2 + k, weight * emissivity * b);
+                    let reflected = weight * brdf(material, at(&material.reflectance, um)) * sunlight;
+                    spectra[2 * m * bands.len() + b] += reflected;
+                    spectra[(2 * m + 1) * bands.len() + b] += reflected * mars;
+                }
+            }
+        }
+        let thermal = &mut spectra[self.first_thermal_row() * bands.len()..];
+        if self.row_per_band {
+            (0..bands.len()).for_each(|b| thermal[b * bands.len() + b] = 1.0);
+        } else {
+            thermal.copy_from_slice(&self.thermal);
+        }
+        spectra
+    }
+
+    /// Thermal radiance of [material, temperature, band], W m-2 sr-1 um-1.
+    fn thermal(&self) -> Vec<f64> {
+        let (bands, materials) = (&self.scene.sensor.bands, &self.scene.materials);
+        let temperatures_k: Vec<f64> = self.grid.temperatures_k().collect();
+        let mut thermal = vec![0.0; materials.len() * temperatures_k.len() * bands.len()];
+        for (b, band) in bands.iter().enumerate() {
+            for (um, weight) in band.quadrature(&self.knots_um(band)) {
+                let black: Vec<f64> = temperatures_k.iter().map(|t| blackbody::radiance_w_m2_sr_um(um, *t)).collect();
+                for (m, material) in materials.iter().enumerate() {
+                    let emissivity = at(&material.emissivity, um);
+                    for (k, black) in black.iter().enumerate() {
+                        thermal[(m * temperatures_k.len() + k) * bands.len() + b] += weight * emissivity * black;
                     }
                 }
             }
         }
-        spectra
+        thermal
     }
 
     /// Where the spectra that meet in a band have corners, um, ascending.
@@ -101,6 +143,11 @@ impl<'a> Emission<'a> {
         knots.dedup();
         knots
     }
+}
+
+/// A spectrum within its coverage, which [`Scene::check`] has compared with the bands.
+fn at(spectrum: &Spectrum, um: f64) -> f64 {
+    spectrum.at(um).unwrap_or(f64::NAN)
 }
 
 /// BRDF of a material, 1/sr. The angles are those of no facet in particular: the only kind so far is Lambert's.

@@ -5,6 +5,7 @@ mod emission;
 mod sunlit;
 mod temperature_grid;
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::error::Result;
@@ -27,18 +28,17 @@ pub use temperature_grid::interpolation_error;
 pub fn solve(scene: &Scene, topology: &Topology, watch: Watch<'_>) -> Result<FacetTable> {
     let sunlit = sunlit(&scene.mesh, topology, scene.sun.direction, watch)?;
     tell(watch, "irradiance", 0, 1)?;
-    let towards_sun = scene.sun.direction.vec();
-    let sun_irradiance: Vec<f64> = (0..scene.mesh.facets.len())
-        .into_par_iter()
-        .with_min_len(4096)
-        .map(|f| match sunlit.lit[f] {
-            Lit::Dark => 0.0,
-            // Exact predicates found the facet lit; its rounded cosine may still be a hair below 0.
-            _ => sun::irradiance_on_facet(1.0, scene.mesh.facet(f).normal().dot(towards_sun)),
-        })
-        .collect();
-    let mars_irradiance = scene.mars.as_ref().map(|m| mars_irradiance(scene, m)).unwrap_or_default();
-    let (temperature_lit_k, temperature_shaded_k) = temperatures(scene, &sun_irradiance, &mars_irradiance);
+    let light = FacetLight::new(scene);
+    let solve = |f: usize| light.on(f, sunlit.lit[f] != Lit::Dark);
+    let facets = (0..scene.mesh.facets.len()).into_par_iter().with_min_len(4096);
+    let ((sun_irradiance, mut mars_irradiance), (mut temperature_lit_k, mut temperature_shaded_k)) =
+        facets.map(solve).unzip();
+    if scene.mars.is_none() {
+        mars_irradiance = vec![];
+    }
+    if scene.thermal == Thermal::Off {
+        (temperature_lit_k, temperature_shaded_k) = (vec![], vec![]);
+    }
     tell(watch, "irradiance", 1, 1)?;
     Ok(FacetTable {
         sun_direction: scene.sun.direction,
@@ -51,61 +51,75 @@ pub fn solve(scene: &Scene, topology: &Topology, watch: Watch<'_>) -> Result<Fac
     })
 }
 
-/// Irradiance by Mars on each facet over Mars' reflectance times the solar irradiance normal to the beam.
-fn mars_irradiance(scene: &Scene, mars: &Mars) -> Vec<f64> {
-    let mesh = &scene.mesh;
-    let (low_m, high_m) = mesh.bounds_m().unwrap_or_default();
-    let light = MarsLight::new(mars.centre_m, mars.radius_m, scene.sun.direction, low_m, high_m);
-    (0..mesh.facets.len())
-        .into_par_iter()
-        .with_min_len(4096)
-        .map(|f| {
-            let facet = mesh.facet(f);
-            let normal = facet.normal();
-            match mars.model {
-                MarsModel::NearField => light.irradiance(facet.centroid_m(), normal),
-                MarsModel::Thesis => {
-                    let to_mars_m = mars.centre_m - facet.centroid_m();
-                    let distance_m = to_mars_m.length();
-                    mars::thesis_irradiance(1.0, 1.0, mars.radius_m / distance_m, normal.dot(to_mars_m) / distance_m)
-                }
-            }
-        })
-        .collect()
+/// What the sources of a scene send to a facet.
+struct FacetLight<'a> {
+    scene: &'a Scene,
+    towards_sun: DVec3,
+    /// Sunlight normal to the beam, over all wavelengths.
+    sun_w_m2: f64,
+    mars: Option<(&'a Mars, MarsLight)>,
 }
 
-/// Temperatures of the lit and of the shaded part of each facet, K; empty without thermal emission.
-fn temperatures(scene: &Scene, sun_irradiance: &[f64], mars_irradiance: &[f64]) -> (Vec<f64>, Vec<f64>) {
-    let mesh = &scene.mesh;
-    let total_w_m2 = sun::irradiance_at(scene.sun.total_irradiance_1au_w_m2, scene.sun.distance_m);
-    // What Mars sends: sunlight that it reflects, of the Sun's colour, and its own heat.
-    let background_w_m2 = |f: usize, absorptance: f64, emissivity: f64| {
-        let Some(mars) = &scene.mars else { return 0.0 };
-        let facet = mesh.facet(f);
-        let to_mars_m = mars.centre_m - facet.centroid_m();
-        let distance_m = to_mars_m.length();
-        let cos_tilt = facet.normal().dot(to_mars_m) / distance_m;
-        let form_factor = mars::uniform_sphere_form_factor(mars.radius_m / distance_m, cos_tilt);
-        absorptance * mars.bond_albedo * mars_irradiance[f] * total_w_m2
-            + emissivity * mars.thermal_exitance_w_m2 * form_factor
-    };
-    let of = |f: usize| {
-        let material = &scene.materials[mesh.material[f].0 as usize];
-        match scene.thermal {
-            Thermal::Thesis => (heat::thesis_temperature_k(sun_irradiance[f]), heat::thesis_temperature_k(0.0)),
-            _ => {
+/// Irradiance by the Sun and by Mars, and temperature of the lit and of the shaded part, K; each as [`FacetTable`] has it.
+type Solved = ((f64, f64), (f64, f64));
+
+impl<'a> FacetLight<'a> {
+    fn new(scene: &'a Scene) -> Self {
+        let (low_m, high_m) = scene.mesh.bounds_m().unwrap_or_default();
+        let direction = scene.sun.direction;
+        let light = |mars: &'a Mars| (mars, MarsLight::new(mars.centre_m, mars.radius_m, direction, low_m, high_m));
+        FacetLight {
+            scene,
+            towards_sun: direction.vec(),
+            sun_w_m2: sun::irradiance_at(scene.sun.total_irradiance_1au_w_m2, scene.sun.distance_m),
+            mars: scene.mars.as_ref().map(light),
+        }
+    }
+
+    /// On facet `f`, which sees the Sun or not.
+    fn on(&self, f: usize, sees_sun: bool) -> Solved {
+        let facet = self.scene.mesh.facet(f);
+        let normal = facet.normal();
+        // Exact predicates found the facet lit; its rounded cosine may still be a hair below 0.
+        let sun = if sees_sun { sun::irradiance_on_facet(1.0, normal.dot(self.towards_sun)) } else { 0.0 };
+        let mars = self.mars.as_ref().map_or(FromMars::default(), |(mars, light)| {
+            let centroid_m = facet.centroid_m();
+            let to_mars_m = mars.centre_m - centroid_m;
+            let distance_m = to_mars_m.length();
+            let (sin_radius, cos_tilt) = (mars.radius_m / distance_m, normal.dot(to_mars_m) / distance_m);
+            FromMars {
+                irradiance: match mars.model {
+                    MarsModel::NearField => light.irradiance(centroid_m, normal),
+                    MarsModel::Thesis => mars::thesis_irradiance(1.0, 1.0, sin_radius, cos_tilt),
+                },
+                heat_w_m2: mars.thermal_exitance_w_m2 * mars::uniform_sphere_form_factor(sin_radius, cos_tilt),
+            }
+        });
+        ((sun, mars.irradiance), self.temperatures_k(f, sun, &mars))
+    }
+
+    fn temperatures_k(&self, f: usize, sun: f64, mars: &FromMars) -> (f64, f64) {
+        match self.scene.thermal {
+            Thermal::Off => (0.0, 0.0),
+            Thermal::Thesis => (heat::thesis_temperature_k(sun), heat::thesis_temperature_k(0.0)),
+            Thermal::Equilibrium => {
+                let material = &self.scene.materials[self.scene.mesh.material[f].0 as usize];
                 let (absorptance, emissivity) = (1.0 - material.bond_albedo, material.emissivity_bolometric);
-                let background = background_w_m2(f, absorptance, emissivity);
-                let sunlight = absorptance * total_w_m2 * sun_irradiance[f];
-                (
-                    heat::equilibrium_temperature_k(sunlight + background, emissivity),
-                    heat::equilibrium_temperature_k(background, emissivity),
-                )
+                // Sunlight that Mars reflects, taken to be of the Sun's colour, and its own heat.
+                let bond_albedo = self.scene.mars.as_ref().map_or(0.0, |m| m.bond_albedo);
+                let reflected = bond_albedo * mars.irradiance * self.sun_w_m2;
+                let shaded = absorptance * reflected + emissivity * mars.heat_w_m2;
+                let lit = absorptance * self.sun_w_m2 * sun + shaded;
+                (heat::equilibrium_temperature_k(lit, emissivity), heat::equilibrium_temperature_k(shaded, emissivity))
             }
         }
-    };
-    if scene.thermal == Thermal::Off {
-        return (vec![], vec![]);
     }
-    (0..mesh.facets.len()).into_par_iter().with_min_len(4096).map(of).unzip()
+}
+
+/// What Mars sends to a facet.
+#[derive(Default)]
+struct FromMars {
+    /// Over Mars' reflectance times the solar irradiance normal to the beam.
+    irradiance: f64,
+    heat_w_m2: f64,
 }

@@ -55,7 +55,8 @@ impl TemperatureGrid {
             return None;
         }
         let x = temperature_k.ln() / STEP - self.first;
-        let i = (x.floor() as usize).clamp(2, self.count - 4);
+        // The cast rounds down; x is not negative.
+        let i = (x as usize).clamp(2, self.count - 4);
         // Lagrange's polynomials on the points -2 .. 3.
         let t = x - i as f64;
         let (a, b, c, d, e, f) = (t + 2.0, t + 1.0, t, t - 1.0, t - 2.0, t - 3.0);

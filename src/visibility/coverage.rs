@@ -9,8 +9,10 @@ use robust::{Coord, orient2d};
 
 use super::bins::Bins;
 use super::drawing::Drawing;
+use super::layers::Layers;
 use super::partition::{Candidate, Ground, Partition};
-use crate::geometry::polygon::{Point, Rect, side};
+use super::topology::NONE;
+use crate::geometry::polygon::{Line, Point, Rect};
 
 /// Receives what is seen in the parts of a cell.
 pub trait Visit {
@@ -18,6 +20,11 @@ pub trait Visit {
     fn whole(&mut self, triangle: u32, rect: &Rect);
     /// A convex piece of the triangle is seen, counter-clockwise (x right, y up); more pieces may follow.
     fn piece(&mut self, triangle: u32, rect: &Rect, polygon: &[Point]);
+    /// Of a triangle that was `whole`, this convex piece is hidden nevertheless; such pieces do not overlap.
+    /// Only a visitor that is [`SIGNED`](Visit::SIGNED) is told so, and only of the triangle that was whole last.
+    fn hidden(&mut self, _triangle: u32, _rect: &Rect, _polygon: &[Point]) {}
+    /// Whether pieces may be added first and subtracted later: sums can, lists of polygons cannot.
+    const SIGNED: bool = false;
     /// Some or all of the triangle that lies in `rect` is hidden; the pieces that are seen follow.
     fn cut(&mut self, triangle: u32, rect: &Rect);
     /// The cell is not divided, and all of these are wholly seen in it.
@@ -58,6 +65,7 @@ pub struct Scratch {
     stack: Vec<Part>,
     waiting: Vec<u32>,
     front: Front,
+    layers: Layers,
     partition: Partition,
 }
 
@@ -73,9 +81,9 @@ impl<'a> Coverage<'a> {
     }
 
     /// Tells `visit` what is seen in a cell.
-    pub fn cell(&self, column: u32, row: u32, scratch: &mut Scratch, visit: &mut impl Visit) {
+    pub fn cell<V: Visit>(&self, column: u32, row: u32, scratch: &mut Scratch, visit: &mut V) {
         let cell = row as usize * self.drawing.grid.columns as usize + column as usize;
-        let Scratch { triangles, candidates, list, stack, waiting, front, partition } = scratch;
+        let Scratch { triangles, candidates, list, stack, waiting, front, layers, partition } = scratch;
         self.bins.cell(cell, triangles);
         let rect = self.drawing.grid.cell(column, row);
         if self.is_settled(&rect, triangles) {
@@ -84,6 +92,7 @@ impl<'a> Coverage<'a> {
         }
         candidates.clear();
         candidates.extend(triangles.iter().map(|t| Candidate::new(self.drawing, *t)));
+        Candidate::link(candidates);
         // The stack holds rectangles with their candidates, a stretch of `waiting` each; the last one is the last stretch.
         waiting.clear();
         waiting.extend(0..candidates.len() as u32);
@@ -104,13 +113,15 @@ impl<'a> Coverage<'a> {
                 }
                 !hidden
             });
+            let ground = Ground { drawing: self.drawing, rect: &rect, candidates };
             if !list.is_empty() && list.len() == front.sheet.len() {
                 list.iter().for_each(|i| visit.whole(candidates[*i as usize].triangle, &rect));
             } else if depth == DEEPEST {
                 let nearest = front.at_centre.first();
                 nearest.into_iter().for_each(|i| visit.whole(candidates[*i as usize].triangle, &rect));
+            } else if V::SIGNED && !front.sheet.is_empty() && layers.resolve(&ground, list, |i| front.has(i), visit) {
+                // Two layers, told.
             } else if list.len() <= FEW || !quarter(&rect, depth, list, candidates, waiting, stack) {
-                let ground = Ground { drawing: self.drawing, rect: &rect, candidates };
                 partition.resolve(&ground, list, &front.sheet, visit);
             }
         }
@@ -197,8 +208,11 @@ impl Front {
             if member.open != 0 && open_side_crosses(member.open, &member.outline, rect) {
                 return false;
             }
-            for facet in member.continuations {
-                let Ok(i) = candidates.binary_search_by_key(&facet, |c| c.triangle) else { continue };
+            for i in member.beside {
+                if i == NONE {
+                    continue;
+                }
+                let i = i as usize;
                 if self.listed[i] != listing {
                     // Beside the rectangle, or found hidden before the cell was quartered: then the sheet is not whole.
                     if may_touch(&candidates[i], rect) {
@@ -228,7 +242,12 @@ impl Front {
 
     /// Whether a candidate lies behind the whole sheet.
     fn hides(&self, i: u32, candidate: &Candidate) -> bool {
-        candidate.nearest < self.farthest && !self.sheet.contains(&i)
+        candidate.nearest < self.farthest && !self.has(i)
+    }
+
+    /// Whether a candidate belongs to the sheet that was found.
+    fn has(&self, i: u32) -> bool {
+        self.joined[i as usize] == self.search && !self.sheet.is_empty()
     }
 }
 
@@ -262,11 +281,7 @@ fn may_touch(candidate: &Candidate, rect: &Rect) -> bool {
     if !candidate.bounds.overlaps(rect) {
         return false;
     }
-    let corners = rect.corners();
-    (0..3).all(|k| {
-        let (a, b) = (candidate.outline[k], candidate.outline[(k + 1) % 3]);
-        !corners.iter().all(|c| side(a, b, *c) < 0.0)
-    })
+    candidate.sides.iter().all(|s| !s.has_on_its_right(rect))
 }
 
 /// Whether one of the sides of an outline that `open` names (bit k: from corner k on) may cross a rectangle.
@@ -283,8 +298,7 @@ fn may_cross(a: Point, b: Point, rect: &Rect) -> bool {
     {
         return false;
     }
-    let sides = rect.corners().map(|c| side(a, b, c));
-    !(sides.iter().all(|s| *s > 0.0) || sides.iter().all(|s| *s < 0.0))
+    !Line::through(a, b).passes_by(rect)
 }
 
 /// Whether a counter-clockwise triangle holds a point, in exact arithmetic. A point on a shared edge belongs to one side:

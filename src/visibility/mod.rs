@@ -7,6 +7,7 @@
 mod bins;
 mod coverage;
 mod drawing;
+mod layers;
 mod partition;
 mod topology;
 

@@ -6,7 +6,8 @@
 
 use super::coverage::Visit;
 use super::drawing::Drawing;
-use crate::geometry::polygon::{Point, Rect, area, clip_to_rect, side, split};
+use super::topology::NONE;
+use crate::geometry::polygon::{Line, Point, Rect, area, clip_to_rect, clip_to_sides, split};
 
 const SKY: u32 = u32::MAX;
 /// A piece below this share of the cell's area is not split off: what rounding leaves of touching facets, not a surface.
@@ -19,11 +20,15 @@ const DEPTH_ROUNDING: f64 = 16.0 * f64::EPSILON;
 pub(super) struct Candidate {
     pub(super) triangle: u32,
     facet: u32,
-    pub(super) continuations: [u32; 3],
+    /// The facets that continue this one beyond its edges, and where they stand among the candidates; [`NONE`] without any.
+    continuations: [u32; 3],
+    pub(super) beside: [u32; 3],
     /// The sides of the outline that are open, bit k for the one that starts at corner k.
     pub(super) open: u8,
     /// Counter-clockwise.
     pub(super) outline: [Point; 3],
+    /// Lines along the outline, the inside on the left.
+    pub(super) sides: [Line; 3],
     pub(super) bounds: Rect,
     /// Greatest and least nearness of its corners.
     pub(super) nearest: f64,
@@ -51,8 +56,10 @@ impl Candidate {
             triangle,
             facet: drawing.facet(triangle),
             continuations: drawing.continuations(triangle),
+            beside: [NONE; 3],
             open: drawing.open_sides(triangle),
             outline,
+            sides: [0, 1, 2].map(|k| Line::through(outline[k], outline[if k == 2 { 0 } else { k + 1 }])),
             bounds: Rect::of(&outline),
             nearest: a[2].max(b[2]).max(c[2]),
             farthest: a[2].min(b[2]).min(c[2]),
@@ -62,21 +69,33 @@ impl Candidate {
         }
     }
 
+    /// Finds the continuations of each candidate among all, which stand in the order of their triangles.
+    pub(super) fn link(candidates: &mut [Candidate]) {
+        for i in 0..candidates.len() {
+            for k in 0..3 {
+                let facet = candidates[i].continuations[k];
+                // Each pair once: the later finds the earlier. A facet in one piece is a triangle of the same number.
+                if facet < candidates[i].triangle
+                    && let Ok(j) = candidates[..i].binary_search_by_key(&facet, |c| c.triangle)
+                {
+                    candidates[i].beside[k] = j as u32;
+                    let triangle = candidates[i].triangle;
+                    let other = &mut candidates[j];
+                    if let Some(back) = other.continuations.iter().position(|f| *f == triangle) {
+                        other.beside[back] = i as u32;
+                    }
+                }
+            }
+        }
+    }
+
     pub(super) fn nearness(&self, p: Point) -> f64 {
         self.anchor[2] + self.slope[0] * (p[0] - self.anchor[0]) + self.slope[1] * (p[1] - self.anchor[1])
     }
 
     /// Whether two candidates cannot overlap: one facet, or facets that share an edge and face the same way.
-    fn continues(&self, other: &Candidate) -> bool {
+    pub(super) fn continues(&self, other: &Candidate) -> bool {
         self.facet == other.facet || self.continuations.contains(&other.facet)
-    }
-
-    /// Whether one of the three sides keeps a polygon out.
-    fn keeps_out(&self, polygon: &[Point]) -> bool {
-        (0..3).any(|k| {
-            let (a, b) = (self.outline[k], self.outline[if k == 2 { 0 } else { k + 1 }]);
-            polygon.iter().all(|p| side(a, b, *p) <= 0.0)
-        })
     }
 }
 
@@ -129,7 +148,7 @@ impl Partition {
     /// `sheet`: candidates that cover the rectangle once, without overlap; empty if none are known to.
     pub(super) fn resolve(&mut self, ground: &Ground, list: &[u32], sheet: &[u32], visit: &mut impl Visit) {
         let Ground { rect, candidates, .. } = ground;
-        let least_area = SLIVER * rect.area();
+        let least_area = least_area(rect);
         self.fragments.clear();
         self.gather(rect, candidates, list, least_area);
         if sheet.is_empty() {
@@ -162,7 +181,10 @@ impl Partition {
                 visit.whole(triangle, rect);
             }
         }
-        for fragment in self.fragments.iter().filter(|f| f.owner != SKY && f.start < f.end) {
+        // One facet after the other, so that whoever listens turns to each once.
+        self.fragments.retain(|f| f.owner != SKY && f.start < f.end);
+        self.fragments.sort_unstable_by_key(|f| (f.owner, f.start));
+        for fragment in &self.fragments {
             let owner = &self.shares[fragment.owner as usize];
             if owner.cut {
                 let polygon = &self.points[fragment.start as usize..fragment.end as usize];
@@ -233,7 +255,7 @@ impl Partition {
                 continue;
             }
             let polygon = &self.points[fragment.start as usize..fragment.end as usize];
-            if candidate.keeps_out(polygon) || !self.cutter.overlap(polygon, candidate, least_area) {
+            if !self.cutter.overlap(polygon, candidate, least_area) {
                 continue;
             }
             let verdict = match owner {
@@ -276,9 +298,14 @@ enum Cut {
     Kept(usize),
 }
 
+/// A piece of a rectangle with less area than this is none.
+pub(super) fn least_area(rect: &Rect) -> f64 {
+    SLIVER * rect.area()
+}
+
 /// What a candidate wins of an overlap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Won {
+pub(super) enum Won {
     All,
     Some,
     Nothing,
@@ -286,10 +313,12 @@ enum Won {
 
 /// Cuts a fragment into what a candidate covers and what its owner keeps.
 #[derive(Debug, Default)]
-struct Cutter {
+pub(super) struct Cutter {
     overlap: Vec<Point>,
     spare: Vec<Point>,
     value: Vec<f64>,
+    /// Of each side of the candidate.
+    distance: [Vec<f64>; 3],
     /// What the owner keeps: convex polygons, one after the other, and where each ends.
     kept: Vec<Point>,
     kept_end: Vec<usize>,
@@ -311,31 +340,71 @@ impl Cutter {
         }
     }
 
+    /// What a candidate has won.
+    pub(super) fn won(&self) -> &[Point] {
+        &self.overlap
+    }
+
+    /// Whether a candidate overlaps a polygon; leaves the overlap.
+    pub(super) fn common(&mut self, polygon: &[Point], candidate: &Candidate, least_area: f64) -> bool {
+        self.kept.clear();
+        self.kept_end.clear();
+        clip_to_sides(polygon, &candidate.sides, &mut self.overlap, &mut self.spare);
+        area(&self.overlap) > least_area
+    }
+
     /// Whether a candidate overlaps a fragment; leaves the overlap and what lies outside it.
     fn overlap(&mut self, polygon: &[Point], candidate: &Candidate, least_area: f64) -> bool {
+        let mut crosses = [false; 3];
+        for k in 0..3 {
+            let (distance, line) = (&mut self.distance[k], &candidate.sides[k]);
+            let (mut some_inside, mut some_outside) = (false, false);
+            distance.clear();
+            distance.extend(polygon.iter().map(|p| {
+                let d = line.side(*p);
+                some_inside |= d > 0.0;
+                some_outside |= d < 0.0;
+                d
+            }));
+            if !some_inside {
+                return false;
+            }
+            crosses[k] = some_outside;
+        }
         self.overlap.clear();
         self.overlap.extend_from_slice(polygon);
         self.kept.clear();
         self.kept_end.clear();
-        for k in 0..3 {
-            let (a, b) = (candidate.outline[k], candidate.outline[if k == 2 { 0 } else { k + 1 }]);
-            self.value.clear();
-            self.value.extend(self.overlap.iter().map(|p| side(a, b, *p)));
-            if self.value.iter().all(|d| *d <= 0.0) {
+        let mut whole = true;
+        for k in (0..3).filter(|k| crosses[*k]) {
+            if !whole {
+                let line = &candidate.sides[k];
+                self.distance[k].clear();
+                self.distance[k].extend(self.overlap.iter().map(|p| line.side(*p)));
+            }
+            let distance = &self.distance[k];
+            if distance.iter().all(|d| *d <= 0.0) {
                 return false;
             }
-            if self.value.iter().all(|d| *d >= 0.0) {
+            if distance.iter().all(|d| *d >= 0.0) {
                 continue;
             }
-            split(&self.overlap, &self.value, &mut self.spare, &mut self.outside);
+            split(&self.overlap, distance, &mut self.spare, &mut self.outside);
             std::mem::swap(&mut self.overlap, &mut self.spare);
             self.keep(least_area);
+            whole = false;
         }
         area(&self.overlap) > least_area
     }
 
     /// Who is nearer in the overlap; where both are, in parts, the overlap is reduced to what the candidate wins.
-    fn contest(&mut self, drawing: &Drawing, candidate: &Candidate, owner: &Candidate, least_area: f64) -> Won {
+    pub(super) fn contest(
+        &mut self,
+        drawing: &Drawing,
+        candidate: &Candidate,
+        owner: &Candidate,
+        least_area: f64,
+    ) -> Won {
         let error = candidate.error + owner.error;
         self.value.clear();
         self.value.extend(self.overlap.iter().map(|p| {

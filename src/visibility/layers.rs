@@ -1,0 +1,119 @@
+//! Who is seen where when there are two layers: a sheet of facets that covers a rectangle once, and others that overlap
+//! the sheet but not one another, as a boulder does on its ground.
+//!
+//! No partition is needed then: what the others win, pair by pair, is what the sheet loses.
+
+use super::coverage::Visit;
+use super::partition::{Candidate, Cutter, Ground, Won, least_area};
+use crate::geometry::polygon::{Point, Rect, area, clip_to_rect};
+
+/// More pairs than this are left to be quartered first.
+const MANY_PAIRS: usize = 4096;
+
+/// A convex piece of a sheet's facet that another facet hides, a stretch of the points.
+#[derive(Debug, Clone, Copy)]
+struct Hidden {
+    facet: u32,
+    start: u32,
+    end: u32,
+}
+
+/// Two layers in one rectangle; kept to reuse its memory.
+#[derive(Debug, Default)]
+pub(super) struct Layers {
+    sheet: Vec<u32>,
+    others: Vec<u32>,
+    hidden: Vec<Hidden>,
+    points: Vec<Point>,
+    clipped: Vec<Point>,
+    spare: Vec<Point>,
+    cutter: Cutter,
+}
+
+impl Layers {
+    /// Finds what is seen in the rectangle of the candidates in `list`, of which those that `in_sheet` names cover it once,
+    /// and tells `visit`; or tells nothing, if the others may overlap one another.
+    pub(super) fn resolve(
+        &mut self,
+        ground: &Ground,
+        list: &[u32],
+        in_sheet: impl Fn(u32) -> bool,
+        visit: &mut impl Visit,
+    ) -> bool {
+        let candidates = ground.candidates;
+        self.sheet.clear();
+        self.others.clear();
+        for &i in list {
+            if in_sheet(i) { self.sheet.push(i) } else { self.others.push(i) }
+        }
+        if self.others.len() * self.others.len().max(self.sheet.len()) > MANY_PAIRS || !self.are_apart(ground) {
+            return false;
+        }
+        self.hidden.clear();
+        self.points.clear();
+        for k in 0..self.others.len() {
+            self.insert(ground, &candidates[self.others[k] as usize], visit);
+        }
+        self.hidden.sort_unstable_by_key(|h| (h.facet, h.start));
+        let mut hidden = self.hidden.iter().peekable();
+        for &i in &self.sheet {
+            let triangle = candidates[i as usize].triangle;
+            visit.whole(triangle, ground.rect);
+            while let Some(h) = hidden.next_if(|h| h.facet == i) {
+                visit.hidden(triangle, ground.rect, &self.points[h.start as usize..h.end as usize]);
+            }
+        }
+        true
+    }
+
+    /// Whether no two of the others overlap in the rectangle, for certain.
+    fn are_apart(&self, ground: &Ground) -> bool {
+        self.others.iter().enumerate().all(|(k, &i)| {
+            let one = &ground.candidates[i as usize];
+            self.others[k + 1..].iter().all(|&j| are_apart(one, &ground.candidates[j as usize], ground.rect))
+        })
+    }
+
+    /// Gives a facet what it wins of the sheet.
+    fn insert(&mut self, ground: &Ground, other: &Candidate, visit: &mut impl Visit) {
+        let (rect, least_area) = (ground.rect, least_area(ground.rect));
+        clip_to_rect(&other.outline, rect, &mut self.clipped, &mut self.spare);
+        if area(&self.clipped) <= least_area {
+            return;
+        }
+        let bounds = Rect::of(&self.clipped);
+        let first = self.hidden.len();
+        let mut all = true;
+        for &i in &self.sheet {
+            let facet = &ground.candidates[i as usize];
+            if !facet.bounds.overlaps(&bounds) || !self.cutter.common(&self.clipped, facet, least_area) {
+                continue;
+            }
+            let won = self.cutter.contest(ground.drawing, other, facet, least_area);
+            all &= won == Won::All;
+            if won != Won::Nothing {
+                let start = self.points.len() as u32;
+                self.points.extend_from_slice(self.cutter.won());
+                self.hidden.push(Hidden { facet: i, start, end: self.points.len() as u32 });
+            }
+        }
+        if all {
+            visit.whole(other.triangle, rect);
+        } else {
+            visit.cut(other.triangle, rect);
+            for h in &self.hidden[first..] {
+                visit.piece(other.triangle, rect, &self.points[h.start as usize..h.end as usize]);
+            }
+        }
+    }
+}
+
+/// Whether two candidates do not overlap in a rectangle, for certain.
+fn are_apart(one: &Candidate, two: &Candidate, rect: &Rect) -> bool {
+    let beside = |a: &Candidate, b: &Candidate| a.sides.iter().any(|s| b.outline.iter().all(|p| s.side(*p) <= 0.0));
+    !one.bounds.overlaps(&two.bounds)
+        || one.continues(two)
+        || !one.bounds.common(&two.bounds).overlaps(rect)
+        || beside(one, two)
+        || beside(two, one)
+}
