@@ -12,7 +12,7 @@ use crate::progress::{Watch, tell};
 use crate::visibility::{Coverage, Drawing, Scratch, Side, Topology, Visit, cells_of};
 
 /// So many facets share a cell of the Sun's view, in the mean: fewer make more work at cell borders, more are quartered.
-const FACETS_PER_CELL: f64 = 4.0;
+const FACETS_PER_CELL: f64 = 6.0;
 /// Lit polygons below this share of their facet are what rounding leaves at shared edges.
 const SLIVER: f64 = 1e-14;
 
