@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::error::number;
 use crate::formats::mtl::ObjMaterial;
 use crate::geometry::MaterialId;
 use crate::scene::Material;
@@ -13,6 +14,8 @@ use super::types::{ExtendToml, MaterialToml};
 
 /// Bolometric emissivity of a surface that does not state one; Phobos and most powders lie between 0.9 and 1.
 const EMISSIVITY_BOLOMETRIC: f64 = 0.95;
+/// No surface radiates less: polished metals have 0.02.
+const LEAST_EMISSIVITY: f64 = 1e-3;
 /// Two colours are the same if no channel differs by more: one step of the 8 bits that most programs keep.
 const COLOUR_STEP: f64 = 1.0 / 255.0;
 /// Entry for faces without a material.
@@ -129,13 +132,13 @@ impl Reader<'_> {
             })
             .collect::<Option<_>>()?;
         let reflectance = match &entry.reflectance {
-            Some(values) => self.fraction_spectrum(&member(&item, "reflectance"), values, extend)?,
+            Some(values) => self.fraction_spectrum(&member(&item, "reflectance"), values, extend),
             None => {
                 let parts: Vec<(f64, &Spectrum)> = mixed.iter().map(|(share, m)| (*share, &m.reflectance)).collect();
-                let Some(mixture) = Spectrum::mixture(&parts) else {
+                let mixture = Spectrum::mixture(&parts);
+                if mixture.is_none() {
                     self.problem(&member(&item, "mixture"), "its parts' tables have no wavelength in common");
-                    return None;
-                };
+                }
                 mixture
             }
         };
@@ -143,7 +146,7 @@ impl Reader<'_> {
             Some(values) => self.fraction_spectrum(&member(&item, "emissivity"), values, extend),
             None => {
                 self.stated(&member(&item, "emissivity"), "1 - reflectance");
-                Some(reflectance.map(|r| 1.0 - r))
+                reflectance.as_ref().map(|r| r.map(|r| 1.0 - r))
             }
         };
         let mean = |of: fn(&Material) -> f64| mixed.iter().map(|(share, m)| share * of(m)).sum::<f64>();
@@ -155,21 +158,23 @@ impl Reader<'_> {
                 self.stated(&at, format!("{value:.4}: that of its parts, by their shares"));
                 Some(value)
             }
-            None => match solar_mean(&reflectance) {
-                Some(value) => {
-                    self.stated(&at, format!("{value:.4}: mean of the reflectance, weighted with E490"));
-                    Some(value)
+            None => reflectance.as_ref().and_then(|reflectance| {
+                let mean = solar_mean(reflectance);
+                match mean {
+                    Some(value) => {
+                        self.stated(&at, format!("{value:.4}: mean of the reflectance, weighted with E490"));
+                    }
+                    None => {
+                        self.problem(&at, "cannot be found from the reflectance, which E490 does not overlap: give it");
+                    }
                 }
-                None => {
-                    self.problem(&at, "cannot be found from the reflectance, which E490 does not overlap: give it");
-                    None
-                }
-            },
+                mean
+            }),
         };
         let at = member(&item, "emissivity_bolometric");
         let emissivity_bolometric = match entry.emissivity_bolometric {
-            Some(0.0) => {
-                self.problem(&at, "0: nothing would cool the surface");
+            Some(value) if (0.0..LEAST_EMISSIVITY).contains(&value) => {
+                self.problem(&at, format!("{}: next to nothing would cool the surface", number(value)));
                 None
             }
             Some(value) => self.fraction(&at, value),
@@ -194,7 +199,7 @@ impl Reader<'_> {
         }
         Some(Material {
             name: names[i].clone(),
-            reflectance,
+            reflectance: reflectance?,
             emissivity: emissivity?,
             bond_albedo: bond_albedo?,
             emissivity_bolometric: emissivity_bolometric?,
