@@ -90,6 +90,7 @@ pub fn simulate(scene: &Scene, watch: Watch<'_>) -> Result<(FacetTable, Observat
 /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
 pub fn observe(scene: &Scene, topology: &Topology, table: &FacetTable, watch: Watch<'_>) -> Result<Observation> {
     fits(scene, table)?;
+    has_room(scene)?;
     let image = integrate::integrate(scene, topology, table, watch)?;
     tell(watch, "report", 0, 1)?;
     let site = Site::new(&scene.mesh, topology);
@@ -134,6 +135,27 @@ fn fits(scene: &Scene, table: &FacetTable) -> Result<()> {
     };
     let problems: Vec<Problem> = wrong.map(problem).collect();
     if problems.is_empty() { Ok(()) } else { Err(Error::Invalid(problems)) }
+}
+
+/// Says if the machine cannot hold the image: asked for in vain later, memory would end the program where it stands.
+fn has_room(scene: &Scene) -> Result<()> {
+    let (samples, lines) = (scene.sensor.camera.samples, scene.sensor.camera.lines);
+    // Every plane is there twice while lines become an image: some 30, and two for each material.
+    let pixel_bytes = 2 * 8 * (30 + 2 * scene.materials.len());
+    let bytes = u64::from(samples) * u64::from(lines) * pixel_bytes as u64;
+    let mut room: Vec<u8> = Vec::new();
+    let asked = usize::try_from(bytes).is_ok_and(|bytes| room.try_reserve_exact(bytes).is_ok());
+    // Memory that nobody looks at may be asked for by nobody.
+    std::hint::black_box(&room);
+    if asked {
+        return Ok(());
+    }
+    let message =
+        format!("{samples} x {lines} pixels take some {:.0} GB of memory, which cannot be had", bytes as f64 / 1e9);
+    let problem = Problem::new(Location::item("sensor"), message).with_help(
+        "fewer samples and lines; a large image can be made of several, each with an observer that looks at its part",
+    );
+    Err(Error::Invalid(vec![problem]))
 }
 
 /// What must hold whatever the scene.
