@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use mmxrt::formats::folder::Staged;
 use mmxrt::formats::npz;
+use mmxrt::progress::tell;
 use mmxrt::visibility::Topology;
 use mmxrt::{Result, solve, study};
 
@@ -28,7 +29,9 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let opened = scene::open(&arguments.scene, &watch)?;
     opened.warnings.iter().for_each(|warning| console.note(&format!("warning: {warning}")));
     let table = solve::solve(&opened.scene, &Topology::new(&opened.scene.mesh), &watch)?;
+    tell(&watch, "writing the table", 0, 1)?;
     npz::write_table(staged.path(), &table, &study::table_id(&opened.scene)).map_err(|e| staged.named(e))?;
+    tell(&watch, "writing the table", 1, 1)?;
     staged.commit()?;
     let (path, facets) = (arguments.output.display().to_string(), table.sun_irradiance.len());
     let json = serde_json::json!({ "table": path, "facets": facets, "warnings": opened.warnings });
