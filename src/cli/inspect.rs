@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use glam::DVec3;
 use mmxrt::formats::located::Document;
 use mmxrt::formats::report_json::{self, Report, Run};
 use mmxrt::formats::spectrum_csv::{self, Quantity};
@@ -41,7 +42,8 @@ fn line(name: &str, value: &Value) -> String {
     let short = |value: &Value| match value {
         Value::String(text) => text.clone(),
         Value::Object(object) => {
-            let of = |v: &Value| v.as_str().map_or_else(|| v.to_string(), str::to_owned);
+            // A name that is empty shows as "".
+            let of = |v: &Value| v.as_str().filter(|s| !s.is_empty()).map_or_else(|| v.to_string(), str::to_owned);
             // What a thing is called comes first; the order of the rest says nothing.
             let (mut named, rest): (Vec<_>, Vec<_>) = object.iter().partition(|(k, _)| NAMING.contains(&k.as_str()));
             named.extend(rest);
@@ -51,6 +53,7 @@ fn line(name: &str, value: &Value) -> String {
     };
     match value {
         Value::Array(items) if items.is_empty() => format!("{name}: none\n"),
+        Value::Object(items) if items.is_empty() => format!("{name}: none\n"),
         Value::Array(items) => {
             let mut rows: Vec<String> = items.iter().map(|item| format!("  {}\n", short(item))).collect();
             if rows.len() > 2 * ENDS + 1 {
@@ -75,10 +78,13 @@ fn inspect(path: &Path, console: &Console) -> Result<Facts> {
         "json" => report(path),
         "obj" => {
             let mesh = obj::read(path)?;
+            let corners = || mesh.vertices.iter().copied();
+            let size = corners().fold(DVec3::NEG_INFINITY, DVec3::max) - corners().fold(DVec3::INFINITY, DVec3::min);
             Ok(vec![
                 ("kind", json!("OBJ mesh")),
                 ("vertices", json!(mesh.vertices.len())),
                 ("facets", json!(mesh.facets.len())),
+                ("size_in_its_unit", json!({ "x": size.x, "y": size.y, "z": size.z })),
                 ("materials", mesh.materials.iter().map(|m| json!({ "name": m.name, "kd": m.kd })).collect()),
                 ("passed_over", json!(mesh.ignored)),
             ])

@@ -81,6 +81,11 @@ fn a_landscape_is_made_inspected_and_never_overwritten_unasked() {
     let facts: serde_json::Value = serde_json::from_str(&out).unwrap();
     let facets = facts["facets"].as_u64().unwrap();
     assert!(code == 0 && (1900..2100).contains(&facets), "{facts}");
+    // The recipe's site is 2 km wide.
+    assert_eq!(
+        (facts["size_in_its_unit"]["x"].as_f64(), facts["size_in_its_unit"]["y"].as_f64()),
+        (Some(2000.0), Some(2000.0))
+    );
     let (code, out, _) = run(&["inspect", &recipe]);
     assert!(code == 0 && out.starts_with("kind: landscape recipe\nseed: 7\n"), "{out}");
 }
