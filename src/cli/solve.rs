@@ -6,7 +6,7 @@ use mmxrt::formats::folder::Staged;
 use mmxrt::formats::npz;
 use mmxrt::progress::tell;
 use mmxrt::visibility::Topology;
-use mmxrt::{Result, solve, study};
+use mmxrt::{Error, Location, Result, solve, study};
 
 use super::console::Console;
 use super::{Outcome, scene};
@@ -25,6 +25,10 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let watch = |progress| console.watch(progress);
+    // So that no slip of the hand replaces a scene or a mesh.
+    if arguments.output.extension().is_none_or(|e| e != "npz") {
+        return Err(Error::invalid(Location::file(&arguments.output), "a facet table's name ends in .npz"));
+    }
     let staged = Staged::file(&arguments.output, arguments.force)?;
     let opened = scene::open(&arguments.scene, &watch)?;
     opened.warnings.iter().for_each(|warning| console.note(&format!("warning: {warning}")));

@@ -207,6 +207,15 @@ fn a_table_serves_another_camera_and_is_refused_for_another_sun() {
 }
 
 #[test]
+fn no_slip_of_the_hand_replaces_a_scene_by_its_table() {
+    let scratch = Scratch::new("slip");
+    let scene = scratch.scene(SCENE);
+    let (code, _, err) = run(&["solve", &scene, "-o", &scene, "--force"]);
+    assert!(code == 1 && err.contains("scene.toml") && err.contains("ends in .npz"), "{err}");
+    assert_eq!(std::fs::read_to_string(&scene).unwrap(), SCENE);
+}
+
+#[test]
 fn a_camera_under_the_terrain_is_told_at_its_place() {
     let scratch = Scratch::new("under");
     let scene = scratch.scene(&SCENE.replace("position_m = [0.0, 82000.0, 0.0]", "position_m = [0.0, 2000.0, 0.0]"));

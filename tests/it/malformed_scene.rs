@@ -245,6 +245,7 @@ const CASES: &[(&str, &str, &str, &str)] = &[
     ),
     ("ground = 0.25", "ground = 0.5", ":8:19 materials.mix.mixture", "shares add up to 1.25, not 1"),
     ("ground = 0.25", "grond = 0.25", ":8:29 materials.mix.mixture.grond", "did you mean \"ground\"?"),
+    ("{ ground = 0.25, \"#ff0000\" = 0.75 }", "{}", ":8:19 materials.mix.mixture", "shares add up to 0, not 1"),
     ("{ ground = 0.25, \"#ff0000\" = 0.75 }", "{ mix = 1 }", ":8:19 materials.mix.mixture", "a mixture of itself"),
     (
         "mix = { mixture",
@@ -374,6 +375,23 @@ fn what_a_windows_editor_puts_into_files_changes_nothing() {
     folder.write("scene.toml", &text);
     let shown = picture(&read().unwrap_err());
     assert!(shown.contains("scene.toml:21:1") && shown.contains("21 | sample = 8\n   | ^^^^^^"), "{shown}");
+}
+
+#[test]
+fn many_materials_are_read_in_no_time_and_too_many_are_refused() {
+    let folder = prepared("dictionary");
+    let read = |entries: usize| {
+        // Each a mixture of the next: the worst order there is.
+        let chain =
+            (0..entries).map(|i| format!("m{i} = {{ mixture = {{ m{} = 1.0 }} }}\n", i + 1)).collect::<String>();
+        let text = GOOD.replace("[sun]", &format!("{chain}m{entries} = {{ reflectance = 0.1 }}\n[sun]"));
+        scene_toml::read(&folder.write("scene.toml", &text), &unwatched)
+    };
+    assert_eq!(read(500).unwrap().scene.materials.len(), 504);
+    let flat = (0..70_000).map(|i| format!("m{i} = {{ reflectance = 0.1 }}\n")).collect::<String>();
+    let text = GOOD.replace("[sun]", &format!("{flat}[sun]"));
+    let told = scene_toml::read(&folder.write("scene.toml", &text), &unwatched).unwrap_err().to_string();
+    assert!(told.contains("70003 materials: at most 65536"), "{}", &told[..told.len().min(500)]);
 }
 
 #[test]

@@ -18,6 +18,8 @@ const EMISSIVITY_BOLOMETRIC: f64 = 0.95;
 const LEAST_EMISSIVITY: f64 = 1e-3;
 /// Two colours are the same if no channel differs by more: one step of the 8 bits that most programs keep.
 const COLOUR_STEP: f64 = 1.0 / 255.0;
+/// A facet's material is a number of 16 bits.
+const MOST_ENTRIES: usize = 1 << 16;
 /// Entry for faces without a material.
 const UNNAMED: &str = "default";
 /// Shares of a mixture add up to 1 to within this.
@@ -39,6 +41,10 @@ impl Reader<'_> {
         let names = self.document.keys("materials");
         if names.is_empty() {
             self.problem("materials", "no materials");
+        }
+        if names.len() > MOST_ENTRIES {
+            self.problem("materials", format!("{} materials: at most {MOST_ENTRIES} can be told apart", names.len()));
+            return Dictionary { materials: None, used: BTreeSet::new(), parts: vec![Vec::new(); names.len()], names };
         }
         let index = |name: &str| names.iter().position(|n| n == name);
         let mut parts = vec![Vec::new(); names.len()];
@@ -71,7 +77,8 @@ impl Reader<'_> {
                 good &= self.fraction(&at, *share).is_some();
             }
             if let Some(mixture) = &entry.mixture {
-                let sum: f64 = mixture.values().sum();
+                // From 0.0: the sum of nothing is -0.
+                let sum = mixture.values().fold(0.0, |sum, share| sum + share);
                 if (sum - 1.0).abs() > SHARE_TOLERANCE {
                     let help =
                         if (sum - 100.0).abs() < 1e-6 { Some("shares are fractions, not percent") } else { None };
@@ -86,10 +93,18 @@ impl Reader<'_> {
             }
         }
         // Parts before mixtures of them; what never becomes ready goes in a circle.
-        while order.len() < names.len() {
-            let ready = |i: &usize| !order.contains(i) && parts[*i].iter().all(|p| order.contains(p));
-            let Some(next) = (0..names.len()).find(ready) else { break };
-            order.push(next);
+        let mut is_ready = vec![false; names.len()];
+        loop {
+            let before = order.len();
+            for i in 0..names.len() {
+                if !is_ready[i] && parts[i].iter().all(|p| is_ready[*p]) {
+                    is_ready[i] = true;
+                    order.push(i);
+                }
+            }
+            if order.len() == before {
+                break;
+            }
         }
         if order.len() < names.len() {
             // What follows the circle without being in it would be told as well: tell only what reaches itself.
@@ -136,7 +151,7 @@ impl Reader<'_> {
             None => {
                 let parts: Vec<(f64, &Spectrum)> = mixed.iter().map(|(share, m)| (*share, &m.reflectance)).collect();
                 let mixture = Spectrum::mixture(&parts);
-                if mixture.is_none() {
+                if mixture.is_none() && !mixed.is_empty() {
                     self.problem(&member(&item, "mixture"), "its parts' tables have no wavelength in common");
                 }
                 mixture
@@ -231,6 +246,9 @@ impl Reader<'_> {
                 || material.kd.zip(linear_from_hex(key)).is_some_and(|(kd, rgb)| kd.into_iter().zip(rgb).all(same))
         };
         let found: Vec<usize> = (0..dictionary.names.len()).filter(|&i| matches(&dictionary.names[i])).collect();
+        if dictionary.names.is_empty() {
+            return None;
+        }
         if let [entry] = found[..] {
             dictionary.used.insert(entry);
             return u16::try_from(entry).ok().map(MaterialId);
