@@ -37,7 +37,12 @@ struct Stages {
 impl Stages {
     fn finish(&mut self) {
         if let Some((name, began)) = self.current.take() {
-            self.done.push(Stage { name: name.to_owned(), wall_s: began.elapsed().as_secs_f64() });
+            let wall_s = began.elapsed().as_secs_f64();
+            // A stage that another one interrupted goes on.
+            match self.done.iter_mut().find(|stage| stage.name == name) {
+                Some(stage) => stage.wall_s += wall_s,
+                None => self.done.push(Stage { name: name.to_owned(), wall_s }),
+            }
         }
         if let Some(bar) = self.bar.take() {
             bar.finish_and_clear();

@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use glam::DVec3;
 use mmxrt::formats::located::Document;
 use mmxrt::formats::report_json::{self, Report, Run};
 use mmxrt::formats::spectrum_csv::{self, Quantity};
-use mmxrt::formats::{envi, exr_cube, mtl, npz, obj, recipe_toml};
+use mmxrt::formats::{self, envi, exr_cube, mtl, npz, obj, recipe_toml};
 use mmxrt::spectral::Extend;
 use mmxrt::{Error, Location, Problem, Result, study};
 use serde_json::{Value, json};
@@ -18,6 +19,9 @@ pub(crate) struct Arguments {
     /// A product folder, ENVI image or header, .npz, .exr, .json report, scene, recipe, spectrum (.csv), .obj or .mtl
     file: PathBuf,
 }
+
+/// No scene or recipe is longer, bytes.
+const LIMIT: u64 = 16 << 20;
 
 /// What a file holds: names and values, in the order they are said.
 type Facts = Vec<(&'static str, Value)>;
@@ -34,19 +38,25 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
 /// A fact as text; of a long list only the ends.
 fn line(name: &str, value: &Value) -> String {
     const ENDS: usize = 6;
+    const NAMING: [&str; 5] = ["name", "file", "path", "array", "band"];
     let short = |value: &Value| match value {
         Value::String(text) => text.clone(),
         Value::Object(object) => {
-            let of = |v: &Value| v.as_str().map_or_else(|| v.to_string(), str::to_owned);
-            object.iter().map(|(k, v)| format!("{k} {}", of(v))).collect::<Vec<_>>().join(", ")
+            // A name that is empty shows as "".
+            let of = |v: &Value| v.as_str().filter(|s| !s.is_empty()).map_or_else(|| v.to_string(), str::to_owned);
+            // What a thing is called comes first; the order of the rest says nothing.
+            let (mut named, rest): (Vec<_>, Vec<_>) = object.iter().partition(|(k, _)| NAMING.contains(&k.as_str()));
+            named.extend(rest);
+            named.iter().map(|(k, v)| format!("{k} {}", of(v))).collect::<Vec<_>>().join(", ")
         }
         other => other.to_string(),
     };
     match value {
         Value::Array(items) if items.is_empty() => format!("{name}: none\n"),
+        Value::Object(items) if items.is_empty() => format!("{name}: none\n"),
         Value::Array(items) => {
             let mut rows: Vec<String> = items.iter().map(|item| format!("  {}\n", short(item))).collect();
-            if rows.len() > 2 * ENDS {
+            if rows.len() > 2 * ENDS + 1 {
                 let left_out = rows.len() - 2 * ENDS;
                 rows.splice(ENDS..ENDS + left_out, [format!("  ... {left_out} more, see --json\n")]);
             }
@@ -68,10 +78,13 @@ fn inspect(path: &Path, console: &Console) -> Result<Facts> {
         "json" => report(path),
         "obj" => {
             let mesh = obj::read(path)?;
+            let corners = || mesh.vertices.iter().copied();
+            let size = corners().fold(DVec3::NEG_INFINITY, DVec3::max) - corners().fold(DVec3::INFINITY, DVec3::min);
             Ok(vec![
                 ("kind", json!("OBJ mesh")),
                 ("vertices", json!(mesh.vertices.len())),
                 ("facets", json!(mesh.facets.len())),
+                ("size_in_its_unit", json!({ "x": size.x, "y": size.y, "z": size.z })),
                 ("materials", mesh.materials.iter().map(|m| json!({ "name": m.name, "kd": m.kd })).collect()),
                 ("passed_over", json!(mesh.ignored)),
             ])
@@ -94,7 +107,7 @@ fn inspect(path: &Path, console: &Console) -> Result<Facts> {
 
 /// A scene or a recipe: a recipe has a seed.
 fn text(path: &Path, console: &Console) -> Result<Facts> {
-    let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, "reading", e))?;
+    let (text, _) = formats::text(path, LIMIT)?;
     if Document::parse(text, path)?.has("seed") {
         let (recipe, _) = recipe_toml::read(path)?;
         return Ok(vec![

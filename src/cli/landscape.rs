@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use mmxrt::formats::folder::Staged;
 use mmxrt::formats::mtl::{self, ObjMaterial};
 use mmxrt::formats::{obj, recipe_toml};
-use mmxrt::progress::Progress;
+use mmxrt::progress::{Progress, tell};
 use mmxrt::{Error, Result, landscape};
 
 use super::Outcome;
@@ -44,8 +44,10 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let landscape = landscape::generate(&recipe, &watch)?;
     let materials: Vec<ObjMaterial> =
         landscape.materials.into_iter().map(|(name, kd)| ObjMaterial { name, kd: Some(kd) }).collect();
+    tell(&|progress| console.watch(progress), "writing the mesh", 0, 1)?;
     write_file(&staged_mtl, |out| mtl::write(out, &materials))?;
     write_file(&staged_obj, |out| obj::write(out, &landscape.mesh, &materials, Some(&mtl_name)))?;
+    tell(&|progress| console.watch(progress), "writing the mesh", 1, 1)?;
     let facets = landscape.mesh.facets.len();
     // The mesh last: it refers to the materials.
     staged_mtl.commit()?;

@@ -20,7 +20,7 @@ use console::Console;
 
 /// What a space camera sees of a small body: exact facet-to-pixel hyperspectral image simulation.
 ///
-/// Exit codes: 0 done, 1 bad input, failed I/O, a failed check or Ctrl-C, 2 usage, 3 loss under --strict. Whatever the code
+/// Exit codes: 0 done, 1 bad input, failed I/O, a failed case of `validate` or Ctrl-C, 2 usage, 3 loss under --strict. Whatever the code
 /// but 0 is, nothing is left under the name of the output.
 #[derive(Parser)]
 #[command(name = "mmxrt", version)]
@@ -32,6 +32,7 @@ struct Cli {
 }
 
 #[derive(clap::Args)]
+#[command(next_help_heading = "Options of all commands")]
 struct Global {
     /// Threads to use; all cores if not given. The products are the same for any number
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]

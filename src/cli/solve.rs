@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use mmxrt::formats::folder::Staged;
 use mmxrt::formats::npz;
+use mmxrt::progress::tell;
 use mmxrt::visibility::Topology;
-use mmxrt::{Result, solve, study};
+use mmxrt::{Error, Location, Result, solve, study};
 
 use super::console::Console;
 use super::{Outcome, scene};
@@ -24,11 +25,17 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let watch = |progress| console.watch(progress);
+    // So that no slip of the hand replaces a scene or a mesh.
+    if arguments.output.extension().is_none_or(|e| e != "npz") {
+        return Err(Error::invalid(Location::file(&arguments.output), "a facet table's name ends in .npz"));
+    }
     let staged = Staged::file(&arguments.output, arguments.force)?;
     let opened = scene::open(&arguments.scene, &watch)?;
     opened.warnings.iter().for_each(|warning| console.note(&format!("warning: {warning}")));
     let table = solve::solve(&opened.scene, &Topology::new(&opened.scene.mesh), &watch)?;
+    tell(&watch, "writing the table", 0, 1)?;
     npz::write_table(staged.path(), &table, &study::table_id(&opened.scene)).map_err(|e| staged.named(e))?;
+    tell(&watch, "writing the table", 1, 1)?;
     staged.commit()?;
     let (path, facets) = (arguments.output.display().to_string(), table.sun_irradiance.len());
     let json = serde_json::json!({ "table": path, "facets": facets, "warnings": opened.warnings });

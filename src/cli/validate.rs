@@ -4,10 +4,13 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use mmxrt::study::validate::{self, Row, Verdict};
-use mmxrt::{Error, Result};
+use mmxrt::{Result, formats};
 
 use super::Outcome;
 use super::console::Console;
+
+/// No file of cases is longer, bytes.
+const LIMIT: u64 = 64 << 20;
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
@@ -20,7 +23,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let rows = match &arguments.oracles {
         None => validate::closed_forms()?,
         Some(path) => {
-            let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, "reading", e))?;
+            let (text, _) = formats::text(path, LIMIT)?;
             validate::oracles(&text, path)?
         }
     };

@@ -20,21 +20,51 @@ pub struct Staged {
 
 /// A folder that holds one of these is a product folder, or one staged as such; no other folder is ever replaced.
 const MARKS: [&str; 2] = ["report.json", "run.json"];
+/// What a product folder may hold; with another ending behind it, what other programs put beside it (`cube.img.aux.xml`).
+/// A folder with anything else in it is not replaced either.
+const PARTS: [&str; 11] = [
+    "report.json",
+    "run.json",
+    "cube.img",
+    "cube.hdr",
+    "cube.exr",
+    "backplanes.img",
+    "backplanes.hdr",
+    "quicklook.png",
+    "quicklook_rgb.png",
+    "table.npz",
+    "footprints.npz",
+];
 
 impl Staged {
     /// An empty folder to write into.
     ///
     /// # Errors
-    /// [`Error::Invalid`] if the target exists and `replace` is false, or if it is not a product folder;
-    /// [`Error::Io`] if a folder cannot be made there.
+    /// [`Error::Invalid`] if the target exists and `replace` is false, or if it is not a product folder, or holds what is
+    /// no part of a product; [`Error::Io`] if a folder cannot be made there.
     pub fn folder(target: &Path, replace: bool) -> Result<Self> {
+        if replace && target.is_file() {
+            return Err(Error::invalid(Location::file(target), "is a file; name a folder"));
+        }
         let staged = Self::new(target, replace)?;
         if replace && target.exists() {
-            let is_empty = target.read_dir().map_err(|e| Error::io(target, "reading", e))?.next().is_none();
-            if !is_empty && !MARKS.iter().any(|mark| target.join(mark).is_file()) {
-                let problem = Problem::new(Location::file(target), "is not a product folder, so it is not replaced")
-                    .with_help("remove it yourself, or choose another name");
-                return Err(Error::Invalid(vec![problem]));
+            let reading = |e| Error::io(target, "reading", e);
+            let entries = target.read_dir().map_err(reading)?;
+            let names: Vec<_> = entries.map(|e| Ok(e?.file_name())).collect::<std::io::Result<_>>().map_err(reading)?;
+            let refused = |message: String| {
+                let help = "remove it yourself, or choose another name";
+                Err(Error::Invalid(vec![Problem::new(Location::file(target), message).with_help(help)]))
+            };
+            if !names.is_empty() && !MARKS.iter().any(|mark| target.join(mark).is_file()) {
+                return refused("is not a product folder, so it is not replaced".into());
+            }
+            let is_part = |name: &str| {
+                let after =
+                    |part: &str| name.strip_prefix(part).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+                PARTS.iter().any(|part| after(part))
+            };
+            if let Some(other) = names.iter().map(|name| name.to_string_lossy()).find(|name| !is_part(name)) {
+                return refused(format!("holds {other:?}, which is no part of a product, so it is not replaced"));
             }
         }
         std::fs::create_dir(&staged.path).map_err(|e| Error::io(target, "making this folder", e))?;
@@ -44,16 +74,24 @@ impl Staged {
     /// A name to write a file to.
     ///
     /// # Errors
-    /// [`Error::Invalid`] if the target exists and `replace` is false, or is a folder;
+    /// [`Error::Invalid`] if the target exists and `replace` is false, or is a folder or a device;
     /// [`Error::Io`] if the folder around it cannot be made.
     pub fn file(target: &Path, replace: bool) -> Result<Self> {
         if target.is_dir() {
             return Err(Error::invalid(Location::file(target), "is a folder; name a file"));
         }
+        if replace && target.exists() && !target.is_file() {
+            return Err(Error::invalid(Location::file(target), "is no file, so it is not replaced"));
+        }
         Self::new(target, replace)
     }
 
     fn new(target: &Path, replace: bool) -> Result<Self> {
+        // What a link leads to is replaced, not the link.
+        let target = match replace && target.is_symlink() {
+            true => &target.canonicalize().map_err(|e| Error::io(target, "following this link", e))?,
+            false => target,
+        };
         let Some(name) = target.file_name() else {
             return Err(Error::invalid(Location::file(target), "has no name that a product could take"));
         };
@@ -83,14 +121,16 @@ impl Staged {
     /// An error that names what is written by the final name, which is the one its reader knows.
     #[must_use]
     pub fn named(&self, error: Error) -> Error {
+        let named = |path: PathBuf| match path.strip_prefix(&self.path) {
+            Ok(inside) if inside.as_os_str().is_empty() => self.target.clone(),
+            Ok(inside) => self.target.join(inside),
+            Err(_) => path,
+        };
         match error {
-            Error::Io { path, action, source } => {
-                let path = match path.strip_prefix(&self.path) {
-                    Ok(inside) if inside.as_os_str().is_empty() => self.target.clone(),
-                    Ok(inside) => self.target.join(inside),
-                    Err(_) => path,
-                };
-                Error::Io { path, action, source }
+            Error::Io { path, action, source } => Error::Io { path: named(path), action, source },
+            Error::Invalid(mut problems) => {
+                problems.iter_mut().for_each(|p| p.at.file = p.at.file.take().map(named));
+                Error::Invalid(problems)
             }
             other => other,
         }
@@ -211,6 +251,10 @@ mod tests {
         std::fs::write(home.join("chapter1.tex"), "years of work").unwrap();
         assert!(Staged::folder(&home, true).unwrap_err().to_string().contains("not a product folder"));
         assert_eq!(names(&home), ["chapter1.tex"]);
+        // A report makes it no product folder: the chapter is still no part of one.
+        std::fs::write(home.join("report.json"), "{}").unwrap();
+        assert!(Staged::folder(&home, true).unwrap_err().to_string().contains("\"chapter1.tex\""));
+        assert_eq!(names(&home), ["chapter1.tex", "report.json"]);
         assert_eq!(names(&top), ["product", "thesis"]);
         std::fs::remove_dir_all(top).unwrap();
     }
@@ -226,6 +270,38 @@ mod tests {
         assert!(matches!(&error, Error::Io { path, .. } if *path == target), "{error}");
         assert_eq!(std::fs::read_to_string(target.join("report.json")).unwrap(), "old");
         assert_eq!(names(&top), ["product"]);
+        std::fs::remove_dir_all(top).unwrap();
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn what_a_link_leads_to_is_replaced() {
+        let top = empty_folder("link");
+        let link = top.join("link");
+        product(&top.join("real"), "old");
+        std::os::unix::fs::symlink("real", &link).unwrap();
+        assert!(Staged::folder(&link, false).unwrap_err().to_string().contains("exists"));
+        product(&link, "new");
+        assert!(link.is_symlink());
+        assert_eq!(std::fs::read_to_string(top.join("real/report.json")).unwrap(), "new");
+        std::fs::remove_file(&link).unwrap();
+        std::os::unix::fs::symlink("nowhere", &link).unwrap();
+        // Before anything is computed, not after.
+        assert!(Staged::folder(&link, true).unwrap_err().to_string().contains("link: following this link"));
+        assert_eq!(names(&top), ["link", "real"]);
+        std::fs::remove_dir_all(top).unwrap();
+    }
+
+    #[test]
+    fn only_a_file_is_replaced_by_a_file_and_a_folder_by_a_folder() {
+        let top = empty_folder("kinds");
+        std::fs::write(top.join("table.npz"), "one").unwrap();
+        assert!(
+            Staged::folder(&top.join("table.npz"), true).unwrap_err().to_string().ends_with("is a file; name a folder")
+        );
+        #[cfg(unix)]
+        assert!(Staged::file(Path::new("/dev/null"), true).unwrap_err().to_string().contains("is no file"));
+        assert_eq!(names(&top), ["table.npz"]);
         std::fs::remove_dir_all(top).unwrap();
     }
 
@@ -260,6 +336,8 @@ mod tests {
         let folder = Staged::folder(&top.join("product"), false).unwrap();
         let cube = told(&folder, folder.path().join("cube.img"));
         assert!(cube.starts_with(&format!("{}: writing: ", top.join("product/cube.img").display())), "{cube}");
+        let invalid = folder.named(Error::invalid(Location::file(folder.path().join("cube.exr")), "x")).to_string();
+        assert_eq!(invalid, format!("{}: x", top.join("product/cube.exr").display()));
         let file = Staged::file(&top.join("table.npz"), false).unwrap();
         let table = told(&file, file.path().to_owned());
         assert!(table.starts_with(&format!("{}: writing: ", top.join("table.npz").display())), "{table}");

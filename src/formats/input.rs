@@ -73,11 +73,14 @@ pub(crate) fn bytes(path: &Path, limit: u64) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// What some editors put before UTF-8 text. Places in a text are counted from behind it.
+pub(crate) const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
+
 /// The text of a file of at most `limit` bytes, without a byte order mark.
 ///
 /// # Errors
-/// As [`bytes`]; [`Error::Syntax`] where it is not UTF-8.
-pub(crate) fn text(path: &Path, limit: u64) -> Result<(String, InputFile)> {
+/// [`Error::Io`]; [`Error::Invalid`] for a longer file, of which no more is read; [`Error::Syntax`] where it is not UTF-8.
+pub fn text(path: &Path, limit: u64) -> Result<(String, InputFile)> {
     let bytes = bytes(path, limit)?;
     let input = InputFile::of(path, &bytes);
     match String::from_utf8(bytes) {

@@ -15,7 +15,7 @@ use serde_json::{Map, Value};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::error::{Error, Location, Problem, Result};
+use crate::error::{Error, Location, Problem, Result, number};
 
 /// A TOML text as a tree whose items know their places.
 ///
@@ -379,20 +379,21 @@ fn described(schema: &Value) -> String {
 }
 
 fn out_of_range(schema: &Value, x: f64) -> Option<String> {
+    let shown = number(x);
     let limit = |key: &str| schema.get(key).and_then(Value::as_f64);
     if let Some(least) = limit("minimum").filter(|least| x < *least) {
-        return Some(format!("{x} is less than {least}"));
+        return Some(format!("{shown} is less than {least}"));
     }
     if let Some(most) = limit("maximum").filter(|most| x > *most) {
-        return Some(format!("{x} is more than {most}"));
+        return Some(format!("{shown} is more than {most}"));
     }
     if schema.get("format").and_then(Value::as_str) == Some("uint32") && x > f64::from(u32::MAX) {
-        return Some(format!("{x} is more than {}", u32::MAX));
+        return Some(format!("{shown} is more than {}", u32::MAX));
     }
     if let Some(bound) = limit("exclusiveMinimum").filter(|bound| x <= *bound) {
-        return Some(format!("{x} is not more than {bound}"));
+        return Some(format!("{shown} is not more than {bound}"));
     }
-    limit("exclusiveMaximum").filter(|bound| x >= *bound).map(|bound| format!("{x} is not less than {bound}"))
+    limit("exclusiveMaximum").filter(|bound| x >= *bound).map(|bound| format!("{shown} is not less than {bound}"))
 }
 
 /// The known word that a word was probably meant to be: two letters, or a third of them, differ.

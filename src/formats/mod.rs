@@ -15,5 +15,5 @@ pub mod report_json;
 pub mod scene_toml;
 pub mod spectrum_csv;
 
-pub use input::InputFile;
+pub use input::{InputFile, text};
 pub use picture::picture;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::error::{Location, Problem, Result};
 
-use super::input::{self, InputFile, Problems};
+use super::input::{self, BYTE_ORDER_MARK, InputFile, Problems};
 
 /// A material of an OBJ file.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,6 +35,7 @@ pub fn read(path: &Path) -> Result<(Vec<ObjMaterial>, InputFile)> {
 pub fn parse(bytes: &[u8], path: &Path) -> Result<Vec<ObjMaterial>> {
     let mut materials: Vec<ObjMaterial> = Vec::new();
     let mut problems = Problems::default();
+    let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
     for (i, line) in String::from_utf8_lossy(bytes).lines().enumerate() {
         let mut problem = |message: String| problems.push(|| Problem::new(Location::line(path, i + 1), message));
         let line = line.trim();

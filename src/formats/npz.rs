@@ -331,6 +331,8 @@ pub fn read_table(path: &Path) -> Result<(FacetTable, Header)> {
     let temperature_shaded_k = file.f64s("temperature_shaded_k", 1, false, &mut problems)?;
 
     let facets = sun_irradiance.len();
+    // If it cannot be used, that has been told, and all others would be of another length.
+    let comparable = facets > 0 || problems.is_empty();
     let mut problem = |item: String, message: String| {
         problems.push(Problem::new(Location::file(path).with_item(item), message));
     };
@@ -341,7 +343,7 @@ pub fn read_table(path: &Path) -> Result<(FacetTable, Header)> {
         ("temperature_shaded_k", temperature_shaded_k.len(), true),
     ];
     for (name, length, may_be_empty) in lengths {
-        if length != facets && !(may_be_empty && length == 0) {
+        if comparable && length != facets && !(may_be_empty && length == 0) {
             problem(name.into(), format!("has {length} values, but sun_irradiance has {facets}"));
         }
     }

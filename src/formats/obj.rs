@@ -22,7 +22,7 @@ use glam::DVec3;
 use crate::error::{Error, Location, Problem, Result};
 use crate::geometry::Mesh;
 
-use super::input::{self, InputFile, Problems};
+use super::input::{self, BYTE_ORDER_MARK, InputFile, Problems};
 use super::mtl::{self, ObjMaterial};
 
 /// Text in memory at a time, bytes; no line is longer.
@@ -107,6 +107,10 @@ pub fn parse(
             read => read.map_err(|e| Error::io(path, "reading", e))?,
         };
         filled += read;
+        if offset == 0 && buffer[..filled].starts_with(BYTE_ORDER_MARK) {
+            buffer.copy_within(BYTE_ORDER_MARK.len()..filled, 0);
+            filled -= BYTE_ORDER_MARK.len();
+        }
         let whole = match read {
             0 => filled,
             _ => memchr::memrchr(b'\n', &buffer[..filled]).map_or(0, |i| i + 1),

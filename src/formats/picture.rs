@@ -6,6 +6,7 @@ use std::path::Path;
 
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 
+use super::input::BYTE_ORDER_MARK;
 use crate::error::{Error, Location, Problem};
 
 /// An error as text for a terminal: each problem with the lines of the file that it is about, as the compiler shows them.
@@ -56,8 +57,11 @@ const REACH: u64 = 400;
 /// The line a byte range begins in, and the range within it. Reads only that part of the file: an OBJ can have 80 MB.
 fn lines_around(path: &Path, start: usize, end: usize) -> Option<(String, usize, usize)> {
     let mut file = File::open(path).ok()?;
+    let mut first = Vec::new();
+    file.by_ref().take(BYTE_ORDER_MARK.len() as u64).read_to_end(&mut first).ok()?;
+    let mark = if first == BYTE_ORDER_MARK { first.len() as u64 } else { 0 };
     let from = (start as u64).saturating_sub(REACH);
-    file.seek(SeekFrom::Start(from)).ok()?;
+    file.seek(SeekFrom::Start(mark + from)).ok()?;
     let mut bytes = Vec::new();
     file.take(start as u64 - from + REACH).read_to_end(&mut bytes).ok()?;
     let at = start - from as usize;

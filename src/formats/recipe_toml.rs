@@ -16,9 +16,8 @@ const LIMIT: u64 = 1 << 20;
 /// [`Error::Io`]; [`Error::Syntax`]; [`Error::Invalid`] with everything that is unknown, missing or out of range, each at
 /// its place.
 pub fn read(path: &Path) -> Result<(Recipe, InputFile)> {
-    let bytes = input::bytes(path, LIMIT)?;
-    let file = InputFile::of(path, &bytes);
-    let document = Document::parse(String::from_utf8_lossy(&bytes).into_owned(), path)?;
+    let (text, file) = input::text(path, LIMIT)?;
+    let document = Document::parse(text, path)?;
     let recipe: Recipe = document.read()?;
     let mut problems = recipe.check();
     for problem in &mut problems {

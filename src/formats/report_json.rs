@@ -200,7 +200,8 @@ pub fn read<T: DeserializeOwned>(path: &Path) -> Result<T> {
     serde_json::from_reader(BufReader::new(file)).map_err(|e| match e.classify() {
         serde_json::error::Category::Io => Error::io(path, "reading", e.into()),
         _ => {
-            let at = Location { column: Some(e.column()), ..Location::line(path, e.line()) };
+            // Column 0 is the end of the line before.
+            let at = Location { column: Some(e.column().max(1)), ..Location::line(path, e.line()) };
             let message = e.to_string();
             // The place is in the location already.
             Error::syntax(at, message.split(" at line ").next().unwrap_or(&message))

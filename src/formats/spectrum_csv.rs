@@ -7,7 +7,7 @@
 
 use std::path::Path;
 
-use crate::error::{Error, Location, Problem, Result};
+use crate::error::{Error, Location, Problem, Result, number};
 use crate::spectral::{Extend, Spectrum};
 use crate::units::um_from_nm;
 
@@ -42,6 +42,7 @@ pub fn read(path: &Path, quantity: Quantity, extend: Extend) -> Result<(Spectrum
 pub fn parse(text: &str, path: &Path, quantity: Quantity, extend: Extend) -> Result<Spectrum> {
     let mut problems = Problems::default();
     let mut units = None;
+    let mut header_at = Location::file(path);
     let (mut wavelength_um, mut values) = (Vec::new(), Vec::new());
     let mut previous = 0.0;
     for (i, line) in text.lines().enumerate() {
@@ -66,6 +67,7 @@ pub fn parse(text: &str, path: &Path, quantity: Quantity, extend: Extend) -> Res
         };
         let Some((nanometres, unit)) = units else {
             units = header(first, second, quantity);
+            header_at = at(first);
             if units.is_none() {
                 let expected = match quantity {
                     Quantity::Fraction => "`reflectance` or `reflectance_percent` (emissivity and albedo likewise)",
@@ -119,7 +121,7 @@ pub fn parse(text: &str, path: &Path, quantity: Quantity, extend: Extend) -> Res
         }
     }
     if let (Some(&first), Some(&last)) = (wavelength_um.first(), wavelength_um.last()) {
-        suspect_unit(first, last, path, &mut problems);
+        suspect_unit(first, last, header_at, &mut problems);
     }
     problems.finish(path)?;
     Spectrum::new(wavelength_um, values, extend).ok_or_else(|| {
@@ -146,14 +148,15 @@ fn header(first: &str, second: &str, quantity: Quantity) -> Option<(bool, f64)> 
 }
 
 /// Tables that reach no wavelength between 0.1 and 100 um are in another unit than their header says.
-fn suspect_unit(first_um: f64, last_um: f64, path: &Path, problems: &mut Problems) {
+fn suspect_unit(first_um: f64, last_um: f64, header_at: Location, problems: &mut Problems) {
     let help = match () {
         () if first_um > 100.0 => "these look like nanometres: is the header `wavelength_nm`?",
         () if last_um < 0.1 => "these look like micrometres: is the header `wavelength_um`?",
         () => return,
     };
     problems.push(|| {
-        Problem::new(Location::file(path), format!("wavelengths from {first_um} to {last_um} um")).with_help(help)
+        let message = format!("wavelengths from {} to {} um", number(first_um), number(last_um));
+        Problem::new(header_at, message).with_help(help)
     });
 }
 

@@ -4,10 +4,13 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::plan::plan;
-use crate::error::{Location, Problem};
+use crate::error::{Location, Problem, number};
 
 /// The facet counts that a recipe may ask for.
 pub const FACETS: std::ops::RangeInclusive<u32> = 1_000..=4_000_000;
+
+/// Least and largest side of a site, m.
+const SIZE_M: (f64, f64) = (10.0, 1e5);
 
 /// Largest boulder, m.
 const LARGEST_BOULDER_M: f64 = 12.0;
@@ -174,11 +177,13 @@ impl Recipe {
                 problem(key, format!("{count} is more than {most}"));
             }
         }
-        let Recipe { size_m, relief, craters, boulders, .. } = self;
+        let Recipe { relief, craters, boulders, .. } = self;
+        // A range that hangs on a bad size is not worth telling.
+        let size_m = if (SIZE_M.0..=SIZE_M.1).contains(&self.size_m) { self.size_m } else { f64::NAN };
         let largest_crater_m = 2.0 * size_m;
         let largest_boulder_m = LARGEST_BOULDER_M.min(0.1 * size_m);
         for (key, value, lo, hi) in [
-            ("size_m", *size_m, 10.0, 1e5),
+            ("size_m", self.size_m, SIZE_M.0, SIZE_M.1),
             ("relief.rms_m", relief.rms_m, 0.0, 0.5 * size_m),
             ("relief.longest_m", relief.longest_m, 0.001 * size_m, 10.0 * size_m),
             ("relief.hurst", relief.hurst, 0.05, 2.0),
@@ -193,9 +198,9 @@ impl Recipe {
             ("boulders.exponent", boulders.exponent, 0.1, 10.0),
             ("boulders.sunk", boulders.sunk, 0.0, 1.0),
         ] {
-            // written so that NaN fails; a range that hangs on a bad size is not worth telling
+            // Written so that NaN fails; a limit that is NaN gives no range.
             if !(lo..=hi).contains(&value) && hi >= lo {
-                problem(key, format!("{value} is not from {lo} to {hi}"));
+                problem(key, format!("{} is not from {lo} to {hi}", number(value)));
             }
         }
         for (key, lo, hi) in [
@@ -203,7 +208,7 @@ impl Recipe {
             ("boulders.min_diameter_m", boulders.min_diameter_m, boulders.max_diameter_m),
         ] {
             if lo > hi {
-                problem(key, format!("{lo} is more than max_diameter_m = {hi}"));
+                problem(key, format!("{} is more than max_diameter_m = {}", number(lo), number(hi)));
             }
         }
         problems

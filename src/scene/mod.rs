@@ -55,6 +55,20 @@ impl Scene {
         if let Some(i) = mesh.vertices_m.iter().position(|v| !v.is_finite()) {
             problem("mesh", format!("vertex {i} (counted from 0) is not finite"));
         }
+        let far = |v: &DVec3| v.is_finite() && v.abs().max_element() > FARTHEST_M;
+        if let Some(i) = mesh.vertices_m.iter().position(far) {
+            problem("mesh", format!("vertex {i} (counted from 0) is more than {FARTHEST_M:e} m from the origin"));
+        }
+        let mars_m = self.mars.as_ref().map_or(DVec3::ZERO, |mars| mars.centre_m);
+        for (item, place_m) in [
+            ("origin_m", self.origin_m),
+            ("observer.position_m", self.sensor.camera.centre_m()),
+            ("mars.position_m", mars_m),
+        ] {
+            if !place_m.is_finite() || place_m.abs().max_element() > FARTHEST_M {
+                problem(item, format!("is more than {FARTHEST_M:e} m away: positions are in metres"));
+            }
+        }
         let vertices = mesh.vertices_m.len();
         if let Some(i) = mesh.facets.iter().position(|f| f.iter().any(|v| *v as usize >= vertices)) {
             problem("mesh", format!("facet {i} (counted from 0) refers to a vertex beyond the {vertices} there are"));
@@ -76,6 +90,9 @@ impl Scene {
         if problems.is_empty() { Ok(self) } else { Err(Error::Invalid(problems)) }
     }
 }
+
+/// Nothing of a scene is farther away, m (100 light years): products of lengths stay far from what overflows.
+const FARTHEST_M: f64 = 1e18;
 
 /// A camera away from the mesh is judged by this many facets.
 const SAMPLE: usize = 4096;

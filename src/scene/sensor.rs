@@ -74,6 +74,11 @@ impl Sensor {
                     &format!("sensor.bands[{i}]"),
                     "FWHM must be positive; leave it out for a monochromatic band".into(),
                 );
+            } else if band.fwhm_um.is_some_and(|w| w < f64::EPSILON.sqrt() * band.centre_um) {
+                problem(
+                    &format!("sensor.bands[{i}]"),
+                    "FWHM is too narrow for the digits of a number; leave it out for a monochromatic band".into(),
+                );
             } else if band.support_um().0 <= 0.0 {
                 problem(&format!("sensor.bands[{i}]"), "FWHM reaches wavelengths below 0".into());
             }

@@ -12,9 +12,12 @@ use crate::integrate::{self, Image};
 use crate::physics::bounds;
 use crate::product::{Backplanes, Cube, FacetTable, Lit};
 use crate::progress::{Watch, tell};
-use crate::scene::{MarsModel, Scene};
+use crate::scene::{MarsModel, Scene, Thermal};
 use crate::solve;
 use crate::visibility::Topology;
+
+/// Two directions to the Sun are the same to within this, rad: tables of other programs round.
+const DIRECTION_TOLERANCE: f64 = 1e-9;
 
 /// What a camera sees of a scene.
 #[derive(Debug, Clone)]
@@ -86,10 +89,11 @@ pub fn simulate(scene: &Scene, watch: Watch<'_>) -> Result<(FacetTable, Observat
 /// Looks at a scene whose facets have been solved.
 ///
 /// # Errors
-/// [`Error::Invalid`](crate::Error::Invalid) if the table is not of this scene's mesh;
+/// [`Error::Invalid`](crate::Error::Invalid) if the table is not of this scene, or memory cannot hold the image;
 /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
 pub fn observe(scene: &Scene, topology: &Topology, table: &FacetTable, watch: Watch<'_>) -> Result<Observation> {
     fits(scene, table)?;
+    has_room(scene)?;
     let image = integrate::integrate(scene, topology, table, watch)?;
     tell(watch, "report", 0, 1)?;
     let site = Site::new(&scene.mesh, topology);
@@ -117,23 +121,52 @@ pub fn observe(scene: &Scene, topology: &Topology, table: &FacetTable, watch: Wa
     Ok(observation)
 }
 
-/// Says if a table cannot be of a scene.
+/// Says if a table cannot be of a scene: what it lacks would be missing from the image, and the report would not know.
 fn fits(scene: &Scene, table: &FacetTable) -> Result<()> {
     let facets = scene.mesh.facets.len();
-    let columns = [
-        ("sun_irradiance", table.sun_irradiance.len(), false),
-        ("sunlit", table.sunlit.lit.len(), false),
-        ("mars_irradiance", table.mars_irradiance.len(), true),
-        ("temperature_lit_k", table.temperature_lit_k.len(), true),
-        ("temperature_shaded_k", table.temperature_shaded_k.len(), true),
-    ];
-    let wrong = columns.into_iter().filter(|(_, n, may_be_empty)| *n != facets && !(*may_be_empty && *n == 0));
-    let problem = |(name, n, _)| {
-        Problem::new(Location::item(name), format!("has {n} values, but the scene has {facets} facets"))
-            .with_help("the table is of another mesh: solve the scene again")
-    };
-    let problems: Vec<Problem> = wrong.map(problem).collect();
+    let has_heat = scene.thermal != Thermal::Off;
+    let mut problems: Vec<Problem> = [
+        ("sun_irradiance", table.sun_irradiance.len(), true),
+        ("sunlit", table.sunlit.lit.len(), true),
+        ("mars_irradiance", table.mars_irradiance.len(), scene.mars.is_some()),
+        ("temperature_lit_k", table.temperature_lit_k.len(), has_heat),
+        ("temperature_shaded_k", table.temperature_shaded_k.len(), has_heat),
+    ]
+    .into_iter()
+    .map(|(name, n, is_wanted)| (name, n, if is_wanted { facets } else { 0 }))
+    .filter(|(_, n, wanted)| n != wanted)
+    .map(|(name, n, wanted)| {
+        Problem::new(Location::item(name), format!("has {n} values, but the scene needs {wanted}"))
+            .with_help("the table is of another mesh, or of a scene with other sources or heat: solve the scene again")
+    })
+    .collect();
+    let angle_rad = table.sun_direction.angle_rad(scene.sun.direction);
+    if angle_rad > DIRECTION_TOLERANCE {
+        let message = format!("is {:.3e} deg from where the scene has the Sun", angle_rad.to_degrees());
+        problems.push(Problem::new(Location::item("sun_direction"), message).with_help("solve the scene again"));
+    }
     if problems.is_empty() { Ok(()) } else { Err(Error::Invalid(problems)) }
+}
+
+/// Says if the machine cannot hold the image: asked for in vain later, memory would end the program where it stands.
+fn has_room(scene: &Scene) -> Result<()> {
+    let (samples, lines) = (scene.sensor.camera.samples, scene.sensor.camera.lines);
+    // Every plane is there twice while lines become an image: some 30, and two for each material.
+    let pixel_bytes = 2 * 8 * (30 + 2 * scene.materials.len());
+    let bytes = u64::from(samples) * u64::from(lines) * pixel_bytes as u64;
+    let mut room: Vec<u8> = Vec::new();
+    let asked = usize::try_from(bytes).is_ok_and(|bytes| room.try_reserve_exact(bytes).is_ok());
+    // Memory that nobody looks at may be asked for by nobody.
+    std::hint::black_box(&room);
+    if asked {
+        return Ok(());
+    }
+    let message =
+        format!("{samples} x {lines} pixels take some {:.0} GB of memory, which cannot be had", bytes as f64 / 1e9);
+    let problem = Problem::new(Location::item("sensor"), message).with_help(
+        "fewer samples and lines; a large image can be made of several, each with an observer that looks at its part",
+    );
+    Err(Error::Invalid(vec![problem]))
 }
 
 /// What must hold whatever the scene.

@@ -18,7 +18,9 @@ pub(super) fn warnings(account: &Account, counts: &Counts, image: &Image) -> Vec
     if account.table.sunlit.lit.iter().all(|l| *l == Lit::Dark) {
         let rest = match (account.table.mars_irradiance.is_empty(), account.table.temperature_lit_k.is_empty()) {
             (true, true) => "the image is black",
-            _ => "what the image shows is Mars-light and heat",
+            (false, true) => "what the image shows is Mars-light",
+            (true, false) => "what the image shows is heat",
+            (false, false) => "what the image shows is Mars-light and heat",
         };
         all.push(format!("nothing is lit: the Sun is below every facet or behind the terrain; {rest}"));
     }

@@ -81,6 +81,11 @@ fn a_landscape_is_made_inspected_and_never_overwritten_unasked() {
     let facts: serde_json::Value = serde_json::from_str(&out).unwrap();
     let facets = facts["facets"].as_u64().unwrap();
     assert!(code == 0 && (1900..2100).contains(&facets), "{facts}");
+    // The recipe's site is 2 km wide.
+    assert_eq!(
+        (facts["size_in_its_unit"]["x"].as_f64(), facts["size_in_its_unit"]["y"].as_f64()),
+        (Some(2000.0), Some(2000.0))
+    );
     let (code, out, _) = run(&["inspect", &recipe]);
     assert!(code == 0 && out.starts_with("kind: landscape recipe\nseed: 7\n"), "{out}");
 }
@@ -202,6 +207,15 @@ fn a_table_serves_another_camera_and_is_refused_for_another_sun() {
 }
 
 #[test]
+fn no_slip_of_the_hand_replaces_a_scene_by_its_table() {
+    let scratch = Scratch::new("slip");
+    let scene = scratch.scene(SCENE);
+    let (code, _, err) = run(&["solve", &scene, "-o", &scene, "--force"]);
+    assert!(code == 1 && err.contains("scene.toml") && err.contains("ends in .npz"), "{err}");
+    assert_eq!(std::fs::read_to_string(&scene).unwrap(), SCENE);
+}
+
+#[test]
 fn a_camera_under_the_terrain_is_told_at_its_place() {
     let scratch = Scratch::new("under");
     let scene = scratch.scene(&SCENE.replace("position_m = [0.0, 82000.0, 0.0]", "position_m = [0.0, 2000.0, 0.0]"));
@@ -247,6 +261,60 @@ fn what_is_being_done_is_said_on_request() {
     assert_eq!((code, err.as_str()), (0, ""));
     let (code, _, _) = run(&["simulate", &scene, "-o", &scratch.join("x"), "--quiet", "--verbose"]);
     assert_eq!(code, 2);
+}
+
+#[test]
+fn a_product_with_all_its_parts_is_replaced_and_with_anything_else_is_not() {
+    let scratch = Scratch::new("parts");
+    let (scene, product) = (scratch.scene(SCENE), scratch.join("product"));
+    let all = ["simulate", &scene, "-o", &product, "--force", "--exr", "--table", "--footprints"];
+    assert_eq!(run(&all).0, 0);
+    // What GDAL puts beside an image whose statistics it was asked for.
+    std::fs::write(scratch.join("product/cube.img.aux.xml"), "").unwrap();
+    let (code, _, err) = run(&all);
+    assert_eq!(code, 0, "{err}");
+    let run_json: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(scratch.join("product/run.json")).unwrap()).unwrap();
+    let stages: Vec<&str> =
+        run_json["stages"].as_array().unwrap().iter().map(|s| s["name"].as_str().unwrap()).collect();
+    assert_eq!(stages.iter().filter(|name| **name == "reading the scene").count(), 1, "{stages:?}");
+    std::fs::write(scratch.join("product/notes.txt"), "days of work").unwrap();
+    let (code, _, err) = run(&all);
+    assert!(code == 1 && err.contains("notes.txt"), "{err}");
+    assert_eq!(std::fs::read_to_string(scratch.join("product/notes.txt")).unwrap(), "days of work");
+}
+
+#[test]
+fn bands_that_openexr_cannot_tell_apart_are_told_by_the_final_name() {
+    let scratch = Scratch::new("twins");
+    let scene = scratch.scene(&SCENE.replace("[1.0]", "[1.0, 1.0]"));
+    let (code, _, err) = run(&["simulate", &scene, "-o", &scratch.join("product"), "--exr"]);
+    assert!(code == 1 && err.contains(&scratch.join("product/cube.exr")) && err.contains("--exr"), "{err}");
+    assert_eq!(scratch.names(), ["scene.toml"]);
+}
+
+/// A limit on memory stands for a small machine.
+#[test]
+#[cfg(target_os = "linux")]
+fn an_image_that_memory_cannot_hold_is_refused() {
+    let scratch = Scratch::new("large");
+    let scene = scratch.scene(&SCENE.replace("= 16\n", "= 16384\n"));
+    let limited = Command::new("sh")
+        .args(["-c", "ulimit -v 4000000; exec \"$@\"", "sh", env!("CARGO_BIN_EXE_mmxrt")])
+        .args(["simulate", &scene, "-o", &scratch.join("out")])
+        .output()
+        .unwrap();
+    let err = String::from_utf8(limited.stderr).unwrap();
+    assert!(limited.status.code() == Some(1) && err.contains("16384 x 16384 pixels take some"), "{err}");
+    assert_eq!(scratch.names(), ["scene.toml"]);
+}
+
+#[test]
+fn inspect_says_where_a_text_is_not_utf_8() {
+    let scratch = Scratch::new("latin1");
+    std::fs::write(scratch.join("a.toml"), b"# mod\xe9le\n").unwrap();
+    let (code, _, err) = run(&["inspect", &scratch.join("a.toml")]);
+    assert!(code == 1 && err.contains("a.toml:1:6: not UTF-8"), "{err}");
 }
 
 /// A limit on the size of files stands for a disk that is full: writes fail half-way.

@@ -66,6 +66,9 @@ fn prepared(name: &str) -> Folder {
     folder.write("flat.csv", "wavelength_nm,reflectance_percent\n900,5\n2500,15\n");
     folder.write("short.csv", "wavelength_um,reflectance\n0.9,0.05\n1.4,0.15\n");
     folder.write("bare.csv", "0.9,0.05\n1.4,0.15\n");
+    folder.write("nm.csv", "wavelength_um,reflectance\n900,0.05\n2500,0.15\n");
+    // W m-2 nm-1 under the wrong name.
+    folder.write("weak.csv", "wavelength_um,irradiance_w_m2_um\n0.9,0.9\n2.5,0.05\n");
     folder.write("wild.csv", "wavelength_um,reflectance\n1,0.1\n0.5,nan\n");
     folder.write("nan.obj", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 4\n");
     folder.write("empty.obj", "v 0 0 0\n");
@@ -157,6 +160,8 @@ const CASES: &[(&str, &str, &str, &str)] = &[
     ("model = \"equilibrium\"", "model = \"thesis2\"", ":15:9 thermal.model", "did you mean \"thesis\"?"),
     ("count = 3", "count = 3\ncount = 4", ":28:1", "duplicate key"),
     ("[sun]", "[sun", ":9:5", ""),
+    ("origin_m = [0, 0, 10000]", "origin_m = [0, 0, 1e300]", ":2:12 origin_m", "more than 1e18 m away"),
+    ("position_m = [9.4e6, 0, 0]", "position_m = [1e200, 0, 0]", ":13:14 mars.position_m", "more than 1e18 m away"),
     // meshes
     ("obj = \"plate.obj\"", "obj = \"none.obj\"", ":4:7 mesh[0].obj", "none.obj: reading"),
     ("obj = \"plate.obj\"", "obj = \"nan.obj\"", "nan.obj:1: ", "not a finite number"),
@@ -225,8 +230,22 @@ const CASES: &[(&str, &str, &str, &str)] = &[
     ("flat.csv", "bare.csv", "bare.csv:1:1: ", "does not state the units"),
     ("flat.csv", "wild.csv", "wild.csv:3:5: ", "`nan` is not a finite number"),
     ("flat.csv", "none.csv", ":6:26 materials.ground.reflectance", "none.csv: reading"),
+    ("flat.csv", "nm.csv", "nm.csv:1:1: ", "is the header `wavelength_nm`?"),
+    (
+        "reflectance = 0.2",
+        "reflectance = -1e308",
+        ":7:29 materials.\"#ff0000\".reflectance",
+        "-1e308 is outside 0 to 1",
+    ),
+    (
+        "emissivity = 0.8",
+        "emissivity_bolometric = 1e-300",
+        ":7:58 materials.\"#ff0000\".emissivity_bolometric",
+        "1e-300: next to nothing",
+    ),
     ("ground = 0.25", "ground = 0.5", ":8:19 materials.mix.mixture", "shares add up to 1.25, not 1"),
     ("ground = 0.25", "grond = 0.25", ":8:29 materials.mix.mixture.grond", "did you mean \"ground\"?"),
+    ("{ ground = 0.25, \"#ff0000\" = 0.75 }", "{}", ":8:19 materials.mix.mixture", "shares add up to 0, not 1"),
     ("{ ground = 0.25, \"#ff0000\" = 0.75 }", "{ mix = 1 }", ":8:19 materials.mix.mixture", "a mixture of itself"),
     (
         "mix = { mixture",
@@ -236,7 +255,7 @@ const CASES: &[(&str, &str, &str, &str)] = &[
     ),
     // Sun and Mars
     ("distance_au = 1.5", "distance_au = 2.2e11", ":11:15 sun.distance_au", "1 au is 149597870700 m"),
-    ("distance_au = 1.5", "distance_au = -1.5", ":11:15 sun.distance_au", "au from the origin"),
+    ("distance_au = 1.5", "distance_au = -1.5", ":11:15 sun.distance_au", "the Sun is -1.5000 au from the origin"),
     (
         "direction = [0, 0, 1]\ndistance_au = 1.5",
         "position_m = [3.992e7, 2.1812e8, 1.1501e7]",
@@ -247,6 +266,12 @@ const CASES: &[(&str, &str, &str, &str)] = &[
     ("direction = [0, 0, 1]\n", "", ":9:1 sun", "give `position_m`, or `direction` and `distance_au`"),
     ("distance_au = 1.5", "distance_au = 1.5\ntotal_irradiance_w_m2 = 1.361", ":12:25 sun.total", "where it is 1361"),
     ("distance_au = 1.5", "distance_au = 1.5\nspectrum = \"flat.csv\"", "flat.csv:1:1: ", "irradiance_w_m2_nm"),
+    (
+        "distance_au = 1.5",
+        "distance_au = 1.5\nspectrum = \"weak.csv\"",
+        ":12:12 sun.spectrum",
+        "times the irradiance of the Sun (E490)",
+    ),
     ("position_m = [9.4e6, 0, 0]", "position_m = [9400, 0, 0]", ":13:14 mars.position_m", "is this in km?"),
     (
         "position_m = [9.4e6, 0, 0]",
@@ -287,6 +312,7 @@ const CASES: &[(&str, &str, &str, &str)] = &[
     ("stop_um = 2.0", "stop_um = 0.5", ":26:11 sensor.bands.stop_um", "is not beyond start_um = 1"),
     ("count = 3", "count = 3\nfwhm_um = [0.01, 0.01]", ":28:11 sensor.bands.fwhm_um", "2 widths for 3 bands"),
     ("count = 3", "count = 3\nfwhm_um = 10", ":28:11 sensor.bands.fwhm_um", "a width of 10 um"),
+    ("count = 3", "count = 3\nfwhm_um = 1e-320", "sensor.bands[0]", "too narrow"),
 ];
 
 #[test]
@@ -319,12 +345,64 @@ fn all_problems_are_told_at_once() {
         ("up = [0, 1, 0]", "up = [0, 0, 0]"),
         ("stop_um = 2.0", "stop_um = 0.5"),
         ("plate.obj", "empty.obj"),
+        // Two files that are not there.
+        ("\"flat.csv\"", "\"none.csv\", emissivity = \"neither.csv\""),
     ];
     for (good, bad) in edits {
         text = text.replace(good, bad);
     }
     let told = scene_toml::read(&folder.write("scene.toml", &text), &unwatched).unwrap_err().to_string();
-    assert_eq!(told.lines().count(), edits.len(), "{told}");
+    assert_eq!(told.lines().count(), edits.len() + 1, "{told}");
+}
+
+#[test]
+fn what_a_windows_editor_puts_into_files_changes_nothing() {
+    let folder = prepared("marks");
+    let read = || scene_toml::read(&folder.0.join("scene.toml"), &unwatched);
+    folder.write("scene.toml", GOOD);
+    // The first statement is a vertex: no other line may take its place.
+    folder.write("plate.obj", &PLATE.replace("mtllib plate.mtl\nv -1 -1 0\n", "v -1 -1 0\nmtllib plate.mtl\n"));
+    let plain = read().unwrap().scene;
+    for name in ["scene.toml", "plate.obj", "plate.mtl", "flat.csv"] {
+        let text = std::fs::read_to_string(folder.0.join(name)).unwrap();
+        folder.write(name, &format!("\u{feff}{}", text.replace('\n', "\r\n")));
+    }
+    let marked = read().unwrap();
+    assert_eq!((&marked.scene.mesh, &marked.scene.materials), (&plain.mesh, &plain.materials));
+    assert!(!marked.notes.iter().any(|note| note.contains("passed over")), "{:?}", marked.notes);
+    // Errors stand on their own line, though the mark moves all bytes.
+    let text = format!("\u{feff}{}", GOOD.replace("samples = 8", "sample = 8"));
+    folder.write("scene.toml", &text);
+    let shown = picture(&read().unwrap_err());
+    assert!(shown.contains("scene.toml:21:1") && shown.contains("21 | sample = 8\n   | ^^^^^^"), "{shown}");
+}
+
+#[test]
+fn many_materials_are_read_in_no_time_and_too_many_are_refused() {
+    let folder = prepared("dictionary");
+    let read = |entries: usize| {
+        // Each a mixture of the next: the worst order there is.
+        let chain =
+            (0..entries).map(|i| format!("m{i} = {{ mixture = {{ m{} = 1.0 }} }}\n", i + 1)).collect::<String>();
+        let text = GOOD.replace("[sun]", &format!("{chain}m{entries} = {{ reflectance = 0.1 }}\n[sun]"));
+        scene_toml::read(&folder.write("scene.toml", &text), &unwatched)
+    };
+    assert_eq!(read(500).unwrap().scene.materials.len(), 504);
+    let flat = (0..70_000).map(|i| format!("m{i} = {{ reflectance = 0.1 }}\n")).collect::<String>();
+    let text = GOOD.replace("[sun]", &format!("{flat}[sun]"));
+    let told = scene_toml::read(&folder.write("scene.toml", &text), &unwatched).unwrap_err().to_string();
+    assert!(told.contains("70003 materials: at most 65536"), "{}", &told[..told.len().min(500)]);
+}
+
+#[test]
+fn how_many_more_problems_there_are_is_told_at_the_end() {
+    let folder = prepared("many");
+    folder.write("scene.toml", GOOD);
+    folder.write("plate.obj", &format!("{PLATE}{}", "f 1 2 99\n".repeat(50)));
+    let told = scene_toml::read(&folder.0.join("scene.toml"), &unwatched).unwrap_err().to_string();
+    assert_eq!(told.lines().count(), 21, "{told}");
+    assert!(told.lines().next().unwrap().contains("plate.obj:12: vertex index 99"), "{told}");
+    assert!(told.lines().last().unwrap().ends_with("and 30 more problems"), "{told}");
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use glam::DVec3;
 use mmxrt::Error;
 use mmxrt::geometry::{Direction, Mesh};
+use mmxrt::product::FacetTable;
 use mmxrt::progress::unwatched;
 use mmxrt::scene::{FrameCamera, Mars, MarsModel, Material, Scene, Sensor, Sun, Thermal};
 use mmxrt::spectral::{Band, Spectrum, solar_e490};
@@ -319,5 +320,20 @@ fn a_table_of_another_mesh_is_refused() {
     let other = scene(plane(50.0, 0.0), sun(40.0, 10.0), nadir(1e4, 80.0, 8));
     let topology = mmxrt::visibility::Topology::new(&other.mesh);
     let error = mmxrt::study::observe(&other, &topology, &table, &unwatched).unwrap_err().to_string();
-    assert!(error.contains("has 7200 values, but the scene has 2 facets"), "{error}");
+    assert!(error.contains("has 7200 values, but the scene needs 2"), "{error}");
+}
+
+/// Else the image would lack what the report says is in it.
+#[test]
+fn a_table_without_what_the_scene_asks_for_is_refused() {
+    let mut one = scene(plane(50.0, 0.0), sun(40.0, 10.0), nadir(1e4, 80.0, 8));
+    one.thermal = Thermal::Equilibrium;
+    let (whole, _) = simulate(&one, &unwatched).unwrap();
+    let topology = mmxrt::visibility::Topology::new(&one.mesh);
+    let observe = |table| mmxrt::study::observe(&one, &topology, &table, &unwatched).map(drop);
+    observe(whole.clone()).unwrap();
+    let cold = FacetTable { temperature_lit_k: vec![], temperature_shaded_k: vec![], ..whole.clone() };
+    assert!(observe(cold).unwrap_err().to_string().contains("temperature_lit_k: has 0 values, but the scene needs 2"));
+    let turned = FacetTable { sun_direction: sun(40.001, 10.0), ..whole };
+    assert!(observe(turned).unwrap_err().to_string().contains("sun_direction: is 1.000e-3 deg"));
 }

@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use mmxrt::formats::scene_toml;
 use mmxrt::progress::unwatched;
 
+use crate::scratch::Scratch;
+
 fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
@@ -47,6 +49,19 @@ fn mars_stands_high_over_the_mars_side_and_the_sun_low() {
     assert!((scene.sun.direction.angle_rad(outward).to_degrees() - 77.07).abs() < 0.01);
     assert!((mars.angle_rad(outward).to_degrees() - 20.03).abs() < 0.01);
     assert!((scene.sensor.camera.centre_m().length() - 77_000.0).abs() < 0.1);
+}
+
+#[test]
+fn the_scene_in_the_readme_is_read_as_it_stands() {
+    let readme = std::fs::read_to_string(root().join("README.md")).unwrap();
+    let text = readme.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    let scratch = Scratch::new("readme");
+    std::fs::copy(root().join("scenes/phobos_site/blue_unit.csv"), scratch.path().join("blue_unit.csv")).unwrap();
+    let scene = scratch.scene(text);
+    // 0.4 of the blue unit, which has 0.10617 at 1 um, and 0.6 of 0.12.
+    let mixed = scene.materials[1].reflectance.at(1.0).unwrap();
+    assert!((mixed - (0.4 * 0.10617 + 0.6 * 0.12)).abs() < 1e-15, "{mixed}");
+    assert_eq!(scene.sensor.bands.len(), 300);
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::error::number;
 use crate::formats::mtl::ObjMaterial;
 use crate::geometry::MaterialId;
 use crate::scene::Material;
@@ -13,8 +14,12 @@ use super::types::{ExtendToml, MaterialToml};
 
 /// Bolometric emissivity of a surface that does not state one; Phobos and most powders lie between 0.9 and 1.
 const EMISSIVITY_BOLOMETRIC: f64 = 0.95;
+/// No surface radiates less: polished metals have 0.02.
+const LEAST_EMISSIVITY: f64 = 1e-3;
 /// Two colours are the same if no channel differs by more: one step of the 8 bits that most programs keep.
 const COLOUR_STEP: f64 = 1.0 / 255.0;
+/// A facet's material is a number of 16 bits.
+const MOST_ENTRIES: usize = 1 << 16;
 /// Entry for faces without a material.
 const UNNAMED: &str = "default";
 /// Shares of a mixture add up to 1 to within this.
@@ -36,6 +41,10 @@ impl Reader<'_> {
         let names = self.document.keys("materials");
         if names.is_empty() {
             self.problem("materials", "no materials");
+        }
+        if names.len() > MOST_ENTRIES {
+            self.problem("materials", format!("{} materials: at most {MOST_ENTRIES} can be told apart", names.len()));
+            return Dictionary { materials: None, used: BTreeSet::new(), parts: vec![Vec::new(); names.len()], names };
         }
         let index = |name: &str| names.iter().position(|n| n == name);
         let mut parts = vec![Vec::new(); names.len()];
@@ -68,7 +77,8 @@ impl Reader<'_> {
                 good &= self.fraction(&at, *share).is_some();
             }
             if let Some(mixture) = &entry.mixture {
-                let sum: f64 = mixture.values().sum();
+                // From 0.0: the sum of nothing is -0.
+                let sum = mixture.values().fold(0.0, |sum, share| sum + share);
                 if (sum - 1.0).abs() > SHARE_TOLERANCE {
                     let help =
                         if (sum - 100.0).abs() < 1e-6 { Some("shares are fractions, not percent") } else { None };
@@ -83,10 +93,18 @@ impl Reader<'_> {
             }
         }
         // Parts before mixtures of them; what never becomes ready goes in a circle.
-        while order.len() < names.len() {
-            let ready = |i: &usize| !order.contains(i) && parts[*i].iter().all(|p| order.contains(p));
-            let Some(next) = (0..names.len()).find(ready) else { break };
-            order.push(next);
+        let mut is_ready = vec![false; names.len()];
+        loop {
+            let before = order.len();
+            for i in 0..names.len() {
+                if !is_ready[i] && parts[i].iter().all(|p| is_ready[*p]) {
+                    is_ready[i] = true;
+                    order.push(i);
+                }
+            }
+            if order.len() == before {
+                break;
+            }
         }
         if order.len() < names.len() {
             // What follows the circle without being in it would be told as well: tell only what reaches itself.
@@ -129,13 +147,13 @@ impl Reader<'_> {
             })
             .collect::<Option<_>>()?;
         let reflectance = match &entry.reflectance {
-            Some(values) => self.fraction_spectrum(&member(&item, "reflectance"), values, extend)?,
+            Some(values) => self.fraction_spectrum(&member(&item, "reflectance"), values, extend),
             None => {
                 let parts: Vec<(f64, &Spectrum)> = mixed.iter().map(|(share, m)| (*share, &m.reflectance)).collect();
-                let Some(mixture) = Spectrum::mixture(&parts) else {
+                let mixture = Spectrum::mixture(&parts);
+                if mixture.is_none() && !mixed.is_empty() {
                     self.problem(&member(&item, "mixture"), "its parts' tables have no wavelength in common");
-                    return None;
-                };
+                }
                 mixture
             }
         };
@@ -143,7 +161,7 @@ impl Reader<'_> {
             Some(values) => self.fraction_spectrum(&member(&item, "emissivity"), values, extend),
             None => {
                 self.stated(&member(&item, "emissivity"), "1 - reflectance");
-                Some(reflectance.map(|r| 1.0 - r))
+                reflectance.as_ref().map(|r| r.map(|r| 1.0 - r))
             }
         };
         let mean = |of: fn(&Material) -> f64| mixed.iter().map(|(share, m)| share * of(m)).sum::<f64>();
@@ -155,21 +173,23 @@ impl Reader<'_> {
                 self.stated(&at, format!("{value:.4}: that of its parts, by their shares"));
                 Some(value)
             }
-            None => match solar_mean(&reflectance) {
-                Some(value) => {
-                    self.stated(&at, format!("{value:.4}: mean of the reflectance, weighted with E490"));
-                    Some(value)
+            None => reflectance.as_ref().and_then(|reflectance| {
+                let mean = solar_mean(reflectance);
+                match mean {
+                    Some(value) => {
+                        self.stated(&at, format!("{value:.4}: mean of the reflectance, weighted with E490"));
+                    }
+                    None => {
+                        self.problem(&at, "cannot be found from the reflectance, which E490 does not overlap: give it");
+                    }
                 }
-                None => {
-                    self.problem(&at, "cannot be found from the reflectance, which E490 does not overlap: give it");
-                    None
-                }
-            },
+                mean
+            }),
         };
         let at = member(&item, "emissivity_bolometric");
         let emissivity_bolometric = match entry.emissivity_bolometric {
-            Some(0.0) => {
-                self.problem(&at, "0: nothing would cool the surface");
+            Some(value) if (0.0..LEAST_EMISSIVITY).contains(&value) => {
+                self.problem(&at, format!("{}: next to nothing would cool the surface", number(value)));
                 None
             }
             Some(value) => self.fraction(&at, value),
@@ -194,7 +214,7 @@ impl Reader<'_> {
         }
         Some(Material {
             name: names[i].clone(),
-            reflectance,
+            reflectance: reflectance?,
             emissivity: emissivity?,
             bond_albedo: bond_albedo?,
             emissivity_bolometric: emissivity_bolometric?,
@@ -226,6 +246,9 @@ impl Reader<'_> {
                 || material.kd.zip(linear_from_hex(key)).is_some_and(|(kd, rgb)| kd.into_iter().zip(rgb).all(same))
         };
         let found: Vec<usize> = (0..dictionary.names.len()).filter(|&i| matches(&dictionary.names[i])).collect();
+        if dictionary.names.is_empty() {
+            return None;
+        }
         if let [entry] = found[..] {
             dictionary.used.insert(entry);
             return u16::try_from(entry).ok().map(MaterialId);

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
-use crate::error::{Error, Problem, Result};
+use crate::error::{Error, Problem, Result, number};
 use crate::geometry::Direction;
 use crate::progress::{Progress, Watch};
 use crate::scene::{Mars, MarsModel, Scene, Sun, Thermal};
@@ -84,7 +84,9 @@ pub fn read(path: &Path, watch: Watch<'_>) -> Result<SceneFile> {
         return Err(Error::Interrupted);
     }
     let (Some(scene), true) = (scene, reader.problems.is_empty()) else {
-        reader.problems.sort_by_key(|p| (p.at.file.as_deref() != Some(path), p.at.span));
+        // Those of other files are in order already: a file at a time, and at its end how many more there are.
+        let here = |p: &Problem| p.at.file.as_deref() == Some(path);
+        reader.problems.sort_by_key(|p| (!here(p), p.at.span.filter(|_| here(p))));
         return Err(Error::Invalid(reader.problems));
     };
     let scene = scene.check().map_err(|e| reader.placed(e))?;
@@ -192,10 +194,10 @@ impl Reader<'_> {
             0.0..=1.0 => return Some(value),
             1.0..=100.0 => {
                 let help = format!("if this is percent, write {}", value / 100.0);
-                self.helped(item, format!("{value} is outside 0 to 1"), help);
+                self.helped(item, format!("{} is outside 0 to 1", number(value)), help);
             }
             _ => {
-                self.problem(item, format!("{value} is outside 0 to 1"));
+                self.problem(item, format!("{} is outside 0 to 1", number(value)));
             }
         }
         None
@@ -205,7 +207,7 @@ impl Reader<'_> {
         if value > 0.0 {
             return Some(value);
         }
-        self.problem(item, format!("{value} is not positive"));
+        self.problem(item, format!("{} is not positive", number(value)));
         None
     }
 
@@ -226,15 +228,18 @@ impl Reader<'_> {
         };
         let item = if toml.position_m.is_some() { "sun.position_m" } else { "sun.distance_au" };
         let place = towards_m.and_then(|v| {
-            let au = v.length() / AU_M;
-            let (positive, metres) = (toml.distance_au.is_none_or(|au| au > 0.0), toml.distance_au.is_none());
-            if !positive || !(0.1..=1e5).contains(&au) {
+            // As it is given: a distance may be negative.
+            let au = toml.distance_au.unwrap_or(v.length() / AU_M);
+            let metres = toml.distance_au.is_none();
+            if !(0.1..=1e5).contains(&au) {
                 let help = match (metres, au) {
                     (true, 0.0..0.1) => "positions are in metres, and whole: kilometres, or a position divided by a factor, change the light",
+                    (true, 1e5..) => "positions are in metres: 1 au is 149597870700 m",
                     (false, 1e5..) => "the distance is in au: 1 au is 149597870700 m",
                     _ => "Phobos is 1.38 to 1.67 au from the Sun",
                 };
-                self.helped(item, format!("the Sun is {au:.4} au from the origin"), help);
+                let au = if au > 1e5 { number(au) } else { format!("{au:.4}") };
+                self.helped(item, format!("the Sun is {au} au from the origin"), help);
                 return None;
             }
             if !(0.3..=40.0).contains(&au) {
@@ -263,6 +268,14 @@ impl Reader<'_> {
         let integral = |s: &Spectrum, a: f64, b: f64| if a < b { s.integral(a, b).unwrap_or(0.0) } else { 0.0 };
         let table = integral(&spectrum, first, last);
         let total = table + integral(e490, lo, first.min(hi)) + integral(e490, last.max(lo), hi);
+        let usual = integral(e490, first.max(lo), last.min(hi));
+        if usual > 0.0 && !(0.5..=2.0).contains(&(table / usual)) {
+            let times = number(table / usual);
+            let message =
+                format!("the table has {times} times the irradiance of the Sun (E490) at the same wavelengths");
+            self.helped("sun.spectrum", message, "it is that at 1 au, in the unit that its header states");
+            return None;
+        }
         let Some(wanted) = toml.total_irradiance_w_m2 else {
             self.stated("sun.total_irradiance_w_m2", format!("{total:.2}: the spectrum as it is, not scaled"));
             return Some((spectrum, total));

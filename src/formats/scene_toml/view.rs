@@ -2,6 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
+use crate::error::number;
 use crate::geometry::{Direction, Mesh, Pose};
 use crate::scene::{FrameCamera, Sensor};
 use crate::spectral::Band;
@@ -42,7 +43,7 @@ impl Reader<'_> {
         let pitch = match (toml.ifov_mrad, toml.fov_deg, toml.fit) {
             (Some(ifov_mrad), None, None) => {
                 if ifov_mrad > 1000.0 {
-                    let message = format!("a pixel of {ifov_mrad} mrad");
+                    let message = format!("a pixel of {} mrad", number(ifov_mrad));
                     self.helped("sensor.ifov_mrad", message, "if this is microradians, write a thousandth");
                     return None;
                 }
@@ -186,9 +187,9 @@ impl Reader<'_> {
         let told = wrong.iter().filter(|&&i| toml.centres_um.is_some() || i == 0 || i + 1 == bands.len()).take(20);
         for &i in told {
             let um = bands[i].centre_um;
-            let problem = self.problem(&item(i), format!("{um} um is outside 0 to {LONGEST_UM} um"));
+            let problem = self.problem(&item(i), format!("{} um is outside 0 to {LONGEST_UM} um", number(um)));
             if um >= LONGEST_UM {
-                problem.help = Some(format!("if this is nanometres, write {}", um / 1000.0));
+                problem.help = Some(format!("if this is nanometres, write {}", number(um / 1000.0)));
             }
         }
         match &toml.fwhm_um {
@@ -206,7 +207,7 @@ impl Reader<'_> {
         }
         let widest = bands.iter().find(|b| b.fwhm_um.is_some_and(|w| !(w > 0.0 && w < b.centre_um)));
         if let Some(band) = widest.filter(|_| wrong.is_empty()) {
-            let (centre, width) = (band.centre_um, band.fwhm_um.unwrap_or(0.0));
+            let (centre, width) = (band.centre_um, number(band.fwhm_um.unwrap_or(0.0)));
             let problem =
                 self.problem("sensor.bands.fwhm_um", format!("a width of {width} um for a band at {centre} um"));
             problem.help = Some(
