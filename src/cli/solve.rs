@@ -26,12 +26,13 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let watch = |progress| console.watch(progress);
     let staged = Staged::file(&arguments.output, arguments.force)?;
     let opened = scene::open(&arguments.scene, &watch)?;
+    opened.say_defaults(console);
     opened.warnings.iter().for_each(|warning| console.note(&format!("warning: {warning}")));
     let table = solve::solve(&opened.scene, &Topology::new(&opened.scene.mesh), &watch)?;
     npz::write_table(staged.path(), &table, &study::table_id(&opened.scene)).map_err(|e| staged.named(e))?;
     staged.commit()?;
     let (path, facets) = (arguments.output.display().to_string(), table.sun_irradiance.len());
-    let json = serde_json::json!({ "table": path, "facets": facets, "warnings": opened.warnings });
+    let json = serde_json::json!({ "table": path, "facets": facets, "defaults": opened.defaults, "warnings": opened.warnings });
     console.result(&format!("{path}: {facets} facets"), &json)?;
     Ok(Outcome::Done)
 }
