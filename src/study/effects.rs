@@ -53,7 +53,7 @@ pub(super) struct Account<'a> {
     /// The largest of the table's irradiances by Mars.
     pub(super) largest_mars_irradiance: f64,
     /// The warmest temperature of the table, K; 0 without one.
-    warmest_k: f64,
+    pub(super) warmest_k: f64,
     /// The warmest that any facet gets in a day, K: in equilibrium with sunlight at normal incidence, and as much heat from
     /// Mars as it can send; or the warmest of the table.
     noon_k: f64,

@@ -232,8 +232,10 @@ fn a_black_scene_is_a_result_and_says_so() {
     assert!(black.counts.visible_facets > 100 && black.counts.lit_facets == 0);
     assert_eq!(effect(&black, "Mars-light").bound, None);
     let mut warm = scene(flat(), sun(95.0, 10.0), nadir(1e4, 80.0, 8));
-    warm.mars = Some(mars([0.0, 0.0, 1.0]));
     warm.thermal = Thermal::Equilibrium;
+    // Without a source nothing is warm.
+    assert!(warned(&observed(&warm), "the image is black"));
+    warm.mars = Some(mars([0.0, 0.0, 1.0]));
     assert!(warned(&observed(&warm), "Mars-light and heat"));
 }
 
