@@ -58,6 +58,8 @@ pub(super) struct Account<'a> {
     /// Mars as it can send; or the warmest of the table.
     noon_k: f64,
     materials: Vec<&'a Material>,
+    /// Where spectra are looked at, um: centres of the bands, and ends and corners of their tables in those that are wide.
+    bands_um: Vec<f64>,
 }
 
 impl<'a> Account<'a> {
@@ -90,6 +92,7 @@ impl<'a> Account<'a> {
             largest_mars_irradiance: largest(&table.mars_irradiance),
             warmest_k,
             noon_k,
+            bands_um: bands_um(scene, &materials),
             materials,
         }
     }
@@ -239,7 +242,7 @@ impl<'a> Account<'a> {
                 let bounded = reflectance * form_factor < 1.0;
                 bounded.then(|| bounds::interreflection(reflectance, emitted, form_factor, cos))
             };
-            self.bands_um().try_fold(0.0, |most, um| Some(f64::max(most, at(um)?)))
+            self.bands_um.iter().copied().try_fold(0.0, |most, um| Some(f64::max(most, at(um)?)))
         });
         let slopes = match self.site.up {
             Some(_) => format!("slopes up to {:.0} deg", self.site.cos_steepest.acos().to_degrees()),
@@ -323,19 +326,10 @@ impl<'a> Account<'a> {
         eye_m.distance(eye_m.clamp(low_m, high_m)) * camera.pitch
     }
 
-    /// Centres and ends of all bands, um.
-    fn bands_um(&self) -> impl Iterator<Item = f64> {
-        let ends = |b: &crate::spectral::Band| {
-            let (lo, hi) = b.support_um();
-            [lo, b.centre_um, hi]
-        };
-        self.scene.sensor.bands.iter().flat_map(ends)
-    }
-
     fn mars_light_bound(&self) -> Option<f64> {
         let (q, _) = mars_seen(self.scene, self.site);
         let albedo = match &self.scene.mars {
-            Some(mars) => self.bands_um().filter_map(|um| mars.reflectance.at(um)).fold(0.0, f64::max),
+            Some(mars) => self.bands_um.iter().copied().filter_map(|um| mars.reflectance.at(um)).fold(0.0, f64::max),
             None => MARS_ALBEDO,
         };
         self.cos_incidence.map(|cos| bounds::mars_light(albedo, q, cos))
@@ -358,7 +352,7 @@ impl<'a> Account<'a> {
     fn largest(&self, radiance: impl Fn(f64, &Material) -> f64) -> Option<f64> {
         let cos = self.cos_incidence?;
         let mut largest = 0.0_f64;
-        for um in self.bands_um() {
+        for um in self.bands_um.iter().copied() {
             for material in &self.materials {
                 let ratio = radiance(um, material) / sunlit_radiance(self.scene, material, um, cos)?;
                 largest = largest.max(if ratio.is_nan() { 0.0 } else { ratio });
@@ -366,6 +360,27 @@ impl<'a> Account<'a> {
         }
         largest.is_finite().then_some(largest)
     }
+}
+
+/// Centres of all bands; of Gaussian ones also the ends, and the corners between them of reflectances and emissivities; um, ascending.
+fn bands_um(scene: &Scene, materials: &[&Material]) -> Vec<f64> {
+    let of_materials = materials.iter().flat_map(|m| [&m.reflectance, &m.emissivity]);
+    let mut corners_um: Vec<f64> = of_materials
+        .chain(scene.mars.iter().map(|m| &m.reflectance))
+        .flat_map(|spectrum| spectrum.wavelength_um().iter().copied())
+        .collect();
+    corners_um.sort_by(f64::total_cmp);
+    corners_um.dedup();
+    let mut all_um: Vec<f64> = Vec::new();
+    for band in &scene.sensor.bands {
+        let (lo, hi) = band.support_um();
+        let from = corners_um.partition_point(|um| *um <= lo);
+        let inside = corners_um[from..].iter().copied().take_while(|um| *um < hi);
+        all_um.extend(inside.chain([lo, band.centre_um, hi]));
+    }
+    all_um.sort_by(f64::total_cmp);
+    all_um.dedup();
+    all_um
 }
 
 /// The sine of the angular radius of Mars, or of what it would be over Phobos, and whether the scene has a Mars.
