@@ -22,7 +22,7 @@
 //! | eclipse | [`sun::eclipse`] | two discs | oracles `eclipse_by_mars_central_duration` |
 //! | (2), (13): BRDF | [`reflectance::Brdf`] | Nicodemus et al. (1977); Hapke (2012) | Lambert rho / pi |
 //!
-//! Elsewhere, because they are geometry or sums: (11) to (13) in `solve::Emission`, (16) in `spectral::Band`,
+//! Elsewhere, because they are geometry or sums: (11) to (13) in `solve::Emission`, (16) in `spectral::Band::in_band_w_m2_sr`,
 //! (17) to (19) in `scene::FrameCamera`.
 
 pub mod blackbody;

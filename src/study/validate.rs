@@ -15,7 +15,7 @@ use crate::error::{Error, Location, Problem, Result};
 use crate::geometry::{Direction, Pose, angle_rad};
 use crate::physics::reflectance::{Brdf, PhotometricAngles};
 use crate::physics::{blackbody, heat, mars, sun};
-use crate::spectral::solar_e490;
+use crate::spectral::{Band, solar_e490};
 use crate::units::AU_M;
 
 /// How a check ended.
@@ -209,6 +209,7 @@ impl<'a> Oracle<'a> {
             "disc" => self.disc(kind),
             "geometry" => self.geometry(kind),
             "thermal" => self.thermal(kind),
+            "ils" => self.response(kind),
             _ => None,
         }
     }
@@ -500,6 +501,14 @@ impl<'a> Oracle<'a> {
             }
             _ => return None,
         })
+    }
+
+    fn response(&self, kind: &str) -> Option<Value> {
+        let (um, width_um, t_k) = (self.input("l0_um")?, self.input("dl_um")?, self.input("T_K")?);
+        let in_band =
+            Band { centre_um: um, fwhm_um: Some(width_um) }.in_band_w_m2_sr(blackbody::radiance_w_m2_sr_um(um, t_k))?;
+        let exact = blackbody::band_radiance_w_m2_sr(um - 0.5 * width_um, um + 0.5 * width_um, t_k);
+        (kind == "eq16_midpoint_error").then(|| json!(in_band / exact - 1.0))
     }
 
     fn thermal(&self, kind: &str) -> Option<Value> {
