@@ -6,7 +6,7 @@ use glam::DVec3;
 use mmxrt::formats::located::Document;
 use mmxrt::formats::report_json::{self, Report, Run};
 use mmxrt::formats::spectrum_csv::{self, Quantity};
-use mmxrt::formats::{self, envi, exr_cube, mtl, npz, obj, recipe_toml};
+use mmxrt::formats::{self, envi, exr_cube, mtl, npz, obj, quicklook, recipe_toml};
 use mmxrt::spectral::Extend;
 use mmxrt::{Error, Location, Problem, Result, study};
 use serde_json::{Value, json};
@@ -16,7 +16,7 @@ use super::{Outcome, scene};
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// A product folder, ENVI image or header, .npz, .exr, .json report, scene, recipe, spectrum (.csv), .obj or .mtl
+    /// A product folder, ENVI image or header, .npz, .exr, .png, .json report, scene, recipe, spectrum (.csv), .obj or .mtl
     file: PathBuf,
 }
 
@@ -75,6 +75,11 @@ fn inspect(path: &Path, console: &Console) -> Result<Facts> {
         "hdr" | "img" | "dat" | "bsq" | "bil" | "bip" | "raw" => image(path),
         "npz" => arrays(path),
         "exr" => open_exr(path),
+        "png" => {
+            let (samples, lines, colour) = quicklook::read_info(path)?;
+            let kind = if colour { "picture of three bands" } else { "picture of one band" };
+            Ok(vec![("kind", json!(kind)), ("samples", json!(samples)), ("lines", json!(lines))])
+        }
         "json" => report(path),
         "obj" => {
             let mesh = obj::read(path)?;
@@ -98,7 +103,7 @@ fn inspect(path: &Path, console: &Console) -> Result<Facts> {
         }
         _ if path.is_file() => {
             let problem = Problem::new(Location::file(path), format!("no format of ours ends in {extension:?}"))
-                .with_help("these do: hdr, img, npz, exr, json, toml, csv, obj, mtl; or name a product folder");
+                .with_help("these do: hdr, img, npz, exr, png, json, toml, csv, obj, mtl; or name a product folder");
             Err(Error::Invalid(vec![problem]))
         }
         _ => Err(Error::io(path, "reading", std::io::ErrorKind::NotFound.into())),
@@ -219,6 +224,12 @@ fn report(path: &Path) -> Result<Facts> {
             ("wall_s", json!(run.wall_s)),
             ("stages", list(&value["stages"])),
         ]);
+    }
+    if let Some(Value::Array(oracles)) = value.get("oracles") {
+        let mut groups: Vec<&str> = oracles.iter().filter_map(|o| o.get("group")?.as_str()).collect();
+        groups.sort_unstable();
+        groups.dedup();
+        return Ok(vec![("kind", json!("oracles")), ("count", json!(oracles.len())), ("groups", json!(groups))]);
     }
     let report: Report = report_json::read(path)?;
     Ok(vec![

@@ -81,6 +81,7 @@ pub(super) fn write(
 ) -> Result<()> {
     let report = write_files(command, options, &staged, made, with_table, console).map_err(|e| staged.named(e))?;
     staged.commit()?;
+    made.opened.say_defaults(console);
     report.warnings.iter().for_each(|warning| console.note(&format!("warning: {warning}")));
     for check in report.checks.iter().filter(|c| !c.passed()) {
         console.note(&format!("check failed: {}: {} is above {}", check.name, check.value, check.limit));
@@ -88,7 +89,9 @@ pub(super) fn write(
     let output = options.output.display().to_string();
     let Image { samples, lines, bands, .. } = report.image;
     let text = format!("{output}: {samples} x {lines} pixels, {bands} bands");
-    let json = serde_json::json!({ "product": output, "image": report.image, "warnings": report.warnings });
+    let json = serde_json::json!({
+        "product": output, "image": report.image, "defaults": report.defaults, "warnings": report.warnings
+    });
     console.result(&text, &json)
 }
 

@@ -6,7 +6,9 @@ use mmxrt::Result;
 use mmxrt::formats::report_json::Input;
 use mmxrt::formats::scene_toml;
 use mmxrt::progress::Watch;
-use mmxrt::scene::Scene;
+use mmxrt::scene::{Scene, Thermal};
+
+use super::console::Console;
 
 /// A scene with what the report says of its files.
 pub(super) struct Opened {
@@ -16,6 +18,16 @@ pub(super) struct Opened {
     pub(super) inputs: Vec<Input>,
     pub(super) defaults: Vec<String>,
     pub(super) warnings: Vec<String>,
+}
+
+impl Opened {
+    /// Says which values of the heat balance the scene left open: temperatures depend on them.
+    pub(super) fn say_defaults(&self, console: &Console) {
+        let of_heat = |d: &&String| d.contains(".bond_albedo = ") || d.contains(".emissivity_bolometric = ");
+        if self.scene.thermal == Thermal::Equilibrium {
+            self.defaults.iter().filter(of_heat).for_each(|d| console.note(&format!("default: {d}")));
+        }
+    }
 }
 
 /// Reads a scene and all that it names.

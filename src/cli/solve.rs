@@ -31,6 +31,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     }
     let staged = Staged::file(&arguments.output, arguments.force)?;
     let opened = scene::open(&arguments.scene, &watch)?;
+    opened.say_defaults(console);
     opened.warnings.iter().for_each(|warning| console.note(&format!("warning: {warning}")));
     let table = solve::solve(&opened.scene, &Topology::new(&opened.scene.mesh), &watch)?;
     tell(&watch, "writing the table", 0, 1)?;
@@ -38,7 +39,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     tell(&watch, "writing the table", 1, 1)?;
     staged.commit()?;
     let (path, facets) = (arguments.output.display().to_string(), table.sun_irradiance.len());
-    let json = serde_json::json!({ "table": path, "facets": facets, "warnings": opened.warnings });
+    let json = serde_json::json!({ "table": path, "facets": facets, "defaults": opened.defaults, "warnings": opened.warnings });
     console.result(&format!("{path}: {facets} facets"), &json)?;
     Ok(Outcome::Done)
 }

@@ -1,7 +1,7 @@
 //! Quick looks: PNG pictures of one band, and of three bands as colours.
 
 use std::fs::File;
-use std::io::BufWriter;
+use std::io::{BufReader, BufWriter};
 use std::path::Path;
 
 use crate::error::{Error, Location, Result};
@@ -49,6 +49,18 @@ pub fn write_colour(path: &Path, cube: &Cube, bands: [usize; 3], coverage: &[f64
     let [red, green, blue] = bands.map(|band| stretched(&cube.band(band), coverage));
     let pixels: Vec<u8> = (0..red.len()).flat_map(|i| [red[i], green[i], blue[i]]).collect();
     write(path, cube, png::ColorType::Rgb, &pixels)
+}
+
+/// Width and height of a PNG, pixels, and whether it has colours.
+///
+/// # Errors
+/// [`Error::Io`]; [`Error::Syntax`] if it is no PNG.
+pub fn read_info(path: &Path) -> Result<(u32, u32, bool)> {
+    let file = File::open(path).map_err(|e| Error::io(path, "reading", e))?;
+    let reader = png::Decoder::new(BufReader::new(file)).read_info();
+    let reader = reader.map_err(|e| Error::syntax(Location::file(path), format!("not a PNG: {e}")))?;
+    let info = reader.info();
+    Ok((info.width, info.height, info.color_type != png::ColorType::Grayscale))
 }
 
 fn stretched(radiance: &[f64], coverage: &[f64]) -> Vec<u8> {

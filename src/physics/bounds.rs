@@ -10,11 +10,12 @@ pub fn mars_light(mars_reflectance: f64, sin_angular_radius: f64, cos_incidence:
     mars_reflectance * sin_angular_radius * sin_angular_radius / cos_incidence
 }
 
-/// Sunlight by way of the surroundings over direct sunlight, all bounces: rho F / ((1 - rho F) cos i).
+/// Light by way of the surroundings over direct sunlight, all bounces: (rho + m) F / ((1 - rho F) cos i).
 ///
-/// No surface sends more than rho (E_S + E), so E <= rho F (E_S + E), F the surroundings' form factor. Limits: F < 1 / rho.
-pub fn interreflection(reflectance: f64, form_factor: f64, cos_incidence: f64) -> f64 {
-    reflectance * form_factor / ((1.0 - reflectance * form_factor) * cos_incidence)
+/// No surface has a radiosity above rho (E_S + E) + m E_S, m the most that one emits, over E_S; so E <= F (rho (E_S + E) + m E_S),
+/// F the surroundings' form factor. Limits: F < 1 / rho.
+pub fn interreflection(reflectance: f64, emitted: f64, form_factor: f64, cos_incidence: f64) -> f64 {
+    (reflectance + emitted) * form_factor / ((1.0 - reflectance * form_factor) * cos_incidence)
 }
 
 /// Form factor of the surroundings of a facet of a height field whose slopes nowhere exceed b: 1 - cos^3 b.
@@ -33,6 +34,13 @@ pub fn penumbra_width_m(distance_m: f64, sun_radius_rad: f64, cos_incidence: f64
     2.0 * sun_radius_rad * distance_m / cos_incidence
 }
 
+/// Sunlight on a surface along the rays, of which a point Sun gives none, over that square to them: 2 s / (3 pi).
+///
+/// At any other incidence the disc's upper limb adds less. Limits: s, the Sun's angular radius, much smaller than 1.
+pub fn terminator(sun_radius_rad: f64) -> f64 {
+    2.0 * sun_radius_rad / (3.0 * std::f64::consts::PI)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -49,7 +57,9 @@ mod tests {
         // Ingersoll's bowl, depth / diameter 0.2, Sun 30 deg up, 586.22 W m-2, reflectance 0.07: E = 2.463524 W m-2. All of
         // the bowl's f = 0.137931 is what its floor sees; its walls slope by up to 43.6 deg.
         let direct = 586.22 * 0.5;
-        assert!(interreflection(0.07, 0.137_931, 0.5) * direct > 2.463_524);
+        assert!(interreflection(0.07, 0.0, 0.137_931, 0.5) * direct > 2.463_524);
+        // All its light, over all wavelengths, with the heat of its walls: 37.96642 W m-2 more. A wall emits no more than it absorbs.
+        assert!(interreflection(0.07, 0.93, 0.137_931, 0.5) * direct > 2.463_524 + 37.966_42);
         let f = surroundings_form_factor(43.6_f64.to_radians().cos());
         assert!(f > 0.137_931 && f < 1.0, "{f}");
     }
@@ -69,5 +79,7 @@ mod tests {
         let exact = h * ((i + s).tan() - (i - s).tan());
         assert!((exact - 0.293).abs() < 5e-4);
         assert!((penumbra_width_m(h / i.cos(), s, i.cos()) / exact - 1.0).abs() < 1e-3);
+        // Half the Sun above a flat horizon at 1.523679 au: 6.476840338e-4 of its irradiance (closed form of a cut sphere).
+        assert!((terminator(3.052_135_3e-3) / 6.476_840_338e-4 - 1.0).abs() < 1e-4);
     }
 }

@@ -28,18 +28,36 @@ pub(super) fn lambert_sphere_phase(phase_deg: f64) -> f64 {
     sum / PI
 }
 
-/// Phase function of a Lommel-Seeliger sphere, 1 at 0: 1 - sin(a/2) tan(a/2) ln cot(a/4), in d = pi - a.
+/// Phase function of a Lommel-Seeliger sphere, 1 at 0: 1 - sin(a/2) tan(a/2) ln cot(a/4).
+///
+/// With t = tan((pi - a) / 4): 1 - (1 - c) (1 + r), c = (3 t^2 - t^4) / (1 + t^2), r = atanh(t) / t - 1.
 pub(super) fn lommel_seeliger_sphere_phase(phase_deg: f64) -> f64 {
-    let d = (180.0 - phase_deg).to_radians();
     if phase_deg == 0.0 {
         return 1.0;
     }
-    1.0 - (0.5 * d).cos() / (0.5 * d).tan() * 2.0 * (0.25 * d).tan().atanh()
+    let t = (0.25 * (180.0 - phase_deg).to_radians()).tan();
+    let t2 = t * t;
+    // Near pi the difference loses digits; its series does not.
+    let r = if t < 0.1 {
+        t2 * (1.0 / 3.0 + t2 * (0.2 + t2 * (1.0 / 7.0 + t2 * (1.0 / 9.0 + t2 * (1.0 / 11.0 + t2 / 13.0)))))
+    } else {
+        t.atanh() / t - 1.0
+    };
+    let c = t2 * (3.0 - t2) / (1.0 + t2);
+    c + c * r - r
 }
 
-/// Phase integral of the Lambert sphere: 2 times the integral of phase function times sine.
-pub(super) fn lambert_phase_integral() -> f64 {
-    GaussLegendre::new(32).integral(0.0, PI, |a| 2.0 * lambert_sphere_phase(a.to_degrees()) * a.sin())
+/// Phase integral of a sphere: 2 times the integral of its phase function (of degrees) times sine.
+pub(super) fn phase_integral(phase_function: impl Fn(f64) -> f64) -> f64 {
+    GaussLegendre::new(64).integral(0.0, PI, |a| 2.0 * phase_function(a.to_degrees()) * a.sin())
+}
+
+/// Mean over an orbit in the Sun's plane of a function of phase angle, deg: even about 0, and smooth but where light goes out.
+pub(super) fn mean_over_orbit(of_phase_deg: impl Fn(f64) -> f64) -> f64 {
+    const STEPS: u32 = 2000;
+    let at = |i| of_phase_deg(180.0 * f64::from(i) / f64::from(STEPS));
+    let inner: f64 = (1..STEPS).map(at).sum();
+    (inner + 0.5 * (at(0) + at(STEPS))) / f64::from(STEPS)
 }
 
 /// Form factor of two equal, opposite rectangles a x b (Howell C-11).
@@ -64,6 +82,19 @@ pub(super) fn perpendicular_rectangles(common: f64, w1: f64, h2: f64) -> f64 {
         + h_2 * (h_2 * all / ((1.0 + h_2) * both)).ln();
     let arcs = w * (1.0 / w).atan() + h * (1.0 / h).atan() - both.sqrt() * (1.0 / both.sqrt()).atan();
     (arcs + 0.25 * logs) / (PI * w)
+}
+
+/// Form factor from an endless strip of width `w1` to one of height `h2` at right angles, with a common edge (Howell C-9).
+pub(super) fn perpendicular_strips(w1: f64, h2: f64) -> f64 {
+    0.5 * (1.0 + h2 / w1 - (h2 / w1).hypot(1.0))
+}
+
+/// Form factor from a disc of radius `r1` to one of `r2` on the same axis, `distance` apart (Howell C-41).
+pub(super) fn coaxial_discs(r1: f64, r2: f64, distance: f64) -> f64 {
+    let (x, y) = (r1 / distance, r2 / distance);
+    let s = 1.0 + (1.0 + y * y) / (x * x);
+    // (s - sqrt(s^2 - 4 (y/x)^2)) / 2, without its cancellation.
+    2.0 * (y / x).powi(2) / (s + (s * s - 4.0 * (y / x).powi(2)).sqrt())
 }
 
 /// Form factor of an element at the origin to a polygon, cut by the element's horizon: Lambert's contour sum.

@@ -52,9 +52,14 @@ pub(super) struct Account<'a> {
     pub(super) eclipse: Option<Eclipse>,
     /// The largest of the table's irradiances by Mars.
     pub(super) largest_mars_irradiance: f64,
-    /// The warmest temperature of the table; without one, of a facet in equilibrium with sunlight at normal incidence, K.
-    hottest_k: f64,
+    /// The warmest temperature of the table, K; 0 without one.
+    pub(super) warmest_k: f64,
+    /// The warmest that any facet gets in a day, K: in equilibrium with sunlight at normal incidence, and as much heat from
+    /// Mars as it can send; or the warmest of the table.
+    noon_k: f64,
     materials: Vec<&'a Material>,
+    /// Where spectra are looked at, um: centres of the bands, and ends and corners of their tables in those that are wide.
+    bands_um: Vec<f64>,
 }
 
 impl<'a> Account<'a> {
@@ -64,12 +69,14 @@ impl<'a> Account<'a> {
         let materials: Vec<&Material> =
             scene.materials.iter().zip(used).filter(|(_, used)| *used).map(|(m, _)| m).collect();
         let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
-        let of_table_k = largest(&table.temperature_lit_k).max(largest(&table.temperature_shaded_k));
+        let warmest_k = largest(&table.temperature_lit_k).max(largest(&table.temperature_shaded_k));
         let total_w_m2 = sun::irradiance_at(scene.sun.total_irradiance_1au_w_m2, scene.sun.distance_m);
+        let (q, _) = mars_seen(scene, site);
         let at_noon_k = |m: &&Material| {
-            heat::equilibrium_temperature_k((1.0 - m.bond_albedo) * total_w_m2, m.emissivity_bolometric)
+            let absorbed_w_m2 = (1.0 - m.bond_albedo + q * q) * total_w_m2;
+            heat::equilibrium_temperature_k(absorbed_w_m2, m.emissivity_bolometric)
         };
-        let hottest_k = if of_table_k > 0.0 { of_table_k } else { materials.iter().map(at_noon_k).fold(0.0, f64::max) };
+        let noon_k = materials.iter().map(at_noon_k).fold(warmest_k, f64::max);
         let eclipse = scene.mars.as_ref().and_then(|mars| {
             let (towards_m, sun_rad) = (Direction::new(mars.centre_m)?, sun::angular_radius_rad(scene.sun.distance_m));
             let separation_rad = scene.sun.direction.angle_rad(towards_m);
@@ -83,7 +90,9 @@ impl<'a> Account<'a> {
             open_to_shadow: site.open_to_shadow(&scene.mesh, scene.sun.direction.vec()),
             eclipse,
             largest_mars_irradiance: largest(&table.mars_irradiance),
-            hottest_k,
+            warmest_k,
+            noon_k,
+            bands_um: bands_um(scene, &materials),
             materials,
         }
     }
@@ -163,27 +172,25 @@ impl<'a> Account<'a> {
     }
 
     fn thermal_emission(&self) -> Effect {
-        let hottest_k = self.hottest_k;
+        let (warmest_k, noon_k) = (self.warmest_k, self.noon_k);
         match self.scene.thermal {
             Thermal::Off => left_out(
                 "thermal emission",
-                self.emitted(hottest_k),
-                format!(
-                    "off: the bound is the emission of the warmest facet in equilibrium with sunlight, {hottest_k:.1} K"
-                ),
+                self.emitted(noon_k),
+                format!("off: the bound is the emission of a facet under the Sun at its zenith, {noon_k:.1} K"),
             ),
             Thermal::Thesis => modelled(
                 "thermal emission",
-                self.emitted(hottest_k.max(heat::thesis_temperature_k(1.0))),
+                self.emitted(noon_k),
                 "Domagala (2020), equation (9): 150 to 330 K at any distance from the Sun; the bound is all of the emission",
             ),
             Thermal::Equilibrium => modelled(
                 "thermal emission",
-                self.largest_up_to(hottest_k, |um, m, t_k| {
+                self.largest_up_to(warmest_k, |um, m, t_k| {
                     solve::interpolation_error(um, t_k).min(1.0) * emission(m, um, t_k)
                 }),
                 format!(
-                    "each facet in equilibrium with what it absorbs, its lit and shaded parts apart; up to {hottest_k:.1} K. The bound is \
+                    "each facet in equilibrium with what it absorbs, its lit and shaded parts apart; up to {warmest_k:.1} K. The bound is \
                          of the interpolation in temperature; see thermal inertia for the rest"
                 ),
             ),
@@ -191,23 +198,23 @@ impl<'a> Account<'a> {
     }
 
     fn thermal_inertia(&self) -> Effect {
-        let hottest_k = self.hottest_k;
+        let noon_k = self.noon_k;
         left_out(
             "thermal inertia",
-            self.emitted(hottest_k),
+            self.emitted(noon_k),
             format!(
-                "no heat is stored or conducted. The bound is the emission at {hottest_k:.1} K: what a fresh shadow might still send, \
-                     and more than equilibrium can be wrong in sunlight"
+                "no heat is stored, conducted or exchanged between facets. The bound is the emission at {noon_k:.1} K, of a facet \
+                 under the Sun at its zenith: what a fresh shadow might still send, and more than equilibrium can be wrong in sunlight"
             ),
         )
     }
 
     fn heat_from_mars(&self) -> Effect {
-        let (q, has_mars) = self.mars_seen();
+        let (q, has_mars) = mars_seen(self.scene, self.site);
         let scene = self.scene;
         let total_w_m2 = sun::irradiance_at(scene.sun.total_irradiance_1au_w_m2, scene.sun.distance_m);
         // Reflected or emitted, Mars sends no more than sunlight at its zenith.
-        let bound = self.largest_up_to(self.hottest_k, |um, m, t_k| {
+        let bound = self.largest_up_to(self.noon_k, |um, m, t_k| {
             let own_w_m2 = heat::emitted_w_m2(t_k, m.emissivity_bolometric);
             let heated_k = heat::equilibrium_temperature_k(own_w_m2 + q * q * total_w_m2, m.emissivity_bolometric);
             emission(m, um, heated_k) - emission(m, um, t_k)
@@ -228,99 +235,101 @@ impl<'a> Account<'a> {
     fn interreflection(&self) -> Effect {
         let form_factor = bounds::surroundings_form_factor(self.site.cos_steepest);
         let bound = self.cos_incidence.and_then(|cos| {
-            let of = |m: &Material| {
-                let values = self.bands_um().filter_map(|um| m.reflectance.at(um));
-                values.fold(0.0, f64::max)
+            let at = |um| {
+                let largest = |of: &dyn Fn(&Material) -> f64| self.materials.iter().map(|m| of(m)).fold(0.0, f64::max);
+                let reflectance = largest(&|m| m.reflectance.at(um).unwrap_or(0.0));
+                let emitted = largest(&|m| emission(m, um, self.noon_k)) / white_radiance(self.scene, um)?;
+                let bounded = reflectance * form_factor < 1.0;
+                bounded.then(|| bounds::interreflection(reflectance, emitted, form_factor, cos))
             };
-            let reflectance = self.materials.iter().map(|m| of(m)).fold(0.0, f64::max);
-            (reflectance * form_factor < 1.0).then(|| bounds::interreflection(reflectance, form_factor, cos))
+            self.bands_um.iter().copied().try_fold(0.0, |most, um| Some(f64::max(most, at(um)?)))
         });
         let slopes = match self.site.up {
             Some(_) => format!("slopes up to {:.0} deg", self.site.cos_steepest.acos().to_degrees()),
             None => "a body may have any slope".to_owned(),
         };
         let note = format!(
-            "the surroundings fill at most {:.0} % of a facet's view ({slopes}), all of them taken as lit at normal incidence. \
-             On gentle ground the truth is 10 to 100 times less; in shadow it is often the only light",
+            "the surroundings fill at most {:.0} % of a facet's view ({slopes}), all of them taken as lit at normal incidence and \
+             as warm as {:.1} K. On gentle ground the truth is 10 to 100 times less; in shadow it is often the only light",
             100.0 * form_factor,
+            self.noon_k,
         );
         left_out("interreflection", bound, note)
     }
 
     fn penumbra(&self) -> Effect {
-        let scene = self.scene;
-        let camera = &scene.sensor.camera;
-        let eye_m = camera.centre_m();
-        let (low_m, high_m) = self.site.box_m;
-        let pixel_m = eye_m.distance(eye_m.clamp(low_m, high_m)) * camera.pitch;
-        let sun_rad = sun::angular_radius_rad(scene.sun.distance_m);
-        let ray_m = self.site.longest_ray_m(self.site.up.map_or(0.0, |up| up.dot(scene.sun.direction.vec())));
+        let (ray_m, pixel_m) = (self.longest_ray_m(), self.pixel_m());
+        let sun_rad = sun::angular_radius_rad(self.scene.sun.distance_m);
         // Square to the rays. On a slope the penumbra is wider by 1 / cos i, and as much less bright.
         let wide_px = bounds::penumbra_width_m(ray_m, sun_rad, 1.0) / pixel_m;
         let note = format!(
-            "the Sun is a point. Only pixels that a shadow's edge crosses change: with the edge's cause at most {ray_m:.0} m away, \
-             penumbrae are up to {wide_px:.2} pixels wide, square to the light"
+            "the Sun is a point. Only pixels that a shadow's edge crosses change, and slopes along the rays: with the edge's cause at \
+             most {ray_m:.0} m away, penumbrae are up to {wide_px:.2} pixels wide, square to the light"
         );
-        left_out("the Sun's disc", self.cos_incidence.map(|cos| wide_px.min(0.5) / cos), note)
+        let edge = self.all_light().map(|all| wide_px.min(1.0) * all);
+        let slope = self.cos_incidence.map(|cos| bounds::terminator(sun_rad) / cos);
+        left_out("the Sun's disc", edge.zip(slope).map(|(edge, slope)| edge + slope), note)
     }
 
     fn terrain_outside(&self) -> Effect {
         let share = 100.0 * self.open_to_shadow;
         let (bound, note) = match self.site.up {
-            None => (0.0, "the mesh is a body: there is none".to_owned()),
-            Some(_) if share == 0.0 => (0.0, "every ray to the Sun leaves the site above its highest point".to_owned()),
+            None => (Some(0.0), "the mesh is a body: there is none".to_owned()),
+            Some(_) if share == 0.0 => {
+                (Some(0.0), "every ray to the Sun leaves the site above its highest point".to_owned())
+            }
             Some(_) => (
-                1.0,
+                self.all_light(),
                 format!(
                     "from {share:.1} % of the site's area rays to the Sun leave it below its highest point: these might be in shadow"
                 ),
             ),
         };
-        left_out("terrain outside the mesh", Some(bound), note)
+        left_out("terrain outside the mesh", bound, note)
     }
 
     fn eclipse_by_mars(&self) -> Effect {
         let (bound, note) = match self.eclipse {
             None => (None, "no Mars in the scene: cannot be said"),
             Some(Eclipse::None) => (Some(0.0), "Mars is not in front of the Sun"),
-            Some(Eclipse::Partial) => (Some(1.0), "Mars covers part of the Sun's disc: the site has less sunlight"),
-            Some(Eclipse::Total) => (Some(1.0), "Mars covers the Sun: the site has no sunlight"),
+            Some(Eclipse::Partial) => {
+                (self.all_light(), "Mars covers part of the Sun's disc: the site has less sunlight")
+            }
+            Some(Eclipse::Total) => (self.all_light(), "Mars covers the Sun: the site has no sunlight"),
         };
         left_out("eclipse by Mars", bound, note)
     }
 
     fn aberration(&self) -> Effect {
-        let bound = self.cos_incidence.map(|cos| ABERRATION_RAD * (1.0 - cos * cos).max(0.0).sqrt() / cos);
+        // Of irradiance, and of shadows' edges. Emission follows irradiance by a power that makes it 2 at most, up to 20 um.
+        let share = (ABERRATION_RAD * (1.0 + self.longest_ray_m() / self.pixel_m())).min(1.0);
+        let bound = self.all_light().map(|all| 2.0 * share * all);
         let note = "directions and distances are taken as given. Apparent ones of one instant need nothing more; geometric ones are off by \
-                    up to 1e-4 rad, a twentieth of the Sun's disc";
+                    up to 1e-4 rad, a sixtieth of the Sun's disc: by so much shadows' edges move too";
         left_out("aberration and light time", bound, note)
     }
 
-    /// Centres and ends of all bands, um.
-    fn bands_um(&self) -> impl Iterator<Item = f64> {
-        let ends = |b: &crate::spectral::Band| {
-            let (lo, hi) = b.support_um();
-            [lo, b.centre_um, hi]
-        };
-        self.scene.sensor.bands.iter().flat_map(ends)
+    /// Most that a facet sends by sunlight: reflected at normal incidence, and emitted when warmest; relative as all bounds.
+    fn all_light(&self) -> Option<f64> {
+        Some(1.0 / self.cos_incidence? + self.emitted(self.noon_k)?)
     }
 
-    /// The sine of the angular radius of Mars, or of what it would be over Phobos, and whether the scene has a Mars.
-    fn mars_seen(&self) -> (f64, bool) {
-        match &self.scene.mars {
-            Some(mars) => {
-                let (low_m, high_m) = self.site.box_m;
-                let nearest_m = mars.centre_m.distance(mars.centre_m.clamp(low_m, high_m));
-                ((mars.radius_m / nearest_m).min(1.0), true)
-            }
-            None => (MARS_RADIUS_M / PHOBOS_ORBIT_M, false),
-        }
+    /// Longest way, m, from what casts a shadow to where it falls.
+    fn longest_ray_m(&self) -> f64 {
+        self.site.longest_ray_m(self.site.up.map_or(0.0, |up| up.dot(self.scene.sun.direction.vec())))
+    }
+
+    /// Width of a pixel at the nearest point of the surface, square to the line of sight, m.
+    fn pixel_m(&self) -> f64 {
+        let camera = &self.scene.sensor.camera;
+        let (eye_m, (low_m, high_m)) = (camera.centre_m(), self.site.box_m);
+        eye_m.distance(eye_m.clamp(low_m, high_m)) * camera.pitch
     }
 
     fn mars_light_bound(&self) -> Option<f64> {
-        let (q, _) = self.mars_seen();
+        let (q, _) = mars_seen(self.scene, self.site);
         let albedo = match &self.scene.mars {
-            Some(mars) => self.bands_um().filter_map(|um| mars.reflectance.at(um)).fold(0.0, f64::max),
+            Some(mars) => self.bands_um.iter().copied().filter_map(|um| mars.reflectance.at(um)).fold(0.0, f64::max),
             None => MARS_ALBEDO,
         };
         self.cos_incidence.map(|cos| bounds::mars_light(albedo, q, cos))
@@ -332,9 +341,9 @@ impl<'a> Account<'a> {
     }
 
     /// As [`largest`](Account::largest), also over temperatures up to the warmest: warm surfaces emit most, but may change least.
-    fn largest_up_to(&self, hottest_k: f64, radiance: impl Fn(f64, &Material, f64) -> f64) -> Option<f64> {
+    fn largest_up_to(&self, warmest_k: f64, radiance: impl Fn(f64, &Material, f64) -> f64) -> Option<f64> {
         const STEPS: u32 = 16;
-        let at = |um, m: &Material, i| radiance(um, m, hottest_k * f64::from(i) / f64::from(STEPS));
+        let at = |um, m: &Material, i| radiance(um, m, warmest_k * f64::from(i) / f64::from(STEPS));
         self.largest(|um, m| (1..=STEPS).map(|i| at(um, m, i)).fold(0.0, f64::max))
     }
 
@@ -343,7 +352,7 @@ impl<'a> Account<'a> {
     fn largest(&self, radiance: impl Fn(f64, &Material) -> f64) -> Option<f64> {
         let cos = self.cos_incidence?;
         let mut largest = 0.0_f64;
-        for um in self.bands_um() {
+        for um in self.bands_um.iter().copied() {
             for material in &self.materials {
                 let ratio = radiance(um, material) / sunlit_radiance(self.scene, material, um, cos)?;
                 largest = largest.max(if ratio.is_nan() { 0.0 } else { ratio });
@@ -353,12 +362,49 @@ impl<'a> Account<'a> {
     }
 }
 
+/// Centres of all bands; of Gaussian ones also the ends, and the corners between them of reflectances and emissivities; um, ascending.
+fn bands_um(scene: &Scene, materials: &[&Material]) -> Vec<f64> {
+    let of_materials = materials.iter().flat_map(|m| [&m.reflectance, &m.emissivity]);
+    let mut corners_um: Vec<f64> = of_materials
+        .chain(scene.mars.iter().map(|m| &m.reflectance))
+        .flat_map(|spectrum| spectrum.wavelength_um().iter().copied())
+        .collect();
+    corners_um.sort_by(f64::total_cmp);
+    corners_um.dedup();
+    let mut all_um: Vec<f64> = Vec::new();
+    for band in &scene.sensor.bands {
+        let (lo, hi) = band.support_um();
+        let from = corners_um.partition_point(|um| *um <= lo);
+        let inside = corners_um[from..].iter().copied().take_while(|um| *um < hi);
+        all_um.extend(inside.chain([lo, band.centre_um, hi]));
+    }
+    all_um.sort_by(f64::total_cmp);
+    all_um.dedup();
+    all_um
+}
+
+/// The sine of the angular radius of Mars, or of what it would be over Phobos, and whether the scene has a Mars.
+fn mars_seen(scene: &Scene, site: &Site) -> (f64, bool) {
+    match &scene.mars {
+        Some(mars) => {
+            let (low_m, high_m) = site.box_m;
+            let nearest_m = mars.centre_m.distance(mars.centre_m.clamp(low_m, high_m));
+            ((mars.radius_m / nearest_m).min(1.0), true)
+        }
+        None => (MARS_RADIUS_M / PHOBOS_ORBIT_M, false),
+    }
+}
+
+/// Sunlight that a white Lambert surface square to it reflects, W m-2 sr-1 um-1.
+fn white_radiance(scene: &Scene, um: f64) -> Option<f64> {
+    let normal = sun::irradiance_at(scene.sun.irradiance_1au.at(um)?, scene.sun.distance_m);
+    let angles = PhotometricAngles { cos_incidence: 1.0, cos_emission: 1.0, phase_rad: 0.0 };
+    Some(Brdf::Lambert { reflectance: 1.0 }.eval(&angles) * normal)
+}
+
 /// Sunlight that a material reflects at an incidence, W m-2 sr-1 um-1.
 fn sunlit_radiance(scene: &Scene, material: &Material, um: f64, cos_incidence: f64) -> Option<f64> {
-    let normal = sun::irradiance_at(scene.sun.irradiance_1au.at(um)?, scene.sun.distance_m);
-    let angles = PhotometricAngles { cos_incidence, cos_emission: 1.0, phase_rad: cos_incidence.acos() };
-    let brdf = Brdf::Lambert { reflectance: material.reflectance.at(um)? };
-    Some(brdf.eval(&angles) * sun::irradiance_on_facet(normal, cos_incidence))
+    Some(material.reflectance.at(um)? * sun::irradiance_on_facet(white_radiance(scene, um)?, cos_incidence))
 }
 
 /// Thermal emission of a material, W m-2 sr-1 um-1.

@@ -110,13 +110,15 @@ fn shadow_of_a_box(incidence_deg: f64) -> Result<Row> {
     Ok(row(format!("shadow of a box, incidence {incidence_deg} deg"), "m2", expected_m2, dark_m2, 1e-9, source))
 }
 
-/// Share of each pixel (row, column; a unit square from (column, row)) that a triangle covers.
-pub(super) fn coverage(triangle: [[f64; 2]; 3], columns: u32, rows: u32) -> Vec<Vec<f64>> {
+/// Share of each pixel (row, column; a unit square from (column, row)) that a convex polygon covers.
+pub(super) fn coverage(polygon: &[[f64; 2]], columns: u32, rows: u32) -> Vec<Vec<f64>> {
     // Axes of the image, and a distance of 1.
     let camera = FrameCamera { world_from_sensor: Pose::IDENTITY, samples: columns, lines: rows, pitch: 1.0 };
     let [x0, y0] = camera.boresight_px();
-    let mesh = mesh(&triangle.map(|[x, y]| DVec3::new(x - x0, y - y0, 1.0)), &[[0, 1, 2]]);
-    let dark = Sunlit { lit: vec![Lit::Dark], polygon_start: vec![0], ..Sunlit::default() };
+    let corners_m: Vec<DVec3> = polygon.iter().map(|[x, y]| DVec3::new(x - x0, y - y0, 1.0)).collect();
+    let fan: Vec<[u32; 3]> = (2..corners_m.len() as u32).map(|i| [0, i - 1, i]).collect();
+    let mesh = mesh(&corners_m, &fan);
+    let dark = Sunlit { lit: vec![Lit::Dark; fan.len()], polygon_start: vec![0], ..Sunlit::default() };
     let footprints = integrate::footprints(&mesh, &Topology::new(&mesh), &dark, &camera);
     let (columns, rows) = (columns as usize, rows as usize);
     (0..rows).map(|row| (0..columns).map(|column| footprints.coverage(row * columns + column)).collect()).collect()

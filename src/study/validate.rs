@@ -15,7 +15,7 @@ use crate::error::{Error, Location, Problem, Result};
 use crate::geometry::{Direction, Pose, angle_rad};
 use crate::physics::reflectance::{Brdf, PhotometricAngles};
 use crate::physics::{blackbody, heat, mars, sun};
-use crate::spectral::solar_e490;
+use crate::spectral::{Band, solar_e490};
 use crate::units::AU_M;
 
 /// How a check ended.
@@ -209,6 +209,7 @@ impl<'a> Oracle<'a> {
             "disc" => self.disc(kind),
             "geometry" => self.geometry(kind),
             "thermal" => self.thermal(kind),
+            "ils" => self.response(kind),
             _ => None,
         }
     }
@@ -229,30 +230,50 @@ impl<'a> Oracle<'a> {
             "angular_radius" => sun::angular_radius_rad(self.distance_m()?),
             "solid_angle" => sun::solid_angle_sr(self.distance_m()?),
             "light_time" => sun::light_time_s(self.distance_m()?),
-            "E490_integral" => solar_e490().integral(self.input("l1")?, self.input("l2")?)?,
+            "E490_integral" if self.is_e490() => solar_e490().integral(self.input("l1")?, self.input("l2")?)?,
+            "E490" | "E490_at" | "E490_value" | "E490_irradiance" if self.is_e490() => {
+                let irradiance_1au = solar_e490().at(self.input("lambda_um")?)?;
+                self.distance_m().map_or(irradiance_1au, |d_m| sun::irradiance_at(irradiance_1au, d_m))
+            }
             _ => return None,
         }))
+    }
+
+    /// Whether the table of sunlight that is asked about, if it is named, is the one built in.
+    fn is_e490(&self) -> bool {
+        self.inputs.get("file").and_then(Value::as_str).is_none_or(|file| file.to_lowercase().contains("e490_00a"))
     }
 
     fn marsshine(&self, kind: &str) -> Option<Value> {
         let (radius, distance) = (self.input("R")?, self.input("D")?);
         let q2 = (radius / distance).powi(2);
+        let rho = || if kind.ends_with("_per_rho") { Some(1.0) } else { self.input("rho") };
+        let phase_deg = self.input("phase_deg");
+        // Mars towards +Z, the Sun and azimuth 0 on the side of +X.
+        let near = |phase_deg: f64| {
+            let (sin_phase, cos_phase) = phase_deg.to_radians().sin_cos();
+            let (sin_tilt, cos_tilt) = self.input("tilt_deg").unwrap_or(0.0).to_radians().sin_cos();
+            let (sin_az, cos_az) = self.input("azimuth_deg").unwrap_or(0.0).to_radians().sin_cos();
+            let normal = DVec3::new(sin_tilt * cos_az, sin_tilt * sin_az, cos_tilt);
+            mars::irradiance(distance * DVec3::Z, radius, normal, DVec3::new(sin_phase, 0.0, -cos_phase))
+        };
         Some(json!(match kind {
-            "uniform_full_disc_upper_bound" => self.input("rho")? * q2,
-            "lambert_full_phase_far_field" => 2.0 / 3.0 * self.input("rho")? * q2,
-            "isotropic_mean_far_field" => 0.25 * self.input("rho")? * q2,
-            "mean_over_coplanar_orbit_far_field" =>
-                2.0 / 3.0 * self.input("rho")? * q2 * (2.0 / std::f64::consts::PI).powi(2),
+            "uniform_full_disc_upper_bound" => rho()? * q2,
+            "isotropic_mean_far_field" => 0.25 * rho()? * q2,
+            "mean_over_coplanar_orbit_far_field" => 2.0 / 3.0 * rho()? * q2 * (2.0 / std::f64::consts::PI).powi(2),
+            _ if kind.starts_with("thesis") => {
+                let cos_tilt = self.input("tilt_deg").unwrap_or(0.0).to_radians().cos();
+                mars::thesis_irradiance(1.0, rho()?, radius / distance, cos_tilt)
+            }
+            "lambert_full_phase_far_field" | "lambert_far_field" | "lambert_far_field_per_rho" => {
+                2.0 / 3.0 * rho()? * q2 * closed_forms::lambert_sphere_phase(phase_deg.unwrap_or(0.0))
+            }
+            "mean_over_coplanar_orbit_near_field" | "mean_over_coplanar_orbit_near_field_per_rho" => {
+                rho()? * closed_forms::mean_over_orbit(near)
+            }
             "lambert_full_phase_near_field_per_rho"
             | "lambert_near_field_facing_per_rho"
-            | "lambert_near_field_tilted_per_rho" => {
-                // Mars towards +Z, the Sun and azimuth 0 on the side of +X.
-                let (sin_phase, cos_phase) = self.input("phase_deg")?.to_radians().sin_cos();
-                let (sin_tilt, cos_tilt) = self.input("tilt_deg").unwrap_or(0.0).to_radians().sin_cos();
-                let (sin_az, cos_az) = self.input("azimuth_deg").unwrap_or(0.0).to_radians().sin_cos();
-                let normal = DVec3::new(sin_tilt * cos_az, sin_tilt * sin_az, cos_tilt);
-                mars::irradiance(distance * DVec3::Z, radius, normal, DVec3::new(sin_phase, 0.0, -cos_phase))
-            }
+            | "lambert_near_field_tilted_per_rho" => near(phase_deg?),
             _ => return None,
         }))
     }
@@ -272,6 +293,19 @@ impl<'a> Oracle<'a> {
                 let (radius, height) = (input("R")?, input("h")?);
                 radius * radius / (radius * radius + height * height)
             }
+            "coaxial_discs" | "coaxial_parallel_discs" | "parallel_coaxial_discs" => {
+                let of = |keys: [&str; 2]| keys.iter().find_map(|key| self.input(key));
+                let height = of(["h", "distance"])?;
+                closed_forms::coaxial_discs(of(["r1", "R1"])?, of(["r2", "R2"])?, height)
+            }
+            "strips_at_right_angles" | "perpendicular_strips" => {
+                let of = |key| self.input(key).unwrap_or(1.0);
+                closed_forms::perpendicular_strips(of("w1"), of("h2"))
+            }
+            "cube_closure" => {
+                closed_forms::parallel_rectangles(1.0, 1.0, 1.0)
+                    + 4.0 * closed_forms::perpendicular_rectangles(1.0, 1.0, 1.0)
+            }
             "element_to_triangle_clipped" => {
                 let triangle = self.inputs.get("triangle")?.as_array()?;
                 let polygon = triangle.iter().map(vector).collect::<Option<Vec<_>>>()?;
@@ -284,14 +318,14 @@ impl<'a> Oracle<'a> {
     fn coverage(&self) -> Option<Value> {
         let point = |v: &Value| Some([v.get(0)?.as_f64()?, v.get(1)?.as_f64()?]);
         let corners = self.inputs.get("vertices")?.as_array()?;
-        let triangle: [[f64; 2]; 3] = corners.iter().map(point).collect::<Option<Vec<_>>>()?.try_into().ok()?;
+        let polygon = corners.iter().map(point).collect::<Option<Vec<[f64; 2]>>>()?;
         let grid = self.inputs.get("grid")?;
         let (columns, rows) = (grid.get(0)?.as_u64()?, grid.get(1)?.as_u64()?);
         // As many pixels as are expected, so that no file can ask for more memory than it is long.
         let expected = self.expected.as_array()?;
         let same = expected.len() as u64 == rows
             && expected.iter().all(|row| row.as_array().is_some_and(|row| row.len() as u64 == columns));
-        same.then(|| json!(scene_cases::coverage(triangle, columns as u32, rows as u32)))
+        same.then(|| json!(scene_cases::coverage(&polygon, columns as u32, rows as u32)))
     }
 
     fn camera(&self, kind: &str) -> Option<Value> {
@@ -304,6 +338,15 @@ impl<'a> Oracle<'a> {
                 };
                 let p = world_from_sensor.inverse().point(self.vector("P")?);
                 json!({"X": p.x / p.z, "Y": p.y / p.z, "Z": p.z})
+            }
+            _ if kind.starts_with("eq22") => {
+                let [h, v, u, o] = [self.vector("h")?, self.vector("v")?, self.vector("u")?, self.vector("O")?];
+                let z = self.input("Z")?;
+                let p = o + z * (self.input("X")? * h + self.input("Y")? * v + u);
+                match self.expected {
+                    Value::Array(_) => json!(p.to_array()),
+                    _ => json!({"P": p.to_array(), "point": p.to_array(), "x": p.x, "y": p.y, "z": p.z}),
+                }
             }
             "perspective_correct_midpoint" => {
                 let (z0, z1, s) = (self.input("Z0")?, self.input("Z1")?, self.input("s_image")?);
@@ -342,10 +385,15 @@ impl<'a> Oracle<'a> {
                 })
             }
             "thermal_over_reflected" => {
-                json!(self.thermal_over_reflected(self.input("lambda_um")?, self.input("T")?)?)
+                json!(
+                    self.thermal_over_reflected(
+                        self.input("lambda_um")?,
+                        self.input("T_K").or_else(|| self.input("T"))?
+                    )?
+                )
             }
             "wavelength_where_thermal" => {
-                let (t_k, ratio) = (self.input("T_K")?, self.input("ratio")?);
+                let (t_k, ratio) = (self.input("T_K").or_else(|| self.input("T"))?, self.input("ratio")?);
                 // The ratio rises with wavelength.
                 let (mut low_um, mut high_um) = (1.0, 10.0);
                 for _ in 0..60 {
@@ -365,9 +413,11 @@ impl<'a> Oracle<'a> {
                 let s_per_rad = self.input("period_s")? / std::f64::consts::PI;
                 json!({"total_s": (mars_rad - sun_rad) * s_per_rad, "partial_each_s": sun_rad * s_per_rad})
             }
-            "flat_lambert_radiance_table_I_1um" => {
+            _ if kind.starts_with("flat_lambert_radiance") => {
+                // E490 at the wavelength in its name, as E490_1um.
+                let (_, irradiance_1au) = self.inputs.as_object()?.iter().find(|(key, _)| key.starts_with("E490"))?;
                 let cos_incidence = self.input("i_deg")?.to_radians().cos();
-                json!(lambert_radiance(self.input("rho")?, self.input("E490_1um")?, self.distance_m()?, cos_incidence))
+                json!(lambert_radiance(self.input("rho")?, irradiance_1au.as_f64()?, self.distance_m()?, cos_incidence))
             }
             _ => return None,
         })
@@ -419,7 +469,10 @@ impl<'a> Oracle<'a> {
         Some(json!(match kind {
             "lambert_sphere_phase" => closed_forms::lambert_sphere_phase(self.input("phase_deg")?),
             "lommel_seeliger_sphere_phase" => closed_forms::lommel_seeliger_sphere_phase(self.input("phase_deg")?),
-            "lambert_phase_integral" => closed_forms::lambert_phase_integral(),
+            "lambert_phase_integral" => closed_forms::phase_integral(closed_forms::lambert_sphere_phase),
+            "lommel_seeliger_phase_integral" => {
+                closed_forms::phase_integral(closed_forms::lommel_seeliger_sphere_phase)
+            }
             _ => return None,
         }))
     }
@@ -448,6 +501,14 @@ impl<'a> Oracle<'a> {
             }
             _ => return None,
         })
+    }
+
+    fn response(&self, kind: &str) -> Option<Value> {
+        let (um, width_um, t_k) = (self.input("l0_um")?, self.input("dl_um")?, self.input("T_K")?);
+        let in_band =
+            Band { centre_um: um, fwhm_um: Some(width_um) }.in_band_w_m2_sr(blackbody::radiance_w_m2_sr_um(um, t_k))?;
+        let exact = blackbody::band_radiance_w_m2_sr(um - 0.5 * width_um, um + 0.5 * width_um, t_k);
+        (kind == "eq16_midpoint_error").then(|| json!(in_band / exact - 1.0))
     }
 
     fn thermal(&self, kind: &str) -> Option<Value> {

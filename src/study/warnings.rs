@@ -16,11 +16,11 @@ pub(super) fn warnings(account: &Account, counts: &Counts, image: &Image) -> Vec
         all.push("nothing is in view: no pixel sees a facet; check the observer's position and target, and the field of view".into());
     }
     if account.table.sunlit.lit.iter().all(|l| *l == Lit::Dark) {
-        let rest = match (account.table.mars_irradiance.is_empty(), account.table.temperature_lit_k.is_empty()) {
-            (true, true) => "the image is black",
-            (false, true) => "what the image shows is Mars-light",
-            (true, false) => "what the image shows is heat",
-            (false, false) => "what the image shows is Mars-light and heat",
+        let rest = match (account.largest_mars_irradiance > 0.0, account.warmest_k > 0.0) {
+            (false, false) => "the image is black",
+            (false, true) => "what the image shows is heat",
+            (true, false) => "what the image shows is Mars-light",
+            (true, true) => "what the image shows is Mars-light and heat",
         };
         all.push(format!("nothing is lit: the Sun is below every facet or behind the terrain; {rest}"));
     }

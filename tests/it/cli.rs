@@ -108,6 +108,8 @@ fn errors_name_the_place_as_text_and_as_json() {
     let error: serde_json::Value = serde_json::from_str(&err).unwrap();
     assert_eq!(error["error"]["problems"][0]["line"], 3, "{error}");
 
+    let (code, out, _) = run(&["inspect", concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/oracles.json")]);
+    assert!(code == 0 && out.starts_with("kind: oracles"), "{out}");
     let (code, _, err) = run(&["inspect", &scratch.join("none.npz")]);
     assert!(code == 1 && err.contains("none.npz") && err.contains("reading"), "{err}");
     let (code, _, err) = run(&["inspect", &scratch.join("none.xyz")]);

@@ -460,6 +460,8 @@ fn quick_looks_are_pictures_of_the_cube() {
     quicklook::write_grey(&grey, &small_cube(), 1, &coverage).unwrap();
     assert_eq!(decode(&grey), (png::ColorType::Grayscale, vec![0, 128, 255, 0]));
     quicklook::write_colour(&colour, &small_cube(), [1, 0, 0], &coverage).unwrap();
+    assert_eq!([&grey, &colour].map(|p| quicklook::read_info(p).unwrap()), [(2, 2, false), (2, 2, true)]);
+    assert!(matches!(quicklook::read_info(&scratch.join("none.png")), Err(Error::Io { .. })));
     assert_eq!(decode(&colour), (png::ColorType::Rgb, vec![0, 0, 0, 128, 128, 128, 255, 255, 255, 0, 0, 0]));
 }
 
