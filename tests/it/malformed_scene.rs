@@ -1,32 +1,10 @@
 //! Bad scene files: each is told at its place, in words that say what to do.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+use crate::scratch::Scratch;
 use mmxrt::formats::{picture, scene_toml};
 use mmxrt::progress::unwatched;
-
-/// A folder that goes away with the test.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("mmxrt-malformed-{}-{name}", std::process::id()));
-        std::fs::create_dir_all(&path).unwrap();
-        Folder(path)
-    }
-
-    fn write(&self, name: &str, text: &str) -> PathBuf {
-        let path = self.0.join(name);
-        std::fs::write(&path, text).unwrap();
-        path
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
 
 const GOOD: &str = r##"mmxrt_scene = 1
 origin_m = [0, 0, 10000]
@@ -59,8 +37,8 @@ count = 3
 
 const PLATE: &str = "mtllib plate.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nusemtl ground\nf 1 2 3 4\nusemtl red\nf 1 2 3\nusemtl mix\nf 1 2 3\n";
 
-fn prepared(name: &str) -> Folder {
-    let folder = Folder::new(name);
+fn prepared() -> Scratch {
+    let folder = Scratch::new();
     folder.write("plate.obj", PLATE);
     folder.write("plate.mtl", "newmtl ground\nKd 0.5 0.5 0.5\nnewmtl red\nKd 1 0.002 0\nnewmtl mix\n");
     folder.write("flat.csv", "wavelength_nm,reflectance_percent\n900,5\n2500,15\n");
@@ -78,7 +56,7 @@ fn prepared(name: &str) -> Folder {
 
 #[test]
 fn the_good_scene_is_read() {
-    let folder = prepared("good");
+    let folder = prepared();
     let file = scene_toml::read(&folder.write("scene.toml", GOOD), &unwatched).unwrap();
     let scene = &file.scene;
     assert_eq!(scene.mesh.facets.len(), 4);
@@ -115,7 +93,7 @@ fn the_good_scene_is_read() {
 
 #[test]
 fn faces_without_a_material_are_the_default_and_a_mesh_can_be_of_one() {
-    let folder = prepared("default");
+    let folder = prepared();
     let with_default = GOOD.replace("[sun]", "default = { reflectance = 0.3 }\n[sun]");
     let read = |text: &str| scene_toml::read(&folder.write("scene.toml", text), &unwatched).unwrap().scene;
     let unnamed = read(&with_default.replace("plate.obj", "unnamed.obj"));
@@ -128,7 +106,7 @@ fn faces_without_a_material_are_the_default_and_a_mesh_can_be_of_one() {
 
 #[test]
 fn reading_stops_when_it_is_asked_to() {
-    let folder = prepared("stop");
+    let folder = prepared();
     let path = folder.write("scene.toml", &GOOD.replace("obj = \"plate.obj\"", "recipe = \"recipe.toml\""));
     let stopped = scene_toml::read(&path, &|progress| progress.stage != "reading the scene");
     assert!(matches!(stopped, Err(mmxrt::Error::Interrupted)), "{stopped:?}");
@@ -291,7 +269,7 @@ const CASES: &[(&str, &str, &str, &str)] = &[
 
 #[test]
 fn each_problem_is_told_at_its_place() {
-    let folder = prepared("cases");
+    let folder = prepared();
     let (mut seen, mut failures) = (0, Vec::new());
     for (good, bad, place, words) in CASES {
         assert_eq!(GOOD.matches(good).count(), 1, "{good:?} must be in the good scene once");
@@ -310,7 +288,7 @@ fn each_problem_is_told_at_its_place() {
 
 #[test]
 fn all_problems_are_told_at_once() {
-    let folder = prepared("all");
+    let folder = prepared();
     let mut text = GOOD.to_owned();
     let edits = [
         ("reflectance = 0.2", "reflectance = 20"),
@@ -329,16 +307,14 @@ fn all_problems_are_told_at_once() {
 
 #[test]
 fn no_cut_of_a_scene_makes_the_reader_panic() {
-    let folder = prepared("cuts");
+    let folder = prepared();
     let mut refused = 0;
     for end in (0..GOOD.len()).step_by(7) {
         refused += usize::from(scene_toml::read(&folder.write("scene.toml", &GOOD[..end]), &unwatched).is_err());
     }
     assert!(refused > 50);
     for bytes in [&b"\xff\xfe\x00"[..], b"\0", &[b'['; 100_000], b"a.a.a=1\na=2"] {
-        let path = folder.0.join("bytes.toml");
-        std::fs::write(&path, bytes).unwrap();
-        assert!(scene_toml::read(&path, &unwatched).is_err());
+        assert!(scene_toml::read(&folder.write("bytes.toml", bytes), &unwatched).is_err());
     }
 }
 
