@@ -14,6 +14,7 @@ use crate::physics::{blackbody, bounds, heat};
 use crate::product::{Backplanes, FacetTable};
 use crate::scene::{MarsModel, Material, Scene, Thermal};
 use crate::solve;
+use crate::spectral::Band;
 use crate::units::{MARS_RADIUS_M, PHOBOS_ORBIT_M};
 
 /// Something that shapes the light, modelled or left out.
@@ -50,7 +51,7 @@ pub(super) struct Account<'a> {
     /// Share of the site that terrain outside it might shadow.
     pub(super) open_to_shadow: f64,
     pub(super) eclipse: Option<Eclipse>,
-    /// The largest of the table's irradiances by Mars.
+    /// The largest of the table's irradiances by Mars, over Mars' reflectance times the solar irradiance.
     pub(super) largest_mars_irradiance: f64,
     /// The warmest temperature of the table; without one, of a facet in equilibrium with sunlight at normal incidence, K.
     hottest_k: f64,
@@ -250,9 +251,7 @@ impl<'a> Account<'a> {
     fn penumbra(&self) -> Effect {
         let scene = self.scene;
         let camera = &scene.sensor.camera;
-        let eye_m = camera.centre_m();
-        let (low_m, high_m) = self.site.box_m;
-        let pixel_m = eye_m.distance(eye_m.clamp(low_m, high_m)) * camera.pitch;
+        let pixel_m = self.site.distance_m(camera.centre_m()) * camera.pitch;
         let sun_rad = sun::angular_radius_rad(scene.sun.distance_m);
         let ray_m = self.site.longest_ray_m(self.site.up.map_or(0.0, |up| up.dot(scene.sun.direction.vec())));
         // Square to the rays. On a slope the penumbra is wider by 1 / cos i, and as much less bright.
@@ -261,6 +260,7 @@ impl<'a> Account<'a> {
             "the Sun is a point. Only pixels that a shadow's edge crosses change: with the edge's cause at most {ray_m:.0} m away, \
              penumbrae are up to {wide_px:.2} pixels wide, square to the light"
         );
+        // A point Sun's shadow ends in the middle of the penumbra: no place gains or loses more than half of its sunlight.
         left_out("the Sun's disc", self.cos_incidence.map(|cos| wide_px.min(0.5) / cos), note)
     }
 
@@ -298,21 +298,17 @@ impl<'a> Account<'a> {
 
     /// Centres and ends of all bands, um.
     fn bands_um(&self) -> impl Iterator<Item = f64> {
-        let ends = |b: &crate::spectral::Band| {
+        let ends = |b: &Band| {
             let (lo, hi) = b.support_um();
             [lo, b.centre_um, hi]
         };
         self.scene.sensor.bands.iter().flat_map(ends)
     }
 
-    /// The sine of the angular radius of Mars, or of what it would be over Phobos, and whether the scene has a Mars.
-    fn mars_seen(&self) -> (f64, bool) {
+    /// The largest sine of the angular radius of Mars, or of what it would be over Phobos, and whether the scene has a Mars.
+    pub(super) fn mars_seen(&self) -> (f64, bool) {
         match &self.scene.mars {
-            Some(mars) => {
-                let (low_m, high_m) = self.site.box_m;
-                let nearest_m = mars.centre_m.distance(mars.centre_m.clamp(low_m, high_m));
-                ((mars.radius_m / nearest_m).min(1.0), true)
-            }
+            Some(mars) => ((mars.radius_m / self.site.distance_m(mars.centre_m)).min(1.0), true),
             None => (MARS_RADIUS_M / PHOBOS_ORBIT_M, false),
         }
     }
