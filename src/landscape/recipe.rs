@@ -193,7 +193,7 @@ impl Recipe {
             ("boulders.exponent", boulders.exponent, 0.1, 10.0),
             ("boulders.sunk", boulders.sunk, 0.0, 1.0),
         ] {
-            // written so that NaN fails; a range that hangs on a bad size is not worth telling
+            // Written so that NaN fails; a range that hangs on a bad size is not worth telling.
             if !(lo..=hi).contains(&value) && hi >= lo {
                 problem(key, format!("{value} is not from {lo} to {hi}"));
             }
@@ -273,7 +273,7 @@ mod tests {
 
     #[test]
     fn too_many_boulders_for_the_facets_are_told() {
-        // 6000 boulders of 4 m and more, at a grid step of 2000 / sqrt(100,000) = 6.3 m: all are kept, and need 120,000
+        // 6000 boulders of 4 m and more, at a grid step of 2000 / sqrt(100,000) = 6.3 m: all are kept, and need 120,000.
         let mut recipe = Recipe { facets: 200_000, ..Recipe::new(1) };
         recipe.boulders = Boulders { count: 6000, min_diameter_m: 4.0, ..Boulders::default() };
         let problems = recipe.check();
