@@ -76,7 +76,7 @@ fn inspect(path: &Path, console: &Console) -> Result<Facts> {
                 ("passed_over", json!(mesh.ignored)),
             ])
         }
-        "toml" => text(path, console),
+        "toml" => toml(path, console),
         "csv" => spectrum(path),
         "mtl" => {
             let (materials, _) = mtl::read(path)?;
@@ -93,9 +93,8 @@ fn inspect(path: &Path, console: &Console) -> Result<Facts> {
 }
 
 /// A scene or a recipe: a recipe has a seed.
-fn text(path: &Path, console: &Console) -> Result<Facts> {
-    let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, "reading", e))?;
-    if Document::parse(text, path)?.has("seed") {
+fn toml(path: &Path, console: &Console) -> Result<Facts> {
+    if Document::open(path)?.0.has("seed") {
         let (recipe, _) = recipe_toml::read(path)?;
         return Ok(vec![
             ("kind", json!("landscape recipe")),

@@ -107,7 +107,7 @@ fn faces_without_a_material_are_the_default_and_a_mesh_can_be_of_one() {
 #[test]
 fn reading_stops_when_it_is_asked_to() {
     let folder = prepared();
-    let path = folder.write("scene.toml", &GOOD.replace("obj = \"plate.obj\"", "recipe = \"recipe.toml\""));
+    let path = folder.write("scene.toml", GOOD.replace("obj = \"plate.obj\"", "recipe = \"recipe.toml\""));
     let stopped = scene_toml::read(&path, &|progress| progress.stage != "reading the scene");
     assert!(matches!(stopped, Err(mmxrt::Error::Interrupted)), "{stopped:?}");
     let good = folder.write("scene.toml", GOOD);
@@ -273,7 +273,7 @@ fn each_problem_is_told_at_its_place() {
     let (mut seen, mut failures) = (0, Vec::new());
     for (good, bad, place, words) in CASES {
         assert_eq!(GOOD.matches(good).count(), 1, "{good:?} must be in the good scene once");
-        let error = scene_toml::read(&folder.write("scene.toml", &GOOD.replace(good, bad)), &unwatched);
+        let error = scene_toml::read(&folder.write("scene.toml", GOOD.replace(good, bad)), &unwatched);
         let told = error.as_ref().map_or_else(|e| e.to_string(), |_| "accepted".to_owned());
         if !told.lines().any(|line| line.contains(place) && line.contains(words)) {
             failures.push(format!("{bad:?}\nexpected {place} {words}\n{told}"));
