@@ -533,7 +533,9 @@ pub fn statistics(header: &Header, data: &Path) -> Result<Vec<BandStatistics>> {
             header.data_type.bytes(),
             header.header_offset
         );
-        return Err(Error::invalid(Location::file(data), message));
+        let problem =
+            Problem::new(Location::file(data), message).with_help("it is cut short, or the header is another file's");
+        return Err(Error::Invalid(vec![problem]));
     }
     let mut file = BufReader::with_capacity(1 << 20, File::open(data).map_err(io)?);
     file.seek(SeekFrom::Start(header.header_offset)).map_err(io)?;

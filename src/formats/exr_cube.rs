@@ -12,7 +12,7 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use crate::error::{Error, Location, Result};
+use crate::error::{Error, Location, Problem, Result};
 use crate::product::Cube;
 use crate::progress::Watch;
 use crate::spectral::Band;
@@ -37,7 +37,9 @@ pub fn write(path: &Path, cube: &Cube, description: &str, watch: Watch<'_>) -> R
     }
     if let Some(pair) = order.windows(2).find(|w| names[w[0]] == names[w[1]]) {
         let message = format!("bands {} and {} both have the centre {}", pair[0] + 1, pair[1] + 1, names[pair[0]]);
-        return Err(Error::invalid(Location::file(path), message));
+        let problem = Problem::new(Location::file(path), message)
+            .with_help("channels are named by it, to 1e-6 nm: leave one of the bands out, or do without OpenEXR");
+        return Err(Error::Invalid(vec![problem]));
     }
     let line_bytes = 4 * cube.samples * cube.bands.len();
     let (Ok(last_x), Ok(last_y), Ok(line_bytes32)) =

@@ -2,7 +2,8 @@
 
 use glam::{DMat3, DQuat, DVec3};
 
-use crate::formats::{mtl, obj, recipe_toml};
+use crate::formats::mtl::{self, ObjMaterial};
+use crate::formats::{obj, recipe_toml};
 use crate::geometry::{Direction, MaterialId, Mesh, Pose};
 use crate::landscape;
 use crate::progress::Progress;
@@ -40,29 +41,15 @@ impl Reader<'_> {
         let pose = self.pose(item, toml);
         let key = |key: &str| format!("{item}.{key}");
         let (mut mesh, materials) = match (&toml.obj, &toml.recipe) {
-            (Some(name), None) => {
-                self.tell("reading meshes", 0, 1);
-                let read = obj::read(&self.path(name));
-                self.tell("reading meshes", 1, 1);
-                let obj = self.taken(&key("obj"), read)?;
-                self.inputs.extend(obj.inputs);
-                if !obj.ignored.is_empty() {
-                    let list: Vec<String> = obj.ignored.iter().map(|(word, n)| format!("{n} x `{word}`")).collect();
-                    self.notes.push(format!("{item}.obj: statements passed over: {}", list.join(", ")));
-                }
-                let material = obj.facet_material.iter().map(|m| MaterialId(*m)).collect();
-                let face_of_facet = obj.face_of_facet;
-                (Mesh { vertices_m: obj.vertices, facets: obj.facets, material, face_of_facet }, obj.materials)
-            }
+            (Some(name), None) => self.obj(&key("obj"), name)?,
             (None, Some(recipe)) => {
-                for (given, name) in [
+                let for_obj = [
                     (toml.unit_m.is_some(), "unit_m"),
                     (toml.up.is_some(), "up"),
                     (toml.coordinates.is_some(), "coordinates"),
-                ] {
-                    if given {
-                        self.problem(&key(name), "a recipe makes metres, z up, local: this is for OBJ files");
-                    }
+                ];
+                for (_, name) in for_obj.into_iter().filter(|(given, _)| *given) {
+                    self.problem(&key(name), "a recipe makes metres, z up, local: this is for OBJ files");
                 }
                 (self.recipe(&key("recipe"), recipe)?.mesh, mtl::of_landscapes())
             }
@@ -92,6 +79,22 @@ impl Reader<'_> {
         }
         self.suspect_unit(item, toml, &mesh);
         Some(mesh)
+    }
+
+    /// A mesh in the file's own unit and axes, and its materials.
+    fn obj(&mut self, item: &str, name: &str) -> Option<(Mesh, Vec<ObjMaterial>)> {
+        self.tell("reading meshes", 0, 1);
+        let read = obj::read(&self.path(name));
+        self.tell("reading meshes", 1, 1);
+        let obj = self.taken(item, read)?;
+        self.inputs.extend(obj.inputs);
+        if !obj.ignored.is_empty() {
+            let list: Vec<String> = obj.ignored.iter().map(|(word, n)| format!("{n} x `{word}`")).collect();
+            self.notes.push(format!("{item}: statements passed over: {}", list.join(", ")));
+        }
+        let material = obj.facet_material.into_iter().map(MaterialId).collect();
+        let mesh = Mesh { vertices_m: obj.vertices, facets: obj.facets, material, face_of_facet: obj.face_of_facet };
+        Some((mesh, obj.materials))
     }
 
     /// A body's coordinates that end far from the origin are probably not in the unit or the frame that was said.
