@@ -420,23 +420,32 @@ fn tables_that_do_not_fit_together_are_refused_with_all_that_is_wrong() {
     assert_eq!(items, ["mars_irradiance", "sun_irradiance[1]", "temperature_lit_k[2]", "sun_polygon_start"]);
 }
 
-fn decode(path: &Path) -> (png::ColorType, Vec<u8>) {
+/// Kind, bytes and description of a PNG.
+fn decode(path: &Path) -> (png::ColorType, Vec<u8>, String) {
     let decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(path).unwrap()));
     let mut reader = decoder.read_info().unwrap();
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
     reader.next_frame(&mut pixels).unwrap();
-    (reader.info().color_type, pixels)
+    let [text] = &reader.info().uncompressed_latin1_text[..] else { panic!("not one text") };
+    assert_eq!(text.keyword, "Description");
+    (reader.info().color_type, pixels, text.text.clone())
 }
 
 #[test]
-fn quick_looks_are_pictures_of_the_cube() {
+fn quick_looks_are_pictures_of_the_cube_and_say_how_they_are_stretched() {
     let scratch = Scratch::new();
     let (grey, colour) = (scratch.join("grey.png"), scratch.join("colour.png"));
     let coverage = [1.0, 1.0, 0.5, 0.0];
     quicklook::write_grey(&grey, &small_cube(), 1, &coverage).unwrap();
-    assert_eq!(decode(&grey), (png::ColorType::Grayscale, vec![0, 128, 255, 0]));
+    let (kind, pixels, text) = decode(&grey);
+    assert_eq!((kind, pixels), (png::ColorType::Grayscale, vec![0, 128, 255, 0]));
+    let [long, short] = ["3.6 um, black 1.0000e1, white 3.0000e1", "0.95 um, black 1.0000e0, white 3.0000e0"]
+        .map(|text| format!("{text} W m-2 sr-1 um-1, power 1.000"));
+    assert_eq!(text, long);
     quicklook::write_colour(&colour, &small_cube(), [1, 0, 0], &coverage).unwrap();
-    assert_eq!(decode(&colour), (png::ColorType::Rgb, vec![0, 0, 0, 128, 128, 128, 255, 255, 255, 0, 0, 0]));
+    let (kind, pixels, text) = decode(&colour);
+    assert_eq!((kind, pixels), (png::ColorType::Rgb, vec![0, 0, 0, 128, 128, 128, 255, 255, 255, 0, 0, 0]));
+    assert_eq!(text, format!("red: {long}; green: {short}; blue: {short}"));
 }
 
 #[test]
