@@ -105,8 +105,9 @@ impl Statistic {
         let (mut count, mut min, mut max, mut sum) = (0, f64::INFINITY, f64::NEG_INFINITY, 0.0);
         for value in values.filter(|v| !v.is_nan()) {
             count += 1;
-            min = min.min(value);
-            max = max.max(value);
+            // Comparisons, since f64::min and f64::max look for NaN once more.
+            min = if value < min { value } else { min };
+            max = if value > max { value } else { max };
             sum += value;
         }
         let some = |value: f64| (count > 0).then_some(value);

@@ -209,6 +209,6 @@ impl<'a> Planes<'a> {
 
 /// Planetocentric latitude and east longitude (0 to 360) of a body-fixed position, deg.
 fn planetocentric_deg(p: DVec3) -> (f64, f64) {
-    let latitude = p.z.atan2(p.x.hypot(p.y)).to_degrees();
+    let latitude = p.z.atan2((p.x * p.x + p.y * p.y).sqrt()).to_degrees();
     (latitude, p.y.atan2(p.x).to_degrees().rem_euclid(360.0))
 }
