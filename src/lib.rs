@@ -68,6 +68,7 @@
 // Lowest layer first: a module uses only those above it in this list (tests/it/layers.rs).
 pub mod error;
 pub mod progress;
+pub mod report;
 pub mod units;
 pub mod geometry;
 pub mod visibility;
