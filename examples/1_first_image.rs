@@ -21,9 +21,9 @@ fn main() -> Result<()> {
     // The ground reflects more at longer waves, the boulders the same everywhere. A Lambert surface each.
     let red = Spectrum::new(vec![0.9, 4.0], vec![0.06, 0.10], Extend::Error).expect("wavelengths ascend");
     let reflectances = [red, Spectrum::constant(0.08)];
-    let materials = (landscape.materials.iter().zip(reflectances).enumerate())
+    let materials = (landscape::MATERIALS.into_iter().zip(reflectances).enumerate())
         .map(|(i, ((name, _), reflectance))| Material {
-            name: name.clone(),
+            name: name.to_owned(),
             emissivity: reflectance.map(|r| 1.0 - r), // Kirchhoff
             reflectance,
             bond_albedo: 0.08,

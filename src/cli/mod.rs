@@ -20,8 +20,8 @@ use console::Console;
 
 /// What a space camera sees of a small body: exact facet-to-pixel hyperspectral image simulation.
 ///
-/// Exit codes: 0 done, 1 bad input, failed I/O, a failed case of `validate` or Ctrl-C, 2 usage, 3 loss under --strict. Whatever the code
-/// but 0 is, nothing is left under the name of the output.
+/// Exit codes: 0 done; 1 bad input, failed I/O, a failed case of `validate` or Ctrl-C; 2 usage. Unless the code is 0, nothing
+/// new is left under the name of the output.
 #[derive(Parser)]
 #[command(name = "mmxrt", version)]
 struct Cli {
@@ -129,17 +129,14 @@ fn error_json(error: &Error) -> serde_json::Value {
             "message": p.message, "help": p.help,
         })
     };
-    let (kind, problems) = match error {
-        Error::Io { path, action, source } => {
-            ("io", vec![problem(&Problem::new(Location::file(path), format!("{action}: {source}")))])
-        }
-        Error::Syntax { at, message } => ("syntax", vec![problem(&Problem::new(at.clone(), message))]),
-        Error::Invalid(problems) => ("invalid", problems.iter().map(problem).collect()),
-        Error::Unsupported { at, feature } => {
-            ("unsupported", vec![problem(&Problem::new(at.clone(), format!("{feature} is not supported")))])
-        }
-        Error::Interrupted => ("interrupted", vec![]),
+    let kind = match error {
+        Error::Io { .. } => "io",
+        Error::Syntax { .. } => "syntax",
+        Error::Invalid(_) => "invalid",
+        Error::Unsupported { .. } => "unsupported",
+        Error::Interrupted => "interrupted",
     };
+    let problems: Vec<_> = error.problems().iter().map(problem).collect();
     json!({ "error": { "kind": kind, "message": error.to_string(), "problems": problems } })
 }
 

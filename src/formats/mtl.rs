@@ -4,6 +4,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use crate::error::{Location, Problem, Result};
+use crate::landscape::MATERIALS;
 
 use super::input::{self, BYTE_ORDER_MARK, InputFile, Problems};
 
@@ -14,6 +15,11 @@ pub struct ObjMaterial {
     pub name: String,
     /// Diffuse colour `Kd`, linear RGB 0 to 1, if the material file gives one.
     pub kd: Option<[f64; 3]>,
+}
+
+/// The materials of a generated landscape, by their index in its mesh.
+pub fn of_landscapes() -> Vec<ObjMaterial> {
+    MATERIALS.map(|(name, kd)| ObjMaterial { name: name.to_owned(), kd: Some(kd) }).into()
 }
 
 /// No material file is this long, bytes.

@@ -24,17 +24,18 @@ impl Material {
         let item = format!("materials.{:?}", self.name);
         for (what, spectrum) in [("reflectance", &self.reflectance), ("emissivity", &self.emissivity)] {
             if let Some(message) = super::uncovered(what, spectrum, bands) {
-                problem(&item, message);
+                problem(&format!("{item}.{what}"), message);
             }
             if let Some(v) = spectrum.value().iter().find(|v| !(0.0..=1.0).contains(*v)) {
-                problem(&item, format!("{what} {v} is outside 0 to 1: is the table in percent?"));
+                problem(&format!("{item}.{what}"), format!("{v} is outside 0 to 1: is the table in percent?"));
             }
         }
         if !(0.0..=1.0).contains(&self.bond_albedo) {
-            problem(&item, format!("bond_albedo {} is outside 0 to 1", self.bond_albedo));
+            problem(&format!("{item}.bond_albedo"), format!("{} is outside 0 to 1", self.bond_albedo));
         }
         if !(self.emissivity_bolometric > 0.0 && self.emissivity_bolometric <= 1.0) {
-            problem(&item, format!("emissivity_bolometric {} is outside 0 to 1", self.emissivity_bolometric));
+            let message = format!("{} is not more than 0 and at most 1", self.emissivity_bolometric);
+            problem(&format!("{item}.emissivity_bolometric"), message);
         }
     }
 }

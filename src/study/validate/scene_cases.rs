@@ -5,8 +5,7 @@ use std::f64::consts::PI;
 use glam::{DMat3, DVec3};
 
 use super::closed_forms::lambert_sphere_phase;
-use super::simulate;
-use super::validate::{Row, Verdict};
+use super::{Row, Verdict};
 use crate::error::{Error, Location, Result};
 use crate::geometry::{Direction, MaterialId, Mesh, Pose};
 use crate::integrate;
@@ -15,6 +14,7 @@ use crate::progress::unwatched;
 use crate::scene::{FrameCamera, Material, Scene, Sensor, Sun, Thermal};
 use crate::solve;
 use crate::spectral::{Band, Spectrum, solar_e490};
+use crate::study::simulate;
 use crate::units::AU_M;
 use crate::visibility::Topology;
 

@@ -1,0 +1,66 @@
+//! Meshes as text.
+
+use std::io::{self, Write};
+
+use crate::formats::mtl::ObjMaterial;
+use crate::geometry::Mesh;
+
+/// Writes a mesh as OBJ: vertices, then triangles grouped by `usemtl` where the material changes, in the mesh's order.
+///
+/// Coordinates are the shortest decimals that read back as the same f64. `materials` is indexed by the mesh's material
+/// ids; `mtllib`, if given, is the name of the file that [`mtl::write`](crate::formats::mtl::write) makes of them.
+///
+/// # Errors
+/// What the writer says.
+pub fn write(out: &mut impl Write, mesh: &Mesh, materials: &[ObjMaterial], mtllib: Option<&str>) -> io::Result<()> {
+    const CHUNK: usize = 1 << 16;
+    let mut text = Vec::with_capacity(CHUNK + 256);
+    if let Some(name) = mtllib {
+        writeln!(text, "mtllib {name}")?;
+    }
+    for v in &mesh.vertices_m {
+        // Beyond these sizes the plain form is a row of zeros.
+        if v.to_array().iter().all(|c| *c == 0.0 || (1e-5..1e16).contains(&c.abs())) {
+            writeln!(text, "v {} {} {}", v.x, v.y, v.z)?;
+        } else {
+            writeln!(text, "v {:e} {:e} {:e}", v.x, v.y, v.z)?;
+        }
+        if text.len() >= CHUNK {
+            out.write_all(&text)?;
+            text.clear();
+        }
+    }
+    let mut current = None;
+    for (facet, material) in mesh.facets.iter().zip(&mesh.material) {
+        if current != Some(material) {
+            current = Some(material);
+            let name = materials.get(material.0 as usize).map_or("", |m| m.name.as_str());
+            writeln!(text, "usemtl {name}")?;
+        }
+        text.push(b'f');
+        for &vertex in facet {
+            text.push(b' ');
+            push_integer(&mut text, u64::from(vertex) + 1);
+        }
+        text.push(b'\n');
+        if text.len() >= CHUNK {
+            out.write_all(&text)?;
+            text.clear();
+        }
+    }
+    out.write_all(&text)
+}
+
+fn push_integer(text: &mut Vec<u8>, mut value: u64) {
+    let mut digits = [0_u8; 20];
+    let mut first = digits.len();
+    loop {
+        first -= 1;
+        digits[first] = b'0' + (value % 10) as u8;
+        value /= 10;
+        if value == 0 {
+            break;
+        }
+    }
+    text.extend_from_slice(&digits[first..]);
+}
