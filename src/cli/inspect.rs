@@ -131,13 +131,13 @@ fn recipe(path: &Path) -> Result<Facts> {
 }
 
 fn scene(path: &Path, console: &Console) -> Result<Facts> {
-    let opened = super::scene::open(path, &|progress| console.watch(progress))?;
+    let opened = super::scene::open_to_inspect(path, &|progress| console.watch(progress))?;
     let scene = &opened.scene;
     let about = study::summary(scene);
     let materials = scene.materials.iter().map(|m| {
         let middle = scene.sensor.bands.get(scene.sensor.bands.len() / 2).map(|b| b.centre_um);
         json!({
-            "name": m.name, "bond_albedo": m.bond_albedo,
+            "name": m.name, "bond_albedo": m.bond_albedo, "photometry": m.photometry.key().unwrap_or("lambert"),
             "reflectance": middle.and_then(|um| m.reflectance.at(um)), "at_um": middle,
         })
     });

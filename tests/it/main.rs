@@ -2,9 +2,11 @@
 
 mod bodies;
 mod cli;
+mod convert;
 mod determinism;
 mod exact;
 mod flat_plane;
+mod gltf;
 mod hazards;
 mod invariance;
 mod layers;

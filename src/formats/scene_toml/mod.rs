@@ -7,12 +7,13 @@ mod materials;
 mod mesh;
 mod types;
 mod view;
+mod write;
 
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
-use crate::error::{Error, Problem, Result, number};
+use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::Direction;
 use crate::progress::{Progress, Watch};
 use crate::scene::{Mars, MarsModel, Scene, Sun, Thermal};
@@ -22,6 +23,9 @@ use crate::units::{AU_M, MARS_RADIUS_M, TSI_1AU_W_M2};
 use super::InputFile;
 use super::located::{self, Document};
 use super::spectrum_csv::{self, Quantity};
+pub(crate) use materials::hex_from_linear;
+pub use write::write;
+
 use types::{MarsModelToml, MarsToml, SceneToml, SunToml, ThermalModelToml, ThermalToml, Values};
 
 /// A scene and what its report should say about where it came from.
@@ -35,6 +39,21 @@ pub struct SceneFile {
     pub notes: Vec<String>,
     /// Every file that was read: the scene file first.
     pub inputs: Vec<InputFile>,
+    /// What this version reads and cannot simulate: the first such key, and why.
+    unsimulated: Option<(Location, String)>,
+}
+
+impl SceneFile {
+    /// Whether this version can simulate the scene.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] at the key that asks for more, as [`Scene::simulable`].
+    pub fn simulable(&self) -> Result<()> {
+        match self.unsimulated.clone() {
+            Some((at, feature)) => Err(Error::Unsupported { at, feature }),
+            None => Ok(()),
+        }
+    }
 }
 
 /// A name for what these files hold: the BLAKE3 hash of their hashes, 64 hexadecimal digits. Reports and footprints carry it.
@@ -95,12 +114,30 @@ pub fn read(path: &Path, watch: Watch<'_>) -> Result<SceneFile> {
     let scene = scene.check().map_err(|e| reader.placed(e))?;
     let mesh = &scene.mesh;
     tracing::info!(vertices = mesh.vertices_m.len(), facets = mesh.facets.len(), "read {}", path.display());
-    Ok(SceneFile { scene, defaults: reader.defaults, notes: reader.notes, inputs: reader.inputs })
+    let unsimulated = match scene.simulable() {
+        Err(Error::Unsupported { at, feature }) => Some((reader.document.at(&reader.item_of(&at)), feature)),
+        _ => None,
+    };
+    let Reader { defaults, notes, inputs, .. } = reader;
+    Ok(SceneFile { scene, defaults, notes, inputs, unsimulated })
 }
 
 /// The JSON Schema of `scene.toml`.
 pub fn schema() -> schemars::Schema {
     schemars::schema_for!(SceneToml)
+}
+
+fn integral(spectrum: &Spectrum, from_um: f64, to_um: f64) -> f64 {
+    if from_um < to_um { spectrum.integral(from_um, to_um).unwrap_or(0.0) } else { 0.0 }
+}
+
+/// The integral of a solar spectrum, and that of E490 beyond its ends, W m-2.
+fn irradiances(spectrum: &Spectrum) -> (f64, f64) {
+    let e490 = solar_e490();
+    let (first, last) = spectrum.coverage_um();
+    let (low, high) = e490.coverage_um();
+    let beyond = integral(e490, low, first.min(high)) + integral(e490, last.max(low), high);
+    (integral(spectrum, first, last), beyond)
 }
 
 /// What the parts of a scene file are read with.
@@ -274,9 +311,8 @@ impl Reader<'_> {
         };
         let (first, last) = spectrum.coverage_um();
         let (lo, hi) = e490.coverage_um();
-        let integral = |s: &Spectrum, a: f64, b: f64| if a < b { s.integral(a, b).unwrap_or(0.0) } else { 0.0 };
-        let table = integral(&spectrum, first, last);
-        let total = table + integral(e490, lo, first.min(hi)) + integral(e490, last.max(lo), hi);
+        let (table, beyond) = irradiances(&spectrum);
+        let total = table + beyond;
         let usual = integral(e490, first.max(lo), last.min(hi));
         if usual > 0.0 && !(0.5..=2.0).contains(&(table / usual)) {
             let times = number(table / usual);
@@ -364,20 +400,23 @@ impl Reader<'_> {
         }
     }
 
+    /// An item of the scene as the text names it: the scene quotes all names of materials, a text only those that need it.
+    fn item_of(&self, at: &Location) -> String {
+        let item = at.item.clone().unwrap_or_default();
+        let of_material = self.document.keys("materials").into_iter().find_map(|name| {
+            let key = item.strip_prefix(&format!("materials.{name:?}"))?;
+            Some(located::member("materials", &name) + key)
+        });
+        of_material.unwrap_or(item)
+    }
+
     /// What [`Scene::check`] found, with the places of the items it names.
     fn placed(&self, error: Error) -> Error {
         let Error::Invalid(problems) = error else { return error };
-        let names = self.document.keys("materials");
         let placed = problems.into_iter().map(|problem| {
-            let item = problem.at.item.clone().unwrap_or_default();
-            // The check quotes all names of materials, a text only those that need it.
-            let of_material = names.iter().find_map(|name| {
-                let key = item.strip_prefix(&format!("materials.{name:?}"))?;
-                Some(located::member("materials", name) + key)
-            });
-            let derived = of_material.as_ref().is_some_and(|item| !self.document.has(item));
-            let at = self.document.at(of_material.as_deref().unwrap_or(&item));
-            (derived, Problem { at, ..problem })
+            let item = self.item_of(&problem.at);
+            let derived = item.starts_with("materials.") && !self.document.has(&item);
+            (derived, Problem { at: self.document.at(&item), ..problem })
         });
         // What follows from a material's reflectance (its emissivity, mixtures of it) need not be told beside it.
         let (derived, own): (Vec<_>, Vec<_>) = placed.partition(|(derived, _)| *derived);

@@ -217,7 +217,7 @@ impl Reader<'_> {
         match &toml.fwhm_um {
             Some(Fwhm::All(fwhm)) => bands.iter_mut().for_each(|band| band.fwhm_um = Some(*fwhm)),
             Some(Fwhm::Each(fwhm)) if fwhm.len() == bands.len() => {
-                bands.iter_mut().zip(fwhm).for_each(|(band, fwhm)| band.fwhm_um = Some(*fwhm));
+                bands.iter_mut().zip(fwhm).for_each(|(band, fwhm)| band.fwhm_um = Some(*fwhm).filter(|w| *w != 0.0));
             }
             Some(Fwhm::Each(fwhm)) => {
                 let message =
