@@ -3,6 +3,7 @@
 mod bodies;
 mod cli;
 mod convert;
+mod dart_database;
 mod determinism;
 mod exact;
 mod flat_plane;
