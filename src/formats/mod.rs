@@ -1,5 +1,6 @@
 //! Files: one format, one module. Only here and in the command line is the disk touched.
 
+pub mod convert;
 pub mod dart;
 pub mod envi;
 pub mod exr_cube;

@@ -141,7 +141,7 @@ impl Writer<'_> {
         extension: &str,
         write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
     ) -> Result<String> {
-        let plain = |c: char| if c.is_alphanumeric() || c == '-' { c } else { '_' };
+        let plain = |c: char| if c.is_alphanumeric() || ".-".contains(c) { c } else { '_' };
         let mut name: String = name.chars().map(plain).collect();
         while !self.taken.insert(format!("{name}.{extension}").to_lowercase()) {
             name.push('_');
@@ -193,7 +193,7 @@ impl Writer<'_> {
     /// The mesh and the names of its materials; gives the name of the OBJ.
     fn mesh(&mut self) -> Result<String> {
         let mesh = &self.scene.mesh;
-        let cut = mesh.face_of_facet.windows(2).filter(|pair| pair[0] == pair[1]).count();
+        let cut = mesh.cut_edges();
         if cut > 0 {
             let message = format!("{cut} edges within faces of more than three corners: all faces are triangles");
             self.note(Fate::Dropped, "mesh", message);
@@ -213,7 +213,7 @@ impl Writer<'_> {
     fn material(&mut self, i: usize, material: &Material) -> Result<String> {
         let name = self.names[i].clone();
         let item = format!("materials.{:?}", material.name);
-        let file = |what: &str| format!("_{name}_{what}");
+        let file = |what: &str| format!(".{name}.{what}");
         let mut text = format!("\n[materials.{}]\n", quoted(&name));
         let mut tables: Vec<&Spectrum> = Vec::new();
         match self.shares(i, material) {
@@ -306,7 +306,7 @@ impl Writer<'_> {
         let scale = (total - within) / beyond;
         let is_scaled = (scale - 1.0).abs() > SAME && scale > 0.0 && scale.is_finite();
         let written = if is_scaled { table.map(|v| v / scale) } else { table };
-        let name = self.file("_sun", "csv", |out| photometry_csv::write(out, &[("irradiance_w_m2_um", &written)]))?;
+        let name = self.file(".sun", "csv", |out| photometry_csv::write(out, &[("irradiance_w_m2_um", &written)]))?;
         let _ = writeln!(text, "spectrum = {}", quoted(&name));
         if is_scaled {
             let _ = writeln!(text, "total_irradiance_w_m2 = {total:?}");
@@ -348,7 +348,7 @@ impl Writer<'_> {
             Some(value) => format!("{value:?}"),
             None => {
                 let table = self.known(&mars.reflectance, "mars.albedo");
-                self.values("_mars", "albedo", &table)?
+                self.values(".mars", "albedo", &table)?
             }
         };
         let model = match mars.model {
