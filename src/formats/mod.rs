@@ -15,6 +15,7 @@ pub mod recipe_toml;
 pub mod report_json;
 pub mod scene_toml;
 pub mod spectrum_csv;
+pub mod xml;
 
 pub use input::{InputFile, text};
 pub use picture::picture;
