@@ -2,9 +2,15 @@
 //!
 //! [`Simulation`] is what mmxrt understands of a simulation, in DART's own terms: everything meets there.
 
+mod folder;
+pub mod groups;
+mod read;
 mod simulation;
 
+pub use folder::Folder;
+pub use read::sequence::{Step, flight, rows};
+pub use read::{Options, read, terrain};
 pub use simulation::{
-    Camera, Directions, Group, Links, Maket, Object, OpticalKind, OpticalProperty, Phase, Simulation, SpectralInterval,
-    ThermalFunction, Version,
+    Camera, Directions, Group, Links, Maket, Object, ObjectField, OpticalKind, OpticalProperty, Phase, Placement,
+    Sequence, SequenceEntry, SequenceGroup, SequenceValues, Simulation, SpectralInterval, ThermalFunction, Version,
 };
