@@ -6,6 +6,7 @@ pub mod envi;
 pub mod exr_cube;
 pub mod folder;
 pub mod gltf;
+pub mod ilwis;
 mod input;
 pub mod located;
 pub mod mtl;
@@ -20,6 +21,7 @@ pub mod scene_toml;
 pub mod spectra;
 pub mod spectrum_csv;
 pub mod surface;
+pub mod xml;
 
 pub use input::{InputFile, text};
 pub use picture::picture;

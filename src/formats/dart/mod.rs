@@ -3,12 +3,18 @@
 //! [`Simulation`] is what mmxrt understands of a simulation, in DART's own terms: everything meets there.
 
 pub mod database;
+mod folder;
+pub mod groups;
+mod read;
 mod simulation;
 #[cfg_attr(feature = "sqlite", path = "sqlite.rs")]
 #[cfg_attr(not(feature = "sqlite"), path = "no_sqlite.rs")]
 mod store;
 
+pub use folder::Folder;
+pub use read::sequence::{Step, flight, rows};
+pub use read::{Options, read, terrain};
 pub use simulation::{
-    Camera, Directions, Group, Links, Maket, Object, OpticalKind, OpticalProperty, Phase, Simulation, SpectralInterval,
-    ThermalFunction, Version,
+    Camera, Directions, Group, Links, Maket, Object, ObjectField, OpticalKind, OpticalProperty, Phase, Placement,
+    Sequence, SequenceEntry, SequenceGroup, SequenceValues, Simulation, SpectralInterval, ThermalFunction, Version,
 };

@@ -1,7 +1,7 @@
 //! Wavefront OBJ: meshes, in the file's own units, axes and order.
 //!
 //! Read are `v` (further numbers on the line are passed over), `f` (`a`, `a/b`, `a//c`, `a/b/c`, negative indices),
-//! `usemtl` and `mtllib`; `vt` is counted. `vn`, `o`, `g`, `s` and comments say nothing here. Anything else is
+//! `g`, `usemtl` and `mtllib`; `vt` is counted. `vn`, `o`, `s` and comments say nothing here. Anything else is
 //! counted by its keyword in [`ObjFile::ignored`]. Vertices and faces keep the order of the file.
 //!
 //! # How a face becomes facets
@@ -50,6 +50,11 @@ pub struct ObjFile {
     pub facet_material: Vec<u16>,
     /// Materials that faces use, in the order of their first `usemtl`.
     pub materials: Vec<ObjMaterial>,
+    /// The group of each facet: index into `groups`; empty if no `g` names one.
+    pub facet_group: Vec<u16>,
+    /// Groups that own faces, in the order of their first one: all that follows `g` on its line. A name that comes again
+    /// is the same group; faces before the first `g` are in a group without a name.
+    pub groups: Vec<String>,
     /// Number of texture coordinates (`vt`).
     pub texture_vertices: usize,
     /// Statements that were passed over, and how many of each.
