@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use mmxrt::formats::convert::{self, Conversion, Content, Format, Options};
+use mmxrt::Result;
+use mmxrt::formats::convert::{self, Content, Conversion, Format, Options};
 use mmxrt::report::{Note, Report};
 use mmxrt::spectral::Band;
-use mmxrt::Result;
 use serde_json::{Value, json};
 
 use super::Outcome;
@@ -110,7 +110,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
             let errors = findings.iter().filter(|finding| finding.is_error()).count();
             let lines: String = findings.iter().map(|finding| format!("{finding}\n")).collect();
             let text = format!("{lines}{}: {errors} errors, {} warnings", input.display(), findings.len() - errors);
-            let shown: Vec<Value> = findings.iter().map(|f| json!({ "error": f.is_error(), "text": f.to_string() })).collect();
+            let shown: Vec<Value> =
+                findings.iter().map(|f| json!({ "error": f.is_error(), "text": f.to_string() })).collect();
             console.result(&text, &json!({ "errors": errors, "findings": shown }))?;
             Ok(if errors == 0 { Outcome::Done } else { Outcome::Failed })
         }

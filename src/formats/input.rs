@@ -86,10 +86,12 @@ pub(crate) fn beside(file: &Path, name: &str, outside: bool) -> std::result::Res
     if name.contains("://") {
         return Err(format!("{name:?} is an address: nothing is fetched; put the file beside this one"));
     }
-    let leaves = |path: &Path| !Path::new(name).components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir)) || {
-        // Links count as well; what is not there is told on reading.
-        let real = |path: &Path| path.canonicalize().ok();
-        real(path).zip(real(folder)).is_some_and(|(path, folder)| !path.starts_with(folder))
+    let leaves = |path: &Path| {
+        !Path::new(name).components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir)) || {
+            // Links count as well; what is not there is told on reading.
+            let real = |path: &Path| path.canonicalize().ok();
+            real(path).zip(real(folder)).is_some_and(|(path, folder)| !path.starts_with(folder))
+        }
     };
     if !outside && leaves(&path) {
         return Err(format!("{name:?} leads out of the folder of this file; --allow-outside permits that"));

@@ -13,7 +13,7 @@ use crate::scene::{FrameCamera, Material, Photometry, Scene, Sensor, Sun, Therma
 use crate::spectral::{Band, Spectrum, solar_e490};
 use crate::units::{AU_M, TSI_1AU_W_M2};
 
-use super::mtl::ObjMaterial;
+use super::mtl::{self, ObjMaterial};
 use super::obj::ObjFile;
 use super::scene_toml::hex_from_linear;
 
@@ -63,7 +63,8 @@ impl Surface {
         dropped("thermal", "how warm the surface is");
         dropped("observer", "where the camera is, and where it looks");
         dropped("sensor", "its pixels and bands");
-        let materials = scene.materials.iter().map(|m| ObjMaterial { name: m.name.clone(), kd: None }).collect();
+        let materials =
+            scene.materials.iter().map(|m| ObjMaterial { name: mtl::plain_name(&m.name), kd: None }).collect();
         Surface { mesh: scene.mesh.clone(), materials, origin_m: Some(scene.origin_m) }
     }
 
@@ -96,7 +97,10 @@ impl Surface {
                 let [r, g, b] = material.kd.unwrap_or([REFLECTANCE; 3]);
                 let reflectance = (0.2126 * r + 0.7152 * g + 0.0722 * b).clamp(0.0, 1.0);
                 let source = if material.kd.is_some() { "the luminance of its colour" } else { "no colour is given" };
-                taken(&format!("materials.{name:?}"), format!("reflectance {reflectance:.4} at all wavelengths: {source}"));
+                taken(
+                    &format!("materials.{name:?}"),
+                    format!("reflectance {reflectance:.4} at all wavelengths: {source}"),
+                );
                 Material {
                     name,
                     reflectance: Spectrum::constant(reflectance),

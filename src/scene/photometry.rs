@@ -112,7 +112,10 @@ impl Photometry {
             let is_wrong = |v: &&f64| !(low..=high).contains(*v) || (open && (**v == low || **v == high));
             if let Some(v) = spectrum.value().iter().find(is_wrong) {
                 let range = if high.is_infinite() { format!("from {low}") } else { format!("from {low} to {high}") };
-                problem(format!("{name} = {v} is out of range, which is {range}{}", if open { ", ends excluded" } else { "" }));
+                problem(format!(
+                    "{name} = {v} is out of range, which is {range}{}",
+                    if open { ", ends excluded" } else { "" }
+                ));
             }
         }
     }

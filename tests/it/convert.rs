@@ -53,7 +53,10 @@ fn prepared(text: &str) -> Scratch {
     scratch.write("blue.csv", "wavelength_nm,reflectance_percent\n900,5\n1333.3,7.7\n2500,15\n");
     scratch.write("mars.csv", "wavelength_um,albedo\n0.9,0.1\n2.5,0.3\n");
     scratch.write("sun.csv", "wavelength_um,irradiance_w_m2_um\n0.9,900\n1.5,300\n2.5,50\n");
-    scratch.write("hapke.csv", "wavelength_um,w,c1,c2,c3,c4,h1,h2\n1,0.3,1.5,0.8,0.1,0,1,0.1\n2,0.4,1.5,0.8,0.1,0,1,0.1\n");
+    scratch.write(
+        "hapke.csv",
+        "wavelength_um,w,c1,c2,c3,c4,h1,h2\n1,0.3,1.5,0.8,0.1,0,1,0.1\n2,0.4,1.5,0.8,0.1,0,1,0.1\n",
+    );
     scratch.write("rpv.csv", "wavelength_um,g,rho0,k,h\n1,-0.1,0.05,0.8,0.05\n2,-0.2,0.06,0.8,0.07\n");
     scratch
 }
@@ -94,7 +97,8 @@ fn a_scene_that_is_written_reads_back_the_same() {
     let (code, _, err) = run(&["convert", &scratch.argument("out/again.toml"), &scratch.argument("twice/again.toml")]);
     assert_eq!(code, 0, "{err}");
     let text = |name: &str| std::fs::read_to_string(scratch.join(name)).unwrap();
-    let without_rounding = |text: String| text.lines().filter(|l| !l.starts_with("direction")).map(str::to_owned).collect::<Vec<_>>();
+    let without_rounding =
+        |text: String| text.lines().filter(|l| !l.starts_with("direction")).map(str::to_owned).collect::<Vec<_>>();
     assert_eq!(without_rounding(text("out/again.toml")), without_rounding(text("twice/again.toml")));
 }
 
@@ -109,7 +113,8 @@ fn the_shipped_scene_keeps_its_radiance() {
     for name in ["blue_unit.csv", "red_unit.csv"] {
         std::fs::copy(root.join("scenes/phobos_site").join(name), scratch.join(name)).unwrap();
     }
-    let (code, _, err) = run(&["convert", &scratch.argument("scene.toml"), &scratch.argument("folder"), "--to", "scene"]);
+    let (code, _, err) =
+        run(&["convert", &scratch.argument("scene.toml"), &scratch.argument("folder"), "--to", "scene"]);
     assert_eq!(code, 0, "{err}");
     let (a, b) = (scene_of(&path), scene_of(&scratch.join("folder/scene.toml")));
     assert_eq!(differ(&a, &b), [""; 0]);
@@ -142,10 +147,22 @@ fn what_cannot_be_simulated_says_where_it_is_asked_for() {
 #[test]
 fn parameters_that_cannot_be_are_told() {
     for (file, text, told) in [
-        ("hapke.csv", "wavelength_um,w,c1,c2,c3,c4,h1,h2\n1,1.3,0,0,0,0,1,0.1\n2,0.4,0,0,0,0,1,0.1\n", "w = 1.3 is out of range, which is from 0 to 1"),
-        ("hapke.csv", "wavelength_um,w,c1,c2,c3,c4,h1,h2\n1,0.3,0,0,0,0,1,0\n2,0.4,0,0,0,0,1,0.1\n", "h2 = 0 is out of range"),
+        (
+            "hapke.csv",
+            "wavelength_um,w,c1,c2,c3,c4,h1,h2\n1,1.3,0,0,0,0,1,0.1\n2,0.4,0,0,0,0,1,0.1\n",
+            "w = 1.3 is out of range, which is from 0 to 1",
+        ),
+        (
+            "hapke.csv",
+            "wavelength_um,w,c1,c2,c3,c4,h1,h2\n1,0.3,0,0,0,0,1,0\n2,0.4,0,0,0,0,1,0.1\n",
+            "h2 = 0 is out of range",
+        ),
         ("hapke.csv", "wavelength_um,w,c1,c2,c3,c4,h1\n1,0.3,0,0,0,0,1\n", "hapke.csv:1: there is no column `h2`"),
-        ("hapke.csv", "wavelength_um,w,c1,c2,c3,c4,h1,h2\n1,0.3,0,0,0,0,1,0.1\n1.5,0.4,0,0,0,0,1,0.1\n", "scene.toml:9:37"),
+        (
+            "hapke.csv",
+            "wavelength_um,w,c1,c2,c3,c4,h1,h2\n1,0.3,0,0,0,0,1,0.1\n1.5,0.4,0,0,0,0,1,0.1\n",
+            "scene.toml:9:37",
+        ),
         ("rpv.csv", "wavelength_um,rho0,k,g,h\n1,0.1,0.8,-1,0\n2,0.1,0.8,0,0\n", "g = -1 is out of range"),
     ] {
         let scratch = prepared(SCENE);
@@ -180,7 +197,8 @@ fn meshes_lose_what_they_have_no_place_for_and_say_so() {
         let (code, out, _) = run(&["convert", &scene, &scratch.argument(&format!("strict-{name}")), "--strict"]);
         assert!(code == 3 && out.contains("not written"), "{out}");
     }
-    let left: Vec<String> = scratch.names().into_iter().filter(|n| n.contains("strict") || n.contains("partial")).collect();
+    let left: Vec<String> =
+        scratch.names().into_iter().filter(|n| n.contains("strict") || n.contains("partial")).collect();
     assert_eq!(left, [""; 0]);
     // Back, the surface is the same; through OBJ to the last bit.
     let a = scene_of(&scratch.join("scene.toml"));
@@ -206,7 +224,8 @@ fn meshes_lose_what_they_have_no_place_for_and_say_so() {
 #[test]
 fn differences_are_those_of_meaning() {
     let scratch = prepared(SCENE);
-    let other = SCENE.replace("samples = 12", "samples = 13").replace("0.3, \"#b03020\" = 0.7", "0.4, \"#b03020\" = 0.6");
+    let other =
+        SCENE.replace("samples = 12", "samples = 13").replace("0.3, \"#b03020\" = 0.7", "0.4, \"#b03020\" = 0.6");
     scratch.write("other.toml", other);
     let (code, out, _) = run(&["convert", "--diff", &scratch.argument("scene.toml"), &scratch.argument("other.toml")]);
     assert_eq!(code, 1);

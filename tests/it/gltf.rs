@@ -182,9 +182,10 @@ fn colours_scenes_and_what_else_there_is() {
     binary.extend([51, 102, 255, 255].repeat(4));
     json["buffers"][0]["byteLength"] = json!(76);
     json["bufferViews"].as_array_mut().unwrap().push(json!({ "buffer": 0, "byteOffset": 60, "byteLength": 16 }));
-    json["accessors"].as_array_mut().unwrap().push(
-        json!({ "bufferView": 2, "componentType": 5121, "normalized": true, "type": "VEC4", "count": 4 }),
-    );
+    json["accessors"]
+        .as_array_mut()
+        .unwrap()
+        .push(json!({ "bufferView": 2, "componentType": 5121, "normalized": true, "type": "VEC4", "count": 4 }));
     json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(2);
     json["scenes"] = json!([{ "nodes": [0], "extras": { "origin_m": [1, 2.5, 9376123.4567] } }, { "nodes": [] }]);
     json["materials"][0]["extras"] = json!({ "spectral_material": "phobos_red" });
@@ -211,8 +212,7 @@ fn surface() -> Surface {
         })
         .collect();
     let cell = |i: u32| i + i / 3;
-    let facets: Vec<[u32; 3]> =
-        (0..9).map(cell).flat_map(|a| [[a, a + 1, a + 5], [a, a + 5, a + 4]]).collect();
+    let facets: Vec<[u32; 3]> = (0..9).map(cell).flat_map(|a| [[a, a + 1, a + 5], [a, a + 5, a + 4]]).collect();
     let material = (0..18).map(|f| MaterialId(f % 3)).collect();
     let materials = ["a", "phobos blue", "#b03020"].map(|name| ObjMaterial { name: name.into(), kd: None });
     let mesh = Mesh { vertices_m, facets, material, face_of_facet: vec![] };
@@ -292,10 +292,18 @@ fn damaged_files_are_told_where() {
         ("/meshes/0/primitives/0/mode", json!(9), "primitives[0].mode: 9 is not a kind"),
         ("/meshes/0/primitives/0/material", json!(4), "primitives[0].material: materials[4]"),
         ("/meshes/0/primitives", json!([]), "meshes: the scene has no triangles"),
-        ("/materials/0/pbrMetallicRoughness/baseColorFactor", json!([2, 0, 0, 1]), "baseColorFactor: is outside 0 to 1"),
+        (
+            "/materials/0/pbrMetallicRoughness/baseColorFactor",
+            json!([2, 0, 0, 1]),
+            "baseColorFactor: is outside 0 to 1",
+        ),
         ("/accessors/0/type", json!("VEC2"), "accessors[0]: its type is \"VEC2\", where VEC3 is expected"),
         ("/accessors/0/componentType", json!(5130), "accessors[0]: `componentType` 5130"),
-        ("/accessors/0/count", json!(5), "accessors[0]: 5 elements of 12 bytes, 12 apart from byte 0: bufferViews[0] has 48"),
+        (
+            "/accessors/0/count",
+            json!(5),
+            "accessors[0]: 5 elements of 12 bytes, 12 apart from byte 0: bufferViews[0] has 48",
+        ),
         ("/accessors/0/count", json!(u64::MAX), "accessors[0]: 18446744073709551615 elements: at most"),
         ("/accessors/0/count", json!(3), "primitives[0].indices: vertex 3: there are 3"),
         ("/accessors/0/byteOffset", json!(u64::MAX), "accessors[0]: 4 elements"),
@@ -327,7 +335,10 @@ fn damaged_files_are_told_where() {
             Ok(_) => assert!(told.is_empty(), "{pointer} = {value} is read"),
             Err(error) => {
                 let error = error.to_string();
-                assert!(!told.is_empty() && error.contains(told) && error.contains("quad"), "{pointer} = {value}: {error}");
+                assert!(
+                    !told.is_empty() && error.contains(told) && error.contains("quad"),
+                    "{pointer} = {value}: {error}"
+                );
             }
         }
     }

@@ -84,7 +84,9 @@ impl Lines {
                 None => self.push(&format!("{at}.{name:?}"), "is there", "is not"),
             }
         }
-        b.iter().filter(|name| !a.contains(name)).for_each(|name| self.push(&format!("{at}.{name:?}"), "is not", "is there"));
+        b.iter()
+            .filter(|name| !a.contains(name))
+            .for_each(|name| self.push(&format!("{at}.{name:?}"), "is not", "is there"));
         if self.0.len() > known + TOLD {
             let more = self.0.len() - known - TOLD;
             self.0.truncate(known + TOLD);
@@ -126,7 +128,11 @@ impl Lines {
             let (a, b) = (&a.materials[i], &b.materials[j]);
             lines.spectra(&format!("{at}.reflectance"), &a.reflectance, &b.reflectance);
             lines.spectra(&format!("{at}.emissivity"), &a.emissivity, &b.emissivity);
-            lines.words(&format!("{at} photometry"), a.photometry.key().unwrap_or("lambert"), b.photometry.key().unwrap_or("lambert"));
+            lines.words(
+                &format!("{at} photometry"),
+                a.photometry.key().unwrap_or("lambert"),
+                b.photometry.key().unwrap_or("lambert"),
+            );
             for ((name, a), (other, b)) in a.photometry.parameters().into_iter().zip(b.photometry.parameters()) {
                 if name == other {
                     lines.spectra(&format!("{at}.{name}"), a, b);
@@ -161,9 +167,10 @@ impl Lines {
             return self.push("sensor.bands", bands_a.len(), bands_b.len());
         }
         let width = |w: Option<f64>| w.unwrap_or(0.0);
-        let differ = bands_a.iter().zip(bands_b).position(|(a, b)| {
-            !same(a.centre_um, b.centre_um) || !same(width(a.fwhm_um), width(b.fwhm_um))
-        });
+        let differ = bands_a
+            .iter()
+            .zip(bands_b)
+            .position(|(a, b)| !same(a.centre_um, b.centre_um) || !same(width(a.fwhm_um), width(b.fwhm_um)));
         if let Some(i) = differ {
             let shown = |b: &crate::spectral::Band| format!("{} um wide {} um", b.centre_um, width(b.fwhm_um));
             self.push(&format!("sensor.bands[{i}]"), shown(&bands_a[i]), shown(&bands_b[i]));
@@ -197,16 +204,24 @@ impl Lines {
         let sorted = |mesh: &Mesh| {
             let mut order: Vec<usize> = (0..facets_a).collect();
             let key = |f: usize| first_corner_first(mesh, f).map(|c| c.to_array());
-            order.sort_by(|&x, &y| key(x).as_flattened().iter().zip(key(y).as_flattened()).fold(
-                std::cmp::Ordering::Equal,
-                |order, (p, q)| order.then(p.total_cmp(q)),
-            ));
+            order.sort_by(|&x, &y| {
+                key(x)
+                    .as_flattened()
+                    .iter()
+                    .zip(key(y).as_flattened())
+                    .fold(std::cmp::Ordering::Equal, |order, (p, q)| order.then(p.total_cmp(q)))
+            });
             order
         };
-        let pairs: Vec<(usize, usize)> = sorted(a.0).into_iter().zip(sorted(b.0)).filter(|(i, j)| differ(*i, *j)).collect();
+        let pairs: Vec<(usize, usize)> =
+            sorted(a.0).into_iter().zip(sorted(b.0)).filter(|(i, j)| differ(*i, *j)).collect();
         if let Some(&(i, j)) = pairs.first() {
             let shown = |(mesh, names): (&Mesh, &[String]), f: usize| {
-                format!("facet {f} of {:?} with its centre at {}", name(names, mesh.material[f]), mesh.facet(f).centroid_m())
+                format!(
+                    "facet {f} of {:?} with its centre at {}",
+                    name(names, mesh.material[f]),
+                    mesh.facet(f).centroid_m()
+                )
             };
             self.push(&format!("mesh, {} facets, the first", pairs.len()), shown(a, i), shown(b, j));
         }

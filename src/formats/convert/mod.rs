@@ -295,8 +295,7 @@ impl Job<'_> {
             let materials = output.with_extension("mtl");
             let name = file_name(&materials);
             let write_mtl = |out: &mut BufWriter<File>| mtl::write(out, &surface.materials);
-            let write_obj =
-                |out: &mut BufWriter<File>| obj::write(out, &surface.mesh, &surface.materials, Some(&name));
+            let write_obj = |out: &mut BufWriter<File>| obj::write(out, &surface.mesh, &surface.materials, Some(&name));
             let first = staged(&materials, options.replace, write_mtl)?;
             // The mesh last: it refers to the materials.
             let second = staged(output, options.replace, write_obj)?;
@@ -358,11 +357,7 @@ fn file_name(path: &Path) -> String {
 }
 
 /// A file that is written, but not under its name yet.
-fn staged(
-    path: &Path,
-    replace: bool,
-    write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
-) -> Result<Staged> {
+fn staged(path: &Path, replace: bool, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<Staged> {
     let staged = Staged::file(path, replace)?;
     let writing = |e| staged.named(Error::io(staged.path(), "writing", e));
     let mut out = BufWriter::with_capacity(1 << 20, File::create(staged.path()).map_err(writing)?);
@@ -384,7 +379,8 @@ fn libraries(scene: &Scene, report: &mut Report) -> Vec<SpectralLibrary> {
             Photometry::Hapke(_) => material.photometry.parameters(),
         };
         let wavelength_um = wavelengths(scene, &columns);
-        let values = |spectrum: &Spectrum| wavelength_um.iter().map(|&um| spectrum.at(um)).collect::<Option<Vec<f64>>>();
+        let values =
+            |spectrum: &Spectrum| wavelength_um.iter().map(|&um| spectrum.at(um)).collect::<Option<Vec<f64>>>();
         let columns: Option<Vec<Column>> = (columns.iter())
             .map(|(name, spectrum)| Some(Column { name: (*name).to_owned(), values: values(spectrum)? }))
             .collect();

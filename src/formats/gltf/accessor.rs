@@ -145,12 +145,8 @@ impl Data<'_> {
         let buffer = self.element(&self.buffers, "buffers", view.buffer, &view_item)?;
         let end = view.byte_offset.checked_add(view.byte_length);
         let Some(bytes) = end.and_then(|end| buffer.get(view.byte_offset..end)) else {
-            let message = format!(
-                "{} bytes from byte {}: the buffer has {}",
-                view.byte_length,
-                view.byte_offset,
-                buffer.len()
-            );
+            let message =
+                format!("{} bytes from byte {}: the buffer has {}", view.byte_length, view.byte_offset, buffer.len());
             return self.wrong(view_item, message);
         };
         let row_bytes = width * component.bytes();

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::error::{Error, Location, Problem, Result};
 use crate::formats::input::{self, InputFile};
-use crate::formats::mtl::ObjMaterial;
+use crate::formats::mtl::{self, ObjMaterial};
 use crate::formats::surface::Surface;
 use crate::geometry::{MaterialId, Mesh};
 use crate::report::{Fate, Report};
@@ -116,12 +116,7 @@ fn known(data: &Data<'_>) -> Result<()> {
 }
 
 /// The bytes of all buffers, as long as the file says they are.
-fn buffers(
-    data: &Data<'_>,
-    binary: Option<&[u8]>,
-    outside: bool,
-    inputs: &mut Vec<InputFile>,
-) -> Result<Vec<Vec<u8>>> {
+fn buffers(data: &Data<'_>, binary: Option<&[u8]>, outside: bool, inputs: &mut Vec<InputFile>) -> Result<Vec<Vec<u8>>> {
     let mut all = Vec::new();
     for (i, buffer) in data.root.buffers.iter().enumerate() {
         let item = format!("buffers[{i}]");
@@ -307,7 +302,9 @@ impl Reader<'_> {
                 Some(accessor) => {
                     let item = format!("{item}.indices");
                     let numbers = data.numbers(accessor, &["SCALAR"], &item)?;
-                    if let Some(wrong) = numbers.iter().find(|n| !(n.fract() == 0.0 && (0.0..count as f64).contains(*n))) {
+                    if let Some(wrong) =
+                        numbers.iter().find(|n| !(n.fract() == 0.0 && (0.0..count as f64).contains(*n)))
+                    {
                         return data.wrong(item, format!("vertex {wrong}: there are {count}"));
                     }
                     numbers.into_iter().map(|n| n as u32).collect()
@@ -369,7 +366,7 @@ impl Reader<'_> {
             let material = data.element(&data.root.materials, "materials", index, &format!("{item}.material"))?;
             let item = format!("materials[{index}]");
             let spectral = material.extras.get("spectral_material").and_then(Value::as_str);
-            entry.name = spectral.unwrap_or(&material.name).trim().to_owned();
+            entry.name = mtl::plain_name(spectral.unwrap_or(&material.name));
             let pbr = &material.pbr_metallic_roughness;
             entry.kd = pbr.base_color_factor.map(|[r, g, b, _]| [r, g, b]);
             if entry.kd.is_some_and(|kd| kd.iter().any(|c| !(0.0..=1.0).contains(c))) {
@@ -456,10 +453,7 @@ fn local(data: &Data<'_>, node: &Node, item: &str) -> Result<DAffine3> {
             return data.wrong(format!("{item}.matrix"), "its last row is not 0 0 0 1");
         }
         let column = |i: usize| DVec3::new(m[i], m[i + 1], m[i + 2]);
-        return Ok(DAffine3 {
-            matrix3: DMat3::from_cols(column(0), column(4), column(8)),
-            translation: column(12),
-        });
+        return Ok(DAffine3 { matrix3: DMat3::from_cols(column(0), column(4), column(8)), translation: column(12) });
     }
     let rotation = DQuat::from_array(node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]));
     if !(rotation.length() > 0.0 && rotation.length().is_finite()) {

@@ -83,8 +83,7 @@ pub fn encode(surface: &Surface) -> Result<Encoded> {
         corners.iter().for_each(|v| binary.extend_from_slice(&v.to_le_bytes()));
         let view = view(&binary, from, INDICES);
         primitives.push(json!({ "attributes": attributes, "indices": accessors.len(), "material": material }));
-        accessors
-            .push(json!({ "bufferView": view, "componentType": U32, "type": "SCALAR", "count": corners.len() }));
+        accessors.push(json!({ "bufferView": view, "componentType": U32, "type": "SCALAR", "count": corners.len() }));
     }
     if u32::try_from(binary.len() + (1 << 20)).is_err() {
         return wrong("is too large for glTF, whose files end at 4 GiB");

@@ -156,7 +156,10 @@ impl Reader<'_> {
         };
         let photometry = self.photometry(&item, entry, extend);
         if mixed.iter().any(|(_, part)| part.photometry != Photometry::Lambert) {
-            self.problem(&member(&item, "mixture"), "has a part with `hapke` or `rpv`: only Lambert surfaces are mixed");
+            self.problem(
+                &member(&item, "mixture"),
+                "has a part with `hapke` or `rpv`: only Lambert surfaces are mixed",
+            );
         }
         let at = member(&item, "bond_albedo");
         let bond_albedo = self.bond_albedo(&at, entry.bond_albedo, &mixed, reflectance.as_ref());

@@ -61,11 +61,13 @@ pub fn write(scene: &Scene, path: &Path, replace: bool) -> Result<(Vec<Staged>, 
 fn names(scene: &Scene) -> Vec<String> {
     let mut taken = BTreeSet::new();
     let plain = |name: &str| {
-        let mut name: String = name.trim().chars().map(|c| if c.is_control() { '_' } else { c }).collect();
-        if name.ends_with('\\') || name.is_empty() || (name.starts_with('#') && linear_from_hex(&name).is_none()) {
-            name.push('_');
+        let name = mtl::plain_name(name);
+        match name.strip_prefix('#') {
+            _ if name.is_empty() => "_".into(),
+            // Here, only a colour begins so.
+            Some(rest) if linear_from_hex(&name).is_none() => format!("_{rest}"),
+            _ => name,
         }
-        if name.starts_with('#') && linear_from_hex(&name).is_none() { name.replacen('#', "_", 1) } else { name }
     };
     let unique = |mut name: String| {
         while !taken.insert(name.clone()) {
@@ -282,7 +284,8 @@ impl Writer<'_> {
         self.note(Fate::Approximated, item, message);
         // Nothing of the others, but their wavelengths.
         let on_all = |i: usize| {
-            let parts: Vec<_> = columns.iter().enumerate().map(|(j, (_, c))| (f64::from(u8::from(i == j)), *c)).collect();
+            let parts: Vec<_> =
+                columns.iter().enumerate().map(|(j, (_, c))| (f64::from(u8::from(i == j)), *c)).collect();
             Spectrum::mixture(&parts)
         };
         (0..columns.len()).filter_map(|i| Some((columns[i].0, on_all(i)?))).collect()
