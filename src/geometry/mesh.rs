@@ -69,11 +69,6 @@ impl Mesh {
         self.face_of_facet.get(facet).copied().unwrap_or(facet as u32)
     }
 
-    /// The number of edges between facets of one face: what is lost where all faces become triangles.
-    pub fn cut_edges(&self) -> usize {
-        self.face_of_facet.windows(2).filter(|pair| pair[0] == pair[1]).count()
-    }
-
     /// At most `count` facets, spread evenly over the mesh's order without falling into step with a grid: all of them
     /// if there are no more.
     pub fn spread(&self, count: usize) -> impl Iterator<Item = usize> + Clone {

@@ -46,10 +46,13 @@ bands = { centres_um = [1.1, 1.7, 1.3], fwhm_um = [0.0, 0.01, 0.02] }
 fn prepared(text: &str) -> Scratch {
     let scratch = Scratch::new();
     scratch.write("scene.toml", text);
-    let corners = ["-9.1 0.3 8", "9 0.1 -8", "3 0.12345678901234567 8e-7", "1e-320 5 1"];
+    let corners = ["-9.1 0.3 8", "9 0.1 -8", "3 0.12345678901234567 8e-7", "1e-320 5 1", "5 9 2", "-3 7 0", "-5 5 5"];
     let vertices: String = corners.iter().map(|c| format!("v {c}\n")).collect();
     let faces = "usemtl blue unit\nf 1 2 3\nusemtl mix\nf 2 4 3\nusemtl #b03020\nf 1 3 2\nusemtl shiny\nf 1 2 3\n";
-    scratch.write("ground.obj", format!("{vertices}{faces}usemtl bowl\nf 1 2 3\n"));
+    scratch.write(
+        "ground.obj",
+        format!("{vertices}{faces}usemtl bowl\nf 1 2 3\nf 1 2 5 7\nf 7 1 2 5\nf 1 2 5 6 7\nf 2 5 6 7 1\n"),
+    );
     scratch.write("blue.csv", "wavelength_nm,reflectance_percent\n900,5\n1333.3,7.7\n2500,15\n");
     scratch.write("mars.csv", "wavelength_um,albedo\n0.9,0.1\n2.5,0.3\n");
     scratch.write("sun.csv", "wavelength_um,irradiance_w_m2_um\n0.9,900\n1.5,300\n2.5,50\n");
@@ -255,7 +258,7 @@ fn formats_are_told_and_listed() {
     assert_eq!(run(&["convert", &argument("ground.obj"), &argument("a.glb")]).0, 0);
     std::fs::rename(scratch.join("a.glb"), scratch.join("a.dat")).unwrap();
     let (code, out, err) = run(&["convert", "--list", &argument("a.dat")]);
-    assert!(code == 0 && out == "5 facets\n", "{out}{err}");
+    assert!(code == 0 && out == "15 facets\n", "{out}{err}");
     for (arguments, code, told) in [
         (vec!["convert"], 2, "Usage"),
         (vec!["convert", "a"], 2, "required"),

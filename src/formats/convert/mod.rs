@@ -284,9 +284,9 @@ impl Job<'_> {
             if surface.origin_m.is_some() {
                 self.report.note(Fate::Dropped, Location::file(input).with_item("origin_m"), "OBJ has no place for it");
             }
-            let cut = surface.mesh.cut_edges();
-            if cut > 0 {
-                let message = format!("{cut} edges within faces of more than three corners: all faces are triangles");
+            let lost = obj::faces_lost(&surface.mesh);
+            if lost > 0 {
+                let message = format!("{lost} faces of more than three corners become triangles");
                 self.report.note(Fate::Dropped, Location::file(input).with_item("mesh"), message);
             }
             if self.refused() {
@@ -302,6 +302,11 @@ impl Job<'_> {
             first.commit()?;
             second.commit()?;
             return Ok(true);
+        }
+        let is_cut = surface.mesh.face_of_facet.windows(2).any(|pair| pair[0] == pair[1]);
+        if is_cut {
+            let message = "faces of more than three corners become triangles";
+            self.report.note(Fate::Dropped, Location::file(input).with_item("mesh"), message);
         }
         let encoded = gltf::encode(surface)?;
         if encoded.largest_error_m > 0.0 {

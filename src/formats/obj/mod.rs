@@ -16,6 +16,7 @@ mod faces;
 mod materials;
 mod number;
 mod parser;
+mod polygon;
 mod triangulate;
 mod write;
 
@@ -32,6 +33,7 @@ use super::input::{self, BYTE_ORDER_MARK, InputFile};
 use super::mtl::{self, ObjMaterial};
 use parser::Parser;
 
+pub use polygon::faces_lost;
 pub use write::write;
 
 /// Text in memory at a time, bytes; no line is longer.

@@ -5,7 +5,11 @@ use std::io::{self, Write};
 use crate::formats::mtl::ObjMaterial;
 use crate::geometry::Mesh;
 
-/// Writes a mesh as OBJ: vertices, then triangles grouped by `usemtl` where the material changes, in the mesh's order.
+use super::polygon::{facets_of_face, polygon};
+
+/// Writes a mesh as OBJ: vertices, then faces grouped by `usemtl` where the material changes, in the mesh's order.
+///
+/// Facets of one face are written as that face where it will be cut into them again ([`faces_lost`](super::faces_lost) counts the others).
 ///
 /// Coordinates are the shortest decimals that read back as the same f64. `materials` is indexed by the mesh's material
 /// ids; `mtllib`, if given, is the name of the file that [`mtl::write`](crate::formats::mtl::write) makes of them.
@@ -31,24 +35,35 @@ pub fn write(out: &mut impl Write, mesh: &Mesh, materials: &[ObjMaterial], mtlli
         }
     }
     let mut current = None;
-    for (facet, material) in mesh.facets.iter().zip(&mesh.material) {
+    let mut first = 0;
+    while let (Some(facet), Some(material)) = (mesh.facets.get(first), mesh.material.get(first)) {
         if current != Some(material) {
             current = Some(material);
             let name = materials.get(material.0 as usize).map_or("", |m| m.name.as_str());
             writeln!(text, "usemtl {name}")?;
         }
-        text.push(b'f');
-        for &vertex in facet {
-            text.push(b' ');
-            push_integer(&mut text, u64::from(vertex) + 1);
+        let facets = facets_of_face(mesh, first);
+        first = facets.end;
+        match polygon(mesh, facets.clone()) {
+            Some(corners) => push_face(&mut text, &corners),
+            None if facets.len() == 1 => push_face(&mut text, facet),
+            None => mesh.facets[facets].iter().for_each(|facet| push_face(&mut text, facet)),
         }
-        text.push(b'\n');
         if text.len() >= CHUNK {
             out.write_all(&text)?;
             text.clear();
         }
     }
     out.write_all(&text)
+}
+
+fn push_face(text: &mut Vec<u8>, corners: &[u32]) {
+    text.push(b'f');
+    for &vertex in corners {
+        text.push(b' ');
+        push_integer(text, u64::from(vertex) + 1);
+    }
+    text.push(b'\n');
 }
 
 fn push_integer(text: &mut Vec<u8>, mut value: u64) {

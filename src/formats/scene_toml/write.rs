@@ -195,9 +195,9 @@ impl Writer<'_> {
     /// The mesh and the names of its materials; gives the name of the OBJ.
     fn mesh(&mut self) -> Result<String> {
         let mesh = &self.scene.mesh;
-        let cut = mesh.cut_edges();
-        if cut > 0 {
-            let message = format!("{cut} edges within faces of more than three corners: all faces are triangles");
+        let lost = obj::faces_lost(mesh);
+        if lost > 0 {
+            let message = format!("{lost} faces of more than three corners become triangles");
             self.note(Fate::Dropped, "mesh", message);
         }
         for (material, name) in self.scene.materials.iter().zip(self.names.clone()) {
