@@ -140,7 +140,7 @@ fn what_cannot_be_simulated_says_where_it_is_asked_for() {
         let (code, out, err) = run(&[command, &[&scratch.argument("out.npz")]].concat());
         assert_eq!((code, out.as_str()), (1, ""));
         // Line 9 holds the Hapke material, the key's value is at its end.
-        assert!(err.contains("scene.toml:9:37") && err.contains("`hapke` parameters is not supported"), "{err}");
+        assert!(err.contains("scene.toml:9:38") && err.contains("`hapke` parameters is not supported"), "{err}");
     }
     let (code, out, err) = run(&["inspect", &path]);
     assert!(code == 0 && out.contains("photometry hapke"), "{out}{err}");
@@ -164,7 +164,7 @@ fn parameters_that_cannot_be_are_told() {
         (
             "hapke.csv",
             "wavelength_um,w,c1,c2,c3,c4,h1,h2\n1,0.3,0,0,0,0,1,0.1\n1.5,0.4,0,0,0,0,1,0.1\n",
-            "scene.toml:9:37",
+            "scene.toml:9:38",
         ),
         ("rpv.csv", "wavelength_um,rho0,k,g,h\n1,0.1,0.8,-1,0\n2,0.1,0.8,0,0\n", "g = -1 is out of range"),
     ] {
@@ -289,6 +289,12 @@ fn buffers_outside_the_folder_are_read_if_that_is_allowed() {
     let (code, _, err) = run(&["convert", &argument("in/a.gltf"), &argument("a.obj")]);
     assert!(code == 1 && err.contains("buffers[0]: ") && err.contains("--allow-outside"), "{err}");
     assert_eq!(run(&["convert", &argument("in/a.gltf"), &argument("a.obj"), "--allow-outside"]).0, 0);
+    // The same for material files.
+    scratch.write("one.mtl", "newmtl blue unit\n");
+    scratch.write("in/b.obj", "mtllib ../one.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl blue unit\nf 1 2 3\n");
+    let (code, _, err) = run(&["convert", &argument("in/b.obj"), &argument("b.glb")]);
+    assert!(code == 1 && err.contains("in/b.obj:1") && err.contains("leads out"), "{err}");
+    assert_eq!(run(&["convert", &argument("in/b.obj"), &argument("b.glb"), "--allow-outside"]).0, 0);
     // Nor by a link.
     #[cfg(unix)]
     {

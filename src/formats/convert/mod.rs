@@ -112,7 +112,7 @@ pub fn read(input: &Path, options: &Options, watch: Watch<'_>) -> Result<(Format
             (Content::Scene(Box::new(file.scene)), report)
         }
         Format::Obj => {
-            let obj = obj::read(&path)?;
+            let obj = obj::read_where(&path, options.allow_outside)?;
             let mut report = Report::default();
             let mut dropped = |what: String| report.note(Fate::Dropped, Location::file(&path), what);
             if obj.texture_vertices > 0 {
