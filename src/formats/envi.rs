@@ -273,7 +273,7 @@ fn plain(name: &str) -> String {
     name.replace(['{', '}', ',', '\n'], " ")
 }
 
-fn list(text: &mut String, key: &str, values: impl Iterator<Item = String>) {
+pub(super) fn list(text: &mut String, key: &str, values: impl Iterator<Item = String>) {
     let values: Vec<String> = values.collect();
     let rows: Vec<String> = values.chunks(8).map(|row| row.join(", ")).collect();
     let _ = writeln!(text, "{key} = {{\n {}}}", rows.join(",\n "));
@@ -283,6 +283,9 @@ fn write_header(data: &Path, text: &str) -> Result<()> {
     let path = data.with_extension("hdr");
     std::fs::write(&path, text).map_err(|e| Error::io(&path, "writing", e))
 }
+
+/// The file type of a spectral library.
+pub(super) const SPECTRAL_LIBRARY: &str = "ENVI Spectral Library";
 
 /// What a header says.
 #[derive(Debug, Clone, PartialEq)]
@@ -345,7 +348,11 @@ pub fn read_header(path: &Path) -> Result<Header> {
     parse_header(path, &String::from_utf8_lossy(&bytes))
 }
 
-fn parse_header(path: &Path, text: &str) -> Result<Header> {
+/// Reads the text of a header; `path` is for messages.
+///
+/// # Errors
+/// As [`read_header`], but for [`Error::Io`].
+pub fn parse_header(path: &Path, text: &str) -> Result<Header> {
     let mut lines = text.lines().enumerate();
     if lines.next().is_none_or(|(_, first)| first.trim() != "ENVI") {
         return Err(Error::syntax(Location::line(path, 1), "an ENVI header begins with the line ENVI"));
@@ -410,13 +417,18 @@ fn parse_header(path: &Path, text: &str) -> Result<Header> {
     let items = |key: &str| -> Vec<String> {
         get(key).map_or(Vec::new(), |v| v.split(',').map(|s| s.trim().to_owned()).filter(|s| !s.is_empty()).collect())
     };
+    // A spectral library has a wavelength for each sample: a line is a spectrum.
+    let (counted, count) = match get("file type").is_some_and(|t| t.eq_ignore_ascii_case(SPECTRAL_LIBRARY)) {
+        true => ("samples", samples),
+        false => ("bands", bands),
+    };
     let mut numbers = |key: &str| -> Vec<f64> {
         let texts = items(key);
         let values: Vec<f64> = texts.iter().filter_map(|s| s.parse().ok()).collect();
         if values.len() != texts.len() {
             problems.push(Problem::new(at(key), "has items that are not numbers"));
-        } else if !values.is_empty() && values.len() as u64 != bands {
-            problems.push(Problem::new(at(key), format!("{} values for {bands} bands", values.len())));
+        } else if !values.is_empty() && values.len() as u64 != count {
+            problems.push(Problem::new(at(key), format!("{} values for {count} {counted}", values.len())));
         }
         values
     };
@@ -462,14 +474,14 @@ pub fn pair(path: &Path) -> Result<(PathBuf, PathBuf)> {
     };
     let found = if is_header {
         let bare = path.with_extension("");
-        let candidates = ["img", "dat", "bsq", "bil", "bip", "raw"].map(|e| path.with_extension(e));
+        let candidates = ["img", "dat", "bsq", "bil", "bip", "raw", "sli"].map(|e| path.with_extension(e));
         candidates.into_iter().chain([bare]).find(|p| p.is_file()).map(|data| (path.to_owned(), data))
     } else {
         [path.with_extension("hdr"), appended].into_iter().find(|p| p.is_file()).map(|header| (header, path.to_owned()))
     };
     found.ok_or_else(|| {
         let (other, help) = if is_header {
-            ("data file", "it has the header's name with .img, .dat, .bsq, .bil, .bip, .raw, or without .hdr")
+            ("data file", "it has the header's name with .img, .dat, .bsq, .bil, .bip, .raw, .sli, or without .hdr")
         } else {
             ("header", "it has the data file's name with .hdr")
         };
@@ -551,7 +563,7 @@ pub fn statistics(header: &Header, data: &Path) -> Result<Vec<BandStatistics>> {
     Ok(statistics)
 }
 
-fn number_le(data_type: DataType, bytes: &[u8]) -> f64 {
+pub(super) fn number_le(data_type: DataType, bytes: &[u8]) -> f64 {
     let mut raw = [0; 8];
     raw[..bytes.len()].copy_from_slice(bytes);
     let bits = u64::from_le_bytes(raw);

@@ -14,8 +14,10 @@ pub mod quicklook;
 pub mod recipe_toml;
 pub mod report_json;
 pub mod scene_toml;
+pub mod sli;
 pub mod spectra;
 pub mod spectrum_csv;
+mod table;
 
 pub use input::{InputFile, text};
 pub use picture::picture;

@@ -2,6 +2,7 @@
 
 mod bodies;
 mod cli;
+#[cfg(feature = "sqlite")]
 mod dart_database;
 mod determinism;
 mod exact;
@@ -18,3 +19,4 @@ mod scene_files;
 mod schema;
 mod scratch;
 mod shapes;
+mod spectra;
