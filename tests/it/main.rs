@@ -3,6 +3,7 @@
 mod bodies;
 mod cli;
 mod convert;
+#[cfg(feature = "sqlite")]
 mod dart_database;
 mod determinism;
 mod exact;
@@ -20,3 +21,4 @@ mod scene_files;
 mod schema;
 mod scratch;
 mod shapes;
+mod spectra;

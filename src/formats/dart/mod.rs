@@ -5,11 +5,13 @@
 pub mod database;
 mod folder;
 pub mod groups;
+pub(crate) mod kind;
 mod read;
 mod simulation;
 #[cfg_attr(feature = "sqlite", path = "sqlite.rs")]
 #[cfg_attr(not(feature = "sqlite"), path = "no_sqlite.rs")]
 mod store;
+pub mod text_spectra;
 
 pub use folder::Folder;
 pub use read::sequence::{Step, flight, rows};

@@ -1,6 +1,6 @@
 //! Tables in a SQLite file: the only module that knows SQLite.
 //!
-//! A file is read into memory and opened there: nothing is locked or written beside it, and nothing in it is run. What
+//! A file's bytes are opened in memory: nothing is locked or written beside it, and nothing in it is run. What
 //! is written is made in memory in one transaction, so that the same content gives the same bytes.
 
 use std::path::{Path, PathBuf};
@@ -12,8 +12,6 @@ use rusqlite::types::ValueRef;
 use rusqlite::{Connection, ErrorCode};
 
 use crate::error::{Error, Location, Result};
-
-use super::super::input;
 
 /// A table's name, and its columns in order.
 pub(super) struct Table {
@@ -27,8 +25,6 @@ pub(super) struct Store {
     path: PathBuf,
 }
 
-/// Longer files are refused, bytes.
-const LIMIT: u64 = 512 << 20;
 /// A longer text or blob is refused, bytes.
 const LONGEST_VALUE: i32 = 1 << 20;
 /// Steps of SQLite's machine after which it is stopped: ten seconds, hundreds of times what the largest file takes.
@@ -39,13 +35,12 @@ const MOST_STEPS: u32 = 10_000;
 const MAGIC: &[u8] = b"SQLite format 3\0";
 
 impl Store {
-    /// Opens a file to read it.
+    /// Opens a file's bytes to read them; `path` is for messages.
     ///
     /// # Errors
-    /// [`Error::Io`]; [`Error::Invalid`] for a longer file than we read, or one that another program is writing;
     /// [`Error::Syntax`] for what is no SQLite file, a cut off or a damaged one.
-    pub(super) fn open(path: &Path) -> Result<Self> {
-        let mut store = Self::load(path, true)?;
+    pub(super) fn open(path: &Path, bytes: Vec<u8>) -> Result<Self> {
+        let mut store = Self::load(path, bytes, true)?;
         // What a file defines can call functions: nothing but reading is allowed.
         let only_reading = |context: AuthContext<'_>| match context.action {
             AuthAction::Select | AuthAction::Read { .. } => Authorization::Allow,
@@ -55,12 +50,12 @@ impl Store {
         Ok(store)
     }
 
-    /// Opens a copy of a file to add to it.
+    /// Opens a file's bytes to add to them.
     ///
     /// # Errors
     /// As [`Store::open`]; and for damage anywhere in the file.
-    pub(super) fn copy(path: &Path) -> Result<Self> {
-        let store = Self::load(path, false)?;
+    pub(super) fn copy(path: &Path, bytes: Vec<u8>) -> Result<Self> {
+        let store = Self::load(path, bytes, false)?;
         let verdict: String = store.run("", |c| c.query_row("PRAGMA integrity_check(1)", [], |row| row.get(0)))?;
         match verdict.as_str() {
             "ok" => Ok(store),
@@ -68,9 +63,7 @@ impl Store {
         }
     }
 
-    fn load(path: &Path, read_only: bool) -> Result<Self> {
-        let mut bytes = input::bytes(path, LIMIT)?;
-        refuse_unfinished(path)?;
+    fn load(path: &Path, mut bytes: Vec<u8>, read_only: bool) -> Result<Self> {
         check_header(path, &bytes)?;
         // 2: changes go to a second file first. There is none, and a file in memory can have none.
         bytes[18..20].fill(1);
@@ -213,21 +206,6 @@ impl Store {
         let bytes = self.connection.serialize("main").map_err(|e| failed(&self.path, "", &e))?;
         Ok(bytes.to_vec())
     }
-}
-
-/// Refuses a file whose last changes are still in another one beside it.
-fn refuse_unfinished(path: &Path) -> Result<()> {
-    for ending in ["-journal", "-wal"] {
-        let mut beside = path.as_os_str().to_owned();
-        beside.push(ending);
-        if std::fs::metadata(&beside).is_ok_and(|m| m.len() > 0) {
-            let message = format!("a program is writing to it, or was stopped while it was: {}", beside.display());
-            let problem = crate::error::Problem::new(Location::file(path), message)
-                .with_help("close that program; or open the file with it once more, which mends it");
-            return Err(Error::Invalid(vec![problem]));
-        }
-    }
-    Ok(())
 }
 
 fn check_header(path: &Path, bytes: &[u8]) -> Result<()> {
