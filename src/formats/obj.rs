@@ -626,12 +626,28 @@ fn triangulate(corners: &[u32], vertices: &[DVec3], facets: &mut Vec<[u32; 3]>) 
 /// # Errors
 /// What the writer says.
 pub fn write(out: &mut impl Write, mesh: &Mesh, materials: &[ObjMaterial], mtllib: Option<&str>) -> io::Result<()> {
+    if let Some(name) = mtllib {
+        writeln!(out, "mtllib {name}")?;
+    }
+    let name = |material: usize| materials.get(material).map_or("", |m| m.name.as_str());
+    write_by(out, mesh, "usemtl", name, |v| v)
+}
+
+/// As [`write`], in other axes, the triangles grouped by statements `statement name(material)`.
+///
+/// # Errors
+/// What the writer says.
+pub(crate) fn write_by<'a>(
+    out: &mut impl Write,
+    mesh: &Mesh,
+    statement: &str,
+    name: impl Fn(usize) -> &'a str,
+    axes: impl Fn(DVec3) -> DVec3,
+) -> io::Result<()> {
     const CHUNK: usize = 1 << 16;
     let mut text = Vec::with_capacity(CHUNK + 256);
-    if let Some(name) = mtllib {
-        writeln!(text, "mtllib {name}")?;
-    }
     for v in &mesh.vertices_m {
+        let v = axes(*v);
         // Beyond these sizes the plain form is a row of zeros.
         if v.to_array().iter().all(|c| *c == 0.0 || (1e-5..1e16).contains(&c.abs())) {
             writeln!(text, "v {} {} {}", v.x, v.y, v.z)?;
@@ -647,8 +663,7 @@ pub fn write(out: &mut impl Write, mesh: &Mesh, materials: &[ObjMaterial], mtlli
     for (facet, material) in mesh.facets.iter().zip(&mesh.material) {
         if current != Some(material) {
             current = Some(material);
-            let name = materials.get(material.0 as usize).map_or("", |m| m.name.as_str());
-            writeln!(text, "usemtl {name}")?;
+            writeln!(text, "{statement} {}", name(material.0 as usize))?;
         }
         text.push(b'f');
         for &vertex in facet {

@@ -46,6 +46,8 @@ pub struct Maket {
     pub boundary: u32,
     /// What the ground plane is made of.
     pub ground: Links,
+    /// `Soil@groundEnabled`: there is a ground plane. Always so before 5.10.
+    pub ground_enabled: bool,
     /// Raster of heights, if there is one: path as written.
     pub topography: Option<String>,
     /// Latitude and longitude, deg, altitude, km: used for dates only.
