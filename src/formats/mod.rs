@@ -14,6 +14,7 @@ pub mod quicklook;
 pub mod recipe_toml;
 pub mod report_json;
 pub mod scene_toml;
+pub mod spectra;
 pub mod spectrum_csv;
 pub mod xml;
 
