@@ -1,7 +1,7 @@
 //! Wavefront OBJ: meshes, in the file's own units, axes and order.
 //!
 //! Read are `v` (further numbers on the line are passed over), `f` (`a`, `a/b`, `a//c`, `a/b/c`, negative indices),
-//! `usemtl` and `mtllib`; `vt` is counted. `vn`, `o`, `g`, `s` and comments say nothing here. Anything else is
+//! `g`, `usemtl` and `mtllib`; `vt` is counted. `vn`, `o`, `s` and comments say nothing here. Anything else is
 //! counted by its keyword in [`ObjFile::ignored`]. Vertices and faces keep the order of the file.
 //!
 //! # How a face becomes facets
@@ -43,6 +43,11 @@ pub struct ObjFile {
     pub facet_material: Vec<u16>,
     /// Materials that faces use, in the order of their first `usemtl`.
     pub materials: Vec<ObjMaterial>,
+    /// The group of each facet: index into `groups`; empty if no `g` names one.
+    pub facet_group: Vec<u16>,
+    /// Groups that own faces, in the order of their first one: all that follows `g` on its line. A name that comes again
+    /// is the same group; faces before the first `g` are in a group without a name.
+    pub groups: Vec<String>,
     /// Number of texture coordinates (`vt`).
     pub texture_vertices: usize,
     /// Statements that were passed over, and how many of each.
@@ -95,6 +100,9 @@ pub fn parse(
         forward: Vec::new(),
         material: None,
         index_of_name: HashMap::new(),
+        group_name: None,
+        group: None,
+        index_of_group: HashMap::new(),
         library: HashMap::new(),
         problems: Problems::default(),
     };
@@ -155,6 +163,10 @@ struct Parser<'a> {
     forward: Vec<(u32, Place)>,
     material: Option<u16>,
     index_of_name: HashMap<String, u16>,
+    /// What the last `g` said, and where, until a face follows.
+    group_name: Option<(String, Place)>,
+    group: Option<u16>,
+    index_of_group: HashMap<String, u16>,
     /// What the material files define.
     library: HashMap<String, Option<[f64; 3]>>,
     problems: Problems,
@@ -328,7 +340,7 @@ impl Parser<'_> {
                 length
             }
             Some(b'f') => {
-                let material = self.material?;
+                let material = self.material.filter(|_| self.group_name.is_none())?;
                 let known = self.obj.vertices.len() as i64;
                 let vertex = |text: &[u8]| {
                     let (index, n) = digits_of(text);
@@ -351,6 +363,9 @@ impl Parser<'_> {
         self.obj.facet_material.push(material);
         if !self.polygons.is_empty() {
             self.obj.face_of_facet.push(self.faces);
+        }
+        if let Some(group) = self.group {
+            self.obj.facet_group.push(group);
         }
     }
 
@@ -378,7 +393,8 @@ impl Parser<'_> {
             b"vt" => self.obj.texture_vertices += 1,
             b"usemtl" => self.use_material(rest, place),
             b"mtllib" => self.libraries(rest, place),
-            b"" | b"vn" | b"o" | b"g" | b"s" => {}
+            b"g" => self.group_name = Some((String::from_utf8_lossy(rest).trim().to_owned(), place)),
+            b"" | b"vn" | b"o" | b"s" => {}
             _ if keyword[0] == b'#' => {}
             _ => {
                 // A file that is no OBJ at all must not fill the memory with its words.
@@ -456,6 +472,9 @@ impl Parser<'_> {
                 *self.material.insert(unnamed)
             }
         };
+        if let Some((name, place)) = self.group_name.take() {
+            self.name_group(&name, place);
+        }
         let first = self.obj.facets.len();
         if n > 3 {
             if self.obj.face_of_facet.is_empty() {
@@ -487,6 +506,24 @@ impl Parser<'_> {
         self.obj.materials.push(ObjMaterial { name: name.to_owned(), kd: None });
         self.index_of_name.insert(name.to_owned(), index);
         index
+    }
+
+    fn name_group(&mut self, name: &str, place: Place) {
+        let earlier = self.obj.facets.len();
+        if self.obj.groups.is_empty() && earlier > 0 {
+            self.obj.groups.push(String::new());
+            self.obj.facet_group.resize(earlier, 0);
+            self.index_of_group.insert(String::new(), 0);
+        }
+        let known = self.index_of_group.get(name).copied();
+        let Ok(index) = known.map_or_else(|| u16::try_from(self.obj.groups.len()), Ok) else {
+            return self.problem(place, || format!("more than {} groups", u16::MAX));
+        };
+        if known.is_none() {
+            self.obj.groups.push(name.to_owned());
+            self.index_of_group.insert(name.to_owned(), index);
+        }
+        self.group = Some(index);
     }
 
     fn use_material(&mut self, rest: &[u8], place: Place) {

@@ -3,6 +3,7 @@
 mod bodies;
 mod cli;
 mod dart_database;
+mod dart_write;
 mod determinism;
 mod exact;
 mod flat_plane;

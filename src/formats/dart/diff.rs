@@ -29,6 +29,11 @@ pub fn diff(a: &Simulation, b: &Simulation) -> Vec<String> {
 
     lines.each("object_3d.xml Object", &a.objects, &b.objects, |lines, at, x, y| lines.object(at, (a, x), (b, y)));
 
+    lines.each("object_3d.xml Field", &a.fields, &b.fields, |lines, at, x, y| {
+        lines.each(&format!("{at} Object"), &x.models, &y.models, |lines, at, x, y| lines.object(at, (a, x), (b, y)));
+        lines.each(&format!("{at} place"), &x.places, &y.places, |lines, at, x, y| lines.differ(at, x, y));
+    });
+
     lines.each("phase.xml SpectralIntervalsProperties", &a.phase.bands, &b.phase.bands, |lines, at, x, y| {
         lines.differ(&format!("{at} meanLambda, um"), &x.mean_um, &y.mean_um);
         lines.differ(&format!("{at} deltaLambda, um"), &x.width_um, &y.width_um);
@@ -47,6 +52,14 @@ pub fn diff(a: &Simulation, b: &Simulation) -> Vec<String> {
     lines.differ("directions.xml Sun, zenith angle and azimuth, deg", &a.directions.sun_deg, &b.directions.sun_deg);
     lines.each("directions.xml AddedDirections", &a.directions.views_deg, &b.directions.views_deg, |lines, at, x, y| {
         lines.differ(&format!("{at} zenith angle and azimuth, deg"), x, y);
+    });
+    lines.each("sequence", &a.sequences, &b.sequences, |lines, at, x, y| {
+        lines.each(&format!("{at} group"), &x.groups, &y.groups, |lines, at, x, y| {
+            lines.each(&format!("{at} entry"), &x.entries, &y.entries, |lines, at, x, y| {
+                lines.differ(&format!("{at} propertyName"), &x.property, &y.property);
+                lines.differ(&format!("{at} args"), &x.values, &y.values);
+            });
+        });
     });
     lines.0
 }
@@ -88,8 +101,10 @@ impl Lines {
         self.differ(&format!("{at} repeatedOnBorder"), &a.repeated_on_border, &b.repeated_on_border);
         self.differ(&format!("{at} doubleFace"), &a.double_face, &b.double_face);
         self.links(at, (of_a, a.links.as_ref()), (of_b, b.links.as_ref()));
+        self.links(&format!("{at} back"), (of_a, a.back.as_ref()), (of_b, b.back.as_ref()));
         self.each(&format!("{at} Group"), &a.groups, &b.groups, |lines, at, x, y| {
             lines.differ(&format!("{at} num"), &x.number, &y.number);
+            lines.differ(&format!("{at} hidden"), &x.hidden, &y.hidden);
             lines.differ(&format!("{at} doubleFace"), &x.double_face, &y.double_face);
             lines.links(at, (of_a, x.links.as_ref()), (of_b, y.links.as_ref()));
             lines.links(&format!("{at} back"), (of_a, x.back.as_ref()), (of_b, y.back.as_ref()));

@@ -13,7 +13,7 @@ const ROUNDING_RAD: f64 = 1e-13;
 /// Rotation that carries axes of the body into the site's: x South, y East, z along the outward radius at `origin_m`.
 ///
 /// Without a radius z stays z; on the axis, where East is no direction, East is the body's +x.
-pub fn dart_from_body(origin_m: DVec3) -> DMat3 {
+pub(super) fn dart_from_body(origin_m: DVec3) -> DMat3 {
     let up = Direction::new(origin_m).map_or(DVec3::Z, Direction::vec);
     let east = Direction::new(DVec3::Z.cross(up)).map_or(DVec3::X, Direction::vec);
     let south = east.cross(up);
@@ -21,18 +21,18 @@ pub fn dart_from_body(origin_m: DVec3) -> DMat3 {
 }
 
 /// Zenith angle and azimuth of a vector of any length, deg; azimuths from 0 to below 360, 0 for a vertical one.
-pub fn angles_deg(v: DVec3) -> [f64; 2] {
+pub(super) fn angles_deg(v: DVec3) -> [f64; 2] {
     [v.x.hypot(v.y).atan2(v.z).to_degrees(), full_turn(v.y.atan2(v.x).to_degrees())]
 }
 
 /// The unit vector with this zenith angle and azimuth, deg.
-pub fn vector([zenith_deg, azimuth_deg]: [f64; 2]) -> DVec3 {
+pub(super) fn vector([zenith_deg, azimuth_deg]: [f64; 2]) -> DVec3 {
     let ((sin_z, cos_z), (sin_a, cos_a)) = (zenith_deg.to_radians().sin_cos(), azimuth_deg.to_radians().sin_cos());
     DVec3::new(sin_z * cos_a, sin_z * sin_a, cos_z)
 }
 
 /// The opposite direction, deg.
-pub fn reversed([zenith_deg, azimuth_deg]: [f64; 2]) -> [f64; 2] {
+pub(super) fn reversed([zenith_deg, azimuth_deg]: [f64; 2]) -> [f64; 2] {
     [180.0 - zenith_deg, if azimuth_deg < 180.0 { azimuth_deg + 180.0 } else { azimuth_deg - 180.0 }]
 }
 
@@ -49,7 +49,7 @@ fn upright([zenith_deg, azimuth_deg]: [f64; 2]) -> (DVec3, DVec3) {
 /// Line of sight (zenith angle and azimuth) and turn about it, deg, of a camera whose axes right, down, ahead are the columns.
 ///
 /// The turn is clockwise as seen along the line of sight: it leads from the upright image's right towards its down.
-pub fn camera_deg(dart_from_sensor: DMat3) -> ([f64; 2], f64) {
+pub(super) fn camera_deg(dart_from_sensor: DMat3) -> ([f64; 2], f64) {
     let (right, ahead) = (dart_from_sensor.x_axis, dart_from_sensor.z_axis);
     let mut look_deg = angles_deg(ahead);
     if ahead.x.hypot(ahead.y) < ROUNDING_RAD {
@@ -61,19 +61,19 @@ pub fn camera_deg(dart_from_sensor: DMat3) -> ([f64; 2], f64) {
 }
 
 /// The camera's axes right, down, ahead as columns: the inverse of [`camera_deg`].
-pub fn camera_rotation(look_deg: [f64; 2], roll_deg: f64) -> DMat3 {
+pub(super) fn camera_rotation(look_deg: [f64; 2], roll_deg: f64) -> DMat3 {
     let (right, down) = upright(look_deg);
     let (sin, cos) = roll_deg.to_radians().sin_cos();
     DMat3::from_cols(cos * right + sin * down, cos * down - sin * right, vector(look_deg))
 }
 
 /// An OBJ file's `v` from DART's axes.
-pub fn obj_from_dart(v: DVec3) -> DVec3 {
+pub(super) fn obj_from_dart(v: DVec3) -> DVec3 {
     DVec3::new(v.y, v.z, v.x)
 }
 
 /// DART's axes from an OBJ file's `v`.
-pub fn dart_from_obj(v: DVec3) -> DVec3 {
+pub(super) fn dart_from_obj(v: DVec3) -> DVec3 {
     DVec3::new(v.z, v.x, v.y)
 }
 

@@ -159,6 +159,8 @@ pub fn from_scene(scene: &Scene, options: &Options) -> Result<(Package, Report)>
         optical: optical(scene, &names),
         thermal,
         objects: Vec::new(),
+        fields: Vec::new(),
+        sequences: Vec::new(),
         phase: Phase { bands, irradiance_mode: 1, irradiance, radiance_products: true, cameras: vec![camera] },
         directions: Directions {
             sun_deg: frame::angles_deg(dart_from_body * scene.sun.direction.vec()),
@@ -446,6 +448,7 @@ impl Site<'_> {
         let group = |(i, &material): (usize, &usize)| Group {
             number: i as u32 + 1,
             name: groups[material].clone(),
+            hidden: false,
             double_face: false,
             links: Some(links(material)),
             back: None,
@@ -463,6 +466,7 @@ impl Site<'_> {
             repeated_on_border: false,
             double_face: false,
             links: whole,
+            back: None,
             groups,
             at: Location::item("mesh"),
         }

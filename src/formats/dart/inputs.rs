@@ -58,6 +58,9 @@ const FOCAL_LENGTH_M: f64 = 0.05;
 /// [`Error::Unsupported`] for a version that is not written, and for what is not known of that version.
 pub fn inputs(simulation: &Simulation, boxes_m: &[(DVec3, DVec3)]) -> Result<Vec<(&'static str, Element)>> {
     let writer = Writer { simulation, boxes_m, target: Target::of(&simulation.version)? };
+    if let Some(field) = simulation.fields.first() {
+        return writer.unsupported(&field.at, "objects that stand in many places");
+    }
     let files = [
         ("maket.xml", writer.maket()),
         ("coeff_diff.xml", writer.coeff_diff()?),
@@ -269,7 +272,7 @@ impl Writer<'_> {
             }
         };
         if let Some(links) = &object.links {
-            optical = optical.and_all(self.links(links, object.double_face, None));
+            optical = optical.and_all(self.links(links, object.double_face, object.back.as_ref()));
         }
         let mut types = Element::new("ObjectTypeProperties").with("sameOTObject", !has_groups);
         if !has_groups {
@@ -302,7 +305,7 @@ impl Writer<'_> {
             .with("num", group.number)
             .with("name", &group.name)
             .with("groupDEMMode", 0)
-            .with("hidden", false)
+            .with("hidden", group.hidden)
             .with("isLAICalc", false);
         let mut optical = Element::new("GroupOpticalProperties");
         let mut types = Element::new("GroupTypeProperties");

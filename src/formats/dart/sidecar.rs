@@ -15,7 +15,7 @@ use crate::scene::{Mars, MarsModel, Material, Scene, Sun, Thermal};
 use crate::spectral::{Band, Extend, Spectrum, solar_e490};
 
 /// Its name in a simulation's folder.
-pub const FILE: &str = "mmxrt.toml";
+pub(super) const FILE: &str = "mmxrt.toml";
 /// Longer files are refused, bytes.
 const LIMIT: u64 = 256 << 20;
 

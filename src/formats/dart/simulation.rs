@@ -29,10 +29,14 @@ pub struct Simulation {
     pub thermal: Vec<ThermalFunction>,
     /// Objects.
     pub objects: Vec<Object>,
+    /// Objects that stand in many places.
+    pub fields: Vec<ObjectField>,
     /// Spectral bands, illumination and products.
     pub phase: Phase,
     /// The Sun and directions of view.
     pub directions: Directions,
+    /// Sweeps of parameters, from the files beside the input folder or in it.
+    pub sequences: Vec<Sequence>,
 }
 
 /// maket.xml.
@@ -46,7 +50,7 @@ pub struct Maket {
     pub boundary: u32,
     /// What the ground plane is made of.
     pub ground: Links,
-    /// `Soil@groundEnabled`: there is a ground plane. Always so before 5.10.
+    /// There is a ground plane at z = 0 (always, before 5.10).
     pub ground_enabled: bool,
     /// Raster of heights, if there is one: path as written.
     pub topography: Option<String>,
@@ -137,6 +141,8 @@ pub struct Object {
     pub double_face: bool,
     /// Links of the whole object; `None` if its groups have their own.
     pub links: Option<Links>,
+    /// Back faces of the whole object, if they have their own.
+    pub back: Option<Links>,
     /// Its groups.
     pub groups: Vec<Group>,
     /// Where it stands.
@@ -150,6 +156,8 @@ pub struct Group {
     pub number: u32,
     /// Name, for people.
     pub name: String,
+    /// Ignored by DART.
+    pub hidden: bool,
     /// Both faces have properties.
     pub double_face: bool,
     /// Front face; `None` if the object's are used.
@@ -158,6 +166,92 @@ pub struct Group {
     pub back: Option<Links>,
     /// Where it stands.
     pub at: Location,
+}
+
+/// An object field: models, and the places where they stand.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ObjectField {
+    /// Name.
+    pub name: String,
+    /// Text file of the places, as written.
+    pub file: String,
+    /// What stands there.
+    pub models: Vec<Object>,
+    /// Where.
+    pub places: Vec<Placement>,
+    /// Where the field stands.
+    pub at: Location,
+}
+
+/// A place in an object field: with its scale and rotation instead of the model's own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Placement {
+    /// Index of the model.
+    pub model: u32,
+    /// Place of the OBJ's origin, m.
+    pub position_m: DVec3,
+    /// Scale along DART's axes.
+    pub scale: DVec3,
+    /// As in [`Object::rotation_deg`].
+    pub rotation_deg: DVec3,
+}
+
+impl ObjectField {
+    /// The field's objects, one for each place.
+    pub fn objects(&self) -> impl Iterator<Item = Object> {
+        self.places.iter().filter_map(|place| {
+            let model = self.models.get(place.model as usize)?.clone();
+            let Placement { position_m, scale, rotation_deg, .. } = *place;
+            Some(Object { position_m, scale, rotation_deg, ..model })
+        })
+    }
+}
+
+/// A sequence: simulations that differ in some values.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sequence {
+    /// Name.
+    pub name: String,
+    /// Groups: every combination of a row of each is a simulation.
+    pub groups: Vec<SequenceGroup>,
+    /// Where it stands.
+    pub at: Location,
+}
+
+/// Values that change together: the i-th of each entry.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SequenceGroup {
+    /// Name.
+    pub name: String,
+    /// Its entries; all have the same number of values.
+    pub entries: Vec<SequenceEntry>,
+}
+
+/// An attribute of the inputs, and the values it takes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SequenceEntry {
+    /// Dotted path: `Phase.DartInputParameters.SpectralIntervals.SpectralIntervalsProperties[0].meanLambda`.
+    pub property: String,
+    /// How the values are given.
+    pub values: SequenceValues,
+    /// Where it stands.
+    pub at: Location,
+}
+
+/// The values of a [`SequenceEntry`].
+#[derive(Debug, Clone, PartialEq)]
+pub enum SequenceValues {
+    /// `enumerate`: one by one, as text.
+    Enumerated(Vec<String>),
+    /// `linear`: `start + i step` for i from 0 to `count - 1`.
+    Linear {
+        /// The first value.
+        start: f64,
+        /// From value to value.
+        step: f64,
+        /// Number of values.
+        count: u32,
+    },
 }
 
 /// phase.xml.

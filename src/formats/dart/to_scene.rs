@@ -1,13 +1,13 @@
 //! A DART simulation as a scene, and what of it has no counterpart.
 
 use std::collections::BTreeMap;
-use std::path::{Component, Path, PathBuf};
+use std::rc::Rc;
 
 use glam::{DMat3, DVec3};
 
 use crate::error::{Error, Location, Problem, Result};
-use crate::formats::input::InputFile;
-use crate::formats::obj;
+use crate::formats::input::{self, Hashing, InputFile};
+use crate::formats::obj::{self, ObjFile};
 use crate::geometry::{Direction, MaterialId, Mesh, Pose};
 use crate::progress::{Watch, tell};
 use crate::report::{Fate, Report};
@@ -15,7 +15,8 @@ use crate::scene::{FrameCamera, Material, Scene, Sensor, Sun, Thermal};
 use crate::spectral::{Band, Extend, Spectrum, solar_e490, solar_mean};
 use crate::units::AU_M;
 
-use super::database::{self, Database};
+use super::database::Database;
+use super::folder::Folder;
 use super::from_scene::{irradiance, latitude_longitude_altitude, intervals, reach_um, tabulated, thermal_functions, width_um};
 use super::sidecar::{self, Sidecar};
 use super::simulation::{Camera, Links, Object, OpticalKind, OpticalProperty, Simulation};
@@ -26,10 +27,6 @@ use super::{frame, groups};
 pub struct Options {
     /// Where the middle of the scene's ground is on the body, body-fixed, m; `None`: nowhere, the body's axes are East, North and up.
     pub origin_m: Option<DVec3>,
-    /// Files may be named that lie outside the simulation's folder.
-    pub allow_outside: bool,
-    /// Folders to look for databases in, after the simulation's own.
-    pub databases: Vec<PathBuf>,
 }
 
 /// A scene, and how it came about.
@@ -52,12 +49,12 @@ const EMISSIVITY_BOLOMETRIC: f64 = 0.95;
 /// Where a simulation has no camera, one looks down from so many times the scene's extent.
 const CAMERA_DISTANCE: f64 = 10.0;
 
-/// The scene of a simulation whose folder holds `input`, and `mmxrt.toml` if it was written here.
+/// The scene of a simulation whose folder holds the files it names, and `mmxrt.toml` if it was written here.
 ///
 /// # Errors
 /// [`Error::Invalid`] for links that lead nowhere, files that are missing, lie outside, or cannot be used, and as [`Scene::check`];
 /// [`Error::Unsupported`] for reflectance models that scenes do not have; [`Error::Io`]; [`Error::Interrupted`].
-pub fn to_scene(simulation: &Simulation, folder: &Path, options: &Options, watch: Watch<'_>) -> Result<Converted> {
+pub fn to_scene(simulation: &Simulation, folder: &Folder, options: &Options, watch: Watch<'_>) -> Result<Converted> {
     let mut reader = Reader {
         simulation,
         folder,
@@ -66,9 +63,10 @@ pub fn to_scene(simulation: &Simulation, folder: &Path, options: &Options, watch
         report: Report::default(),
         inputs: Vec::new(),
         databases: BTreeMap::new(),
+        objs: BTreeMap::new(),
         sidecar: None,
     };
-    if let Some((sidecar, input)) = Sidecar::read(&folder.join(sidecar::FILE))? {
+    if let Some((sidecar, input)) = Sidecar::read(&folder.simulation.join(sidecar::FILE))? {
         reader.inputs.push(input);
         reader.sidecar = Some(sidecar);
     }
@@ -78,13 +76,15 @@ pub fn to_scene(simulation: &Simulation, folder: &Path, options: &Options, watch
 
 struct Reader<'a> {
     simulation: &'a Simulation,
-    folder: &'a Path,
+    folder: &'a Folder,
     options: &'a Options,
     watch: Watch<'a>,
     report: Report,
     inputs: Vec<InputFile>,
     /// Open databases by the name in the simulation; `None` for one that is not there.
-    databases: BTreeMap<String, Option<(PathBuf, Database)>>,
+    databases: BTreeMap<String, Option<Database>>,
+    /// OBJ files by the name in the simulation.
+    objs: BTreeMap<String, Rc<ObjFile>>,
     sidecar: Option<Sidecar>,
 }
 
@@ -301,12 +301,10 @@ impl Reader<'_> {
     }
 
     /// Links of visible objects.
-    fn links(&self) -> Vec<&Links> {
-        let objects = self.simulation.objects.iter().filter(|o| !o.hidden);
-        let of_object = |o: &'_ Object| -> Vec<&Links> {
-            o.links.iter().chain(o.groups.iter().filter_map(|g| g.links.as_ref())).collect()
-        };
-        objects.flat_map(|o| of_object(o)).collect()
+    fn links(&self) -> impl Iterator<Item = &Links> {
+        let models = self.simulation.fields.iter().flat_map(|f| &f.models);
+        let objects = self.simulation.objects.iter().chain(models).filter(|o| !o.hidden);
+        objects.flat_map(|o| o.links.iter().chain(o.groups.iter().filter_map(|g| g.links.as_ref())))
     }
 
     /// Place of the linked property in the simulation's list.
@@ -337,8 +335,7 @@ impl Reader<'_> {
             let feature = format!("the reflectance of {:?}, by Hapke or RPV,", property.ident);
             return Err(Error::Unsupported { at: property.at.clone(), feature });
         }
-        let file = self.database(&property.database)?;
-        let Some((_, database)) = file else {
+        let Some(database) = self.database(property)? else {
             if is_needed {
                 let message = format!(
                     "the database {:?} of {:?} is not there: reflectance {UNKNOWN_REFLECTANCE} is taken. Name the folder it is in",
@@ -380,37 +377,43 @@ impl Reader<'_> {
         Ok(Some(spectrum))
     }
 
-    fn database(&mut self, name: &str) -> Result<Option<&(PathBuf, Database)>> {
+    fn database(&mut self, property: &OpticalProperty) -> Result<Option<&Database>> {
+        let name = &property.database;
         if !self.databases.contains_key(name) {
-            let found = self.find(name);
-            let opened = match found {
-                Some(path) => Some((path.clone(), Database::open(&path)?)),
-                None => None,
-            };
-            self.databases.insert(name.to_owned(), opened);
+            let path = self.folder.locate(name, &property.at).map_err(|problem| Error::Invalid(vec![problem]))?;
+            let opened = path.as_deref().map(Database::open).transpose()?;
+            if let Some(path) = path {
+                self.inputs.push(InputFile::of(&path, &input::bytes(&path, 1 << 40)?));
+            }
+            self.databases.insert(name.clone(), opened);
         }
         Ok(self.databases.get(name).and_then(Option::as_ref))
     }
 
-    /// The file that DART would take for a name, as far as it may be read.
-    fn find(&self, name: &str) -> Option<PathBuf> {
-        let plain = name.replace('\\', "/");
-        let relative = Path::new(&plain);
-        let stays_inside = relative.components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
-        if !stays_inside && !self.options.allow_outside {
-            return None;
+    /// The OBJ file that an object names.
+    fn obj(&mut self, object: &Object) -> Result<Rc<ObjFile>> {
+        if let Some(known) = self.objs.get(&object.file) {
+            return Ok(known.clone());
         }
-        // Joining an absolute path gives that path.
-        let inside = [self.folder.join("input"), self.folder.to_owned()];
-        let folders = inside.iter().chain(&self.options.databases);
-        folders.map(|folder| folder.join(relative)).find(|path| path.is_file())
+        let path = self.folder.locate(&object.file, &object.at).map_err(|problem| Error::Invalid(vec![problem]))?;
+        let path = path.ok_or_else(|| {
+            Error::invalid(object.at.clone(), format!("the file {:?} of {:?} is not there", object.file, object.name))
+        })?;
+        // DART knows groups, not materials, and reads no material file.
+        let file = std::fs::File::open(&path).map_err(|e| Error::io(&path, "reading", e))?;
+        let mut source = Hashing::new(file);
+        let read = Rc::new(obj::parse(&mut source, &path, &mut |_| Ok(Vec::new()))?);
+        self.inputs.push(source.finish(&path));
+        self.objs.insert(object.file.clone(), read.clone());
+        Ok(read)
     }
 
     /// All objects in one mesh, in the scene's frame, and the ground if it is something.
     fn mesh(&mut self, place: &Place, material_of: &[Option<usize>]) -> Result<Mesh> {
         let simulation = self.simulation;
         let mut all = Mesh::default();
-        for object in &simulation.objects {
+        let fields: Vec<Object> = simulation.fields.iter().flat_map(|f| f.objects()).collect();
+        for object in simulation.objects.iter().chain(&fields) {
             if object.hidden {
                 self.note(Fate::Dropped, &object.at, format!("{:?} is hidden: DART ignores it too", object.name));
                 continue;
@@ -421,7 +424,7 @@ impl Reader<'_> {
         }
         self.ground(place, material_of, &mut all)?;
         if all.facets.is_empty() {
-            let problem = Problem::new(Location::file(self.folder), "the simulation has no objects and no ground that is seen");
+            let problem = Problem::new(Location::file(&self.folder.simulation), "the simulation has no objects and no ground that is seen");
             return Err(Error::Invalid(vec![problem]));
         }
         if simulation.maket.boundary != 0 {
@@ -433,16 +436,7 @@ impl Reader<'_> {
     }
 
     fn object(&mut self, object: &Object, place: &Place, material_of: &[Option<usize>]) -> Result<Mesh> {
-        let path = self.find(&object.file).ok_or_else(|| {
-            let outside = "not in the simulation's folder; files outside it must be allowed";
-            Error::invalid(object.at.clone(), format!("the file {:?} of {:?} is {outside}", object.file, object.name))
-        })?;
-        // DART knows groups, not materials, and reads no material file.
-        let file = std::fs::File::open(&path).map_err(|e| Error::io(&path, "reading", e))?;
-        let mut source = crate::formats::input::Hashing::new(file);
-        let read = obj::parse(&mut source, &path, &mut |_| Ok(Vec::new()))?;
-        self.inputs.push(source.finish(&path));
-
+        let read = self.obj(object)?;
         let numbered = groups::order(&read.groups, &self.simulation.version);
         let mut links_of_group = vec![object.links.as_ref(); read.groups.len().max(1)];
         for group in &object.groups {
@@ -472,6 +466,10 @@ impl Reader<'_> {
             false => read.facet_group.iter().map(|g| material_of_group[*g as usize]).collect(),
         };
 
+        let hidden: Vec<usize> =
+            object.groups.iter().filter(|g| g.hidden).filter_map(|g| numbered.get(g.number as usize - 1).copied()).collect();
+        let is_seen = |f: usize| read.facet_group.get(f).is_none_or(|g| !hidden.contains(&(*g as usize)));
+
         let turned = DMat3::from_rotation_z(object.rotation_deg.z.to_radians())
             * DMat3::from_rotation_y(object.rotation_deg.y.to_radians())
             * DMat3::from_rotation_z(object.rotation_deg.x.to_radians());
@@ -480,12 +478,19 @@ impl Reader<'_> {
             self.note(Fate::Approximated, &object.at, message);
         }
         let is_turned = object.rotation_deg != DVec3::ZERO;
-        let mut vertices_m = read.vertices;
+        let mut vertices_m = read.vertices.clone();
         for vertex in &mut vertices_m {
             let v = object.scale * frame::dart_from_obj(*vertex);
             *vertex = object.position_m + if is_turned { turned * v } else { v };
         }
-        let mut mesh = Mesh { vertices_m, facets: read.facets, material, face_of_facet: read.face_of_facet };
+        let mut mesh = Mesh { vertices_m, facets: read.facets.clone(), material, face_of_facet: read.face_of_facet.clone() };
+        if !hidden.is_empty() {
+            self.note(Fate::Dropped, &object.at, format!("{} hidden groups of {:?}: DART ignores them too", hidden.len(), object.name));
+            let seen: Vec<usize> = (0..mesh.facets.len()).filter(|f| is_seen(*f)).collect();
+            mesh.face_of_facet = seen.iter().map(|f| mesh.face(*f)).collect();
+            mesh.material = seen.iter().map(|f| mesh.material[*f]).collect();
+            mesh.facets = seen.iter().map(|f| mesh.facets[*f]).collect();
+        }
         if object.scale.x * object.scale.y * object.scale.z < 0.0 {
             mesh.facets.iter_mut().for_each(|f| f.swap(1, 2));
         }
