@@ -4,6 +4,7 @@ pub mod dart;
 pub mod envi;
 pub mod exr_cube;
 pub mod folder;
+pub mod ilwis;
 mod input;
 pub mod located;
 pub mod mtl;

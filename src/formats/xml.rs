@@ -109,6 +109,11 @@ impl Element {
         self.children.iter().filter(move |c| c.name == name)
     }
 
+    /// The first element within, at any depth, that has this name.
+    pub fn descendant(&self, name: &str) -> Option<&Element> {
+        self.children.iter().find_map(|c| if c.name == name { Some(c) } else { c.descendant(name) })
+    }
+
     /// Where its tag stands. The item is its [`path`](Self::path).
     pub fn at(&self) -> Location {
         self.location(self.mark, self.path())
@@ -506,7 +511,7 @@ mod tests {
             ("<a x='1' y='2' x='3'/>", ":1:16", "`x` stands twice"),
             ("<a x/>", ":1:", "without `=`"),
             ("<a x=1/>", ":1:", "in quotes"),
-            ("<a x='1/>", ":1:1", "quote"),
+            ("<a x='1/>", ":1:1", "not closed"),
             ("<a x='<'/>", ":1:4", "`<` in the value"),
             ("<a x='&b;'/>", ":1:4", "not resolved"),
             ("<a x='&#0;'/>", ":1:4", "not resolved"),

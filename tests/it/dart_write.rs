@@ -6,7 +6,7 @@ use std::path::Path;
 
 use glam::{DMat3, DVec3};
 
-use mmxrt::formats::dart::{self, FromSceneOptions, Target, ToSceneOptions};
+use mmxrt::formats::dart::{self, WriteOptions, Target, SceneOptions};
 use mmxrt::formats::{scene_toml, xml};
 use mmxrt::geometry::{Direction, MaterialId, Mesh, Pose};
 use mmxrt::progress::unwatched;
@@ -110,19 +110,19 @@ fn rich() -> Scene {
     scene.check().unwrap()
 }
 
-fn options(target: Target) -> FromSceneOptions {
-    FromSceneOptions { target, cell_m: Some(2.0), ..FromSceneOptions::default() }
+fn options(target: Target) -> WriteOptions {
+    WriteOptions { target, cell_m: Some(2.0), ..WriteOptions::default() }
 }
 
 /// Writes a scene's simulation below a folder.
-fn written(scene: &Scene, options: &FromSceneOptions, folder: &Path) -> Report {
+fn written(scene: &Scene, options: &WriteOptions, folder: &Path) -> Report {
     let (package, report) = dart::from_scene(scene, options).unwrap();
     dart::write(&package, folder, false, &unwatched).unwrap();
     report
 }
 
-fn read(folder: &Path, options: &ToSceneOptions) -> (Scene, Report) {
-    let (simulation, mut report, _) = dart::read(folder, &dart::ReadOptions::default()).unwrap();
+fn read(folder: &Path, options: &SceneOptions) -> (Scene, Report) {
+    let (simulation, mut report, _) = dart::read(folder, &dart::Options::default()).unwrap();
     let folder = dart::Folder::new(folder, None, false);
     let converted = dart::to_scene(&simulation, &folder, options, &unwatched).unwrap();
     report.notes.extend(converted.report.notes);
@@ -287,7 +287,7 @@ fn a_scene_comes_back_whole() {
             let folder = scratch.path().join("out");
             let report = written(&scene, &options(target), &folder);
             assert!(!report.has_losses(), "{:#?}", report.notes);
-            let (back, report) = read(&folder, &ToSceneOptions::default());
+            let (back, report) = read(&folder, &SceneOptions::default());
             assert!(report.notes.is_empty(), "{target:?} {name}: {:#?}", report.notes);
             assert_same(&scene, &back);
         }
@@ -301,7 +301,7 @@ fn without_the_sidecar_what_is_missing_is_told() {
     let scene = rich();
     written(&scene, &options(Target::V5_7_4), &folder);
     std::fs::remove_file(folder.join("mmxrt.toml")).unwrap();
-    let (back, report) = read(&folder, &ToSceneOptions::default());
+    let (back, report) = read(&folder, &SceneOptions::default());
     let told: Vec<(Fate, &str)> =
         report.notes.iter().map(|n| (n.fate, n.message.split([':', ',', '(']).next().unwrap().trim())).collect();
     assert_eq!(
@@ -345,7 +345,7 @@ fn an_edited_file_wins() {
     edit("input/phase.xml", "irradiance=\"311.11", "irradiance=\"411.11");
     edit("input/phase.xml", "deltaLambda=\"0.02\"", "deltaLambda=\"0.04\"");
     edit("input/directions.xml", "sunViewingAzimuthAngle=\"306.", "sunViewingAzimuthAngle=\"206.");
-    let (back, report) = read(&folder, &ToSceneOptions::default());
+    let (back, report) = read(&folder, &SceneOptions::default());
     let at_the_body = back.sun.irradiance_1au.at(1.0).unwrap() * (AU_M / back.sun.distance_m).powi(2);
     assert!((at_the_body - 411.111_111_111_111_1).abs() < 1e-9, "{at_the_body}");
     assert_eq!(back.sensor.bands, [(1.0, Some(0.04)), (2.0, None)].map(|(centre_um, fwhm_um)| Band { centre_um, fwhm_um }));
@@ -451,17 +451,17 @@ fn differences_are_told_by_meaning() {
 #[test]
 fn what_does_not_fit_gets_a_proposal() {
     let scene = tetrahedron();
-    let said = |options: &FromSceneOptions| {
+    let said = |options: &WriteOptions| {
         let (_, report) = dart::from_scene(&scene, options).unwrap();
         report.notes.into_iter().find(|n| n.at.item.as_deref() == Some("size")).unwrap().message
     };
-    let fine = FromSceneOptions { cell_m: Some(0.05), memory_bytes: 100 << 20, ..options(Target::V5_7_4) };
+    let fine = WriteOptions { cell_m: Some(0.05), memory_bytes: 100 << 20, ..options(Target::V5_7_4) };
     // 801 x 801 x 301 cells at 64 B; half as fine an eighth.
     assert!(said(&fine).contains("801 x 801 x 301 cells of 0.05 m"), "{}", said(&fine));
     assert!(said(&fine).ends_with("cells of 0.2 m would fit"), "{}", said(&fine));
-    let tiny = FromSceneOptions { memory_bytes: 1000, ..fine };
+    let tiny = WriteOptions { memory_bytes: 1000, ..fine };
     assert!(said(&tiny).contains("whatever the cells"));
-    let wrong = FromSceneOptions { cell_m: Some(-1.0), ..options(Target::V5_7_4) };
+    let wrong = WriteOptions { cell_m: Some(-1.0), ..options(Target::V5_7_4) };
     assert!(dart::from_scene(&scene, &wrong).unwrap_err().to_string().contains("no positive length"));
 }
 
@@ -472,10 +472,10 @@ fn the_shipped_sites_come_back() {
         let scene = scene_toml::read(&path, &unwatched).unwrap().scene;
         let scratch = Scratch::new(&format!("dart-{name}"));
         let folder = scratch.path().join("out");
-        let report = written(&scene, &FromSceneOptions::default(), &folder);
+        let report = written(&scene, &WriteOptions::default(), &folder);
         assert!(!report.has_losses(), "{:#?}", report.notes);
         assert_eq!(folder.join("mars").exists(), name == "phobos_mars_side");
-        let (back, report) = read(&folder, &ToSceneOptions::default());
+        let (back, report) = read(&folder, &SceneOptions::default());
         assert!(report.notes.is_empty(), "{:#?}", report.notes);
         assert_same(&scene, &back);
     }

@@ -77,7 +77,7 @@ impl Size {
 
 /// What a conversion leaves to its caller.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Options {
+pub struct WriteOptions {
     /// Version of DART.
     pub target: Target,
     /// Size of a cell, m; `None`: what a pixel of the camera sees.
@@ -86,9 +86,9 @@ pub struct Options {
     pub memory_bytes: u64,
 }
 
-impl Default for Options {
+impl Default for WriteOptions {
     fn default() -> Self {
-        Options { target: Target::default(), cell_m: None, memory_bytes: 16 << 30 }
+        WriteOptions { target: Target::default(), cell_m: None, memory_bytes: 16 << 30 }
     }
 }
 
@@ -112,7 +112,7 @@ const NEGLIGIBLE: f64 = 1e-6;
 ///
 /// # Errors
 /// [`Error::Unsupported`] for more materials than can be told apart by groups; [`Error::Invalid`] for a cell that is no length.
-pub fn from_scene(scene: &Scene, options: &Options) -> Result<(Package, Report)> {
+pub fn from_scene(scene: &Scene, options: &WriteOptions) -> Result<(Package, Report)> {
     let mut report = Report::default();
     let dart_from_body = frame::dart_from_body(scene.origin_m);
     let mut mesh = scene.mesh.clone();
@@ -517,7 +517,7 @@ impl Site<'_> {
     }
 
     /// What became of what DART has no exact counterpart for.
-    fn notes(&self, simulation: &Simulation, size: &Size, options: &Options, report: &mut Report) {
+    fn notes(&self, simulation: &Simulation, size: &Size, options: &WriteOptions, report: &mut Report) {
         let scene = self.scene;
         let item = Location::item;
         report.note(Fate::Carried, item("origin_m"), "DART's frame starts at the scene's corner; x is South, y East, z outward");

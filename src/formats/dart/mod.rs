@@ -1,6 +1,7 @@
 //! DART: simulation folders and optical databases of the field's reference radiative transfer model.
 //!
 //! [`Simulation`] is what mmxrt understands of a simulation, in DART's own terms: everything meets there.
+//! [`from_scene`] and [`write()`] lead to DART, [`read()`] and [`to_scene`] back.
 
 pub mod database;
 mod diff;
@@ -9,6 +10,7 @@ mod frame;
 mod from_scene;
 pub mod groups;
 mod inputs;
+mod read;
 mod sidecar;
 mod simulation;
 #[cfg_attr(feature = "sqlite", path = "sqlite.rs")]
@@ -19,12 +21,14 @@ mod write;
 
 pub use diff::diff;
 pub use folder::Folder;
-pub use from_scene::{Options as FromSceneOptions, Package, Size, Surface, from_scene, group_names};
+pub use from_scene::{Package, Size, Surface, WriteOptions, from_scene, group_names};
 pub use inputs::{Target, inputs};
+pub use read::sequence::{Step, flight, rows};
+pub use read::{Options, read, terrain};
 pub use sidecar::Sidecar;
 pub use simulation::{
-    Camera, Directions, Group, Links, Maket, Object, ObjectField, OpticalKind, OpticalProperty, Phase, Placement, Sequence,
-    SequenceEntry, SequenceGroup, SequenceValues, Simulation, SpectralInterval, ThermalFunction, Version,
+    Camera, Directions, Group, Links, Maket, Object, ObjectField, OpticalKind, OpticalProperty, Phase, Placement,
+    Sequence, SequenceEntry, SequenceGroup, SequenceValues, Simulation, SpectralInterval, ThermalFunction, Version,
 };
-pub use to_scene::{Converted, Options as ToSceneOptions, to_scene};
+pub use to_scene::{Converted, SceneOptions, to_scene};
 pub use write::write;

@@ -24,7 +24,7 @@ use super::{frame, groups};
 
 /// What a conversion needs to know beside the simulation.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Options {
+pub struct SceneOptions {
     /// Where the middle of the scene's ground is on the body, body-fixed, m; `None`: nowhere, the body's axes are East, North and up.
     pub origin_m: Option<DVec3>,
 }
@@ -54,7 +54,7 @@ const CAMERA_DISTANCE: f64 = 10.0;
 /// # Errors
 /// [`Error::Invalid`] for links that lead nowhere, files that are missing, lie outside, or cannot be used, and as [`Scene::check`];
 /// [`Error::Unsupported`] for reflectance models that scenes do not have; [`Error::Io`]; [`Error::Interrupted`].
-pub fn to_scene(simulation: &Simulation, folder: &Folder, options: &Options, watch: Watch<'_>) -> Result<Converted> {
+pub fn to_scene(simulation: &Simulation, folder: &Folder, options: &SceneOptions, watch: Watch<'_>) -> Result<Converted> {
     let mut reader = Reader {
         simulation,
         folder,
@@ -77,7 +77,7 @@ pub fn to_scene(simulation: &Simulation, folder: &Folder, options: &Options, wat
 struct Reader<'a> {
     simulation: &'a Simulation,
     folder: &'a Folder,
-    options: &'a Options,
+    options: &'a SceneOptions,
     watch: Watch<'a>,
     report: Report,
     inputs: Vec<InputFile>,

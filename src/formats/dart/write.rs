@@ -27,7 +27,7 @@ use crate::units::AU_M;
 
 use super::database;
 use super::frame;
-use super::from_scene::{Options, Package, from_scene};
+use super::from_scene::{WriteOptions, Package, from_scene};
 use super::inputs::{Target, inputs};
 use super::sidecar;
 use super::simulation::Simulation;
@@ -173,7 +173,7 @@ fn tetrahedron(target: Target) -> Result<(Package, [Face; 4])> {
             bands: vec![Band { centre_um: 1.0, fwhm_um: Some(0.02) }],
         },
     };
-    let options = Options { target, cell_m: Some(0.125), ..Options::default() };
+    let options = WriteOptions { target, cell_m: Some(0.125), ..WriteOptions::default() };
     let (package, _) = from_scene(&scene, &options)?;
     Ok((Package { sidecar: None, ..package }, faces))
 }
