@@ -170,7 +170,7 @@ pub fn from_scene(scene: &Scene, options: &WriteOptions) -> Result<(Package, Rep
     };
     simulation.objects.push(site.object(&groups, options.target, &names));
     let size = Size::of(&simulation, mesh.facets.len() as u64, extent_m.z);
-    let sidecar = Sidecar::of(scene, origin_in_dart_m);
+    let sidecar = Sidecar::of(scene, origin_in_dart_m, simulation.phase.cameras[0].roll_deg);
     site.notes(&simulation, &size, options, &mut report);
     let mars = site.by_mars(&simulation, &mut report);
     let surfaces = vec![Surface { mesh, groups }];
@@ -227,19 +227,22 @@ pub(super) fn reach_um(bands: &[Band]) -> (f64, f64) {
     ends.fold((f64::INFINITY, 0.0), |(lo, hi), (a, b)| (lo.min(a), hi.max(b)))
 }
 
-/// A table of a spectrum that covers what the bands reach: its points, and its end values beyond them.
-pub(super) fn tabulated(spectrum: &Spectrum, (first_um, last_um): (f64, f64)) -> (Vec<f64>, Vec<f64>) {
-    let (mut wavelength_um, mut value) = (spectrum.wavelength_um().to_vec(), spectrum.value().to_vec());
-    if first_um < wavelength_um[0] {
-        wavelength_um.insert(0, first_um);
-        value.insert(0, value[0]);
+/// A table of spectra that covers what the bands reach: all their points, and their end values beyond them.
+pub(super) fn tabulated(spectra: &[&Spectrum], (first_um, last_um): (f64, f64)) -> (Vec<f64>, Vec<Vec<f64>>) {
+    let mut points: Vec<f64> = spectra.iter().flat_map(|s| s.wavelength_um()).copied().collect();
+    points.sort_by(f64::total_cmp);
+    points.dedup();
+    if points.first().is_some_and(|first| first_um < *first) {
+        points.insert(0, first_um);
     }
-    let end = wavelength_um.len() - 1;
-    if last_um > wavelength_um[end] {
-        wavelength_um.push(last_um);
-        value.push(value[end]);
+    if points.last().is_some_and(|last| last_um > *last) {
+        points.push(last_um);
     }
-    (wavelength_um, value)
+    let column = |s: &&Spectrum| {
+        let (um, value) = (s.wavelength_um(), s.value());
+        points.iter().map(|x| s.at(x.clamp(um[0], um[um.len() - 1])).unwrap_or(value[0])).collect()
+    };
+    (points.clone(), spectra.iter().map(column).collect())
 }
 
 /// Names of the materials, then of the ground: for people, and of a table. No two are the same, whatever their case; the prefix keeps
@@ -283,8 +286,8 @@ fn tables(scene: &Scene, names: &[(String, String)]) -> Vec<SpectralLibrary> {
     let black = Spectrum::constant(0.0);
     let spectra = scene.materials.iter().map(|m| &m.reflectance).chain([&black]);
     let table = |(i, reflectance): (usize, &Spectrum)| {
-        let (wavelength_um, value) = tabulated(reflectance, reach_um);
-        let opaque = |name: &str| Column { name: name.into(), values: vec![0.0; value.len()] };
+        let (wavelength_um, mut columns) = tabulated(&[reflectance], reach_um);
+        let opaque = |name: &str| Column { name: name.into(), values: vec![0.0; wavelength_um.len()] };
         SpectralLibrary {
             name: names[i].1.clone(),
             comment: match scene.materials.get(i) {
@@ -292,7 +295,7 @@ fn tables(scene: &Scene, names: &[(String, String)]) -> Vec<SpectralLibrary> {
                 None => "a black ground that stands for the sky: written by mmxrt".into(),
             },
             columns: vec![
-                Column { name: "reflectance".into(), values: value.clone() },
+                Column { name: "reflectance".into(), values: columns.remove(0) },
                 opaque("direct_transmittance"),
                 opaque("diffuse_transmittance"),
             ],

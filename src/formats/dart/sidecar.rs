@@ -53,6 +53,8 @@ enum ThermalName {
 #[serde(deny_unknown_fields)]
 struct SensorPart {
     name: String,
+    /// Turn about the line of sight, deg: what this program means by the number in DART's file.
+    roll_deg: f64,
     /// 0 for a monochromatic band.
     fwhm_um: Vec<f64>,
 }
@@ -131,8 +133,8 @@ impl Table {
 }
 
 impl Sidecar {
-    /// Of a scene whose origin stands at `origin_in_dart_m`.
-    pub(super) fn of(scene: &Scene, origin_in_dart_m: DVec3) -> Self {
+    /// Of a scene whose origin stands at `origin_in_dart_m`, and whose camera is turned by `roll_deg`.
+    pub(super) fn of(scene: &Scene, origin_in_dart_m: DVec3, roll_deg: f64) -> Self {
         let sun = &scene.sun;
         let spectrum = match sun.irradiance_1au == *solar_e490() {
             true => SunSpectrum::Named("e490".into()),
@@ -150,6 +152,7 @@ impl Sidecar {
             faces: runs_of_faces(&scene.mesh).unwrap_or_default(),
             sensor: SensorPart {
                 name: scene.sensor.name.clone(),
+                roll_deg,
                 fwhm_um: scene.sensor.bands.iter().map(|b| b.fwhm_um.unwrap_or(0.0)).collect(),
             },
             sun: SunPart {
@@ -232,6 +235,10 @@ impl Sidecar {
             ThermalName::Thesis => Thermal::Thesis,
             ThermalName::Off => Thermal::Off,
         }
+    }
+
+    pub(super) fn roll_deg(&self) -> f64 {
+        self.sensor.roll_deg
     }
 
     pub(super) fn sensor_name(&self) -> &str {

@@ -252,8 +252,8 @@ impl Reader<'_> {
             }
             let kept = self.sidecar.as_ref().and_then(|s| s.material(&property.ident));
             let is_same = |material: &Material| {
-                let (um, value) = tabulated(&material.reflectance, reach_um(bands));
-                same_all(&um, reflectance.wavelength_um()) && same_all(&value, reflectance.value())
+                let (um, columns) = tabulated(&[&material.reflectance], reach_um(bands));
+                same_all(&um, reflectance.wavelength_um()) && same_all(&columns[0], reflectance.value())
             };
             let kept = kept.filter(is_same);
             if kept.is_some() {
@@ -556,6 +556,11 @@ impl Reader<'_> {
         let (across, down) = (pitch(width_deg, samples), pitch(height_deg, lines));
         if (across / down - 1.0).abs() > SAME.sqrt() {
             let message = format!("pixels are not square: {across:e} by {down:e} of the focal length; the first is taken");
+            self.note(Fate::Approximated, &camera.at, message);
+        }
+        let is_kept = self.sidecar.as_ref().is_some_and(|s| same(s.roll_deg(), camera.roll_deg));
+        if camera.roll_deg != 0.0 && !is_kept {
+            let message = "a turn about the line of sight: which way DART turns is not known; taken is clockwise as seen along it";
             self.note(Fate::Approximated, &camera.at, message);
         }
         self.other_views(camera, place, mesh);
