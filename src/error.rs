@@ -57,6 +57,21 @@ impl Error {
         Error::Invalid(vec![Problem::new(at, message)])
     }
 
+    /// What to mend, each thing at its place; nothing if the caller asked to stop.
+    pub fn problems(&self) -> Vec<Problem> {
+        match self {
+            Error::Io { path, action, source } => {
+                vec![Problem::new(Location::file(path), format!("{action}: {source}"))]
+            }
+            Error::Syntax { at, message } => vec![Problem::new(at.clone(), message)],
+            Error::Invalid(problems) => problems.clone(),
+            Error::Unsupported { at, feature } => {
+                vec![Problem::new(at.clone(), format!("{feature} is not supported by this version"))]
+            }
+            Error::Interrupted => vec![],
+        }
+    }
+
     /// An [`Error::Syntax`].
     pub fn syntax(at: Location, message: impl Into<String>) -> Self {
         Error::Syntax { at, message: message.into() }

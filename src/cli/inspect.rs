@@ -4,24 +4,22 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use mmxrt::formats::located::Document;
+use mmxrt::formats::mtl::{self, ObjMaterial};
 use mmxrt::formats::report_json::{self, Report, Run};
 use mmxrt::formats::spectrum_csv::{self, Quantity};
-use mmxrt::formats::{self, envi, exr_cube, mtl, npz, obj, quicklook, recipe_toml};
+use mmxrt::formats::{envi, exr_cube, npz, obj, quicklook, recipe_toml};
 use mmxrt::spectral::Extend;
 use mmxrt::{Error, Location, Problem, Result, study};
 use serde_json::{Value, json};
 
+use super::Outcome;
 use super::console::Console;
-use super::{Outcome, scene};
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     /// A product folder, ENVI image or header, .npz, .exr, .png, .json report, scene, recipe, spectrum (.csv), .obj or .mtl
     file: PathBuf,
 }
-
-/// No scene or recipe is longer, bytes.
-const LIMIT: u64 = 16 << 20;
 
 /// What a file holds: names and values, in the order they are said.
 type Facts = Vec<(&'static str, Value)>;
@@ -75,32 +73,12 @@ fn inspect(path: &Path, console: &Console) -> Result<Facts> {
         "hdr" | "img" | "dat" | "bsq" | "bil" | "bip" | "raw" => image(path),
         "npz" => arrays(path),
         "exr" => open_exr(path),
-        "png" => {
-            let (samples, lines, colour) = quicklook::read_info(path)?;
-            let kind = if colour { "picture of three bands" } else { "picture of one band" };
-            Ok(vec![("kind", json!(kind)), ("samples", json!(samples)), ("lines", json!(lines))])
-        }
+        "png" => picture(path),
         "json" => report(path),
-        "obj" => {
-            let mesh = obj::read(path)?;
-            let corners = || mesh.vertices.iter().copied();
-            let size = corners().fold(DVec3::NEG_INFINITY, DVec3::max) - corners().fold(DVec3::INFINITY, DVec3::min);
-            Ok(vec![
-                ("kind", json!("OBJ mesh")),
-                ("vertices", json!(mesh.vertices.len())),
-                ("facets", json!(mesh.facets.len())),
-                ("size_in_its_unit", json!({ "x": size.x, "y": size.y, "z": size.z })),
-                ("materials", mesh.materials.iter().map(|m| json!({ "name": m.name, "kd": m.kd })).collect()),
-                ("passed_over", json!(mesh.ignored)),
-            ])
-        }
-        "toml" => text(path, console),
+        "obj" => mesh(path),
+        "toml" => toml(path, console),
         "csv" => spectrum(path),
-        "mtl" => {
-            let (materials, _) = mtl::read(path)?;
-            let list = materials.iter().map(|m| json!({ "name": m.name, "kd": m.kd })).collect();
-            Ok(vec![("kind", json!("MTL materials")), ("materials", list)])
-        }
+        "mtl" => Ok(vec![("kind", json!("MTL materials")), ("materials", materials(&mtl::read(path)?.0))]),
         _ if path.is_file() => {
             let problem = Problem::new(Location::file(path), format!("no format of ours ends in {extension:?}"))
                 .with_help("these do: hdr, img, npz, exr, png, json, toml, csv, obj, mtl; or name a product folder");
@@ -110,28 +88,56 @@ fn inspect(path: &Path, console: &Console) -> Result<Facts> {
     }
 }
 
+fn picture(path: &Path) -> Result<Facts> {
+    let (samples, lines, colour) = quicklook::read_info(path)?;
+    let kind = if colour { "picture of three bands" } else { "picture of one band" };
+    Ok(vec![("kind", json!(kind)), ("samples", json!(samples)), ("lines", json!(lines))])
+}
+
+fn mesh(path: &Path) -> Result<Facts> {
+    let mesh = obj::read(path)?;
+    let corners = || mesh.vertices.iter().copied();
+    let size = corners().fold(DVec3::NEG_INFINITY, DVec3::max) - corners().fold(DVec3::INFINITY, DVec3::min);
+    Ok(vec![
+        ("kind", json!("OBJ mesh")),
+        ("vertices", json!(mesh.vertices.len())),
+        ("facets", json!(mesh.facets.len())),
+        ("size_in_its_unit", json!({ "x": size.x, "y": size.y, "z": size.z })),
+        ("materials", materials(&mesh.materials)),
+        ("passed_over", json!(mesh.ignored)),
+    ])
+}
+
+fn materials(materials: &[ObjMaterial]) -> Value {
+    materials.iter().map(|m| json!({ "name": m.name, "kd": m.kd })).collect()
+}
+
 /// A scene or a recipe: a recipe has a seed.
-fn text(path: &Path, console: &Console) -> Result<Facts> {
-    let (text, _) = formats::text(path, LIMIT)?;
-    if Document::parse(text, path)?.has("seed") {
-        let (recipe, _) = recipe_toml::read(path)?;
-        return Ok(vec![
-            ("kind", json!("landscape recipe")),
-            ("seed", json!(recipe.seed)),
-            ("size_m", json!(recipe.size_m)),
-            ("facets", json!(recipe.facets)),
-            ("relief", json!(recipe.relief)),
-            ("craters", json!(recipe.craters)),
-            ("boulders", json!(recipe.boulders)),
-        ]);
-    }
-    let opened = scene::open(path, &|progress| console.watch(progress))?;
+fn toml(path: &Path, console: &Console) -> Result<Facts> {
+    if Document::open(path)?.0.has("seed") { recipe(path) } else { scene(path, console) }
+}
+
+fn recipe(path: &Path) -> Result<Facts> {
+    let (recipe, _) = recipe_toml::read(path)?;
+    Ok(vec![
+        ("kind", json!("landscape recipe")),
+        ("seed", json!(recipe.seed)),
+        ("size_m", json!(recipe.size_m)),
+        ("facets", json!(recipe.facets)),
+        ("relief", json!(recipe.relief)),
+        ("craters", json!(recipe.craters)),
+        ("boulders", json!(recipe.boulders)),
+    ])
+}
+
+fn scene(path: &Path, console: &Console) -> Result<Facts> {
+    let opened = super::scene::open_to_inspect(path, &|progress| console.watch(progress))?;
     let scene = &opened.scene;
     let about = study::summary(scene);
     let materials = scene.materials.iter().map(|m| {
         let middle = scene.sensor.bands.get(scene.sensor.bands.len() / 2).map(|b| b.centre_um);
         json!({
-            "name": m.name, "bond_albedo": m.bond_albedo,
+            "name": m.name, "bond_albedo": m.bond_albedo, "photometry": m.photometry.key().unwrap_or("lambert"),
             "reflectance": middle.and_then(|um| m.reflectance.at(um)), "at_um": middle,
         })
     });
@@ -211,7 +217,6 @@ fn folder(path: &Path) -> Result<Facts> {
 
 fn report(path: &Path) -> Result<Facts> {
     let value: Value = report_json::read(path)?;
-    let list = |value: &Value| value.clone();
     if value.get("wall_s").is_some() {
         let run: Run = report_json::read(path)?;
         return Ok(vec![
@@ -222,7 +227,7 @@ fn report(path: &Path) -> Result<Facts> {
             ("threads", json!(run.threads)),
             ("host_cores", json!(run.host_cores)),
             ("wall_s", json!(run.wall_s)),
-            ("stages", list(&value["stages"])),
+            ("stages", value["stages"].clone()),
         ]);
     }
     if let Some(Value::Array(oracles)) = value.get("oracles") {
@@ -236,14 +241,14 @@ fn report(path: &Path) -> Result<Facts> {
         ("kind", json!("report")),
         ("mmxrt", json!(report.mmxrt)),
         ("scene", json!(report.scene)),
-        ("inputs", list(&value["inputs"])),
-        ("image", list(&value["image"])),
-        ("counts", list(&value["counts"])),
-        ("effects", list(&value["effects"])),
-        ("checks", list(&value["checks"])),
+        ("inputs", value["inputs"].clone()),
+        ("image", value["image"].clone()),
+        ("counts", value["counts"].clone()),
+        ("effects", value["effects"].clone()),
+        ("checks", value["checks"].clone()),
         ("defaults", json!(report.defaults)),
         ("warnings", json!(report.warnings)),
-        ("statistics", list(&value["statistics"])),
+        ("statistics", value["statistics"].clone()),
     ])
 }
 

@@ -5,8 +5,7 @@ use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 
 use mmxrt::formats::folder::Staged;
-use mmxrt::formats::mtl::{self, ObjMaterial};
-use mmxrt::formats::{obj, recipe_toml};
+use mmxrt::formats::{mtl, obj, recipe_toml};
 use mmxrt::progress::{Progress, tell};
 use mmxrt::{Error, Result, landscape};
 
@@ -42,8 +41,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     recipe.seed = arguments.seed.unwrap_or(recipe.seed);
     let watch = |share: f64| console.watch(Progress::of_share("making the landscape", share));
     let landscape = landscape::generate(&recipe, &watch)?;
-    let materials: Vec<ObjMaterial> =
-        landscape.materials.into_iter().map(|(name, kd)| ObjMaterial { name, kd: Some(kd) }).collect();
+    let materials = mtl::of_landscapes();
     tell(&|progress| console.watch(progress), "writing the mesh", 0, 1)?;
     write_file(&staged_mtl, |out| mtl::write(out, &materials))?;
     write_file(&staged_obj, |out| obj::write(out, &landscape.mesh, &materials, Some(&mtl_name)))?;

@@ -1,6 +1,7 @@
 //! The command line: parses, calls the library, writes. Nothing is computed here.
 
 mod console;
+mod convert;
 mod inspect;
 mod integrate;
 mod landscape;
@@ -20,8 +21,8 @@ use console::Console;
 
 /// What a space camera sees of a small body: exact facet-to-pixel hyperspectral image simulation.
 ///
-/// Exit codes: 0 done, 1 bad input, failed I/O, a failed case of `validate` or Ctrl-C, 2 usage, 3 loss under --strict. Whatever the code
-/// but 0 is, nothing is left under the name of the output.
+/// Exit codes: 0 done; 1 bad input, failed I/O, a failed case of `validate` or Ctrl-C; 2 usage. Unless the code is 0, nothing
+/// new is left under the name of the output.
 #[derive(Parser)]
 #[command(name = "mmxrt", version)]
 struct Cli {
@@ -58,6 +59,8 @@ enum Command {
     Integrate(integrate::Arguments),
     /// A recipe becomes a landscape
     Landscape(landscape::Arguments),
+    /// One format becomes another: scenes, meshes, spectra, and inputs of DART
+    Convert(convert::Arguments),
     /// Says what a file holds
     Inspect(inspect::Arguments),
     /// Runs the closed-form cases and prints what passes
@@ -69,6 +72,8 @@ enum Outcome {
     Done,
     /// It ran, and what it verified does not hold.
     Failed,
+    /// Something would have been lost, and that was forbidden.
+    Lost,
 }
 
 pub(crate) fn run() -> ExitCode {
@@ -84,6 +89,7 @@ pub(crate) fn run() -> ExitCode {
     match start(&cli.global, &console).and_then(|()| dispatch(cli.command, &console)) {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::Failed) => ExitCode::from(1),
+        Ok(Outcome::Lost) => ExitCode::from(3),
         Err(error) => {
             console.error(&error);
             ExitCode::from(1)
@@ -115,6 +121,7 @@ fn dispatch(command: Command, console: &Console) -> mmxrt::Result<Outcome> {
         Command::Solve(arguments) => solve::run(&arguments, console),
         Command::Integrate(arguments) => integrate::run(&arguments, console),
         Command::Landscape(arguments) => landscape::run(&arguments, console),
+        Command::Convert(arguments) => convert::run(&arguments, console),
         Command::Inspect(arguments) => inspect::run(&arguments, console),
         Command::Validate(arguments) => validate::run(&arguments, console),
     }
@@ -129,17 +136,14 @@ fn error_json(error: &Error) -> serde_json::Value {
             "message": p.message, "help": p.help,
         })
     };
-    let (kind, problems) = match error {
-        Error::Io { path, action, source } => {
-            ("io", vec![problem(&Problem::new(Location::file(path), format!("{action}: {source}")))])
-        }
-        Error::Syntax { at, message } => ("syntax", vec![problem(&Problem::new(at.clone(), message))]),
-        Error::Invalid(problems) => ("invalid", problems.iter().map(problem).collect()),
-        Error::Unsupported { at, feature } => {
-            ("unsupported", vec![problem(&Problem::new(at.clone(), format!("{feature} is not supported")))])
-        }
-        Error::Interrupted => ("interrupted", vec![]),
+    let kind = match error {
+        Error::Io { .. } => "io",
+        Error::Syntax { .. } => "syntax",
+        Error::Invalid(_) => "invalid",
+        Error::Unsupported { .. } => "unsupported",
+        Error::Interrupted => "interrupted",
     };
+    let problems: Vec<_> = error.problems().iter().map(problem).collect();
     json!({ "error": { "kind": kind, "message": error.to_string(), "problems": problems } })
 }
 

@@ -9,6 +9,7 @@ use mmxrt::formats::report_json::{self, Image, Report};
 use mmxrt::formats::{exr_cube, npz, quicklook};
 use mmxrt::product::FacetTable;
 use mmxrt::progress::tell;
+use mmxrt::spectral::Band;
 use mmxrt::study::Observation;
 use mmxrt::visibility::Topology;
 use mmxrt::{Result, integrate, study};
@@ -138,8 +139,18 @@ fn write_files(
     tell(&watch, "writing pictures and reports", 0, 1)?;
     quicklook::write_grey(&file("quicklook.png"), cube, quicklook::grey_band(&cube.bands), coverage)?;
     quicklook::write_colour(&file("quicklook_rgb.png"), cube, quicklook::colour_bands(&cube.bands), coverage)?;
-    let band_um = |band: Option<&mmxrt::spectral::Band>| band.map_or(0.0, |b| b.centre_um);
-    let report = Report {
+    let report = report(opened, observation, coverage);
+    report_json::write(&file("report.json"), &report)?;
+    tell(&watch, "writing pictures and reports", 1, 1)?;
+    report_json::write(&file("run.json"), &console.run(command))?;
+    Ok(report)
+}
+
+/// What is said of a product.
+fn report(opened: &Opened, observation: &Observation, coverage: &[f64]) -> Report {
+    let cube = &observation.cube;
+    let band_um = |band: Option<&Band>| band.map_or(0.0, |b| b.centre_um);
+    Report {
         format_version: report_json::FORMAT_VERSION,
         mmxrt: env!("CARGO_PKG_VERSION").to_owned(),
         scene: opened.id.clone(),
@@ -156,10 +167,6 @@ fn write_files(
         counts: observation.counts,
         defaults: opened.defaults.clone(),
         warnings: opened.warnings.iter().chain(&observation.warnings).cloned().collect(),
-        statistics: report_json::statistics(cube, coverage, planes),
-    };
-    report_json::write(&file("report.json"), &report)?;
-    tell(&watch, "writing pictures and reports", 1, 1)?;
-    report_json::write(&file("run.json"), &console.run(command))?;
-    Ok(report)
+        statistics: report_json::statistics(cube, coverage, &observation.backplanes),
+    }
 }

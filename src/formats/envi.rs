@@ -8,8 +8,9 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
+use super::input;
 use crate::error::{Error, Location, Problem, Result};
-use crate::product::{Backplanes, Cube};
+use crate::product::{Backplanes, Cube, Plane};
 use crate::progress::{Watch, tell};
 
 /// Order of the numbers in the file, slowest index first.
@@ -240,7 +241,7 @@ pub fn write_backplanes(path: &Path, planes: &Backplanes, precision: Precision, 
     let mut text = common_header(description, samples, lines, bands, Interleave::Bsq, precision);
     text.push_str("data ignore value = nan\n");
     // ENVI has one unit for a file; ours differ, so that a plane's name carries its own.
-    let name = |p: &crate::product::Plane| match p.unit.as_str() {
+    let name = |p: &Plane| match p.unit.as_str() {
         "" | "1" => plain(&p.name),
         unit => plain(&format!("{} ({unit})", p.name)),
     };
@@ -328,8 +329,8 @@ impl Header {
     }
 }
 
-/// Headers are text of a few kilobytes; a larger file is something else.
-const LARGEST_HEADER: u64 = 16 << 20;
+/// Longer headers are refused, bytes: they are text of a few kilobytes.
+const LIMIT: u64 = 16 << 20;
 
 /// Reads a header.
 ///
@@ -337,101 +338,36 @@ const LARGEST_HEADER: u64 = 16 << 20;
 /// [`Error::Io`], [`Error::Syntax`] at the first line that is none, [`Error::Invalid`] with all values that are missing
 /// or wrong, [`Error::Unsupported`] for complex numbers and other data types we do not read.
 pub fn read_header(path: &Path) -> Result<Header> {
-    let size = std::fs::metadata(path).map_err(|e| Error::io(path, "reading", e))?.len();
-    if size > LARGEST_HEADER {
-        return Err(Error::syntax(Location::file(path), format!("{size} bytes are too many for an ENVI header")));
-    }
-    let bytes = std::fs::read(path).map_err(|e| Error::io(path, "reading", e))?;
-    parse_header(path, &String::from_utf8_lossy(&bytes))
-}
-
-fn parse_header(path: &Path, text: &str) -> Result<Header> {
-    let mut lines = text.lines().enumerate();
-    if lines.next().is_none_or(|(_, first)| first.trim() != "ENVI") {
-        return Err(Error::syntax(Location::line(path, 1), "an ENVI header begins with the line ENVI"));
-    }
-    let mut fields: Vec<(usize, String, String)> = Vec::new();
-    while let Some((index, line)) = lines.next() {
-        if line.trim().is_empty() || line.trim_start().starts_with(';') {
-            continue;
-        }
-        let Some((key, value)) = line.split_once('=') else {
-            return Err(Error::syntax(Location::line(path, index + 1), "expected `key = value`"));
-        };
-        let mut value = value.trim().to_owned();
-        if value.starts_with('{') {
-            while !value.contains('}') {
-                let Some((_, next)) = lines.next() else {
-                    let at = Location::line(path, index + 1).with_item(key.trim());
-                    return Err(Error::syntax(at, "the list that begins here with { is not closed with }"));
-                };
-                value.push('\n');
-                value.push_str(next.trim());
-            }
-            value = value.trim_start_matches('{').trim_end().trim_end_matches('}').trim().to_owned();
-        }
-        fields.push((index + 1, key.trim().to_lowercase(), value));
-    }
-
+    let bytes = input::bytes(path, LIMIT)?;
+    let fields = Fields::parse(path, &String::from_utf8_lossy(&bytes))?;
     let mut problems = Vec::new();
-    let at = |key: &str| match fields.iter().find(|f| f.1 == key) {
-        Some((line, ..)) => Location::line(path, *line).with_item(key),
-        None => Location::file(path).with_item(key),
-    };
-    let get = |key: &str| fields.iter().find(|f| f.1 == key).map(|f| f.2.as_str());
-    let mut whole = |key: &str, default: Option<u64>, least: u64| match (get(key).map(str::parse::<u64>), default) {
-        (Some(Ok(value)), _) if value >= least => value,
-        (Some(_), _) => {
-            problems.push(Problem::new(
-                at(key),
-                format!("{:?} is not a whole number from {least}", get(key).unwrap_or("")),
-            ));
-            least
-        }
-        (None, Some(default)) => default,
-        (None, None) => {
-            problems.push(Problem::new(at(key), "is missing"));
-            least
-        }
-    };
-    let (samples, line_count, bands) = (whole("samples", None, 1), whole("lines", None, 1), whole("bands", None, 1));
-    let header_offset = whole("header offset", Some(0), 0);
-    let code = whole("data type", None, 1);
-    let big_endian = whole("byte order", Some(0), 0) == 1;
-    let interleave = match get("interleave").map(str::to_lowercase).as_deref() {
+    let samples = fields.whole("samples", None, 1, &mut problems);
+    let lines = fields.whole("lines", None, 1, &mut problems);
+    let bands = fields.whole("bands", None, 1, &mut problems);
+    let header_offset = fields.whole("header offset", Some(0), 0, &mut problems);
+    let code = fields.whole("data type", None, 1, &mut problems);
+    let big_endian = fields.whole("byte order", Some(0), 0, &mut problems) == 1;
+    let interleave = match fields.get("interleave").map(str::to_lowercase).as_deref() {
         Some("bsq") | None => Interleave::Bsq,
         Some("bil") => Interleave::Bil,
         Some("bip") => Interleave::Bip,
         Some(other) => {
-            problems.push(Problem::new(at("interleave"), format!("{other:?} is none of bsq, bil, bip")));
+            problems.push(Problem::new(fields.at("interleave"), format!("{other:?} is none of bsq, bil, bip")));
             Interleave::Bsq
         }
     };
-    let items = |key: &str| -> Vec<String> {
-        get(key).map_or(Vec::new(), |v| v.split(',').map(|s| s.trim().to_owned()).filter(|s| !s.is_empty()).collect())
-    };
-    let mut numbers = |key: &str| -> Vec<f64> {
-        let texts = items(key);
-        let values: Vec<f64> = texts.iter().filter_map(|s| s.parse().ok()).collect();
-        if values.len() != texts.len() {
-            problems.push(Problem::new(at(key), "has items that are not numbers"));
-        } else if !values.is_empty() && values.len() as u64 != bands {
-            problems.push(Problem::new(at(key), format!("{} values for {bands} bands", values.len())));
-        }
-        values
-    };
-    let (wavelength, fwhm) = (numbers("wavelength"), numbers("fwhm"));
-    let ignore = get("data ignore value").and_then(|v| v.parse().ok());
+    let wavelength = fields.of_bands("wavelength", bands, &mut problems);
+    let fwhm = fields.of_bands("fwhm", bands, &mut problems);
     if !problems.is_empty() {
         return Err(Error::Invalid(problems));
     }
     let Some(data_type) = DataType::CODES.iter().find(|c| c.0 == code).map(|c| c.1) else {
-        return Err(Error::Unsupported { at: at("data type"), feature: format!("ENVI data type {code}") });
+        return Err(Error::Unsupported { at: fields.at("data type"), feature: format!("ENVI data type {code}") });
     };
     let header = Header {
         path: path.to_owned(),
         samples: samples as usize,
-        lines: line_count as usize,
+        lines: lines as usize,
         bands: bands as usize,
         header_offset,
         data_type,
@@ -439,13 +375,102 @@ fn parse_header(path: &Path, text: &str) -> Result<Header> {
         big_endian,
         wavelength,
         fwhm,
-        band_names: items("band names"),
-        ignore,
-        fields: fields.iter().map(|(_, k, v)| (k.clone(), v.clone())).collect(),
+        band_names: fields.items("band names"),
+        ignore: fields.get("data ignore value").and_then(|v| v.parse().ok()),
+        fields: fields.list.iter().map(|f| (f.key.clone(), f.value.clone())).collect(),
     };
     match header.data_bytes() {
         Some(_) => Ok(header),
-        None => Err(Error::invalid(at("samples"), "samples x lines x bands is more than a file can hold")),
+        None => Err(Error::invalid(fields.at("samples"), "samples x lines x bands is more than a file can hold")),
+    }
+}
+
+/// What a header's text says, as text.
+struct Fields<'a> {
+    path: &'a Path,
+    list: Vec<Field>,
+}
+
+struct Field {
+    line: usize,
+    /// In lower case.
+    key: String,
+    /// Without the braces of a list.
+    value: String,
+}
+
+impl<'a> Fields<'a> {
+    fn parse(path: &'a Path, text: &str) -> Result<Self> {
+        let mut lines = text.lines().enumerate();
+        if lines.next().is_none_or(|(_, first)| first.trim() != "ENVI") {
+            return Err(Error::syntax(Location::line(path, 1), "an ENVI header begins with the line ENVI"));
+        }
+        let mut list = Vec::new();
+        while let Some((index, line)) = lines.next() {
+            if line.trim().is_empty() || line.trim_start().starts_with(';') {
+                continue;
+            }
+            let Some((key, value)) = line.split_once('=') else {
+                return Err(Error::syntax(Location::line(path, index + 1), "expected `key = value`"));
+            };
+            let mut value = value.trim().to_owned();
+            if value.starts_with('{') {
+                while !value.contains('}') {
+                    let Some((_, next)) = lines.next() else {
+                        let at = Location::line(path, index + 1).with_item(key.trim());
+                        return Err(Error::syntax(at, "the list that begins here with { is not closed with }"));
+                    };
+                    value.push('\n');
+                    value.push_str(next.trim());
+                }
+                value = value.trim_start_matches('{').trim_end().trim_end_matches('}').trim().to_owned();
+            }
+            list.push(Field { line: index + 1, key: key.trim().to_lowercase(), value });
+        }
+        Ok(Fields { path, list })
+    }
+
+    fn get(&self, key: &str) -> Option<&str> {
+        self.list.iter().find(|f| f.key == key).map(|f| f.value.as_str())
+    }
+
+    fn at(&self, key: &str) -> Location {
+        match self.list.iter().find(|f| f.key == key) {
+            Some(field) => Location::line(self.path, field.line).with_item(key),
+            None => Location::file(self.path).with_item(key),
+        }
+    }
+
+    /// A whole number of at least `least`; without a default it must be there.
+    fn whole(&self, key: &str, default: Option<u64>, least: u64, problems: &mut Vec<Problem>) -> u64 {
+        let message = match (self.get(key), default) {
+            (Some(text), _) => match text.parse() {
+                Ok(value) if value >= least => return value,
+                _ => format!("{text:?} is not a whole number from {least}"),
+            },
+            (None, Some(default)) => return default,
+            (None, None) => "is missing".into(),
+        };
+        problems.push(Problem::new(self.at(key), message));
+        least
+    }
+
+    /// The items of a list; none if it is not there.
+    fn items(&self, key: &str) -> Vec<String> {
+        let items = self.get(key).unwrap_or("").split(',').map(str::trim);
+        items.filter(|item| !item.is_empty()).map(str::to_owned).collect()
+    }
+
+    /// A number for each band; none if the list is not there.
+    fn of_bands(&self, key: &str, bands: u64, problems: &mut Vec<Problem>) -> Vec<f64> {
+        let items = self.items(key);
+        let values: Vec<f64> = items.iter().filter_map(|item| item.parse().ok()).collect();
+        if values.len() != items.len() {
+            problems.push(Problem::new(self.at(key), "has items that are not numbers"));
+        } else if !values.is_empty() && values.len() as u64 != bands {
+            problems.push(Problem::new(self.at(key), format!("{} values for {bands} bands", values.len())));
+        }
+        values
     }
 }
 
@@ -508,7 +533,9 @@ pub fn statistics(header: &Header, data: &Path) -> Result<Vec<BandStatistics>> {
             header.data_type.bytes(),
             header.header_offset
         );
-        return Err(Error::invalid(Location::file(data), message));
+        let problem =
+            Problem::new(Location::file(data), message).with_help("it is cut short, or the header is another file's");
+        return Err(Error::Invalid(vec![problem]));
     }
     let mut file = BufReader::with_capacity(1 << 20, File::open(data).map_err(io)?);
     file.seek(SeekFrom::Start(header.header_offset)).map_err(io)?;

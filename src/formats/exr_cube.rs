@@ -47,42 +47,8 @@ pub fn write(path: &Path, cube: &Cube, description: &str, watch: Watch<'_>) -> R
     else {
         return Err(Error::invalid(Location::file(path), "the image is too large for OpenEXR"));
     };
-    let (last_x, last_y) = (last_x - 1, last_y - 1);
-
-    let mut header: Vec<u8> = Vec::new();
-    header.extend(20_000_630_i32.to_le_bytes());
-    // Version 2, single-part scan lines; names are shorter than 32 bytes.
-    header.extend(2_i32.to_le_bytes());
-    let mut channels: Vec<u8> = Vec::new();
-    for &band in &order {
-        channels.extend(names[band].as_bytes());
-        channels.push(0);
-        // FLOAT; linear 0 and three reserved bytes; sampling 1 x 1.
-        [2_i32, 0, 1, 1].iter().for_each(|v| channels.extend(v.to_le_bytes()));
-    }
-    channels.push(0);
-    let window: Vec<u8> = [0, 0, last_x, last_y].iter().flat_map(|v| v.to_le_bytes()).collect();
-    let mut attribute = |name: &str, kind: &str, value: &[u8]| {
-        [name, kind].iter().for_each(|text| {
-            header.extend(text.as_bytes());
-            header.push(0);
-        });
-        header.extend((value.len() as i32).to_le_bytes());
-        header.extend(value);
-    };
-    attribute("channels", "chlist", &channels);
-    attribute("comments", "string", description.as_bytes());
-    attribute("compression", "compression", &[0]);
-    attribute("dataWindow", "box2i", &window);
-    attribute("displayWindow", "box2i", &window);
-    attribute("emissiveUnits", "string", b"W.m^-2.sr^-1");
-    attribute("lineOrder", "lineOrder", &[0]);
-    attribute("pixelAspectRatio", "float", &1_f32.to_le_bytes());
-    attribute("radianceUnits", "string", b"W.m^-2.sr^-1.um^-1");
-    attribute("screenWindowCenter", "v2f", &[0; 8]);
-    attribute("screenWindowWidth", "float", &1_f32.to_le_bytes());
-    attribute("spectralLayoutVersion", "string", b"1.0");
-    header.push(0);
+    let channels: Vec<&str> = order.iter().map(|band| names[*band].as_str()).collect();
+    let mut header = header(&channels, [0, 0, last_x - 1, last_y - 1], description);
     // Where each scan line begins.
     let first = header.len() as u64 + 8 * cube.lines as u64;
     for line in 0..cube.lines as u64 {
@@ -106,6 +72,45 @@ pub fn write(path: &Path, cube: &Cube, description: &str, watch: Watch<'_>) -> R
     };
     super::envi::stream_lines_f32(cube, &mut put, watch)?;
     file.flush().map_err(io)
+}
+
+/// Magic number, version and attributes, the latter in the order of their names; `window` is first x, y and last x, y.
+fn header(names: &[&str], window: [i32; 4], description: &str) -> Vec<u8> {
+    let mut header: Vec<u8> = Vec::new();
+    header.extend(20_000_630_i32.to_le_bytes());
+    // Version 2, single-part scan lines; names are shorter than 32 bytes.
+    header.extend(2_i32.to_le_bytes());
+    let mut channels: Vec<u8> = Vec::new();
+    for name in names {
+        channels.extend(name.as_bytes());
+        channels.push(0);
+        // FLOAT; linear 0 and three reserved bytes; sampling 1 x 1.
+        [2_i32, 0, 1, 1].iter().for_each(|v| channels.extend(v.to_le_bytes()));
+    }
+    channels.push(0);
+    let window: Vec<u8> = window.iter().flat_map(|v| v.to_le_bytes()).collect();
+    let mut attribute = |name: &str, kind: &str, value: &[u8]| {
+        [name, kind].iter().for_each(|text| {
+            header.extend(text.as_bytes());
+            header.push(0);
+        });
+        header.extend((value.len() as i32).to_le_bytes());
+        header.extend(value);
+    };
+    attribute("channels", "chlist", &channels);
+    attribute("comments", "string", description.as_bytes());
+    attribute("compression", "compression", &[0]);
+    attribute("dataWindow", "box2i", &window);
+    attribute("displayWindow", "box2i", &window);
+    attribute("emissiveUnits", "string", b"W.m^-2.sr^-1");
+    attribute("lineOrder", "lineOrder", &[0]);
+    attribute("pixelAspectRatio", "float", &1_f32.to_le_bytes());
+    attribute("radianceUnits", "string", b"W.m^-2.sr^-1.um^-1");
+    attribute("screenWindowCenter", "v2f", &[0; 8]);
+    attribute("screenWindowWidth", "float", &1_f32.to_le_bytes());
+    attribute("spectralLayoutVersion", "string", b"1.0");
+    header.push(0);
+    header
 }
 
 /// What the header of an OpenEXR file says.

@@ -111,7 +111,10 @@ impl Staged {
             false => target,
         };
         let Some(name) = target.file_name() else {
-            return Err(Error::invalid(Location::file(target), "has no name that a product could take"));
+            return Err(Error::invalid(
+                Location::file(target),
+                "has no name that a product could take: give a path that ends in one",
+            ));
         };
         if !replace && target.symlink_metadata().is_ok() {
             let problem = Problem::new(Location::file(target), "exists")

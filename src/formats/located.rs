@@ -15,7 +15,11 @@ use serde_json::{Map, Value};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use super::input::{self, InputFile};
 use crate::error::{Error, Location, Problem, Result, number};
+
+/// Longer files are refused, bytes: nobody writes them.
+const LIMIT: u64 = 16 << 20;
 
 /// A TOML text as a tree whose items know their places.
 ///
@@ -36,6 +40,16 @@ struct Place {
 }
 
 impl Document {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// [`Error::Io`]; [`Error::Invalid`] for a file of more than 16 MiB; [`Error::Syntax`] at the first place that is not
+    /// UTF-8 or not TOML.
+    pub fn open(path: &Path) -> Result<(Self, InputFile)> {
+        let (text, input) = input::text(path, LIMIT)?;
+        Ok((Self::parse(text, path)?, input))
+    }
+
     /// Parses a text; `path` is for messages.
     ///
     /// # Errors
@@ -146,76 +160,82 @@ impl Document {
         serde_json::from_value(self.tree.clone()).map_err(|e| Error::invalid(Location::file(&self.path), e.to_string()))
     }
 
+    /// Adds what is wrong with a value by its schema; `root` holds the definitions that schemas refer to.
     fn compare(&self, root: &Value, schema: &Value, value: &Value, item: &str, problems: &mut Vec<Problem>) {
         let schema = resolved(root, schema);
-        let choices = choices(root, schema);
         if value.is_null() {
+            // Told when the text was read.
             return;
         }
+        let choices = choices(root, schema);
         if !choices.is_empty() {
-            let words: Vec<&str> = choices.iter().flat_map(|c| words(c)).collect();
-            if let (Value::String(found), false) = (value, words.is_empty())
-                && !choices.iter().any(|c| words_free(c))
-            {
-                if !words.contains(&found.as_str()) {
-                    problems.push(self.not_a_word(found, &words, item));
-                }
-                return;
-            }
-            let fitting: Vec<&&Value> = choices.iter().filter(|c| kind_fits(c, value)).collect();
-            let outcome = |choice: &Value| {
-                let mut found = Vec::new();
-                self.compare(root, choice, value, item, &mut found);
-                found
-            };
-            match fitting.iter().map(|c| outcome(c)).min_by_key(Vec::len) {
-                Some(found) => problems.extend(found),
-                None => {
-                    let expected: Vec<String> = choices.iter().map(|c| described(c)).collect();
-                    problems.push(self.other_kind(&expected.join(" or "), value, item));
-                }
-            }
-            return;
+            return self.compare_choices(root, &choices, value, item, problems);
         }
         let words = words(schema);
-        if let (Value::String(found), false) = (value, words.is_empty()) {
-            if !words.contains(&found.as_str()) {
+        match value {
+            Value::String(found) if !words.is_empty() && !words.contains(&found.as_str()) => {
                 problems.push(self.not_a_word(found, &words, item));
             }
-            return;
-        }
-        if !kind_fits(schema, value) {
-            problems.push(self.other_kind(&described(schema), value, item));
-            return;
-        }
-        match value {
+            _ if !kind_fits(schema, value) => problems.push(self.other_kind(&described(schema), value, item)),
             Value::Object(map) => self.compare_table(root, schema, map, item, problems),
-            Value::Array(elements) => {
-                let limit = |key: &str| schema.get(key).and_then(Value::as_u64).map(|n| n as usize);
-                let (least, most) = (limit("minItems").unwrap_or(0), limit("maxItems").unwrap_or(usize::MAX));
-                if !(least..=most).contains(&elements.len()) {
-                    let expected = if least == most {
-                        format!("{least}")
-                    } else if most == usize::MAX {
-                        format!("at least {least}")
-                    } else {
-                        format!("{least} to {most}")
-                    };
-                    let message = format!("expected a list of {expected}, found {}", elements.len());
-                    problems.push(Problem::new(self.at(item), message));
-                }
-                if let Some(schema) = schema.get("items") {
-                    for (i, element) in elements.iter().enumerate() {
-                        self.compare(root, schema, element, &format!("{item}[{i}]"), problems);
-                    }
-                }
-            }
+            Value::Array(elements) => self.compare_list(root, schema, elements, item, problems),
             Value::Number(number) => {
                 if let Some(message) = number.as_f64().and_then(|x| out_of_range(schema, x)) {
                     problems.push(Problem::new(self.at(item), message));
                 }
             }
             _ => {}
+        }
+    }
+
+    /// Of schemas that each would do, the one that a value comes nearest to says what is wrong.
+    fn compare_choices(
+        &self,
+        root: &Value,
+        choices: &[&Value],
+        value: &Value,
+        item: &str,
+        problems: &mut Vec<Problem>,
+    ) {
+        let words: Vec<&str> = choices.iter().flat_map(|c| words(c)).collect();
+        if let (Value::String(found), false) = (value, words.is_empty())
+            && !choices.iter().any(|c| words_free(c))
+        {
+            if !words.contains(&found.as_str()) {
+                problems.push(self.not_a_word(found, &words, item));
+            }
+            return;
+        }
+        let outcomes = choices.iter().filter(|choice| kind_fits(choice, value)).map(|choice| {
+            let mut found = Vec::new();
+            self.compare(root, choice, value, item, &mut found);
+            found
+        });
+        match outcomes.min_by_key(Vec::len) {
+            Some(found) => problems.extend(found),
+            None => {
+                let expected: Vec<String> = choices.iter().map(|c| described(c)).collect();
+                problems.push(self.other_kind(&expected.join(" or "), value, item));
+            }
+        }
+    }
+
+    fn compare_list(&self, root: &Value, schema: &Value, elements: &[Value], item: &str, problems: &mut Vec<Problem>) {
+        let limit = |key: &str| schema.get(key).and_then(Value::as_u64).map(|n| n as usize);
+        let (least, most) = (limit("minItems").unwrap_or(0), limit("maxItems").unwrap_or(usize::MAX));
+        if !(least..=most).contains(&elements.len()) {
+            let expected = match (least, most) {
+                _ if least == most => format!("{least}"),
+                (_, usize::MAX) => format!("at least {least}"),
+                _ => format!("{least} to {most}"),
+            };
+            let message = format!("expected a list of {expected}, found {}", elements.len());
+            problems.push(Problem::new(self.at(item), message));
+        }
+        if let Some(schema) = schema.get("items") {
+            for (i, element) in elements.iter().enumerate() {
+                self.compare(root, schema, element, &format!("{item}[{i}]"), problems);
+            }
         }
     }
 

@@ -1,15 +1,18 @@
 //! Files: one format, one module. Only here and in the command line is the disk touched.
 
+pub mod convert;
 pub mod dart;
 pub mod envi;
 pub mod exr_cube;
 pub mod folder;
+pub mod gltf;
 pub mod ilwis;
 mod input;
 pub mod located;
 pub mod mtl;
 pub mod npz;
 pub mod obj;
+pub mod photometry_csv;
 mod picture;
 pub mod quicklook;
 pub mod recipe_toml;
@@ -17,6 +20,7 @@ pub mod report_json;
 pub mod scene_toml;
 pub mod spectra;
 pub mod spectrum_csv;
+pub mod surface;
 pub mod xml;
 
 pub use input::{InputFile, text};

@@ -4,6 +4,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use crate::error::{Location, Problem, Result};
+use crate::landscape::MATERIALS;
 
 use super::input::{self, BYTE_ORDER_MARK, InputFile, Problems};
 
@@ -14,6 +15,21 @@ pub struct ObjMaterial {
     pub name: String,
     /// Diffuse colour `Kd`, linear RGB 0 to 1, if the material file gives one.
     pub kd: Option<[f64; 3]>,
+}
+
+/// The materials of a generated landscape, by their index in its mesh.
+pub fn of_landscapes() -> Vec<ObjMaterial> {
+    MATERIALS.map(|(name, kd)| ObjMaterial { name: name.to_owned(), kd: Some(kd) }).into()
+}
+
+/// The name nearest to this one that a line of an OBJ or MTL file can hold.
+pub(crate) fn plain_name(name: &str) -> String {
+    let mut name: String = name.trim().chars().map(|c| if c.is_control() { '_' } else { c }).collect();
+    // At its end it would join the next line to this one.
+    if name.ends_with('\\') {
+        name.push('_');
+    }
+    name
 }
 
 /// No material file is this long, bytes.

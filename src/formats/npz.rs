@@ -330,54 +330,23 @@ pub fn read_table(path: &Path) -> Result<(FacetTable, Header)> {
     let temperature_lit_k = file.f64s("temperature_lit_k", 1, false, &mut problems)?;
     let temperature_shaded_k = file.f64s("temperature_shaded_k", 1, false, &mut problems)?;
 
-    let facets = sun_irradiance.len();
     // If it cannot be used, that has been told, and all others would be of another length.
-    let comparable = facets > 0 || problems.is_empty();
-    let mut problem = |item: String, message: String| {
-        problems.push(Problem::new(Location::file(path).with_item(item), message));
-    };
-    let lengths = [
-        ("sun_lit", lit_codes.len(), false),
-        ("mars_irradiance", mars_irradiance.len(), true),
-        ("temperature_lit_k", temperature_lit_k.len(), true),
-        ("temperature_shaded_k", temperature_shaded_k.len(), true),
-    ];
-    for (name, length, may_be_empty) in lengths {
-        if comparable && length != facets && !(may_be_empty && length == 0) {
-            problem(name.into(), format!("has {length} values, but sun_irradiance has {facets}"));
-        }
-    }
-    if temperature_lit_k.len() != temperature_shaded_k.len() {
-        problem("temperature_lit_k".into(), "lit and shaded parts need a temperature, or neither".into());
-    }
-    if mars_direction.is_some() == mars_irradiance.is_empty() && facets > 0 {
-        problem("mars_irradiance".into(), "Mars needs both mars_direction and mars_irradiance, or neither".into());
-    }
-    let ranged = [
-        ("sun_irradiance", &sun_irradiance),
-        ("mars_irradiance", &mars_irradiance),
-        ("temperature_lit_k", &temperature_lit_k),
-        ("temperature_shaded_k", &temperature_shaded_k),
-    ];
-    for (name, values) in ranged {
-        if let Some(i) = values.iter().position(|v| !(*v >= 0.0 && v.is_finite())) {
-            problem(format!("{name}[{i}]"), format!("{} is not a number from 0", values[i]));
-        }
-    }
-    if let Some(i) = uv.iter().position(|v| !v.is_finite()) {
-        problem(format!("sun_polygon_uv[{}]", i / 2), "is not a point".into());
-    }
+    let is_comparable = !sun_irradiance.is_empty() || problems.is_empty();
+    let at = |item: String| Location::file(path).with_item(item);
     if let Some(i) = lit_codes.iter().position(|code| *code > 2) {
-        problem(format!("sun_lit[{i}]"), format!("{} is none of 0, 1, 2", lit_codes[i]));
+        problems.push(Problem::new(at(format!("sun_lit[{i}]")), format!("{} is none of 0, 1, 2", lit_codes[i])));
     }
     let lit = lit_codes.iter().map(|code| [Lit::Dark, Lit::Full, Lit::Part][usize::from(*code).min(2)]).collect();
     let uv = uv.chunks_exact(2).map(|p| [p[0], p[1]]).collect();
     let sunlit = Sunlit { lit, polygon_facet, polygon_start, uv };
-    if let Err(message) = sunlit.validate() {
-        problem("sun_polygon_start".into(), message);
-    } else if let Some(i) = sunlit.polygon_start.windows(2).position(|w| w[1] - w[0] < 3) {
-        problem(format!("sun_polygon_start[{i}]"), "a polygon needs three vertices".into());
-    }
+    let columns = [
+        ("sun_irradiance", sun_irradiance.as_slice()),
+        ("mars_irradiance", &mars_irradiance),
+        ("temperature_lit_k", &temperature_lit_k),
+        ("temperature_shaded_k", &temperature_shaded_k),
+    ];
+    let problem = |item, message: String| problems.push(Problem::new(at(item), message));
+    check(columns, &sunlit, mars_direction.is_some(), is_comparable, problem);
     match sun_direction {
         Some(sun_direction) if problems.is_empty() => Ok((
             FacetTable {
@@ -392,6 +361,46 @@ pub fn read_table(path: &Path) -> Result<(FacetTable, Header)> {
             header,
         )),
         _ => Err(Error::Invalid(problems)),
+    }
+}
+
+/// Tells what of a table does not fit together or is out of range: (item, message). Lengths are compared only on request.
+fn check(
+    columns: [(&str, &[f64]); 4],
+    sunlit: &Sunlit,
+    has_mars: bool,
+    is_comparable: bool,
+    mut problem: impl FnMut(String, String),
+) {
+    let [(_, sun), (_, mars), (_, lit_k), (_, shaded_k)] = columns;
+    let facets = sun.len();
+    if is_comparable && sunlit.lit.len() != facets {
+        problem("sun_lit".into(), format!("has {} values, but sun_irradiance has {facets}", sunlit.lit.len()));
+    }
+    for (name, values) in columns {
+        // All but the Sun's may be left out.
+        if is_comparable && values.len() != facets && !values.is_empty() {
+            problem(name.into(), format!("has {} values, but sun_irradiance has {facets}", values.len()));
+        }
+    }
+    if lit_k.len() != shaded_k.len() {
+        problem("temperature_lit_k".into(), "lit and shaded parts need a temperature, or neither".into());
+    }
+    if has_mars == mars.is_empty() && facets > 0 {
+        problem("mars_irradiance".into(), "Mars needs both mars_direction and mars_irradiance, or neither".into());
+    }
+    for (name, values) in columns {
+        if let Some(i) = values.iter().position(|v| !(*v >= 0.0 && v.is_finite())) {
+            problem(format!("{name}[{i}]"), format!("{} is not a number from 0", values[i]));
+        }
+    }
+    if let Some(i) = sunlit.uv.iter().position(|[u, v]| !(u.is_finite() && v.is_finite())) {
+        problem(format!("sun_polygon_uv[{i}]"), "is not a point".into());
+    }
+    if let Err(message) = sunlit.validate() {
+        problem("sun_polygon_start".into(), message);
+    } else if let Some(i) = sunlit.polygon_start.windows(2).position(|w| w[1] - w[0] < 3) {
+        problem(format!("sun_polygon_start[{i}]"), "a polygon needs three vertices".into());
     }
 }
 
@@ -454,19 +463,20 @@ impl Npz {
 
     /// An array; `None` if there is none of this name. Never holds more than the file does.
     fn array(&mut self, name: &str) -> Result<Option<Array>> {
-        let at = Location::file(&self.path).with_item(name);
+        let at = self.at(name);
         let damaged = |message: String| Error::syntax(at.clone(), message);
+        let compressed = || {
+            let feature = "a compressed .npz file (save it with np.savez)".into();
+            Error::Unsupported { at: at.clone(), feature }
+        };
         let mut member = match self.zip.by_name(&format!("{name}.npy")) {
             Ok(member) => member,
             Err(zip::result::ZipError::FileNotFound) => return Ok(None),
-            Err(zip::result::ZipError::UnsupportedArchive(_)) => {
-                let feature = "a compressed .npz file (save it with np.savez)".to_owned();
-                return Err(Error::Unsupported { at, feature });
-            }
+            Err(zip::result::ZipError::UnsupportedArchive(_)) => return Err(compressed()),
             Err(e) => return Err(damaged(e.to_string())),
         };
         if member.compression() != CompressionMethod::Stored {
-            return Err(Error::Unsupported { at, feature: "a compressed .npz file (save it with np.savez)".into() });
+            return Err(compressed());
         }
         if member.size() > self.file_bytes {
             return Err(damaged(format!("claims {} bytes in a file of {}", member.size(), self.file_bytes)));

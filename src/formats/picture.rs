@@ -7,37 +7,27 @@ use std::path::Path;
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 
 use super::input::BYTE_ORDER_MARK;
-use crate::error::{Error, Location, Problem};
+use crate::error::{Error, Problem};
 
 /// An error as text for a terminal: each problem with the lines of the file that it is about, as the compiler shows them.
 ///
 /// Plain, without colour. A problem whose text cannot be read (again) is shown as [`Display`](std::fmt::Display) shows it.
 pub fn picture(error: &Error) -> String {
-    let shown: Vec<String> = match error {
-        Error::Syntax { at, message } => vec![one(at, message, None)],
-        Error::Invalid(problems) => problems.iter().map(of_problem).collect(),
-        Error::Unsupported { at, feature } => {
-            vec![one(at, &format!("{feature} is not supported by this version"), None)]
-        }
-        Error::Io { .. } | Error::Interrupted => vec![format!("error: {error}")],
-    };
-    shown.join("\n")
+    let problems = error.problems();
+    if problems.is_empty() {
+        return format!("error: {error}");
+    }
+    problems.iter().map(of_problem).collect::<Vec<_>>().join("\n")
 }
 
 fn of_problem(problem: &Problem) -> String {
-    one(&problem.at, &problem.message, problem.help.as_deref())
-}
-
-fn one(at: &Location, message: &str, help: Option<&str>) -> String {
-    let plain = || {
-        let problem = Problem { at: at.clone(), message: message.to_owned(), help: help.map(str::to_owned) };
-        format!("error: {problem}")
-    };
+    let Problem { at, message, help } = problem;
+    let plain = || format!("error: {problem}");
     let (Some(path), Some(line), Some((start, end))) = (&at.file, at.line, at.span) else { return plain() };
     let Some((lines, start, end)) = lines_around(path, start, end) else { return plain() };
     let title = match &at.item {
         Some(item) => format!("{item}: {message}"),
-        None => message.to_owned(),
+        None => message.clone(),
     };
     let name = path.display().to_string();
     let snippet = Snippet::source(lines.as_str())
@@ -81,6 +71,7 @@ fn lines_around(path: &Path, start: usize, end: usize) -> Option<(String, usize,
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::error::Location;
 
     #[test]
     fn a_problem_is_shown_on_its_line() {

@@ -1,4 +1,8 @@
 //! Quick looks: PNG pictures of one band, and of three bands as colours.
+//!
+//! Grey is radiance between a black and a white, linearly where the median is mid-grey or brighter then, else by the power
+//! that makes it mid-grey: so shadows that only Mars lights show beside sunlit ground, and evenly lit ground keeps its
+//! contrast. The text `Description` in the file gives the radiances that are black and white, and the power.
 
 use std::fs::File;
 use std::io::{BufReader, BufWriter};
@@ -8,8 +12,10 @@ use crate::error::{Error, Location, Result};
 use crate::product::Cube;
 use crate::spectral::Band;
 
-/// Black and white are these shares of the covered pixels.
-const STRETCH: (f64, f64) = (0.005, 0.995);
+/// Black and white are the radiances that these shares of the covered pixels are below.
+const BLACK_WHITE: (f64, f64) = (0.005, 0.995);
+/// No power is less: beyond the cube root the steps of 8 bits show in what is dark.
+const LEAST_POWER: f64 = 1.0 / 3.0;
 
 /// The band that a grey picture shows: the middle one.
 pub fn grey_band(bands: &[Band]) -> usize {
@@ -32,23 +38,25 @@ pub fn colour_bands(bands: &[Band]) -> [usize; 3] {
     })
 }
 
-/// Writes one band as a grey PNG of 8 bits, stretched linearly between the 0.5th and the 99.5th percentile of the
-/// covered pixels. `coverage`: share of each pixel that sees the surface; pixels without any are black.
+/// Writes one band as a grey PNG of 8 bits, from the 0.5th to the 99.5th percentile of the covered pixels.
+/// `coverage`: share of each pixel that sees the surface; pixels without any are black.
 ///
 /// # Errors
 /// [`Error::Io`] if the file cannot be written; [`Error::Invalid`] for an image without pixels.
 pub fn write_grey(path: &Path, cube: &Cube, band: usize, coverage: &[f64]) -> Result<()> {
-    write(path, cube, png::ColorType::Grayscale, &stretched(&cube.band(band), coverage))
+    let (pixels, text) = channel(cube, band, coverage);
+    write(path, cube, png::ColorType::Grayscale, &pixels, &text)
 }
 
-/// Writes three bands as a colour PNG, each stretched by itself as [`write_grey`] does: colours show differences, not colour.
+/// Writes three bands as a colour PNG, each stretched by itself: colours show differences, not colour.
 ///
 /// # Errors
 /// As [`write_grey`].
 pub fn write_colour(path: &Path, cube: &Cube, bands: [usize; 3], coverage: &[f64]) -> Result<()> {
-    let [red, green, blue] = bands.map(|band| stretched(&cube.band(band), coverage));
+    let [(red, red_text), (green, green_text), (blue, blue_text)] = bands.map(|band| channel(cube, band, coverage));
     let pixels: Vec<u8> = (0..red.len()).flat_map(|i| [red[i], green[i], blue[i]]).collect();
-    write(path, cube, png::ColorType::Rgb, &pixels)
+    let text = format!("red: {red_text}; green: {green_text}; blue: {blue_text}");
+    write(path, cube, png::ColorType::Rgb, &pixels, &text)
 }
 
 /// Width and height of a PNG, pixels, and whether it has colours.
@@ -63,23 +71,59 @@ pub fn read_info(path: &Path) -> Result<(u32, u32, bool)> {
     Ok((info.width, info.height, info.color_type != png::ColorType::Grayscale))
 }
 
-fn stretched(radiance: &[f64], coverage: &[f64]) -> Vec<u8> {
-    let is_covered = |i: usize| coverage.get(i).is_some_and(|c| *c > 0.0);
-    let mut covered: Vec<f64> = (0..radiance.len()).filter(|i| is_covered(*i)).map(|i| radiance[i]).collect();
-    covered.sort_unstable_by(f64::total_cmp);
-    let rank = |share: f64| covered.get((share * (covered.len() as f64 - 1.0)).round().max(0.0) as usize).copied();
-    let (Some(black), Some(white)) = (rank(STRETCH.0), rank(STRETCH.1)) else {
-        return vec![0; radiance.len()];
-    };
-    let grey = |value: f64| match white - black {
-        range if range > 0.0 => ((value - black) / range * 255.0).round().clamp(0.0, 255.0) as u8,
-        // One value everywhere: mid-grey if it shines, black if not.
-        _ => 128 * u8::from(white > 0.0),
-    };
-    (0..radiance.len()).map(|i| if is_covered(i) { grey(radiance[i]) } else { 0 }).collect()
+/// The bytes of a band, and what they mean.
+fn channel(cube: &Cube, band: usize, coverage: &[f64]) -> (Vec<u8>, String) {
+    let radiance = cube.band(band);
+    let um = cube.bands[band].centre_um;
+    match Stretch::of(&radiance, coverage) {
+        Some(stretch) => {
+            let Stretch { black, white, power } = stretch;
+            let text = format!("{um} um, black {black:.4e}, white {white:.4e} W m-2 sr-1 um-1, power {power:.3}");
+            (stretch.bytes(&radiance, coverage), text)
+        }
+        None => (vec![0; radiance.len()], format!("{um} um, nothing in view")),
+    }
 }
 
-fn write(path: &Path, cube: &Cube, colour: png::ColorType, pixels: &[u8]) -> Result<()> {
+/// How radiance becomes grey.
+struct Stretch {
+    /// The radiance that is black, W m-2 sr-1 um-1.
+    black: f64,
+    /// The radiance that is white, W m-2 sr-1 um-1.
+    white: f64,
+    power: f64,
+}
+
+impl Stretch {
+    /// `None` if no pixel is covered.
+    fn of(radiance: &[f64], coverage: &[f64]) -> Option<Self> {
+        let mut covered: Vec<f64> = radiance.iter().zip(coverage).filter(|(_, c)| **c > 0.0).map(|(l, _)| *l).collect();
+        covered.sort_unstable_by(f64::total_cmp);
+        let last = covered.len().checked_sub(1)?;
+        let [black, median, white] =
+            [BLACK_WHITE.0, 0.5, BLACK_WHITE.1].map(|share| covered[(share * last as f64).round() as usize]);
+        let share = (median - black) / (white - black);
+        let power = if share < 0.5 { (0.5_f64.ln() / share.ln()).max(LEAST_POWER) } else { 1.0 };
+        Some(Stretch { black, white, power })
+    }
+
+    fn byte(&self, radiance: f64) -> u8 {
+        match self.white - self.black {
+            range if range > 0.0 => {
+                let share = ((radiance - self.black) / range).clamp(0.0, 1.0);
+                (255.0 * share.powf(self.power)).round() as u8
+            }
+            // One value everywhere: mid-grey if it shines, black if not.
+            _ => 128 * u8::from(self.white > 0.0),
+        }
+    }
+
+    fn bytes(&self, radiance: &[f64], coverage: &[f64]) -> Vec<u8> {
+        radiance.iter().zip(coverage).map(|(l, c)| if *c > 0.0 { self.byte(*l) } else { 0 }).collect()
+    }
+}
+
+fn write(path: &Path, cube: &Cube, colour: png::ColorType, pixels: &[u8], text: &str) -> Result<()> {
     let failed = |e: png::EncodingError| match e {
         png::EncodingError::IoError(e) => Error::io(path, "writing", e),
         other => Error::invalid(Location::file(path), other.to_string()),
@@ -92,6 +136,7 @@ fn write(path: &Path, cube: &Cube, colour: png::ColorType, pixels: &[u8]) -> Res
     encoder.set_color(colour);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::Fast);
+    encoder.add_text_chunk("Description".to_owned(), text.to_owned()).map_err(failed)?;
     let mut writer = encoder.write_header().map_err(failed)?;
     writer.write_image_data(pixels).map_err(failed)?;
     writer.finish().map_err(failed)
@@ -100,6 +145,10 @@ fn write(path: &Path, cube: &Cube, colour: png::ColorType, pixels: &[u8]) -> Res
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn stretched(radiance: &[f64], coverage: &[f64]) -> Vec<u8> {
+        Stretch::of(radiance, coverage).map_or(vec![0; radiance.len()], |stretch| stretch.bytes(radiance, coverage))
+    }
 
     fn bands(centres: &[f64]) -> Vec<Band> {
         centres.iter().map(|um| Band { centre_um: *um, fwhm_um: None }).collect()
@@ -111,6 +160,18 @@ mod tests {
         assert_eq!(colour_bands(&bands(&[7.0, 5.9, 4.0, 2.0, 1.0])), [1, 2, 3]);
         assert_eq!(colour_bands(&bands(&[0.4, 0.45, 0.55, 0.65, 1.0])), [3, 2, 1]);
         assert_eq!(colour_bands(&bands(&[2.0])), [0, 0, 0]);
+    }
+
+    #[test]
+    fn shadows_that_something_lights_show_beside_sunlit_ground() {
+        // 2 of 3 pixels at 1 % of the rest: the median, 0.01, would be mid-grey by a power of 0.15. 255 x 0.01^(1/3) = 55.
+        let mut radiance = vec![1.0; 600];
+        radiance.extend([100.0; 290]);
+        radiance[..10].fill(0.0);
+        let grey = stretched(&radiance, &vec![1.0; 890]);
+        assert_eq!((grey[0], grey[10], grey[889]), (0, 55, 255));
+        // A median of a quarter is mid-grey by the square root.
+        assert_eq!(stretched(&[0.0, 0.25, 1.0], &[1.0; 3]), [0, 128, 255]);
     }
 
     #[test]

@@ -1,30 +1,31 @@
-//! A landscape's recipe as a file of its own.
+//! A landscape's recipe, as a file of its own or as part of a scene.
 
 use std::path::Path;
 
+use super::InputFile;
 use super::located::Document;
-use super::{InputFile, input};
-use crate::error::{Error, Result};
+use crate::error::{Error, Problem, Result};
 use crate::landscape::Recipe;
 
-/// No recipe is this long, bytes.
-const LIMIT: u64 = 1 << 20;
-
-/// Reads a recipe.
+/// Reads and checks a recipe.
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::Syntax`]; [`Error::Invalid`] with everything that is unknown, missing or out of range, each at
 /// its place.
 pub fn read(path: &Path) -> Result<(Recipe, InputFile)> {
-    let (text, file) = input::text(path, LIMIT)?;
-    let document = Document::parse(text, path)?;
+    let (document, input) = Document::open(path)?;
     let recipe: Recipe = document.read()?;
-    let mut problems = recipe.check();
-    for problem in &mut problems {
-        // A scene holds its recipe under this name; here it is the whole file.
-        if let Some(item) = problem.at.item.take() {
-            problem.at = document.at(item.strip_prefix("recipe.").unwrap_or(&item));
-        }
-    }
-    if problems.is_empty() { Ok((recipe, file)) } else { Err(Error::Invalid(problems)) }
+    let problems = recipe.check();
+    if problems.is_empty() { Ok((recipe, input)) } else { Err(placed(Error::Invalid(problems), &document, "")) }
+}
+
+/// What [`Recipe::check`] found, with its places in the text that holds the recipe: as its item, or as all of it ("").
+pub(super) fn placed(error: Error, document: &Document, item: &str) -> Error {
+    let Error::Invalid(problems) = error else { return error };
+    let placed = problems.into_iter().map(|problem| {
+        let key = problem.at.item.as_deref().and_then(|found| found.strip_prefix("recipe.")).unwrap_or("");
+        let dot = if item.is_empty() || key.is_empty() { "" } else { "." };
+        Problem { at: document.at(&format!("{item}{dot}{key}")), ..problem }
+    });
+    Error::Invalid(placed.collect())
 }

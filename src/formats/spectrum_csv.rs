@@ -41,10 +41,8 @@ pub fn read(path: &Path, quantity: Quantity, extend: Extend) -> Result<(Spectrum
 /// [`Error::Invalid`], as [`read`].
 pub fn parse(text: &str, path: &Path, quantity: Quantity, extend: Extend) -> Result<Spectrum> {
     let mut problems = Problems::default();
-    let mut units = None;
+    let mut table: Option<Table> = None;
     let mut header_at = Location::file(path);
-    let (mut wavelength_um, mut values) = (Vec::new(), Vec::new());
-    let mut previous = 0.0;
     for (i, line) in text.lines().enumerate() {
         let at = |cell: &str| {
             let start = cell.as_ptr() as usize - text.as_ptr() as usize;
@@ -60,104 +58,126 @@ pub fn parse(text: &str, path: &Path, quantity: Quantity, extend: Extend) -> Res
         let (Some(first), Some(second)) = (cells.next(), cells.next()) else {
             problems
                 .push(|| Problem::new(at(row), "one column: a wavelength and a value, parted by a comma, are needed"));
-            if units.is_none() {
+            if table.is_none() {
                 break;
             }
             continue;
         };
-        let Some((nanometres, unit)) = units else {
-            units = header(first, second, quantity);
-            header_at = at(first);
-            if units.is_none() {
+        let Some(table) = &mut table else {
+            table = Table::from_header(first, second, quantity);
+            if table.is_some() {
+                header_at = at(first);
+                continue;
+            }
+            problems.push(|| {
                 let expected = match quantity {
                     Quantity::Fraction => "`reflectance` or `reflectance_percent` (emissivity and albedo likewise)",
                     Quantity::Irradiance => "`irradiance_w_m2_um` or `irradiance_w_m2_nm`",
                 };
-                problems.push(|| {
-                    let message = format!("the header `{first},{second}` does not state the units");
-                    let help = format!("the first line is `wavelength_um` or `wavelength_nm`, then {expected}");
-                    Problem::new(at(row), message).with_help(help)
-                });
-                break;
-            }
-            continue;
-        };
-        let number = |cell: &str| cell.parse::<f64>().ok().filter(|x| x.is_finite());
-        let (Some(w), Some(v)) = (number(first), number(second)) else {
-            let cell = if number(first).is_none() { first } else { second };
-            problems.push(|| Problem::new(at(cell), format!("`{cell}` is not a finite number")));
-            continue;
-        };
-        let (w, v) = (if nanometres { um_from_nm(w) } else { w }, v * unit);
-        if w <= previous {
-            problems.push(|| {
-                let message = match w {
-                    _ if w <= 0.0 => format!("wavelength {first} is not positive"),
-                    _ if w == previous => format!("wavelength {first} is there twice"),
-                    _ => format!("wavelength {first} is less than the one before it: sort the rows"),
-                };
-                Problem::new(at(first), message)
+                let message = format!("the header `{first},{second}` does not state the units");
+                let help = format!("the first line is `wavelength_um` or `wavelength_nm`, then {expected}");
+                Problem::new(at(row), message).with_help(help)
             });
-            continue;
-        }
-        previous = w;
-        match quantity {
-            Quantity::Fraction if !(0.0..=1.0).contains(&v) => problems.push(|| {
-                let problem = Problem::new(at(second), format!("{second} is outside 0 to {}", 1.0 / unit));
-                match unit {
-                    1.0 if v > 1.0 => {
-                        problem.with_help("if these are percent, say so in the header: `reflectance_percent`")
-                    }
-                    _ => problem,
-                }
-            }),
-            Quantity::Irradiance if v < 0.0 => {
-                problems.push(|| Problem::new(at(second), format!("irradiance {second} is negative")));
-            }
-            _ => {
-                wavelength_um.push(w);
-                values.push(v);
-            }
+            break;
+        };
+        if let Err(Refused { cell, message, help }) = table.row(first, second) {
+            problems.push(|| Problem { at: at(cell), message, help: help.map(str::to_owned) });
         }
     }
-    if let (Some(&first), Some(&last)) = (wavelength_um.first(), wavelength_um.last()) {
-        suspect_unit(first, last, header_at, &mut problems);
+    let (wavelength_um, value) = table.map(|table| (table.wavelength_um, table.value)).unwrap_or_default();
+    if let Some(problem) = suspect_unit(&wavelength_um, header_at) {
+        problems.push(|| problem);
     }
     problems.finish(path)?;
-    Spectrum::new(wavelength_um, values, extend).ok_or_else(|| {
+    Spectrum::new(wavelength_um, value, extend).ok_or_else(|| {
         Error::invalid(Location::file(path), "no rows: a header that states units, then at least one row")
     })
 }
 
-/// Whether wavelengths are nm, and what makes values fractions or W m-2 um-1, as the header says.
-fn header(first: &str, second: &str, quantity: Quantity) -> Option<(bool, f64)> {
-    let nanometres = match first {
-        "wavelength_um" => false,
-        "wavelength_nm" => true,
-        _ => return None,
-    };
-    let fraction = |name: &str| ["reflectance", "emissivity", "albedo"].contains(&name);
-    let unit = match quantity {
-        Quantity::Fraction if fraction(second) => 1.0,
-        Quantity::Fraction if second.strip_suffix("_percent").is_some_and(fraction) => 0.01,
-        Quantity::Irradiance if second == "irradiance_w_m2_um" => 1.0,
-        Quantity::Irradiance if second == "irradiance_w_m2_nm" => 1000.0,
-        _ => return None,
-    };
-    Some((nanometres, unit))
+/// The rows so far, and their units.
+struct Table {
+    quantity: Quantity,
+    /// Wavelengths are nm, not um.
+    in_nanometres: bool,
+    /// What makes values fractions or W m-2 um-1.
+    unit: f64,
+    wavelength_um: Vec<f64>,
+    value: Vec<f64>,
+    /// The wavelength of the last row, also if its value was refused.
+    last_um: f64,
 }
 
-/// Tables that reach no wavelength between 0.1 and 100 um are in another unit than their header says.
-fn suspect_unit(first_um: f64, last_um: f64, header_at: Location, problems: &mut Problems) {
-    let help = match () {
-        () if first_um > 100.0 => "these look like nanometres: is the header `wavelength_nm`?",
-        () if last_um < 0.1 => "these look like micrometres: is the header `wavelength_um`?",
-        () => return,
+/// A cell that cannot be used, and why.
+struct Refused<'a> {
+    cell: &'a str,
+    message: String,
+    help: Option<&'static str>,
+}
+
+impl Table {
+    fn from_header(first: &str, second: &str, quantity: Quantity) -> Option<Self> {
+        let in_nanometres = match first {
+            "wavelength_um" => false,
+            "wavelength_nm" => true,
+            _ => return None,
+        };
+        let fraction = |name: &str| ["reflectance", "emissivity", "albedo"].contains(&name);
+        let unit = match quantity {
+            Quantity::Fraction if fraction(second) => 1.0,
+            Quantity::Fraction if second.strip_suffix("_percent").is_some_and(fraction) => 0.01,
+            Quantity::Irradiance if second == "irradiance_w_m2_um" => 1.0,
+            Quantity::Irradiance if second == "irradiance_w_m2_nm" => 1000.0,
+            _ => return None,
+        };
+        Some(Table { quantity, in_nanometres, unit, wavelength_um: vec![], value: vec![], last_um: 0.0 })
+    }
+
+    fn row<'a>(&mut self, first: &'a str, second: &'a str) -> std::result::Result<(), Refused<'a>> {
+        let refused = |cell, message| Refused { cell, message, help: None };
+        let number = |cell: &'a str| match cell.parse::<f64>() {
+            Ok(x) if x.is_finite() => Ok(x),
+            _ => Err(refused(cell, format!("`{cell}` is not a finite number"))),
+        };
+        let (wavelength, value) = (number(first)?, number(second)? * self.unit);
+        let um = if self.in_nanometres { um_from_nm(wavelength) } else { wavelength };
+        if um <= self.last_um {
+            let message = match um {
+                _ if um <= 0.0 => format!("wavelength {first} is not positive"),
+                _ if um == self.last_um => format!("wavelength {first} is there twice"),
+                _ => format!("wavelength {first} is less than the one before it: sort the rows"),
+            };
+            return Err(refused(first, message));
+        }
+        self.last_um = um;
+        match self.quantity {
+            Quantity::Fraction if !(0.0..=1.0).contains(&value) => {
+                let message = format!("{second} is outside 0 to {}", 1.0 / self.unit);
+                let is_percent = self.unit == 1.0 && value > 1.0;
+                let help = "if these are percent, say so in the header: `reflectance_percent`";
+                Err(Refused { cell: second, message, help: is_percent.then_some(help) })
+            }
+            Quantity::Irradiance if value < 0.0 => Err(refused(second, format!("irradiance {second} is negative"))),
+            _ => {
+                self.wavelength_um.push(um);
+                self.value.push(value);
+                Ok(())
+            }
+        }
+    }
+}
+
+/// A table that has no wavelength between 0.1 and 100 um is in another unit than its header says.
+fn suspect_unit(wavelength_um: &[f64], header_at: Location) -> Option<Problem> {
+    let (first_um, last_um) = (*wavelength_um.first()?, *wavelength_um.last()?);
+    let help = if first_um > 100.0 {
+        "these look like nanometres: is the header `wavelength_nm`?"
+    } else if last_um < 0.1 {
+        "these look like micrometres: is the header `wavelength_um`?"
+    } else {
+        return None;
     };
-    problems.push(|| {
-        let message = format!("wavelengths from {} to {} um", number(first_um), number(last_um));
-        Problem::new(header_at, message).with_help(help)
-    });
+    let message = format!("wavelengths from {} to {} um", number(first_um), number(last_um));
+    Some(Problem::new(header_at, message).with_help(help))
 }
 
 #[cfg(test)]

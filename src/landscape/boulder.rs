@@ -19,7 +19,7 @@ pub(super) struct Ball {
 
 impl Ball {
     pub(super) fn new(frequency: u32) -> Self {
-        // (0, +-1, +-golden ratio) and its cyclic turns; counter-clockwise seen from outside
+        // (0, +-1, +-golden ratio) and its cyclic turns; counter-clockwise seen from outside.
         let g = 0.5 * (1.0 + 5f64.sqrt());
         let corners: [DVec3; 12] = [
             [-1.0, g, 0.0],
@@ -43,7 +43,7 @@ impl Ball {
             [8, 6, 7], [9, 8, 1],
         ];
         let mut ball = Ball { vertices: Vec::new(), facets: Vec::new() };
-        // a point is known by its weights at the corners, so that faces share the points on their edges
+        // A point is known by its weights at the corners, so that faces share the points on their edges.
         let mut known = BTreeMap::new();
         for face in faces {
             let mut vertex = |i: u32, j: u32| {
@@ -88,7 +88,7 @@ pub(super) fn boulders(boulders: &Boulders, seed: u64, size_m: f64) -> impl Iter
         let key = key(seed, Purpose::Boulder, i.into());
         let mut draws = Draws::new(key);
         let diameter_m = draws.power_law(boulders.min_diameter_m, boulders.max_diameter_m, boulders.exponent);
-        // none sticks out over the border
+        // None sticks out over the border.
         let half_m = 0.5 * (size_m - diameter_m);
         let (x_m, y_m) = (draws.between(-half_m, half_m), draws.between(-half_m, half_m));
         Boulder { x_m, y_m, diameter_m, key }
@@ -154,13 +154,13 @@ mod tests {
 
     #[test]
     fn balls_are_closed_and_fill_the_sphere() {
-        // an icosahedron of circumradius 1: edge 4 / sqrt(10 + 2 sqrt 5), volume 5 (3 + sqrt 5) / 12 edge^3
+        // An icosahedron of circumradius 1: edge 4 / sqrt(10 + 2 sqrt 5), volume 5 (3 + sqrt 5) / 12 edge^3.
         let edge = 4.0 / (10.0 + 2.0 * 5f64.sqrt()).sqrt();
         let icosahedron = 5.0 / 12.0 * (3.0 + 5f64.sqrt()) * edge.powi(3);
         let mut last = 0.0;
         for frequency in 1..=4 {
             let ball = Ball::new(frequency);
-            // 20 f^2 facets, and by Euler V = F / 2 + 2
+            // 20 f^2 facets, and by Euler V = F / 2 + 2.
             assert_eq!(ball.facets.len() as u32, 20 * frequency * frequency);
             assert_eq!(ball.vertices.len(), ball.facets.len() / 2 + 2);
             let volume = volume_m3(&ball.vertices, &ball.facets);
@@ -188,7 +188,7 @@ mod tests {
             assert!((longest(&a) - longest(&b)).abs() < 0.1);
             let volumes = [volume_m3(&a, &coarse.facets), volume_m3(&b, &fine.facets)];
             assert!((volumes[0] / volumes[1] - 1.0).abs() < 0.15, "{volumes:?}");
-            // boxes of 1 x 0.6 x 0.4 to 1 x 0.9 x 0.7, of which a ball fills pi / 6 = 0.52 and a cut ball 0.4 to 0.65
+            // Boxes of 1 x 0.6 x 0.4 to 1 x 0.9 x 0.7, of which a ball fills pi / 6 = 0.52 and a cut ball 0.4 to 0.65.
             assert!((0.24 * 0.4..0.63 * 0.65).contains(&(volumes[1] / boulder.diameter_m.powi(3))), "{volumes:?}");
             seen += 1;
         }

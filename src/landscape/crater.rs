@@ -75,9 +75,9 @@ mod tests {
         assert_eq!((rim, *height), (50, 4.0));
         assert_eq!(profile[0], -16.0);
         assert_eq!(height - profile[0], 0.2 * 100.0);
-        // half way to the rim: 4 - 20 (1 - 1/4)
+        // Half way to the rim: 4 - 20 (1 - 1/4).
         assert_eq!(profile[25], -11.0);
-        // ejecta at twice the rim's radius: 4 / 2^3; none from three on
+        // Ejecta at twice the rim's radius: 4 / 2^3; none from three on.
         assert_eq!(profile[100], 0.5);
         assert!(profile[149] > 0.0);
         assert_eq!(profile[150..], [0.0; 51]);
@@ -87,12 +87,12 @@ mod tests {
     fn a_worn_crater_has_a_rounded_rim() {
         let worn = Crater { rounding_m: 8.0, ..FRESH };
         assert_eq!(worn.height_m(2500.0), 4.0 - 2.0);
-        // slopes from both sides of the rim now agree
+        // Slopes from both sides of the rim now agree.
         let slope = |from: f64, to: f64| (worn.height_m(to * to) - worn.height_m(from * from)) / (to - from);
         assert!((slope(49.9999, 50.0) - slope(50.0, 50.0001)).abs() < 1e-3);
-        // further than the rounding from the rim nothing changes
+        // Further than the rounding from the rim nothing changes.
         assert_eq!(worn.height_m(400.0), FRESH.height_m(400.0));
-        // nor does it leave a step where the ejecta end
+        // Nor does it leave a step where the ejecta end.
         assert_eq!(worn.height_m(149.999 * 149.999), FRESH.height_m(149.999 * 149.999));
     }
 
@@ -105,7 +105,7 @@ mod tests {
         assert_eq!((few.len(), many.len()), (10, 500));
         assert_eq!(few[..], many[..10]);
         assert!(many.iter().all(|c| c.x_m.abs() <= 1000.0 && c.y_m.abs() <= 1000.0));
-        // default wear: 0 to 0.9
+        // Default wear: 0 to 0.9.
         assert!(many.iter().all(|c| (0.02 - 1e-12..=0.2).contains(&(c.depth_m / c.diameter_m))));
     }
 }

@@ -30,10 +30,9 @@ const FINEST_STEPS: f64 = 3.0;
 #[derive(Debug, Clone)]
 pub struct Landscape {
     /// The ground (one open sheet, first) and the boulders (closed bodies that stick in it), m; x east, y north, z up.
-    /// Coordinates are whole multiples of 1e-5 m, so that text with five decimals holds them exactly.
+    /// Coordinates are whole multiples of 1e-5 m, so that text with five decimals holds them exactly. Material indices are
+    /// those of [`MATERIALS`].
     pub mesh: Mesh,
-    /// Name and linear RGB of each material, by index: [`MATERIALS`].
-    pub materials: Vec<(String, [f64; 3])>,
     /// Craters that were made; the rest of the recipe's are too small for the grid.
     pub craters: usize,
     /// Boulders that were made; the rest of the recipe's are too small for the grid.
@@ -72,8 +71,7 @@ pub fn generate(recipe: &Recipe, progress: &dyn Fn(f64) -> bool) -> Result<Lands
     if !progress(1.0) {
         return Err(Error::Interrupted);
     }
-    let materials = MATERIALS.map(|(name, rgb)| (name.to_owned(), rgb)).to_vec();
-    Ok(Landscape { mesh, materials, craters: craters.len(), boulders: plan.boulders.len() })
+    Ok(Landscape { mesh, craters: craters.len(), boulders: plan.boulders.len() })
 }
 
 /// The nearest whole multiple of 1e-5 m, as the f64 that reading its decimal text gives: a whole number over a whole
@@ -153,7 +151,7 @@ mod tests {
                 assert_eq!(open, [[0; 2]; 0]);
                 let volume_m3: f64 =
                     part.iter().map(|&i| mesh.facet(i).corners_m).map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum();
-                // boxes of 0.24 to 0.63 cubic diameters of 2 to 12 m, filled to 0.2 (a cut icosahedron) to 0.65
+                // Boxes of 0.24 to 0.63 cubic diameters of 2 to 12 m, filled to 0.2 (a cut icosahedron) to 0.65.
                 assert!((0.05 * 8.0..0.41 * 1728.0).contains(&volume_m3), "{volume_m3}");
                 boulders += 1;
             } else {
@@ -165,13 +163,13 @@ mod tests {
                 assert!(open.iter().flatten().all(|&v| border(v)));
                 let (lo, hi) = mesh.bounds_m().unwrap();
                 assert_eq!((lo.x, lo.y, hi.x, hi.y), (-250.0, -250.0, 250.0, 250.0));
-                // as many as a grid of part.len() / 2 cells, square or nearly so, has around it
+                // As many as a grid of part.len() / 2 cells, square or nearly so, has around it.
                 assert!((open.len() as f64 / (4.0 * (part.len() as f64 / 2.0).sqrt()) - 1.0).abs() < 0.01);
                 grounds += 1;
             }
         }
         assert_eq!((boulders, grounds), (200, 1));
-        assert_eq!((landscape.materials.len(), landscape.boulders), (2, 200));
+        assert_eq!(landscape.boulders, 200);
         assert!((mesh.facets.len() as f64 / 20_000.0 - 1.0).abs() < 0.02);
     }
 
@@ -197,7 +195,7 @@ mod tests {
 
     #[test]
     fn more_facets_are_the_same_place() {
-        // grids of 50 and of 100 cells share every other point; steps of 20 and 10 m leave out what is below 60 and 30 m
+        // Grids of 50 and of 100 cells share every other point; steps of 20 and 10 m leave out what is below 60 and 30 m.
         let mut recipe = Recipe { facets: 5000, size_m: 1000.0, ..Recipe::new(5) }.with_boulders(0);
         recipe.relief = Relief { rms_m: 20.0, longest_m: 640.0, hurst: 0.9 };
         recipe.craters = Craters { count: 100, min_diameter_m: 60.0, ..Craters::default() };
@@ -205,7 +203,7 @@ mod tests {
         recipe.facets = 20_000;
         let fine = made(&recipe).mesh;
         assert_eq!((coarse.facets.len(), fine.facets.len()), (5000, 20_000));
-        // wavelengths 640, 320, 160, 80 in both; 40 in the fine one alone, with 20 sqrt(1 - 4^-0.9) 2^(-4 0.9) m
+        // Wavelengths 640, 320, 160, 80 in both; 40 in the fine one alone, with 20 sqrt(1 - 4^-0.9) 2^(-4 0.9) m.
         let rms_m = 20.0 * (1.0 - 4f64.powf(-0.9)).sqrt() * 2f64.powf(-3.6);
         let bound_m = rms_m * (6.0 * 2_081_079.0 / 193_670.0f64).sqrt() + 1e-5;
         let mut squares_m2 = 0.0;
@@ -231,7 +229,7 @@ mod tests {
         recipe.craters =
             Craters { count: 1, min_diameter_m: 200.0, max_diameter_m: 200.0, softness: 0.0, ..Craters::default() };
         let (lo, hi) = made(&recipe).mesh.bounds_m().unwrap();
-        // grid points miss centre and crest by at most 1.42 m: 40 m (1.42 / 100)^2 and the inner wall's slope of 0.8
+        // Grid points miss centre and crest by at most 1.42 m: 40 m (1.42 / 100)^2 and the inner wall's slope of 0.8.
         assert!((lo.z + 32.0).abs() < 0.01, "{lo}");
         assert!(hi.z <= 8.0 && hi.z > 8.0 - 0.2, "{hi}");
     }

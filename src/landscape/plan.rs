@@ -50,7 +50,7 @@ pub(super) fn plan(recipe: &Recipe) -> Result<Plan, Vec<Problem>> {
         let problem = Problem::new(Location::item("recipe.boulders.count"), message);
         return Err(vec![problem.with_help("ask for fewer boulders or for more facets")]);
     };
-    // rows and columns may differ by a few, to come closer to the facets asked for
+    // Rows and columns may differ by a few, to come closer to the facets asked for.
     let cells = (all - spent(finest)) / 2;
     let rows = (cells as f64).sqrt().floor();
     let columns = (cells as f64 / rows).round();
@@ -82,7 +82,7 @@ mod tests {
     #[test]
     fn boulders_are_dropped_and_coarsened_with_the_grid() {
         let recipe = |facets| Recipe { facets, ..Recipe::new(1) };
-        // grid steps of 89, 6.3 and 2 m against boulders of 2 to 12 m
+        // Grid steps of 89, 6.3 and 2 m against boulders of 2 to 12 m.
         let [coarse, middle, fine] = [1000, 200_000, 2_000_000].map(|facets| plan(&recipe(facets)).unwrap().boulders);
         assert_eq!((coarse.len(), middle.len(), fine.len()), (0, 3000, 3000));
         let finest = |boulders: &[(Boulder, u32)]| boulders.iter().map(|b| b.1).max().unwrap();

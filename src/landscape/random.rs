@@ -78,7 +78,7 @@ mod tests {
         let mut draws = Draws::new(7);
         let sizes: Vec<f64> = (0..100_000).map(|_| draws.power_law(2.0, 200.0, 2.0)).collect();
         assert!(sizes.iter().all(|d| (2.0..=200.0).contains(d)));
-        // N(>4)/N(>2) = 1/4 and N(>20)/N(>2) = 1/100, less the cut at 200 (1e-4); 4 sigma of counting
+        // N(>4)/N(>2) = 1/4 and N(>20)/N(>2) = 1/100, less the cut at 200 (1e-4); 4 sigma of counting.
         for (size, share) in [(4.0, 0.25), (20.0, 0.01)] {
             let expected = 1e5 * (share - 1e-4) / (1.0 - 1e-4);
             let counted = sizes.iter().filter(|d| **d > size).count() as f64;

@@ -278,7 +278,7 @@ mod tests {
 
     #[test]
     fn too_many_boulders_for_the_facets_are_told() {
-        // 6000 boulders of 4 m and more, at a grid step of 2000 / sqrt(100,000) = 6.3 m: all are kept, and need 120,000
+        // 6000 boulders of 4 m and more, at a grid step of 2000 / sqrt(100,000) = 6.3 m: all are kept, and need 120,000.
         let mut recipe = Recipe { facets: 200_000, ..Recipe::new(1) };
         recipe.boulders = Boulders { count: 6000, min_diameter_m: 4.0, ..Boulders::default() };
         let problems = recipe.check();

@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn noise_has_the_stated_spread_and_bound() {
-        // 200 x 200 cells, 5 x 5 places in each: the mean square of 40,000 nearly independent cells is known to 1 %
+        // 200 x 200 cells, 5 x 5 places in each: the mean square of 40,000 nearly independent cells is known to 1 %.
         let octave = &octaves(&relief(), 5, 900.0)[0];
         let step_m = 1000.0 / 5.0;
         let heights: Vec<f64> = (0..1000 * 1000)
@@ -121,7 +121,7 @@ mod tests {
 
     #[test]
     fn noise_is_smooth_across_cells() {
-        // value and slope from both sides of a lattice line, at many places along it
+        // Value and slope from both sides of a lattice line, at many places along it.
         let h = 1e-6;
         for n in 0..100 {
             let y = 0.137 * f64::from(n);

@@ -63,7 +63,7 @@ impl Sheet {
                 *height_m = octaves.iter().map(|octave| octave.height_m(x_m, y_m)).sum();
             }
         }
-        // crater by crater and only where it reaches; each point still sums its craters in their order
+        // Crater by crater and only where it reaches; each point still sums its craters in their order.
         for crater in craters {
             let reach_m = crater.reach_m();
             let reached = within(crater.y_m, reach_m, self.size_m, self.rows);
@@ -151,7 +151,7 @@ impl Sheet {
 /// The grid points, of `cells` + 1 over a centred length, that lie within `reach_m` of a place (or one beyond).
 fn within(centre_m: f64, reach_m: f64, length_m: f64, cells: usize) -> std::ops::Range<usize> {
     let point = |p_m: f64| (p_m / length_m + 0.5) * cells as f64;
-    // `as` takes what lies before the first point to 0
+    // `as` takes what lies before the first point to 0.
     let first = point(centre_m - reach_m).floor() as usize;
     let last = point(centre_m + reach_m).ceil() as usize;
     first.min(cells + 1)..(last + 1).min(cells + 1)
@@ -178,13 +178,13 @@ mod tests {
         for i in 0..mesh.facets.len() {
             for (u, v) in [(0.3, 0.3), (0.05, 0.05), (0.05, 0.9), (0.9, 0.05)] {
                 let p = mesh.facet(i).point_m(u, v);
-                // coordinates are rounded to 1e-5 m, slopes are below 2
+                // Coordinates are rounded to 1e-5 m, slopes are below 2.
                 assert!((sheet.height_m(p.x, p.y) - p.z).abs() < 5e-5, "{p}");
             }
             let [_, b, c] = mesh.facets[i];
             rising += usize::from(i % 2 == 0 && c == b + 32);
         }
-        // of 899 cells, both diagonals are in use
+        // Of 899 cells, both diagonals are in use.
         assert!(rising > 100 && rising < 800, "{rising}");
     }
 
@@ -205,7 +205,7 @@ mod tests {
 
     #[test]
     fn craters_are_summed_wherever_they_reach() {
-        // the bands and chords of `fill` against all craters at all points
+        // The bands and chords of `fill` against all craters at all points.
         let sheet = sheet(40, 50);
         let recipe = Recipe::new(1);
         let octaves = relief::octaves(&recipe.relief, 1, 50.0);

@@ -2,13 +2,18 @@
 
 use crate::spectral::{Band, Spectrum};
 
+use super::Photometry;
+
 /// Optical and thermal properties of a surface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
     /// Name, as in the scene's dictionary.
     pub name: String,
-    /// Reflectance factor of a Lambert surface (dimensionless): BRDF = reflectance / pi.
+    /// Hemispherical reflectance (dimensionless): that of a Lambert surface, whose BRDF is reflectance / pi. With another photometry
+    /// it still is what emissivity and Bond albedo follow from, and says nothing of directions.
     pub reflectance: Spectrum,
+    /// How reflectance depends on directions.
+    pub photometry: Photometry,
     /// Directional emissivity (dimensionless); Kirchhoff: 1 - reflectance unless told otherwise.
     pub emissivity: Spectrum,
     /// Share of the Sun's total irradiance that is not absorbed, for the heat balance.
@@ -24,17 +29,21 @@ impl Material {
         let item = format!("materials.{:?}", self.name);
         for (what, spectrum) in [("reflectance", &self.reflectance), ("emissivity", &self.emissivity)] {
             if let Some(message) = super::uncovered(what, spectrum, bands) {
-                problem(&item, message);
+                problem(&format!("{item}.{what}"), message);
             }
             if let Some(v) = spectrum.value().iter().find(|v| !(0.0..=1.0).contains(*v)) {
-                problem(&item, format!("{what} {v} is outside 0 to 1: is the table in percent?"));
+                problem(&format!("{item}.{what}"), format!("{v} is outside 0 to 1: is the table in percent?"));
             }
         }
+        if let Some(key) = self.photometry.key() {
+            self.photometry.check(bands, |message| problem(&format!("{item}.{key}"), message));
+        }
         if !(0.0..=1.0).contains(&self.bond_albedo) {
-            problem(&item, format!("bond_albedo {} is outside 0 to 1", self.bond_albedo));
+            problem(&format!("{item}.bond_albedo"), format!("{} is outside 0 to 1", self.bond_albedo));
         }
         if !(self.emissivity_bolometric > 0.0 && self.emissivity_bolometric <= 1.0) {
-            problem(&item, format!("emissivity_bolometric {} is outside 0 to 1", self.emissivity_bolometric));
+            let message = format!("{} is not more than 0 and at most 1", self.emissivity_bolometric);
+            problem(&format!("{item}.emissivity_bolometric"), message);
         }
     }
 }

@@ -57,13 +57,16 @@ impl Sensor {
     pub(super) fn check(&self, problem: &mut impl FnMut(&str, String)) {
         let camera = &self.camera;
         if camera.samples == 0 || camera.lines == 0 {
-            problem("sensor", format!("{} x {} pixels", camera.samples, camera.lines));
+            problem(
+                "sensor",
+                format!("an image of {} x {} pixels: both must be at least 1", camera.samples, camera.lines),
+            );
         }
         if !(camera.pitch > 0.0 && camera.pitch.is_finite()) {
             problem("sensor", format!("pixel pitch {} is not positive", camera.pitch));
         }
         if self.bands.is_empty() {
-            problem("sensor.bands", "no bands".into());
+            problem("sensor.bands", "no bands: a sensor needs at least one".into());
         }
         for (i, band) in self.bands.iter().enumerate() {
             if !(band.centre_um > 0.0 && band.centre_um.is_finite()) {

@@ -50,7 +50,7 @@ pub(super) struct Account<'a> {
     /// Share of the site that terrain outside it might shadow.
     pub(super) open_to_shadow: f64,
     pub(super) eclipse: Option<Eclipse>,
-    /// The largest of the table's irradiances by Mars.
+    /// The largest of the table's irradiances by Mars, over Mars' reflectance times the solar irradiance.
     pub(super) largest_mars_irradiance: f64,
     /// The warmest temperature of the table, K; 0 without one.
     pub(super) warmest_k: f64,
@@ -322,8 +322,7 @@ impl<'a> Account<'a> {
     /// Width of a pixel at the nearest point of the surface, square to the line of sight, m.
     fn pixel_m(&self) -> f64 {
         let camera = &self.scene.sensor.camera;
-        let (eye_m, (low_m, high_m)) = (camera.centre_m(), self.site.box_m);
-        eye_m.distance(eye_m.clamp(low_m, high_m)) * camera.pitch
+        self.site.distance_m(camera.centre_m()) * camera.pitch
     }
 
     fn mars_light_bound(&self) -> Option<f64> {
@@ -383,14 +382,10 @@ fn bands_um(scene: &Scene, materials: &[&Material]) -> Vec<f64> {
     all_um
 }
 
-/// The sine of the angular radius of Mars, or of what it would be over Phobos, and whether the scene has a Mars.
-fn mars_seen(scene: &Scene, site: &Site) -> (f64, bool) {
+/// The largest sine of the angular radius of Mars, or of what it would be over Phobos, and whether the scene has a Mars.
+pub(super) fn mars_seen(scene: &Scene, site: &Site) -> (f64, bool) {
     match &scene.mars {
-        Some(mars) => {
-            let (low_m, high_m) = site.box_m;
-            let nearest_m = mars.centre_m.distance(mars.centre_m.clamp(low_m, high_m));
-            ((mars.radius_m / nearest_m).min(1.0), true)
-        }
+        Some(mars) => ((mars.radius_m / site.distance_m(mars.centre_m)).min(1.0), true),
         None => (MARS_RADIUS_M / PHOBOS_ORBIT_M, false),
     }
 }

@@ -1,8 +1,6 @@
 //! Studies: what spans several layers. Takes values and callbacks, touches no disk.
 
-mod closed_forms;
 mod effects;
-mod scene_cases;
 mod simulate;
 mod site;
 mod summary;

@@ -3,14 +3,14 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::effects::{Account, Effect};
+use super::effects::{Account, Effect, mars_seen};
 use super::site::Site;
 use super::warnings::warnings;
 use crate::error::{Error, Location, Problem, Result};
 use crate::geometry::polygon::area;
 use crate::integrate::{self, Image};
 use crate::physics::bounds;
-use crate::product::{Backplanes, Cube, FacetTable, Lit};
+use crate::product::{Backplanes, Cube, FacetTable, Lit, Sunlit};
 use crate::progress::{Watch, tell};
 use crate::scene::{MarsModel, Scene, Thermal};
 use crate::solve;
@@ -171,27 +171,17 @@ fn has_room(scene: &Scene) -> Result<()> {
 
 /// What must hold whatever the scene.
 fn checks(account: &Account, image: &Image) -> Vec<Check> {
-    let Account { scene, table, site, .. } = account;
+    let Account { scene, table, .. } = account;
     let check = |name: &str, value: f64, limit: f64| Check { name: name.to_owned(), value, limit };
     let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
-    let sunlit = &table.sunlit;
-    let share = |i: usize| {
-        let polygon = &sunlit.uv[sunlit.polygon_start[i] as usize..sunlit.polygon_start[i + 1] as usize];
-        2.0 * area(polygon).abs()
-    };
-    // Polygons are in the order of their facets.
-    let (mut facet, mut sum, mut most) = (None, 0.0, 0.0_f64);
-    for i in 0..sunlit.polygon_facet.len() {
-        if facet != Some(sunlit.polygon_facet[i]) {
-            (facet, sum) = (Some(sunlit.polygon_facet[i]), 0.0);
-        }
-        sum += share(i);
-        most = most.max(sum);
-    }
     let bad = image.cube.weight.iter().chain(&image.cube.spectra).filter(|v| !v.is_finite()).count();
     let mut checks = vec![
         check("areas in a pixel exceed the pixel by, pixels", image.excess_px, 1e-12),
-        check("lit part of a facet exceeds the facet by, facets", (most - 1.0).max(0.0), 1e-9),
+        check(
+            "lit part of a facet exceeds the facet by, facets",
+            (largest_lit_share(&table.sunlit) - 1.0).max(0.0),
+            1e-9,
+        ),
         check(
             "largest irradiance by the Sun, over that normal to its beam",
             largest(&table.sun_irradiance),
@@ -199,12 +189,24 @@ fn checks(account: &Account, image: &Image) -> Vec<Check> {
         ),
         check("weights and spectra that are no finite number", bad as f64, 0.0),
     ];
-    if let Some(mars) = scene.mars.as_ref().filter(|m| m.model == MarsModel::NearField) {
-        let (low_m, high_m) = site.box_m;
-        let nearest_m = mars.centre_m.distance(mars.centre_m.clamp(low_m, high_m));
-        let bound = bounds::mars_light(1.0, (mars.radius_m / nearest_m).min(1.0), 1.0);
+    if scene.mars.as_ref().is_some_and(|m| m.model == MarsModel::NearField) {
+        let bound = bounds::mars_light(1.0, mars_seen(scene, account.site).0, 1.0);
         let name = "largest irradiance by Mars, over that of sunlight at its zenith on all of Mars";
         checks.push(check(name, account.largest_mars_irradiance / bound, 1.0));
     }
     checks
+}
+
+/// The largest share of a facet's area that its sunlit polygons fill, overlaps counted twice.
+fn largest_lit_share(sunlit: &Sunlit) -> f64 {
+    // Polygons are in the order of their facets.
+    let (mut facet, mut sum, mut most) = (None, 0.0, 0.0_f64);
+    for (of, bounds) in sunlit.polygon_facet.iter().zip(sunlit.polygon_start.windows(2)) {
+        if facet != Some(of) {
+            (facet, sum) = (Some(of), 0.0);
+        }
+        sum += 2.0 * area(&sunlit.uv[bounds[0] as usize..bounds[1] as usize]).abs();
+        most = most.max(sum);
+    }
+    most
 }

@@ -58,6 +58,11 @@ impl Site {
         Site { up, is_open, cos_steepest, height_m, box_m, zero_area_facets }
     }
 
+    /// Distance of a point from the box around the mesh, m: none of the surface is nearer.
+    pub(super) fn distance_m(&self, point_m: DVec3) -> f64 {
+        point_m.distance(point_m.clamp(self.box_m.0, self.box_m.1))
+    }
+
     /// Longest way, m, that a ray at this cosine to `up` can go between two points of the surface.
     pub(super) fn longest_ray_m(&self, cos_to_up: f64) -> f64 {
         let across_m = (self.box_m.1 - self.box_m.0).length();

@@ -119,7 +119,7 @@ impl<'a> Coverage<'a> {
             } else if depth == DEEPEST {
                 let nearest = front.at_centre.first();
                 nearest.into_iter().for_each(|i| visit.whole(candidates[*i as usize].triangle, &rect));
-            } else if V::SIGNED && !front.sheet.is_empty() && layers.resolve(&ground, list, |i| front.has(i), visit) {
+            } else if !front.sheet.is_empty() && layers.resolve(&ground, list, |i| front.has(i), visit) {
                 // Two layers, told.
             } else if list.len() <= FEW || !quarter(&rect, depth, list, candidates, waiting, stack) {
                 partition.resolve(&ground, list, &front.sheet, visit);

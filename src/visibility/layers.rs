@@ -13,7 +13,9 @@ const MANY_PAIRS: usize = 4096;
 /// A convex piece of a sheet's facet that another facet hides, a stretch of the points.
 #[derive(Debug, Clone, Copy)]
 struct Hidden {
+    /// The sheet's facet, and the one that hides it.
     facet: u32,
+    by: u32,
     start: u32,
     end: u32,
 }
@@ -28,17 +30,18 @@ pub(super) struct Layers {
     clipped: Vec<Point>,
     spare: Vec<Point>,
     cutter: Cutter,
+    rest: Rest,
 }
 
 impl Layers {
     /// Finds what is seen in the rectangle of the candidates in `list`, of which those that `in_sheet` names cover it once,
     /// and tells `visit`; or tells nothing, if the others may overlap one another.
-    pub(super) fn resolve(
+    pub(super) fn resolve<V: Visit>(
         &mut self,
         ground: &Ground,
         list: &[u32],
         in_sheet: impl Fn(u32) -> bool,
-        visit: &mut impl Visit,
+        visit: &mut V,
     ) -> bool {
         let candidates = ground.candidates;
         self.sheet.clear();
@@ -52,15 +55,28 @@ impl Layers {
         self.hidden.clear();
         self.points.clear();
         for k in 0..self.others.len() {
-            self.insert(ground, &candidates[self.others[k] as usize], visit);
+            self.insert(ground, self.others[k], visit);
         }
         self.hidden.sort_unstable_by_key(|h| (h.facet, h.start));
-        let mut hidden = self.hidden.iter().peekable();
+        let mut first = 0;
         for &i in &self.sheet {
-            let triangle = candidates[i as usize].triangle;
-            visit.whole(triangle, ground.rect);
-            while let Some(h) = hidden.next_if(|h| h.facet == i) {
-                visit.hidden(triangle, ground.rect, &self.points[h.start as usize..h.end as usize]);
+            let count = self.hidden[first..].iter().take_while(|h| h.facet == i).count();
+            let hidden = &self.hidden[first..first + count];
+            first += count;
+            let facet = &candidates[i as usize];
+            if hidden.is_empty() || V::SIGNED {
+                visit.whole(facet.triangle, ground.rect);
+                for h in hidden {
+                    visit.hidden(facet.triangle, ground.rect, &self.points[h.start as usize..h.end as usize]);
+                }
+            } else {
+                visit.cut(facet.triangle, ground.rect);
+                clip_to_rect(&facet.outline, ground.rect, &mut self.clipped, &mut self.spare);
+                self.rest.start(&self.clipped);
+                for h in hidden {
+                    self.rest.lose(ground, facet, &candidates[h.by as usize], &mut self.cutter);
+                }
+                self.rest.pieces().for_each(|p| visit.piece(facet.triangle, ground.rect, p));
             }
         }
         true
@@ -75,7 +91,8 @@ impl Layers {
     }
 
     /// Gives a facet what it wins of the sheet.
-    fn insert(&mut self, ground: &Ground, other: &Candidate, visit: &mut impl Visit) {
+    fn insert(&mut self, ground: &Ground, by: u32, visit: &mut impl Visit) {
+        let other = &ground.candidates[by as usize];
         let (rect, least_area) = (ground.rect, least_area(ground.rect));
         clip_to_rect(&other.outline, rect, &mut self.clipped, &mut self.spare);
         if area(&self.clipped) <= least_area {
@@ -94,7 +111,7 @@ impl Layers {
             if won != Won::Nothing {
                 let start = self.points.len() as u32;
                 self.points.extend_from_slice(self.cutter.won());
-                self.hidden.push(Hidden { facet: i, start, end: self.points.len() as u32 });
+                self.hidden.push(Hidden { facet: i, by, start, end: self.points.len() as u32 });
             }
         }
         if all {
@@ -104,6 +121,53 @@ impl Layers {
             for h in &self.hidden[first..] {
                 visit.piece(other.triangle, rect, &self.points[h.start as usize..h.end as usize]);
             }
+        }
+    }
+}
+
+/// What is left of a facet, as convex pieces.
+#[derive(Debug, Default)]
+struct Rest {
+    points: Vec<Point>,
+    /// Stretches of the points.
+    pieces: Vec<(u32, u32)>,
+}
+
+impl Rest {
+    fn start(&mut self, polygon: &[Point]) {
+        self.points.clear();
+        self.pieces.clear();
+        self.add(polygon);
+    }
+
+    fn add(&mut self, polygon: &[Point]) {
+        let start = self.points.len() as u32;
+        self.points.extend_from_slice(polygon);
+        self.pieces.push((start, self.points.len() as u32));
+    }
+
+    fn pieces(&self) -> impl Iterator<Item = &[Point]> {
+        self.pieces.iter().map(|(start, end)| &self.points[*start as usize..*end as usize])
+    }
+
+    /// Takes away what another facet wins of this one.
+    fn lose(&mut self, ground: &Ground, facet: &Candidate, other: &Candidate, cutter: &mut Cutter) {
+        let least_area = least_area(ground.rect);
+        let mut i = 0;
+        // Pieces that are added lie beside the other facet and need not be looked at again.
+        let mut before = self.pieces.len();
+        while i < before {
+            let (start, end) = self.pieces[i];
+            let piece = &self.points[start as usize..end as usize];
+            if !cutter.overlap(piece, other, least_area)
+                || cutter.contest(ground.drawing, other, facet, least_area) == Won::Nothing
+            {
+                i += 1;
+                continue;
+            }
+            cutter.kept().for_each(|p| self.add(p));
+            self.pieces.remove(i);
+            before -= 1;
         }
     }
 }

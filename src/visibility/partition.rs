@@ -333,6 +333,11 @@ impl Cutter {
         }
     }
 
+    /// What the owner keeps, as convex polygons.
+    pub(super) fn kept(&self) -> impl Iterator<Item = &[Point]> {
+        (0..self.kept_end.len()).map(|k| self.polygon(Cut::Kept(k)))
+    }
+
     fn keep(&mut self, least_area: f64) {
         if area(&self.outside) > least_area {
             self.kept.extend_from_slice(&self.outside);
@@ -354,10 +359,9 @@ impl Cutter {
     }
 
     /// Whether a candidate overlaps a fragment; leaves the overlap and what lies outside it.
-    fn overlap(&mut self, polygon: &[Point], candidate: &Candidate, least_area: f64) -> bool {
+    pub(super) fn overlap(&mut self, polygon: &[Point], candidate: &Candidate, least_area: f64) -> bool {
         let mut crosses = [false; 3];
-        for k in 0..3 {
-            let (distance, line) = (&mut self.distance[k], &candidate.sides[k]);
+        for ((distance, line), crosses) in self.distance.iter_mut().zip(&candidate.sides).zip(&mut crosses) {
             let (mut some_inside, mut some_outside) = (false, false);
             distance.clear();
             distance.extend(polygon.iter().map(|p| {
@@ -369,7 +373,7 @@ impl Cutter {
             if !some_inside {
                 return false;
             }
-            crosses[k] = some_outside;
+            *crosses = some_outside;
         }
         self.overlap.clear();
         self.overlap.extend_from_slice(polygon);

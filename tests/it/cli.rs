@@ -1,49 +1,31 @@
 //! The program as people call it: exit codes, what is said where, and what is left behind.
 
-use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-fn mmxrt() -> Command {
+use crate::scratch::Scratch;
+
+pub(crate) fn mmxrt() -> Command {
     Command::new(env!("CARGO_BIN_EXE_mmxrt"))
 }
 
-fn run(arguments: &[&str]) -> (i32, String, String) {
+pub(crate) fn run(arguments: &[&str]) -> (i32, String, String) {
     let Output { status, stdout, stderr } = mmxrt().args(arguments).output().unwrap();
     let text = |bytes| String::from_utf8(bytes).unwrap();
     (status.code().unwrap(), text(stdout), text(stderr))
 }
 
-struct Scratch(PathBuf);
-
-impl Scratch {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("mmxrt-cli-{}-{name}", std::process::id()));
-        let _ = std::fs::remove_dir_all(&path);
-        std::fs::create_dir_all(&path).unwrap();
-        Scratch(path)
-    }
-
-    fn join(&self, name: &str) -> String {
-        self.0.join(name).to_str().unwrap().to_owned()
-    }
-
-    fn names(&self) -> Vec<String> {
-        let entries = self.0.read_dir().unwrap();
-        let mut names: Vec<String> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
-        names.sort();
-        names
-    }
-
-    fn recipe(&self, text: &str) -> String {
-        std::fs::write(self.0.join("recipe.toml"), text).unwrap();
-        self.join("recipe.toml")
-    }
+/// Writes a file; its path as an argument.
+fn written(scratch: &Scratch, name: &str, text: &str) -> String {
+    scratch.write(name, text);
+    scratch.argument(name)
 }
 
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
+fn recipe_file(scratch: &Scratch, text: &str) -> String {
+    written(scratch, "recipe.toml", text)
+}
+
+fn scene_file(scratch: &Scratch, text: &str) -> String {
+    written(scratch, "scene.toml", text)
 }
 
 #[test]
@@ -59,14 +41,14 @@ fn usage_errors_exit_with_2() {
 
 #[test]
 fn a_landscape_is_made_inspected_and_never_overwritten_unasked() {
-    let scratch = Scratch::new("landscape");
-    let recipe = scratch.recipe("version = 1\nseed = 7\nfacets = 2000\n");
-    let obj = scratch.join("site/hills.obj");
+    let scratch = Scratch::new();
+    let recipe = recipe_file(&scratch, "version = 1\nseed = 7\nfacets = 2000\n");
+    let obj = scratch.argument("site/hills.obj");
     let (code, out, err) = run(&["landscape", &recipe, "-o", &obj, "--threads", "2"]);
     assert_eq!((code, err.as_str()), (0, ""));
     assert!(out.starts_with(&format!("{obj}: ")) && out.ends_with(" facets\n"), "{out}");
     let first = std::fs::read(&obj).unwrap();
-    assert!(Path::new(&scratch.join("site/hills.mtl")).is_file());
+    assert!(scratch.join("site/hills.mtl").is_file());
 
     let (code, out, err) = run(&["landscape", &recipe, "-o", &obj, "--seed", "8"]);
     assert_eq!((code, out.as_str()), (1, ""));
@@ -92,9 +74,9 @@ fn a_landscape_is_made_inspected_and_never_overwritten_unasked() {
 
 #[test]
 fn errors_name_the_place_as_text_and_as_json() {
-    let scratch = Scratch::new("errors");
-    let recipe = scratch.recipe("version = 1\nseed = 7\nfacets = 2\nrelif = 3\n");
-    let out = scratch.join("out/x.obj");
+    let scratch = Scratch::new();
+    let recipe = recipe_file(&scratch, "version = 1\nseed = 7\nfacets = 2\nrelif = 3\n");
+    let out = scratch.argument("out/x.obj");
     let (code, _, err) = run(&["landscape", &recipe, "-o", &out]);
     assert!(code == 1 && err.contains("recipe.toml:4") && err.contains("relif"), "{err}");
     let (code, said, err) = run(&["landscape", &recipe, "-o", &out, "--json"]);
@@ -103,34 +85,33 @@ fn errors_name_the_place_as_text_and_as_json() {
     assert_eq!(error["error"]["problems"][0]["line"], 4);
     assert_eq!(scratch.names(), ["recipe.toml"], "an error left something behind");
 
-    let recipe = scratch.recipe("version = 1\nseed = 7\nfacets = 2\n");
+    let recipe = recipe_file(&scratch, "version = 1\nseed = 7\nfacets = 2\n");
     let (_, _, err) = run(&["landscape", &recipe, "-o", &out, "--json"]);
     let error: serde_json::Value = serde_json::from_str(&err).unwrap();
     assert_eq!(error["error"]["problems"][0]["line"], 3, "{error}");
 
     let (code, out, _) = run(&["inspect", concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/oracles.json")]);
     assert!(code == 0 && out.starts_with("kind: oracles"), "{out}");
-    let (code, _, err) = run(&["inspect", &scratch.join("none.npz")]);
+    let (code, _, err) = run(&["inspect", &scratch.argument("none.npz")]);
     assert!(code == 1 && err.contains("none.npz") && err.contains("reading"), "{err}");
-    let (code, _, err) = run(&["inspect", &scratch.join("none.xyz")]);
+    let (code, _, err) = run(&["inspect", &scratch.argument("none.xyz")]);
     assert!(code == 1 && err.contains("none.xyz"), "{err}");
-    let (code, _, err) = run(&["inspect", scratch.0.to_str().unwrap()]);
+    let (code, _, err) = run(&["inspect", scratch.path().to_str().unwrap()]);
     assert!(code == 1 && err.contains("not a product folder"), "{err}");
 }
 
 #[test]
 fn a_failed_check_exits_with_1() {
-    let scratch = Scratch::new("validate");
-    let path = scratch.join("oracles.json");
+    let scratch = Scratch::new();
     let record = |expected: &str| {
         format!(
             r#"{{"oracles": [{{"group": "thermal", "name": "thesis_eq9_T", "inputs": {{"cos_i": 0.5}}, "expected": {expected}, "tol_rel": 1e-9}}, {{"group": "hearsay", "name": "x", "expected": 1}}]}}"#
         )
     };
-    std::fs::write(&path, record("240")).unwrap();
+    let path = written(&scratch, "oracles.json", &record("240"));
     let (code, out, _) = run(&["validate", "--oracles", &path]);
     assert!(code == 0 && out.contains("PASS") && out.ends_with("1 passed, 0 failed, 1 skipped\n"), "{out}");
-    std::fs::write(&path, record("241")).unwrap();
+    scratch.write("oracles.json", record("241"));
     let (code, out, _) = run(&["validate", "--oracles", &path]);
     assert!(code == 1 && out.contains("FAIL") && out.ends_with("0 passed, 1 failed, 1 skipped\n"), "{out}");
 }
@@ -146,11 +127,11 @@ fn a_reader_that_goes_away_is_no_error() {
 #[test]
 #[cfg(unix)]
 fn an_interrupted_command_leaves_nothing() {
-    let scratch = Scratch::new("interrupt");
-    let recipe = scratch.recipe("version = 1\nseed = 7\nfacets = 4000000\n");
-    let out = scratch.join("deep/down/x.obj");
+    let scratch = Scratch::new();
+    let recipe = recipe_file(&scratch, "version = 1\nseed = 7\nfacets = 4000000\n");
+    let out = scratch.argument("deep/down/x.obj");
     let mut child = mmxrt().args(["landscape", &recipe, "-o", &out]).stderr(Stdio::piped()).spawn().unwrap();
-    while !Path::new(&scratch.join("deep/down")).is_dir() {
+    while !scratch.join("deep/down").is_dir() {
         std::thread::sleep(std::time::Duration::from_millis(5));
         assert!(child.try_wait().unwrap().is_none(), "ended before it could be interrupted");
     }
@@ -184,25 +165,18 @@ fit = "scene"
 bands = { centres_um = [1.0] }
 "#;
 
-impl Scratch {
-    fn scene(&self, text: &str) -> String {
-        std::fs::write(self.0.join("scene.toml"), text).unwrap();
-        self.join("scene.toml")
-    }
-}
-
 #[test]
 fn a_table_serves_another_camera_and_is_refused_for_another_sun() {
-    let scratch = Scratch::new("table");
-    let (table, product) = (scratch.join("table.npz"), scratch.join("product"));
-    let scene = scratch.scene(SCENE);
+    let scratch = Scratch::new();
+    let (table, product) = (scratch.argument("table.npz"), scratch.argument("product"));
+    let scene = scene_file(&scratch, SCENE);
     let (code, _, err) = run(&["solve", &scene, "-o", &table]);
     assert_eq!(code, 0, "{err}");
-    scratch.scene(&SCENE.replace("samples = 16", "samples = 24").replace("[1.0]", "[1.0, 2.0]"));
+    scene_file(&scratch, &SCENE.replace("samples = 16", "samples = 24").replace("[1.0]", "[1.0, 2.0]"));
     let (code, out, err) = run(&["integrate", &scene, "--table", &table, "-o", &product]);
     assert!(code == 0 && out.ends_with("24 x 16 pixels, 2 bands\n"), "{out}{err}");
-    scratch.scene(&SCENE.replace("1.0, 0.5]", "1.0, 0.4]"));
-    let (code, _, err) = run(&["integrate", &scene, "--table", &table, "-o", &scratch.join("other")]);
+    scene_file(&scratch, &SCENE.replace("1.0, 0.5]", "1.0, 0.4]"));
+    let (code, _, err) = run(&["integrate", &scene, "--table", &table, "-o", &scratch.argument("other")]);
     assert!(code == 1 && err.contains("table.npz") && err.contains("was solved for another scene"), "{err}");
     assert!(err.contains("mmxrt solve"), "{err}");
     assert_eq!(scratch.names(), ["product", "scene.toml", "table.npz"]);
@@ -210,8 +184,8 @@ fn a_table_serves_another_camera_and_is_refused_for_another_sun() {
 
 #[test]
 fn no_slip_of_the_hand_replaces_a_scene_by_its_table() {
-    let scratch = Scratch::new("slip");
-    let scene = scratch.scene(SCENE);
+    let scratch = Scratch::new();
+    let scene = scene_file(&scratch, SCENE);
     let (code, _, err) = run(&["solve", &scene, "-o", &scene, "--force"]);
     assert!(code == 1 && err.contains("scene.toml") && err.contains("ends in .npz"), "{err}");
     assert_eq!(std::fs::read_to_string(&scene).unwrap(), SCENE);
@@ -219,17 +193,18 @@ fn no_slip_of_the_hand_replaces_a_scene_by_its_table() {
 
 #[test]
 fn a_camera_under_the_terrain_is_told_at_its_place() {
-    let scratch = Scratch::new("under");
-    let scene = scratch.scene(&SCENE.replace("position_m = [0.0, 82000.0, 0.0]", "position_m = [0.0, 2000.0, 0.0]"));
-    let (code, _, err) = run(&["simulate", &scene, "-o", &scratch.join("out")]);
+    let scratch = Scratch::new();
+    let scene =
+        scene_file(&scratch, &SCENE.replace("position_m = [0.0, 82000.0, 0.0]", "position_m = [0.0, 2000.0, 0.0]"));
+    let (code, _, err) = run(&["simulate", &scene, "-o", &scratch.argument("out")]);
     assert!(code == 1 && err.contains("scene.toml:12:14") && err.contains("from behind"), "{err}");
     assert_eq!(scratch.names(), ["scene.toml"]);
 }
 
 #[test]
 fn a_scene_is_inspected() {
-    let scratch = Scratch::new("inspect");
-    let scene = scratch.scene(SCENE);
+    let scratch = Scratch::new();
+    let scene = scene_file(&scratch, SCENE);
     let (code, out, err) = run(&["inspect", &scene, "--json"]);
     assert_eq!(code, 0, "{err}");
     let facts: serde_json::Value = serde_json::from_str(&out).unwrap();
@@ -246,33 +221,32 @@ fn a_scene_is_inspected() {
     assert_eq!(facts["mars_elevation_deg"], serde_json::Value::Null);
     let (code, out, _) = run(&["inspect", &scene]);
     assert!(code == 0 && out.starts_with("kind: scene\nfacets: ") && out.contains("\nphase_deg: 26.56"), "{out}");
-    let table = scratch.join("grey.csv");
-    std::fs::write(&table, "wavelength_nm,reflectance_percent\n900,5\n2500,15\n").unwrap();
+    let table = written(&scratch, "grey.csv", "wavelength_nm,reflectance_percent\n900,5\n2500,15\n");
     let (code, out, _) = run(&["inspect", &table]);
     assert!(code == 0 && out.contains("first_um: 0.9\nlast_um: 2.5\nunit: 1\nmin: 0.05\nmax: 0.15"), "{out}");
 }
 
 #[test]
 fn what_is_being_done_is_said_on_request() {
-    let scratch = Scratch::new("verbose");
-    let scene = scratch.scene(SCENE);
-    let (code, out, err) = run(&["simulate", &scene, "-o", &scratch.join("out"), "--verbose"]);
+    let scratch = Scratch::new();
+    let scene = scene_file(&scratch, SCENE);
+    let (code, out, err) = run(&["simulate", &scene, "-o", &scratch.argument("out"), "--verbose"]);
     assert_eq!(code, 0, "{err}");
     assert!(err.contains("sunlight") && err.contains("facets=") && !out.contains("facets="), "{err}");
-    let (code, _, err) = run(&["simulate", &scene, "-o", &scratch.join("quiet"), "--quiet"]);
+    let (code, _, err) = run(&["simulate", &scene, "-o", &scratch.argument("quiet"), "--quiet"]);
     assert_eq!((code, err.as_str()), (0, ""));
-    let (code, _, _) = run(&["simulate", &scene, "-o", &scratch.join("x"), "--quiet", "--verbose"]);
+    let (code, _, _) = run(&["simulate", &scene, "-o", &scratch.argument("x"), "--quiet", "--verbose"]);
     assert_eq!(code, 2);
 }
 
 #[test]
 fn a_product_with_all_its_parts_is_replaced_and_with_anything_else_is_not() {
-    let scratch = Scratch::new("parts");
-    let (scene, product) = (scratch.scene(SCENE), scratch.join("product"));
+    let scratch = Scratch::new();
+    let (scene, product) = (scene_file(&scratch, SCENE), scratch.argument("product"));
     let all = ["simulate", &scene, "-o", &product, "--force", "--exr", "--table", "--footprints"];
     assert_eq!(run(&all).0, 0);
     // What GDAL puts beside an image whose statistics it was asked for.
-    std::fs::write(scratch.join("product/cube.img.aux.xml"), "").unwrap();
+    scratch.write("product/cube.img.aux.xml", "");
     let (code, _, err) = run(&all);
     assert_eq!(code, 0, "{err}");
     let run_json: serde_json::Value =
@@ -280,7 +254,7 @@ fn a_product_with_all_its_parts_is_replaced_and_with_anything_else_is_not() {
     let stages: Vec<&str> =
         run_json["stages"].as_array().unwrap().iter().map(|s| s["name"].as_str().unwrap()).collect();
     assert_eq!(stages.iter().filter(|name| **name == "reading the scene").count(), 1, "{stages:?}");
-    std::fs::write(scratch.join("product/notes.txt"), "days of work").unwrap();
+    scratch.write("product/notes.txt", "days of work");
     let (code, _, err) = run(&all);
     assert!(code == 1 && err.contains("notes.txt"), "{err}");
     assert_eq!(std::fs::read_to_string(scratch.join("product/notes.txt")).unwrap(), "days of work");
@@ -288,10 +262,10 @@ fn a_product_with_all_its_parts_is_replaced_and_with_anything_else_is_not() {
 
 #[test]
 fn bands_that_openexr_cannot_tell_apart_are_told_by_the_final_name() {
-    let scratch = Scratch::new("twins");
-    let scene = scratch.scene(&SCENE.replace("[1.0]", "[1.0, 1.0]"));
-    let (code, _, err) = run(&["simulate", &scene, "-o", &scratch.join("product"), "--exr"]);
-    assert!(code == 1 && err.contains(&scratch.join("product/cube.exr")) && err.contains("--exr"), "{err}");
+    let scratch = Scratch::new();
+    let scene = scene_file(&scratch, &SCENE.replace("[1.0]", "[1.0, 1.0]"));
+    let (code, _, err) = run(&["simulate", &scene, "-o", &scratch.argument("product"), "--exr"]);
+    assert!(code == 1 && err.contains(&scratch.argument("product/cube.exr")) && err.contains("--exr"), "{err}");
     assert_eq!(scratch.names(), ["scene.toml"]);
 }
 
@@ -299,11 +273,11 @@ fn bands_that_openexr_cannot_tell_apart_are_told_by_the_final_name() {
 #[test]
 #[cfg(target_os = "linux")]
 fn an_image_that_memory_cannot_hold_is_refused() {
-    let scratch = Scratch::new("large");
-    let scene = scratch.scene(&SCENE.replace("= 16\n", "= 16384\n"));
+    let scratch = Scratch::new();
+    let scene = scene_file(&scratch, &SCENE.replace("= 16\n", "= 16384\n"));
     let limited = Command::new("sh")
         .args(["-c", "ulimit -v 4000000; exec \"$@\"", "sh", env!("CARGO_BIN_EXE_mmxrt")])
-        .args(["simulate", &scene, "-o", &scratch.join("out")])
+        .args(["simulate", &scene, "-o", &scratch.argument("out")])
         .output()
         .unwrap();
     let err = String::from_utf8(limited.stderr).unwrap();
@@ -313,9 +287,9 @@ fn an_image_that_memory_cannot_hold_is_refused() {
 
 #[test]
 fn inspect_says_where_a_text_is_not_utf_8() {
-    let scratch = Scratch::new("latin1");
-    std::fs::write(scratch.join("a.toml"), b"# mod\xe9le\n").unwrap();
-    let (code, _, err) = run(&["inspect", &scratch.join("a.toml")]);
+    let scratch = Scratch::new();
+    scratch.write("a.toml", b"# mod\xe9le\n");
+    let (code, _, err) = run(&["inspect", &scratch.argument("a.toml")]);
     assert!(code == 1 && err.contains("a.toml:1:6: not UTF-8"), "{err}");
 }
 
@@ -323,11 +297,11 @@ fn inspect_says_where_a_text_is_not_utf_8() {
 #[test]
 #[cfg(unix)]
 fn a_write_that_fails_names_the_final_path_and_leaves_nothing() {
-    let scratch = Scratch::new("full");
-    let scene = scratch.scene(SCENE);
+    let scratch = Scratch::new();
+    let scene = scene_file(&scratch, SCENE);
     for (command, output, culprit) in [("simulate", "product", "product/cube.img"), ("solve", "table.npz", "table.npz")]
     {
-        let path = scratch.join(output);
+        let path = scratch.argument(output);
         let limited = Command::new("sh")
             .args(["-c", "trap '' XFSZ; ulimit -f 1; exec \"$@\"", "sh", env!("CARGO_BIN_EXE_mmxrt")])
             .args([command, &scene, "-o", &path])
@@ -335,7 +309,7 @@ fn a_write_that_fails_names_the_final_path_and_leaves_nothing() {
             .unwrap();
         let err = String::from_utf8(limited.stderr).unwrap();
         assert_eq!(limited.status.code(), Some(1), "{err}");
-        assert!(err.contains(&scratch.join(culprit)) && err.contains("writing"), "{err}");
+        assert!(err.contains(&scratch.argument(culprit)) && err.contains("writing"), "{err}");
         assert!(!err.contains("partial"), "{err}");
         assert_eq!(scratch.names(), ["scene.toml"]);
     }
@@ -343,12 +317,12 @@ fn a_write_that_fails_names_the_final_path_and_leaves_nothing() {
 
 #[test]
 fn an_output_that_cannot_be_made_is_named() {
-    let scratch = Scratch::new("nowhere");
-    let scene = scratch.scene(SCENE);
+    let scratch = Scratch::new();
+    let scene = scene_file(&scratch, SCENE);
     let (code, _, err) = run(&["simulate", &scene, "-o", &format!("{scene}/out")]);
     assert!(code == 1 && err.contains("scene.toml") && err.contains("making this folder"), "{err}");
     std::fs::create_dir(scratch.join("taken")).unwrap();
-    let (code, _, err) = run(&["simulate", &scene, "-o", &scratch.join("taken")]);
+    let (code, _, err) = run(&["simulate", &scene, "-o", &scratch.argument("taken")]);
     assert!(code == 1 && err.contains("exists") && err.contains("--force"), "{err}");
     assert_eq!(scratch.names(), ["scene.toml", "taken"]);
 }
@@ -356,9 +330,9 @@ fn an_output_that_cannot_be_made_is_named() {
 #[test]
 #[cfg(unix)]
 fn a_scene_that_is_still_being_made_can_be_interrupted() {
-    let scratch = Scratch::new("making");
-    let scene = scratch.scene(&SCENE.replace("facets = 2000", "facets = 4000000"));
-    let out = scratch.join("out");
+    let scratch = Scratch::new();
+    let scene = scene_file(&scratch, &SCENE.replace("facets = 2000", "facets = 4000000"));
+    let out = scratch.argument("out");
     let mut child = mmxrt().args(["simulate", &scene, "-o", &out]).stderr(Stdio::piped()).spawn().unwrap();
     while scratch.names().len() < 2 {
         std::thread::sleep(std::time::Duration::from_millis(5));

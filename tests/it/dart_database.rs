@@ -18,7 +18,7 @@ fn library(name: &str, wavelength_um: &[f64], columns: &[(&str, &[f64])]) -> Spe
 
 #[test]
 fn a_database_comes_back_as_it_was() {
-    let scratch = Scratch::new("database-round-trip");
+    let scratch = Scratch::new();
     let path = scratch.path().join("a.db");
     let mut paint = library(
         "inner_paint",

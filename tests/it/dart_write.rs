@@ -11,7 +11,7 @@ use mmxrt::formats::{scene_toml, xml};
 use mmxrt::geometry::{Direction, MaterialId, Mesh, Pose};
 use mmxrt::progress::unwatched;
 use mmxrt::report::{Fate, Report};
-use mmxrt::scene::{FrameCamera, Mars, MarsModel, Material, Scene, Sensor, Sun, Thermal};
+use mmxrt::scene::{FrameCamera, Hapke, Mars, MarsModel, Material, Photometry, Rpv, Scene, Sensor, Sun, Thermal};
 use mmxrt::spectral::{Band, Extend, Spectrum};
 use mmxrt::units::AU_M;
 
@@ -22,6 +22,7 @@ fn material(i: usize, name: &str, reflectance: Spectrum) -> Material {
         name: name.into(),
         emissivity: reflectance.map(|r| 1.0 - r),
         reflectance,
+        photometry: Photometry::Lambert,
         bond_albedo: 0.07,
         emissivity_bolometric: 0.95,
         mixture: vec![(i, 1.0)],
@@ -92,6 +93,18 @@ fn rich() -> Scene {
         Material { emissivity: Spectrum::constant(0.9), ..material(2, "select", Spectrum::constant(0.123)) },
         Material { mixture: vec![(0, 0.25), (1, 0.75)], ..material(3, "mixed", spectrum(&[0.0, 0.0, 0.0])) },
         material(4, "unused", spectrum(&[0.7, 0.8, 0.9])),
+        Material {
+            photometry: Photometry::Hapke(Box::new(Hapke::from(
+                [0.3, 0.4, 0.2, 0.1, 0.0, 1.0, 0.05].map(|v| spectrum(&[v, 0.9 * v, 1.1 * v])),
+            ))),
+            ..material(5, "hapke", spectrum(&[0.05, 0.06, 0.07]))
+        },
+        Material {
+            photometry: Photometry::Rpv(Box::new(Rpv::from(
+                [0.05, 0.8, -0.1, 0.05].map(Spectrum::constant),
+            ))),
+            ..material(6, "rpv", Spectrum::constant(0.05))
+        },
     ];
     // Two faces of two facets each.
     scene.mesh.face_of_facet = vec![0, 0, 1, 1];
@@ -143,7 +156,7 @@ fn number(text: &str, element: &str, n: usize, attribute: &str) -> f64 {
 
 #[test]
 fn axes_and_azimuths_are_those_worked_out_by_hand() {
-    let scratch = Scratch::new("dart-hand");
+    let scratch = Scratch::new();
     let (old, new) = (scratch.path().join("old"), scratch.path().join("new"));
     written(&tetrahedron(), &options(Target::V5_7_4), &old);
     written(&tetrahedron(), &options(Target::V5_11_0), &new);
@@ -205,7 +218,7 @@ fn axes_and_azimuths_are_those_worked_out_by_hand() {
 #[test]
 fn the_sun_shines_on_the_faces_that_it_should() {
     // Cosines of incidence from DART's own numbers: OBJ v y z x, Sun by zenith angle and azimuth.
-    let scratch = Scratch::new("dart-faces");
+    let scratch = Scratch::new();
     let folder = scratch.path().join("out");
     written(&tetrahedron(), &options(Target::V5_7_4), &folder);
     let obj = text(&folder, "input/obj/surface.obj");
@@ -283,7 +296,7 @@ fn assert_same(a: &Scene, b: &Scene) {
 fn a_scene_comes_back_whole() {
     for target in [Target::V5_7_4, Target::V5_11_0] {
         for (name, scene) in [("plain", tetrahedron()), ("rich", rich())] {
-            let scratch = Scratch::new(&format!("dart-back-{name}"));
+            let scratch = Scratch::new();
             let folder = scratch.path().join("out");
             let report = written(&scene, &options(target), &folder);
             assert!(!report.has_losses(), "{:#?}", report.notes);
@@ -296,7 +309,7 @@ fn a_scene_comes_back_whole() {
 
 #[test]
 fn without_the_sidecar_what_is_missing_is_told() {
-    let scratch = Scratch::new("dart-bare");
+    let scratch = Scratch::new();
     let folder = scratch.path().join("out");
     let scene = rich();
     written(&scene, &options(Target::V5_7_4), &folder);
@@ -334,7 +347,7 @@ fn without_the_sidecar_what_is_missing_is_told() {
 
 #[test]
 fn an_edited_file_wins() {
-    let scratch = Scratch::new("dart-edited");
+    let scratch = Scratch::new();
     let folder = scratch.path().join("out");
     written(&tetrahedron(), &options(Target::V5_7_4), &folder);
     let edit = |name: &str, from: &str, to: &str| {
@@ -385,7 +398,7 @@ fn mars_lights_a_second_simulation() {
 
 #[test]
 fn the_same_scene_gives_the_same_bytes() {
-    let scratch = Scratch::new("dart-bytes");
+    let scratch = Scratch::new();
     let mut listings = Vec::new();
     for name in ["one", "two"] {
         let folder = scratch.path().join(name);
@@ -470,7 +483,7 @@ fn the_shipped_sites_come_back() {
     for name in ["phobos_site", "phobos_mars_side"] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name).join("scene.toml");
         let scene = scene_toml::read(&path, &unwatched).unwrap().scene;
-        let scratch = Scratch::new(&format!("dart-{name}"));
+        let scratch = Scratch::new();
         let folder = scratch.path().join("out");
         let report = written(&scene, &WriteOptions::default(), &folder);
         assert!(!report.has_losses(), "{:#?}", report.notes);

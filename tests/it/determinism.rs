@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::process::Command;
 
+use crate::cli::mmxrt;
 use crate::scratch::Scratch;
 
 /// Shadows, Mars above the horizon, heat, two materials, Gaussian bands.
@@ -32,8 +32,7 @@ bands = { start_um = 0.95, stop_um = 3.6, count = 21, fwhm_um = 0.02 }
 "#;
 
 fn run(folder: &Path, threads: &str, arguments: &[&str]) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_mmxrt"));
-    let output = command.current_dir(folder).args(["--quiet", "--threads", threads]).args(arguments).output().unwrap();
+    let output = mmxrt().current_dir(folder).args(["--quiet", "--threads", threads]).args(arguments).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
@@ -59,7 +58,7 @@ fn assert_same(what: &str, one: &BTreeMap<String, Vec<u8>>, other: &BTreeMap<Str
 
 #[test]
 fn threads_and_steps_change_no_byte() {
-    let scratch = Scratch::new("determinism");
+    let scratch = Scratch::new();
     let folder = scratch.path();
     scratch.write("scene.toml", SCENE);
     let simulate = |threads: &str| {

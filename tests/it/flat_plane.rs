@@ -88,7 +88,7 @@ fn random_triangulation(r: f64, facets: usize) -> Mesh {
 
 #[test]
 fn the_plane_of_table_i_has_its_radiance_in_every_pixel() {
-    let scratch = Scratch::new("table-i");
+    let scratch = Scratch::new();
     for (name, mesh) in [
         ("two facets", plane(1000.0, 0.0)),
         ("a grid", grid(1000.0, 20, |_, _| 0.0)),
@@ -114,7 +114,7 @@ fn the_plane_of_table_i_has_its_radiance_in_every_pixel() {
 
 #[test]
 fn mars_adds_its_closed_form() {
-    let scratch = Scratch::new("mars-light");
+    let scratch = Scratch::new();
     // So small that Mars is the same everywhere on it: 0.2 m of 9e6 m.
     scratch.obj("plane", &plane(0.1, 0.0), &[("ground", None)]);
     let up = ORIGIN.normalize();
@@ -162,7 +162,7 @@ const AU: f64 = 149_597_870_700.0;
 
 #[test]
 fn the_plane_glows_at_its_equilibrium_temperature() {
-    let scratch = Scratch::new("heat");
+    let scratch = Scratch::new();
     scratch.obj("plane", &plane(1000.0, 0.0), &[("ground", None)]);
     let material = "ground = { reflectance = 0.07, bond_albedo = 0.03, emissivity_bolometric = 0.9 }";
     let seen =
@@ -190,7 +190,7 @@ fn the_plane_glows_at_its_equilibrium_temperature() {
 
 #[test]
 fn lit_and_shaded_ground_each_have_their_own_light_and_heat() {
-    let scratch = Scratch::new("shadow");
+    let scratch = Scratch::new();
     // A box whose shadow is 2 m long at 45 degrees, seen straight from above in one pixel: x from -4 to 0 m, half in shadow.
     let mesh = joined(&[plane(8.0, 0.0), cuboid([0.0, -8.0, -1.0], [3.0, 8.0, 2.0])]);
     scratch.obj("plane", &mesh, &[("ground", None)]);
@@ -249,7 +249,7 @@ bands = {{ centres_um = [1.5, 3.4] }}
 
 #[test]
 fn a_gaussian_band_is_the_gaussian_mean() {
-    let scratch = Scratch::new("bands");
+    let scratch = Scratch::new();
     scratch.obj("plane", &plane(1000.0, 0.0), &[("ground", None)]);
     // Reflectance 0.02 um, irradiance 1000 - 200 um: linear each, so their product has a curvature of -8.
     scratch.write("linear.csv", "wavelength_um,reflectance\n0.5,0.01\n4,0.08\n");
@@ -277,7 +277,7 @@ fn a_gaussian_band_is_the_gaussian_mean() {
 
 #[test]
 fn a_mixture_is_the_sum_of_its_parts() {
-    let scratch = Scratch::new("mixture");
+    let scratch = Scratch::new();
     scratch.obj("plane", &plane(1000.0, 0.0), &[("mixed", None)]);
     let materials = "dark = { reflectance = 0.1 }\nmixed = { mixture = { dark = 0.25, bright = 0.75 } }\nbright = { reflectance = 0.3 }";
     let seen = scratch.look(&table_i(materials, 1.0, ONE_UM, NO_HEAT));
@@ -291,7 +291,7 @@ fn a_mixture_is_the_sum_of_its_parts() {
 
 #[test]
 fn materials_are_found_by_their_colours() {
-    let scratch = Scratch::new("colours");
+    let scratch = Scratch::new();
     let r = 1000.0;
     let left = quad([-r, -r, 0.0], [0.0, -r, 0.0], [0.0, r, 0.0], [-r, r, 0.0]);
     let right = of_material(quad([0.0, -r, 0.0], [r, -r, 0.0], [r, r, 0.0], [0.0, r, 0.0]), 1);
@@ -317,7 +317,7 @@ fn materials_are_found_by_their_colours() {
 #[test]
 fn the_plane_is_where_it_was_put() {
     // Its middle pixel looks at the target: position, range and angles of Table I.
-    let scratch = Scratch::new("place");
+    let scratch = Scratch::new();
     scratch.obj("plane", &plane(1000.0, 0.0), &[("ground", None)]);
     let seen = scratch.look(&table_i("ground = { reflectance = 0.07 }", 1.0, ONE_UM, NO_HEAT));
     let middle = |name: &str| plane_values(&seen, name)[33 * 16 + 16];

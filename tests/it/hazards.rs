@@ -111,8 +111,7 @@ fn three_triangulations_of_one_plane_leave_no_hole() {
     let seen = see(&all, sun(60.0, 100.0), &cam);
     for pixel in 0..24 * 24 {
         assert_near("coverage", seen.footprints.coverage(pixel), 1.0, 1e-12);
-        let lit: f64 = seen.footprints.pixel(pixel).map(|p| p.2).sum();
-        assert_near("lit", lit, 1.0, 1e-9);
+        assert_near("lit", seen.lit(pixel), 1.0, 1e-9);
     }
 }
 
@@ -127,8 +126,7 @@ fn a_lid_beside_its_hole_leaves_neither_gap_nor_overlap() {
     let seen = see(&all, sun(75.0, 10.0), &nadir(80.0, 5.0, 20));
     for pixel in 0..400 {
         assert_near("coverage", seen.footprints.coverage(pixel), 1.0, 1e-12);
-        let lit: f64 = seen.footprints.pixel(pixel).map(|p| p.2).sum();
-        assert_near("lit", lit, 1.0, 1e-9);
+        assert_near("lit", seen.lit(pixel), 1.0, 1e-9);
     }
 }
 
@@ -147,8 +145,7 @@ fn an_open_sheet_with_the_sun_below_its_horizon_is_black() {
     assert_near("coverage", totals(&seen, |_| true).0, 256.0, 1e-9);
     // 20 m from the rim towards the Sun its rays come from 1.7 m below: more than the waves are high.
     for pixel in 0..256 {
-        let lit: f64 = seen.footprints.pixel(pixel).map(|p| p.2).sum();
-        assert_near("lit", lit, 0.0, 1e-12);
+        assert_near("lit", seen.lit(pixel), 0.0, 1e-12);
     }
 }
 
@@ -212,8 +209,7 @@ fn a_facet_through_the_camera_plane_is_cut_there() {
         // The horizon is 1e-7 below the middle of the image; the sides are seen up to |x| = 0.04.
         let expected = if pixel < 32 { 0.0 } else { 1.0 };
         assert_near("coverage", seen.footprints.coverage(pixel), expected, 1e-4);
-        let lit: f64 = seen.footprints.pixel(pixel).map(|p| p.2).sum();
-        assert_near("lit", lit, seen.footprints.coverage(pixel), 1e-9);
+        assert_near("lit", seen.lit(pixel), seen.footprints.coverage(pixel), 1e-9);
     }
 }
 
@@ -258,8 +254,8 @@ fn a_hundred_thousand_facets_in_one_pixel_add_up() {
     assert_near("lit", totals(&eight, |_| true).1 / 64.0, totals(&seen, |_| true).1, 1e-12);
 }
 
-/// Area of the common part of two convex polygons, both counter-clockwise: written apart from the product, on purpose.
-fn common_area(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
+/// The common part of two convex polygons, both counter-clockwise: written apart from the product, on purpose.
+fn common(a: &[[f64; 2]], b: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut p = a.to_vec();
     for i in 0..b.len() {
         let (s, e) = (b[i], b[(i + 1) % b.len()]);
@@ -278,6 +274,10 @@ fn common_area(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
         }
         p = next;
     }
+    p
+}
+
+fn area(p: &[[f64; 2]]) -> f64 {
     (0..p.len()).map(|k| p[k][0] * p[(k + 1) % p.len()][1] - p[(k + 1) % p.len()][0] * p[k][1]).sum::<f64>() / 2.0
 }
 
@@ -340,31 +340,12 @@ fn the_shadow_of_a_box_is_exact_in_every_pixel() {
                 .collect::<Vec<_>>(),
         );
         let silhouette = hull(&(0..8).map(|n| image(corner(n, None))).collect::<Vec<_>>());
+        let shadowed_silhouette = common(&shadow, &silhouette);
         for pixel in 0..pixels * pixels {
             let (x, y) = ((pixel % pixels) as f64, (pixel / pixels) as f64);
             let cell = [[x, y], [x + 1.0, y], [x + 1.0, y + 1.0], [x, y + 1.0]];
-            let (in_shadow, hidden) = (common_area(&cell, &shadow), common_area(&cell, &silhouette));
-            let both = {
-                // Common part of three convex polygons: shadow and silhouette first.
-                let mut p = shadow.clone();
-                for i in 0..silhouette.len() {
-                    let (a, b) = (silhouette[i], silhouette[(i + 1) % silhouette.len()]);
-                    let d = |q: &[f64; 2]| (b[0] - a[0]) * (q[1] - a[1]) - (b[1] - a[1]) * (q[0] - a[0]);
-                    let mut next = vec![];
-                    for k in 0..p.len() {
-                        let (u, v) = (p[k], p[(k + 1) % p.len()]);
-                        if d(&u) >= 0.0 {
-                            next.push(u);
-                        }
-                        if d(&u) * d(&v) < 0.0 {
-                            let t = d(&u) / (d(&u) - d(&v));
-                            next.push([u[0] + t * (v[0] - u[0]), u[1] + t * (v[1] - u[1])]);
-                        }
-                    }
-                    p = next;
-                }
-                common_area(&cell, &p)
-            };
+            let (in_shadow, hidden) = (area(&common(&cell, &shadow)), area(&common(&cell, &silhouette)));
+            let both = area(&common(&cell, &shadowed_silhouette));
             let lit: f64 = seen.footprints.pixel(pixel).filter(|p| p.0 < 2).map(|p| p.2).sum();
             let visible: f64 = seen.footprints.pixel(pixel).filter(|p| p.0 < 2).map(|p| p.1).sum();
             assert_near(&format!("{incidence} deg, pixel {pixel}: visible ground"), visible, 1.0 - hidden, 1e-9);

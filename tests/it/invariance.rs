@@ -117,7 +117,7 @@ fn assert_worth_looking_at(seen: &Observation) {
 
 #[test]
 fn moving_the_body_by_2_23_m_changes_no_bit() {
-    let scratch = Scratch::new("moved-dyadic");
+    let scratch = Scratch::new();
     let by_m = DVec3::new(8_388_608.0, -8_388_608.0, 8_388_608.0);
     let here = text(PLACE, PLACE, &sun_at(PLACE + SUN), "body");
     let there = text(PLACE + by_m, PLACE + by_m, &sun_at(PLACE + by_m + SUN), "body");
@@ -149,7 +149,7 @@ fn moving_the_body_by_2_23_m_changes_no_bit() {
 
 #[test]
 fn moving_the_body_by_1e7_m_changes_the_ninth_digit_at_most() {
-    let scratch = Scratch::new("moved");
+    let scratch = Scratch::new();
     // Pixels of 14 m, and coordinates that 1e7 m cuts off at 2e-9 m.
     let mut mesh = site();
     mesh.vertices_m.iter_mut().for_each(|v| *v = *v * 10.1 + DVec3::splat(std::f64::consts::FRAC_1_PI));
@@ -168,7 +168,7 @@ fn moving_the_body_by_1e7_m_changes_the_ninth_digit_at_most() {
 
 #[test]
 fn another_origin_for_the_same_place_shows_the_same() {
-    let scratch = Scratch::new("origin");
+    let scratch = Scratch::new();
     let other = PLACE + DVec3::new(300.0, -200.0, 100.0);
     // Not by the Sun's position: its direction is taken from the origin.
     let sun = "direction = [2.0, -0.5, 0.9]\ndistance_au = 1.5";
@@ -191,7 +191,7 @@ fn another_origin_for_the_same_place_shows_the_same() {
 
 #[test]
 fn the_sun_casts_the_same_shadows_from_any_distance_along_its_ray() {
-    let scratch = Scratch::new("distance");
+    let scratch = Scratch::new();
     scratch.obj("site", &moved(site(), PLACE), &[("ground", None), ("box", None)]);
     let scene = |sun: &str| -> Scene { scratch.scene(&text(PLACE, PLACE, sun, "body")) };
     let shadows = |scene: &Scene, towards: Direction| {
@@ -224,7 +224,7 @@ fn the_sun_casts_the_same_shadows_from_any_distance_along_its_ray() {
 
 #[test]
 fn mars_is_where_it_is_from_any_origin() {
-    let scratch = Scratch::new("mars");
+    let scratch = Scratch::new();
     scratch.obj("site", &site(), &[("ground", None), ("box", None)]);
     let centre_m = |place: DVec3| -> DVec3 {
         let Scene { mars: Some(Mars { centre_m, .. }), .. } = scratch.scene(&text(place, PLACE, &sun_at(SUN), "local"))

@@ -2,11 +2,13 @@
 
 mod bodies;
 mod cli;
+mod convert;
 mod dart_database;
 mod dart_write;
 mod determinism;
 mod exact;
 mod flat_plane;
+mod gltf;
 mod hazards;
 mod invariance;
 mod layers;

@@ -1,32 +1,10 @@
 //! Bad scene files: each is told at its place, in words that say what to do.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+use crate::scratch::Scratch;
 use mmxrt::formats::{picture, scene_toml};
 use mmxrt::progress::unwatched;
-
-/// A folder that goes away with the test.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("mmxrt-malformed-{}-{name}", std::process::id()));
-        std::fs::create_dir_all(&path).unwrap();
-        Folder(path)
-    }
-
-    fn write(&self, name: &str, text: &str) -> PathBuf {
-        let path = self.0.join(name);
-        std::fs::write(&path, text).unwrap();
-        path
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
 
 const GOOD: &str = r##"mmxrt_scene = 1
 origin_m = [0, 0, 10000]
@@ -59,8 +37,8 @@ count = 3
 
 const PLATE: &str = "mtllib plate.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nusemtl ground\nf 1 2 3 4\nusemtl red\nf 1 2 3\nusemtl mix\nf 1 2 3\n";
 
-fn prepared(name: &str) -> Folder {
-    let folder = Folder::new(name);
+fn prepared() -> Scratch {
+    let folder = Scratch::new();
     folder.write("plate.obj", PLATE);
     folder.write("plate.mtl", "newmtl ground\nKd 0.5 0.5 0.5\nnewmtl red\nKd 1 0.002 0\nnewmtl mix\n");
     folder.write("flat.csv", "wavelength_nm,reflectance_percent\n900,5\n2500,15\n");
@@ -81,7 +59,7 @@ fn prepared(name: &str) -> Folder {
 
 #[test]
 fn the_good_scene_is_read() {
-    let folder = prepared("good");
+    let folder = prepared();
     let file = scene_toml::read(&folder.write("scene.toml", GOOD), &unwatched).unwrap();
     let scene = &file.scene;
     assert_eq!(scene.mesh.facets.len(), 4);
@@ -118,7 +96,7 @@ fn the_good_scene_is_read() {
 
 #[test]
 fn faces_without_a_material_are_the_default_and_a_mesh_can_be_of_one() {
-    let folder = prepared("default");
+    let folder = prepared();
     let with_default = GOOD.replace("[sun]", "default = { reflectance = 0.3 }\n[sun]");
     let read = |text: &str| scene_toml::read(&folder.write("scene.toml", text), &unwatched).unwrap().scene;
     let unnamed = read(&with_default.replace("plate.obj", "unnamed.obj"));
@@ -131,8 +109,8 @@ fn faces_without_a_material_are_the_default_and_a_mesh_can_be_of_one() {
 
 #[test]
 fn reading_stops_when_it_is_asked_to() {
-    let folder = prepared("stop");
-    let path = folder.write("scene.toml", &GOOD.replace("obj = \"plate.obj\"", "recipe = \"recipe.toml\""));
+    let folder = prepared();
+    let path = folder.write("scene.toml", GOOD.replace("obj = \"plate.obj\"", "recipe = \"recipe.toml\""));
     let stopped = scene_toml::read(&path, &|progress| progress.stage != "reading the scene");
     assert!(matches!(stopped, Err(mmxrt::Error::Interrupted)), "{stopped:?}");
     let good = folder.write("scene.toml", GOOD);
@@ -317,11 +295,11 @@ const CASES: &[(&str, &str, &str, &str)] = &[
 
 #[test]
 fn each_problem_is_told_at_its_place() {
-    let folder = prepared("cases");
+    let folder = prepared();
     let (mut seen, mut failures) = (0, Vec::new());
     for (good, bad, place, words) in CASES {
         assert_eq!(GOOD.matches(good).count(), 1, "{good:?} must be in the good scene once");
-        let error = scene_toml::read(&folder.write("scene.toml", &GOOD.replace(good, bad)), &unwatched);
+        let error = scene_toml::read(&folder.write("scene.toml", GOOD.replace(good, bad)), &unwatched);
         let told = error.as_ref().map_or_else(|e| e.to_string(), |_| "accepted".to_owned());
         if !told.lines().any(|line| line.contains(place) && line.contains(words)) {
             failures.push(format!("{bad:?}\nexpected {place} {words}\n{told}"));
@@ -336,7 +314,7 @@ fn each_problem_is_told_at_its_place() {
 
 #[test]
 fn all_problems_are_told_at_once() {
-    let folder = prepared("all");
+    let folder = prepared();
     let mut text = GOOD.to_owned();
     let edits = [
         ("reflectance = 0.2", "reflectance = 20"),
@@ -357,15 +335,15 @@ fn all_problems_are_told_at_once() {
 
 #[test]
 fn what_a_windows_editor_puts_into_files_changes_nothing() {
-    let folder = prepared("marks");
-    let read = || scene_toml::read(&folder.0.join("scene.toml"), &unwatched);
+    let folder = prepared();
+    let read = || scene_toml::read(&folder.join("scene.toml"), &unwatched);
     folder.write("scene.toml", GOOD);
     // The first statement is a vertex: no other line may take its place.
-    folder.write("plate.obj", &PLATE.replace("mtllib plate.mtl\nv -1 -1 0\n", "v -1 -1 0\nmtllib plate.mtl\n"));
+    folder.write("plate.obj", PLATE.replace("mtllib plate.mtl\nv -1 -1 0\n", "v -1 -1 0\nmtllib plate.mtl\n"));
     let plain = read().unwrap().scene;
     for name in ["scene.toml", "plate.obj", "plate.mtl", "flat.csv"] {
-        let text = std::fs::read_to_string(folder.0.join(name)).unwrap();
-        folder.write(name, &format!("\u{feff}{}", text.replace('\n', "\r\n")));
+        let text = std::fs::read_to_string(folder.join(name)).unwrap();
+        folder.write(name, format!("\u{feff}{}", text.replace('\n', "\r\n")));
     }
     let marked = read().unwrap();
     assert_eq!((&marked.scene.mesh, &marked.scene.materials), (&plain.mesh, &plain.materials));
@@ -379,7 +357,7 @@ fn what_a_windows_editor_puts_into_files_changes_nothing() {
 
 #[test]
 fn many_materials_are_read_in_no_time_and_too_many_are_refused() {
-    let folder = prepared("dictionary");
+    let folder = prepared();
     let read = |entries: usize| {
         // Each a mixture of the next: the worst order there is.
         let chain =
@@ -396,10 +374,10 @@ fn many_materials_are_read_in_no_time_and_too_many_are_refused() {
 
 #[test]
 fn how_many_more_problems_there_are_is_told_at_the_end() {
-    let folder = prepared("many");
+    let folder = prepared();
     folder.write("scene.toml", GOOD);
-    folder.write("plate.obj", &format!("{PLATE}{}", "f 1 2 99\n".repeat(50)));
-    let told = scene_toml::read(&folder.0.join("scene.toml"), &unwatched).unwrap_err().to_string();
+    folder.write("plate.obj", format!("{PLATE}{}", "f 1 2 99\n".repeat(50)));
+    let told = scene_toml::read(&folder.join("scene.toml"), &unwatched).unwrap_err().to_string();
     assert_eq!(told.lines().count(), 21, "{told}");
     assert!(told.lines().next().unwrap().contains("plate.obj:12: vertex index 99"), "{told}");
     assert!(told.lines().last().unwrap().ends_with("and 30 more problems"), "{told}");
@@ -407,16 +385,14 @@ fn how_many_more_problems_there_are_is_told_at_the_end() {
 
 #[test]
 fn no_cut_of_a_scene_makes_the_reader_panic() {
-    let folder = prepared("cuts");
+    let folder = prepared();
     let mut refused = 0;
     for end in (0..GOOD.len()).step_by(7) {
         refused += usize::from(scene_toml::read(&folder.write("scene.toml", &GOOD[..end]), &unwatched).is_err());
     }
     assert!(refused > 50);
     for bytes in [&b"\xff\xfe\x00"[..], b"\0", &[b'['; 100_000], b"a.a.a=1\na=2"] {
-        let path = folder.0.join("bytes.toml");
-        std::fs::write(&path, bytes).unwrap();
-        assert!(scene_toml::read(&path, &unwatched).is_err());
+        assert!(scene_toml::read(&folder.write("bytes.toml", bytes), &unwatched).is_err());
     }
 }
 

@@ -1,7 +1,9 @@
 //! Products on the disk: byte layouts known from the formats, what is read back, and what happens to damaged files.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+use crate::scratch::Scratch;
+use crate::shapes::Random;
 use glam::DVec3;
 use mmxrt::Error;
 use mmxrt::formats::envi::{self, Interleave, Precision};
@@ -10,28 +12,6 @@ use mmxrt::geometry::Direction;
 use mmxrt::product::{Backplanes, Cube, FacetTable, Footprints, Lit, Plane, Sunlit};
 use mmxrt::progress::unwatched;
 use mmxrt::spectral::Band;
-
-/// A folder that goes when the test ends.
-struct Scratch(PathBuf);
-
-impl Scratch {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("mmxrt-it-{}-{name}", std::process::id()));
-        let _ = std::fs::remove_dir_all(&path);
-        std::fs::create_dir_all(&path).unwrap();
-        Scratch(path)
-    }
-
-    fn join(&self, name: &str) -> PathBuf {
-        self.0.join(name)
-    }
-}
-
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
 
 /// 2 samples x 2 lines x 2 bands; pixel p has radiance p + 1 in band 0 and 10 (p + 1) in band 1.
 fn small_cube() -> Cube {
@@ -46,22 +26,18 @@ fn small_cube() -> Cube {
     }
 }
 
-/// A cube of several rows a pixel whose numbers come from a fixed little generator.
+/// A cube of several rows a pixel, of numbers without a pattern.
 fn random_cube(samples: usize, lines: usize, bands: usize, rows: usize, rows_per_pixel: usize) -> Cube {
-    let mut state = 1_u64;
-    let mut random = move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 53) as f64
-    };
+    let mut random = Random(1);
     let pixels = samples * lines;
     Cube {
         samples,
         lines,
         bands: (0..bands).map(|i| Band { centre_um: 0.95 + 0.01 * i as f64, fwhm_um: Some(0.01) }).collect(),
         row_start: (0..=pixels).map(|p| (p * rows_per_pixel) as u32).collect(),
-        row: (0..pixels * rows_per_pixel).map(|_| (random() * rows as f64) as u32).collect(),
-        weight: (0..pixels * rows_per_pixel).map(|_| random()).collect(),
-        spectra: (0..rows * bands).map(|_| random()).collect(),
+        row: (0..pixels * rows_per_pixel).map(|_| (random.share() * rows as f64) as u32).collect(),
+        weight: (0..pixels * rows_per_pixel).map(|_| random.share()).collect(),
+        spectra: (0..rows * bands).map(|_| random.share()).collect(),
     }
 }
 
@@ -75,7 +51,7 @@ fn f64s(bytes: &[u8]) -> Vec<f64> {
 
 #[test]
 fn envi_interleaves_are_in_the_order_of_their_names() {
-    let scratch = Scratch::new("interleave");
+    let scratch = Scratch::new();
     let path = scratch.join("cube.img");
     for (interleave, expected) in [
         (Interleave::Bsq, [1.0, 2.0, 3.0, 4.0, 10.0, 20.0, 30.0, 40.0]),
@@ -99,7 +75,7 @@ fn envi_interleaves_are_in_the_order_of_their_names() {
 
 #[test]
 fn envi_header_says_what_readers_need() {
-    let scratch = Scratch::new("header");
+    let scratch = Scratch::new();
     let path = scratch.join("cube.img");
     let mut cube = random_cube(2, 1, 3, 1, 1);
     cube.bands[1].fwhm_um = None;
@@ -118,7 +94,7 @@ fn envi_header_says_what_readers_need() {
 
 #[test]
 fn cubes_are_the_same_bytes_at_any_thread_count_and_the_numbers_of_the_cube() {
-    let scratch = Scratch::new("threads");
+    let scratch = Scratch::new();
     // More pixels than a block, bands that leave a remainder, lines that are no multiple of what is done at a time.
     let cube = random_cube(61, 37, 39, 11, 5);
     let array = cube.to_array();
@@ -147,7 +123,7 @@ fn cubes_are_the_same_bytes_at_any_thread_count_and_the_numbers_of_the_cube() {
 
 #[test]
 fn backplanes_keep_their_names_units_and_holes() {
-    let scratch = Scratch::new("backplanes");
+    let scratch = Scratch::new();
     let path = scratch.join("backplanes.img");
     let plane = |name: &str, unit: &str, values| Plane { name: name.into(), unit: unit.into(), values };
     let planes = Backplanes {
@@ -172,7 +148,7 @@ fn backplanes_keep_their_names_units_and_holes() {
 
 #[test]
 fn envi_files_of_others_are_understood() {
-    let scratch = Scratch::new("others");
+    let scratch = Scratch::new();
     let header = |data_type: u8, order: u8, extra: &str| {
         format!(
             "ENVI\n; a comment\nSamples = 2\nlines   = 1\nbands=2\n\nheader offset = 3\ndata type = {data_type}\n\
@@ -191,8 +167,8 @@ fn envi_files_of_others_are_understood() {
     ];
     for (data_type, order, bytes, first) in cases {
         let extra = "wavelength = { 0.5,\n 0.6 }\ndata ignore value = 7\nband names = {red,\nblue}\n";
-        std::fs::write(scratch.join("x.hdr"), header(data_type, order, extra)).unwrap();
-        std::fs::write(scratch.join("x.dat"), [b"abc", bytes].concat()).unwrap();
+        scratch.write("x.hdr", header(data_type, order, extra));
+        scratch.write("x.dat", [b"abc", bytes].concat());
         let (h, data) = envi::pair(&scratch.join("x.hdr")).unwrap();
         assert_eq!(envi::pair(&data).unwrap().0, h);
         let header = envi::read_header(&h).unwrap();
@@ -205,7 +181,7 @@ fn envi_files_of_others_are_understood() {
 
 #[test]
 fn damaged_envi_files_are_located() {
-    let scratch = Scratch::new("envi-damage");
+    let scratch = Scratch::new();
     let path = scratch.join("x.hdr");
     let good = "ENVI\nsamples = 2\nlines = 2\nbands = 2\ndata type = 4\ninterleave = bsq\nbyte order = 0\n";
     let cases = [
@@ -227,7 +203,7 @@ fn damaged_envi_files_are_located() {
     }
     std::fs::write(&path, good.replace("lines = 2", "lines = 1000000000000")).unwrap();
     assert!(envi::pair(&path).unwrap_err().to_string().contains("data file is not beside it"));
-    std::fs::write(scratch.join("x.img"), [0; 31]).unwrap();
+    scratch.write("x.img", [0; 31]);
     let header = envi::read_header(&path).unwrap();
     assert!(envi::statistics(&header, &scratch.join("x.img")).unwrap_err().to_string().contains("31 bytes"));
     assert!(matches!(envi::read_header(&scratch.join("none.hdr")), Err(Error::Io { .. })));
@@ -235,7 +211,7 @@ fn damaged_envi_files_are_located() {
 
 #[test]
 fn interruption_stops_a_cube() {
-    let scratch = Scratch::new("interrupt");
+    let scratch = Scratch::new();
     let stop = |_| false;
     let path = scratch.join("cube.img");
     for interleave in [Interleave::Bsq, Interleave::Bip] {
@@ -248,7 +224,7 @@ fn interruption_stops_a_cube() {
 #[test]
 #[cfg(target_os = "linux")]
 fn a_full_disk_is_an_error_that_names_the_file() {
-    let scratch = Scratch::new("full");
+    let scratch = Scratch::new();
     let path = scratch.join("x.img");
     std::os::unix::fs::symlink("/dev/full", &path).unwrap();
     let cube = random_cube(64, 64, 3, 2, 1);
@@ -283,7 +259,7 @@ fn a_full_disk_is_an_error_that_names_the_file() {
 #[test]
 fn open_exr_reads_back_in_the_order_of_wavelength() {
     use exr::prelude::*;
-    let scratch = Scratch::new("exr");
+    let scratch = Scratch::new();
     let path = scratch.join("cube.exr");
     // Descending, and across the change from three to four digits of nm.
     let mut cube = random_cube(5, 19, 3, 4, 2);
@@ -307,7 +283,7 @@ fn open_exr_reads_back_in_the_order_of_wavelength() {
     let info = exr_cube::read_info(&path).unwrap();
     assert_eq!((info.samples, info.lines, info.channels), (5, 19, names));
     assert!(info.attributes.contains(&("emissiveUnits".to_owned(), "W.m^-2.sr^-1".to_owned())));
-    std::fs::write(scratch.join("bad.exr"), "v/1\x01").unwrap();
+    scratch.write("bad.exr", "v/1\x01");
     assert!(exr_cube::read_info(&scratch.join("bad.exr")).is_err());
 
     cube.bands[1] = cube.bands[0];
@@ -335,7 +311,7 @@ fn table() -> FacetTable {
 
 #[test]
 fn facet_tables_come_back_bit_for_bit() {
-    let scratch = Scratch::new("npz");
+    let scratch = Scratch::new();
     let path = scratch.join("table.npz");
     let bare = FacetTable {
         mars_direction: None,
@@ -360,7 +336,7 @@ fn facet_tables_come_back_bit_for_bit() {
 
 #[test]
 fn facet_tables_are_stored_zips_of_numpy_arrays() {
-    let scratch = Scratch::new("npz-bytes");
+    let scratch = Scratch::new();
     let path = scratch.join("table.npz");
     npz::write_table(&path, &table(), "s").unwrap();
     let bytes = std::fs::read(&path).unwrap();
@@ -380,7 +356,7 @@ fn facet_tables_are_stored_zips_of_numpy_arrays() {
 
 #[test]
 fn footprints_are_written() {
-    let scratch = Scratch::new("footprints");
+    let scratch = Scratch::new();
     let path = scratch.join("footprints.npz");
     let footprints = Footprints {
         row_start: vec![0, 2],
@@ -399,7 +375,7 @@ fn footprints_are_written() {
 
 #[test]
 fn damaged_tables_are_errors_never_other_numbers() {
-    let scratch = Scratch::new("npz-damage");
+    let scratch = Scratch::new();
     let path = scratch.join("table.npz");
     npz::write_table(&path, &table(), "s").unwrap();
     let (good, good_header) = npz::read_table(&path).unwrap();
@@ -431,7 +407,7 @@ fn damaged_tables_are_errors_never_other_numbers() {
 
 #[test]
 fn tables_that_do_not_fit_together_are_refused_with_all_that_is_wrong() {
-    let scratch = Scratch::new("npz-invalid");
+    let scratch = Scratch::new();
     let path = scratch.join("table.npz");
     let mut bad = table();
     bad.sun_irradiance[1] = f64::NAN;
@@ -444,30 +420,39 @@ fn tables_that_do_not_fit_together_are_refused_with_all_that_is_wrong() {
     assert_eq!(items, ["mars_irradiance", "sun_irradiance[1]", "temperature_lit_k[2]", "sun_polygon_start"]);
 }
 
-fn decode(path: &Path) -> (png::ColorType, Vec<u8>) {
+/// Kind, bytes and description of a PNG.
+fn decode(path: &Path) -> (png::ColorType, Vec<u8>, String) {
     let decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(path).unwrap()));
     let mut reader = decoder.read_info().unwrap();
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
     reader.next_frame(&mut pixels).unwrap();
-    (reader.info().color_type, pixels)
+    let [text] = &reader.info().uncompressed_latin1_text[..] else { panic!("not one text") };
+    assert_eq!(text.keyword, "Description");
+    (reader.info().color_type, pixels, text.text.clone())
 }
 
 #[test]
-fn quick_looks_are_pictures_of_the_cube() {
-    let scratch = Scratch::new("quicklook");
+fn quick_looks_are_pictures_of_the_cube_and_say_how_they_are_stretched() {
+    let scratch = Scratch::new();
     let (grey, colour) = (scratch.join("grey.png"), scratch.join("colour.png"));
     let coverage = [1.0, 1.0, 0.5, 0.0];
     quicklook::write_grey(&grey, &small_cube(), 1, &coverage).unwrap();
-    assert_eq!(decode(&grey), (png::ColorType::Grayscale, vec![0, 128, 255, 0]));
+    let (kind, pixels, text) = decode(&grey);
+    assert_eq!((kind, pixels), (png::ColorType::Grayscale, vec![0, 128, 255, 0]));
+    let [long, short] = ["3.6 um, black 1.0000e1, white 3.0000e1", "0.95 um, black 1.0000e0, white 3.0000e0"]
+        .map(|text| format!("{text} W m-2 sr-1 um-1, power 1.000"));
+    assert_eq!(text, long);
     quicklook::write_colour(&colour, &small_cube(), [1, 0, 0], &coverage).unwrap();
     assert_eq!([&grey, &colour].map(|p| quicklook::read_info(p).unwrap()), [(2, 2, false), (2, 2, true)]);
     assert!(matches!(quicklook::read_info(&scratch.join("none.png")), Err(Error::Io { .. })));
-    assert_eq!(decode(&colour), (png::ColorType::Rgb, vec![0, 0, 0, 128, 128, 128, 255, 255, 255, 0, 0, 0]));
+    let (kind, pixels, text) = decode(&colour);
+    assert_eq!((kind, pixels), (png::ColorType::Rgb, vec![0, 0, 0, 128, 128, 128, 255, 255, 255, 0, 0, 0]));
+    assert_eq!(text, format!("red: {long}; green: {short}; blue: {short}"));
 }
 
 #[test]
 fn reports_come_back_and_their_errors_are_located() {
-    let scratch = Scratch::new("report");
+    let scratch = Scratch::new();
     let path = scratch.join("run.json");
     let run = report_json::Run {
         format_version: 1,

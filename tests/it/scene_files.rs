@@ -55,7 +55,7 @@ fn mars_stands_high_over_the_mars_side_and_the_sun_low() {
 fn the_scene_in_the_readme_is_read_as_it_stands() {
     let readme = std::fs::read_to_string(root().join("README.md")).unwrap();
     let text = readme.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
-    let scratch = Scratch::new("readme");
+    let scratch = Scratch::new();
     std::fs::copy(root().join("scenes/phobos_site/blue_unit.csv"), scratch.path().join("blue_unit.csv")).unwrap();
     let scene = scratch.scene(text);
     // 0.4 of the blue unit, which has 0.10617 at 1 um, and 0.6 of 0.12.

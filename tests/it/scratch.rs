@@ -1,6 +1,7 @@
 //! A folder for a test's files.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use mmxrt::formats::mtl::{self, ObjMaterial};
 use mmxrt::formats::{obj, scene_toml};
@@ -13,8 +14,11 @@ use mmxrt::study::{self, Observation};
 pub(crate) struct Scratch(PathBuf);
 
 impl Scratch {
-    pub(crate) fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("mmxrt-test-{}-{name}", std::process::id()));
+    pub(crate) fn new() -> Self {
+        static MADE: AtomicU32 = AtomicU32::new(0);
+        let number = MADE.fetch_add(1, Ordering::Relaxed);
+        let path = std::env::temp_dir().join(format!("mmxrt-test-{}-{number}", std::process::id()));
+        // One that was left by a process of the same number.
         let _ = std::fs::remove_dir_all(&path);
         std::fs::create_dir_all(&path).unwrap();
         Scratch(path)
@@ -24,9 +28,26 @@ impl Scratch {
         &self.0
     }
 
-    pub(crate) fn write(&self, name: &str, text: &str) -> PathBuf {
-        let path = self.0.join(name);
-        std::fs::write(&path, text).unwrap();
+    pub(crate) fn join(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+
+    /// The path of a file as an argument of a command.
+    pub(crate) fn argument(&self, name: &str) -> String {
+        self.join(name).into_os_string().into_string().unwrap()
+    }
+
+    /// The names of all that is in the folder, sorted.
+    pub(crate) fn names(&self) -> Vec<String> {
+        let entries = self.0.read_dir().unwrap();
+        let mut names: Vec<String> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    pub(crate) fn write(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
+        let path = self.join(name);
+        std::fs::write(&path, content).unwrap();
         path
     }
 
@@ -34,7 +55,7 @@ impl Scratch {
     pub(crate) fn obj(&self, name: &str, mesh: &Mesh, materials: &[(&str, Option<[f64; 3]>)]) {
         let materials: Vec<_> =
             materials.iter().map(|(name, kd)| ObjMaterial { name: (*name).to_owned(), kd: *kd }).collect();
-        let file = |extension: &str| std::fs::File::create(self.0.join(format!("{name}.{extension}"))).unwrap();
+        let file = |extension: &str| std::fs::File::create(self.join(&format!("{name}.{extension}"))).unwrap();
         obj::write(&mut file("obj"), mesh, &materials, Some(&format!("{name}.mtl"))).unwrap();
         mtl::write(&mut file("mtl"), &materials).unwrap();
     }

@@ -203,6 +203,13 @@ pub(crate) struct Seen {
     pub(crate) footprints: Footprints,
 }
 
+impl Seen {
+    /// Share of a pixel that sees sunlit surface.
+    pub(crate) fn lit(&self, pixel: usize) -> f64 {
+        self.footprints.pixel(pixel).map(|(_, _, lit)| lit).sum()
+    }
+}
+
 /// Shadows and footprints, checked for inner consistency.
 pub(crate) fn see(mesh: &Mesh, sun: Direction, camera: &FrameCamera) -> Seen {
     let topology = Topology::new(mesh);

@@ -9,9 +9,10 @@ use crate::error::{Error, Location, Result};
 use crate::geometry::{Direction, Mesh};
 use crate::physics::{blackbody, heat, mars, sun};
 use crate::report::{Fate, Report};
-use crate::scene::{Mars, MarsModel, Scene, Sun, Thermal};
+use crate::scene::{Mars, MarsModel, Material, Photometry, Scene, Sun, Thermal};
 use crate::spectral::{Band, Column, SpectralLibrary, Spectrum};
 
+use super::database::Kind;
 use super::frame;
 use super::inputs::Target;
 use super::sidecar::{self, Sidecar};
@@ -94,8 +95,12 @@ impl Default for WriteOptions {
 
 /// Width of a band that has none, um: narrow beside what spectra do, wide beside the digits of a number.
 pub(super) const MONOCHROMATIC_UM: f64 = 1e-3;
-/// Database of Lambert surfaces, in the simulation's own folder.
-const LAMBERTIAN_DATABASE: &str = "mmxrt_lambertian.db";
+/// Databases, in the simulation's own folder.
+const DATABASES: [(OpticalKind, &str); 3] = [
+    (OpticalKind::Lambertian, "mmxrt_lambertian.db"),
+    (OpticalKind::Hapke, "mmxrt_hapke.db"),
+    (OpticalKind::Rpv, "mmxrt_rpv.db"),
+];
 /// The OBJ file.
 const SURFACE_FILE: &str = "obj/surface.obj";
 /// What stands for the sky where there must be a ground.
@@ -136,6 +141,7 @@ pub fn from_scene(scene: &Scene, options: &WriteOptions) -> Result<(Package, Rep
     let site = Site { scene, dart_from_body, origin_in_dart_m };
 
     let names = unique_names(scene);
+    let links = links(scene, &names);
     let thermal = thermal_functions(scene);
     let groups = groups(scene)?;
     let bands = intervals(scene, &thermal);
@@ -151,7 +157,7 @@ pub fn from_scene(scene: &Scene, options: &WriteOptions) -> Result<(Package, Rep
             size_m: [extent_m.x, extent_m.y],
             cell_m: [cell_m; 2],
             boundary: 0,
-            ground: space(scene.materials.len(), &names),
+            ground: links[scene.materials.len()].clone(),
             ground_enabled: options.target == Target::V5_7_4,
             topography: None,
             latitude_longitude_altitude: latitude_longitude_altitude(scene.origin_m),
@@ -168,13 +174,13 @@ pub fn from_scene(scene: &Scene, options: &WriteOptions) -> Result<(Package, Rep
             at: Location::item("sun"),
         },
     };
-    simulation.objects.push(site.object(&groups, options.target, &names));
+    simulation.objects.push(site.object(&groups, options.target, &links));
     let size = Size::of(&simulation, mesh.facets.len() as u64, extent_m.z);
     let sidecar = Sidecar::of(scene, origin_in_dart_m, simulation.phase.cameras[0].roll_deg);
     site.notes(&simulation, &size, options, &mut report);
     let mars = site.by_mars(&simulation, &mut report);
     let surfaces = vec![Surface { mesh, groups }];
-    let databases = vec![(LAMBERTIAN_DATABASE.to_owned(), tables(scene, &names))];
+    let databases = databases(scene, &names);
     Ok((Package { simulation, surfaces, databases, mars, sidecar: Some(sidecar), size }, report))
 }
 
@@ -263,60 +269,86 @@ fn unique_names(scene: &Scene) -> Vec<(String, String)> {
     both.collect()
 }
 
-/// Optical properties: the materials in the dictionary's order, then the ground's.
-fn optical(scene: &Scene, names: &[(String, String)]) -> Vec<OpticalProperty> {
-    let places = (0..scene.materials.len()).map(|i| format!("materials.{:?}", scene.materials[i].name));
-    names
-        .iter()
-        .zip(places.chain(["ground".to_owned()]))
-        .map(|((ident, model), place)| OpticalProperty {
-            kind: OpticalKind::Lambertian,
-            ident: ident.clone(),
-            database: LAMBERTIAN_DATABASE.into(),
-            model: model.clone(),
-            transmittance: None,
-            factors: Vec::new(),
-            at: Location::item(place),
-        })
-        .collect()
+/// The list that a material stands in, and what its table holds.
+pub(super) fn spectra(material: &Material) -> (OpticalKind, Vec<&Spectrum>) {
+    let kind = match material.photometry {
+        Photometry::Lambert => return (OpticalKind::Lambertian, vec![&material.reflectance]),
+        Photometry::Hapke(_) => OpticalKind::Hapke,
+        Photometry::Rpv(_) => OpticalKind::Rpv,
+    };
+    (kind, material.photometry.parameters().into_iter().map(|(_, spectrum)| spectrum).collect())
 }
 
-fn tables(scene: &Scene, names: &[(String, String)]) -> Vec<SpectralLibrary> {
+/// The database of a kind, and what its columns are called here.
+fn database(kind: OpticalKind) -> (&'static str, &'static [&'static str]) {
+    let columns = match kind {
+        OpticalKind::Lambertian => Kind::Lambertian,
+        OpticalKind::Hapke => Kind::Hapke,
+        OpticalKind::Rpv => Kind::Rpv,
+    };
+    (DATABASES.iter().find(|(k, _)| *k == kind).map_or("", |(_, file)| file), columns.columns())
+}
+
+/// Optical properties: the materials in the dictionary's order, then the ground's.
+fn optical(scene: &Scene, names: &[(String, String)]) -> Vec<OpticalProperty> {
+    // Only its transmittances count, which are 0.
+    let opaque = (DATABASES[0].1.to_owned(), names[scene.materials.len()].1.clone());
+    let entry = |(i, (ident, model)): (usize, &(String, String))| {
+        let material = scene.materials.get(i);
+        let kind = material.map_or(OpticalKind::Lambertian, |m| spectra(m).0);
+        OpticalProperty {
+            kind,
+            ident: ident.clone(),
+            database: database(kind).0.into(),
+            model: model.clone(),
+            transmittance: (kind != OpticalKind::Lambertian).then(|| opaque.clone()),
+            factors: Vec::new(),
+            at: Location::item(material.map_or("ground".into(), |m| format!("materials.{:?}", m.name))),
+        }
+    };
+    names.iter().enumerate().map(entry).collect()
+}
+
+fn databases(scene: &Scene, names: &[(String, String)]) -> Vec<(String, Vec<SpectralLibrary>)> {
     let reach_um = reach_um(&scene.sensor.bands);
     let black = Spectrum::constant(0.0);
-    let spectra = scene.materials.iter().map(|m| &m.reflectance).chain([&black]);
-    let table = |(i, reflectance): (usize, &Spectrum)| {
-        let (wavelength_um, mut columns) = tabulated(&[reflectance], reach_um);
-        let opaque = |name: &str| Column { name: name.into(), values: vec![0.0; wavelength_um.len()] };
+    let sky = (OpticalKind::Lambertian, vec![&black]);
+    let all: Vec<_> = scene.materials.iter().map(spectra).chain([sky]).collect();
+    let table = |i: usize| {
+        let (kind, spectra) = &all[i];
+        let (wavelength_um, mut columns) = tabulated(spectra, reach_um);
+        let names_of_columns = database(*kind).1;
+        // A Lambert surface's transmittances.
+        columns.resize(names_of_columns.len(), vec![0.0; wavelength_um.len()]);
+        let columns = names_of_columns.iter().zip(columns);
         SpectralLibrary {
             name: names[i].1.clone(),
             comment: match scene.materials.get(i) {
                 Some(material) => format!("{}: written by mmxrt, reflectance in percent", material.name),
                 None => "a black ground that stands for the sky: written by mmxrt".into(),
             },
-            columns: vec![
-                Column { name: "reflectance".into(), values: columns.remove(0) },
-                opaque("direct_transmittance"),
-                opaque("diffuse_transmittance"),
-            ],
+            columns: columns.map(|(name, values)| Column { name: (*name).into(), values }).collect(),
             wavelength_um,
         }
     };
-    spectra.enumerate().map(table).collect()
+    let of_kind = |kind| (0..all.len()).filter(|i| all[*i].0 == kind).map(table).collect::<Vec<_>>();
+    let files = DATABASES.iter().map(|(kind, file)| ((*file).to_owned(), of_kind(*kind)));
+    files.filter(|(_, tables)| !tables.is_empty()).collect()
 }
 
-/// The ground: it neither reflects nor glows.
-fn space(materials: usize, names: &[(String, String)]) -> Links {
-    let ident = names[materials].0.clone();
-    let index = materials as u32;
-    Links {
-        kind: OpticalKind::Lambertian as u32,
-        index,
+/// The links of each material, then of the ground, which neither reflects nor glows.
+fn links(scene: &Scene, names: &[(String, String)]) -> Vec<Links> {
+    let kinds: Vec<OpticalKind> =
+        scene.materials.iter().map(|m| spectra(m).0).chain([OpticalKind::Lambertian]).collect();
+    let one = |(i, (ident, _)): (usize, &(String, String))| Links {
+        kind: kinds[i] as u32,
+        index: kinds[..i].iter().filter(|k| **k == kinds[i]).count() as u32,
+        ident: ident.clone(),
+        thermal_index: i as u32,
         thermal_ident: format!("T_{ident}"),
-        ident,
-        thermal_index: index,
-        at: Location::item("ground"),
-    }
+        at: Location::item(if i < scene.materials.len() { "mesh" } else { "ground" }),
+    };
+    names.iter().enumerate().map(one).collect()
 }
 
 /// Temperatures, one for each material and one for the ground: DART makes T^4 linear in sunlight between the two ends, as the
@@ -349,7 +381,7 @@ pub(super) fn thermal_functions(scene: &Scene) -> Vec<ThermalFunction> {
         at: Location::item(place),
     };
     let names = unique_names(scene);
-    let of_material = |(m, (ident, _)): (&crate::scene::Material, &(String, String))| {
+    let of_material = |(m, (ident, _)): (&Material, &(String, String))| {
         function(format!("T_{ident}"), ends_k(m.bond_albedo, m.emissivity_bolometric), "thermal")
     };
     let ground = function(format!("T_{}", names[scene.materials.len()].0), (0.0, 0.0), "ground");
@@ -436,24 +468,16 @@ struct Site<'a> {
 }
 
 impl Site<'_> {
-    fn object(&self, groups: &[String], target: Target, names: &[(String, String)]) -> Object {
-        let links = |material: usize| Links {
-            kind: OpticalKind::Lambertian as u32,
-            index: material as u32,
-            ident: names[material].0.clone(),
-            thermal_index: material as u32,
-            thermal_ident: format!("T_{}", names[material].0),
-            at: Location::item("mesh"),
-        };
+    fn object(&self, groups: &[String], target: Target, links: &[Links]) -> Object {
         let used: Vec<usize> = (0..groups.len()).filter(|m| !groups[*m].is_empty()).collect();
         // Of an OBJ with one group 5.7 wants no list; what 5.11 wants is known with a list only.
-        let whole = if target == Target::V5_7_4 && used.len() == 1 { Some(links(used[0])) } else { None };
+        let whole = if target == Target::V5_7_4 && used.len() == 1 { Some(links[used[0]].clone()) } else { None };
         let group = |(i, &material): (usize, &usize)| Group {
             number: i as u32 + 1,
             name: groups[material].clone(),
             hidden: false,
             double_face: false,
-            links: Some(links(material)),
+            links: Some(links[material].clone()),
             back: None,
             at: Location::item("mesh"),
         };

@@ -3,6 +3,7 @@
 //! DART never sees it. On the way back a value of it is used only where DART's files still hold what was written with it: an
 //! edited XML file or database wins.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use glam::DVec3;
@@ -11,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::{Error, Location, Result};
 use crate::formats::input::{self, InputFile};
 use crate::geometry::Mesh;
-use crate::scene::{Mars, MarsModel, Material, Scene, Sun, Thermal};
+use crate::scene::{Hapke, Mars, MarsModel, Material, Photometry, Rpv, Scene, Sun, Thermal};
 use crate::spectral::{Band, Extend, Spectrum, solar_e490};
 
 /// Its name in a simulation's folder.
@@ -106,6 +107,12 @@ struct MaterialPart {
     /// Left out where it is 1 - reflectance.
     #[serde(skip_serializing_if = "Option::is_none")]
     emissivity: Option<Table>,
+    /// Parameters of Hapke's model, by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    hapke: BTreeMap<String, Table>,
+    /// Parameters of the RPV model, by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    rpv: BTreeMap<String, Table>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -265,6 +272,11 @@ impl Sidecar {
                 Some(table) => table.spectrum()?,
                 None => reflectance.map(|r| 1.0 - r),
             },
+            photometry: match (part.hapke.is_empty(), part.rpv.is_empty()) {
+                (true, true) => Photometry::Lambert,
+                (false, _) => Photometry::Hapke(Box::new(Hapke::from(parameters(&part.hapke, Hapke::NAMES)?))),
+                (true, false) => Photometry::Rpv(Box::new(Rpv::from(parameters(&part.rpv, Rpv::NAMES)?))),
+            },
             reflectance,
             bond_albedo: part.bond_albedo,
             emissivity_bolometric: part.emissivity_bolometric,
@@ -283,7 +295,13 @@ impl Sidecar {
     }
 }
 
+fn parameters<const N: usize>(tables: &BTreeMap<String, Table>, names: [&str; N]) -> Option<[Spectrum; N]> {
+    let spectra: Option<Vec<Spectrum>> = names.iter().map(|name| tables.get(*name)?.spectrum()).collect();
+    spectra?.try_into().ok()
+}
+
 fn material_part(material: &Material) -> MaterialPart {
+    let parameters = || material.photometry.parameters().into_iter().map(|(name, s)| (name.to_owned(), Table::of(s))).collect();
     let by_kirchhoff = material.emissivity == material.reflectance.map(|r| 1.0 - r);
     MaterialPart {
         name: material.name.clone(),
@@ -292,6 +310,8 @@ fn material_part(material: &Material) -> MaterialPart {
         mixture: material.mixture.clone(),
         reflectance: Table::of(&material.reflectance),
         emissivity: (!by_kirchhoff).then(|| Table::of(&material.emissivity)),
+        hapke: if matches!(material.photometry, Photometry::Hapke(_)) { parameters() } else { BTreeMap::new() },
+        rpv: if matches!(material.photometry, Photometry::Rpv(_)) { parameters() } else { BTreeMap::new() },
     }
 }
 

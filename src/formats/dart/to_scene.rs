@@ -11,13 +11,13 @@ use crate::formats::obj::{self, ObjFile};
 use crate::geometry::{Direction, MaterialId, Mesh, Pose};
 use crate::progress::{Watch, tell};
 use crate::report::{Fate, Report};
-use crate::scene::{FrameCamera, Material, Scene, Sensor, Sun, Thermal};
-use crate::spectral::{Band, Extend, Spectrum, solar_e490, solar_mean};
+use crate::scene::{FrameCamera, Hapke, Material, Photometry, Rpv, Scene, Sensor, Sun, Thermal};
+use crate::spectral::{Band, Extend, SpectralLibrary, Spectrum, solar_e490, solar_mean};
 use crate::units::AU_M;
 
 use super::database::Database;
 use super::folder::Folder;
-use super::from_scene::{irradiance, latitude_longitude_altitude, intervals, reach_um, tabulated, thermal_functions, width_um};
+use super::from_scene::{irradiance, latitude_longitude_altitude, intervals, reach_um, spectra, tabulated, thermal_functions, width_um};
 use super::sidecar::{self, Sidecar};
 use super::simulation::{Camera, Links, Object, OpticalKind, OpticalProperty, Simulation};
 use super::{frame, groups};
@@ -53,7 +53,7 @@ const CAMERA_DISTANCE: f64 = 10.0;
 ///
 /// # Errors
 /// [`Error::Invalid`] for links that lead nowhere, files that are missing, lie outside, or cannot be used, and as [`Scene::check`];
-/// [`Error::Unsupported`] for reflectance models that scenes do not have; [`Error::Io`]; [`Error::Interrupted`].
+/// [`Error::Io`]; [`Error::Interrupted`].
 pub fn to_scene(simulation: &Simulation, folder: &Folder, options: &SceneOptions, watch: Watch<'_>) -> Result<Converted> {
     let mut reader = Reader {
         simulation,
@@ -244,16 +244,18 @@ impl Reader<'_> {
         let mut default = None;
         for (i, property) in simulation.optical.iter().enumerate() {
             let notes = self.report.notes.len();
-            let Some(reflectance) = self.reflectance(property, is_linked[i] || is_ground(i), bands)? else { continue };
+            let Some(table) = self.table(property, is_linked[i] || is_ground(i), bands)? else { continue };
             // A black ground at 0 K that nothing else is made of stands for the sky.
-            if !is_linked[i] && i == ground && self.is_sky(&reflectance) {
+            if !is_linked[i] && i == ground && self.is_sky(property.kind, &table) {
                 self.report.notes.truncate(notes);
                 continue;
             }
             let kept = self.sidecar.as_ref().and_then(|s| s.material(&property.ident));
             let is_same = |material: &Material| {
-                let (um, columns) = tabulated(&[&material.reflectance], reach_um(bands));
-                same_all(&um, reflectance.wavelength_um()) && same_all(&columns[0], reflectance.value())
+                let (kind, spectra) = spectra(material);
+                let (um, columns) = tabulated(&spectra, reach_um(bands));
+                let same_column = |(values, s): (&Vec<f64>, &Spectrum)| same_all(&um, s.wavelength_um()) && same_all(values, s.value());
+                kind == property.kind && columns.len() == table.len() && columns.iter().zip(&table).all(same_column)
             };
             let kept = kept.filter(is_same);
             if kept.is_some() {
@@ -262,21 +264,14 @@ impl Reader<'_> {
             }
             let material = kept.unwrap_or_else(|| {
                 default.get_or_insert(&property.at);
-                Material {
-                    name: property.ident.clone(),
-                    emissivity: reflectance.map(|r| 1.0 - r),
-                    bond_albedo: solar_mean(&reflectance).unwrap_or(0.0),
-                    emissivity_bolometric: EMISSIVITY_BOLOMETRIC,
-                    mixture: Vec::new(),
-                    reflectance,
-                }
+                material(property, table)
             });
             found.push((i, material));
         }
         if let Some(at) = default {
             let message = format!(
                 "Bond albedo (the mean of the reflectance, weighted with sunlight) and bolometric emissivity ({EMISSIVITY_BOLOMETRIC}): \
-                 DART has none"
+                 DART has none, nor a hemispherical reflectance by Hapke or RPV (diffusive, from w; rho0)"
             );
             self.report.note(Fate::Defaulted, at.clone(), message);
         }
@@ -320,61 +315,97 @@ impl Reader<'_> {
         })
     }
 
-    /// Whether the ground, of this reflectance, neither reflects nor glows.
-    fn is_sky(&self, reflectance: &Spectrum) -> bool {
+    /// Whether the ground, of this table, neither reflects nor glows.
+    fn is_sky(&self, kind: OpticalKind, table: &[Spectrum]) -> bool {
         let thermal = self.simulation.thermal.get(self.simulation.maket.ground.thermal_index as usize);
-        reflectance.value().iter().all(|v| *v == 0.0) && thermal.is_some_and(|t| t.mean_k == 0.0 && t.range_k == 0.0)
+        kind == OpticalKind::Lambertian
+            && table[0].value().iter().all(|v| *v == 0.0)
+            && thermal.is_some_and(|t| t.mean_k == 0.0 && t.range_k == 0.0)
     }
 
-    /// The reflectance of a property as its table and factors have it, fractions; `None` if it is not needed and not there.
-    fn reflectance(&mut self, property: &OpticalProperty, is_needed: bool, bands: &[Band]) -> Result<Option<Spectrum>> {
-        if property.kind != OpticalKind::Lambertian {
+    /// What a property's table holds, as [`spectra`] has it; `None` if it is not needed and not there.
+    fn table(&mut self, property: &OpticalProperty, is_needed: bool, bands: &[Band]) -> Result<Option<Vec<Spectrum>>> {
+        let Some(database) = self.database(property)? else {
             if !is_needed {
                 return Ok(None);
             }
-            let feature = format!("the reflectance of {:?}, by Hapke or RPV,", property.ident);
-            return Err(Error::Unsupported { at: property.at.clone(), feature });
-        }
-        let Some(database) = self.database(property)? else {
-            if is_needed {
-                let message = format!(
-                    "the database {:?} of {:?} is not there: reflectance {UNKNOWN_REFLECTANCE} is taken. Name the folder it is in",
-                    property.database, property.ident
-                );
-                self.note(Fate::Approximated, &property.at, message);
-                return Ok(Some(Spectrum::constant(UNKNOWN_REFLECTANCE)));
-            }
-            return Ok(None);
+            let message = format!(
+                "the database {:?} of {:?} is not there: a Lambert surface of reflectance {UNKNOWN_REFLECTANCE} is taken. Name the \
+                 folder it is in",
+                property.database, property.ident
+            );
+            self.note(Fate::Approximated, &property.at, message);
+            return Ok(Some(vec![Spectrum::constant(UNKNOWN_REFLECTANCE)]));
         };
-        let (mut spectrum, report) = database.lambertian(&property.model)?;
+        let of_library = |(library, report): (SpectralLibrary, Report)| {
+            let spectra: Option<Vec<Spectrum>> =
+                library.columns.iter().map(|c| library.spectrum(&c.name, Extend::Error)).collect();
+            spectra.map(|spectra| (spectra, report))
+        };
+        let read = match property.kind {
+            OpticalKind::Lambertian => database.lambertian(&property.model).map(|(s, report)| Some((vec![s], report)))?,
+            OpticalKind::Hapke => of_library(database.hapke(&property.model)?),
+            OpticalKind::Rpv => of_library(database.rpv(&property.model)?),
+        };
+        let Some((mut spectra, report)) = read else {
+            return Err(Error::invalid(property.at.clone(), format!("the table {:?} is no spectrum", property.model)));
+        };
         self.report.notes.extend(report.notes);
-        let factor = |band: &Vec<(String, f64)>| band.iter().find(|(name, _)| name == "reflectanceFactor").map_or(1.0, |f| f.1);
-        let factors: Vec<f64> = property.factors.iter().map(factor).collect();
-        if factors.iter().any(|f| *f != 1.0) {
-            if factors.iter().all(|f| *f == factors[0]) {
-                spectrum = spectrum.map(|v| v * factors[0]);
-            } else {
-                let mut points: Vec<(f64, f64)> =
-                    bands.iter().zip(&factors).map(|(b, f)| (b.centre_um, f * spectrum.at(b.centre_um).unwrap_or(0.0))).collect();
-                points.sort_by(|a, b| a.0.total_cmp(&b.0));
-                points.dedup_by_key(|p| p.0);
-                let (um, value) = points.into_iter().unzip();
-                let message = "factors that differ from band to band: the reflectance is linear between the bands' centres";
-                self.note(Fate::Approximated, &property.at, message);
-                spectrum = Spectrum::new(um, value, Extend::Hold).unwrap_or(spectrum);
-            }
-        }
-        let (first, last) = spectrum.coverage_um();
-        let needed = bands.iter().map(|b| b.support_um()).fold((f64::INFINITY, 0.0f64), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+        self.multiply(property, bands, &mut spectra);
+        let (first, last) = spectra[0].coverage_um();
+        let needed = bands.iter().map(Band::support_um).fold((f64::INFINITY, 0.0f64), |a, b| (a.0.min(b.0), a.1.max(b.1)));
         if is_needed && (needed.0 < first || last < needed.1) {
             let message = format!(
                 "{:?} is known from {first} to {last} um, which does not cover all bands: its end values are held",
                 property.ident
             );
             self.note(Fate::Approximated, &property.at, message);
-            spectrum = Spectrum::new(spectrum.wavelength_um().to_vec(), spectrum.value().to_vec(), Extend::Hold).unwrap_or(spectrum);
+            let held = |s: &Spectrum| Spectrum::new(s.wavelength_um().to_vec(), s.value().to_vec(), Extend::Hold);
+            spectra = spectra.iter().map(|s| held(s).unwrap_or_else(|| s.clone())).collect();
         }
-        Ok(Some(spectrum))
+        Ok(Some(spectra))
+    }
+
+    /// Multiplicative factors of a table's columns.
+    fn multiply(&mut self, property: &OpticalProperty, bands: &[Band], spectra: &mut [Spectrum]) {
+        let names: &[&str] = match property.kind {
+            OpticalKind::Lambertian => &["reflectanceFactor"],
+            OpticalKind::Hapke => &[
+                "hapkeParameterW",
+                "hapkeParameterC1",
+                "hapkeParameterC2",
+                "hapkeParameterC3",
+                "hapkeParameterC4",
+                "hapkeParameterH1",
+                "hapkeParameterH2",
+            ],
+            OpticalKind::Rpv => &[
+                "rhoZero_RPVMultiplicativeFactor",
+                "k_RPVMultiplicativeFactor",
+                "g_RPVMultiplicativeFactor",
+                "h_RPVMultiplicativeFactor",
+            ],
+        };
+        let mut varies = false;
+        for (spectrum, name) in spectra.iter_mut().zip(names) {
+            let factor = |band: &Vec<(String, f64)>| band.iter().find(|(n, _)| n == name).map_or(1.0, |f| f.1);
+            let factors: Vec<f64> = property.factors.iter().map(factor).collect();
+            if factors.iter().all(|f| *f == factors[0]) {
+                *spectrum = factors.first().map_or_else(|| spectrum.clone(), |factor| spectrum.map(|v| v * factor));
+                continue;
+            }
+            varies = true;
+            let in_band = |(band, factor): (&Band, &f64)| (band.centre_um, factor * spectrum.at(band.centre_um).unwrap_or(0.0));
+            let mut points: Vec<(f64, f64)> = bands.iter().zip(&factors).map(in_band).collect();
+            points.sort_by(|a, b| a.0.total_cmp(&b.0));
+            points.dedup_by_key(|p| p.0);
+            let (um, value) = points.into_iter().unzip();
+            *spectrum = Spectrum::new(um, value, Extend::Hold).unwrap_or_else(|| spectrum.clone());
+        }
+        if varies {
+            let message = "factors that differ from band to band: what they multiply is linear between the bands' centres";
+            self.note(Fate::Approximated, &property.at, message);
+        }
     }
 
     fn database(&mut self, property: &OpticalProperty) -> Result<Option<&Database>> {
@@ -608,6 +639,30 @@ impl Reader<'_> {
         self.note(Fate::Approximated, &at, message);
         scene.thermal = Thermal::Equilibrium;
         scene
+    }
+}
+
+/// A material of what DART says of it.
+fn material(property: &OpticalProperty, table: Vec<Spectrum>) -> Material {
+    // What a thick layer of isotropic scatterers reflects of diffuse light.
+    let diffusive = |w: f64| (1.0 - (1.0 - w).max(0.0).sqrt()) / (1.0 + (1.0 - w).max(0.0).sqrt());
+    let first = table[0].clone();
+    let (reflectance, photometry) = match (property.kind, <[Spectrum; 7]>::try_from(table)) {
+        (OpticalKind::Hapke, Ok(all)) => (first.map(diffusive), Photometry::Hapke(Box::new(Hapke::from(all)))),
+        (OpticalKind::Rpv, Err(table)) => match <[Spectrum; 4]>::try_from(table) {
+            Ok(all) => (first.map(|rho| rho.min(1.0)), Photometry::Rpv(Box::new(Rpv::from(all)))),
+            Err(_) => (first, Photometry::Lambert),
+        },
+        _ => (first, Photometry::Lambert),
+    };
+    Material {
+        name: property.ident.clone(),
+        emissivity: reflectance.map(|r| 1.0 - r),
+        bond_albedo: solar_mean(&reflectance).unwrap_or(0.0),
+        emissivity_bolometric: EMISSIVITY_BOLOMETRIC,
+        mixture: Vec::new(),
+        reflectance,
+        photometry,
     }
 }
 

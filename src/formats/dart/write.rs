@@ -21,7 +21,7 @@ use crate::formats::folder::{FolderKind, Staged};
 use crate::formats::obj;
 use crate::geometry::{Direction, MaterialId, Mesh, Pose};
 use crate::progress::{Watch, tell};
-use crate::scene::{FrameCamera, Material, Scene, Sensor, Sun, Thermal};
+use crate::scene::{FrameCamera, Material, Photometry, Scene, Sensor, Sun, Thermal};
 use crate::spectral::{Band, Spectrum};
 use crate::units::AU_M;
 
@@ -134,6 +134,7 @@ fn tetrahedron(target: Target) -> Result<(Package, [Face; 4])> {
         name: (*name).into(),
         reflectance: Spectrum::constant(*reflectance),
         emissivity: Spectrum::constant(1.0 - reflectance),
+        photometry: Photometry::Lambert,
         bond_albedo: *reflectance,
         emissivity_bolometric: 0.95,
         mixture: vec![(i, 1.0)],

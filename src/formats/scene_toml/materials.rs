@@ -5,10 +5,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::error::number;
 use crate::formats::mtl::ObjMaterial;
 use crate::geometry::MaterialId;
-use crate::scene::Material;
+use crate::physics::reflectance::kirchhoff_emissivity;
+use crate::scene::{Hapke, Material, Photometry, Rpv};
 use crate::spectral::{Extend, Spectrum, solar_mean};
 
 use super::super::located::{self, member};
+use super::super::photometry_csv;
 use super::Reader;
 use super::types::{ExtendToml, MaterialToml};
 
@@ -40,79 +42,26 @@ impl Reader<'_> {
     pub(super) fn dictionary(&mut self, entries: &BTreeMap<String, MaterialToml>) -> Dictionary {
         let names = self.document.keys("materials");
         if names.is_empty() {
-            self.problem("materials", "no materials");
+            self.problem("materials", "no materials: give an entry for each that the meshes have");
         }
         if names.len() > MOST_ENTRIES {
             self.problem("materials", format!("{} materials: at most {MOST_ENTRIES} can be told apart", names.len()));
             return Dictionary { materials: None, used: BTreeSet::new(), parts: vec![Vec::new(); names.len()], names };
         }
-        let index = |name: &str| names.iter().position(|n| n == name);
+        let problems = self.problems.len();
         let mut parts = vec![Vec::new(); names.len()];
-        let mut order = Vec::new();
-        let mut good = true;
-        for (i, name) in names.iter().enumerate() {
-            let item = member("materials", name);
-            if name.starts_with('#') && linear_from_hex(name).is_none() {
-                self.helped(
-                    &item,
-                    format!("{name:?} is not a colour"),
-                    "a colour is # and six hexadecimal digits, sRGB",
-                );
-                good = false;
-            }
-            let Some(entry) = entries.get(name) else { continue };
-            if entry.reflectance.is_some() == entry.mixture.is_some() {
-                self.problem(&item, "give either `reflectance` or `mixture`");
-                good = false;
-            }
-            for (part, share) in entry.mixture.iter().flatten() {
-                let at = member(&member(&item, "mixture"), part);
-                match index(part) {
-                    Some(part) => parts[i].push(part),
-                    None => {
-                        self.helped(&at, format!("no material {part:?} in the dictionary"), help_for(part, &names));
-                        good = false;
-                    }
-                }
-                good &= self.fraction(&at, *share).is_some();
-            }
-            if let Some(mixture) = &entry.mixture {
-                // From 0.0: the sum of nothing is -0.
-                let sum = mixture.values().fold(0.0, |sum, share| sum + share);
-                if (sum - 1.0).abs() > SHARE_TOLERANCE {
-                    let help =
-                        if (sum - 100.0).abs() < 1e-6 { Some("shares are fractions, not percent") } else { None };
-                    self.problem(&member(&item, "mixture"), format!("shares add up to {sum}, not 1")).help =
-                        help.map(Into::into);
-                    good = false;
-                }
-                if entry.extend.is_some() && entry.emissivity.is_none() {
-                    self.problem(&member(&item, "extend"), "a mixture has no table of its own: set this for its parts");
-                    good = false;
-                }
+        for (name, parts) in names.iter().zip(&mut parts) {
+            if let Some(entry) = entries.get(name) {
+                *parts = self.parts_of(name, entry, &names);
             }
         }
-        // Parts before mixtures of them; what never becomes ready goes in a circle.
-        let mut is_ready = vec![false; names.len()];
-        loop {
-            let before = order.len();
-            for i in 0..names.len() {
-                if !is_ready[i] && parts[i].iter().all(|p| is_ready[*p]) {
-                    is_ready[i] = true;
-                    order.push(i);
-                }
-            }
-            if order.len() == before {
-                break;
-            }
-        }
+        let order = parts_first(&parts);
         if order.len() < names.len() {
             // What follows the circle without being in it would be told as well: tell only what reaches itself.
             for i in (0..names.len()).filter(|&i| reaches(&parts, i)) {
                 let item = member(&member("materials", &names[i]), "mixture");
                 self.problem(&item, format!("{:?} is a mixture of itself", names[i]));
             }
-            good = false;
         }
         let mut materials: Vec<Option<Material>> = vec![None; names.len()];
         for i in order {
@@ -120,8 +69,49 @@ impl Reader<'_> {
                 materials[i] = self.material(i, &names, entry, &materials);
             }
         }
-        let materials = materials.into_iter().collect::<Option<Vec<_>>>().filter(|_| good);
+        let is_good = self.problems.len() == problems;
+        let materials = materials.into_iter().collect::<Option<Vec<_>>>().filter(|_| is_good);
         Dictionary { names, materials, used: BTreeSet::new(), parts }
+    }
+
+    /// Checks what an entry says of itself; the entries that it is a mixture of.
+    fn parts_of(&mut self, name: &str, entry: &MaterialToml, names: &[String]) -> Vec<usize> {
+        let item = member("materials", name);
+        if name.starts_with('#') && linear_from_hex(name).is_none() {
+            let message = format!("{name:?} is not a colour");
+            self.helped(&item, message, "a colour is # and six hexadecimal digits, sRGB");
+        }
+        if entry.reflectance.is_some() == entry.mixture.is_some() {
+            self.problem(&item, "give either `reflectance` or `mixture`");
+        }
+        let keys = [("hapke", entry.hapke.is_some()), ("rpv", entry.rpv.is_some())];
+        if keys.iter().all(|(_, given)| *given) {
+            self.problem(&item, "give either `hapke` or `rpv`");
+        }
+        let Some(mixture) = &entry.mixture else { return vec![] };
+        for (key, _) in keys.iter().filter(|(_, given)| *given) {
+            self.problem(&member(&item, key), "a mixture has no parameters of its own: they are those of its parts");
+        }
+        let mut parts = Vec::new();
+        for (part, share) in mixture {
+            let at = member(&member(&item, "mixture"), part);
+            match names.iter().position(|n| n == part) {
+                Some(part) => parts.push(part),
+                None => self.helped(&at, format!("no material {part:?} in the dictionary"), help_for(part, names)),
+            }
+            self.fraction(&at, *share);
+        }
+        // From 0.0: the sum of nothing is -0.
+        let sum = mixture.values().fold(0.0, |sum, share| sum + share);
+        if (sum - 1.0).abs() > SHARE_TOLERANCE {
+            let is_percent = (sum - 100.0).abs() < 1e-6;
+            let problem = self.problem(&member(&item, "mixture"), format!("shares add up to {sum}, not 1"));
+            problem.help = is_percent.then(|| "shares are fractions, not percent".into());
+        }
+        if entry.extend.is_some() && entry.emissivity.is_none() {
+            self.problem(&member(&item, "extend"), "a mixture has no table of its own: set this for its parts");
+        }
+        parts
     }
 
     fn material(
@@ -161,65 +151,101 @@ impl Reader<'_> {
             Some(values) => self.fraction_spectrum(&member(&item, "emissivity"), values, extend),
             None => {
                 self.stated(&member(&item, "emissivity"), "1 - reflectance");
-                reflectance.as_ref().map(|r| r.map(|r| 1.0 - r))
+                reflectance.as_ref().map(|r| r.map(kirchhoff_emissivity))
             }
         };
-        let mean = |of: fn(&Material) -> f64| mixed.iter().map(|(share, m)| share * of(m)).sum::<f64>();
+        let photometry = self.photometry(&item, entry, extend);
+        if mixed.iter().any(|(_, part)| part.photometry != Photometry::Lambert) {
+            self.problem(
+                &member(&item, "mixture"),
+                "has a part with `hapke` or `rpv`: only Lambert surfaces are mixed",
+            );
+        }
         let at = member(&item, "bond_albedo");
-        let bond_albedo = match entry.bond_albedo {
-            Some(value) => self.fraction(&at, value),
-            None if !mixed.is_empty() => {
-                let value = mean(|m| m.bond_albedo);
-                self.stated(&at, format!("{value:.4}: that of its parts, by their shares"));
-                Some(value)
-            }
-            None => reflectance.as_ref().and_then(|reflectance| {
-                let mean = solar_mean(reflectance);
-                match mean {
-                    Some(value) => {
-                        self.stated(&at, format!("{value:.4}: mean of the reflectance, weighted with E490"));
-                    }
-                    None => {
-                        self.problem(&at, "cannot be found from the reflectance, which E490 does not overlap: give it");
-                    }
-                }
-                mean
-            }),
-        };
+        let bond_albedo = self.bond_albedo(&at, entry.bond_albedo, &mixed, reflectance.as_ref());
         let at = member(&item, "emissivity_bolometric");
-        let emissivity_bolometric = match entry.emissivity_bolometric {
-            Some(value) if (0.0..LEAST_EMISSIVITY).contains(&value) => {
-                self.problem(&at, format!("{}: next to nothing would cool the surface", number(value)));
-                None
-            }
-            Some(value) => self.fraction(&at, value),
-            None if !mixed.is_empty() => {
-                let value = mean(|m| m.emissivity_bolometric);
-                self.stated(&at, format!("{value}: that of its parts, by their shares"));
-                Some(value)
-            }
-            None => {
-                self.stated(&at, format!("{EMISSIVITY_BOLOMETRIC}"));
-                Some(EMISSIVITY_BOLOMETRIC)
-            }
-        };
-        let mut shares: BTreeMap<usize, f64> = BTreeMap::new();
-        for (share, part) in &mixed {
-            for (base, fraction) in &part.mixture {
-                *shares.entry(*base).or_default() += share * fraction;
-            }
-        }
-        if mixed.is_empty() {
-            shares.insert(i, 1.0);
-        }
+        let emissivity_bolometric = self.emissivity_bolometric(&at, entry.emissivity_bolometric, &mixed);
         Some(Material {
             name: names[i].clone(),
             reflectance: reflectance?,
+            photometry: photometry?,
             emissivity: emissivity?,
             bond_albedo: bond_albedo?,
             emissivity_bolometric: emissivity_bolometric?,
-            mixture: shares.into_iter().collect(),
+            mixture: if mixed.is_empty() { vec![(i, 1.0)] } else { shares(&mixed) },
         })
+    }
+
+    fn photometry(&mut self, item: &str, entry: &MaterialToml, extend: Extend) -> Option<Photometry> {
+        if let Some(name) = &entry.hapke {
+            let columns = self.parameters(&member(item, "hapke"), name, Hapke::NAMES, extend)?;
+            return Some(Photometry::Hapke(Box::new(columns.into())));
+        }
+        if let Some(name) = &entry.rpv {
+            let columns = self.parameters(&member(item, "rpv"), name, Rpv::NAMES, extend)?;
+            return Some(Photometry::Rpv(Box::new(columns.into())));
+        }
+        Some(Photometry::Lambert)
+    }
+
+    fn parameters<const N: usize>(
+        &mut self,
+        item: &str,
+        name: &str,
+        names: [&str; N],
+        extend: Extend,
+    ) -> Option<[Spectrum; N]> {
+        let read = photometry_csv::read(&self.path(name), names, extend);
+        let (columns, input) = self.taken(item, read)?;
+        if !self.inputs.contains(&input) {
+            self.inputs.push(input);
+        }
+        Some(columns)
+    }
+
+    fn bond_albedo(
+        &mut self,
+        item: &str,
+        given: Option<f64>,
+        mixed: &[(f64, &Material)],
+        reflectance: Option<&Spectrum>,
+    ) -> Option<f64> {
+        if let Some(value) = given {
+            return self.fraction(item, value);
+        }
+        if !mixed.is_empty() {
+            let value = mean(mixed, |m| m.bond_albedo);
+            self.stated(item, format!("{value:.4}: that of its parts, by their shares"));
+            return Some(value);
+        }
+        let value = solar_mean(reflectance?);
+        match value {
+            Some(value) => self.stated(item, format!("{value:.4}: mean of the reflectance, weighted with E490")),
+            None => {
+                self.problem(item, "cannot be found from the reflectance, which E490 does not overlap: give it");
+            }
+        }
+        value
+    }
+
+    fn emissivity_bolometric(&mut self, item: &str, given: Option<f64>, mixed: &[(f64, &Material)]) -> Option<f64> {
+        match given {
+            Some(value) if (0.0..LEAST_EMISSIVITY).contains(&value) => {
+                let message = format!(
+                    "{}: next to nothing would cool the surface; give at least {LEAST_EMISSIVITY}",
+                    number(value)
+                );
+                self.problem(item, message);
+                None
+            }
+            Some(value) => self.fraction(item, value),
+            None if !mixed.is_empty() => {
+                let value = mean(mixed, |m| m.emissivity_bolometric);
+                self.stated(item, format!("{value}: that of its parts, by their shares"));
+                Some(value)
+            }
+            None => Some(self.default(item, EMISSIVITY_BOLOMETRIC)),
+        }
     }
 
     /// The dictionary's entry of a name that `item` gives.
@@ -287,6 +313,40 @@ impl Reader<'_> {
     }
 }
 
+/// The mean over a mixture's parts, by their shares.
+fn mean(mixed: &[(f64, &Material)], of: fn(&Material) -> f64) -> f64 {
+    mixed.iter().map(|(share, material)| share * of(material)).sum()
+}
+
+/// The shares of the dictionary's entries in a mixture, whose parts may be mixtures.
+fn shares(mixed: &[(f64, &Material)]) -> Vec<(usize, f64)> {
+    let mut shares: BTreeMap<usize, f64> = BTreeMap::new();
+    for (share, part) in mixed {
+        for (base, fraction) in &part.mixture {
+            *shares.entry(*base).or_default() += share * fraction;
+        }
+    }
+    shares.into_iter().collect()
+}
+
+/// Entries in an order in which parts come before mixtures of them, without those that need a mixture of itself.
+fn parts_first(parts: &[Vec<usize>]) -> Vec<usize> {
+    let mut order = Vec::new();
+    let mut is_ready = vec![false; parts.len()];
+    loop {
+        let before = order.len();
+        for i in 0..parts.len() {
+            if !is_ready[i] && parts[i].iter().all(|p| is_ready[*p]) {
+                is_ready[i] = true;
+                order.push(i);
+            }
+        }
+        if order.len() == before {
+            return order;
+        }
+    }
+}
+
 /// What may have been meant by a name that is no entry.
 fn help_for(name: &str, entries: &[String]) -> String {
     let known: Vec<&str> = entries.iter().map(String::as_str).collect();
@@ -316,7 +376,7 @@ fn reaches(parts: &[Vec<usize>], start: usize) -> bool {
 }
 
 /// Linear RGB of `#rrggbb`, by IEC 61966-2-1 (sRGB).
-fn linear_from_hex(hex: &str) -> Option<[f64; 3]> {
+pub(super) fn linear_from_hex(hex: &str) -> Option<[f64; 3]> {
     let digits = hex.strip_prefix('#')?;
     if digits.len() != 6 || !digits.bytes().all(|b| b.is_ascii_hexdigit()) {
         return None;
@@ -329,7 +389,7 @@ fn linear_from_hex(hex: &str) -> Option<[f64; 3]> {
 }
 
 /// `#rrggbb` of linear RGB: the inverse of [`linear_from_hex`], rounded.
-fn hex_from_linear(rgb: [f64; 3]) -> String {
+pub(crate) fn hex_from_linear(rgb: [f64; 3]) -> String {
     let [r, g, b] = rgb.map(|c| {
         let s = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
         (255.0 * s).round().clamp(0.0, 255.0) as u8
@@ -360,5 +420,7 @@ mod tests {
     fn circles_are_found() {
         let parts = [vec![1], vec![2], vec![1], vec![]];
         assert_eq!([0, 1, 2, 3].map(|i| reaches(&parts, i)), [false, true, true, false]);
+        assert_eq!(parts_first(&parts), [3]);
+        assert_eq!(parts_first(&[vec![1], vec![2], vec![]]), [2, 1, 0]);
     }
 }

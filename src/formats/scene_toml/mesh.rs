@@ -1,21 +1,16 @@
 //! Meshes: read or made, and placed.
 
-use std::path::Path;
-
 use glam::{DMat3, DQuat, DVec3};
 
-use crate::error::{Error, Location, Problem, Result};
-use crate::formats::input::{self, InputFile};
-use crate::formats::located::Document;
-use crate::formats::mtl::ObjMaterial;
-use crate::formats::obj;
-use crate::geometry::{Direction, Mesh, Pose};
-use crate::landscape::{self, Recipe};
-use crate::progress::{Progress, Watch};
+use crate::formats::mtl::{self, ObjMaterial};
+use crate::formats::{obj, recipe_toml};
+use crate::geometry::{Direction, MaterialId, Mesh, Pose};
+use crate::landscape;
+use crate::progress::Progress;
 
+use super::Reader;
 use super::materials::Dictionary;
 use super::types::{Coordinates, GivenPose, MeshToml, NamedPose, PoseToml, RecipeToml, Up};
-use super::{LIMIT, Reader};
 
 /// Unit vectors and quaternions have length 1 to within this.
 pub(super) const UNIT_TOLERANCE: f64 = 1e-9;
@@ -46,33 +41,17 @@ impl Reader<'_> {
         let pose = self.pose(item, toml);
         let key = |key: &str| format!("{item}.{key}");
         let (mut mesh, materials) = match (&toml.obj, &toml.recipe) {
-            (Some(name), None) => {
-                self.tell("reading meshes", 0, 1);
-                let read = obj::read(&self.path(name));
-                self.tell("reading meshes", 1, 1);
-                let obj = self.taken(&key("obj"), read)?;
-                self.inputs.extend(obj.inputs);
-                if !obj.ignored.is_empty() {
-                    let list: Vec<String> = obj.ignored.iter().map(|(word, n)| format!("{n} x `{word}`")).collect();
-                    self.notes.push(format!("{item}.obj: statements passed over: {}", list.join(", ")));
-                }
-                let material = obj.facet_material.iter().map(|m| crate::geometry::MaterialId(*m)).collect();
-                let face_of_facet = obj.face_of_facet;
-                (Mesh { vertices_m: obj.vertices, facets: obj.facets, material, face_of_facet }, obj.materials)
-            }
+            (Some(name), None) => self.obj(&key("obj"), name)?,
             (None, Some(recipe)) => {
-                for (given, name) in [
+                let for_obj = [
                     (toml.unit_m.is_some(), "unit_m"),
                     (toml.up.is_some(), "up"),
                     (toml.coordinates.is_some(), "coordinates"),
-                ] {
-                    if given {
-                        self.problem(&key(name), "a recipe makes metres, z up, local: this is for OBJ files");
-                    }
+                ];
+                for (_, name) in for_obj.into_iter().filter(|(given, _)| *given) {
+                    self.problem(&key(name), "a recipe makes metres, z up, local: this is for OBJ files");
                 }
-                let landscape = self.recipe(&key("recipe"), recipe)?;
-                let materials = landscape.materials.into_iter().map(|(name, kd)| ObjMaterial { name, kd: Some(kd) });
-                (landscape.mesh, materials.collect())
+                (self.recipe(&key("recipe"), recipe)?.mesh, mtl::of_landscapes())
             }
             _ => {
                 self.problem(item, "give either `obj` or `recipe`");
@@ -100,6 +79,22 @@ impl Reader<'_> {
         }
         self.suspect_unit(item, toml, &mesh);
         Some(mesh)
+    }
+
+    /// A mesh in the file's own unit and axes, and its materials.
+    fn obj(&mut self, item: &str, name: &str) -> Option<(Mesh, Vec<ObjMaterial>)> {
+        self.tell("reading meshes", 0, 1);
+        let read = obj::read(&self.path(name));
+        self.tell("reading meshes", 1, 1);
+        let obj = self.taken(item, read)?;
+        self.inputs.extend(obj.inputs);
+        if !obj.ignored.is_empty() {
+            let list: Vec<String> = obj.ignored.iter().map(|(word, n)| format!("{n} x `{word}`")).collect();
+            self.notes.push(format!("{item}: statements passed over: {}", list.join(", ")));
+        }
+        let material = obj.facet_material.into_iter().map(MaterialId).collect();
+        let mesh = Mesh { vertices_m: obj.vertices, facets: obj.facets, material, face_of_facet: obj.face_of_facet };
+        Some((mesh, obj.materials))
     }
 
     /// A body's coordinates that end far from the origin are probably not in the unit or the frame that was said.
@@ -164,42 +159,19 @@ impl Reader<'_> {
     }
 
     fn recipe(&mut self, item: &str, toml: &RecipeToml) -> Option<landscape::Landscape> {
+        let watch = self.watch;
+        let told = |share: f64| watch(Progress::of_share("making the landscape", share));
         let made = match toml {
-            RecipeToml::Given(recipe) => generate(recipe, &self.document, item, self.watch),
+            RecipeToml::Given(recipe) => {
+                landscape::generate(recipe, &told).map_err(|e| recipe_toml::placed(e, &self.document, item))
+            }
             RecipeToml::File(name) => {
-                let path = self.path(name);
-                let read = read_recipe(&path);
-                let (recipe, document, input) = self.taken(item, read)?;
+                let read = recipe_toml::read(&self.path(name));
+                let (recipe, input) = self.taken(item, read)?;
                 self.inputs.push(input);
-                generate(&recipe, &document, "", self.watch)
+                landscape::generate(&recipe, &told)
             }
         };
         self.taken(item, made)
     }
-}
-
-fn read_recipe(path: &Path) -> Result<(Recipe, Document, InputFile)> {
-    let (text, input) = input::text(path, LIMIT)?;
-    let document = Document::parse(text, path)?;
-    Ok((document.read()?, document, input))
-}
-
-/// Makes a landscape; problems of the recipe get their places in the text that it stands in at `item`.
-fn generate(recipe: &Recipe, document: &Document, item: &str, watch: Watch<'_>) -> Result<landscape::Landscape> {
-    let told = |share: f64| watch(Progress::of_share("making the landscape", share));
-    landscape::generate(recipe, &told).map_err(|error| match error {
-        Error::Invalid(problems) => {
-            let placed = problems.into_iter().map(|problem| {
-                let key = problem.at.item.as_deref().unwrap_or("").trim_start_matches("recipe").trim_start_matches('.');
-                let at = match item {
-                    "" => document.at(key),
-                    item if key.is_empty() => document.at(item),
-                    item => document.at(&format!("{item}.{key}")),
-                };
-                Problem { at: Location { item: at.item.clone(), ..at }, ..problem }
-            });
-            Error::Invalid(placed.collect())
-        }
-        other => other,
-    })
 }

@@ -7,21 +7,25 @@ mod materials;
 mod mesh;
 mod types;
 mod view;
+mod write;
 
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
-use crate::error::{Error, Problem, Result, number};
+use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::Direction;
 use crate::progress::{Progress, Watch};
 use crate::scene::{Mars, MarsModel, Scene, Sun, Thermal};
 use crate::spectral::{Extend, Spectrum, solar_e490};
-use crate::units::{AU_M, MARS_RADIUS_M};
+use crate::units::{AU_M, MARS_RADIUS_M, TSI_1AU_W_M2};
 
-use super::input::{self, InputFile};
+use super::InputFile;
 use super::located::{self, Document};
 use super::spectrum_csv::{self, Quantity};
+pub(crate) use materials::hex_from_linear;
+pub use write::write;
+
 use types::{MarsModelToml, MarsToml, SceneToml, SunToml, ThermalModelToml, ThermalToml, Values};
 
 /// A scene and what its report should say about where it came from.
@@ -35,9 +39,24 @@ pub struct SceneFile {
     pub notes: Vec<String>,
     /// Every file that was read: the scene file first.
     pub inputs: Vec<InputFile>,
+    /// What this version reads and cannot simulate: the first such key, and why.
+    unsimulated: Option<(Location, String)>,
 }
 
-/// A name for what these files hold: the BLAKE3 hash of their hashes. A facet table carries that of the scene it is of.
+impl SceneFile {
+    /// Whether this version can simulate the scene.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] at the key that asks for more, as [`Scene::simulable`].
+    pub fn simulable(&self) -> Result<()> {
+        match self.unsimulated.clone() {
+            Some((at, feature)) => Err(Error::Unsupported { at, feature }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// A name for what these files hold: the BLAKE3 hash of their hashes, 64 hexadecimal digits. Reports and footprints carry it.
 pub fn id(inputs: &[InputFile]) -> String {
     let mut hasher = blake3::Hasher::new();
     inputs.iter().for_each(|input| _ = hasher.update(input.blake3.as_bytes()));
@@ -53,8 +72,12 @@ pub struct Stated {
     pub value: String,
 }
 
-/// Longer scene files and recipes are refused, bytes.
-const LIMIT: u64 = 16 << 20;
+/// Lambert reflectance of Mars, if none is given.
+const MARS_ALBEDO: f64 = 0.25;
+/// Bond albedo of Mars, if none is given.
+const MARS_BOND_ALBEDO: f64 = 0.25;
+/// Thermal exitance of Mars, if none is given, W m-2.
+const MARS_THERMAL_EXITANCE_W_M2: f64 = 110.0;
 
 /// Reads a scene file, the files it names, and makes the meshes of its recipes.
 ///
@@ -63,8 +86,7 @@ const LIMIT: u64 = 16 << 20;
 /// [`Error::Invalid`] with all problems of the text, or of the values and the files named, or of the whole;
 /// [`Error::Interrupted`] if `watch` asks to stop.
 pub fn read(path: &Path, watch: Watch<'_>) -> Result<SceneFile> {
-    let (text, input) = input::text(path, LIMIT)?;
-    let document = Document::parse(text, path)?;
+    let (document, input) = Document::open(path)?;
     let toml: SceneToml = document.read()?;
     let mut reader = Reader {
         folder: path.parent().unwrap_or(Path::new("")).to_owned(),
@@ -92,12 +114,30 @@ pub fn read(path: &Path, watch: Watch<'_>) -> Result<SceneFile> {
     let scene = scene.check().map_err(|e| reader.placed(e))?;
     let mesh = &scene.mesh;
     tracing::info!(vertices = mesh.vertices_m.len(), facets = mesh.facets.len(), "read {}", path.display());
-    Ok(SceneFile { scene, defaults: reader.defaults, notes: reader.notes, inputs: reader.inputs })
+    let unsimulated = match scene.simulable() {
+        Err(Error::Unsupported { at, feature }) => Some((reader.document.at(&reader.item_of(&at)), feature)),
+        _ => None,
+    };
+    let Reader { defaults, notes, inputs, .. } = reader;
+    Ok(SceneFile { scene, defaults, notes, inputs, unsimulated })
 }
 
 /// The JSON Schema of `scene.toml`.
 pub fn schema() -> schemars::Schema {
     schemars::schema_for!(SceneToml)
+}
+
+fn integral(spectrum: &Spectrum, from_um: f64, to_um: f64) -> f64 {
+    if from_um < to_um { spectrum.integral(from_um, to_um).unwrap_or(0.0) } else { 0.0 }
+}
+
+/// The integral of a solar spectrum, and that of E490 beyond its ends, W m-2.
+fn irradiances(spectrum: &Spectrum) -> (f64, f64) {
+    let e490 = solar_e490();
+    let (first, last) = spectrum.coverage_um();
+    let (low, high) = e490.coverage_um();
+    let beyond = integral(e490, low, first.min(high)) + integral(e490, last.max(low), high);
+    (integral(spectrum, first, last), beyond)
 }
 
 /// What the parts of a scene file are read with.
@@ -148,6 +188,12 @@ impl Reader<'_> {
 
     fn stated(&mut self, item: &str, value: impl Into<String>) {
         self.defaults.push(Stated { item: item.to_owned(), value: value.into() });
+    }
+
+    /// A number that the file does not give.
+    fn default(&mut self, item: &str, value: f64) -> f64 {
+        self.stated(item, value.to_string());
+        value
     }
 
     fn tell(&mut self, stage: &'static str, done: u64, total: u64) {
@@ -265,9 +311,8 @@ impl Reader<'_> {
         };
         let (first, last) = spectrum.coverage_um();
         let (lo, hi) = e490.coverage_um();
-        let integral = |s: &Spectrum, a: f64, b: f64| if a < b { s.integral(a, b).unwrap_or(0.0) } else { 0.0 };
-        let table = integral(&spectrum, first, last);
-        let total = table + integral(e490, lo, first.min(hi)) + integral(e490, last.max(lo), hi);
+        let (table, beyond) = irradiances(&spectrum);
+        let total = table + beyond;
         let usual = integral(e490, first.max(lo), last.min(hi));
         if usual > 0.0 && !(0.5..=2.0).contains(&(table / usual)) {
             let times = number(table / usual);
@@ -281,7 +326,7 @@ impl Reader<'_> {
             return Some((spectrum, total));
         };
         if !(1000.0..=2000.0).contains(&wanted) {
-            let message = format!("{wanted} W m-2 is not the Sun at 1 au, where it is 1361");
+            let message = format!("{wanted} W m-2 is not the Sun at 1 au, where it is {TSI_1AU_W_M2}");
             let help = "the distance is taken into account afterwards";
             self.helped("sun.total_irradiance_w_m2", message, help);
             return None;
@@ -293,43 +338,31 @@ impl Reader<'_> {
     fn mars(&mut self, toml: &MarsToml) -> Option<Mars> {
         let radius_m = match toml.radius_m {
             Some(r) if r > 0.0 && r < 1e5 => {
-                self.helped(
-                    "mars.radius_m",
-                    format!("Mars with a radius of {r} m"),
-                    "if this is km, write 1000 times as much",
-                );
+                let message = format!("Mars with a radius of {r} m");
+                self.helped("mars.radius_m", message, "if this is km, write 1000 times as much");
                 None
             }
             Some(r) => self.positive("mars.radius_m", r),
-            None => {
-                self.stated("mars.radius_m", format!("{MARS_RADIUS_M}"));
-                Some(MARS_RADIUS_M)
-            }
+            None => Some(self.default("mars.radius_m", MARS_RADIUS_M)),
         };
         let reflectance = match &toml.albedo {
             Some(values) => self.fraction_spectrum("mars.albedo", values, Extend::Error),
             None => {
-                self.stated("mars.albedo", "0.25 at all wavelengths");
-                Some(Spectrum::constant(0.25))
+                self.stated("mars.albedo", format!("{MARS_ALBEDO} at all wavelengths"));
+                Some(Spectrum::constant(MARS_ALBEDO))
             }
         };
         let bond_albedo = match toml.bond_albedo {
             Some(value) => self.fraction("mars.bond_albedo", value),
-            None => {
-                self.stated("mars.bond_albedo", "0.25");
-                Some(0.25)
-            }
+            None => Some(self.default("mars.bond_albedo", MARS_BOND_ALBEDO)),
         };
         let thermal_exitance_w_m2 = match toml.thermal_exitance_w_m2 {
             Some(value) if (0.0..=1000.0).contains(&value) => Some(value),
             Some(value) => {
-                self.problem("mars.thermal_exitance_w_m2", format!("{value} is outside 0 to 1000"));
+                self.problem("mars.thermal_exitance_w_m2", format!("{value} is outside 0 to 1000 W m-2"));
                 None
             }
-            None => {
-                self.stated("mars.thermal_exitance_w_m2", "110");
-                Some(110.0)
-            }
+            None => Some(self.default("mars.thermal_exitance_w_m2", MARS_THERMAL_EXITANCE_W_M2)),
         };
         let model = match toml.model {
             Some(MarsModelToml::Thesis) => MarsModel::Thesis,
@@ -367,20 +400,23 @@ impl Reader<'_> {
         }
     }
 
+    /// An item of the scene as the text names it: the scene quotes all names of materials, a text only those that need it.
+    fn item_of(&self, at: &Location) -> String {
+        let item = at.item.clone().unwrap_or_default();
+        let of_material = self.document.keys("materials").into_iter().find_map(|name| {
+            let key = item.strip_prefix(&format!("materials.{name:?}"))?;
+            Some(located::member("materials", &name) + key)
+        });
+        of_material.unwrap_or(item)
+    }
+
     /// What [`Scene::check`] found, with the places of the items it names.
     fn placed(&self, error: Error) -> Error {
         let Error::Invalid(problems) = error else { return error };
-        let names = self.document.keys("materials");
         let placed = problems.into_iter().map(|problem| {
-            let item = problem.at.item.clone().unwrap_or_default();
-            let name = names.iter().find(|name| item.strip_prefix("materials.") == Some(&format!("{name:?}")));
-            let material = name.map(|name| located::member("materials", name));
-            // "reflectance is known from ..." is about the key of that name.
-            let key = problem.message.split(' ').next().unwrap_or("");
-            let within = located::member(material.as_deref().unwrap_or(&item), key);
-            let written = self.document.has(&within);
-            let at = self.document.at(if written { &within } else { material.as_deref().unwrap_or(&item) });
-            (material.is_some() && !written, Problem { at, ..problem })
+            let item = self.item_of(&problem.at);
+            let derived = item.starts_with("materials.") && !self.document.has(&item);
+            (derived, Problem { at: self.document.at(&item), ..problem })
         });
         // What follows from a material's reflectance (its emissivity, mixtures of it) need not be told beside it.
         let (derived, own): (Vec<_>, Vec<_>) = placed.partition(|(derived, _)| *derived);

@@ -13,6 +13,8 @@ use super::types::{BandsToml, Fit, Fwhm, ObserverToml, Preset, SensorToml};
 
 /// No band lies beyond this, um: wavelengths above are nanometres.
 const LONGEST_UM: f64 = 100.0;
+/// As many bad centres are told one by one.
+const TOLD: usize = 20;
 
 impl Reader<'_> {
     pub(super) fn sensor(&mut self, toml: &SensorToml, observer: &ObserverToml, mesh: Option<&Mesh>) -> Option<Sensor> {
@@ -153,69 +155,79 @@ impl Reader<'_> {
     }
 
     fn bands(&mut self, toml: &BandsToml) -> Option<Vec<Band>> {
-        let mut bands = match (toml.start_um, toml.stop_um, toml.count, &toml.centres_um) {
+        let mut bands = self.centres(toml)?;
+        let is_good = self.check_centres(toml, &bands);
+        self.widths(toml, &mut bands)?;
+        let odd = bands.iter().find(|b| b.fwhm_um.is_some_and(|w| !(w > 0.0 && w < b.centre_um)));
+        if let Some(Band { centre_um, fwhm_um: Some(fwhm_um) }) = odd.filter(|_| is_good) {
+            let message = format!("a width of {} um for a band at {centre_um} um", number(*fwhm_um));
+            let help = "widths are in um, positive and less than the centre; leave them out for monochromatic bands";
+            self.helped("sensor.bands.fwhm_um", message, help);
+            return None;
+        }
+        is_good.then_some(bands)
+    }
+
+    fn centres(&mut self, toml: &BandsToml) -> Option<Vec<Band>> {
+        match (toml.start_um, toml.stop_um, toml.count, &toml.centres_um) {
             (Some(start), Some(stop), Some(count), None) => {
                 if !(start < stop || (start == stop && count == 1)) {
                     self.problem("sensor.bands.stop_um", format!("{stop} is not beyond start_um = {start}"));
                     return None;
                 }
                 if count == 1 && start != stop {
-                    self.problem(
-                        "sensor.bands.count",
-                        "one band cannot have two centres: make start_um and stop_um equal",
-                    );
+                    let message = "one band cannot have two centres: make start_um and stop_um equal";
+                    self.problem("sensor.bands.count", message);
                     return None;
                 }
-                evenly(start, stop, count)
+                Some(evenly(start, stop, count))
             }
             (None, None, None, Some(centres)) => {
-                centres.iter().map(|&centre_um| Band { centre_um, fwhm_um: None }).collect()
+                Some(centres.iter().map(|&centre_um| Band { centre_um, fwhm_um: None }).collect())
             }
             _ => {
                 self.problem("sensor.bands", "give `start_um`, `stop_um` and `count`, or `centres_um`");
-                return None;
+                None
             }
-        };
-        let item = |i: usize| match toml.centres_um {
-            Some(_) => format!("sensor.bands.centres_um[{i}]"),
-            None if i == 0 => "sensor.bands.start_um".into(),
-            None => "sensor.bands.stop_um".into(),
-        };
-        let wrong: Vec<usize> =
-            (0..bands.len()).filter(|&i| !(bands[i].centre_um > 0.0 && bands[i].centre_um < LONGEST_UM)).collect();
+        }
+    }
+
+    /// Whether all centres are wavelengths of light in um.
+    fn check_centres(&mut self, toml: &BandsToml, bands: &[Band]) -> bool {
+        let is_wrong = |band: &Band| !(band.centre_um > 0.0 && band.centre_um < LONGEST_UM);
+        let wrong: Vec<usize> = (0..bands.len()).filter(|&i| is_wrong(&bands[i])).collect();
         // Of evenly spaced bands the ends say it all.
-        let told = wrong.iter().filter(|&&i| toml.centres_um.is_some() || i == 0 || i + 1 == bands.len()).take(20);
-        for &i in told {
+        let told = wrong.iter().filter(|&&i| toml.centres_um.is_some() || i == 0 || i + 1 == bands.len());
+        for &i in told.take(TOLD) {
+            let item = match toml.centres_um {
+                Some(_) => format!("sensor.bands.centres_um[{i}]"),
+                None if i == 0 => "sensor.bands.start_um".into(),
+                None => "sensor.bands.stop_um".into(),
+            };
             let um = bands[i].centre_um;
-            let problem = self.problem(&item(i), format!("{} um is outside 0 to {LONGEST_UM} um", number(um)));
+            let problem = self.problem(&item, format!("{} um is outside 0 to {LONGEST_UM} um", number(um)));
             if um >= LONGEST_UM {
                 problem.help = Some(format!("if this is nanometres, write {}", number(um / 1000.0)));
             }
         }
+        wrong.is_empty()
+    }
+
+    fn widths(&mut self, toml: &BandsToml, bands: &mut [Band]) -> Option<()> {
         match &toml.fwhm_um {
             Some(Fwhm::All(fwhm)) => bands.iter_mut().for_each(|band| band.fwhm_um = Some(*fwhm)),
             Some(Fwhm::Each(fwhm)) if fwhm.len() == bands.len() => {
-                bands.iter_mut().zip(fwhm).for_each(|(band, fwhm)| band.fwhm_um = Some(*fwhm));
+                bands.iter_mut().zip(fwhm).for_each(|(band, fwhm)| band.fwhm_um = Some(*fwhm).filter(|w| *w != 0.0));
             }
             Some(Fwhm::Each(fwhm)) => {
-                self.problem("sensor.bands.fwhm_um", format!("{} widths for {} bands", fwhm.len(), bands.len()));
+                let message =
+                    format!("{} widths for {} bands: give one for each, or one for all", fwhm.len(), bands.len());
+                self.problem("sensor.bands.fwhm_um", message);
                 return None;
             }
-            None => {
-                self.stated("sensor.bands.fwhm_um", "none: bands are monochromatic");
-            }
+            None => self.stated("sensor.bands.fwhm_um", "none: bands are monochromatic"),
         }
-        let widest = bands.iter().find(|b| b.fwhm_um.is_some_and(|w| !(w > 0.0 && w < b.centre_um)));
-        if let Some(band) = widest.filter(|_| wrong.is_empty()) {
-            let (centre, width) = (band.centre_um, number(band.fwhm_um.unwrap_or(0.0)));
-            let problem =
-                self.problem("sensor.bands.fwhm_um", format!("a width of {width} um for a band at {centre} um"));
-            problem.help = Some(
-                "widths are in um, positive and less than the centre; leave them out for monochromatic bands".into(),
-            );
-            return None;
-        }
-        wrong.is_empty().then_some(bands)
+        Some(())
     }
 }
 

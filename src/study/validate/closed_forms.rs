@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
+use crate::geometry::{Direction, angle_rad};
 use crate::physics::{GaussLegendre, blackbody};
 
 /// Temperature of the black body that has this radiance, K: Planck's law solved for T.
@@ -112,7 +113,7 @@ pub(super) fn element_to_polygon(normal: DVec3, polygon: &[DVec3]) -> f64 {
     }
     let edges = (0..above.len()).map(|i| {
         let (a, b) = (above[i], above[(i + 1) % above.len()]);
-        crate::geometry::angle_rad(a, b) * normal.dot(a.cross(b).normalize_or_zero())
+        angle_rad(a, b) * normal.dot(a.cross(b).normalize_or_zero())
     });
     (edges.sum::<f64>() / (2.0 * PI)).abs()
 }
@@ -137,7 +138,7 @@ pub(super) fn ellipsoid_disc_integrals(radii: DVec3, sun: DVec3, view: DVec3) ->
     let middle = s.normalize();
     let pole = s.cross(o).try_normalize().unwrap_or_else(|| middle.any_orthonormal_vector());
     let east = pole.cross(middle);
-    let opening = crate::geometry::angle_rad(s, o);
+    let opening = angle_rad(s, o);
     let rule = GaussLegendre::new(64);
     let integral = |f: &dyn Fn(f64, f64, f64) -> f64| {
         rule.integral(opening - 0.5 * PI, 0.5 * PI, |longitude| {
@@ -158,7 +159,7 @@ pub(super) fn pinhole_image_of_sphere(a_rad: f64, b_rad: f64, focal_length: f64)
     (focal_length * sin_b * cos_b / k, focal_length * sin_a * cos_a / k, focal_length * sin_a / k.sqrt())
 }
 
-/// What a pinhole projection (17) to (19) from the Sun's place loses to rounding: metres sideways and in depth, in f64 and f32.
+/// What a pinhole projection (17) to (19) from the Sun's place loses to rounding, sideways and in depth, in f64 and f32.
 pub(super) struct SunCameraRounding {
     pub(super) lateral_f64_m: f64,
     pub(super) lateral_f32_m: f64,
@@ -170,7 +171,7 @@ pub(super) struct SunCameraRounding {
 
 /// Largest rounding over 4000 points within 1 km of `target_m` about each axis, against sums without rounding.
 pub(super) fn sun_camera_rounding(sun_m: DVec3, target_m: DVec3) -> Option<SunCameraRounding> {
-    let boresight = crate::geometry::Direction::new(target_m - sun_m)?;
+    let boresight = Direction::new(target_m - sun_m)?;
     let (u, (h, _)) = (boresight.vec(), boresight.frame());
     let mut worst = SunCameraRounding {
         lateral_f64_m: 0.0,

@@ -1,181 +1,16 @@
-//! Checks against numbers from outside: oracles, each with its inputs, expected value, tolerance and source.
-//!
-//! A file of oracles is JSON: `{"oracles": [{"group", "name", "inputs", "expected", "unit", "tol_rel", "tol_abs", "tolerance", "source"}]}`.
-//! `expected` is a number, a fraction as text ("2663/6800"), or lists and objects of them. What an oracle asks for is
-//! told by its group, its name up to the first `(` or `=`, and its inputs; an input that is missing is looked for in the name ("rho=0.07").
-
-use std::path::Path;
+//! What this program computes for an oracle, group by group.
 
 use glam::{DMat3, DVec3};
-use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::{closed_forms, scene_cases};
-use crate::error::{Error, Location, Problem, Result};
+use super::{Oracle, closed_forms, scene_cases};
 use crate::geometry::{Direction, Pose, angle_rad};
 use crate::physics::reflectance::{Brdf, PhotometricAngles};
-use crate::physics::{blackbody, heat, mars, sun};
+use crate::physics::{blackbody, bounds, heat, mars, sun};
 use crate::spectral::{Band, solar_e490};
 use crate::units::AU_M;
 
-/// How a check ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
-#[serde(rename_all = "UPPERCASE")]
-pub enum Verdict {
-    /// Within the tolerance.
-    Pass,
-    /// Not within it.
-    Fail,
-    /// Not something this version can compute.
-    Skipped,
-}
-
-/// One number that was checked.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Row {
-    /// Group of the oracle.
-    pub group: String,
-    /// Name of the oracle; of one with several quantities, `name/quantity` or `name[row][column]`.
-    pub name: String,
-    /// The number it should be; none where an oracle of several quantities is skipped as a whole.
-    pub expected: Option<f64>,
-    /// The number it is.
-    pub got: Option<f64>,
-    /// How far apart they may be, as in "1e-12 rel", "1e-8 abs", "factor 10" (of an oracle that gives an order of magnitude only).
-    pub tolerance: String,
-    /// Pass, fail or skipped.
-    pub verdict: Verdict,
-    /// Unit of the numbers.
-    pub unit: String,
-    /// Where the expected number comes from.
-    pub source: String,
-}
-
-/// How many rows have a verdict.
-pub fn count(rows: &[Row], verdict: Verdict) -> usize {
-    rows.iter().filter(|row| row.verdict == verdict).count()
-}
-
-/// The built-in checks: those of `tests/data/oracles.json`, and whole scenes that have a closed form.
-///
-/// # Errors
-/// None in practice: the file is part of the program.
-pub fn closed_forms() -> Result<Vec<Row>> {
-    let mut rows = oracles(include_str!("../../tests/data/oracles.json"), Path::new("tests/data/oracles.json"))?;
-    rows.extend(scene_cases::rows()?);
-    Ok(rows)
-}
-
-/// Runs a file of oracles, given its text; `path` is what messages call it.
-///
-/// # Errors
-/// [`Error::Syntax`] if the text is not JSON; [`Error::Invalid`] with every oracle that lacks a group, name or expected value.
-pub fn oracles(text: &str, path: &Path) -> Result<Vec<Row>> {
-    let file: Value = serde_json::from_str(text).map_err(|error| {
-        let at = Location { column: Some(error.column()), ..Location::line(path, error.line()) };
-        Error::syntax(at, format!("not JSON: {error}"))
-    })?;
-    let Some(list) = file.get("oracles").and_then(Value::as_array).filter(|list| !list.is_empty()) else {
-        return Err(Error::invalid(Location::file(path), "holds no oracles: a list \"oracles\" is expected"));
-    };
-    let (mut rows, mut problems) = (Vec::new(), Vec::new());
-    for (i, record) in list.iter().enumerate() {
-        match Oracle::read(record) {
-            Ok(oracle) => oracle.run(&mut rows),
-            Err(message) => {
-                problems.push(Problem::new(Location::file(path).with_item(format!("oracles[{i}]")), message));
-            }
-        }
-    }
-    if problems.is_empty() { Ok(rows) } else { Err(Error::Invalid(problems)) }
-}
-
-/// Tolerance, in degrees, of an expected 0 that comes with a relative tolerance only: what the arc cosine of a dot product
-/// rounded to f64 resolves near 0 (sqrt(2 eps) rad), which is how such zeros were made.
-const ZERO_TOLERANCE: f64 = 1.3e-6;
-
-struct Oracle<'a> {
-    group: &'a str,
-    name: &'a str,
-    inputs: &'a Value,
-    expected: &'a Value,
-    unit: &'a str,
-    source: &'a str,
-    tol_rel: Option<f64>,
-    tol_abs: Option<f64>,
-}
-
-impl<'a> Oracle<'a> {
-    fn read(record: &'a Value) -> std::result::Result<Self, String> {
-        let text = |key: &str| record.get(key).and_then(Value::as_str);
-        let number = |key: &str| record.get(key).and_then(Value::as_f64);
-        let needed = |key: &str| text(key).ok_or_else(|| format!("has no text {key:?}"));
-        Ok(Oracle {
-            group: needed("group")?,
-            name: needed("name")?,
-            inputs: record.get("inputs").unwrap_or(&Value::Null),
-            expected: record.get("expected").ok_or("has no \"expected\"")?,
-            unit: text("unit").unwrap_or(""),
-            source: text("source").unwrap_or(""),
-            tol_rel: number("tol_rel"),
-            tol_abs: number("tol_abs"),
-        })
-    }
-
-    fn run(&self, rows: &mut Vec<Row>) {
-        match self.value() {
-            Some(got) => self.compare(self.name.to_owned(), self.expected, Some(&got), rows),
-            None => rows.push(self.row(self.name.to_owned(), number(self.expected), None, Verdict::Skipped)),
-        }
-    }
-
-    fn compare(&self, name: String, expected: &Value, got: Option<&Value>, rows: &mut Vec<Row>) {
-        match expected {
-            Value::Array(list) => {
-                for (i, expected) in list.iter().enumerate() {
-                    self.compare(format!("{name}[{i}]"), expected, got.and_then(|got| got.get(i)), rows);
-                }
-            }
-            Value::Object(map) => {
-                for (key, expected) in map {
-                    self.compare(format!("{name}/{key}"), expected, got.and_then(|got| got.get(key)), rows);
-                }
-            }
-            leaf => {
-                let (expected, got) = (number(leaf), got.and_then(Value::as_f64));
-                let verdict = match (expected, got) {
-                    (Some(expected), Some(got)) if self.close(expected, got) => Verdict::Pass,
-                    (Some(_), Some(_)) => Verdict::Fail,
-                    _ => Verdict::Skipped,
-                };
-                rows.push(self.row(name, expected, got, verdict));
-            }
-        }
-    }
-
-    fn close(&self, expected: f64, got: f64) -> bool {
-        let difference = (got - expected).abs();
-        match (self.tol_rel, self.tol_abs) {
-            (None, None) => expected == got || (0.1..=10.0).contains(&(got / expected)),
-            (Some(_), None) if expected == 0.0 => difference <= ZERO_TOLERANCE,
-            (rel, abs) => {
-                rel.is_some_and(|rel| difference <= rel * expected.abs()) || abs.is_some_and(|abs| difference <= abs)
-            }
-        }
-    }
-
-    fn row(&self, name: String, expected: Option<f64>, got: Option<f64>, verdict: Verdict) -> Row {
-        let tolerance = match (self.tol_rel, self.tol_abs) {
-            (None, None) => "factor 10".to_owned(),
-            (Some(_), None) if expected == Some(0.0) => format!("{ZERO_TOLERANCE:e} abs"),
-            (Some(rel), None) => format!("{rel:e} rel"),
-            (None, Some(abs)) => format!("{abs:e} abs"),
-            (Some(rel), Some(abs)) => format!("{rel:e} rel or {abs:e} abs"),
-        };
-        let (group, unit, source) = (self.group.to_owned(), self.unit.to_owned(), self.source.to_owned());
-        Row { group, name, expected, got, tolerance, verdict, unit, source }
-    }
-
+impl Oracle<'_> {
     /// An input, or what the name says of it.
     fn input(&self, key: &str) -> Option<f64> {
         let in_name = || {
@@ -195,7 +30,8 @@ impl<'a> Oracle<'a> {
         Some(self.input("d_au").or_else(in_name)? * AU_M)
     }
 
-    fn value(&self) -> Option<Value> {
+    /// What it asks for; `None` for what this version does not compute.
+    pub(super) fn value(&self) -> Option<Value> {
         let kind = self.name.split(['(', '=']).next().unwrap_or("");
         match self.group {
             "blackbody" => self.blackbody(kind),
@@ -258,7 +94,7 @@ impl<'a> Oracle<'a> {
             mars::irradiance(distance * DVec3::Z, radius, normal, DVec3::new(sin_phase, 0.0, -cos_phase))
         };
         Some(json!(match kind {
-            "uniform_full_disc_upper_bound" => rho()? * q2,
+            "uniform_full_disc_upper_bound" => bounds::mars_light(rho()?, radius / distance, 1.0),
             "isotropic_mean_far_field" => 0.25 * rho()? * q2,
             "mean_over_coplanar_orbit_far_field" => 2.0 / 3.0 * rho()? * q2 * (2.0 / std::f64::consts::PI).powi(2),
             _ if kind.starts_with("thesis") => {
@@ -529,18 +365,6 @@ fn lambert_radiance(reflectance: f64, irradiance_1au: f64, distance_m: f64, cos_
     let angles = PhotometricAngles { cos_incidence, cos_emission: 1.0, phase_rad: cos_incidence.acos() };
     Brdf::Lambert { reflectance }.eval(&angles)
         * sun::irradiance_on_facet(sun::irradiance_at(irradiance_1au, distance_m), cos_incidence)
-}
-
-/// A number, or a fraction as text.
-fn number(value: &Value) -> Option<f64> {
-    let text = match value {
-        Value::String(text) => text,
-        other => return other.as_f64(),
-    };
-    match text.split_once('/') {
-        Some((over, under)) => Some(over.parse::<f64>().ok()? / under.parse::<f64>().ok()?),
-        None => text.parse().ok(),
-    }
 }
 
 fn vector(value: &Value) -> Option<DVec3> {
