@@ -35,6 +35,7 @@ use parser::Parser;
 
 pub use polygon::faces_lost;
 pub use write::write;
+pub(crate) use write::write_by;
 
 /// Text in memory at a time, bytes; no line is longer.
 const BUFFER: usize = 1 << 20;

@@ -2,6 +2,8 @@
 
 use std::io::{self, Write};
 
+use glam::DVec3;
+
 use crate::formats::mtl::ObjMaterial;
 use crate::geometry::Mesh;
 
@@ -17,12 +19,28 @@ use super::polygon::{facets_of_face, polygon};
 /// # Errors
 /// What the writer says.
 pub fn write(out: &mut impl Write, mesh: &Mesh, materials: &[ObjMaterial], mtllib: Option<&str>) -> io::Result<()> {
+    if let Some(name) = mtllib {
+        writeln!(out, "mtllib {name}")?;
+    }
+    let name = |material: usize| materials.get(material).map_or("", |m| m.name.as_str());
+    write_by(out, mesh, "usemtl", name, |v| v)
+}
+
+/// As [`write`], in other axes, the faces grouped by statements `statement name(material)`.
+///
+/// # Errors
+/// What the writer says.
+pub(crate) fn write_by<'a>(
+    out: &mut impl Write,
+    mesh: &Mesh,
+    statement: &str,
+    name: impl Fn(usize) -> &'a str,
+    axes: impl Fn(DVec3) -> DVec3,
+) -> io::Result<()> {
     const CHUNK: usize = 1 << 16;
     let mut text = Vec::with_capacity(CHUNK + 256);
-    if let Some(name) = mtllib {
-        writeln!(text, "mtllib {name}")?;
-    }
     for v in &mesh.vertices_m {
+        let v = axes(*v);
         // Beyond these sizes the plain form is a row of zeros.
         if v.to_array().iter().all(|c| *c == 0.0 || (1e-5..1e16).contains(&c.abs())) {
             writeln!(text, "v {} {} {}", v.x, v.y, v.z)?;
@@ -39,8 +57,7 @@ pub fn write(out: &mut impl Write, mesh: &Mesh, materials: &[ObjMaterial], mtlli
     while let (Some(facet), Some(material)) = (mesh.facets.get(first), mesh.material.get(first)) {
         if current != Some(material) {
             current = Some(material);
-            let name = materials.get(material.0 as usize).map_or("", |m| m.name.as_str());
-            writeln!(text, "usemtl {name}")?;
+            writeln!(text, "{statement} {}", name(material.0 as usize))?;
         }
         let facets = facets_of_face(mesh, first);
         first = facets.end;
