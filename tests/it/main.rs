@@ -2,6 +2,7 @@
 
 mod bodies;
 mod cli;
+mod dart_read;
 mod determinism;
 mod exact;
 mod flat_plane;

@@ -2,11 +2,13 @@
 //!
 //! [`Simulation`] is what mmxrt understands of a simulation, in DART's own terms: everything meets there.
 
+mod check;
 mod folder;
 pub mod groups;
 mod read;
 mod simulation;
 
+pub use check::{Coverage, CoverageOf, Finding, Severity, check, no_coverage};
 pub use folder::Folder;
 pub use read::sequence::{Step, flight, rows};
 pub use read::{Options, read, terrain};

@@ -28,7 +28,12 @@ pub(super) fn read(phase: &Element, maket: &Maket, reading: &mut Reading) -> Vec
                 reading.note(Fate::Dropped, element.at(), "a push-broom camera");
                 None
             }
-            _ => None,
+            "SensorsImportation" => None,
+            other => {
+                let message = format!("a camera of a kind that is not known, `<{other}>`");
+                reading.note(Fate::Dropped, element.at(), message);
+                None
+            }
         });
     }
     cameras
@@ -44,14 +49,9 @@ fn angles(direction: DVec3) -> [f64; 2] {
     [horizontal.atan2(direction.z).to_degrees(), turn(direction.y.atan2(direction.x).to_degrees())]
 }
 
+/// A turn about the line of sight, deg; 0 where none is given.
 fn roll(element: Option<&Element>, name: &str, reading: &mut Reading) -> f64 {
-    let Some(element) = element else { return 0.0 };
-    let roll = reading.number_or(element, name, 0.0);
-    if roll != 0.0 {
-        let message = "a turn about the line of sight: which way DART turns is not known; taken is counter-clockwise as seen along it";
-        reading.note(Fate::Approximated, element.at_attribute(name), message);
-    }
-    roll
+    element.filter(|e| e.get(name).is_some()).map_or(0.0, |e| reading.number_or(e, name, 0.0))
 }
 
 fn pixels(element: &Element, names: [&str; 2], reading: &mut Reading) -> [u32; 2] {
