@@ -3,6 +3,7 @@
 //! [`Simulation`] is what mmxrt understands of a simulation, in DART's own terms: everything meets there.
 //! [`from_scene`] and [`write()`] lead to DART, [`read()`] and [`to_scene`] back.
 
+mod check;
 pub mod database;
 mod diff;
 mod folder;
@@ -21,6 +22,7 @@ pub mod text_spectra;
 mod to_scene;
 mod write;
 
+pub use check::{Coverage, CoverageOf, Finding, Severity, check, no_coverage};
 pub use diff::diff;
 pub use folder::Folder;
 pub use from_scene::{Package, Size, Surface, WriteOptions, from_scene, group_names};

@@ -4,7 +4,7 @@
 //! them. What is not known is passed over and told.
 
 mod camera;
-mod coeff_diff;
+pub(super) mod coeff_diff;
 mod directions;
 mod losses;
 mod maket;
@@ -95,9 +95,11 @@ impl Inputs {
                 }
                 Err(other) => return Err(other),
             };
-            if root.name != "DartFile" || root.child(section).is_none() {
-                let message = format!("`<{}>` where `<DartFile>` with `<{section}>` within belongs", root.name);
+            if root.name != "DartFile" {
+                let message = format!("`<{}>` where `<DartFile>` belongs", root.name);
                 problems.push(Problem::new(root.at(), message));
+            } else if root.child(section).is_none() {
+                problems.push(Problem::new(root.at(), format!("has no `<{section}>` within")));
             }
             roots.push(Some(root));
         }
