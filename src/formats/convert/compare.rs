@@ -21,7 +21,7 @@ const TOLD: usize = 10;
 pub fn differences(a: &Content, b: &Content) -> Vec<String> {
     let mut lines = Lines(Vec::new());
     match (a, b) {
-        (Content::Scene(a), Content::Scene(b)) => lines.scenes(a, b),
+        (Content::Scene(a, _), Content::Scene(b, _)) => lines.scenes(a, b),
         (Content::Surface(a), Content::Surface(b)) => {
             let (origin_a, origin_b) = (a.origin_m.unwrap_or_default(), b.origin_m.unwrap_or_default());
             lines.places("origin_m", origin_a, origin_b);
