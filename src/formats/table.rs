@@ -76,6 +76,9 @@ pub(super) fn numbers(path: &Path, text: &str, rows: &[Row<'_>], columns: &[Read
     Ok(values)
 }
 
+/// A [`label`] and its values.
+pub(super) type Labelled<'a> = (String, &'a [f64]);
+
 /// What names a spectrum among those of many materials: the material, and what it is if not its reflectance.
 pub(super) fn label(library: &SpectralLibrary, column: &Column) -> String {
     if same(&column.name, "reflectance") { library.name.clone() } else { format!("{}:{}", library.name, column.name) }
@@ -102,7 +105,7 @@ pub(super) fn is_plain(name: &str) -> bool {
 ///
 /// # Errors
 /// [`Error::Invalid`] if their wavelengths differ, or a label would be read as something else: commas, braces and so on.
-pub(super) fn flat<'a>(path: &Path, spectra: &'a [SpectralLibrary]) -> Result<(&'a [f64], Vec<(String, &'a [f64])>)> {
+pub(super) fn flat<'a>(path: &Path, spectra: &'a [SpectralLibrary]) -> Result<(&'a [f64], Vec<Labelled<'a>>)> {
     let at = |library: &SpectralLibrary| Location::file(path).with_item(format!("spectra of {:?}", library.name));
     let wavelength_um = spectra.first().map_or(&[][..], |s| &s.wavelength_um);
     let mut problems = Problems::default();

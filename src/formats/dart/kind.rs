@@ -69,7 +69,7 @@ impl Kind {
     /// What columns, wavelength and the row's number left out, describe.
     pub fn of<'a>(columns: impl Iterator<Item = &'a str> + Clone) -> Kind {
         let has = |name: &&str| columns.clone().any(|c| same(c, name));
-        KINDS.iter().find(|(_, _, names)| names.iter().all(|name| has(name))).map_or(Kind::Other, |kind| kind.0)
+        KINDS.iter().find(|(_, _, names)| names.iter().all(has)).map_or(Kind::Other, |kind| kind.0)
     }
 
     /// The columns in DART's order, without wavelength; none for [`Kind::Other`].

@@ -6,7 +6,6 @@
 use std::path::{Path, PathBuf};
 
 use rusqlite::config::DbConfig;
-use rusqlite::hooks::{AuthAction, AuthContext, Authorization};
 use rusqlite::limits::Limit;
 use rusqlite::types::ValueRef;
 use rusqlite::{Connection, ErrorCode};
@@ -38,16 +37,9 @@ impl Store {
     /// Opens a file's bytes to read them; `path` is for messages.
     ///
     /// # Errors
-    /// [`Error::Syntax`] for what is no SQLite file, a cut off or a damaged one.
+    /// [`Error::Syntax`] for what is no SQLite file, a cut off or a damaged one; [`Error::Unsupported`] for computed columns.
     pub(super) fn open(path: &Path, bytes: Vec<u8>) -> Result<Self> {
-        let mut store = Self::load(path, bytes, true)?;
-        // What a file defines can call functions: nothing but reading is allowed.
-        let only_reading = |context: AuthContext<'_>| match context.action {
-            AuthAction::Select | AuthAction::Read { .. } => Authorization::Allow,
-            _ => Authorization::Deny,
-        };
-        store.connection.authorizer(Some(only_reading)).map_err(|e| failed(path, "", &e))?;
-        Ok(store)
+        Self::load(path, bytes, true)
     }
 
     /// Opens a file's bytes to add to them.
@@ -66,12 +58,19 @@ impl Store {
     fn load(path: &Path, mut bytes: Vec<u8>, read_only: bool) -> Result<Self> {
         check_header(path, &bytes)?;
         // 2: changes go to a second file first. There is none, and a file in memory can have none.
-        bytes[18..20].fill(1);
+        bytes[18..20].iter_mut().filter(|version| **version == 2).for_each(|version| *version = 1);
         let mut store = Self::in_memory(path)?;
         let (length, reader) = (bytes.len(), bytes.as_slice());
         store.connection.deserialize_read_exact("main", reader, length, read_only).map_err(|e| failed(path, "", &e))?;
-        // The schema is read with the first question.
-        store.run("", |c| c.query_row("SELECT count(*) FROM sqlite_master", [], |_| Ok(())))?;
+        // No spectrum is computed by its own table, and what a table computes may take forever.
+        let computed = "SELECT name FROM sqlite_master WHERE type = 'table' AND rootpage > 0 \
+                        AND EXISTS (SELECT 1 FROM pragma_table_xinfo(sqlite_master.name) WHERE hidden > 1)";
+        let computed: Vec<String> =
+            store.run("", |c| c.prepare(computed)?.query_map([], |row| row.get(0))?.collect())?;
+        if let Some(table) = computed.first() {
+            let at = Location::file(path).with_item(item(table));
+            return Err(Error::Unsupported { at, feature: "a table with computed columns".into() });
+        }
         Ok(store)
     }
 
@@ -117,10 +116,10 @@ impl Store {
         let own = |name: &String| name.get(..7).is_some_and(|start| start.eq_ignore_ascii_case("sqlite_"));
         let names = names.into_iter().filter(|name| !own(name));
         let table = |name: String| {
-            let columns = self.run(&item(&name), |c| {
-                let statement = c.prepare(&format!("SELECT * FROM {}", quoted(&name)))?;
-                Ok(statement.column_names().into_iter().map(str::to_owned).collect())
-            })?;
+            // Not the names that a statement has: where they are no UTF-8, rusqlite panics.
+            let columns = "SELECT name FROM pragma_table_xinfo(?1) ORDER BY cid";
+            let columns: Vec<String> =
+                self.run(&item(&name), |c| c.prepare(columns)?.query_map([&name], |row| row.get(0))?.collect())?;
             Ok(Table { name, columns })
         };
         names.map(table).collect()
@@ -235,6 +234,7 @@ fn failed(path: &Path, item: &str, error: &rusqlite::Error) -> Error {
             "takes far longer to read than its size explains: it is damaged, or made to do so".to_owned()
         }
         Some(ErrorCode::DatabaseCorrupt | ErrorCode::NotADatabase) => format!("is damaged: {error}"),
+        None => format!("is damaged, or no table of spectra: {error}"),
         _ => format!("SQLite says: {error}"),
     };
     Error::syntax(Location::file(path).with_item(item), message)
