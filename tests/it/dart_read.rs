@@ -150,6 +150,34 @@ fn a_simulation_of_5_11_is_read_through_its_wrappers() {
 }
 
 #[test]
+fn a_simulation_of_5_4_is_read_though_half_of_it_is_missing() {
+    let (simulation, report, _) = dart::read(&data("dart/plain_54"), &Options::default()).unwrap();
+    assert_eq!(simulation.version, Version { version: "5.4.6".into(), build: String::new() });
+    let factor = ("reflectanceFactor".to_owned(), 0.8);
+    assert!(simulation.optical[0].factors[0].contains(&factor) && simulation.objects.is_empty());
+    assert_eq!((simulation.phase.irradiance_mode, simulation.phase.irradiance.len()), (0, 0));
+    assert_eq!(
+        (simulation.directions.sun_deg, &simulation.directions.views_deg[..]),
+        ([35.5, 15.0], &[[4.25, 200.5]][..])
+    );
+    let told: Vec<(Fate, &str)> = report.notes.iter().map(|n| (n.fate, n.message.as_str())).collect();
+    // object_3d, plots, trees, urban, water, inversion.
+    assert!(
+        told[..6].iter().all(|(fate, text)| *fate == Fate::Defaulted && text.starts_with("is missing")),
+        "{told:#?}"
+    );
+    let expected = [
+        (Fate::Dropped, "the atmosphere"),
+        (Fate::Approximated, "says no irradiance of bands"),
+        (Fate::Dropped, "an optical property that is no table"),
+    ];
+    assert_eq!(told.len(), 6 + expected.len(), "{told:#?}");
+    for (told, expected) in told[6..].iter().zip(expected) {
+        assert!(told.0 == expected.0 && told.1.starts_with(expected.1), "{told:?}");
+    }
+}
+
+#[test]
 fn cameras_of_all_versions_look_the_same_way() {
     let (old, ..) = dart::read(&data("dart/boulder_574"), &Options::default()).unwrap();
     let (new, ..) = dart::read(&data("dart/crater_511"), &Options::default()).unwrap();
@@ -330,6 +358,24 @@ fn a_sequence_becomes_a_flight_table() {
     assert_eq!(steps[0].cameras[1], simulation.phase.cameras[1]);
     let [note] = &report.notes[..] else { panic!("{report:?}") };
     assert!(note.message.contains("meanLambda"));
+}
+
+#[test]
+fn a_sequence_that_cannot_be_made_is_told_when_it_is_wanted() {
+    for (name, message) in [
+        ("lengths_differ", "flyby.xml:6:1 DartSequencerDescriptor/DartSequencerDescriptorEntries/"),
+        ("too_many", "makes more than 1000000 values"),
+    ] {
+        let folder = Folder::copy(name, "dart/boulder_574");
+        let damaged = data(&format!("malformed/dart/sequence/{name}.xml"));
+        std::fs::copy(damaged, folder.0.join("flyby.xml")).unwrap();
+        let (simulation, _) = folder.read();
+        let error = rows(&simulation.sequences[0]).unwrap_err().to_string();
+        assert!(error.contains(message), "{error}");
+        assert!(flight(&folder.0, &simulation.sequences[0], &Options::default()).is_err());
+        let found = check(&folder.0, &Options::default(), &no_coverage);
+        assert!(found.iter().any(|f| f.severity == Severity::Error && f.to_string().contains(message)), "{found:#?}");
+    }
 }
 
 /// The findings of a copy of a simulation with these replacements.
