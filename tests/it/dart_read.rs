@@ -378,8 +378,14 @@ fn a_sequence_that_cannot_be_made_is_told_when_it_is_wanted() {
     }
 }
 
+/// A file below `input/`, what is replaced in it, and by what.
+type Replacement<'a> = (&'a str, &'a str, &'a str);
+
+/// A name, a mistake, and what a check says of it: how bad it is, and two parts of the text.
+type Case<'a> = (&'a str, &'a [Replacement<'a>], Severity, &'a str, &'a str);
+
 /// The findings of a copy of a simulation with these replacements.
-fn findings(name: &str, simulation: &str, replacements: &[(&str, &str, &str)]) -> Vec<Finding> {
+fn findings(name: &str, simulation: &str, replacements: &[Replacement]) -> Vec<Finding> {
     let folder = Folder::copy(name, simulation);
     for (file, from, to) in replacements {
         folder.replace(&format!("input/{file}"), from, to);
@@ -395,7 +401,7 @@ fn a_simulation_without_a_mistake_passes() {
 #[test]
 fn a_check_finds_what_dart_would_take_in_silence() {
     let object = "object_3d.xml";
-    let cases: &[(&str, &[(&str, &str, &str)], Severity, &str, &str)] = &[
+    let cases: &[Case] = &[
         (
             "index",
             &[(object, r#"indexFctPhase="0""#, r#"indexFctPhase="5""#)],
@@ -519,7 +525,7 @@ fn a_check_knows_factors_transmittance_and_group_orders() {
     assert!(plain.iter().all(|f| f.severity == Severity::Warning), "{text:#?}");
     // In the later order the first group is `foot`.
     let all = "object_3d.xml";
-    let mut later: Vec<(&str, &str, &str)> = ["maket.xml", all, "phase.xml", "coeff_diff.xml", "directions.xml"]
+    let mut later: Vec<Replacement> = ["maket.xml", all, "phase.xml", "coeff_diff.xml", "directions.xml"]
         .map(|file| (file, r#"build="v1083""#, r#"build="v1150""#))
         .to_vec();
     let found = findings("later", "dart/boulder_574", &later);
