@@ -11,7 +11,7 @@ mod simulation;
 pub use check::{Coverage, CoverageOf, Finding, Severity, check, no_coverage};
 pub use folder::Folder;
 pub use read::sequence::{Step, flight, rows};
-pub use read::{Options, read, terrain};
+pub use read::{Options as ReadOptions, read, terrain};
 pub use simulation::{
     Camera, Directions, Group, Links, Maket, Object, ObjectField, OpticalKind, OpticalProperty, Phase, Placement,
     Sequence, SequenceEntry, SequenceGroup, SequenceValues, Simulation, SpectralInterval, ThermalFunction, Version,
