@@ -33,7 +33,7 @@ fuzz_target!(|data: &[u8]| {
     let folder: &Path = &FOLDER;
     let (path, good) = FILES[*which as usize % FILES.len()];
     std::fs::write(folder.join(path), bytes).unwrap();
-    let options = dart::Options::default();
+    let options = dart::ReadOptions::default();
     if let Ok((simulation, _, _)) = dart::read(folder, &options) {
         for field in &simulation.fields {
             field.objects().for_each(drop);

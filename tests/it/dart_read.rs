@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use mmxrt::Error;
 use mmxrt::formats::dart::{
-    self, Coverage, Finding, OpticalKind, Options, Severity, Simulation, Version, check, flight, groups, no_coverage,
-    rows,
+    self, Coverage, Finding, OpticalKind, ReadOptions, Severity, Simulation, Version, check, flight, groups,
+    no_coverage, rows,
 };
 use mmxrt::formats::ilwis;
 use mmxrt::report::{Fate, Report};
@@ -34,7 +34,7 @@ impl Folder {
     }
 
     fn read(&self) -> (Simulation, Report) {
-        let (simulation, report, _) = dart::read(&self.0, &Options::default()).unwrap();
+        let (simulation, report, _) = dart::read(&self.0, &ReadOptions::default()).unwrap();
         (simulation, report)
     }
 }
@@ -65,7 +65,7 @@ fn near(a: [f64; 2], b: [f64; 2], tolerance: f64) -> bool {
 #[test]
 fn a_simulation_of_5_7_is_read_in_full() {
     let path = data("dart/boulder_574");
-    let (simulation, report, inputs) = dart::read(&path, &Options::default()).unwrap();
+    let (simulation, report, inputs) = dart::read(&path, &ReadOptions::default()).unwrap();
     assert_eq!(report.notes, []);
     // The eleven files, the object field and the sequence.
     assert_eq!(inputs.len(), 13);
@@ -126,7 +126,7 @@ fn a_simulation_of_5_7_is_read_in_full() {
     assert_eq!(directions.views_deg, [[12.5, 270.0]]);
     assert_eq!(sequences[0].name, "flyby");
 
-    let folder = Options::default().folder(&path);
+    let folder = ReadOptions::default().folder(&path);
     let (terrain, _) = dart::terrain(&simulation, &folder).unwrap().unwrap();
     assert_eq!((terrain.rows, terrain.columns, terrain.pixel_m), (4, 3, Some([3.0, 3.0])));
     // Row 2, column 1: the eighth value.
@@ -136,7 +136,7 @@ fn a_simulation_of_5_7_is_read_in_full() {
 #[test]
 fn a_simulation_of_5_11_is_read_through_its_wrappers() {
     let path = data("dart/crater_511/input");
-    let (simulation, report, _) = dart::read(&path, &Options::default()).unwrap();
+    let (simulation, report, _) = dart::read(&path, &ReadOptions::default()).unwrap();
     assert_eq!(report.notes, []);
     assert!(!simulation.maket.ground_enabled && simulation.maket.boundary == 1);
     assert_eq!(simulation.optical[1].model, "black");
@@ -146,13 +146,41 @@ fn a_simulation_of_5_11_is_read_through_its_wrappers() {
     assert_eq!(simulation.phase.cameras.len(), 2);
     assert!(!simulation.phase.radiance_products);
     assert_eq!(simulation.directions.sun_deg, [55.0, 250.0]);
-    assert!(dart::terrain(&simulation, &Options::default().folder(&path)).unwrap().is_none());
+    assert!(dart::terrain(&simulation, &ReadOptions::default().folder(&path)).unwrap().is_none());
+}
+
+#[test]
+fn a_simulation_of_5_4_is_read_though_half_of_it_is_missing() {
+    let (simulation, report, _) = dart::read(&data("dart/plain_54"), &ReadOptions::default()).unwrap();
+    assert_eq!(simulation.version, Version { version: "5.4.6".into(), build: String::new() });
+    let factor = ("reflectanceFactor".to_owned(), 0.8);
+    assert!(simulation.optical[0].factors[0].contains(&factor) && simulation.objects.is_empty());
+    assert_eq!((simulation.phase.irradiance_mode, simulation.phase.irradiance.len()), (0, 0));
+    assert_eq!(
+        (simulation.directions.sun_deg, &simulation.directions.views_deg[..]),
+        ([35.5, 15.0], &[[4.25, 200.5]][..])
+    );
+    let told: Vec<(Fate, &str)> = report.notes.iter().map(|n| (n.fate, n.message.as_str())).collect();
+    // object_3d, plots, trees, urban, water, inversion.
+    assert!(
+        told[..6].iter().all(|(fate, text)| *fate == Fate::Defaulted && text.starts_with("is missing")),
+        "{told:#?}"
+    );
+    let expected = [
+        (Fate::Dropped, "the atmosphere"),
+        (Fate::Approximated, "says no irradiance of bands"),
+        (Fate::Dropped, "an optical property that is no table"),
+    ];
+    assert_eq!(told.len(), 6 + expected.len(), "{told:#?}");
+    for (told, expected) in told[6..].iter().zip(expected) {
+        assert!(told.0 == expected.0 && told.1.starts_with(expected.1), "{told:?}");
+    }
 }
 
 #[test]
 fn cameras_of_all_versions_look_the_same_way() {
-    let (old, ..) = dart::read(&data("dart/boulder_574"), &Options::default()).unwrap();
-    let (new, ..) = dart::read(&data("dart/crater_511"), &Options::default()).unwrap();
+    let (old, ..) = dart::read(&data("dart/boulder_574"), &ReadOptions::default()).unwrap();
+    let (new, ..) = dart::read(&data("dart/crater_511"), &ReadOptions::default()).unwrap();
     for (old, new) in old.phase.cameras.iter().zip(&new.phase.cameras) {
         assert_eq!((old.position_m, old.pixels), (new.position_m, new.pixels));
         assert!(near(old.look_deg, new.look_deg, 1e-12), "{old:?} {new:?}");
@@ -243,7 +271,7 @@ fn the_sun_by_a_date() {
     let [zenith, azimuth] = north.directions.sun_deg;
     assert!((zenith - 40.0).abs() < 0.05 && azimuth.min(360.0 - azimuth) < 0.1, "{zenith} {azimuth}");
     // Given angles win.
-    let options = Options { sun_deg: Some([12.0, 34.0]), ..Options::default() };
+    let options = ReadOptions { sun_deg: Some([12.0, 34.0]), ..ReadOptions::default() };
     let (simulation, report, _) = dart::read(&folder.0, &options).unwrap();
     assert_eq!((simulation.directions.sun_deg, report.notes.len()), ([12.0, 34.0], 0));
 }
@@ -314,7 +342,7 @@ fn what_is_not_carried_is_told_once_and_at_its_place() {
 #[test]
 fn a_sequence_becomes_a_flight_table() {
     let path = data("dart/boulder_574");
-    let (simulation, ..) = dart::read(&path, &Options::default()).unwrap();
+    let (simulation, ..) = dart::read(&path, &ReadOptions::default()).unwrap();
     let sequence = &simulation.sequences[0];
     // 3 rows of the first group, 2 of the second, which is the faster one.
     let expanded = rows(sequence).unwrap();
@@ -322,7 +350,7 @@ fn a_sequence_becomes_a_flight_table() {
     assert_eq!(expanded[0], ["125.0", "100.0", "1.9"]);
     assert_eq!(expanded[1], ["125.0", "100.0", "2.1"]);
     assert_eq!(expanded[5], ["140.0", "80.0", "2.1"]);
-    let (steps, report) = flight(&path, sequence, &Options::default()).unwrap();
+    let (steps, report) = flight(&path, sequence, &ReadOptions::default()).unwrap();
     let sun: Vec<f64> = steps.iter().map(|s| s.sun_deg[0]).collect();
     assert_eq!(sun, [55.0, 55.0, 50.0, 50.0, 40.0, 40.0]);
     let height: Vec<f64> = steps.iter().map(|s| s.cameras[0].position_m.z).collect();
@@ -332,13 +360,37 @@ fn a_sequence_becomes_a_flight_table() {
     assert!(note.message.contains("meanLambda"));
 }
 
+#[test]
+fn a_sequence_that_cannot_be_made_is_told_when_it_is_wanted() {
+    for (name, message) in [
+        ("lengths_differ", "flyby.xml:6:1 DartSequencerDescriptor/DartSequencerDescriptorEntries/"),
+        ("too_many", "makes more than 1000000 values"),
+    ] {
+        let folder = Folder::copy(name, "dart/boulder_574");
+        let damaged = data(&format!("malformed/dart/sequence/{name}.xml"));
+        std::fs::copy(damaged, folder.0.join("flyby.xml")).unwrap();
+        let (simulation, _) = folder.read();
+        let error = rows(&simulation.sequences[0]).unwrap_err().to_string();
+        assert!(error.contains(message), "{error}");
+        assert!(flight(&folder.0, &simulation.sequences[0], &ReadOptions::default()).is_err());
+        let found = check(&folder.0, &ReadOptions::default(), &no_coverage);
+        assert!(found.iter().any(|f| f.severity == Severity::Error && f.to_string().contains(message)), "{found:#?}");
+    }
+}
+
+/// A file below `input/`, what is replaced in it, and by what.
+type Replacement<'a> = (&'a str, &'a str, &'a str);
+
+/// A name, a mistake, and what a check says of it: how bad it is, and two parts of the text.
+type Case<'a> = (&'a str, &'a [Replacement<'a>], Severity, &'a str, &'a str);
+
 /// The findings of a copy of a simulation with these replacements.
-fn findings(name: &str, simulation: &str, replacements: &[(&str, &str, &str)]) -> Vec<Finding> {
+fn findings(name: &str, simulation: &str, replacements: &[Replacement]) -> Vec<Finding> {
     let folder = Folder::copy(name, simulation);
     for (file, from, to) in replacements {
         folder.replace(&format!("input/{file}"), from, to);
     }
-    check(&folder.0, &Options::default(), &no_coverage)
+    check(&folder.0, &ReadOptions::default(), &no_coverage)
 }
 
 #[test]
@@ -349,7 +401,7 @@ fn a_simulation_without_a_mistake_passes() {
 #[test]
 fn a_check_finds_what_dart_would_take_in_silence() {
     let object = "object_3d.xml";
-    let cases: &[(&str, &[(&str, &str, &str)], Severity, &str, &str)] = &[
+    let cases: &[Case] = &[
         (
             "index",
             &[(object, r#"indexFctPhase="0""#, r#"indexFctPhase="5""#)],
@@ -473,7 +525,7 @@ fn a_check_knows_factors_transmittance_and_group_orders() {
     assert!(plain.iter().all(|f| f.severity == Severity::Warning), "{text:#?}");
     // In the later order the first group is `foot`.
     let all = "object_3d.xml";
-    let mut later: Vec<(&str, &str, &str)> = ["maket.xml", all, "phase.xml", "coeff_diff.xml", "directions.xml"]
+    let mut later: Vec<Replacement> = ["maket.xml", all, "phase.xml", "coeff_diff.xml", "directions.xml"]
         .map(|file| (file, r#"build="v1083""#, r#"build="v1150""#))
         .to_vec();
     let found = findings("later", "dart/boulder_574", &later);
@@ -510,7 +562,7 @@ fn a_check_asks_databases_what_they_cover() {
         let largest = if table == "basalt" { 0.31 } else { 31.0 };
         Some(Coverage { range_um: (0.4, 2.5), largest_reflectance: Some(largest) })
     };
-    let found = check(&folder.0, &Options::default(), &coverage);
+    let found = check(&folder.0, &ReadOptions::default(), &coverage);
     let of = |part: &str| found.iter().filter(|f| f.what.contains(part)).collect::<Vec<_>>();
     // The band at 3.4 um, for both tables of that database; one of them looks like fractions.
     assert_eq!(of("bands 2 reach beyond it").len(), 2, "{found:#?}");
@@ -543,8 +595,8 @@ fn damaged_inputs_are_refused_at_their_place() {
             input => format!("input/{input}.xml"),
         };
         std::fs::copy(corpus.join(file), folder.0.join(target)).unwrap();
-        let outcome = dart::read(&folder.0, &Options::default()).and_then(|(simulation, report, _)| {
-            dart::terrain(&simulation, &Options::default().folder(&folder.0))?;
+        let outcome = dart::read(&folder.0, &ReadOptions::default()).and_then(|(simulation, report, _)| {
+            dart::terrain(&simulation, &ReadOptions::default().folder(&folder.0))?;
             Ok(report)
         });
         let told = match &outcome {
@@ -557,7 +609,7 @@ fn damaged_inputs_are_refused_at_their_place() {
             Err(other) => panic!("{file}: {other}"),
         };
         // What a check says of it is an error too, and never a panic.
-        let found = check(&folder.0, &Options::default(), &no_coverage);
+        let found = check(&folder.0, &ReadOptions::default(), &no_coverage);
         assert!(kind == "ilwis" || outcome.is_ok() || found.iter().any(|f| f.severity == Severity::Error), "{file}");
         match expected.iter().find(|(name, _)| name == file) {
             Some((_, start)) if told.starts_with(start) => {}

@@ -17,8 +17,8 @@ use super::{Format, Options, unsupported};
 /// The Sun and cameras of a sequence's simulations, by its name.
 pub(super) type Flights = Vec<(String, Vec<Step>)>;
 
-fn reading(options: &Options) -> dart::Options {
-    dart::Options {
+fn reading(options: &Options) -> dart::ReadOptions {
+    dart::ReadOptions {
         database: options.dart_databases.clone(),
         allow_outside: options.allow_outside,
         sun_deg: options.sun_deg,

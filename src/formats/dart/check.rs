@@ -13,6 +13,7 @@ use crate::formats::xml::Element;
 use super::folder::Folder;
 use super::groups;
 use super::read::coeff_diff::{factor_node, factors_of_bands, uses_factors};
+use super::read::sequence::count;
 use super::read::{FILES, Inputs, Options, read};
 use super::{Links, Object, OpticalKind, OpticalProperty, Simulation, Version};
 
@@ -91,6 +92,9 @@ pub fn check(path: &Path, options: &Options, coverage: CoverageOf<'_>) -> Vec<Fi
     check.objects();
     check.fields();
     check.cameras();
+    for sequence in &simulation.sequences {
+        check.findings.extend(count(sequence).err().map(unreadable).unwrap_or_default());
+    }
     check.findings
 }
 

@@ -28,7 +28,7 @@ pub use folder::Folder;
 pub use from_scene::{Package, Size, Surface, WriteOptions, from_scene, group_names};
 pub use inputs::{Target, inputs};
 pub use read::sequence::{Step, flight, rows};
-pub use read::{Options, read, terrain};
+pub use read::{Options as ReadOptions, read, terrain};
 pub use sidecar::Sidecar;
 pub use simulation::{
     Camera, Directions, Group, Links, Maket, Object, ObjectField, OpticalKind, OpticalProperty, Phase, Placement,

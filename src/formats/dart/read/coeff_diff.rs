@@ -20,7 +20,7 @@ pub(super) fn optical(coeff_diff: &Element, bands: usize, reading: &mut Reading)
         for element in coeff_diff.descendant(list).iter().flat_map(|l| l.all(entry)) {
             let named = table(element, "databaseName", "ModelName");
             if named.is_none() {
-                reading.note(Fate::Dropped, element.at(), "an optical property that names no table of a database");
+                reading.note(Fate::Dropped, element.at(), "an optical property that is no table of a database");
             }
             let (database, model) = named.unwrap_or_default();
             let transmittance = match kind {
@@ -63,14 +63,14 @@ pub(in crate::formats::dart) fn uses_factors(property: &Element) -> bool {
 
 /// The element of multiplicative factors of an optical property, if they are used.
 pub(in crate::formats::dart) fn factor_node(property: &Element) -> Option<&Element> {
-    let is_node = |e: &&Element| e.name.ends_with("NodeMultiplicativeFactorForLUT");
+    let is_node = |e: &&Element| e.name.to_ascii_lowercase().ends_with("nodemultiplicativefactorforlut");
     let within = property.children.iter().chain(property.children.iter().flat_map(|c| &c.children));
     within.filter(|_| uses_factors(property)).find(is_node)
 }
 
 /// The factors in each band: elements within a node.
 pub(in crate::formats::dart) fn factors_of_bands(node: &Element) -> impl Iterator<Item = &Element> {
-    node.children.iter().filter(|e| e.name.ends_with("MultiplicativeFactorForLUT"))
+    node.children.iter().filter(|e| e.name.to_ascii_lowercase().ends_with("multiplicativefactorforlut"))
 }
 
 fn factors(property: &Element, bands: usize, reading: &mut Reading) -> Vec<Vec<(String, f64)>> {

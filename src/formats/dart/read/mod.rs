@@ -47,7 +47,7 @@ impl Options {
 pub(super) const FILES: [(&str, &str, bool); 11] = [
     ("maket.xml", "Maket", true),
     ("coeff_diff.xml", "Coeff_diff", true),
-    ("object_3d.xml", "object_3d", true),
+    ("object_3d.xml", "object_3d", false),
     ("phase.xml", "Phase", true),
     ("directions.xml", "Directions", true),
     ("atmosphere.xml", "Atmosphere", false),
@@ -147,12 +147,13 @@ pub fn read(path: &Path, options: &Options) -> Result<(Simulation, Report, Vec<I
     let maket = maket::read(section("Maket")?, &mut reading);
     let coeff_diff = section("Coeff_diff")?;
     let phase = phase::read(section("Phase")?, &maket, &mut reading);
+    let object_3d = inputs.section("object_3d");
     let simulation = Simulation {
         version: version(&inputs, &mut reading),
         optical: coeff_diff::optical(coeff_diff, phase.bands.len(), &mut reading),
         thermal: coeff_diff::thermal(coeff_diff, &mut reading),
-        objects: object_3d::objects(section("object_3d")?, &mut reading),
-        fields: object_3d::fields(section("object_3d")?, &mut reading),
+        objects: object_3d.map_or_else(Vec::new, |o| object_3d::objects(o, &mut reading)),
+        fields: object_3d.map_or_else(Vec::new, |o| object_3d::fields(o, &mut reading)),
         directions: directions::read(section("Directions")?, &maket, &mut reading),
         sequences: sequence::read(&folder, &mut reading),
         maket,

@@ -74,7 +74,7 @@ fn object(element: &Element, reading: &mut Reading) -> Object {
         rotation_deg,
         dem_mode: code(element, "objectDEMMode", 0, 3, reading),
         hidden: reading.flag(element, "hidden"),
-        repeated_on_border: reading.flag(element, "repeatedOnBorder"),
+        repeated_on_border: code(element, "repeatedOnBorder", 1, 1, reading) == 1,
         double_face,
         links: links_of_all,
         back: back_of_all,

@@ -89,7 +89,13 @@ fn irradiance(phase: &Element, bands: usize, reading: &mut Reading) -> (u32, Vec
     if let Some(what) = what {
         reading.note(Fate::Dropped, node.at_attribute("irradianceMode"), what);
     }
-    let Some(list) = node.child("SpectralIrradiance") else { return (mode, Vec::new()) };
+    let Some(list) = node.child("SpectralIrradiance") else {
+        if mode == 1 {
+            let message = "says no irradiance of bands, as in old versions: taken is a solar spectrum";
+            reading.note(Fate::Approximated, node.at(), message);
+        }
+        return (if mode == 1 { 0 } else { mode }, Vec::new());
+    };
     let elements = numbered(list.all("SpectralIrradianceValue").collect(), mode == 1, reading);
     let mut values: Vec<(f64, f64)> =
         elements.iter().map(|e| (reading.number_or(e, "irradiance", 0.0), reading.number_or(e, "Skyl", 0.0))).collect();

@@ -9,7 +9,7 @@ use crate::report::Report;
 use super::super::folder::Folder;
 use super::super::{Camera, Sequence, SequenceEntry, SequenceGroup, SequenceValues};
 use super::reading::{Reading, number};
-use super::{Inputs, Options, directions, maket, phase};
+use super::{Inputs, Options, camera, directions, maket};
 
 /// No sequence gives more values to its simulations.
 const VALUES: usize = 1_000_000;
@@ -37,8 +37,8 @@ pub fn rows(sequence: &Sequence) -> Result<Vec<Vec<String>>> {
     Ok(rows)
 }
 
-/// The number of simulations, if they can be made.
-fn count(sequence: &Sequence) -> Result<usize> {
+/// The number of simulations, if they can be made. Errors as [`rows`].
+pub(in crate::formats::dart) fn count(sequence: &Sequence) -> Result<usize> {
     let mut problems = Vec::new();
     let (mut simulations, mut entries) = (Some(1_usize), 0);
     for group in &sequence.groups {
@@ -138,13 +138,13 @@ pub fn flight(path: &Path, sequence: &Sequence, options: &Options) -> Result<(Ve
         let mut reading = Reading::new(&folder, options);
         let maket = maket::read(inputs.section("Maket").ok_or_else(missing)?, &mut reading);
         let directions = directions::read(inputs.section("Directions").ok_or_else(missing)?, &maket, &mut reading);
-        let phase = phase::read(inputs.section("Phase").ok_or_else(missing)?, &maket, &mut reading);
+        let cameras = camera::read(inputs.section("Phase").ok_or_else(missing)?, &maket, &mut reading);
         let Reading { problems, report: of_step, .. } = reading;
         problems.finish(&folder.input)?;
         if i == 0 {
             report.notes.extend(of_step.notes);
         }
-        steps.push(Step { sun_deg: directions.sun_deg, views_deg: directions.views_deg, cameras: phase.cameras });
+        steps.push(Step { sun_deg: directions.sun_deg, views_deg: directions.views_deg, cameras });
     }
     Ok((steps, report))
 }
@@ -208,9 +208,9 @@ fn candidates(folder: &Folder) -> Vec<PathBuf> {
 }
 
 fn sequence(descriptor: &Element, reading: &mut Reading) -> Sequence {
-    // `sequence;;name` where it was made by the sequencer.
+    // `sequence;;name` where it was made by the sequencer, a path in old versions.
     let name = descriptor.get("sequenceName").unwrap_or_default();
-    let name = name.rsplit(";;").next().unwrap_or(name).to_owned();
+    let name = name.rsplit([';', '/', '\\']).next().unwrap_or(name).to_owned();
     let groups = match descriptor.descendant("DartSequencerDescriptorEntries") {
         Some(list) => list
             .all("DartSequencerDescriptorGroup")
@@ -224,11 +224,7 @@ fn sequence(descriptor: &Element, reading: &mut Reading) -> Sequence {
             Vec::new()
         }
     };
-    let sequence = Sequence { name, groups, at: descriptor.at() };
-    if let Err(Error::Invalid(problems)) = count(&sequence) {
-        problems.into_iter().for_each(|problem| reading.problems.push(|| problem));
-    }
-    sequence
+    Sequence { name, groups, at: descriptor.at() }
 }
 
 fn entry(element: &Element, reading: &mut Reading) -> SequenceEntry {
