@@ -17,6 +17,7 @@ use crate::report::{Fate, Report};
 use crate::scene::{Photometry, Scene};
 use crate::spectral::{Band, Column, Extend, SpectralLibrary, Spectrum};
 
+use super::dart::{self, SceneOptions, Target, WriteOptions};
 use super::folder::Staged;
 use super::surface::Surface;
 use super::{gltf, mtl, obj, scene_toml, spectra};
@@ -125,7 +126,13 @@ pub fn read(input: &Path, options: &Options, watch: Watch<'_>) -> Result<(Format
             let (surface, report, _) = gltf::read(&path, options.allow_outside)?;
             (Content::Surface(surface), report)
         }
-        Format::Dart => return Err(unsupported(&path, "reading a DART simulation")),
+        Format::Dart => {
+            let reading = dart::Options { allow_outside: options.allow_outside, ..dart::Options::default() };
+            let (simulation, mut report, _) = dart::read(&path, &reading)?;
+            let converted = dart::to_scene(&simulation, &reading.folder(&path), &SceneOptions::default(), watch)?;
+            report.notes.extend(converted.report.notes);
+            (Content::Scene(Box::new(converted.scene)), report)
+        }
         Format::Database | Format::DartText | Format::Sli | Format::Csv => {
             let (mut libraries, report) = spectra::read(&path)?;
             if !options.models.is_empty() {
@@ -174,6 +181,11 @@ impl std::fmt::Display for Finding {
 /// # Errors
 /// As [`read`].
 pub fn diff(a: &Path, b: &Path, options: &Options, watch: Watch<'_>) -> Result<Vec<String>> {
+    let of = |path: &Path| options.from.map_or_else(|| Format::of_input(path), |from| Ok((from, path.to_owned())));
+    if let ((Format::Dart, a), (Format::Dart, b)) = (of(a)?, of(b)?) {
+        let reading = dart::Options { allow_outside: options.allow_outside, ..dart::Options::default() };
+        return Ok(dart::diff(&dart::read(&a, &reading)?.0, &dart::read(&b, &reading)?.0));
+    }
     let (_, a, _) = read(a, options, watch)?;
     let (_, b, _) = read(b, options, watch)?;
     Ok(differences(&a, &b))
@@ -274,8 +286,19 @@ impl Job<'_> {
         Ok(true)
     }
 
-    fn dart(self, _scene: &Scene) -> Result<bool> {
-        Err(unsupported(self.output, "writing a DART simulation"))
+    fn dart(self, scene: &Scene) -> Result<bool> {
+        let target = match self.options.dart_version.as_deref() {
+            None | Some("5.7.4") => Target::V5_7_4,
+            Some("5.11.0") => Target::V5_11_0,
+            Some(other) => return Err(unsupported(self.output, &format!("writing for DART {other}"))),
+        };
+        let (package, report) = dart::from_scene(scene, &WriteOptions { target, ..WriteOptions::default() })?;
+        self.report.notes.extend(report.notes);
+        if self.refused() {
+            return Ok(false);
+        }
+        dart::write(&package, self.output, self.options.replace, self.watch)?;
+        Ok(true)
     }
 
     fn surface(self, surface: &Surface, to: Format) -> Result<bool> {
