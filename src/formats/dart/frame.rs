@@ -48,11 +48,12 @@ fn upright([zenith_deg, azimuth_deg]: [f64; 2]) -> (DVec3, DVec3) {
 
 /// Line of sight (zenith angle and azimuth) and turn about it, deg, of a camera whose axes right, down, ahead are the columns.
 ///
-/// The turn is clockwise as seen along the line of sight: it leads from the upright image's right towards its down.
-pub(super) fn camera_deg(dart_from_sensor: DMat3) -> ([f64; 2], f64) {
+/// The turn is clockwise as seen along the line of sight: it leads from the upright image's right towards its down. A line of sight within
+/// `blur_rad` of the vertical is taken to be vertical: any azimuth is its own, and there is one without a turn.
+pub(super) fn camera_deg(dart_from_sensor: DMat3, blur_rad: f64) -> ([f64; 2], f64) {
     let (right, ahead) = (dart_from_sensor.x_axis, dart_from_sensor.z_axis);
     let mut look_deg = angles_deg(ahead);
-    if ahead.x.hypot(ahead.y) < ROUNDING_RAD {
+    if ahead.x.hypot(ahead.y) < blur_rad.max(ROUNDING_RAD) {
         look_deg = [if ahead.z < 0.0 { 180.0 } else { 0.0 }, full_turn(right.x.atan2(-right.y).to_degrees())];
     }
     let (upright_right, upright_down) = upright(look_deg);
@@ -107,7 +108,7 @@ mod tests {
         for zenith in [180.0, 179.999_999_9, 120.0, 91.0, 30.0] {
             for (azimuth, roll) in [(0.0, 0.0), (123.4, 5.0), (359.9, -179.0), (180.0, 90.0)] {
                 let given = camera_rotation([zenith, azimuth], roll);
-                let (look, turn) = camera_deg(given);
+                let (look, turn) = camera_deg(given, 0.0);
                 let back = camera_rotation(look, turn);
                 worst = worst.max((0..3).map(|i| (given.col(i) - back.col(i)).length()).fold(0.0, f64::max));
                 assert!((given.determinant() - 1.0).abs() < 1e-15);
@@ -116,6 +117,10 @@ mod tests {
         assert!(worst < 1e-15, "{worst:e}");
         // Straight down, right of the image to +y: DART's own nadir image.
         let nadir = DMat3::from_cols(DVec3::Y, DVec3::X, DVec3::NEG_Z);
-        assert_eq!(camera_deg(nadir), ([180.0, 180.0], 0.0));
+        assert_eq!(camera_deg(nadir, 0.0), ([180.0, 180.0], 0.0));
+        // Almost so.
+        let tilted = DMat3::from_rotation_x(1e-6) * DMat3::from_rotation_y(1e-6) * nadir;
+        assert!(camera_deg(tilted, 0.0).1 != 0.0);
+        assert_eq!(camera_deg(tilted, 1e-5).1, 0.0);
     }
 }

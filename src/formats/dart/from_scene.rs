@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use crate::error::{Error, Location, Result};
 use crate::geometry::{Direction, Mesh};
@@ -179,7 +179,7 @@ pub fn from_scene(scene: &Scene, options: &WriteOptions) -> Result<(Package, Rep
     };
     simulation.objects.push(site.object(&groups, options.target, &links));
     let size = Size::of(&simulation, mesh.facets.len() as u64, extent_m.z);
-    let sidecar = Sidecar::of(scene, origin_in_dart_m, simulation.phase.cameras[0].roll_deg);
+    let sidecar = Sidecar::of(scene, origin_in_dart_m);
     site.notes(&simulation, &size, options, &mut report);
     let mars = site.by_mars(&simulation, &mut report);
     let surfaces = vec![Surface { mesh, groups }];
@@ -199,6 +199,11 @@ fn pixel_m(scene: &Scene, size_m: DVec3) -> f64 {
     let step = 10f64.powf(pixel_m.log10().floor() - 1.0);
     // Division by a power of ten is exact to the digit that multiplication is not.
     if step < 1.0 { (pixel_m / step).round() / (1.0 / step).round() } else { (pixel_m / step).round() * step.round() }
+}
+
+/// A camera's line of sight and turn, deg; straight down if it is that within a tenth of a pixel.
+pub(super) fn camera_deg(dart_from_sensor: DMat3, pitch: f64) -> ([f64; 2], f64) {
+    frame::camera_deg(dart_from_sensor, 0.1 * pitch)
 }
 
 /// Planetocentric latitude and longitude (-180 to 180), deg, and no altitude: DART uses them for dates.
@@ -228,7 +233,7 @@ pub(super) fn width_um(band: &Band) -> f64 {
 }
 
 /// First and last wavelength that DART looks at, um.
-pub(super) fn reach_um(bands: &[Band]) -> (f64, f64) {
+fn reach_um(bands: &[Band]) -> (f64, f64) {
     let ends = bands.iter().map(|band| {
         let ((lo, hi), half) = (band.support_um(), 0.5 * width_um(band));
         (lo.min(band.centre_um - half), hi.max(band.centre_um + half))
@@ -466,7 +471,7 @@ pub fn group_names(count: usize) -> Option<Vec<String>> {
 /// A scene and its place in DART's frame.
 struct Site<'a> {
     scene: &'a Scene,
-    dart_from_body: glam::DMat3,
+    dart_from_body: DMat3,
     origin_in_dart_m: DVec3,
 }
 
@@ -504,7 +509,7 @@ impl Site<'_> {
 
     fn camera(&self) -> Camera {
         let camera = &self.scene.sensor.camera;
-        let (look_deg, roll_deg) = frame::camera_deg(self.dart_from_body * camera.world_from_sensor.rotation);
+        let (look_deg, roll_deg) = camera_deg(self.dart_from_body * camera.world_from_sensor.rotation, camera.pitch);
         let angle_deg = |pixels: u32| (2.0 * (0.5 * f64::from(pixels) * camera.pitch).atan()).to_degrees();
         Camera {
             position_m: self.dart_from_body * camera.centre_m() + self.origin_in_dart_m,
@@ -600,6 +605,14 @@ impl Site<'_> {
                 simulation.phase.cameras[0].roll_deg
             );
             report.note(Fate::Defaulted, item("observer"), message);
+        }
+        let ahead = self.dart_from_body * scene.sensor.camera.world_from_sensor.rotation.z_axis;
+        let tilt_rad = crate::geometry::angle_rad(ahead, DVec3::NEG_Z);
+        if simulation.phase.cameras.iter().any(|c| c.look_deg[0] == 180.0) && tilt_rad > 0.0 {
+            let message = format!(
+                "the camera looks straight down but for {tilt_rad:.1e} rad, less than a tenth of a pixel: straight down"
+            );
+            report.note(Fate::Carried, item("observer"), message);
         }
         match sidecar::runs_of_faces(&scene.mesh) {
             Some(runs) if runs.is_empty() => {}

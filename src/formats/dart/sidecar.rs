@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Location, Result};
@@ -54,8 +54,8 @@ enum ThermalName {
 #[serde(deny_unknown_fields)]
 struct SensorPart {
     name: String,
-    /// Turn about the line of sight, deg: what this program means by the number in DART's file.
-    roll_deg: f64,
+    /// Axes of the image (right, down, ahead), body-fixed.
+    axes: [[f64; 3]; 3],
     /// 0 for a monochromatic band.
     fwhm_um: Vec<f64>,
 }
@@ -140,8 +140,8 @@ impl Table {
 }
 
 impl Sidecar {
-    /// Of a scene whose origin stands at `origin_in_dart_m`, and whose camera is turned by `roll_deg`.
-    pub(super) fn of(scene: &Scene, origin_in_dart_m: DVec3, roll_deg: f64) -> Self {
+    /// Of a scene whose origin stands at `origin_in_dart_m`.
+    pub(super) fn of(scene: &Scene, origin_in_dart_m: DVec3) -> Self {
         let sun = &scene.sun;
         let spectrum = match sun.irradiance_1au == *solar_e490() {
             true => SunSpectrum::Named("e490".into()),
@@ -159,7 +159,7 @@ impl Sidecar {
             faces: runs_of_faces(&scene.mesh).unwrap_or_default(),
             sensor: SensorPart {
                 name: scene.sensor.name.clone(),
-                roll_deg,
+                axes: scene.sensor.camera.world_from_sensor.rotation.to_cols_array_2d(),
                 fwhm_um: scene.sensor.bands.iter().map(|b| b.fwhm_um.unwrap_or(0.0)).collect(),
             },
             sun: SunPart {
@@ -244,8 +244,12 @@ impl Sidecar {
         }
     }
 
-    pub(super) fn roll_deg(&self) -> f64 {
-        self.sensor.roll_deg
+    /// The camera's axes right, down, ahead as columns; `None` if they are no axes.
+    pub(super) fn world_from_sensor(&self) -> Option<DMat3> {
+        let axes = DMat3::from_cols_array_2d(&self.sensor.axes);
+        let off = axes * axes.transpose() - DMat3::IDENTITY;
+        let is_rotation = off.to_cols_array().iter().all(|x| x.abs() < 1e-9) && axes.determinant() > 0.0;
+        is_rotation.then_some(axes)
     }
 
     pub(super) fn sensor_name(&self) -> &str {

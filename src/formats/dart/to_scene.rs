@@ -18,7 +18,7 @@ use crate::units::AU_M;
 use super::database::Database;
 use super::folder::Folder;
 use super::from_scene::{
-    intervals, irradiance, latitude_longitude_altitude, reach_um, spectra, tabulated, thermal_functions, width_um,
+    camera_deg, intervals, irradiance, latitude_longitude_altitude, spectra, tabulated, thermal_functions, width_um,
 };
 use super::sidecar::{self, Sidecar};
 use super::simulation::{Camera, Links, Object, OpticalKind, OpticalProperty, Simulation};
@@ -272,7 +272,9 @@ impl Reader<'_> {
             let kept = self.sidecar.as_ref().and_then(|s| s.material(&property.ident));
             let is_same = |material: &Material| {
                 let (kind, spectra) = spectra(material);
-                let (um, columns) = tabulated(&spectra, reach_um(bands));
+                // Bands may have been edited: as far as the table itself reaches.
+                let um = table[0].wavelength_um();
+                let (um, columns) = tabulated(&spectra, (um[0], um[um.len() - 1]));
                 let same_column = |(values, s): (&Vec<f64>, &Spectrum)| {
                     same_all(&um, s.wavelength_um()) && same_all(values, s.value())
                 };
@@ -637,13 +639,18 @@ impl Reader<'_> {
                 format!("pixels are not square: {across:e} by {down:e} of the focal length; the first is taken");
             self.note(Fate::Approximated, &camera.at, message);
         }
-        let is_kept = self.sidecar.as_ref().is_some_and(|s| same(s.roll_deg(), camera.roll_deg));
-        if camera.roll_deg != 0.0 && !is_kept {
+        let is_written = |rotation: &DMat3| {
+            let (look_deg, roll_deg) = camera_deg(place.dart_from_body * *rotation, across);
+            place.is_kept && same_all(&look_deg, &camera.look_deg) && same(roll_deg, camera.roll_deg)
+        };
+        let kept = self.sidecar.as_ref().and_then(Sidecar::world_from_sensor).filter(is_written);
+        if camera.roll_deg != 0.0 && kept.is_none() {
             let message = "a turn about the line of sight: which way DART turns is not known; taken is clockwise as seen along it";
             self.note(Fate::Approximated, &camera.at, message);
         }
         self.other_views(camera, place, mesh);
-        let rotation = place.dart_from_body.transpose() * frame::camera_rotation(camera.look_deg, camera.roll_deg);
+        let given = || place.dart_from_body.transpose() * frame::camera_rotation(camera.look_deg, camera.roll_deg);
+        let rotation = kept.unwrap_or_else(given);
         let world_from_sensor = Pose { rotation, translation_m: place.local_m(camera.position_m) };
         FrameCamera { world_from_sensor, samples, lines, pitch: across }
     }

@@ -124,10 +124,10 @@ fn tetrahedron(target: Target) -> Result<(Package, [Face; 4])> {
     let (half, long) = (5.0, 5.0 * 3f64.sqrt());
     let corners = [[0.0, -10.0, 0.0], [long, half, 0.0], [-long, half, 0.0], [0.0, 0.0, half]].map(DVec3::from_array);
     let facets = [
-        ("south-east", 0.1, [0, 1, 3]),
+        ("south-east", 0.4, [0, 1, 3]),
         ("north", 0.2, [1, 2, 3]),
         ("south-west", 0.3, [2, 0, 3]),
-        ("base", 0.4, [0, 2, 1]),
+        ("base", 0.1, [0, 2, 1]),
     ];
     let mesh = Mesh {
         vertices_m: corners.to_vec(),
@@ -226,8 +226,8 @@ fn readme(package: &Package, target: Target, expected: &[Face; 4]) -> String {
     text.push_str(
         "| ground | 0 | 0.866025 | 0 | 0 |\n\n\
          If radiances are all 1.1547 times too large, your DART takes the irradiance for that on a horizontal surface\n\
-         (`CommonParameters@irraDef`). If faces have each other's values, groups are numbered in another order; if the bright side\n\
-         is not in the East, axes or azimuths differ. Tell us, with your version of DART.\n\n\
+         (`CommonParameters@irraDef`). If faces have each other's values, groups are numbered in another order; if the bright face\n\
+         is not in the South-East, axes or azimuths differ. Tell us, with your version of DART.\n\n\
          ## What differs from mmxrt\n\n\
          - DART follows light from facet to facet; mmxrt takes what comes from the Sun and Mars alone.\n\
          - A band is a rectangle of `deltaLambda`, over which DART weights with the irradiance.\n\
