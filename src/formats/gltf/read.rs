@@ -328,10 +328,10 @@ impl Reader<'_> {
                 }
             };
             let material = self.material(primitive, &indices, count, &item)?;
-            if mode == 4 && indices.len() % 3 != 0 {
+            if mode == 4 && !indices.len().is_multiple_of(3) {
                 return data.wrong(item, format!("{} corners do not make triangles", indices.len()));
             }
-            let flip = DMat3::from(world.matrix3).determinant() < 0.0;
+            let flip = world.matrix3.determinant() < 0.0;
             let mut push = |[a, b, c]: [u32; 3]| {
                 let corners = if flip { [a, c, b] } else { [a, b, c] };
                 self.mesh.facets.push(corners.map(|v| v + base));
