@@ -9,7 +9,7 @@ use glam::{DMat3, DVec3};
 use mmxrt::geometry::{Direction, Pose};
 use mmxrt::landscape::{self, Recipe};
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{FrameCamera, Material, Scene, Sensor, Sun, Thermal};
+use mmxrt::scene::{FrameCamera, Material, Photometry, Scene, Sensor, Sun, Thermal};
 use mmxrt::spectral::{Band, Extend, Spectrum, solar_e490};
 use mmxrt::units::{AU_M, TSI_1AU_W_M2};
 use mmxrt::{Result, study};
@@ -24,6 +24,7 @@ fn main() -> Result<()> {
     let materials = (landscape::MATERIALS.into_iter().zip(reflectances).enumerate())
         .map(|(i, ((name, _), reflectance))| Material {
             name: name.to_owned(),
+            photometry: Photometry::Lambert,
             emissivity: reflectance.map(|r| 1.0 - r), // Kirchhoff
             reflectance,
             bond_albedo: 0.08,

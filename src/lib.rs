@@ -11,7 +11,7 @@
 //! use glam::{DMat3, DVec3};
 //! use mmxrt::geometry::{Direction, MaterialId, Mesh, Pose};
 //! use mmxrt::progress::unwatched;
-//! use mmxrt::scene::{FrameCamera, Material, Scene, Sensor, Sun, Thermal};
+//! use mmxrt::scene::{FrameCamera, Material, Photometry, Scene, Sensor, Sun, Thermal};
 //! use mmxrt::spectral::{Band, Spectrum};
 //! use mmxrt::units::AU_M;
 //!
@@ -26,6 +26,7 @@
 //! let grey = Material {
 //!     name: "grey".into(),
 //!     reflectance: Spectrum::constant(0.07),
+//!     photometry: Photometry::Lambert,
 //!     emissivity: Spectrum::constant(0.93),
 //!     bond_albedo: 0.07,
 //!     emissivity_bolometric: 0.95,
@@ -68,6 +69,7 @@
 // Lowest layer first: a module uses only those above it in this list (tests/it/layers.rs).
 pub mod error;
 pub mod progress;
+pub mod report;
 pub mod units;
 pub mod geometry;
 pub mod visibility;

@@ -23,3 +23,44 @@ pub const MARS_RADIUS_M: f64 = 3_389_500.0;
 pub fn um_from_nm(nm: f64) -> f64 {
     nm / 1000.0
 }
+
+/// A fraction from percent: the decimal point moves, so that 7 becomes the number nearest to 0.07 and comes back as 7.
+///
+/// Exact both ways for numbers of up to 15 digits; others are off by at most a rounding.
+pub fn fraction_from_percent(percent: f64) -> f64 {
+    shift_decimal(percent, -2)
+}
+
+/// Percent from a fraction, as [`fraction_from_percent`]; 0.07 times 100 would be 7.000000000000001.
+pub fn percent_from_fraction(fraction: f64) -> f64 {
+    shift_decimal(fraction, 2)
+}
+
+/// A number times a power of ten, as its shortest decimal text has it.
+fn shift_decimal(x: f64, places: i32) -> f64 {
+    let text = format!("{x:e}");
+    let shifted = text
+        .split_once('e')
+        .and_then(|(digits, exponent)| format!("{digits}e{}", exponent.parse::<i32>().ok()? + places).parse().ok());
+    shifted.unwrap_or(x * 10.0_f64.powi(places)) // NaN and infinity have no exponent
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn percent_written_as_decimals_stay_as_written() {
+        for i in 0..=100_000 {
+            let percent = f64::from(i) / 1000.0;
+            let fraction = fraction_from_percent(percent);
+            assert_eq!(percent_from_fraction(fraction), percent);
+            assert!((fraction - percent / 100.0).abs() <= 1e-16, "{percent}");
+        }
+        assert_eq!(fraction_from_percent(7.0), 0.07);
+        assert_eq!(percent_from_fraction(0.07), 7.0);
+        assert_eq!(percent_from_fraction(-0.0), 0.0);
+        assert!(percent_from_fraction(f64::NAN).is_nan());
+        assert_eq!(fraction_from_percent(f64::INFINITY), f64::INFINITY);
+    }
+}

@@ -1,6 +1,7 @@
 //! The command line: parses, calls the library, writes. Nothing is computed here.
 
 mod console;
+mod convert;
 mod inspect;
 mod integrate;
 mod landscape;
@@ -58,6 +59,8 @@ enum Command {
     Integrate(integrate::Arguments),
     /// A recipe becomes a landscape
     Landscape(landscape::Arguments),
+    /// One format becomes another: scenes, meshes, spectra, and inputs of DART
+    Convert(convert::Arguments),
     /// Says what a file holds
     Inspect(inspect::Arguments),
     /// Runs the closed-form cases and prints what passes
@@ -69,6 +72,8 @@ enum Outcome {
     Done,
     /// It ran, and what it verified does not hold.
     Failed,
+    /// Something would have been lost, and that was forbidden.
+    Lost,
 }
 
 pub(crate) fn run() -> ExitCode {
@@ -84,6 +89,7 @@ pub(crate) fn run() -> ExitCode {
     match start(&cli.global, &console).and_then(|()| dispatch(cli.command, &console)) {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::Failed) => ExitCode::from(1),
+        Ok(Outcome::Lost) => ExitCode::from(3),
         Err(error) => {
             console.error(&error);
             ExitCode::from(1)
@@ -115,6 +121,7 @@ fn dispatch(command: Command, console: &Console) -> mmxrt::Result<Outcome> {
         Command::Solve(arguments) => solve::run(&arguments, console),
         Command::Integrate(arguments) => integrate::run(&arguments, console),
         Command::Landscape(arguments) => landscape::run(&arguments, console),
+        Command::Convert(arguments) => convert::run(&arguments, console),
         Command::Inspect(arguments) => inspect::run(&arguments, console),
         Command::Validate(arguments) => validate::run(&arguments, console),
     }

@@ -18,31 +18,49 @@ pub struct Staged {
     committed: bool,
 }
 
-/// A folder that holds one of these is a product folder, or one staged as such; no other folder is ever replaced.
-const MARKS: [&str; 2] = ["report.json", "run.json"];
-/// What a product folder may hold; with another ending behind it, what other programs put beside it (`cube.img.aux.xml`).
-/// A folder with anything else in it is not replaced either.
-const PARTS: [&str; 11] = [
-    "report.json",
-    "run.json",
-    "cube.img",
-    "cube.hdr",
-    "cube.exr",
-    "backplanes.img",
-    "backplanes.hdr",
-    "quicklook.png",
-    "quicklook_rgb.png",
-    "table.npz",
-    "footprints.npz",
-];
+/// A kind of folder that is written, and so may be replaced.
+#[derive(Debug)]
+pub struct FolderKind {
+    /// A folder that holds one of these is of the kind, or one staged as such; no other folder is ever replaced.
+    pub marks: &'static [&'static str],
+    /// What such a folder may hold; with another ending behind it, what other programs put beside it (`cube.img.aux.xml`).
+    /// A folder with anything else in it is not replaced either.
+    pub parts: &'static [&'static str],
+}
+
+/// A product folder.
+const PRODUCT: FolderKind = FolderKind {
+    marks: &["report.json", "run.json"],
+    parts: &[
+        "report.json",
+        "run.json",
+        "cube.img",
+        "cube.hdr",
+        "cube.exr",
+        "backplanes.img",
+        "backplanes.hdr",
+        "quicklook.png",
+        "quicklook_rgb.png",
+        "table.npz",
+        "footprints.npz",
+    ],
+};
 
 impl Staged {
-    /// An empty folder to write into.
+    /// An empty product folder to write into.
     ///
     /// # Errors
     /// [`Error::Invalid`] if the target exists and `replace` is false, or if it is not a product folder, or holds what is
     /// no part of a product; [`Error::Io`] if a folder cannot be made there.
     pub fn folder(target: &Path, replace: bool) -> Result<Self> {
+        Self::folder_of(&PRODUCT, target, replace)
+    }
+
+    /// An empty folder of another kind to write into.
+    ///
+    /// # Errors
+    /// As [`folder`](Staged::folder).
+    pub fn folder_of(kind: &FolderKind, target: &Path, replace: bool) -> Result<Self> {
         if replace && target.is_file() {
             return Err(Error::invalid(Location::file(target), "is a file; name a folder"));
         }
@@ -55,13 +73,13 @@ impl Staged {
                 let help = "remove it yourself, or choose another name";
                 Err(Error::Invalid(vec![Problem::new(Location::file(target), message).with_help(help)]))
             };
-            if !names.is_empty() && !MARKS.iter().any(|mark| target.join(mark).is_file()) {
+            if !names.is_empty() && !kind.marks.iter().any(|mark| target.join(mark).is_file()) {
                 return refused("is not a product folder, so it is not replaced".into());
             }
             let is_part = |name: &str| {
                 let after =
                     |part: &str| name.strip_prefix(part).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
-                PARTS.iter().any(|part| after(part))
+                kind.parts.iter().any(|part| after(part))
             };
             if let Some(other) = names.iter().map(|name| name.to_string_lossy()).find(|name| !is_part(name)) {
                 return refused(format!("holds {other:?}, which is no part of a product, so it is not replaced"));
@@ -135,7 +153,15 @@ impl Staged {
                 problems.iter_mut().for_each(|p| p.at.file = p.at.file.take().map(named));
                 Error::Invalid(problems)
             }
-            other => other,
+            Error::Syntax { mut at, message } => {
+                at.file = at.file.take().map(named);
+                Error::Syntax { at, message }
+            }
+            Error::Unsupported { mut at, feature } => {
+                at.file = at.file.take().map(named);
+                Error::Unsupported { at, feature }
+            }
+            Error::Interrupted => Error::Interrupted,
         }
     }
 

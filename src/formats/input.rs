@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use crate::error::{Error, Location, Problem, Result};
 
@@ -71,6 +71,32 @@ pub(crate) fn bytes(path: &Path, limit: u64) -> Result<Vec<u8>> {
         return Err(Error::invalid(Location::file(path), message));
     }
     Ok(bytes)
+}
+
+/// The path that `name` in `file` leads to, which must not leave the file's folder unless `outside` allows it.
+///
+/// # Errors
+/// What is wrong with the name, as a sentence.
+pub(crate) fn beside(file: &Path, name: &str, outside: bool) -> std::result::Result<PathBuf, String> {
+    let folder = match file.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let path = folder.join(name);
+    if name.contains("://") {
+        return Err(format!("{name:?} is an address: nothing is fetched; put the file beside this one"));
+    }
+    let leaves = |path: &Path| {
+        !Path::new(name).components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir)) || {
+            // Links count as well; what is not there is told on reading.
+            let real = |path: &Path| path.canonicalize().ok();
+            real(path).zip(real(folder)).is_some_and(|(path, folder)| !path.starts_with(folder))
+        }
+    };
+    if !outside && leaves(&path) {
+        return Err(format!("{name:?} leads out of the folder of this file; --allow-outside permits that"));
+    }
+    Ok(path)
 }
 
 /// What some editors put before UTF-8 text. Places in a text are counted from behind it.

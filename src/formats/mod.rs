@@ -1,19 +1,29 @@
 //! Files: one format, one module. Only here and in the command line is the disk touched.
 
+pub mod convert;
+pub mod dart;
 pub mod envi;
 pub mod exr_cube;
 pub mod folder;
+pub mod gltf;
+pub mod ilwis;
 mod input;
 pub mod located;
 pub mod mtl;
 pub mod npz;
 pub mod obj;
+pub mod photometry_csv;
 mod picture;
 pub mod quicklook;
 pub mod recipe_toml;
 pub mod report_json;
 pub mod scene_toml;
+pub mod sli;
+pub mod spectra;
 pub mod spectrum_csv;
+pub mod surface;
+mod table;
+pub mod xml;
 
 pub use input::{InputFile, text};
 pub use picture::picture;

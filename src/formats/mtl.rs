@@ -22,6 +22,16 @@ pub fn of_landscapes() -> Vec<ObjMaterial> {
     MATERIALS.map(|(name, kd)| ObjMaterial { name: name.to_owned(), kd: Some(kd) }).into()
 }
 
+/// The name nearest to this one that a line of an OBJ or MTL file can hold.
+pub(crate) fn plain_name(name: &str) -> String {
+    let mut name: String = name.trim().chars().map(|c| if c.is_control() { '_' } else { c }).collect();
+    // At its end it would join the next line to this one.
+    if name.ends_with('\\') {
+        name.push('_');
+    }
+    name
+}
+
 /// No material file is this long, bytes.
 const LIMIT: u64 = 64 << 20;
 

@@ -52,8 +52,10 @@ struct Line {
 /// Looks at a scene.
 ///
 /// # Errors
+/// [`Error::Unsupported`](crate::Error::Unsupported), as [`Scene::simulable`] says;
 /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
 pub fn integrate(scene: &Scene, topology: &Topology, table: &FacetTable, watch: Watch<'_>) -> Result<Image> {
+    scene.simulable()?;
     let camera = &scene.sensor.camera;
     let drawing = footprints::draw(&scene.mesh, topology, camera);
     let coverage = Coverage::new(&drawing);

@@ -2,13 +2,18 @@
 
 use crate::spectral::{Band, Spectrum};
 
+use super::Photometry;
+
 /// Optical and thermal properties of a surface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
     /// Name, as in the scene's dictionary.
     pub name: String,
-    /// Reflectance factor of a Lambert surface (dimensionless): BRDF = reflectance / pi.
+    /// Hemispherical reflectance (dimensionless): that of a Lambert surface, whose BRDF is reflectance / pi. With another photometry
+    /// it still is what emissivity and Bond albedo follow from, and says nothing of directions.
     pub reflectance: Spectrum,
+    /// How reflectance depends on directions.
+    pub photometry: Photometry,
     /// Directional emissivity (dimensionless); Kirchhoff: 1 - reflectance unless told otherwise.
     pub emissivity: Spectrum,
     /// Share of the Sun's total irradiance that is not absorbed, for the heat balance.
@@ -29,6 +34,9 @@ impl Material {
             if let Some(v) = spectrum.value().iter().find(|v| !(0.0..=1.0).contains(*v)) {
                 problem(&format!("{item}.{what}"), format!("{v} is outside 0 to 1: is the table in percent?"));
             }
+        }
+        if let Some(key) = self.photometry.key() {
+            self.photometry.check(bands, |message| problem(&format!("{item}.{key}"), message));
         }
         if !(0.0..=1.0).contains(&self.bond_albedo) {
             problem(&format!("{item}.bond_albedo"), format!("{} is outside 0 to 1", self.bond_albedo));

@@ -1,6 +1,7 @@
 //! The resolved model of a scene: complete, checked once, immutable. Nothing computed is stored in it.
 
 mod material;
+mod photometry;
 mod sensor;
 mod source;
 
@@ -12,6 +13,7 @@ use crate::error::{Error, Location, Problem, Result};
 use crate::geometry::{Mesh, signed_solid_angle_sr};
 
 pub use material::Material;
+pub use photometry::{Hapke, Photometry, Rpv};
 pub use sensor::{FrameCamera, Sensor};
 pub use source::{Mars, MarsModel, Sun, Thermal};
 
@@ -94,6 +96,21 @@ impl Scene {
             problems.extend(seen_from_behind(mesh, self.sensor.camera.centre_m()));
         }
         if problems.is_empty() { Ok(self) } else { Err(Error::Invalid(problems)) }
+    }
+
+    /// Whether this version can simulate the scene: it carries more than it can compute.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] at the first material that is not Lambert.
+    pub fn simulable(&self) -> Result<()> {
+        for material in &self.materials {
+            if let Some(key) = material.photometry.key() {
+                let at = Location::item(format!("materials.{:?}.{key}", material.name));
+                let feature = format!("simulating a surface by its `{key}` parameters");
+                return Err(Error::Unsupported { at, feature });
+            }
+        }
+        Ok(())
     }
 }
 

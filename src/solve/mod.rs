@@ -24,8 +24,10 @@ pub use temperature_grid::interpolation_error;
 /// Irradiance, sunlit polygons and temperature of every facet.
 ///
 /// # Errors
+/// [`Error::Unsupported`](crate::Error::Unsupported), as [`Scene::simulable`] says;
 /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
 pub fn solve(scene: &Scene, topology: &Topology, watch: Watch<'_>) -> Result<FacetTable> {
+    scene.simulable()?;
     let sunlit = sunlit(&scene.mesh, topology, scene.sun.direction, watch)?;
     tell(watch, "irradiance", 0, 1)?;
     let light = FacetLight::new(scene);

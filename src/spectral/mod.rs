@@ -1,9 +1,11 @@
 //! Wavelength: tables of values, bands, and means over a band. Always um.
 
 mod band;
+mod library;
 mod solar;
 mod spectrum;
 
 pub use band::Band;
+pub use library::{Column, SpectralLibrary};
 pub use solar::{solar_e490, solar_mean};
 pub use spectrum::{Extend, Spectrum};

@@ -44,6 +44,11 @@ impl Spectrum {
         &self.value
     }
 
+    /// What it is beyond its ends.
+    pub fn extend(&self) -> Extend {
+        self.extend
+    }
+
     /// The first and last wavelength that the spectrum is known at, um: all of them if it is held beyond its ends.
     pub fn coverage_um(&self) -> (f64, f64) {
         match self.extend {

@@ -8,7 +8,7 @@ pub(crate) fn mmxrt() -> Command {
     Command::new(env!("CARGO_BIN_EXE_mmxrt"))
 }
 
-fn run(arguments: &[&str]) -> (i32, String, String) {
+pub(crate) fn run(arguments: &[&str]) -> (i32, String, String) {
     let Output { status, stdout, stderr } = mmxrt().args(arguments).output().unwrap();
     let text = |bytes| String::from_utf8(bytes).unwrap();
     (status.code().unwrap(), text(stdout), text(stderr))

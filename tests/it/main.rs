@@ -2,9 +2,15 @@
 
 mod bodies;
 mod cli;
+mod convert;
+#[cfg(feature = "sqlite")]
+mod dart_database;
+mod dart_read;
+mod dart_write;
 mod determinism;
 mod exact;
 mod flat_plane;
+mod gltf;
 mod hazards;
 mod invariance;
 mod layers;
@@ -17,3 +23,4 @@ mod scene_files;
 mod schema;
 mod scratch;
 mod shapes;
+mod spectra;

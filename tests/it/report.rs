@@ -5,7 +5,7 @@ use mmxrt::Error;
 use mmxrt::geometry::{Direction, Mesh};
 use mmxrt::product::FacetTable;
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{FrameCamera, Mars, MarsModel, Material, Scene, Sensor, Sun, Thermal};
+use mmxrt::scene::{FrameCamera, Mars, MarsModel, Material, Photometry, Scene, Sensor, Sun, Thermal};
 use mmxrt::spectral::{Band, Spectrum, solar_e490};
 use mmxrt::study::{Effect, Observation, simulate, table_id};
 
@@ -17,6 +17,7 @@ fn material(reflectance: f64) -> Material {
     Material {
         name: "ground".into(),
         reflectance: Spectrum::constant(reflectance),
+        photometry: Photometry::Lambert,
         emissivity: Spectrum::constant(1.0 - reflectance),
         bond_albedo: reflectance,
         emissivity_bolometric: 0.95,

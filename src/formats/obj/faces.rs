@@ -1,5 +1,7 @@
 //! Faces as they come, and the facets they become.
 
+use std::collections::HashMap;
+
 use glam::DVec3;
 
 use super::triangulate::triangulate;
@@ -13,6 +15,13 @@ pub(super) struct Faces {
     pub(super) facet_material: Vec<u16>,
     /// The face of each facet; empty as long as all faces are triangles.
     pub(super) face_of_facet: Vec<u32>,
+    /// The group of each facet; empty as long as there is none.
+    pub(super) facet_group: Vec<u16>,
+    /// Names of groups, in the order of their first face.
+    pub(super) groups: Vec<String>,
+    /// The group of the faces that come.
+    group: Option<u16>,
+    index_of_group: HashMap<String, u16>,
     count: u32,
     polygons: Vec<Polygon>,
     polygon_corners: Vec<u32>,
@@ -56,6 +65,27 @@ impl Faces {
         if !self.polygons.is_empty() {
             self.face_of_facet.push(self.count);
         }
+        if let Some(group) = self.group {
+            self.facet_group.push(group);
+        }
+    }
+
+    /// Makes this the group of the faces that come; `false` for a new one beyond the 65536 that can be told apart.
+    pub(super) fn use_group(&mut self, name: &str) -> bool {
+        let earlier = self.facets.len();
+        if self.groups.is_empty() && earlier > 0 {
+            self.groups.push(String::new());
+            self.facet_group.resize(earlier, 0);
+            self.index_of_group.insert(String::new(), 0);
+        }
+        let known = self.index_of_group.get(name).copied();
+        let Some(index) = known.or_else(|| u16::try_from(self.groups.len()).ok()) else { return false };
+        if known.is_none() {
+            self.groups.push(name.to_owned());
+            self.index_of_group.insert(name.to_owned(), index);
+        }
+        self.group = Some(index);
+        true
     }
 
     /// Cuts the polygons, of which all corners must be vertices.

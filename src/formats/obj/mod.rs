@@ -1,7 +1,7 @@
 //! Wavefront OBJ: meshes, in the file's own units, axes and order.
 //!
 //! Read are `v` (further numbers on the line are passed over), `f` (`a`, `a/b`, `a//c`, `a/b/c`, negative indices),
-//! `usemtl` and `mtllib`; `vt` is counted. `vn`, `o`, `g`, `s` and comments say nothing here. Anything else is
+//! `g`, `usemtl` and `mtllib`; `vt` is counted. `vn`, `o`, `s` and comments say nothing here. Anything else is
 //! counted by its keyword in [`ObjFile::ignored`]. Vertices and faces keep the order of the file.
 //!
 //! # How a face becomes facets
@@ -16,6 +16,7 @@ mod faces;
 mod materials;
 mod number;
 mod parser;
+mod polygon;
 mod triangulate;
 mod write;
 
@@ -32,7 +33,9 @@ use super::input::{self, BYTE_ORDER_MARK, InputFile};
 use super::mtl::{self, ObjMaterial};
 use parser::Parser;
 
+pub use polygon::faces_lost;
 pub use write::write;
+pub(crate) use write::write_by;
 
 /// Text in memory at a time, bytes; no line is longer.
 const BUFFER: usize = 1 << 20;
@@ -50,6 +53,11 @@ pub struct ObjFile {
     pub facet_material: Vec<u16>,
     /// Materials that faces use, in the order of their first `usemtl`.
     pub materials: Vec<ObjMaterial>,
+    /// The group of each facet: index into `groups`; empty if no `g` names one.
+    pub facet_group: Vec<u16>,
+    /// Groups that own faces, in the order of their first one: all that follows `g` on its line. A name that comes again
+    /// is the same group; faces before the first `g` are in a group without a name.
+    pub groups: Vec<String>,
     /// Number of texture coordinates (`vt`).
     pub texture_vertices: usize,
     /// Statements that were passed over, and how many of each.
@@ -65,12 +73,21 @@ pub struct ObjFile {
 /// faces with fewer than three corners or with vertices that do not exist, a material file that is missing (its
 /// materials would silently become one), a file without faces. The first 20 are told, and the number of the rest.
 pub fn read(path: &Path) -> Result<ObjFile> {
+    read_where(path, true)
+}
+
+/// As [`read`]; material files must lie in the file's folder, unless `outside` allows others.
+///
+/// # Errors
+/// As [`read`]; [`Error::Invalid`] at the `mtllib` that leads out of the folder.
+pub fn read_where(path: &Path, outside: bool) -> Result<ObjFile> {
     let file = File::open(path).map_err(|e| Error::io(path, "reading", e))?;
     let mut source = input::Hashing::new(file);
-    let folder = path.parent().unwrap_or(Path::new("")).to_owned();
     let mut material_files = Vec::new();
     let mut load = |name: &str| {
-        let (materials, input) = mtl::read(&folder.join(name))?;
+        let file =
+            input::beside(path, name, outside).map_err(|why| Error::io(name, "reading", io::Error::other(why)))?;
+        let (materials, input) = mtl::read(&file)?;
         material_files.push(input);
         Ok(materials)
     };

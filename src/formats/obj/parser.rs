@@ -42,6 +42,8 @@ pub(super) struct Parser<'a> {
     continued: Option<(Vec<u8>, Place)>,
     /// The material of the faces that come.
     material: Option<u16>,
+    /// What the last `g` said, and where, until a face follows.
+    group: Option<(String, Place)>,
     /// Corners of the face at hand.
     corners: Vec<u32>,
     /// Indices that were beyond the vertices known so far, and where.
@@ -62,6 +64,7 @@ impl<'a> Parser<'a> {
             line: 0,
             continued: None,
             material: None,
+            group: None,
             corners: Vec::new(),
             forward: Vec::new(),
         }
@@ -119,7 +122,7 @@ impl<'a> Parser<'a> {
                 length
             }
             Some(b'f') => {
-                let material = self.material?;
+                let material = self.material.filter(|_| self.group.is_none())?;
                 let known = self.vertices.len() as i64;
                 let vertex = |text: &[u8]| {
                     let (index, n) = digits_of(text);
@@ -151,7 +154,8 @@ impl<'a> Parser<'a> {
             b"vt" => self.texture_vertices += 1,
             b"usemtl" => _ = self.use_material(&text(rest), place),
             b"mtllib" => self.libraries(&text(rest), place),
-            b"" | b"vn" | b"o" | b"g" | b"s" => {}
+            b"g" => self.group = Some((text(rest), place)),
+            b"" | b"vn" | b"o" | b"s" => {}
             _ if keyword[0] == b'#' => {}
             _ => {
                 let key = if self.ignored.len() < IGNORED { shown(keyword) } else { "...".into() };
@@ -217,6 +221,11 @@ impl<'a> Parser<'a> {
             });
         }
         let material = self.material.unwrap_or_else(|| self.use_material("", place));
+        if let Some((name, place)) = self.group.take()
+            && !self.faces.use_group(&name)
+        {
+            self.problem(place, || "more groups than can be told apart: give several of them one name".into());
+        }
         self.faces.push(&self.corners, material);
     }
 
@@ -291,13 +300,15 @@ impl<'a> Parser<'a> {
         }
         self.problems.finish(&self.path)?;
         self.faces.cut(&self.vertices);
-        let Faces { facets, facet_material, face_of_facet, .. } = self.faces;
+        let Faces { facets, facet_material, face_of_facet, facet_group, groups, .. } = self.faces;
         Ok(ObjFile {
             vertices: self.vertices,
             facets,
             face_of_facet,
             facet_material,
             materials: self.materials.into_list(),
+            facet_group,
+            groups,
             texture_vertices: self.texture_vertices,
             ignored: self.ignored,
             inputs: Vec::new(),

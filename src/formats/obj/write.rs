@@ -2,10 +2,16 @@
 
 use std::io::{self, Write};
 
+use glam::DVec3;
+
 use crate::formats::mtl::ObjMaterial;
 use crate::geometry::Mesh;
 
-/// Writes a mesh as OBJ: vertices, then triangles grouped by `usemtl` where the material changes, in the mesh's order.
+use super::polygon::{facets_of_face, polygon};
+
+/// Writes a mesh as OBJ: vertices, then faces grouped by `usemtl` where the material changes, in the mesh's order.
+///
+/// Facets of one face are written as that face where it will be cut into them again ([`faces_lost`](super::faces_lost) counts the others).
 ///
 /// Coordinates are the shortest decimals that read back as the same f64. `materials` is indexed by the mesh's material
 /// ids; `mtllib`, if given, is the name of the file that [`mtl::write`](crate::formats::mtl::write) makes of them.
@@ -13,12 +19,28 @@ use crate::geometry::Mesh;
 /// # Errors
 /// What the writer says.
 pub fn write(out: &mut impl Write, mesh: &Mesh, materials: &[ObjMaterial], mtllib: Option<&str>) -> io::Result<()> {
+    if let Some(name) = mtllib {
+        writeln!(out, "mtllib {name}")?;
+    }
+    let name = |material: usize| materials.get(material).map_or("", |m| m.name.as_str());
+    write_by(out, mesh, "usemtl", name, |v| v)
+}
+
+/// As [`write`], in other axes, the faces grouped by statements `statement name(material)`.
+///
+/// # Errors
+/// What the writer says.
+pub(crate) fn write_by<'a>(
+    out: &mut impl Write,
+    mesh: &Mesh,
+    statement: &str,
+    name: impl Fn(usize) -> &'a str,
+    axes: impl Fn(DVec3) -> DVec3,
+) -> io::Result<()> {
     const CHUNK: usize = 1 << 16;
     let mut text = Vec::with_capacity(CHUNK + 256);
-    if let Some(name) = mtllib {
-        writeln!(text, "mtllib {name}")?;
-    }
     for v in &mesh.vertices_m {
+        let v = axes(*v);
         // Beyond these sizes the plain form is a row of zeros.
         if v.to_array().iter().all(|c| *c == 0.0 || (1e-5..1e16).contains(&c.abs())) {
             writeln!(text, "v {} {} {}", v.x, v.y, v.z)?;
@@ -31,24 +53,34 @@ pub fn write(out: &mut impl Write, mesh: &Mesh, materials: &[ObjMaterial], mtlli
         }
     }
     let mut current = None;
-    for (facet, material) in mesh.facets.iter().zip(&mesh.material) {
+    let mut first = 0;
+    while let (Some(facet), Some(material)) = (mesh.facets.get(first), mesh.material.get(first)) {
         if current != Some(material) {
             current = Some(material);
-            let name = materials.get(material.0 as usize).map_or("", |m| m.name.as_str());
-            writeln!(text, "usemtl {name}")?;
+            writeln!(text, "{statement} {}", name(material.0 as usize))?;
         }
-        text.push(b'f');
-        for &vertex in facet {
-            text.push(b' ');
-            push_integer(&mut text, u64::from(vertex) + 1);
+        let facets = facets_of_face(mesh, first);
+        first = facets.end;
+        match polygon(mesh, facets.clone()) {
+            Some(corners) => push_face(&mut text, &corners),
+            None if facets.len() == 1 => push_face(&mut text, facet),
+            None => mesh.facets[facets].iter().for_each(|facet| push_face(&mut text, facet)),
         }
-        text.push(b'\n');
         if text.len() >= CHUNK {
             out.write_all(&text)?;
             text.clear();
         }
     }
     out.write_all(&text)
+}
+
+fn push_face(text: &mut Vec<u8>, corners: &[u32]) {
+    text.push(b'f');
+    for &vertex in corners {
+        text.push(b' ');
+        push_integer(text, u64::from(vertex) + 1);
+    }
+    text.push(b'\n');
 }
 
 fn push_integer(text: &mut Vec<u8>, mut value: u64) {

@@ -6,10 +6,11 @@ use crate::error::number;
 use crate::formats::mtl::ObjMaterial;
 use crate::geometry::MaterialId;
 use crate::physics::reflectance::kirchhoff_emissivity;
-use crate::scene::Material;
+use crate::scene::{Hapke, Material, Photometry, Rpv};
 use crate::spectral::{Extend, Spectrum, solar_mean};
 
 use super::super::located::{self, member};
+use super::super::photometry_csv;
 use super::Reader;
 use super::types::{ExtendToml, MaterialToml};
 
@@ -83,7 +84,14 @@ impl Reader<'_> {
         if entry.reflectance.is_some() == entry.mixture.is_some() {
             self.problem(&item, "give either `reflectance` or `mixture`");
         }
+        let keys = [("hapke", entry.hapke.is_some()), ("rpv", entry.rpv.is_some())];
+        if keys.iter().all(|(_, given)| *given) {
+            self.problem(&item, "give either `hapke` or `rpv`");
+        }
         let Some(mixture) = &entry.mixture else { return vec![] };
+        for (key, _) in keys.iter().filter(|(_, given)| *given) {
+            self.problem(&member(&item, key), "a mixture has no parameters of its own: they are those of its parts");
+        }
         let mut parts = Vec::new();
         for (part, share) in mixture {
             let at = member(&member(&item, "mixture"), part);
@@ -146,6 +154,13 @@ impl Reader<'_> {
                 reflectance.as_ref().map(|r| r.map(kirchhoff_emissivity))
             }
         };
+        let photometry = self.photometry(&item, entry, extend);
+        if mixed.iter().any(|(_, part)| part.photometry != Photometry::Lambert) {
+            self.problem(
+                &member(&item, "mixture"),
+                "has a part with `hapke` or `rpv`: only Lambert surfaces are mixed",
+            );
+        }
         let at = member(&item, "bond_albedo");
         let bond_albedo = self.bond_albedo(&at, entry.bond_albedo, &mixed, reflectance.as_ref());
         let at = member(&item, "emissivity_bolometric");
@@ -153,11 +168,39 @@ impl Reader<'_> {
         Some(Material {
             name: names[i].clone(),
             reflectance: reflectance?,
+            photometry: photometry?,
             emissivity: emissivity?,
             bond_albedo: bond_albedo?,
             emissivity_bolometric: emissivity_bolometric?,
             mixture: if mixed.is_empty() { vec![(i, 1.0)] } else { shares(&mixed) },
         })
+    }
+
+    fn photometry(&mut self, item: &str, entry: &MaterialToml, extend: Extend) -> Option<Photometry> {
+        if let Some(name) = &entry.hapke {
+            let columns = self.parameters(&member(item, "hapke"), name, Hapke::NAMES, extend)?;
+            return Some(Photometry::Hapke(Box::new(columns.into())));
+        }
+        if let Some(name) = &entry.rpv {
+            let columns = self.parameters(&member(item, "rpv"), name, Rpv::NAMES, extend)?;
+            return Some(Photometry::Rpv(Box::new(columns.into())));
+        }
+        Some(Photometry::Lambert)
+    }
+
+    fn parameters<const N: usize>(
+        &mut self,
+        item: &str,
+        name: &str,
+        names: [&str; N],
+        extend: Extend,
+    ) -> Option<[Spectrum; N]> {
+        let read = photometry_csv::read(&self.path(name), names, extend);
+        let (columns, input) = self.taken(item, read)?;
+        if !self.inputs.contains(&input) {
+            self.inputs.push(input);
+        }
+        Some(columns)
     }
 
     fn bond_albedo(
@@ -333,7 +376,7 @@ fn reaches(parts: &[Vec<usize>], start: usize) -> bool {
 }
 
 /// Linear RGB of `#rrggbb`, by IEC 61966-2-1 (sRGB).
-fn linear_from_hex(hex: &str) -> Option<[f64; 3]> {
+pub(super) fn linear_from_hex(hex: &str) -> Option<[f64; 3]> {
     let digits = hex.strip_prefix('#')?;
     if digits.len() != 6 || !digits.bytes().all(|b| b.is_ascii_hexdigit()) {
         return None;
@@ -346,7 +389,7 @@ fn linear_from_hex(hex: &str) -> Option<[f64; 3]> {
 }
 
 /// `#rrggbb` of linear RGB: the inverse of [`linear_from_hex`], rounded.
-fn hex_from_linear(rgb: [f64; 3]) -> String {
+pub(crate) fn hex_from_linear(rgb: [f64; 3]) -> String {
     let [r, g, b] = rgb.map(|c| {
         let s = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
         (255.0 * s).round().clamp(0.0, 255.0) as u8

@@ -7,12 +7,13 @@ mod materials;
 mod mesh;
 mod types;
 mod view;
+mod write;
 
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
-use crate::error::{Error, Problem, Result, number};
+use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::Direction;
 use crate::progress::{Progress, Watch};
 use crate::scene::{Mars, MarsModel, Scene, Sun, Thermal};
@@ -22,6 +23,9 @@ use crate::units::{AU_M, MARS_RADIUS_M, TSI_1AU_W_M2};
 use super::InputFile;
 use super::located::{self, Document};
 use super::spectrum_csv::{self, Quantity};
+pub(crate) use materials::hex_from_linear;
+pub use write::write;
+
 use types::{MarsModelToml, MarsToml, SceneToml, SunToml, ThermalModelToml, ThermalToml, Values};
 
 /// A scene and what its report should say about where it came from.
@@ -35,6 +39,21 @@ pub struct SceneFile {
     pub notes: Vec<String>,
     /// Every file that was read: the scene file first.
     pub inputs: Vec<InputFile>,
+    /// What this version reads and cannot simulate: the first such key, and why.
+    unsimulated: Option<(Location, String)>,
+}
+
+impl SceneFile {
+    /// Whether this version can simulate the scene.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] at the key that asks for more, as [`Scene::simulable`].
+    pub fn simulable(&self) -> Result<()> {
+        match self.unsimulated.clone() {
+            Some((at, feature)) => Err(Error::Unsupported { at, feature }),
+            None => Ok(()),
+        }
+    }
 }
 
 /// A name for what these files hold: the BLAKE3 hash of their hashes, 64 hexadecimal digits. Reports and footprints carry it.
@@ -95,12 +114,30 @@ pub fn read(path: &Path, watch: Watch<'_>) -> Result<SceneFile> {
     let scene = scene.check().map_err(|e| reader.placed(e))?;
     let mesh = &scene.mesh;
     tracing::info!(vertices = mesh.vertices_m.len(), facets = mesh.facets.len(), "read {}", path.display());
-    Ok(SceneFile { scene, defaults: reader.defaults, notes: reader.notes, inputs: reader.inputs })
+    let unsimulated = match scene.simulable() {
+        Err(Error::Unsupported { at, feature }) => Some((reader.document.at(&reader.item_of(&at)), feature)),
+        _ => None,
+    };
+    let Reader { defaults, notes, inputs, .. } = reader;
+    Ok(SceneFile { scene, defaults, notes, inputs, unsimulated })
 }
 
 /// The JSON Schema of `scene.toml`.
 pub fn schema() -> schemars::Schema {
     schemars::schema_for!(SceneToml)
+}
+
+fn integral(spectrum: &Spectrum, from_um: f64, to_um: f64) -> f64 {
+    if from_um < to_um { spectrum.integral(from_um, to_um).unwrap_or(0.0) } else { 0.0 }
+}
+
+/// The integral of a solar spectrum, and that of E490 beyond its ends, W m-2.
+fn irradiances(spectrum: &Spectrum) -> (f64, f64) {
+    let e490 = solar_e490();
+    let (first, last) = spectrum.coverage_um();
+    let (low, high) = e490.coverage_um();
+    let beyond = integral(e490, low, first.min(high)) + integral(e490, last.max(low), high);
+    (integral(spectrum, first, last), beyond)
 }
 
 /// What the parts of a scene file are read with.
@@ -221,14 +258,20 @@ impl Reader<'_> {
     }
 
     fn sun(&mut self, toml: &SunToml) -> Option<Sun> {
-        let towards_m = match (toml.position_m, toml.direction, toml.distance_au) {
-            (Some(position_m), None, None) => Some(DVec3::from_array(position_m) - self.origin_m),
+        // A direction, if there is one, and a distance, m.
+        let place = match (toml.position_m, toml.direction, toml.distance_au) {
+            (Some(position_m), None, None) => {
+                let v = DVec3::from_array(position_m) - self.origin_m;
+                Some((Direction::new(v), v.length()))
+            }
             (None, Some(direction), Some(distance_au)) => {
-                let direction = Direction::new(DVec3::from_array(direction));
+                // A unit vector is taken as it stands: to divide it by its length once more would move its last digit.
+                let direction = DVec3::from_array(direction);
+                let direction = Direction::from_unit(direction).or_else(|| Direction::new(direction));
                 if direction.is_none() {
                     self.problem("sun.direction", "has no length");
                 }
-                direction.map(|d| d.vec() * distance_au * AU_M)
+                direction.map(|d| (Some(d), distance_au * AU_M))
             }
             _ => {
                 self.problem("sun", "give `position_m`, or `direction` and `distance_au`");
@@ -236,9 +279,9 @@ impl Reader<'_> {
             }
         };
         let item = if toml.position_m.is_some() { "sun.position_m" } else { "sun.distance_au" };
-        let place = towards_m.and_then(|v| {
+        let place = place.and_then(|(direction, distance_m)| {
             // As it is given: a distance may be negative.
-            let au = toml.distance_au.unwrap_or(v.length() / AU_M);
+            let au = toml.distance_au.unwrap_or(distance_m / AU_M);
             let metres = toml.distance_au.is_none();
             if !(0.1..=1e5).contains(&au) {
                 let help = match (metres, au) {
@@ -254,7 +297,7 @@ impl Reader<'_> {
             if !(0.3..=40.0).contains(&au) {
                 self.notes.push(format!("{item}: the Sun is {au:.4} au from the origin"));
             }
-            Some((Direction::new(v)?, v.length()))
+            Some((direction?, distance_m))
         });
         let (spectrum, total) = self.sun_spectrum(toml)?;
         let (direction, distance_m) = place?;
@@ -274,9 +317,8 @@ impl Reader<'_> {
         };
         let (first, last) = spectrum.coverage_um();
         let (lo, hi) = e490.coverage_um();
-        let integral = |s: &Spectrum, a: f64, b: f64| if a < b { s.integral(a, b).unwrap_or(0.0) } else { 0.0 };
-        let table = integral(&spectrum, first, last);
-        let total = table + integral(e490, lo, first.min(hi)) + integral(e490, last.max(lo), hi);
+        let (table, beyond) = irradiances(&spectrum);
+        let total = table + beyond;
         let usual = integral(e490, first.max(lo), last.min(hi));
         if usual > 0.0 && !(0.5..=2.0).contains(&(table / usual)) {
             let times = number(table / usual);
@@ -364,20 +406,23 @@ impl Reader<'_> {
         }
     }
 
+    /// An item of the scene as the text names it: the scene quotes all names of materials, a text only those that need it.
+    fn item_of(&self, at: &Location) -> String {
+        let item = at.item.clone().unwrap_or_default();
+        let of_material = self.document.keys("materials").into_iter().find_map(|name| {
+            let key = item.strip_prefix(&format!("materials.{name:?}"))?;
+            Some(located::member("materials", &name) + key)
+        });
+        of_material.unwrap_or(item)
+    }
+
     /// What [`Scene::check`] found, with the places of the items it names.
     fn placed(&self, error: Error) -> Error {
         let Error::Invalid(problems) = error else { return error };
-        let names = self.document.keys("materials");
         let placed = problems.into_iter().map(|problem| {
-            let item = problem.at.item.clone().unwrap_or_default();
-            // The check quotes all names of materials, a text only those that need it.
-            let of_material = names.iter().find_map(|name| {
-                let key = item.strip_prefix(&format!("materials.{name:?}"))?;
-                Some(located::member("materials", name) + key)
-            });
-            let derived = of_material.as_ref().is_some_and(|item| !self.document.has(item));
-            let at = self.document.at(of_material.as_deref().unwrap_or(&item));
-            (derived, Problem { at, ..problem })
+            let item = self.item_of(&problem.at);
+            let derived = item.starts_with("materials.") && !self.document.has(&item);
+            (derived, Problem { at: self.document.at(&item), ..problem })
         });
         // What follows from a material's reflectance (its emissivity, mixtures of it) need not be told beside it.
         let (derived, own): (Vec<_>, Vec<_>) = placed.partition(|(derived, _)| *derived);

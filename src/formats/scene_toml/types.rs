@@ -120,8 +120,12 @@ pub(crate) struct GivenPose {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct MaterialToml {
-    /// Reflectance factor (Lambert), 0 to 1: a number, or the path of a CSV table.
+    /// Hemispherical reflectance, 0 to 1: a number, or the path of a CSV table. The surface is Lambert unless `hapke` or `rpv` is given.
     pub(crate) reflectance: Option<Values>,
+    /// Path of a CSV table of Hapke parameters: `w`, `c1`, `c2`, `c3`, `c4`, `h1`, `h2`. Carried by `convert`, not simulated yet.
+    pub(crate) hapke: Option<String>,
+    /// Path of a CSV table of RPV parameters: `rho0`, `k`, `g`, `h`. Carried by `convert`, not simulated yet.
+    pub(crate) rpv: Option<String>,
     /// Shares of other entries, which add up to 1.
     pub(crate) mixture: Option<BTreeMap<String, f64>>,
     /// What tables are beyond their ends: unknown ("error", the default), or their last value ("hold").
@@ -294,7 +298,7 @@ pub(crate) struct BandsToml {
     /// Centres of the bands, um.
     #[schemars(length(min = 1, max = 100_000))]
     pub(crate) centres_um: Option<Vec<f64>>,
-    /// Full width at half maximum of a Gaussian response, um: one for all, or one for each. Default: monochromatic.
+    /// Full width at half maximum of a Gaussian response, um: one for all, or one for each (0: monochromatic). Default: monochromatic.
     pub(crate) fwhm_um: Option<Fwhm>,
 }
 

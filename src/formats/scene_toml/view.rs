@@ -49,7 +49,7 @@ impl Reader<'_> {
                     self.helped("sensor.ifov_mrad", message, "if this is microradians, write a thousandth");
                     return None;
                 }
-                Some(2.0 * (0.5 * ifov_mrad * 1e-3).tan())
+                Some(pitch_of_ifov(ifov_mrad))
             }
             (None, Some(fov_deg), None) => Some(2.0 * (0.5 * fov_deg.to_radians()).tan() / f64::from(samples)),
             (None, None, Some(Fit::Scene)) => match (pose, mesh) {
@@ -217,7 +217,7 @@ impl Reader<'_> {
         match &toml.fwhm_um {
             Some(Fwhm::All(fwhm)) => bands.iter_mut().for_each(|band| band.fwhm_um = Some(*fwhm)),
             Some(Fwhm::Each(fwhm)) if fwhm.len() == bands.len() => {
-                bands.iter_mut().zip(fwhm).for_each(|(band, fwhm)| band.fwhm_um = Some(*fwhm));
+                bands.iter_mut().zip(fwhm).for_each(|(band, fwhm)| band.fwhm_um = Some(*fwhm).filter(|w| *w != 0.0));
             }
             Some(Fwhm::Each(fwhm)) => {
                 let message =
@@ -229,6 +229,11 @@ impl Reader<'_> {
         }
         Some(())
     }
+}
+
+/// The pitch of pixels that subtend this angle, mrad, in the middle of the image.
+pub(super) fn pitch_of_ifov(ifov_mrad: f64) -> f64 {
+    2.0 * (0.5 * ifov_mrad * 1e-3).tan()
 }
 
 /// Bands at equal steps, both ends included.

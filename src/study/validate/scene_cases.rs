@@ -11,7 +11,7 @@ use crate::geometry::{Direction, MaterialId, Mesh, Pose};
 use crate::integrate;
 use crate::product::{Lit, Sunlit};
 use crate::progress::unwatched;
-use crate::scene::{FrameCamera, Material, Scene, Sensor, Sun, Thermal};
+use crate::scene::{FrameCamera, Material, Photometry, Scene, Sensor, Sun, Thermal};
 use crate::solve;
 use crate::spectral::{Band, Spectrum, solar_e490};
 use crate::study::simulate;
@@ -129,6 +129,7 @@ fn look(mesh: Mesh, reflectance: f64, sun: Sun, camera: FrameCamera) -> Result<V
     let material = Material {
         name: "plain".to_owned(),
         reflectance: Spectrum::constant(reflectance),
+        photometry: Photometry::Lambert,
         emissivity: Spectrum::constant(1.0 - reflectance),
         bond_albedo: reflectance,
         emissivity_bolometric: 0.95,

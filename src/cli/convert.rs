@@ -1,0 +1,233 @@
+//! `mmxrt convert`: one format becomes another, and what is lost is said.
+
+use std::path::PathBuf;
+
+use mmxrt::Result;
+use mmxrt::formats::convert::{self, Content, Conversion, Finding, Format, Options, Severity};
+use mmxrt::report::{Note, Report};
+use mmxrt::spectral::Band;
+use serde_json::{Value, json};
+
+use super::Outcome;
+use super::console::Console;
+
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// What to convert: a scene, mesh, DART simulation or spectra; what it is shows by what it holds
+    #[arg(required_unless_present = "list")]
+    input: Option<PathBuf>,
+    /// What to write; its ending tells the format, none is a DART simulation. With --diff, what to compare with
+    #[arg(required_unless_present_any = ["list", "check"])]
+    output: Option<PathBuf>,
+    /// List the formats, or what spectra a file holds
+    #[arg(long, conflicts_with_all = ["output", "check", "diff"])]
+    list: bool,
+    /// Look for mistakes in a DART simulation or optical database, and write nothing; exit code 1 if there are errors
+    #[arg(long, conflicts_with_all = ["output", "diff"])]
+    check: bool,
+    /// Say what two files or folders differ in by meaning, and write nothing; exit code 1 if they do
+    #[arg(long)]
+    diff: bool,
+    /// Format of the input
+    #[arg(long, value_name = "FORMAT", value_parser = format)]
+    from: Option<Format>,
+    /// Format of the output
+    #[arg(long, value_name = "FORMAT", value_parser = format)]
+    to: Option<Format>,
+    /// Version of DART to write for
+    #[arg(long, value_name = "VERSION", value_parser = ["5.7.4", "5.11.0"], default_value = "5.7.4")]
+    dart_version: String,
+    /// Size of DART's cells, m; without it what a pixel of the camera sees
+    #[arg(long, value_name = "M")]
+    cell_m: Option<f64>,
+    /// Folder of DART's databases, for what is not in the simulation's own folder
+    #[arg(long, value_name = "FOLDER")]
+    databases: Option<PathBuf>,
+    /// Where the middle of a DART scene is, body-fixed, m
+    #[arg(long, value_name = "X,Y,Z", value_parser = numbers::<3>, allow_hyphen_values = true)]
+    origin_m: Option<Numbers<3>>,
+    /// Where the Sun is in DART's frame, deg, for simulations that give a date
+    #[arg(long, value_name = "ZENITH,AZIMUTH", value_parser = numbers::<2>, allow_hyphen_values = true)]
+    sun_deg: Option<Numbers<2>>,
+    /// Write nothing if anything is dropped or approximated: exit code 3
+    #[arg(long)]
+    strict: bool,
+    /// Read files that the input names also where they lie outside its folder
+    #[arg(long)]
+    allow_outside: bool,
+    /// Of spectra take this one; may be given several times
+    #[arg(long, value_name = "NAME")]
+    model: Vec<String>,
+    /// Bands to resample spectra to, um: FIRST:LAST:COUNT or FIRST:LAST:COUNT:WIDTH
+    #[arg(long, value_name = "BANDS", value_parser = bands)]
+    bands: Option<Bands>,
+    /// Replace what exists
+    #[arg(long)]
+    force: bool,
+}
+
+fn format(name: &str) -> std::result::Result<Format, String> {
+    let names: Vec<&str> = Format::ALL.iter().map(|format| format.about().name).collect();
+    Format::named(name).ok_or_else(|| format!("formats are {}", names.join(", ")))
+}
+
+/// Numbers with commas between them.
+#[derive(Debug, Clone, Copy)]
+struct Numbers<const N: usize>([f64; N]);
+
+fn numbers<const N: usize>(text: &str) -> std::result::Result<Numbers<N>, String> {
+    let all: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    let numbers = all.and_then(|all| <[f64; N]>::try_from(all).ok()).filter(|all| all.iter().all(|x| x.is_finite()));
+    numbers.map(Numbers).ok_or_else(|| format!("{N} numbers with commas between them are wanted"))
+}
+
+/// Evenly spaced bands.
+#[derive(Debug, Clone)]
+struct Bands(Vec<Band>);
+
+fn bands(text: &str) -> std::result::Result<Bands, String> {
+    let parts: Vec<&str> = text.split(':').collect();
+    let number = |text: &str| text.parse::<f64>().ok().filter(|x| *x > 0.0 && x.is_finite());
+    let wanted = "FIRST:LAST:COUNT or FIRST:LAST:COUNT:WIDTH, as 0.95:3.6:300:0.01";
+    let (first, last, count, width) = match parts[..] {
+        [first, last, count] => (first, last, count, None),
+        [first, last, count, width] => (first, last, count, Some(width)),
+        _ => return Err(wanted.into()),
+    };
+    let count = count.parse::<u32>().ok().filter(|count| (1..=100_000).contains(count));
+    let (Some(first), Some(last), Some(count)) = (number(first), number(last), count) else {
+        return Err(wanted.into());
+    };
+    if last < first || (count == 1) != (last == first) {
+        return Err("one band has one centre, and several ascend".into());
+    }
+    let fwhm_um = match width {
+        Some(width) => Some(number(width).ok_or(wanted)?),
+        None => None,
+    };
+    let step = (last - first) / f64::from(count.max(2) - 1);
+    let centre_um = |i: u32| if i + 1 == count { last } else { first + step * f64::from(i) };
+    Ok(Bands((0..count).map(|i| Band { centre_um: centre_um(i), fwhm_um }).collect()))
+}
+
+pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
+    let options = Options {
+        from: arguments.from,
+        to: arguments.to,
+        dart_version: Some(arguments.dart_version.clone()),
+        cell_m: arguments.cell_m,
+        dart_databases: arguments.databases.clone(),
+        origin_m: arguments.origin_m.map(|numbers| numbers.0.into()),
+        sun_deg: arguments.sun_deg.map(|numbers| numbers.0),
+        allow_outside: arguments.allow_outside,
+        replace: arguments.force,
+        strict: arguments.strict,
+        models: arguments.model.clone(),
+        bands: arguments.bands.clone().map(|bands| bands.0).unwrap_or_default(),
+    };
+    let watch = |progress| console.watch(progress);
+    match (&arguments.input, &arguments.output) {
+        (Some(input), _) if arguments.list => {
+            let (_, content, report) = convert::read(input, &options, &watch)?;
+            list_content(&content, &report, console)
+        }
+        (Some(input), _) if arguments.check => {
+            let findings = convert::check(input, &options)?;
+            let is_error = |finding: &Finding| finding.severity == Severity::Error;
+            let errors = findings.iter().filter(|finding| is_error(finding)).count();
+            let lines: String = findings.iter().map(|finding| format!("{finding}\n")).collect();
+            let text = format!("{lines}{}: {errors} errors, {} warnings", input.display(), findings.len() - errors);
+            let shown = |f: &Finding| {
+                json!({
+                    "error": is_error(f), "file": f.at.file, "line": f.at.line, "column": f.at.column, "item": f.at.item,
+                    "what": f.what, "effect": f.effect, "fix": f.fix,
+                })
+            };
+            let shown: Vec<Value> = findings.iter().map(shown).collect();
+            console.result(&text, &json!({ "errors": errors, "findings": shown }))?;
+            Ok(if errors == 0 { Outcome::Done } else { Outcome::Failed })
+        }
+        (Some(a), Some(b)) if arguments.diff => {
+            let lines = convert::diff(a, b, &options, &watch)?;
+            let text = if lines.is_empty() { "the same in meaning".to_owned() } else { lines.join("\n") };
+            console.result(&text, &json!({ "differences": lines }))?;
+            Ok(if lines.is_empty() { Outcome::Done } else { Outcome::Failed })
+        }
+        (Some(input), Some(output)) => {
+            let conversion = convert::convert(input, output, &options, &watch)?;
+            let path = output.display().to_string();
+            console.result(&text(&conversion, &path), &json(&conversion, &path))?;
+            Ok(if conversion.written { Outcome::Done } else { Outcome::Lost })
+        }
+        _ => list_formats(console),
+    }
+}
+
+fn text(conversion: &Conversion, path: &str) -> String {
+    let notes: String = conversion.report.notes.iter().map(|note| format!("{note}\n")).collect();
+    let (from, to) = (conversion.from.about().name, conversion.to.about().name);
+    let size = &conversion.size;
+    if conversion.written {
+        format!("{notes}{path}: {size}, {from} to {to}")
+    } else {
+        format!("{notes}{path}: not written, because something would be lost (--strict)")
+    }
+}
+
+fn json(conversion: &Conversion, path: &str) -> Value {
+    json!({
+        "output": path,
+        "written": conversion.written,
+        "from": conversion.from.about().name,
+        "to": conversion.to.about().name,
+        "size": conversion.size,
+        "notes": notes(&conversion.report),
+    })
+}
+
+fn notes(report: &Report) -> Vec<Value> {
+    let note = |note: &Note| {
+        json!({
+            "fate": note.fate.to_string(), "file": note.at.file, "line": note.at.line, "column": note.at.column,
+            "item": note.at.item, "message": note.message,
+        })
+    };
+    report.notes.iter().map(note).collect()
+}
+
+fn list_formats(console: &Console) -> Result<Outcome> {
+    let all = Format::ALL.map(Format::about);
+    let row = |about: &convert::About| {
+        let endings: Vec<String> = about.extensions.iter().map(|e| format!(".{e}")).collect();
+        format!("{:10} {:6} reads {}; writes {}\n", about.name, endings.join(" "), about.reads, about.writes)
+    };
+    let shown: Vec<Value> = all
+        .iter()
+        .map(|a| json!({ "name": a.name, "extensions": a.extensions, "reads": a.reads, "writes": a.writes }))
+        .collect();
+    console.result(&all.iter().map(row).collect::<String>(), &json!({ "formats": shown }))?;
+    Ok(Outcome::Done)
+}
+
+/// The spectra of a file; of anything else, its size.
+fn list_content(content: &Content, report: &Report, console: &Console) -> Result<Outcome> {
+    let Content::Spectra(libraries) = content else {
+        let size = content.size();
+        console.result(&size, &json!({ "size": size, "notes": notes(report) }))?;
+        return Ok(Outcome::Done);
+    };
+    let mut text = String::new();
+    let mut shown = Vec::new();
+    for library in libraries {
+        let columns: Vec<&str> = library.columns.iter().map(|column| column.name.as_str()).collect();
+        let (first, last) = library.coverage_um().unwrap_or_default();
+        let (name, points) = (&library.name, library.wavelength_um.len());
+        text += &format!("{name}: {} at {points} wavelengths, {first} to {last} um\n", columns.join(", "));
+        shown.push(json!({
+            "name": name, "comment": library.comment, "columns": columns, "points": points, "first_um": first, "last_um": last,
+        }));
+    }
+    text.extend(report.notes.iter().map(|note| format!("{note}\n")));
+    console.result(&text, &json!({ "spectra": shown, "notes": notes(report) }))?;
+    Ok(Outcome::Done)
+}

@@ -1,0 +1,158 @@
+//! Which formats there are, and which one a file is.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Location, Problem, Result};
+use crate::formats::gltf;
+
+/// A format that is read, written, or both.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// `scene.toml`, with the files it names.
+    Scene,
+    /// Wavefront OBJ with its MTL.
+    Obj,
+    /// glTF 2.0 as text, with its buffers.
+    Gltf,
+    /// glTF 2.0 in one binary file.
+    Glb,
+    /// The folder of a DART simulation.
+    Dart,
+    /// A DART optical database.
+    Database,
+    /// DART's spectra as text.
+    DartText,
+    /// An ENVI spectral library.
+    Sli,
+    /// Spectra as comma-separated values.
+    Csv,
+}
+
+/// What a format is called on the command line, how its files' names end, and what is read and written of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct About {
+    /// For `--from` and `--to`.
+    pub name: &'static str,
+    /// How files' names end; nothing for folders.
+    pub extensions: &'static [&'static str],
+    /// What is read.
+    pub reads: &'static str,
+    /// What is written.
+    pub writes: &'static str,
+}
+
+/// The first bytes of every SQLite file.
+const SQLITE: &[u8] = b"SQLite format 3\0";
+/// As much of a file is looked at to tell what it is, bytes.
+const BEGINNING: u64 = 1 << 16;
+
+impl Format {
+    /// All formats, in the order they are listed.
+    pub const ALL: [Format; 9] = [
+        Format::Scene,
+        Format::Obj,
+        Format::Gltf,
+        Format::Glb,
+        Format::Dart,
+        Format::Database,
+        Format::DartText,
+        Format::Sli,
+        Format::Csv,
+    ];
+
+    /// What there is to say of a format.
+    pub fn about(self) -> About {
+        let about = |name, extensions, reads, writes| About { name, extensions, reads, writes };
+        match self {
+            Format::Scene => about("scene", &["toml"][..], "everything", "everything: scene file, OBJ, MTL, tables"),
+            Format::Obj => about("obj", &["obj"], "mesh, names and colours of materials", "the same"),
+            Format::Gltf => about(
+                "gltf",
+                &["gltf"],
+                "meshes of the default scene, names and colours of materials, origin",
+                "the same, in f32 with residuals, and a .bin",
+            ),
+            Format::Glb => about("glb", &["glb"], "as gltf", "as gltf, in one file"),
+            Format::Dart => about(
+                "dart",
+                &[],
+                "simulations of DART 5.4 to 5.11",
+                "a simulation of DART 5.7.4, or 5.11.0: a name without an ending",
+            ),
+            Format::Database => about("db", &["db"], "DART optical databases", "a new one"),
+            Format::DartText => about("dart-text", &["txt"], "DART spectra", "the same"),
+            Format::Sli => about("sli", &["sli"], "ENVI spectral libraries, with .hdr", "the same"),
+            Format::Csv => about("csv", &["csv"], "spectra with a header that states units", "the same"),
+        }
+    }
+
+    /// The format of a name, as `--from` and `--to` give it.
+    pub fn named(name: &str) -> Option<Self> {
+        Format::ALL.into_iter().find(|format| format.about().name == name)
+    }
+
+    /// Whether it holds spectra and nothing else.
+    pub fn is_spectral(self) -> bool {
+        matches!(self, Format::Database | Format::DartText | Format::Sli | Format::Csv)
+    }
+
+    /// The format of what is there, and its main file or folder: by its content, and where that does not tell, by its name.
+    ///
+    /// # Errors
+    /// [`Error::Io`]; [`Error::Invalid`] if neither tells.
+    pub fn of_input(path: &Path) -> Result<(Self, PathBuf)> {
+        if path.is_dir() {
+            let is_dart = ["maket.xml", "input/maket.xml"].iter().any(|name| path.join(name).is_file());
+            let scene = path.join("scene.toml");
+            return match (is_dart, scene.is_file()) {
+                (true, _) => Ok((Format::Dart, path.to_owned())),
+                (false, true) => Ok((Format::Scene, scene)),
+                _ => refused(path, "a folder with neither maket.xml nor scene.toml in it"),
+            };
+        }
+        let reading = |e| Error::io(path, "reading", e);
+        let mut beginning = Vec::new();
+        File::open(path).and_then(|file| file.take(BEGINNING).read_to_end(&mut beginning)).map_err(reading)?;
+        let format = match Format::of_name(path) {
+            _ if beginning.starts_with(SQLITE) => Format::Database,
+            _ if beginning.starts_with(gltf::MAGIC) => Format::Glb,
+            // A GLB that is none: its reader says why.
+            Some(Format::Glb) => Format::Glb,
+            _ if gltf::told_apart(&beginning) => Format::Gltf,
+            _ if path.file_name().is_some_and(|name| name == "maket.xml") => {
+                let folder = path.parent().unwrap_or(Path::new(""));
+                return Ok((Format::Dart, if folder.as_os_str().is_empty() { ".".into() } else { folder.to_owned() }));
+            }
+            Some(format) => format,
+            None => return refused(path, "neither what it holds nor how its name ends tells a format"),
+        };
+        Ok((format, path.to_owned()))
+    }
+
+    /// The format that a name asks to be written.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for an ending that no format has.
+    pub fn of_output(path: &Path) -> Result<Self> {
+        match Format::of_name(path) {
+            Some(format) => Ok(format),
+            None if path.extension().is_none() => Ok(Format::Dart),
+            None => refused(path, "no format's names end like this"),
+        }
+    }
+
+    fn of_name(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_str()?.to_lowercase();
+        // A spectral library is often named by its header.
+        let extension = if extension == "hdr" { "sli" } else { &extension };
+        Format::ALL.into_iter().find(|format| format.about().extensions.contains(&extension))
+    }
+}
+
+fn refused<T>(path: &Path, message: &str) -> Result<T> {
+    let names: Vec<&str> = Format::ALL.iter().map(|format| format.about().name).collect();
+    let help = format!("say it with --from or --to: {}", names.join(", "));
+    Err(Error::Invalid(vec![Problem::new(Location::file(path), message).with_help(help)]))
+}

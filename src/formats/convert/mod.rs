@@ -1,0 +1,438 @@
+//! From one format to another, with a report of all that is not carried over as it was.
+//!
+//! What is read is one of three things: a scene; a surface, which is a mesh with names of materials; or a list of spectra. A
+//! surface becomes a scene by taking for granted what it does not say; a scene becomes a surface, or spectra, by leaving out the
+//! rest; the report says either. Spectra make no scene.
+
+mod compare;
+mod dart;
+mod format;
+
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+
+use crate::error::{Error, Location, Result};
+use crate::progress::{Watch, tell};
+use crate::report::{Fate, Report};
+use crate::scene::{Photometry, Scene};
+use crate::spectral::{Band, Column, Extend, SpectralLibrary, Spectrum};
+
+use super::dart::Step;
+use super::folder::{FolderKind, Staged};
+use super::surface::Surface;
+use super::{gltf, mtl, obj, scene_toml, spectra};
+
+pub use super::dart::{Finding, Severity};
+pub use compare::differences;
+pub use dart::check;
+pub use format::{About, Format};
+
+use self::dart::Flights;
+
+/// What a conversion leaves to its caller.
+#[derive(Debug, Clone, Default)]
+pub struct Options {
+    /// The input's format, instead of what it looks like.
+    pub from: Option<Format>,
+    /// The output's format, instead of what its name says.
+    pub to: Option<Format>,
+    /// Version of DART to write for, as in "5.7.4", which is taken if none is given.
+    pub dart_version: Option<String>,
+    /// Size of DART's cells, m; what a pixel of the camera sees if none is given.
+    pub cell_m: Option<f64>,
+    /// A folder of DART databases and other files that a simulation may name, beside its own.
+    pub dart_databases: Option<PathBuf>,
+    /// Where the middle of a DART scene is, body-fixed, m; nowhere if it is not given.
+    pub origin_m: Option<DVec3>,
+    /// Zenith angle and azimuth of the Sun in DART's frame, deg, for simulations that give a date.
+    pub sun_deg: Option<[f64; 2]>,
+    /// Files that an input names may lie outside its folder.
+    pub allow_outside: bool,
+    /// What is there may be replaced.
+    pub replace: bool,
+    /// Write nothing if anything is lost.
+    pub strict: bool,
+    /// Of spectra only those of these names; all if there are none.
+    pub models: Vec<String>,
+    /// Bands that spectra are resampled to; as they are if there are none.
+    pub bands: Vec<Band>,
+}
+
+/// What came of a conversion.
+#[derive(Debug, Clone)]
+pub struct Conversion {
+    /// What the input was.
+    pub from: Format,
+    /// What the output is.
+    pub to: Format,
+    /// What was not carried over as it was.
+    pub report: Report,
+    /// Whether the output was written: not where [`Options::strict`] forbids a loss.
+    pub written: bool,
+    /// What was converted, in a word or two: "20000 facets".
+    pub size: String,
+}
+
+/// What a file holds.
+#[derive(Debug, Clone)]
+pub enum Content {
+    /// A scene, and what flies over it.
+    Scene(Box<Scene>, Flights),
+    /// A mesh and its materials' names.
+    Surface(Surface),
+    /// Spectra.
+    Spectra(Vec<SpectralLibrary>),
+}
+
+/// The folder of a scene.
+const SCENE: FolderKind = FolderKind { marks: &["scene.toml"], parts: &["scene"] };
+
+/// Reads `input` and writes `output`.
+///
+/// # Errors
+/// What the readers and writers say; [`Error::Unsupported`] for formats of which one does not hold what the other needs.
+pub fn convert(input: &Path, output: &Path, options: &Options, watch: Watch<'_>) -> Result<Conversion> {
+    let to = match options.to {
+        Some(to) => to,
+        None => Format::of_output(output)?,
+    };
+    let (from, content, mut report) = read(input, options, watch)?;
+    tell(watch, "converting", 0, 1)?;
+    let size = content.size();
+    let job = Job { input, output, options, report: &mut report, watch };
+    let written = job.write(content, to)?;
+    tell(watch, "converting", 1, 1)?;
+    for note in &mut report.notes {
+        // What is known without the file is of the input.
+        note.at.file.get_or_insert_with(|| input.to_owned());
+    }
+    Ok(Conversion { from, to, report, written, size })
+}
+
+/// Reads a file or folder of any format, with what of it is not taken.
+///
+/// # Errors
+/// What the format's reader says; [`Error::Invalid`] if there is no telling what it is.
+pub fn read(input: &Path, options: &Options, watch: Watch<'_>) -> Result<(Format, Content, Report)> {
+    let (format, path) = match options.from {
+        Some(from) => (from, input.to_owned()),
+        None => Format::of_input(input)?,
+    };
+    let (content, report) = match format {
+        Format::Scene => {
+            let file = scene_toml::read(&path, watch)?;
+            let mut report = Report::default();
+            for default in &file.defaults {
+                report.note(Fate::Defaulted, Location::file(&path).with_item(&default.item), &default.value);
+            }
+            (Content::Scene(Box::new(file.scene), Flights::new()), report)
+        }
+        Format::Obj => {
+            let obj = obj::read_where(&path, options.allow_outside)?;
+            let mut report = Report::default();
+            let mut dropped = |what: String| report.note(Fate::Dropped, Location::file(&path), what);
+            if obj.texture_vertices > 0 {
+                dropped(format!("{} texture coordinates", obj.texture_vertices));
+            }
+            obj.ignored.iter().for_each(|(word, count)| dropped(format!("{count} x `{word}`")));
+            (Content::Surface(obj.into()), report)
+        }
+        Format::Gltf | Format::Glb => {
+            let (surface, report, _) = gltf::read(&path, options.allow_outside)?;
+            (Content::Surface(surface), report)
+        }
+        Format::Dart => {
+            let (scene, flights, report) = dart::read(&path, options, watch)?;
+            (Content::Scene(Box::new(scene), flights), report)
+        }
+        Format::Database | Format::DartText | Format::Sli | Format::Csv => {
+            let (mut libraries, report) = spectra::read(&path)?;
+            if !options.models.is_empty() {
+                libraries = chosen(libraries, &options.models, &path)?;
+            }
+            if !options.bands.is_empty() {
+                libraries = spectra::resample(&libraries, &options.bands)?;
+            }
+            (Content::Spectra(libraries), report)
+        }
+    };
+    Ok((format, content, report))
+}
+
+/// What two files or folders differ in, by meaning: one line each.
+///
+/// # Errors
+/// As [`read`].
+pub fn diff(a: &Path, b: &Path, options: &Options, watch: Watch<'_>) -> Result<Vec<String>> {
+    let is_dart = |path: &Path| {
+        options.from == Some(Format::Dart) || Format::of_input(path).is_ok_and(|(f, _)| f == Format::Dart)
+    };
+    if is_dart(a) && is_dart(b) {
+        return dart::diff(a, b, options, watch);
+    }
+    let (_, a, _) = read(a, options, watch)?;
+    let (_, b, _) = read(b, options, watch)?;
+    Ok(differences(&a, &b))
+}
+
+impl Content {
+    /// How much it is, in words.
+    pub fn size(&self) -> String {
+        match self {
+            Content::Scene(scene, _) => format!("{} facets", scene.mesh.facets.len()),
+            Content::Surface(surface) => format!("{} facets", surface.mesh.facets.len()),
+            Content::Spectra(libraries) => format!("{} spectra", libraries.len()),
+        }
+    }
+}
+
+/// The libraries of these names, in their order.
+fn chosen(libraries: Vec<SpectralLibrary>, names: &[String], path: &Path) -> Result<Vec<SpectralLibrary>> {
+    let find = |name: &String| {
+        let found = libraries.iter().find(|library| library.name == *name);
+        found.cloned().ok_or_else(|| {
+            let known: Vec<&str> = libraries.iter().map(|library| library.name.as_str()).collect();
+            Error::invalid(Location::file(path), format!("no spectra {name:?} in it; there are {}", known.join(", ")))
+        })
+    };
+    names.iter().map(find).collect()
+}
+
+fn unsupported(path: &Path, feature: &str) -> Error {
+    Error::Unsupported { at: Location::file(path), feature: feature.to_owned() }
+}
+
+/// One conversion.
+struct Job<'a> {
+    input: &'a Path,
+    output: &'a Path,
+    options: &'a Options,
+    report: &'a mut Report,
+    watch: Watch<'a>,
+}
+
+impl Job<'_> {
+    /// Whether a loss forbids to write.
+    fn refused(&self) -> bool {
+        self.options.strict && self.report.has_losses()
+    }
+
+    /// What was taken for what a scene does not say, where it is not written anyway.
+    fn forget_defaults(&mut self) {
+        self.report.notes.retain(|note| note.fate != Fate::Defaulted);
+    }
+
+    /// Writes; `false` if a loss forbids it.
+    fn write(mut self, content: Content, to: Format) -> Result<bool> {
+        match (content, to) {
+            (Content::Spectra(libraries), _) if to.is_spectral() => self.spectra(&libraries, to),
+            (Content::Spectra(_), _) => {
+                Err(unsupported(self.input, &format!("spectra alone as {}: they make no scene", to.about().name)))
+            }
+            (Content::Scene(scene, flights), Format::Scene) => self.scene(&scene, &flights),
+            (Content::Scene(scene, _), Format::Dart) => self.dart(&scene),
+            (Content::Scene(scene, _), _) if to.is_spectral() => {
+                let message = "mesh, Sun, camera and heat: only the spectra of its materials are written";
+                self.report.note(Fate::Dropped, Location::file(self.input), message);
+                self.forget_defaults();
+                let libraries = libraries(&scene, self.report);
+                self.spectra(&libraries, to)
+            }
+            (Content::Scene(scene, _), _) => {
+                self.forget_defaults();
+                let surface = Surface::of_scene(&scene, self.input, self.report);
+                self.surface(&surface, to)
+            }
+            (Content::Surface(surface), Format::Scene) => {
+                let scene = surface.into_scene(self.input, self.report)?;
+                self.scene(&scene, &[])
+            }
+            (Content::Surface(surface), Format::Dart) => {
+                let scene = surface.into_scene(self.input, self.report)?;
+                self.dart(&scene)
+            }
+            (Content::Surface(_), _) if to.is_spectral() => {
+                Err(unsupported(self.input, &format!("a mesh as {}: it has no spectra", to.about().name)))
+            }
+            (Content::Surface(surface), _) => self.surface(&surface, to),
+        }
+    }
+
+    fn scene(self, scene: &Scene, flights: &[(String, Vec<Step>)]) -> Result<bool> {
+        let folder = self.output.extension().is_none();
+        // A folder's files appear with it.
+        let staged = if folder { Some(Staged::folder_of(&SCENE, self.output, self.options.replace)?) } else { None };
+        let path = staged.as_ref().map_or(self.output.to_owned(), |staged| staged.path().join("scene.toml"));
+        let named = |e| match &staged {
+            Some(staged) => staged.named(e),
+            None => e,
+        };
+        let (mut files, report) = scene_toml::write(scene, &path, self.options.replace).map_err(named)?;
+        self.report.notes.extend(report.notes);
+        for (name, steps) in flights {
+            let plain = |c: char| if c.is_alphanumeric() { c } else { '_' };
+            let suffix = format!("flight.{}.csv", name.chars().map(plain).collect::<String>());
+            let file = path.with_extension(suffix);
+            let text = dart::flight_csv(steps);
+            files.insert(0, put(&file, self.options.replace, |out| out.write_all(text.as_bytes())).map_err(named)?);
+            dart::carried(name, steps.len(), &file_name(&file), Location::file(self.input), self.report);
+        }
+        if self.refused() {
+            return Ok(false);
+        }
+        files.into_iter().try_for_each(Staged::commit)?;
+        staged.map_or(Ok(()), Staged::commit)?;
+        Ok(true)
+    }
+
+    fn dart(self, scene: &Scene) -> Result<bool> {
+        let package = dart::package(scene, self.options, self.report)?;
+        if self.refused() {
+            return Ok(false);
+        }
+        super::dart::write(&package, self.output, self.options.replace, self.watch)?;
+        Ok(true)
+    }
+
+    fn surface(self, surface: &Surface, to: Format) -> Result<bool> {
+        let Job { input, output, options, .. } = self;
+        if to == Format::Obj {
+            if surface.origin_m.is_some() {
+                self.report.note(Fate::Dropped, Location::file(input).with_item("origin_m"), "OBJ has no place for it");
+            }
+            let lost = obj::faces_lost(&surface.mesh);
+            if lost > 0 {
+                let message = format!("{lost} faces of more than three corners become triangles");
+                self.report.note(Fate::Dropped, Location::file(input).with_item("mesh"), message);
+            }
+            if self.refused() {
+                return Ok(false);
+            }
+            let materials = output.with_extension("mtl");
+            let name = file_name(&materials);
+            let write_mtl = |out: &mut BufWriter<File>| mtl::write(out, &surface.materials);
+            let write_obj = |out: &mut BufWriter<File>| obj::write(out, &surface.mesh, &surface.materials, Some(&name));
+            let first = put(&materials, options.replace, write_mtl)?;
+            // The mesh last: it refers to the materials.
+            let second = put(output, options.replace, write_obj)?;
+            first.commit()?;
+            second.commit()?;
+            return Ok(true);
+        }
+        let is_cut = surface.mesh.face_of_facet.windows(2).any(|pair| pair[0] == pair[1]);
+        if is_cut {
+            let message = "faces of more than three corners become triangles";
+            self.report.note(Fate::Dropped, Location::file(input).with_item("mesh"), message);
+        }
+        let encoded = gltf::encode(surface)?;
+        if encoded.largest_error_m > 0.0 {
+            let message = format!(
+                "positions are f32, up to {:.3e} m off; `_POSITION_RESIDUAL` keeps the rest for who knows it",
+                encoded.largest_error_m
+            );
+            self.report.note(Fate::Approximated, Location::file(input).with_item("mesh"), message);
+        }
+        if self.refused() {
+            return Ok(false);
+        }
+        if to == Format::Glb {
+            put(output, options.replace, |out| out.write_all(&encoded.glb()))?.commit()?;
+        } else {
+            let buffer = output.with_extension("bin");
+            let (text, bytes) = encoded.gltf(&file_name(&buffer));
+            let first = put(&buffer, options.replace, |out| out.write_all(bytes))?;
+            let second = put(output, options.replace, |out| out.write_all(text.as_bytes()))?;
+            first.commit()?;
+            second.commit()?;
+        }
+        Ok(true)
+    }
+
+    fn spectra(self, libraries: &[SpectralLibrary], to: Format) -> Result<bool> {
+        let format = match to {
+            Format::Database => spectra::Format::Database,
+            Format::DartText => spectra::Format::DartText,
+            Format::Sli => spectra::Format::Sli,
+            _ => spectra::Format::Csv,
+        };
+        tell(self.watch, "writing the spectra", 0, 1)?;
+        if self.options.strict {
+            // The writers report when they have written: what a first writing, into a folder that goes, loses, is known before.
+            let trial = Staged::folder(&self.output.with_file_name(".mmxrt-strict"), false)?;
+            let report = spectra::write(&trial.path().join(file_name(self.output)), format, libraries, false);
+            let mut notes = report.map_err(|e| trial.named(e))?.notes;
+            notes.iter_mut().for_each(|note| note.at.file = Some(self.output.to_owned()));
+            self.report.notes.append(&mut notes);
+            if self.refused() {
+                return Ok(false);
+            }
+            spectra::write(self.output, format, libraries, self.options.replace)?;
+        } else {
+            let report = spectra::write(self.output, format, libraries, self.options.replace)?;
+            self.report.notes.extend(report.notes);
+        }
+        Ok(true)
+    }
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// A file that is written, but not under its name yet.
+fn put(path: &Path, replace: bool, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<Staged> {
+    let staged = Staged::file(path, replace)?;
+    let writing = |e| staged.named(Error::io(staged.path(), "writing", e));
+    let mut out = BufWriter::with_capacity(1 << 20, File::create(staged.path()).map_err(writing)?);
+    write(&mut out).and_then(|()| out.flush()).map_err(writing)?;
+    Ok(staged)
+}
+
+/// The spectra of a scene's materials, each as the table that its photometry needs.
+fn libraries(scene: &Scene, report: &mut Report) -> Vec<SpectralLibrary> {
+    let mut libraries = Vec::new();
+    for material in &scene.materials {
+        let at = || Location::item(format!("materials.{:?}", material.name));
+        let columns = match &material.photometry {
+            Photometry::Lambert => vec![("reflectance", &material.reflectance)],
+            // DART's name of rho0.
+            Photometry::Rpv(_) => (material.photometry.parameters().into_iter())
+                .map(|(name, column)| (if name == "rho0" { "reflectance" } else { name }, column))
+                .collect(),
+            Photometry::Hapke(_) => material.photometry.parameters(),
+        };
+        let wavelength_um = wavelengths(scene, &columns);
+        let values =
+            |spectrum: &Spectrum| wavelength_um.iter().map(|&um| spectrum.at(um)).collect::<Option<Vec<f64>>>();
+        let columns: Option<Vec<Column>> = (columns.iter())
+            .map(|(name, spectrum)| Some(Column { name: (*name).to_owned(), values: values(spectrum)? }))
+            .collect();
+        match columns {
+            Some(columns) if !wavelength_um.is_empty() => {
+                let (name, comment) = (material.name.clone(), String::new());
+                libraries.push(SpectralLibrary { name, comment, wavelength_um, columns });
+            }
+            _ => report.note(Fate::Dropped, at(), "its parameters are nowhere known together"),
+        }
+    }
+    libraries
+}
+
+/// Wavelengths of all columns where all are known; of what is the same everywhere, the ends of what the bands look at.
+fn wavelengths(scene: &Scene, columns: &[(&str, &Spectrum)]) -> Vec<f64> {
+    let known = columns.iter().map(|(_, s)| s.coverage_um());
+    let (first, last) = known.fold((0.0_f64, f64::INFINITY), |(a, b), (low, high)| (a.max(low), b.min(high)));
+    let is_table = |s: &&Spectrum| s.wavelength_um().len() > 1 || s.extend() == Extend::Error;
+    let tables = columns.iter().map(|(_, s)| *s).filter(is_table);
+    let mut all: Vec<f64> = tables.flat_map(|s| s.wavelength_um().iter().copied()).collect();
+    if all.is_empty() {
+        all = scene.sensor.bands.iter().flat_map(|band| <[f64; 2]>::from(band.support_um())).collect();
+    }
+    all.retain(|um| (first..=last).contains(um));
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    all
+}

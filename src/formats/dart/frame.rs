@@ -1,0 +1,126 @@
+//! DART's axes and angles: the only place where they are turned into mmxrt's.
+//!
+//! A site's frame has x down the image (South), y to its right (East), z up: right-handed, as mmxrt's frames are, so that a
+//! rotation leads from one to the other, and facets keep the way they turn. Azimuths run from +x to +y.
+
+use glam::{DMat3, DVec3};
+
+use crate::geometry::Direction;
+
+/// Angles below this are rounding errors of a rotation: a camera that looks straight down has no azimuth of its own, rad.
+const ROUNDING_RAD: f64 = 1e-13;
+
+/// Rotation that carries axes of the body into the site's: x South, y East, z along the outward radius at `origin_m`.
+///
+/// Without a radius z stays z; on the axis, where East is no direction, East is the body's +x.
+pub(super) fn dart_from_body(origin_m: DVec3) -> DMat3 {
+    let up = Direction::new(origin_m).map_or(DVec3::Z, Direction::vec);
+    let east = Direction::new(DVec3::Z.cross(up)).map_or(DVec3::X, Direction::vec);
+    let south = east.cross(up);
+    DMat3::from_cols(south, east, up).transpose()
+}
+
+/// Zenith angle and azimuth of a vector of any length, deg; azimuths from 0 to below 360, 0 for a vertical one.
+pub(super) fn angles_deg(v: DVec3) -> [f64; 2] {
+    [v.x.hypot(v.y).atan2(v.z).to_degrees(), full_turn(v.y.atan2(v.x).to_degrees())]
+}
+
+/// The unit vector with this zenith angle and azimuth, deg.
+pub(super) fn vector([zenith_deg, azimuth_deg]: [f64; 2]) -> DVec3 {
+    let ((sin_z, cos_z), (sin_a, cos_a)) = (zenith_deg.to_radians().sin_cos(), azimuth_deg.to_radians().sin_cos());
+    DVec3::new(sin_z * cos_a, sin_z * sin_a, cos_z)
+}
+
+/// The opposite direction, deg.
+pub(super) fn reversed([zenith_deg, azimuth_deg]: [f64; 2]) -> [f64; 2] {
+    [180.0 - zenith_deg, if azimuth_deg < 180.0 { azimuth_deg + 180.0 } else { azimuth_deg - 180.0 }]
+}
+
+/// Axes of an upright image for a line of sight: right (horizontal, across it) and down.
+///
+/// Looking straight down along azimuth a, the image's rows run along a - 180 deg, as DART's own nadir images do for a = 180.
+fn upright([zenith_deg, azimuth_deg]: [f64; 2]) -> (DVec3, DVec3) {
+    let look = vector([zenith_deg, azimuth_deg]);
+    let (sin_a, cos_a) = azimuth_deg.to_radians().sin_cos();
+    let right = DVec3::new(sin_a, -cos_a, 0.0);
+    (right, look.cross(right))
+}
+
+/// Line of sight (zenith angle and azimuth) and turn about it, deg, of a camera whose axes right, down, ahead are the columns.
+///
+/// The turn is clockwise as seen along the line of sight: it leads from the upright image's right towards its down. A line of sight within
+/// `blur_rad` of the vertical is taken to be vertical: any azimuth is its own, and there is one without a turn.
+pub(super) fn camera_deg(dart_from_sensor: DMat3, blur_rad: f64) -> ([f64; 2], f64) {
+    let (right, ahead) = (dart_from_sensor.x_axis, dart_from_sensor.z_axis);
+    let mut look_deg = angles_deg(ahead);
+    if ahead.x.hypot(ahead.y) < blur_rad.max(ROUNDING_RAD) {
+        look_deg = [if ahead.z < 0.0 { 180.0 } else { 0.0 }, full_turn(right.x.atan2(-right.y).to_degrees())];
+    }
+    let (upright_right, upright_down) = upright(look_deg);
+    let roll = right.dot(upright_down).atan2(right.dot(upright_right));
+    (look_deg, if roll.abs() < ROUNDING_RAD { 0.0 } else { roll.to_degrees() })
+}
+
+/// The camera's axes right, down, ahead as columns: the inverse of [`camera_deg`].
+pub(super) fn camera_rotation(look_deg: [f64; 2], roll_deg: f64) -> DMat3 {
+    let (right, down) = upright(look_deg);
+    let (sin, cos) = roll_deg.to_radians().sin_cos();
+    DMat3::from_cols(cos * right + sin * down, cos * down - sin * right, vector(look_deg))
+}
+
+/// An OBJ file's `v` from DART's axes.
+pub(super) fn obj_from_dart(v: DVec3) -> DVec3 {
+    DVec3::new(v.y, v.z, v.x)
+}
+
+/// DART's axes from an OBJ file's `v`.
+pub(super) fn dart_from_obj(v: DVec3) -> DVec3 {
+    DVec3::new(v.z, v.x, v.y)
+}
+
+fn full_turn(deg: f64) -> f64 {
+    let turned = deg.rem_euclid(360.0);
+    // A hair below 0 is rounded up to all of the turn.
+    if turned < 360.0 { turned } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_site_stands_upright_on_the_body() {
+        // On the equator at longitude 90 deg: up +y, East -x, South -z.
+        let site = dart_from_body(DVec3::new(0.0, 11e3, 0.0));
+        for (body, dart) in [(DVec3::Y, DVec3::Z), (DVec3::NEG_X, DVec3::Y), (DVec3::NEG_Z, DVec3::X)] {
+            assert_eq!(site * body, dart);
+        }
+        for origin_m in [DVec3::ZERO, DVec3::Z, DVec3::NEG_Z, DVec3::new(1.0, -2.0, 3.0)] {
+            let site = dart_from_body(origin_m);
+            assert!((site.determinant() - 1.0).abs() < 1e-15);
+            assert!((site * origin_m - DVec3::Z * origin_m.length()).length() < 1e-15 * origin_m.length());
+        }
+    }
+
+    #[test]
+    fn cameras_come_back() {
+        let mut worst: f64 = 0.0;
+        for zenith in [180.0, 179.999_999_9, 120.0, 91.0, 30.0] {
+            for (azimuth, roll) in [(0.0, 0.0), (123.4, 5.0), (359.9, -179.0), (180.0, 90.0)] {
+                let given = camera_rotation([zenith, azimuth], roll);
+                let (look, turn) = camera_deg(given, 0.0);
+                let back = camera_rotation(look, turn);
+                worst = worst.max((0..3).map(|i| (given.col(i) - back.col(i)).length()).fold(0.0, f64::max));
+                assert!((given.determinant() - 1.0).abs() < 1e-15);
+            }
+        }
+        assert!(worst < 1e-15, "{worst:e}");
+        // Straight down, right of the image to +y: DART's own nadir image.
+        let nadir = DMat3::from_cols(DVec3::Y, DVec3::X, DVec3::NEG_Z);
+        assert_eq!(camera_deg(nadir, 0.0), ([180.0, 180.0], 0.0));
+        // Almost so.
+        let tilted = DMat3::from_rotation_x(1e-6) * DMat3::from_rotation_y(1e-6) * nadir;
+        assert!(camera_deg(tilted, 0.0).1 != 0.0);
+        assert_eq!(camera_deg(tilted, 1e-5).1, 0.0);
+    }
+}

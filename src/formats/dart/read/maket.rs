@@ -1,0 +1,73 @@
+//! maket.xml: the scene's extent, its ground and terrain.
+
+use crate::formats::xml::Element;
+use crate::report::Fate;
+
+use super::super::{Links, Maket};
+use super::object_3d;
+use super::reading::Reading;
+
+pub(super) fn read(maket: &Element, reading: &mut Reading) -> Maket {
+    let scene = reading.child(maket, "Scene");
+    let size = scene.and_then(|s| reading.child(s, "SceneDimensions"));
+    let cell = scene.and_then(|s| reading.child(s, "CellDimensions"));
+    let soil = reading.child(maket, "Soil");
+    let two = |element: Option<&Element>, names: [&str; 2], reading: &mut Reading| {
+        element.map_or([1.0; 2], |e| names.map(|name| reading.positive(e, name)))
+    };
+    let ground = soil.and_then(|soil| {
+        let ground = object_3d::links(soil, None, reading);
+        if ground.is_none() {
+            reading.problem(soil.at(), "has no `<OpticalPropertyLink>` within");
+        }
+        ground
+    });
+    let nowhere = || Links {
+        kind: 0,
+        index: 0,
+        ident: String::new(),
+        thermal_index: 0,
+        thermal_ident: String::new(),
+        at: maket.at(),
+    };
+    let [latitude, longitude, altitude] = match maket.child("LatLon") {
+        Some(place) => ["latitude", "longitude", "altitude"].map(|name| reading.number_or(place, name, 0.0)),
+        None => [0.0; 3],
+    };
+    Maket {
+        size_m: two(size, ["x", "y"], reading),
+        cell_m: two(cell, ["x", "z"], reading),
+        boundary: code(maket, "exactlyPeriodicScene", 1, 2, reading),
+        ground: ground.unwrap_or_else(nowhere),
+        ground_enabled: soil.and_then(|s| s.get("groundEnabled")).is_none_or(|e| e.trim() != "0"),
+        topography: soil.and_then(|soil| topography(soil, reading)),
+        latitude_longitude_altitude: [latitude, longitude, altitude],
+    }
+}
+
+/// A code from 0 to `last`.
+pub(super) fn code(element: &Element, name: &str, default: u32, last: u32, reading: &mut Reading) -> u32 {
+    let code = reading.integer_or(element, name, default);
+    if code > last {
+        let message = format!("`{name}` is {code}: known are 0 to {last}");
+        reading.problem(element.at_attribute(name), message);
+    }
+    code.min(last)
+}
+
+fn topography(soil: &Element, reading: &mut Reading) -> Option<String> {
+    if let Some(generator) = soil.child("DEM_properties").filter(|d| d.get("createTopography") == Some("1")) {
+        let message = "DART makes a terrain raster before it runs: what is read is the raster as it lies in the folder";
+        reading.note(Fate::Approximated, generator.at_attribute("createTopography"), message);
+    }
+    let topography = soil.child("Topography")?;
+    if !reading.flag(topography, "presenceOfTopography") {
+        return None;
+    }
+    let properties = reading.child(topography, "TopographyProperties")?;
+    let name = reading.text(properties, "fileName");
+    if let Err(problem) = reading.folder.locate(&name, &properties.at_attribute("fileName")) {
+        reading.problems.push(|| problem);
+    }
+    Some(name)
+}

@@ -1,0 +1,262 @@
+//! object_3d.xml: objects, their groups and what these are made of, and fields of objects.
+
+use glam::DVec3;
+
+use crate::formats::input;
+use crate::formats::xml::Element;
+use crate::report::Fate;
+
+use super::super::{Group, Links, Object, ObjectField, Placement};
+use super::maket::code;
+use super::reading::{Reading, number};
+
+/// No text of an object field is longer, bytes.
+const FIELD_TEXT: u64 = 256 << 20;
+/// Turbid media, elements with their own properties, and what versions that are not known may have.
+const UNKNOWN_MATERIAL: &str = "what this is made of: no `<OpticalPropertyLink>` stands here";
+/// No object field has more places.
+const PLACES: usize = 2_000_000;
+
+pub(super) fn objects(object_3d: &Element, reading: &mut Reading) -> Vec<Object> {
+    let list = object_3d.child("ObjectList");
+    list.iter().flat_map(|list| list.all("Object")).map(|element| object(element, reading)).collect()
+}
+
+fn object(element: &Element, reading: &mut Reading) -> Object {
+    let file = reading.text(element, "file_src");
+    if element.get("file_src").is_some()
+        && let Err(problem) = reading.folder.locate(&file, &element.at_attribute("file_src"))
+    {
+        reading.problems.push(|| problem);
+    }
+    let geometry = reading.child(element, "GeometricProperties");
+    let position = geometry.and_then(|g| reading.child(g, "PositionProperties"));
+    let mut three = |parent: Option<&Element>, names: [&str; 3], default: f64| {
+        DVec3::from_array(names.map(|name| parent.map_or(default, |e| reading.number_or(e, name, default))))
+    };
+    let position_m = three(position, ["xpos", "ypos", "zpos"], 0.0);
+    let scale = three(geometry.and_then(|g| g.child("ScaleProperties")), ["xscale", "yscale", "zscale"], 1.0);
+    let rotation_deg = three(geometry.and_then(|g| g.child("RotationProperties")), ["xrot", "yrot", "zrot"], 0.0);
+
+    let has_groups = reading.flag(element, "hasGroups");
+    let optics = reading.child(element, "ObjectOpticalProperties");
+    // One property for all groups; from 5.10 temperatures have a switch of their own.
+    let same_optical = !has_groups || optics.is_some_and(|o| reading.flag(o, "sameOPObject"));
+    let same_thermal = match optics {
+        Some(o) if has_groups && o.get("sameExitanceObject").is_some() => reading.flag(o, "sameExitanceObject"),
+        _ => same_optical,
+    };
+    let double_face = optics.is_some_and(|o| is_double(o, reading));
+    let (mut links_of_all, mut back_of_all) = (None, None);
+    if let Some(o) = optics.filter(|_| same_optical && same_thermal) {
+        links_of_all = links(o, None, reading);
+        back_of_all = back(o, None, reading).filter(|_| double_face);
+        if links_of_all.is_none() {
+            reading.note(Fate::Dropped, o.at(), UNKNOWN_MATERIAL);
+        }
+    }
+    let mut groups = Vec::new();
+    if has_groups {
+        let shared = Shared {
+            optical: optics.filter(|_| same_optical && !same_thermal),
+            thermal: optics.filter(|_| same_thermal && !same_optical),
+            all: same_optical && same_thermal,
+        };
+        if let Some(list) = reading.child(element, "Groups") {
+            groups.extend(list.all("Group").map(|g| group(g, &shared, reading)));
+        }
+    }
+    Object {
+        name: element.get("name").unwrap_or_default().to_owned(),
+        file,
+        position_m,
+        scale,
+        rotation_deg,
+        dem_mode: code(element, "objectDEMMode", 0, 3, reading),
+        hidden: reading.flag(element, "hidden"),
+        repeated_on_border: code(element, "repeatedOnBorder", 1, 1, reading) == 1,
+        double_face,
+        links: links_of_all,
+        back: back_of_all,
+        groups,
+        at: element.at(),
+    }
+}
+
+/// What groups have from their object.
+struct Shared<'e> {
+    optical: Option<&'e Element>,
+    thermal: Option<&'e Element>,
+    /// Everything: groups have no links.
+    all: bool,
+}
+
+fn group(element: &Element, shared: &Shared, reading: &mut Reading) -> Group {
+    let optics = element.child("GroupOpticalProperties");
+    let double_face = optics.is_some_and(|o| is_double(o, reading));
+    let (mut front, mut behind) = (None, None);
+    // A group that DART turns into a turbid medium has no surface; that is told elsewhere.
+    if let Some(o) = optics.filter(|_| !shared.all) {
+        front = match shared.optical {
+            Some(object) => links(object, Some(o), reading),
+            None => links(o, shared.thermal, reading),
+        };
+        behind = back(o, shared.thermal, reading).filter(|_| double_face);
+        if front.is_none() {
+            reading.note(Fate::Dropped, o.at(), UNKNOWN_MATERIAL);
+        }
+    }
+    Group {
+        number: reading.integer(element, "num"),
+        name: element.get("name").unwrap_or_default().to_owned(),
+        hidden: reading.flag(element, "hidden"),
+        double_face,
+        links: front,
+        back: behind,
+        at: element.at(),
+    }
+}
+
+fn is_double(optics: &Element, reading: &mut Reading) -> bool {
+    // From 5.10 the switch stands in a wrapper.
+    let wrapped = optics.child("SurfaceOpticalProperties");
+    reading.flag(optics, "doubleFace") || wrapped.is_some_and(|w| reading.flag(w, "doubleFace"))
+}
+
+/// An element within, or within a wrapper that it has from 5.10 on.
+fn wrapped<'e>(element: &'e Element, wrapper: &str, name: &str) -> Option<&'e Element> {
+    element.child(name).or_else(|| element.child(wrapper)?.child(name))
+}
+
+/// The optical and thermal link in an element, wrapped or not; the thermal one from `thermal` if that is given.
+///
+/// `None` if there is no optical link.
+pub(super) fn links(element: &Element, thermal: Option<&Element>, reading: &mut Reading) -> Option<Links> {
+    let optical = wrapped(element, "SurfaceOpticalProperties", "OpticalPropertyLink")?;
+    let thermal = wrapped(thermal.unwrap_or(element), "SurfaceExitanceProperties", "ThermalPropertyLink");
+    Some(pair(optical, thermal, reading))
+}
+
+/// The links of back faces, if there are any.
+fn back(element: &Element, thermal: Option<&Element>, reading: &mut Reading) -> Option<Links> {
+    let optical = wrapped(element, "SurfaceOpticalProperties", "BackFaceOpticalProperty")?;
+    let thermal = wrapped(thermal.unwrap_or(element), "SurfaceExitanceProperties", "BackFaceThermalProperty");
+    let optical = reading.child(optical, "OpticalPropertyLink")?;
+    Some(pair(optical, thermal.and_then(|t| t.child("ThermalPropertyLink")), reading))
+}
+
+fn pair(optical: &Element, thermal: Option<&Element>, reading: &mut Reading) -> Links {
+    Links {
+        kind: reading.integer_or(optical, "type", 0),
+        index: reading.integer(optical, "indexFctPhase"),
+        ident: optical.get("ident").unwrap_or_default().to_owned(),
+        thermal_index: thermal.map_or(0, |t| reading.integer(t, "indexTemperature")),
+        thermal_ident: thermal.and_then(|t| t.get("idTemperature")).unwrap_or_default().to_owned(),
+        at: optical.at(),
+    }
+}
+
+pub(super) fn fields(object_3d: &Element, reading: &mut Reading) -> Vec<ObjectField> {
+    let list = object_3d.child("ObjectFields");
+    list.iter().flat_map(|list| list.all("Field")).filter_map(|element| field(element, reading)).collect()
+}
+
+fn field(element: &Element, reading: &mut Reading) -> Option<ObjectField> {
+    let file = reading.text(element, "fieldDescriptionFileName");
+    let models: Vec<Object> =
+        element.child("ModelList").iter().flat_map(|l| l.all("Object")).map(|o| object(o, reading)).collect();
+    let at = element.at_attribute("fieldDescriptionFileName");
+    let name = element.get("name").unwrap_or_default().to_owned();
+    let path = match reading.folder.locate(&file, &at) {
+        Ok(Some(path)) => path,
+        Ok(None) => {
+            reading.note(Fate::Dropped, at, format!("an object field whose text `{file}` is not in the input folder"));
+            return Some(ObjectField { name, file, models, places: Vec::new(), at: element.at() });
+        }
+        Err(problem) => {
+            reading.problems.push(|| problem);
+            return None;
+        }
+    };
+    let text = match input::text(&path, FIELD_TEXT) {
+        Ok((text, file)) => {
+            reading.inputs.push(file);
+            text
+        }
+        Err(error) => {
+            reading.problem(at, error.to_string());
+            return None;
+        }
+    };
+    let places = places(&text, &path, &models, reading);
+    Some(ObjectField { name, file, models, places, at: element.at() })
+}
+
+/// The lines of a field's text: `index x y z sx sy sz xrot yrot zrot` below the line `complete transformation`, else
+/// `index x y`.
+fn places(text: &str, path: &std::path::Path, models: &[Object], reading: &mut Reading) -> Vec<Placement> {
+    let text = without_comments(text);
+    let (mut places, mut complete, mut first) = (Vec::new(), false, true);
+    let mut start = 0;
+    for raw in text.split_inclusive('\n') {
+        let line = raw.trim();
+        let at = || crate::error::Location::span(path, &text, start, start + raw.trim_end().len());
+        if line.is_empty() {
+        } else if first && line.eq_ignore_ascii_case("complete transformation") {
+            (complete, first) = (true, false);
+        } else {
+            first = false;
+            let numbers: Option<Vec<f64>> = line.split_whitespace().map(number).collect();
+            let model = numbers.as_ref().and_then(|n| n.first()).filter(|i| i.fract() == 0.0);
+            let model = model.filter(|i| (0.0..models.len() as f64).contains(*i)).map(|i| *i as u32);
+            match (model, numbers.as_deref()) {
+                (Some(model), Some(&[_, x, y, z, sx, sy, sz, xr, yr, zr])) if complete => places.push(Placement {
+                    model,
+                    position_m: DVec3::new(x, y, z),
+                    scale: DVec3::new(sx, sy, sz),
+                    rotation_deg: DVec3::new(xr, yr, zr),
+                }),
+                (Some(model), Some(&[_, x, y])) if !complete => {
+                    let Object { position_m, scale, rotation_deg, .. } = models[model as usize];
+                    places.push(Placement { model, position_m: DVec3::new(x, y, position_m.z), scale, rotation_deg });
+                }
+                (None, Some([index, ..])) => {
+                    reading
+                        .problem(at(), format!("model {index}: the field has {} models, counted from 0", models.len()));
+                }
+                _ => {
+                    let wanted = if complete { "index x y z sx sy sz xrot yrot zrot" } else { "index x y" };
+                    reading.problem(at(), format!("a line of `{wanted}` belongs here"));
+                }
+            }
+            if places.len() > PLACES {
+                reading.problem(at(), format!("more than {PLACES} places"));
+                return places;
+            }
+        }
+        start += raw.len();
+    }
+    if !complete && !places.is_empty() {
+        let message = "places without a transformation: DART turns and scales such objects at random, here all are as their model";
+        reading.note(Fate::Approximated, crate::error::Location::file(path), message);
+    }
+    places
+}
+
+/// The text with blanks where comments were, `/* */` and `//`, so that places stay the same.
+fn without_comments(text: &str) -> String {
+    let mut clean = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(i) = rest.find("/*").into_iter().chain(rest.find("//")).min() {
+        clean.push_str(&rest[..i]);
+        let comment = &rest[i..];
+        let length = match comment.as_bytes().get(1) {
+            Some(b'*') => comment[2..].find("*/").map_or(comment.len(), |end| end + 4),
+            _ => comment.find('\n').unwrap_or(comment.len()),
+        };
+        clean.extend(comment[..length].bytes().map(|b| if b == b'\n' { '\n' } else { ' ' }));
+        rest = &comment[length..];
+    }
+    clean.push_str(rest);
+    clean
+}

@@ -1,0 +1,151 @@
+//! phase.xml: bands, illumination, products and cameras.
+
+use crate::formats::xml::Element;
+use crate::report::Fate;
+
+use super::super::{Maket, Phase, SpectralInterval};
+use super::camera;
+use super::maket::code;
+use super::reading::Reading;
+
+pub(super) fn read(phase: &Element, maket: &Maket, reading: &mut Reading) -> Phase {
+    let bands = bands(phase, reading);
+    let (irradiance_mode, irradiance) = irradiance(phase, bands.len(), reading);
+    temperatures(phase, &bands, reading);
+    let products = phase.descendant("BrfProductsProperties");
+    Phase {
+        bands,
+        irradiance_mode,
+        irradiance,
+        radiance_products: products.is_some_and(|p| reading.flag(p, "luminanceProducts")),
+        cameras: camera::read(phase, maket, reading),
+    }
+}
+
+/// Elements in the order of their `bandNumber`: in that of the file where it is missing.
+///
+/// Those that must be complete count from 0 without gaps.
+fn numbered<'e>(mut elements: Vec<&'e Element>, complete: bool, reading: &mut Reading) -> Vec<&'e Element> {
+    let number = |(i, e): (usize, &&Element)| match e.get("bandNumber") {
+        Some(_) => reading.integer(e, "bandNumber"),
+        None => i as u32,
+    };
+    let numbers: Vec<u32> = elements.iter().enumerate().map(number).collect();
+    let mut order: Vec<usize> = (0..elements.len()).collect();
+    order.sort_by_key(|&i| numbers[i]);
+    for (wanted, &i) in order.iter().enumerate() {
+        if complete && numbers[i] as usize != wanted && elements[i].get("bandNumber").is_some() {
+            let message =
+                format!("`bandNumber` is {} where {wanted} belongs: bands count from 0 without gaps", numbers[i]);
+            reading.problem(elements[i].at_attribute("bandNumber"), message);
+            break;
+        }
+    }
+    elements = order.into_iter().map(|i| elements[i]).collect();
+    elements
+}
+
+fn bands(phase: &Element, reading: &mut Reading) -> Vec<SpectralInterval> {
+    let Some(list) = phase.descendant("SpectralIntervals") else {
+        reading.problem(phase.at(), "has no `<SpectralIntervals>` within");
+        return Vec::new();
+    };
+    let elements = numbered(list.all("SpectralIntervalsProperties").collect(), true, reading);
+    if elements.is_empty() {
+        reading.problem(list.at(), "holds no band");
+    }
+    let mut bands = Vec::new();
+    for element in elements {
+        let mean_um = reading.positive(element, "meanLambda");
+        let width_um = reading.number(element, "deltaLambda");
+        if width_um < 0.0 || width_um > 2.0 * mean_um {
+            let message = format!("a band {width_um} um wide at {mean_um} um");
+            reading.problem(element.at_attribute("deltaLambda"), message);
+        }
+        let mode = code(element, "spectralDartMode", 0, 2, reading);
+        if let Some(law) = element.child("emissionLawNode").filter(|_| mode == 2)
+            && reading.integer_or(law, "emissionLaw", 1) == 0
+        {
+            let message = "emission by the law of Boltzmann over all wavelengths: taken is Planck's law in the band";
+            reading.note(Fate::Approximated, law.at(), message);
+        }
+        bands.push(SpectralInterval { mean_um, width_um, mode, at: element.at() });
+    }
+    bands
+}
+
+fn irradiance(phase: &Element, bands: usize, reading: &mut Reading) -> (u32, Vec<(f64, f64)>) {
+    let Some(node) = phase.descendant("nodeIlluminationMode") else {
+        reading.note(Fate::Defaulted, phase.at(), "says nothing of illumination: taken is DART's solar spectrum");
+        return (0, Vec::new());
+    };
+    let mode = reading.integer_or(node, "irradianceMode", 0);
+    let what = match mode {
+        2 => Some("illumination by a radiance file of DART"),
+        3 => Some("illumination by a text file: give the values for each band, or a solar spectrum"),
+        0 | 1 => None,
+        _ => Some("illumination of a kind that is not known"),
+    };
+    if let Some(what) = what {
+        reading.note(Fate::Dropped, node.at_attribute("irradianceMode"), what);
+    }
+    let Some(list) = node.child("SpectralIrradiance") else {
+        if mode == 1 {
+            let message = "says no irradiance of bands, as in old versions: taken is a solar spectrum";
+            reading.note(Fate::Approximated, node.at(), message);
+        }
+        return (if mode == 1 { 0 } else { mode }, Vec::new());
+    };
+    let elements = numbered(list.all("SpectralIrradianceValue").collect(), mode == 1, reading);
+    let mut values: Vec<(f64, f64)> =
+        elements.iter().map(|e| (reading.number_or(e, "irradiance", 0.0), reading.number_or(e, "Skyl", 0.0))).collect();
+    if mode != 1 {
+        return (mode, values);
+    }
+    for (value, element) in values.iter().zip(&elements) {
+        if value.0 < 0.0 || !(0.0..=1.0).contains(&value.1) {
+            let message = format!(
+                "irradiance {} with a diffuse share of {}: not below 0, and a share of 0 to 1",
+                value.0, value.1
+            );
+            reading.problem(element.at(), message);
+        }
+    }
+    if let Some(common) = list.child("CommonParameters") {
+        let first = values.first().copied().unwrap_or_default();
+        if reading.flag(common, "commonIrradianceCheckBox") {
+            values.resize(bands, first);
+            values.iter_mut().for_each(|v| v.0 = first.0);
+        }
+        if reading.flag(common, "commonSkylCheckBox") {
+            values.iter_mut().for_each(|v| v.1 = first.1);
+        }
+        if reading.integer_or(common, "irraDef", 0) != 0 {
+            let message =
+                "irradiance on a horizontal surface: taken as it is, which is that on a surface towards the Sun";
+            reading.note(Fate::Approximated, common.at_attribute("irraDef"), message);
+        }
+    }
+    if let Some((_, element)) = values.iter().zip(&elements).find(|(v, _)| v.1 > 0.0) {
+        reading.note(Fate::Dropped, element.at_attribute("Skyl"), "diffuse light from the sky");
+    }
+    (mode, values)
+}
+
+/// Where temperatures come from.
+fn temperatures(phase: &Element, bands: &[SpectralInterval], reading: &mut Reading) {
+    if bands.iter().all(|b| b.mode == 0) {
+        return;
+    }
+    if let Some(node) = phase.descendant("SpectralDomainTir")
+        && reading.integer_or(node, "temperatureMode", 0) != 0
+    {
+        let message = "temperatures from a file or the atmosphere: read are those of the thermal functions";
+        reading.note(Fate::Dropped, node.at_attribute("temperatureMode"), message);
+    }
+    if let Some(sky) = phase.descendant("temperatureAtmosphere")
+        && reading.number_or(sky, "atmosphericApparentTemperature", 0.0) > 0.0
+    {
+        reading.note(Fate::Dropped, sky.at_attribute("atmosphericApparentTemperature"), "heat from the sky");
+    }
+}

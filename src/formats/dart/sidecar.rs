@@ -1,0 +1,336 @@
+//! `mmxrt.toml` beside a simulation: what DART's own files have no place for, so that a scene comes back whole.
+//!
+//! DART never sees it. On the way back a value of it is used only where DART's files still hold what was written with it: an
+//! edited XML file or database wins.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use glam::{DMat3, DVec3};
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Error, Location, Result};
+use crate::formats::input::{self, InputFile};
+use crate::geometry::Mesh;
+use crate::scene::{Hapke, Mars, MarsModel, Material, Photometry, Rpv, Scene, Sun, Thermal};
+use crate::spectral::{Band, Extend, Spectrum, solar_e490};
+
+/// Its name in a simulation's folder.
+pub(super) const FILE: &str = "mmxrt.toml";
+/// Longer files are refused, bytes.
+const LIMIT: u64 = 256 << 20;
+
+/// What a scene holds and DART's files do not.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sidecar {
+    /// Version of this format: 1.
+    mmxrt_dart: u32,
+    /// Origin of the scene's local coordinates, body-fixed, m.
+    pub(super) origin_m: [f64; 3],
+    /// The same point in DART's frame, m.
+    pub(super) origin_in_dart_m: [f64; 3],
+    thermal: ThermalName,
+    /// Faces that are more than a facet, as runs of (facets of a face, number of such faces); left out where all are triangles.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    faces: Vec<(u32, u32)>,
+    sensor: SensorPart,
+    sun: SunPart,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    mars: Option<MarsPart>,
+    #[serde(rename = "material")]
+    materials: Vec<MaterialPart>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum ThermalName {
+    Equilibrium,
+    Thesis,
+    Off,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SensorPart {
+    name: String,
+    /// Axes of the image (right, down, ahead), body-fixed.
+    axes: [[f64; 3]; 3],
+    /// 0 for a monochromatic band.
+    fwhm_um: Vec<f64>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SunPart {
+    distance_m: f64,
+    total_irradiance_1au_w_m2: f64,
+    irradiance_1au: SunSpectrum,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+enum SunSpectrum {
+    /// "e490".
+    Named(String),
+    Table(Table),
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MarsPart {
+    /// From `origin_m`, axes of the body.
+    centre_m: [f64; 3],
+    radius_m: f64,
+    bond_albedo: f64,
+    thermal_exitance_w_m2: f64,
+    model: MarsModelName,
+    reflectance: Table,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum MarsModelName {
+    NearField,
+    Thesis,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MaterialPart {
+    name: String,
+    bond_albedo: f64,
+    emissivity_bolometric: f64,
+    /// Entry, counted from 0, and its share.
+    mixture: Vec<(usize, f64)>,
+    reflectance: Table,
+    /// Left out where it is 1 - reflectance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    emissivity: Option<Table>,
+    /// Parameters of Hapke's model, by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    hapke: BTreeMap<String, Table>,
+    /// Parameters of the RPV model, by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    rpv: BTreeMap<String, Table>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Table {
+    wavelength_um: Vec<f64>,
+    value: Vec<f64>,
+    /// The end values hold beyond the ends.
+    held: bool,
+}
+
+impl Table {
+    fn of(spectrum: &Spectrum) -> Self {
+        Table {
+            wavelength_um: spectrum.wavelength_um().to_vec(),
+            value: spectrum.value().to_vec(),
+            held: spectrum.coverage_um().1 == f64::INFINITY,
+        }
+    }
+
+    fn spectrum(&self) -> Option<Spectrum> {
+        let extend = if self.held { Extend::Hold } else { Extend::Error };
+        Spectrum::new(self.wavelength_um.clone(), self.value.clone(), extend)
+    }
+}
+
+impl Sidecar {
+    /// Of a scene whose origin stands at `origin_in_dart_m`.
+    pub(super) fn of(scene: &Scene, origin_in_dart_m: DVec3) -> Self {
+        let sun = &scene.sun;
+        let spectrum = match sun.irradiance_1au == *solar_e490() {
+            true => SunSpectrum::Named("e490".into()),
+            false => SunSpectrum::Table(Table::of(&sun.irradiance_1au)),
+        };
+        Sidecar {
+            mmxrt_dart: 1,
+            origin_m: scene.origin_m.to_array(),
+            origin_in_dart_m: origin_in_dart_m.to_array(),
+            thermal: match scene.thermal {
+                Thermal::Equilibrium => ThermalName::Equilibrium,
+                Thermal::Thesis => ThermalName::Thesis,
+                Thermal::Off => ThermalName::Off,
+            },
+            faces: runs_of_faces(&scene.mesh).unwrap_or_default(),
+            sensor: SensorPart {
+                name: scene.sensor.name.clone(),
+                axes: scene.sensor.camera.world_from_sensor.rotation.to_cols_array_2d(),
+                fwhm_um: scene.sensor.bands.iter().map(|b| b.fwhm_um.unwrap_or(0.0)).collect(),
+            },
+            sun: SunPart {
+                distance_m: sun.distance_m,
+                total_irradiance_1au_w_m2: sun.total_irradiance_1au_w_m2,
+                irradiance_1au: spectrum,
+            },
+            mars: scene.mars.as_ref().map(|mars| MarsPart {
+                centre_m: mars.centre_m.to_array(),
+                radius_m: mars.radius_m,
+                bond_albedo: mars.bond_albedo,
+                thermal_exitance_w_m2: mars.thermal_exitance_w_m2,
+                model: match mars.model {
+                    MarsModel::NearField => MarsModelName::NearField,
+                    MarsModel::Thesis => MarsModelName::Thesis,
+                },
+                reflectance: Table::of(&mars.reflectance),
+            }),
+            materials: scene.materials.iter().map(material_part).collect(),
+        }
+    }
+
+    /// Reads the file beside a simulation; `None` if there is none.
+    ///
+    /// # Errors
+    /// [`Error::Io`]; [`Error::Syntax`] at the first place that is not as it is written by this version.
+    pub fn read(path: &Path) -> Result<Option<(Self, InputFile)>> {
+        if !path.is_file() {
+            return Ok(None);
+        }
+        let (text, input) = input::text(path, LIMIT)?;
+        let sidecar: Sidecar = toml::from_str(&text).map_err(|e| {
+            let at = e.span().map_or(Location::file(path), |s| Location::span(path, &text, s.start, s.end));
+            Error::syntax(at, format!("{}: delete the file to do without it", e.message()))
+        })?;
+        if sidecar.mmxrt_dart != 1 {
+            let at = Location::file(path).with_item("mmxrt_dart");
+            return Err(Error::Unsupported { at, feature: format!("version {} of this file", sidecar.mmxrt_dart) });
+        }
+        Ok(Some((sidecar, input)))
+    }
+
+    /// The file's text.
+    pub fn text(&self) -> String {
+        let body = toml::to_string(self).unwrap_or_else(|e| format!("# {e}\n"));
+        format!(
+            "# What DART's files have no place for: mmxrt reads it, DART does not. A value counts only where DART's files still\n\
+             # hold what was written with it: an edited XML file or database wins.\n{body}"
+        )
+    }
+
+    /// The Sun towards `direction`; `None` if its spectrum is no spectrum.
+    pub(super) fn sun(&self, direction: crate::geometry::Direction) -> Option<Sun> {
+        let irradiance_1au = match &self.sun.irradiance_1au {
+            SunSpectrum::Named(name) => (name == "e490").then(|| solar_e490().clone())?,
+            SunSpectrum::Table(table) => table.spectrum()?,
+        };
+        let SunPart { distance_m, total_irradiance_1au_w_m2, .. } = self.sun;
+        Some(Sun { direction, distance_m, irradiance_1au, total_irradiance_1au_w_m2 })
+    }
+
+    pub(super) fn mars(&self) -> Option<Mars> {
+        let mars = self.mars.as_ref()?;
+        Some(Mars {
+            centre_m: DVec3::from_array(mars.centre_m),
+            radius_m: mars.radius_m,
+            reflectance: mars.reflectance.spectrum()?,
+            bond_albedo: mars.bond_albedo,
+            thermal_exitance_w_m2: mars.thermal_exitance_w_m2,
+            model: match mars.model {
+                MarsModelName::NearField => MarsModel::NearField,
+                MarsModelName::Thesis => MarsModel::Thesis,
+            },
+        })
+    }
+
+    pub(super) fn thermal(&self) -> Thermal {
+        match self.thermal {
+            ThermalName::Equilibrium => Thermal::Equilibrium,
+            ThermalName::Thesis => Thermal::Thesis,
+            ThermalName::Off => Thermal::Off,
+        }
+    }
+
+    /// The camera's axes right, down, ahead as columns; `None` if they are no axes.
+    pub(super) fn world_from_sensor(&self) -> Option<DMat3> {
+        let axes = DMat3::from_cols_array_2d(&self.sensor.axes);
+        let off = axes * axes.transpose() - DMat3::IDENTITY;
+        let is_rotation = off.to_cols_array().iter().all(|x| x.abs() < 1e-9) && axes.determinant() > 0.0;
+        is_rotation.then_some(axes)
+    }
+
+    pub(super) fn sensor_name(&self) -> &str {
+        &self.sensor.name
+    }
+
+    /// A band as the scene has it, at a centre that DART has.
+    pub(super) fn band(&self, index: usize, centre_um: f64) -> Option<Band> {
+        let fwhm_um = *self.sensor.fwhm_um.get(index)?;
+        Some(Band { centre_um, fwhm_um: (fwhm_um > 0.0).then_some(fwhm_um) })
+    }
+
+    /// The place of a material in the scene's dictionary.
+    pub(super) fn place_of(&self, name: &str) -> Option<usize> {
+        self.materials.iter().position(|m| m.name == name)
+    }
+
+    pub(super) fn material(&self, name: &str) -> Option<Material> {
+        let part = self.materials.iter().find(|m| m.name == name)?;
+        let reflectance = part.reflectance.spectrum()?;
+        Some(Material {
+            name: part.name.clone(),
+            emissivity: match &part.emissivity {
+                Some(table) => table.spectrum()?,
+                None => reflectance.map(|r| 1.0 - r),
+            },
+            photometry: match (part.hapke.is_empty(), part.rpv.is_empty()) {
+                (true, true) => Photometry::Lambert,
+                (false, _) => Photometry::Hapke(Box::new(Hapke::from(parameters(&part.hapke, Hapke::NAMES)?))),
+                (true, false) => Photometry::Rpv(Box::new(Rpv::from(parameters(&part.rpv, Rpv::NAMES)?))),
+            },
+            reflectance,
+            bond_albedo: part.bond_albedo,
+            emissivity_bolometric: part.emissivity_bolometric,
+            mixture: part.mixture.clone(),
+        })
+    }
+
+    /// The face that each of so many facets was cut from; empty if each is its own, or if the runs are of other facets.
+    pub(super) fn faces(&self, facets: usize) -> Vec<u32> {
+        let count: u64 = self.faces.iter().map(|(size, faces)| u64::from(*size) * u64::from(*faces)).sum();
+        if count != facets as u64 || self.faces.iter().any(|(size, _)| *size == 0) {
+            return Vec::new();
+        }
+        let sizes = self.faces.iter().flat_map(|(size, faces)| std::iter::repeat_n(*size, *faces as usize));
+        sizes.enumerate().flat_map(|(face, size)| std::iter::repeat_n(face as u32, size as usize)).collect()
+    }
+}
+
+fn parameters<const N: usize>(tables: &BTreeMap<String, Table>, names: [&str; N]) -> Option<[Spectrum; N]> {
+    let spectra: Option<Vec<Spectrum>> = names.iter().map(|name| tables.get(*name)?.spectrum()).collect();
+    spectra?.try_into().ok()
+}
+
+fn material_part(material: &Material) -> MaterialPart {
+    let parameters =
+        || material.photometry.parameters().into_iter().map(|(name, s)| (name.to_owned(), Table::of(s))).collect();
+    let by_kirchhoff = material.emissivity == material.reflectance.map(|r| 1.0 - r);
+    MaterialPart {
+        name: material.name.clone(),
+        bond_albedo: material.bond_albedo,
+        emissivity_bolometric: material.emissivity_bolometric,
+        mixture: material.mixture.clone(),
+        reflectance: Table::of(&material.reflectance),
+        emissivity: (!by_kirchhoff).then(|| Table::of(&material.emissivity)),
+        hapke: if matches!(material.photometry, Photometry::Hapke(_)) { parameters() } else { BTreeMap::new() },
+        rpv: if matches!(material.photometry, Photometry::Rpv(_)) { parameters() } else { BTreeMap::new() },
+    }
+}
+
+/// Faces 0, 1, 2 ... of several facets each, as runs of faces with as many facets; `None` if they are in another order.
+pub(super) fn runs_of_faces(mesh: &Mesh) -> Option<Vec<(u32, u32)>> {
+    let mut runs: Vec<(u32, u32)> = Vec::new();
+    for (i, face) in mesh.face_of_facet.chunk_by(|a, b| a == b).enumerate() {
+        if face[0] as usize != i {
+            return None;
+        }
+        match runs.last_mut() {
+            Some((size, faces)) if *size == face.len() as u32 => *faces += 1,
+            _ => runs.push((face.len() as u32, 1)),
+        }
+    }
+    Some(runs)
+}

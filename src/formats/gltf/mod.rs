@@ -1,0 +1,26 @@
+//! glTF 2.0, as text (`.gltf`) and binary (`.glb`): meshes with the names and colours of their materials.
+//!
+//! **Axes.** glTF has y up and metres; here z is up: (x, y, z) = (x, -z, y) of glTF, as `up = "y"` does in a scene file. So the
+//! body's north, or a site's zenith, is up in every viewer.
+//!
+//! **Digits.** glTF stores positions as f32: 0.5 mm at 10 km. Beside them stands an attribute of our own,
+//! `_POSITION_RESIDUAL` (VEC3 of f32): the position minus its f32. Their sum is good to 1e-14 of the position; who does not know
+//! the attribute passes over it. Node transforms are read in f64.
+//!
+//! **Names.** `extras.origin_m` of a scene (or of `asset`) is the scene's origin in the body-fixed frame, m, in our axes;
+//! `extras.spectral_material` of a material is its entry in the dictionary, where that is not its `name`.
+
+mod accessor;
+mod json;
+mod read;
+mod write;
+
+pub use read::{parse, read, told_apart};
+pub use write::{Encoded, encode};
+
+/// What tells a binary file: its first bytes.
+pub const MAGIC: &[u8] = b"glTF";
+/// Position minus its f32.
+const RESIDUAL: &str = "_POSITION_RESIDUAL";
+/// More vertices, or more facets, are refused.
+const MOST: usize = 1 << 27;

@@ -1,0 +1,490 @@
+//! Reading glTF: container, buffers, node hierarchy, primitives.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use glam::{DAffine3, DMat3, DQuat, DVec3};
+use serde_json::Value;
+
+use crate::error::{Error, Location, Problem, Result};
+use crate::formats::input::{self, InputFile};
+use crate::formats::mtl::{self, ObjMaterial};
+use crate::formats::surface::Surface;
+use crate::geometry::{MaterialId, Mesh};
+use crate::report::{Fate, Report};
+
+use super::accessor::Data;
+use super::json::{Node, Primitive, Root};
+use super::{MAGIC, MOST, RESIDUAL};
+
+/// Longer files are refused, bytes.
+const LIMIT: u64 = 8 << 30;
+
+/// Whether bytes are the start of a glTF file, binary or text.
+pub fn told_apart(bytes: &[u8]) -> bool {
+    let text = || {
+        let start = bytes.iter().position(|b| !b.is_ascii_whitespace()).unwrap_or(0);
+        bytes[start..].starts_with(b"{") && memchr::memmem::find(bytes, b"\"asset\"").is_some()
+    };
+    bytes.starts_with(MAGIC) || text()
+}
+
+/// Reads the default scene of a `.gltf` or `.glb` file as one mesh, in metres, z up, with what of the file has no place in it.
+///
+/// `outside`: buffers may lie outside the file's folder.
+///
+/// # Errors
+/// [`Error::Io`]; [`Error::Syntax`] where it is not JSON or not a GLB; [`Error::Invalid`] with the item that cannot be used: an
+/// index, offset or count beyond what there is, a position that is not finite, a node that is reached twice, a buffer outside the
+/// folder; [`Error::Unsupported`] for a version or a required extension that is not known.
+pub fn read(path: &Path, outside: bool) -> Result<(Surface, Report, Vec<InputFile>)> {
+    parse(&input::bytes(path, LIMIT)?, path, outside)
+}
+
+/// Reads the bytes of such a file; `path` is for messages, and for the buffers that lie beside it.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(bytes: &[u8], path: &Path, outside: bool) -> Result<(Surface, Report, Vec<InputFile>)> {
+    let mut inputs = vec![InputFile::of(path, bytes)];
+    let (json, binary) = if bytes.starts_with(MAGIC) { chunks(bytes, path)? } else { (bytes, None) };
+    let root: Root = serde_json::from_slice(json).map_err(|e| {
+        let place = Location { column: Some(e.column()), ..Location::line(path, e.line()) };
+        let place = if binary.is_some() { place.with_item("JSON chunk") } else { place };
+        let message = e.to_string();
+        // Serde says the place once more.
+        Error::syntax(place, message.split(" at line ").next().unwrap_or(&message))
+    })?;
+    let mut data = Data { path, root, buffers: Vec::new() };
+    known(&data)?;
+    data.buffers = buffers(&data, binary, outside, &mut inputs)?;
+    let mut reader = Reader { data: &data, mesh: Mesh::default(), materials: Vec::new(), report: Report::default() };
+    reader.scene()?;
+    let origin_m = reader.origin_m()?;
+    let Reader { mesh, materials, report, .. } = reader;
+    if mesh.facets.is_empty() {
+        return data.wrong("meshes", "the scene has no triangles");
+    }
+    Ok((Surface { mesh, materials, origin_m }, report, inputs))
+}
+
+/// The JSON and the binary chunk of a GLB; chunks of other kinds are passed over, as the format wants it.
+fn chunks<'a>(bytes: &'a [u8], path: &Path) -> Result<(&'a [u8], Option<&'a [u8]>)> {
+    let wrong = |message: String| Err(Error::syntax(Location::file(path), message));
+    let number = |bytes: &[u8], at: usize| {
+        let bytes = bytes.get(at..at.checked_add(4)?)?;
+        Some(u32::from_le_bytes(bytes.try_into().ok()?) as usize)
+    };
+    let (Some(version), Some(length)) = (number(bytes, 4), number(bytes, 8)) else {
+        return wrong("a GLB ends within its header".into());
+    };
+    if version != 2 {
+        let feature = format!("version {version} of GLB");
+        return Err(Error::Unsupported { at: Location::file(path), feature });
+    }
+    if length > bytes.len() {
+        return wrong(format!("a GLB of {length} bytes by its header, but of {}: is it cut short?", bytes.len()));
+    }
+    let bytes = &bytes[..length];
+    let (mut json, mut binary, mut at) = (None, None, 12);
+    while at < length {
+        let (Some(size), Some(kind)) = (number(bytes, at), bytes.get(at + 4..at + 8)) else {
+            return wrong(format!("a chunk's header is cut short at byte {at}"));
+        };
+        let Some(chunk) = bytes.get(at + 8..at + 8 + size) else {
+            return wrong(format!("a chunk of {size} bytes at byte {at} reaches beyond the file's end"));
+        };
+        match kind {
+            b"JSON" if json.is_none() => json = Some(chunk),
+            b"BIN\0" if binary.is_none() => binary = Some(chunk),
+            _ => {}
+        }
+        at += 8 + size;
+    }
+    match json {
+        Some(json) => Ok((json, binary)),
+        None => wrong("a GLB without a JSON chunk".into()),
+    }
+}
+
+/// Refuses versions and required extensions that are not known.
+fn known(data: &Data<'_>) -> Result<()> {
+    let unsupported = |item: String, feature: String| Err(Error::Unsupported { at: data.at(item), feature });
+    let version = &data.root.asset.version;
+    if version.is_empty() {
+        return data.wrong("asset.version", "is missing: is this a glTF file?");
+    }
+    if version.split('.').next() != Some("2") {
+        return unsupported("asset.version".into(), format!("version {version} of glTF"));
+    }
+    match data.root.extensions_required.first() {
+        Some(name) => unsupported("extensionsRequired[0]".into(), format!("the required extension {name}")),
+        None => Ok(()),
+    }
+}
+
+/// The bytes of all buffers, as long as the file says they are.
+fn buffers(data: &Data<'_>, binary: Option<&[u8]>, outside: bool, inputs: &mut Vec<InputFile>) -> Result<Vec<Vec<u8>>> {
+    let mut all = Vec::new();
+    for (i, buffer) in data.root.buffers.iter().enumerate() {
+        let item = format!("buffers[{i}]");
+        let mut bytes = match (&buffer.uri, binary) {
+            (None, Some(binary)) if i == 0 => binary.to_owned(),
+            (None, _) => return data.wrong(item, "has no `uri`, and is not the binary chunk of a GLB"),
+            (Some(uri), _) => match uri.strip_prefix("data:").map(|rest| rest.split_once(',')) {
+                Some(Some((kind, text))) if kind.ends_with(";base64") => match base64(text) {
+                    Some(bytes) => bytes,
+                    None => return data.wrong(item, "its data are not base64"),
+                },
+                Some(_) => return data.wrong(item, "its `data:` is not in base64"),
+                None => {
+                    let name = percent_decoded(uri);
+                    let path = input::beside(data.path, &name, outside)
+                        .map_err(|message| Error::invalid(data.at(&item), message))?;
+                    let bytes = input::bytes(&path, LIMIT).map_err(|e| match e {
+                        Error::Io { path, source, .. } => {
+                            let message = format!("{}, which it names, cannot be read: {source}", path.display());
+                            Error::invalid(data.at(&item), message)
+                        }
+                        other => other,
+                    })?;
+                    inputs.push(InputFile::of(&path, &bytes));
+                    bytes
+                }
+            },
+        };
+        if bytes.len() < buffer.byte_length {
+            let message = format!("`byteLength` {}, but there are {} bytes", buffer.byte_length, bytes.len());
+            return data.wrong(item, message);
+        }
+        bytes.truncate(buffer.byte_length);
+        all.push(bytes);
+    }
+    Ok(all)
+}
+
+/// RFC 4648, with or without padding.
+fn base64(text: &str) -> Option<Vec<u8>> {
+    let mut bytes = Vec::with_capacity(text.len() / 4 * 3 + 3);
+    let (mut bits, mut held) = (0_u32, 0);
+    for c in text.trim_end_matches('=').bytes() {
+        let six = match c {
+            b'A'..=b'Z' => c - b'A',
+            b'a'..=b'z' => c - b'a' + 26,
+            b'0'..=b'9' => c - b'0' + 52,
+            b'+' => 62,
+            b'/' => 63,
+            _ => return None,
+        };
+        bits = bits << 6 | u32::from(six);
+        held += 6;
+        if held >= 8 {
+            held -= 8;
+            bytes.push((bits >> held) as u8);
+        }
+    }
+    Some(bytes)
+}
+
+/// A path of a URI: `%20` is a blank.
+fn percent_decoded(uri: &str) -> String {
+    let mut bytes = Vec::with_capacity(uri.len());
+    let mut rest = uri.as_bytes();
+    while let Some((&first, after)) = rest.split_first() {
+        let code = after.get(..2).and_then(|two| std::str::from_utf8(two).ok());
+        match code.filter(|_| first == b'%').and_then(|two| u8::from_str_radix(two, 16).ok()) {
+            Some(byte) => {
+                bytes.push(byte);
+                rest = &after[2..];
+            }
+            None => {
+                bytes.push(first);
+                rest = after;
+            }
+        }
+    }
+    String::from_utf8_lossy(&bytes).into_owned()
+}
+
+struct Reader<'a> {
+    data: &'a Data<'a>,
+    mesh: Mesh,
+    materials: Vec<ObjMaterial>,
+    report: Report,
+}
+
+impl Reader<'_> {
+    fn dropped(&mut self, item: impl Into<String>, message: impl Into<String>) {
+        let at = self.data.at(item);
+        // An instance of a mesh loses what the mesh loses: told once.
+        let message = message.into();
+        if !self.report.notes.iter().any(|note| note.at == at && note.message == message) {
+            self.report.note(Fate::Dropped, at, message);
+        }
+    }
+
+    /// Takes all that the default scene shows.
+    fn scene(&mut self) -> Result<()> {
+        let data = self.data;
+        let root = &data.root;
+        let shown = root.scene.unwrap_or(0);
+        let roots = match (root.scenes.is_empty(), root.scene) {
+            (false, _) => data.element(&root.scenes, "scenes", shown, "scene")?.nodes.clone(),
+            (true, Some(_)) => return data.wrong("scene", "the file has no scenes"),
+            (true, None) => {
+                let message = "the file has no scene: all nodes without a parent are taken";
+                self.report.note(Fate::Defaulted, data.at("scenes"), message);
+                let children: BTreeSet<usize> = root.nodes.iter().flat_map(|n| n.children.iter().copied()).collect();
+                (0..root.nodes.len()).filter(|i| !children.contains(i)).collect()
+            }
+        };
+        for other in (0..root.scenes.len()).filter(|i| *i != shown) {
+            self.dropped(format!("scenes[{other}]"), "another scene than the default one");
+        }
+        if !root.animations.is_empty() {
+            self.dropped("animations", "all is taken at rest");
+        }
+        for (i, name) in root.extensions_used.iter().enumerate() {
+            self.dropped(format!("extensionsUsed[{i}]"), format!("what {name} adds"));
+        }
+        // Own stack: the hierarchy may be as deep as the file is long.
+        let mut reached = vec![false; root.nodes.len()];
+        let mut open: Vec<(usize, DAffine3, String)> = Vec::new();
+        let named = |list: &[usize], item: String, world: DAffine3, open: &mut Vec<_>| {
+            open.extend(list.iter().rev().map(|&node| (node, world, item.clone())));
+        };
+        named(&roots, format!("scenes[{shown}].nodes"), DAffine3::IDENTITY, &mut open);
+        while let Some((i, parent, from)) = open.pop() {
+            let node = data.element(&root.nodes, "nodes", i, &from)?;
+            let item = format!("nodes[{i}]");
+            if std::mem::replace(&mut reached[i], true) {
+                return data.wrong(item, "is reached twice: nodes form trees");
+            }
+            let world = parent * local(data, node, &item)?;
+            if !world.is_finite() {
+                return data.wrong(item, "its place in the scene is not finite");
+            }
+            if let Some(mesh) = node.mesh {
+                if node.skin.is_some() {
+                    self.dropped(&*item, "the skin: the mesh is taken as it stands without it");
+                }
+                self.instance(mesh, &world, &item)?;
+            }
+            if node.camera.is_some() {
+                self.dropped(&*item, "a camera");
+            }
+            named(&node.children, format!("{item}.children"), world, &mut open);
+        }
+        Ok(())
+    }
+
+    fn instance(&mut self, mesh: usize, world: &DAffine3, item: &str) -> Result<()> {
+        let data = self.data;
+        // Primitives that share their positions share vertices, so that edges join by index.
+        let mut shared: BTreeMap<(usize, Option<usize>), (u32, usize)> = BTreeMap::new();
+        for (i, primitive) in data.element(&data.root.meshes, "meshes", mesh, item)?.primitives.iter().enumerate() {
+            let item = format!("meshes[{mesh}].primitives[{i}]");
+            let mode = primitive.mode.unwrap_or(4);
+            if mode > 6 {
+                return data.wrong(format!("{item}.mode"), format!("{mode} is not a kind of primitive"));
+            }
+            if mode < 4 {
+                self.dropped(item, "points or lines: only triangles have a surface");
+                continue;
+            }
+            if !primitive.targets.is_empty() {
+                self.dropped(&*item, "morph targets: the mesh is taken at rest");
+            }
+            let Some(&position) = primitive.attributes.get("POSITION") else {
+                return data.wrong(format!("{item}.attributes"), "`POSITION` is missing");
+            };
+            let residual = primitive.attributes.get(RESIDUAL).copied();
+            let (base, count) = match shared.get(&(position, residual)) {
+                Some(known) => *known,
+                None => {
+                    let vertices = self.vertices(position, residual, &format!("{item}.attributes"))?;
+                    let base = self.mesh.vertices_m.len();
+                    if base + vertices.len() > MOST {
+                        return data.wrong(item, format!("more than {MOST} vertices with all instances"));
+                    }
+                    self.mesh.vertices_m.extend(vertices.iter().map(|&v| z_up(world.transform_point3(v))));
+                    if self.mesh.vertices_m[base..].iter().any(|v| !v.is_finite()) {
+                        return data.wrong(item, "its place in the scene is beyond all numbers");
+                    }
+                    *shared.entry((position, residual)).or_insert((base as u32, vertices.len()))
+                }
+            };
+            let indices: Vec<u32> = match primitive.indices {
+                None => (0..count as u32).collect(),
+                Some(accessor) => {
+                    let item = format!("{item}.indices");
+                    let numbers = data.numbers(accessor, &["SCALAR"], &item)?;
+                    if let Some(wrong) =
+                        numbers.iter().find(|n| !(n.fract() == 0.0 && (0.0..count as f64).contains(*n)))
+                    {
+                        return data.wrong(item, format!("vertex {wrong}: there are {count}"));
+                    }
+                    numbers.into_iter().map(|n| n as u32).collect()
+                }
+            };
+            let material = self.material(primitive, &indices, count, &item)?;
+            if mode == 4 && !indices.len().is_multiple_of(3) {
+                return data.wrong(item, format!("{} corners do not make triangles", indices.len()));
+            }
+            let flip = world.matrix3.determinant() < 0.0;
+            let mut push = |[a, b, c]: [u32; 3]| {
+                let corners = if flip { [a, c, b] } else { [a, b, c] };
+                self.mesh.facets.push(corners.map(|v| v + base));
+                self.mesh.material.push(material);
+            };
+            match mode {
+                4 => indices.chunks_exact(3).for_each(|t| push([t[0], t[1], t[2]])),
+                // In a strip every other triangle is turned, and triangles without area only lead from one part to the next.
+                5 => (indices.windows(3).enumerate())
+                    .map(|(i, t)| if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[1], t[0], t[2]] })
+                    .filter(|[a, b, c]| a != b && b != c && c != a)
+                    .for_each(push),
+                _ => indices.get(1..).unwrap_or(&[]).windows(2).for_each(|t| push([t[0], t[1], indices[0]])),
+            }
+            if self.mesh.facets.len() > MOST {
+                return data.wrong(item, format!("more than {MOST} triangles with all instances"));
+            }
+        }
+        Ok(())
+    }
+
+    /// The positions of a primitive, in glTF's axes.
+    fn vertices(&self, position: usize, residual: Option<usize>, item: &str) -> Result<Vec<DVec3>> {
+        let points = |accessor: usize, name: &str| -> Result<Vec<DVec3>> {
+            let numbers = self.data.numbers(accessor, &["VEC3"], &format!("{item}.{name}"))?;
+            Ok(numbers.chunks_exact(3).map(DVec3::from_slice).collect())
+        };
+        let mut vertices = points(position, "POSITION")?;
+        if let Some(residual) = residual {
+            let residuals = points(residual, RESIDUAL)?;
+            if residuals.len() != vertices.len() {
+                let message = format!("{} residuals for {} positions", residuals.len(), vertices.len());
+                return self.data.wrong(format!("{item}.{RESIDUAL}"), message);
+            }
+            vertices.iter_mut().zip(residuals).for_each(|(v, r)| *v += r);
+        }
+        match vertices.iter().position(|v| !v.is_finite()) {
+            Some(i) => self.data.wrong(format!("accessors[{position}]"), format!("position {i} is not finite")),
+            None => Ok(vertices),
+        }
+    }
+
+    /// The material of a primitive: its name, or its colour where it has none.
+    fn material(&mut self, primitive: &Primitive, used: &[u32], count: usize, item: &str) -> Result<MaterialId> {
+        let data = self.data;
+        let tint = self.tint(primitive, used, count, item)?;
+        let mut entry = ObjMaterial { name: String::new(), kd: None };
+        if let Some(index) = primitive.material {
+            let material = data.element(&data.root.materials, "materials", index, &format!("{item}.material"))?;
+            let item = format!("materials[{index}]");
+            let spectral = material.extras.get("spectral_material").and_then(Value::as_str);
+            entry.name = mtl::plain_name(spectral.unwrap_or(&material.name));
+            let pbr = &material.pbr_metallic_roughness;
+            entry.kd = pbr.base_color_factor.map(|[r, g, b, _]| [r, g, b]);
+            if entry.kd.is_some_and(|kd| kd.iter().any(|c| !(0.0..=1.0).contains(c))) {
+                return data.wrong(format!("{item}.pbrMetallicRoughness.baseColorFactor"), "is outside 0 to 1");
+            }
+            let textures = [
+                pbr.base_color_texture.is_some(),
+                material.normal_texture.is_some(),
+                material.occlusion_texture.is_some(),
+                material.emissive_texture.is_some(),
+            ];
+            if textures.contains(&true) {
+                self.dropped(&*item, "textures: a material has one spectrum");
+            }
+            if material.emissive_factor.iter().any(|e| *e != 0.0) {
+                self.dropped(&*item, "light of its own");
+            }
+            if material.alpha_mode.as_deref().is_some_and(|mode| mode != "OPAQUE") {
+                self.dropped(&*item, "transparency: surfaces are opaque");
+            }
+            if material.double_sided {
+                self.dropped(&*item, "its back: a facet is seen and lit from its outer side, its inner side is black");
+            }
+        }
+        if let Some(tint) = tint {
+            let base = entry.kd.unwrap_or([1.0; 3]);
+            entry.kd = Some([0, 1, 2].map(|i| base[i] * tint[i]));
+        }
+        let known = self.materials.iter().position(|m| *m == entry).unwrap_or_else(|| {
+            self.materials.push(entry);
+            self.materials.len() - 1
+        });
+        match u16::try_from(known) {
+            Ok(known) => Ok(MaterialId(known)),
+            Err(_) => data.wrong(item, format!("more than {} materials", u16::MAX)),
+        }
+    }
+
+    /// The colour of all the vertices that a primitive uses, if they have one.
+    fn tint(&mut self, primitive: &Primitive, used: &[u32], count: usize, item: &str) -> Result<Option<[f64; 3]>> {
+        let Some(&accessor) = primitive.attributes.get("COLOR_0") else { return Ok(None) };
+        let name = format!("{item}.attributes.COLOR_0");
+        let numbers = self.data.numbers(accessor, &["VEC3", "VEC4"], &name)?;
+        let width = if self.data.root.accessors[accessor].shape == "VEC4" { 4 } else { 3 };
+        if numbers.len() / width != count {
+            return self.data.wrong(name, format!("{} colours for {count} positions", numbers.len() / width));
+        }
+        let colour = |v: &u32| &numbers[width * *v as usize..][..3];
+        let Some(first) = used.first().map(colour) else { return Ok(None) };
+        if used.iter().any(|v| colour(v) != first) {
+            self.dropped(name, "colours that differ from vertex to vertex: a facet has one material");
+            return Ok(None);
+        }
+        if first.iter().any(|c| !(0.0..=1.0).contains(c)) {
+            return self.data.wrong(name, "is outside 0 to 1");
+        }
+        Ok(Some([first[0], first[1], first[2]]))
+    }
+
+    fn origin_m(&self) -> Result<Option<DVec3>> {
+        let root = &self.data.root;
+        let shown = root.scene.unwrap_or(0);
+        let of_scene = root.scenes.get(shown).and_then(|scene| scene.extras.get("origin_m"));
+        let (given, item) = match (of_scene, root.asset.extras.get("origin_m")) {
+            (Some(given), _) => (given, format!("scenes[{shown}].extras.origin_m")),
+            (None, Some(given)) => (given, "asset.extras.origin_m".into()),
+            (None, None) => return Ok(None),
+        };
+        let numbers: Vec<f64> = given.as_array().into_iter().flatten().filter_map(Value::as_f64).collect();
+        match numbers[..] {
+            [x, y, z] if given.as_array().is_some_and(|list| list.len() == 3) => Ok(Some(DVec3::new(x, y, z))),
+            _ => Err(Error::Invalid(vec![
+                Problem::new(self.data.at(item), "is not three numbers")
+                    .with_help("[x, y, z] in the body-fixed frame, m, z north"),
+            ])),
+        }
+    }
+}
+
+/// A node's own transform.
+fn local(data: &Data<'_>, node: &Node, item: &str) -> Result<DAffine3> {
+    if let Some(m) = &node.matrix {
+        if [m[3], m[7], m[11], m[15]] != [0.0, 0.0, 0.0, 1.0] {
+            return data.wrong(format!("{item}.matrix"), "its last row is not 0 0 0 1");
+        }
+        let column = |i: usize| DVec3::new(m[i], m[i + 1], m[i + 2]);
+        return Ok(DAffine3 { matrix3: DMat3::from_cols(column(0), column(4), column(8)), translation: column(12) });
+    }
+    let rotation = DQuat::from_array(node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]));
+    if !(rotation.length() > 0.0 && rotation.length().is_finite()) {
+        return data.wrong(format!("{item}.rotation"), "has no length: a rotation is a unit quaternion");
+    }
+    // Written in f32, it is of unit length only to 1e-7; scaled by that, a mesh would grow. A turn by nothing stays exact.
+    let rotation = DMat3::from_quat(rotation.normalize());
+    Ok(DAffine3 {
+        matrix3: rotation * DMat3::from_diagonal(DVec3::from_array(node.scale.unwrap_or([1.0; 3]))),
+        translation: DVec3::from_array(node.translation.unwrap_or([0.0; 3])),
+    })
+}
+
+/// Our axes from glTF's.
+fn z_up(v: DVec3) -> DVec3 {
+    DVec3::new(v.x, -v.z, v.y)
+}

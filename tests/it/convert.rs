@@ -1,0 +1,375 @@
+//! `mmxrt convert`: what comes back of what is written, what is said of what is lost, and what is refused.
+
+use mmxrt::formats::convert::{Content, differences};
+use mmxrt::formats::scene_toml;
+use mmxrt::progress::unwatched;
+use mmxrt::scene::{Photometry, Scene};
+use serde_json::Value;
+
+use crate::cli::run;
+use crate::scratch::Scratch;
+
+/// Everything that a scene file can say, with names and numbers that are easily lost.
+const SCENE: &str = r##"mmxrt_scene = 1
+origin_m = [-2743.5946, 11860.0360, 0.51269]
+[[mesh]]
+obj = "ground.obj"
+[materials]
+"blue unit" = { reflectance = "blue.csv", extend = "hold", emissivity_bolometric = 0.9 }
+mix = { mixture = { "blue unit" = 0.3, "#b03020" = 0.7 }, emissivity = "blue.csv" }
+"#b03020" = { reflectance = 0.123456789012345678, bond_albedo = 0.1 }
+shiny = { reflectance = 0.1, hapke = "hapke.csv" }
+bowl = { reflectance = 0.1, emissivity = 0.8, rpv = "rpv.csv" }
+[sun]
+position_m = [3.992e10, 2.1812e11, 1.1501e10]
+spectrum = "sun.csv"
+total_irradiance_w_m2 = 1361.0
+[mars]
+position_m = [9.376e6, 0.0, 1.0]
+albedo = "mars.csv"
+model = "thesis"
+[thermal]
+model = "thesis"
+[observer]
+position_m = [-20159.4581, 87145.4911, 3.7671]
+target_m = [-2743.5946, 11860.0360, 0.51269]
+up = [0.0, 0.0, 1.0]
+[sensor]
+name = "a \"camera\""
+samples = 12
+lines = 7
+fit = "scene"
+bands = { centres_um = [1.1, 1.7, 1.3], fwhm_um = [0.0, 0.01, 0.02] }
+"##;
+
+/// A scratch folder with a scene and its files.
+fn prepared(text: &str) -> Scratch {
+    let scratch = Scratch::new();
+    scratch.write("scene.toml", text);
+    let corners = ["-9.1 0.3 8", "9 0.1 -8", "3 0.12345678901234567 8e-7", "1e-320 5 1", "5 9 2", "-3 7 0", "-5 5 5"];
+    let vertices: String = corners.iter().map(|c| format!("v {c}\n")).collect();
+    let faces = "usemtl blue unit\nf 1 2 3\nusemtl mix\nf 2 4 3\nusemtl #b03020\nf 1 3 2\nusemtl shiny\nf 1 2 3\n";
+    scratch.write(
+        "ground.obj",
+        format!("{vertices}{faces}usemtl bowl\nf 1 2 3\nf 1 2 5 7\nf 7 1 2 5\nf 1 2 5 6 7\nf 2 5 6 7 1\n"),
+    );
+    scratch.write("blue.csv", "wavelength_nm,reflectance_percent\n900,5\n1333.3,7.7\n2500,15\n");
+    scratch.write("mars.csv", "wavelength_um,albedo\n0.9,0.1\n2.5,0.3\n");
+    scratch.write("sun.csv", "wavelength_um,irradiance_w_m2_um\n0.9,900\n1.5,300\n2.5,50\n");
+    scratch.write(
+        "hapke.csv",
+        "wavelength_um,w,c1,c2,c3,c4,h1,h2\n1,0.3,1.5,0.8,0.1,0,1,0.1\n2,0.4,1.5,0.8,0.1,0,1,0.1\n",
+    );
+    scratch.write("rpv.csv", "wavelength_um,g,rho0,k,h\n1,-0.1,0.05,0.8,0.05\n2,-0.2,0.06,0.8,0.07\n");
+    scratch
+}
+
+fn scene_of(path: &std::path::Path) -> Scene {
+    scene_toml::read(path, &unwatched).unwrap_or_else(|e| panic!("{e}")).scene
+}
+
+fn differ(a: &Scene, b: &Scene) -> Vec<String> {
+    let content = |scene: &Scene| Content::Scene(Box::new(scene.clone()), Vec::new());
+    differences(&content(a), &content(b))
+}
+
+#[test]
+fn a_scene_that_is_written_reads_back_the_same() {
+    let scratch = prepared(SCENE);
+    let (code, out, err) = run(&["convert", &scratch.argument("scene.toml"), &scratch.argument("out/again.toml")]);
+    assert_eq!(code, 0, "{err}");
+    assert!(!out.contains("Dropped") && !out.contains("Approximated"), "{out}");
+    let (a, b) = (scene_of(&scratch.join("scene.toml")), scene_of(&scratch.join("out/again.toml")));
+    assert_eq!(differ(&a, &b), [""; 0]);
+    // Closer than that: the same bits.
+    assert_eq!(a.mesh, b.mesh);
+    assert_eq!(a.materials, b.materials);
+    assert_eq!(a.mars, b.mars);
+    assert_eq!((a.origin_m, a.thermal), (b.origin_m, b.thermal));
+    assert_eq!(a.sensor.bands, b.sensor.bands);
+    assert_eq!(a.sensor.name, b.sensor.name);
+    assert_eq!(a.sensor.camera.world_from_sensor, b.sensor.camera.world_from_sensor);
+    assert_eq!(a.sensor.camera.pitch, b.sensor.camera.pitch);
+    assert_eq!((a.sun.direction, a.sun.distance_m), (b.sun.direction, b.sun.distance_m));
+    let bands: Vec<_> = b.sensor.bands.iter().map(|b| b.fwhm_um).collect();
+    assert_eq!(bands, [None, Some(0.01), Some(0.02)]);
+    let Photometry::Hapke(hapke) = &b.materials[3].photometry else { panic!() };
+    assert_eq!(hapke.w.at(1.5), Some(0.35));
+    let Photometry::Rpv(rpv) = &b.materials[4].photometry else { panic!() };
+    assert_eq!((rpv.rho0.value(), rpv.g.value()), (&[0.05, 0.06][..], &[-0.1, -0.2][..]));
+    // A second time it is the same text.
+    let (code, _, err) = run(&["convert", &scratch.argument("out/again.toml"), &scratch.argument("twice/again.toml")]);
+    assert_eq!(code, 0, "{err}");
+    let text = |name: &str| std::fs::read_to_string(scratch.join(name)).unwrap();
+    assert_eq!(text("out/again.toml"), text("twice/again.toml"));
+}
+
+#[test]
+fn the_shipped_scene_keeps_its_radiance() {
+    // The mesh of a recipe, and what the camera fits to, become numbers.
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let shipped = std::fs::read_to_string(root.join("scenes/phobos_site/scene.toml")).unwrap();
+    let scratch = Scratch::new();
+    let text = shipped.replace("200_000", "5_000").replace("count = 300", "count = 3");
+    let path = scratch.write("scene.toml", text);
+    for name in ["blue_unit.csv", "red_unit.csv"] {
+        std::fs::copy(root.join("scenes/phobos_site").join(name), scratch.join(name)).unwrap();
+    }
+    let (code, _, err) =
+        run(&["convert", &scratch.argument("scene.toml"), &scratch.argument("folder"), "--to", "scene"]);
+    assert_eq!(code, 0, "{err}");
+    let (a, b) = (scene_of(&path), scene_of(&scratch.join("folder/scene.toml")));
+    assert_eq!(differ(&a, &b), [""; 0]);
+    assert!(a.mesh == b.mesh && a.materials == b.materials);
+    // A folder of a scene is one, and is replaced if asked for and if nothing else is in it.
+    let again = ["convert", &scratch.argument("folder"), &scratch.argument("folder"), "--to", "scene"];
+    assert_eq!(run(&again).0, 1);
+    let (code, _, err) = run(&[&again[..], &["--force"]].concat());
+    assert_eq!(code, 0, "{err}");
+    scratch.write("folder/thesis.tex", "");
+    let (code, _, err) = run(&[&again[..], &["--force"]].concat());
+    assert!(code == 1 && err.contains("thesis.tex"), "{err}");
+}
+
+#[test]
+fn what_cannot_be_simulated_says_where_it_is_asked_for() {
+    let scratch = prepared(SCENE);
+    let path = scratch.argument("scene.toml");
+    for command in [&["simulate", &path, "-o"][..], &["solve", &path, "-o"]] {
+        let (code, out, err) = run(&[command, &[&scratch.argument("out.npz")]].concat());
+        assert_eq!((code, out.as_str()), (1, ""));
+        // Line 9 holds the Hapke material, the key's value is at its end.
+        assert!(err.contains("scene.toml:9:38") && err.contains("`hapke` parameters is not supported"), "{err}");
+    }
+    let (code, out, err) = run(&["inspect", &path]);
+    assert!(code == 0 && out.contains("photometry hapke"), "{out}{err}");
+    assert!(!scratch.names().contains(&"out.npz".to_owned()));
+}
+
+#[test]
+fn parameters_that_cannot_be_are_told() {
+    for (file, text, told) in [
+        (
+            "hapke.csv",
+            "wavelength_um,w,c1,c2,c3,c4,h1,h2\n1,1.3,0,0,0,0,1,0.1\n2,0.4,0,0,0,0,1,0.1\n",
+            "w = 1.3 is out of range, which is from 0 to 1",
+        ),
+        (
+            "hapke.csv",
+            "wavelength_um,w,c1,c2,c3,c4,h1,h2\n1,0.3,0,0,0,0,1,0\n2,0.4,0,0,0,0,1,0.1\n",
+            "h2 = 0 is out of range",
+        ),
+        ("hapke.csv", "wavelength_um,w,c1,c2,c3,c4,h1\n1,0.3,0,0,0,0,1\n", "hapke.csv:1: there is no column `h2`"),
+        (
+            "hapke.csv",
+            "wavelength_um,w,c1,c2,c3,c4,h1,h2\n1,0.3,0,0,0,0,1,0.1\n1.5,0.4,0,0,0,0,1,0.1\n",
+            "scene.toml:9:38",
+        ),
+        ("rpv.csv", "wavelength_um,rho0,k,g,h\n1,0.1,0.8,-1,0\n2,0.1,0.8,0,0\n", "g = -1 is out of range"),
+    ] {
+        let scratch = prepared(SCENE);
+        scratch.write(file, text);
+        let error = scene_toml::read(&scratch.join("scene.toml"), &unwatched).unwrap_err().to_string();
+        assert!(error.contains(told), "{told}: {error}");
+    }
+    for (from, to, told) in [
+        ("hapke = \"hapke.csv\"", "hapke = \"hapke.csv\", rpv = \"rpv.csv\"", "give either `hapke` or `rpv`"),
+        ("\"#b03020\" = 0.7 }", "shiny = 0.7 }", "only Lambert surfaces are mixed"),
+        ("emissivity = \"blue.csv\"", "hapke = \"hapke.csv\"", "a mixture has no parameters"),
+        ("reflectance = 0.1, hapke", "hapke", "give either `reflectance` or `mixture`"),
+    ] {
+        let scratch = prepared(&SCENE.replace(from, to));
+        let error = scene_toml::read(&scratch.join("scene.toml"), &unwatched).unwrap_err().to_string();
+        assert!(error.contains(told), "{told}: {error}");
+    }
+}
+
+#[test]
+fn meshes_lose_what_they_have_no_place_for_and_say_so() {
+    let scratch = prepared(SCENE);
+    let scene = scratch.argument("scene.toml");
+    for name in ["a.glb", "b.gltf", "c.obj"] {
+        let (code, out, err) = run(&["convert", &scene, &scratch.argument(name)]);
+        assert_eq!(code, 0, "{err}");
+        for item in ["materials", "sun", "mars", "observer", "sensor"] {
+            assert!(out.contains(&format!("Dropped, {scene} {item}: ")), "{name}: {out}");
+        }
+        assert_eq!(out.contains("Approximated"), name != "c.obj", "{out}");
+        // With --strict none of it is written.
+        let (code, out, _) = run(&["convert", &scene, &scratch.argument(&format!("strict-{name}")), "--strict"]);
+        assert!(code == 3 && out.contains("not written"), "{out}");
+    }
+    let left: Vec<String> =
+        scratch.names().into_iter().filter(|n| n.contains("strict") || n.contains("partial")).collect();
+    assert_eq!(left, [""; 0]);
+    // Back, the surface is the same; through OBJ to the last bit.
+    let a = scene_of(&scratch.join("scene.toml"));
+    for name in ["a.glb", "b.gltf", "c.obj"] {
+        let (code, out, err) = run(&["convert", &scratch.argument(name), &scratch.argument(&format!("{name}.toml"))]);
+        assert_eq!(code, 0, "{err}");
+        assert!(out.contains("Defaulted") && out.contains("sun: 1 au away"), "{out}");
+        let b = scene_of(&scratch.join(&format!("{name}.toml")));
+        if name == "c.obj" {
+            assert_eq!(a.mesh.vertices_m, b.mesh.vertices_m);
+        } else {
+            assert_eq!(a.origin_m, b.origin_m);
+        }
+        let of_surface = |line: &String| line.starts_with("mesh");
+        assert!(!differ(&a, &b).iter().any(of_surface), "{:?}", differ(&a, &b));
+    }
+    // One mesh compared with another.
+    assert_eq!(run(&["convert", "--diff", &scratch.argument("a.glb"), &scratch.argument("b.gltf")]).0, 0);
+    let (code, out, _) = run(&["convert", "--diff", &scratch.argument("a.glb"), &scratch.argument("c.obj")]);
+    assert!(code == 1 && out.starts_with("origin_m: "), "{out}");
+}
+
+#[test]
+fn differences_are_those_of_meaning() {
+    let scratch = prepared(SCENE);
+    let other =
+        SCENE.replace("samples = 12", "samples = 13").replace("0.3, \"#b03020\" = 0.7", "0.4, \"#b03020\" = 0.6");
+    scratch.write("other.toml", other);
+    let (code, out, _) = run(&["convert", "--diff", &scratch.argument("scene.toml"), &scratch.argument("other.toml")]);
+    assert_eq!(code, 1);
+    let lines: Vec<&str> = out.lines().collect();
+    assert!(lines[0].starts_with("materials.\"mix\".reflectance at 0.9 um (of "), "{out}");
+    assert!(lines.contains(&"sensor.samples: 12, 13"), "{out}");
+    // The order of facets and materials, and more points on a line, mean nothing.
+    let text = std::fs::read_to_string(scratch.join("ground.obj")).unwrap();
+    let faces = text.replace("usemtl blue unit\nf 1 2 3\n", "") + "usemtl blue unit\nf 2 3 1\n";
+    scratch.write("turned.obj", faces);
+    scratch.write("more.csv", "wavelength_um,albedo\n0.9,0.1\n1.7,0.2\n2.5,0.3\n");
+    scratch.write("other.toml", SCENE.replace("ground.obj", "turned.obj").replace("mars.csv", "more.csv"));
+    let (code, out, _) = run(&["convert", "--diff", &scratch.argument("scene.toml"), &scratch.argument("other.toml")]);
+    assert_eq!((code, out.as_str()), (0, "the same in meaning\n"));
+}
+
+#[test]
+fn formats_are_told_and_listed() {
+    let scratch = prepared(SCENE);
+    let (code, out, _) = run(&["convert", "--list"]);
+    assert_eq!((code, out.lines().count()), (0, 9), "{out}");
+    let (_, out, _) = run(&["convert", "--list", "--json"]);
+    let json: Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(json["formats"][3]["name"], "glb");
+    // A GLB under another name is one all the same.
+    let argument = |name: &str| scratch.argument(name);
+    assert_eq!(run(&["convert", &argument("ground.obj"), &argument("a.glb")]).0, 0);
+    std::fs::rename(scratch.join("a.glb"), scratch.join("a.dat")).unwrap();
+    let (code, out, err) = run(&["convert", "--list", &argument("a.dat")]);
+    assert!(code == 0 && out == "15 facets\n", "{out}{err}");
+    for (arguments, code, told) in [
+        (vec!["convert"], 2, "Usage"),
+        (vec!["convert", "a"], 2, "required"),
+        (vec!["convert", "a", "b", "--to", "blend"], 2, "formats are scene, obj, gltf"),
+        (vec!["convert", "a", "b.glb", "--bands", "1:2"], 2, "FIRST:LAST:COUNT"),
+        (vec!["convert", "no-such-file", "b.glb"], 1, "no-such-file: reading"),
+        (vec!["convert", &argument("scene.toml"), "b.blend"], 1, "b.blend: no format's names end like this"),
+        (vec!["convert", &argument("blue.csv"), &argument("b.glb")], 1, "they make no scene"),
+        (vec!["convert", &argument("ground.obj"), &argument("b.csv")], 1, "it has no spectra"),
+    ] {
+        let (found, out, err) = run(&arguments);
+        assert!(found == code && err.contains(told), "{arguments:?}: {out}{err}");
+    }
+    // What is there stays.
+    let (code, _, err) = run(&["convert", &argument("scene.toml"), &argument("ground.obj")]);
+    assert!(code == 1 && err.contains("--force"), "{err}");
+    assert!(!scratch.names().contains(&"ground.mtl".to_owned()));
+}
+
+#[test]
+fn buffers_outside_the_folder_are_read_if_that_is_allowed() {
+    let scratch = prepared(SCENE);
+    let argument = |name: &str| scratch.argument(name);
+    assert_eq!(run(&["convert", &argument("ground.obj"), &argument("in/a.gltf")]).0, 0);
+    std::fs::rename(scratch.join("in/a.bin"), scratch.join("a.bin")).unwrap();
+    let text = std::fs::read_to_string(scratch.join("in/a.gltf")).unwrap();
+    scratch.write("in/a.gltf", text.replace("\"a.bin\"", "\"../a.bin\""));
+    let (code, _, err) = run(&["convert", &argument("in/a.gltf"), &argument("a.obj")]);
+    assert!(code == 1 && err.contains("buffers[0]: ") && err.contains("--allow-outside"), "{err}");
+    assert_eq!(run(&["convert", &argument("in/a.gltf"), &argument("a.obj"), "--allow-outside"]).0, 0);
+    // The same for material files.
+    scratch.write("one.mtl", "newmtl blue unit\n");
+    scratch.write("in/b.obj", "mtllib ../one.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl blue unit\nf 1 2 3\n");
+    let (code, _, err) = run(&["convert", &argument("in/b.obj"), &argument("b.glb")]);
+    assert!(code == 1 && err.contains("in/b.obj:1") && err.contains("leads out"), "{err}");
+    assert_eq!(run(&["convert", &argument("in/b.obj"), &argument("b.glb"), "--allow-outside"]).0, 0);
+    // Nor by a link.
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(scratch.join("a.bin"), scratch.join("in/a.bin")).unwrap();
+        scratch.write("in/a.gltf", text);
+        let (code, _, err) = run(&["convert", &argument("in/a.gltf"), &argument("b.obj")]);
+        assert!(code == 1 && err.contains("leads out"), "{err}");
+    }
+}
+
+#[cfg(feature = "sqlite")]
+#[test]
+fn a_scene_goes_to_dart_and_comes_back() {
+    // What DART and its sidecar keep: no Hapke next to mixtures of it is asked for here, that is dart_write's.
+    let scratch = prepared(SCENE);
+    let argument = |name: &str| scratch.argument(name);
+    let (code, out, err) = run(&["convert", &argument("scene.toml"), &argument("dart")]);
+    assert_eq!(code, 0, "{err}");
+    assert!(out.contains("scene to dart"), "{out}");
+    let (code, out, _) = run(&["convert", "--check", &argument("dart")]);
+    assert_eq!(code, 0, "{out}");
+    let (code, out, err) = run(&["convert", &argument("dart"), &argument("back/scene.toml"), "--json"]);
+    assert_eq!(code, 0, "{err}");
+    let json: Value = serde_json::from_str(&out).unwrap();
+    assert_eq!((&json["from"], &json["written"]), (&Value::from("dart"), &Value::from(true)));
+    let (code, out, _) = run(&["convert", "--diff", &argument("scene.toml"), &argument("back/scene.toml")]);
+    assert_eq!((code, out.as_str()), (0, "the same in meaning\n"));
+    // Two simulations: the same, and one for another version.
+    assert_eq!(run(&["convert", &argument("back/scene.toml"), &argument("again")]).0, 0);
+    let (code, out, _) = run(&["convert", "--diff", &argument("dart"), &argument("again")]);
+    assert_eq!((code, out.as_str()), (0, "the same in meaning\n"));
+    let (code, _, err) = run(&["convert", &argument("scene.toml"), &argument("new"), "--dart-version", "5.11.0"]);
+    assert_eq!(code, 0, "{err}");
+    let (code, out, _) = run(&["convert", "--diff", &argument("dart"), &argument("new")]);
+    assert!(code == 1 && out.contains("5.11.0"), "{out}");
+    // It is replaced if asked for.
+    assert_eq!(run(&["convert", &argument("scene.toml"), &argument("dart")]).0, 1);
+    assert_eq!(run(&["convert", &argument("scene.toml"), &argument("dart"), "--force"]).0, 0);
+    // A mistake is found.
+    let path = scratch.join("dart/input/coeff_diff.xml");
+    let text = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(&path, text.replace("mmxrt_lambertian.db", "lost.db")).unwrap();
+    let (_, out, _) = run(&["convert", "--check", &argument("dart")]);
+    assert!(out.contains("coeff_diff.xml:") && out.contains("lost.db"), "{out}");
+}
+
+#[cfg(feature = "sqlite")]
+#[test]
+fn spectra_go_through_every_format() {
+    let scratch = prepared(SCENE);
+    let argument = |name: &str| scratch.argument(name);
+    let (code, out, err) = run(&["convert", &argument("scene.toml"), &argument("all.db")]);
+    assert!(code == 0 && out.contains("Dropped"), "{out}{err}");
+    assert_eq!(run(&["convert", &argument("scene.toml"), &argument("strict.db"), "--strict"]).0, 3);
+    assert!(!scratch.join("strict.db").exists());
+    let (code, out, _) = run(&["convert", "--list", &argument("all.db")]);
+    assert!(code == 0 && out.lines().count() == 5 && out.contains("h1, h2 at 2 wavelengths, 1 to 2 um"), "{out}");
+    assert_eq!(run(&["convert", "--check", &argument("all.db")]).0, 0);
+    // One of them as a table, and from there in all other formats and back.
+    let (code, _, err) = run(&["convert", &argument("all.db"), &argument("one.csv"), "--model", "blue_unit"]);
+    assert_eq!(code, 0, "{err}");
+    for name in ["a.txt", "b.sli", "c.db"] {
+        let (code, _, err) = run(&["convert", &argument("one.csv"), &argument(name)]);
+        assert_eq!(code, 0, "{name}: {err}");
+        let back = argument(&format!("{name}.csv"));
+        let (code, _, err) = run(&["convert", &argument(name), &back]);
+        assert_eq!(code, 0, "{name}: {err}");
+    }
+    // At other wavelengths: linear between 5 % at 0.9 um and 7.7 % at 1.3333 um.
+    let (code, _, err) =
+        run(&["convert", &argument("one.csv"), &argument("bands/one.csv"), "--bands", "1:1.2:3", "--strict"]);
+    assert_eq!(code, 0, "{err}");
+    let text = std::fs::read_to_string(scratch.join("bands/one.csv")).unwrap();
+    let row: Vec<f64> =
+        text.lines().find(|l| l.starts_with("1.1,")).unwrap().split(',').map(|c| c.parse().unwrap()).collect();
+    assert!((row[1] - (0.05 + 0.027 * 0.2 / 0.4333)).abs() < 1e-12, "{text}");
+    let (code, _, err) = run(&["convert", &argument("all.db"), &argument("no.csv"), "--model", "green"]);
+    assert!(code == 1 && err.contains("no spectra \"green\" in it; there are "), "{err}");
+}

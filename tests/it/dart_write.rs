@@ -1,0 +1,514 @@
+//! A scene as a DART simulation, and back.
+
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+use std::path::Path;
+
+use glam::{DMat3, DVec3};
+
+use mmxrt::formats::dart::{self, SceneOptions, Target, WriteOptions};
+use mmxrt::formats::{scene_toml, xml};
+use mmxrt::geometry::{Direction, MaterialId, Mesh, Pose};
+use mmxrt::progress::unwatched;
+use mmxrt::report::{Fate, Report};
+use mmxrt::scene::{FrameCamera, Hapke, Mars, MarsModel, Material, Photometry, Rpv, Scene, Sensor, Sun, Thermal};
+use mmxrt::spectral::{Band, Extend, Spectrum};
+use mmxrt::units::AU_M;
+
+use crate::scratch::Scratch;
+
+fn material(i: usize, name: &str, reflectance: Spectrum) -> Material {
+    Material {
+        name: name.into(),
+        emissivity: reflectance.map(|r| 1.0 - r),
+        reflectance,
+        photometry: Photometry::Lambert,
+        bond_albedo: 0.07,
+        emissivity_bolometric: 0.95,
+        mixture: vec![(i, 1.0)],
+    }
+}
+
+/// On the equator at longitude 90 deg: up is +y of the body, East -x, North +z, so South -z.
+///
+/// A tetrahedron: A 20 m South and 10 m East, B 20 m North and 10 m East, C 30 m West, D 15 m up. The Sun 3 parts South, 4 West
+/// and 5 up. The camera 100 m East and 100 m up, looking at the origin: its right is North.
+fn tetrahedron() -> Scene {
+    let slant = 0.5f64.sqrt();
+    Scene {
+        origin_m: DVec3::new(0.0, 11_000.0, 0.0),
+        mesh: Mesh {
+            vertices_m: vec![
+                DVec3::new(-10.0, 0.0, -20.0),
+                DVec3::new(-10.0, 0.0, 20.0),
+                DVec3::new(30.0, 0.0, 0.0),
+                DVec3::new(0.0, 15.0, 0.0),
+            ],
+            facets: vec![[0, 1, 3], [1, 2, 3], [2, 0, 3], [0, 2, 1]],
+            material: (0..4).map(MaterialId).collect(),
+            face_of_facet: vec![],
+        },
+        materials: [("east", 0.1), ("north west", 0.2), ("south west", 0.3), ("base", 0.4)]
+            .iter()
+            .enumerate()
+            .map(|(i, (name, reflectance))| material(i, name, Spectrum::constant(*reflectance)))
+            .collect(),
+        sun: Sun {
+            direction: Direction::new(DVec3::new(4.0, 5.0, -3.0)).unwrap(),
+            distance_m: 1.5 * AU_M,
+            irradiance_1au: Spectrum::constant(700.0),
+            total_irradiance_1au_w_m2: 1361.0,
+        },
+        mars: None,
+        thermal: Thermal::Off,
+        sensor: Sensor {
+            name: "seeker".into(),
+            camera: FrameCamera {
+                world_from_sensor: Pose {
+                    rotation: DMat3::from_cols(
+                        DVec3::Z,
+                        DVec3::new(-slant, -slant, 0.0),
+                        DVec3::new(slant, -slant, 0.0),
+                    ),
+                    translation_m: DVec3::new(-100.0, 100.0, 0.0),
+                },
+                samples: 300,
+                lines: 200,
+                pitch: 0.002,
+            },
+            bands: vec![Band { centre_um: 1.0, fwhm_um: Some(0.02) }, Band { centre_um: 2.0, fwhm_um: None }],
+        },
+    }
+    .check()
+    .unwrap()
+}
+
+/// The same with all that DART has no place for.
+fn rich() -> Scene {
+    let mut scene = tetrahedron();
+    let spectrum = |values: &[f64]| Spectrum::new(vec![0.5, 1.1, 2.5], values.to_vec(), Extend::Error).unwrap();
+    scene.materials = vec![
+        material(0, "Grey & <dark>", spectrum(&[0.05, 0.0612345678901, 0.07])),
+        material(1, "grey", spectrum(&[0.1, 1.0 / 3.0, 0.2])),
+        Material { emissivity: Spectrum::constant(0.9), ..material(2, "select", Spectrum::constant(0.123)) },
+        Material { mixture: vec![(0, 0.25), (1, 0.75)], ..material(3, "mixed", spectrum(&[0.0, 0.0, 0.0])) },
+        material(4, "unused", spectrum(&[0.7, 0.8, 0.9])),
+        Material {
+            photometry: Photometry::Hapke(Box::new(Hapke::from(
+                [0.3, 0.4, 0.2, 0.1, 0.0, 1.0, 0.05].map(|v| spectrum(&[v, 0.9 * v, 1.1 * v])),
+            ))),
+            ..material(5, "hapke", spectrum(&[0.05, 0.06, 0.07]))
+        },
+        Material {
+            photometry: Photometry::Rpv(Box::new(Rpv::from([0.05, 0.8, -0.1, 0.05].map(Spectrum::constant)))),
+            ..material(6, "rpv", Spectrum::constant(0.05))
+        },
+    ];
+    // Two faces of two facets each.
+    scene.mesh.face_of_facet = vec![0, 0, 1, 1];
+    scene.mesh.material = [3, 1, 3, 2].map(MaterialId).to_vec();
+    scene.mars = Some(Mars {
+        centre_m: DVec3::new(3e6, 8e6, 1e6),
+        radius_m: 3_389_500.0,
+        reflectance: spectrum(&[0.2, 0.25, 0.31]),
+        bond_albedo: 0.25,
+        thermal_exitance_w_m2: 110.0,
+        model: MarsModel::NearField,
+    });
+    scene.thermal = Thermal::Equilibrium;
+    scene.sensor.camera.world_from_sensor.rotation *= DMat3::from_rotation_z(0.3);
+    scene.sensor.bands.push(Band { centre_um: 2.2, fwhm_um: Some(0.05) });
+    scene.check().unwrap()
+}
+
+fn options(target: Target) -> WriteOptions {
+    WriteOptions { target, cell_m: Some(2.0), ..WriteOptions::default() }
+}
+
+/// Writes a scene's simulation below a folder.
+fn written(scene: &Scene, options: &WriteOptions, folder: &Path) -> Report {
+    let (package, report) = dart::from_scene(scene, options).unwrap();
+    dart::write(&package, folder, false, &unwatched).unwrap();
+    report
+}
+
+fn read(folder: &Path, options: &SceneOptions) -> (Scene, Report) {
+    let (simulation, mut report, _) = dart::read(folder, &dart::ReadOptions::default()).unwrap();
+    let folder = dart::Folder::new(folder, None, false);
+    let converted = dart::to_scene(&simulation, &folder, options, &unwatched).unwrap();
+    report.notes.extend(converted.report.notes);
+    (converted.scene, report)
+}
+
+fn text(folder: &Path, name: &str) -> String {
+    std::fs::read_to_string(folder.join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+}
+
+/// The number that an attribute has in the n-th element of a name: looked for in the text.
+fn number(text: &str, element: &str, n: usize, attribute: &str) -> f64 {
+    let tag = text.split(&format!("<{element} ")).nth(n + 1).unwrap_or_else(|| panic!("no {element} {n}"));
+    let tag = tag.split('>').next().unwrap();
+    let value = tag.split(&format!("{attribute}=\"")).nth(1).unwrap_or_else(|| panic!("{element}: {tag}"));
+    value.split('"').next().unwrap().parse().unwrap()
+}
+
+#[test]
+fn axes_and_azimuths_are_those_worked_out_by_hand() {
+    let scratch = Scratch::new();
+    let (old, new) = (scratch.path().join("old"), scratch.path().join("new"));
+    written(&tetrahedron(), &options(Target::V5_7_4), &old);
+    written(&tetrahedron(), &options(Target::V5_11_0), &new);
+
+    // x South, y East, z up: A (20, 10, 0), B (-20, 10, 0), C (0, -30, 0), D (0, 0, 15). An OBJ has y z x.
+    let obj = text(&old, "input/obj/surface.obj");
+    let lines: Vec<&str> = obj.lines().collect();
+    let vertices = [[10.0, 0.0, 20.0], [10.0, 0.0, -20.0], [-30.0, 0.0, 0.0], [0.0, 15.0, 0.0]];
+    for (line, expected) in lines.iter().zip(vertices) {
+        let values: Vec<f64> = line.strip_prefix("v ").unwrap().split(' ').map(|v| v.parse().unwrap()).collect();
+        assert!(values.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-14), "{line}");
+    }
+    assert_eq!(lines[4..], ["g aa", "f 1 2 4", "g ab", "f 2 3 4", "g ac", "f 3 1 4", "g ad", "f 1 3 2"]);
+
+    // 40 m by 40 m by 15 m in cells of 2 m: 21, 21 and 8 of them, and half a cell or less on all sides.
+    let maket = text(&old, "input/maket.xml");
+    let near =
+        |got: f64, expected: f64| assert!((got - expected).abs() < 1e-12 * expected.abs().max(1.0), "{got} {expected}");
+    near(number(&maket, "SceneDimensions", 0, "x"), 42.0);
+    near(number(&maket, "SceneDimensions", 0, "y"), 42.0);
+    let object = text(&old, "input/object_3d.xml");
+    for (name, expected) in [("xpos", 21.0), ("ypos", 31.0), ("zpos", 0.5)] {
+        near(number(&object, "PositionProperties", 0, name), expected);
+    }
+    for (name, expected) in [("xdim", 40.0), ("ydim", 40.0), ("zdim", 15.0)] {
+        near(number(&object, "Dimension3D", 0, name), expected);
+    }
+
+    // The Sun at (3, -4, 5): 45 deg from the zenith, counter-clockwise from South -atan(4 / 3), all the way round 306.87 deg.
+    for folder in [&old, &new] {
+        let directions = text(folder, "input/directions.xml");
+        near(number(&directions, "SunViewingAngles", 0, "sunViewingZenithAngle"), 45.0);
+        near(number(&directions, "SunViewingAngles", 0, "sunViewingAzimuthAngle"), 306.869_897_645_844_05);
+        // 700 at 1 au, at 1.5 au; normal to the beam.
+        near(number(&text(folder, "input/phase.xml"), "SpectralIrradianceValue", 0, "irradiance"), 700.0 / 2.25);
+    }
+
+    // The camera at (0, 100, 100) from the origin. From the scene it is in the East, 45 deg up; it looks West and down.
+    let phase = text(&old, "input/phase.xml");
+    near(number(&phase, "CameraOrientation", 0, "cameraTheta"), 45.0);
+    near(number(&phase, "CameraOrientation", 0, "cameraPhi"), 90.0);
+    assert_eq!(number(&phase, "CameraOrientation", 0, "cameraRotation"), 0.0);
+    let latest = text(&new, "input/phase.xml");
+    near(number(&latest, "SensorAngleDirection", 0, "sensorDirectionTheta"), 135.0);
+    near(number(&latest, "SensorAngleDirection", 0, "sensorDirectionPhi"), 270.0);
+    for (text, element) in [(&phase, "Sensor"), (&latest, "SensorPosition")] {
+        for (name, expected) in [("sensorPosX", 21.0), ("sensorPosY", 131.0), ("sensorPosZ", 100.5)] {
+            near(number(text, element, 0, name), expected);
+        }
+    }
+    // 300 x 200 pixels of 0.002 of the focal length: 2 atan 0.3 and 2 atan 0.2.
+    for (text, element, names) in
+        [(&phase, "CamImageAOV", ["aovX", "aovY"]), (&latest, "FieldOfView", ["aovWidth", "aovHeight"])]
+    {
+        near(number(text, element, 0, names[0]), 33.398_488_467_987_18);
+        near(number(text, element, 0, names[1]), 22.619_864_948_040_43);
+    }
+}
+
+#[test]
+fn the_sun_shines_on_the_faces_that_it_should() {
+    // Cosines of incidence from DART's own numbers: OBJ v y z x, Sun by zenith angle and azimuth.
+    let scratch = Scratch::new();
+    let folder = scratch.path().join("out");
+    written(&tetrahedron(), &options(Target::V5_7_4), &folder);
+    let obj = text(&folder, "input/obj/surface.obj");
+    let rows = |key: &str| -> Vec<Vec<f64>> {
+        let of = obj.lines().filter_map(|l| l.strip_prefix(key));
+        of.map(|l| l.split_whitespace().map(|v| v.parse().unwrap()).collect()).collect()
+    };
+    let vertices: Vec<DVec3> = rows("v ").iter().map(|v| DVec3::new(v[2], v[0], v[1])).collect();
+    let directions = text(&folder, "input/directions.xml");
+    let angle = |name: &str| number(&directions, "SunViewingAngles", 0, name) * PI / 180.0;
+    let (zenith, azimuth) = (angle("sunViewingZenithAngle"), angle("sunViewingAzimuthAngle"));
+    let sun = DVec3::new(zenith.sin() * azimuth.cos(), zenith.sin() * azimuth.sin(), zenith.cos());
+    let scene = tetrahedron();
+    for (f, face) in rows("f ").iter().enumerate() {
+        let [a, b, c] = [0, 1, 2].map(|i| vertices[face[i] as usize - 1]);
+        let cosine = (b - a).cross(c - a).normalize().dot(sun);
+        let expected = scene.mesh.facet(f).normal().dot(scene.sun.direction.vec());
+        assert!((cosine - expected).abs() < 1e-14, "face {f}: {cosine} {expected}");
+    }
+}
+
+/// Every attribute of the elements that are written for 5.7.4.
+const ATTRIBUTES: &str = include_str!("dart_5_7_4_attributes.txt");
+
+#[test]
+fn every_attribute_of_the_schema_is_written_and_no_other() {
+    let mut known = BTreeMap::new();
+    for line in ATTRIBUTES.lines().filter(|l| !l.starts_with('#') && !l.is_empty()) {
+        let mut words = line.split(' ');
+        known.insert(words.next().unwrap(), words.collect::<Vec<_>>());
+    }
+    fn check(element: &xml::Element, path: &str, known: &BTreeMap<&str, Vec<&str>>, seen: &mut usize) {
+        let mut names: Vec<&str> = element.attributes.iter().map(|a| a.name.as_str()).collect();
+        names.sort_unstable();
+        assert_eq!(Some(&names), known.get(path), "{path}");
+        *seen += 1;
+        for child in &element.children {
+            check(child, &format!("{path}/{}", child.name), known, seen);
+        }
+    }
+    let mut seen = 0;
+    for scene in [tetrahedron(), rich()] {
+        let (package, _) = dart::from_scene(&scene, &options(Target::V5_7_4)).unwrap();
+        let files = dart::inputs(&package.simulation, &[(DVec3::ZERO, DVec3::ONE)]).unwrap();
+        assert_eq!(files.len(), 11);
+        for (_, root) in &files {
+            assert_eq!((root.get("version"), root.get("build")), (Some("5.7.4"), Some("v1083")));
+            check(&root.children[0], &root.children[0].name, &known, &mut seen);
+        }
+    }
+    assert!(seen > 200, "{seen}");
+}
+
+fn assert_same(a: &Scene, b: &Scene) {
+    assert_eq!(a.origin_m, b.origin_m);
+    assert_eq!((&a.mesh.facets, &a.mesh.material), (&b.mesh.facets, &b.mesh.material));
+    assert_eq!(a.mesh.face_of_facet, b.mesh.face_of_facet);
+    let apart = a.mesh.vertices_m.iter().zip(&b.mesh.vertices_m).map(|(p, q)| (*p - *q).length()).fold(0.0, f64::max);
+    assert!(a.mesh.vertices_m.len() == b.mesh.vertices_m.len() && apart < 1e-9, "{apart:e} m");
+    assert_eq!(a.materials, b.materials);
+    assert!(a.sun.direction.angle_rad(b.sun.direction) < 1e-12);
+    assert_eq!((a.sun.distance_m, &a.sun.irradiance_1au), (b.sun.distance_m, &b.sun.irradiance_1au));
+    assert_eq!(a.sun.total_irradiance_1au_w_m2, b.sun.total_irradiance_1au_w_m2);
+    assert_eq!((&a.mars, a.thermal), (&b.mars, b.thermal));
+    assert_eq!((&a.sensor.name, &a.sensor.bands), (&b.sensor.name, &b.sensor.bands));
+    let (x, y) = (&a.sensor.camera, &b.sensor.camera);
+    assert_eq!((x.samples, x.lines), (y.samples, y.lines));
+    assert!((x.pitch / y.pitch - 1.0).abs() < 1e-12);
+    assert!((x.centre_m() - y.centre_m()).length() < 1e-9);
+    let turn = x.world_from_sensor.rotation - y.world_from_sensor.rotation;
+    assert!((0..3).all(|i| turn.col(i).length() < 1e-12), "{turn}");
+}
+
+#[test]
+fn a_scene_comes_back_whole() {
+    for target in [Target::V5_7_4, Target::V5_11_0] {
+        let mut full = rich();
+        if target == Target::V5_11_0 {
+            // Other models of reflectance are not known there.
+            full.materials.truncate(5);
+        }
+        for (name, scene) in [("plain", tetrahedron()), ("rich", full)] {
+            let scratch = Scratch::new();
+            let folder = scratch.path().join("out");
+            let report = written(&scene, &options(target), &folder);
+            assert!(!report.has_losses(), "{:#?}", report.notes);
+            let (back, report) = read(&folder, &SceneOptions::default());
+            assert!(report.notes.is_empty(), "{target:?} {name}: {:#?}", report.notes);
+            assert_same(&scene, &back);
+        }
+    }
+}
+
+#[test]
+fn without_the_sidecar_what_is_missing_is_told() {
+    let scratch = Scratch::new();
+    let folder = scratch.path().join("out");
+    let scene = rich();
+    written(&scene, &options(Target::V5_7_4), &folder);
+    std::fs::remove_file(folder.join("mmxrt.toml")).unwrap();
+    let (back, report) = read(&folder, &SceneOptions::default());
+    let told: Vec<(Fate, &str)> =
+        report.notes.iter().map(|n| (n.fate, n.message.split([':', ',', '(']).next().unwrap().trim())).collect();
+    assert_eq!(
+        told,
+        [
+            (Fate::Defaulted, "DART does not say where on the body the scene is"),
+            (Fate::Approximated, "DART's bands are rectangles"),
+            (Fate::Defaulted, "DART has irradiances of bands only"),
+            (Fate::Defaulted, "Bond albedo"),
+            (Fate::Approximated, "a turn about the line of sight"),
+            (Fate::Approximated, "temperatures are spread between two ends by sunlight"),
+        ],
+        "{:#?}",
+        report.notes
+    );
+    // What DART does hold is the same: shape, reflectance where it was known, irradiance in the bands, angles.
+    let side =
+        |s: &Scene| [(0, 1), (1, 2), (2, 3)].map(|(i, j)| (s.mesh.vertices_m[i] - s.mesh.vertices_m[j]).length());
+    assert!(side(&scene).iter().zip(side(&back)).all(|(a, b)| (a - b).abs() < 1e-9));
+    for (a, b) in scene.materials.iter().zip(&back.materials) {
+        assert_eq!(a.name, b.name);
+        for um in [0.7, 1.0, 2.2] {
+            assert!((a.reflectance.at(um).unwrap() - b.reflectance.at(um).unwrap()).abs() < 1e-12, "{} {um}", a.name);
+        }
+    }
+    let at_the_body = |s: &Scene| s.sun.irradiance_1au.at(2.0).unwrap() * (AU_M / s.sun.distance_m).powi(2);
+    assert!((at_the_body(&scene) / at_the_body(&back) - 1.0).abs() < 1e-12);
+    let between = |s: &Scene| s.sensor.camera.world_from_sensor.rotation.z_axis.dot(s.sun.direction.vec());
+    assert!((between(&scene) - between(&back)).abs() < 1e-12);
+}
+
+#[test]
+fn an_edited_file_wins() {
+    let scratch = Scratch::new();
+    let folder = scratch.path().join("out");
+    written(&tetrahedron(), &options(Target::V5_7_4), &folder);
+    let edit = |name: &str, from: &str, to: &str| {
+        let before = text(&folder, name);
+        assert!(before.contains(from), "{from}: {before}");
+        std::fs::write(folder.join(name), before.replacen(from, to, 1)).unwrap();
+    };
+    edit("input/phase.xml", "irradiance=\"311.11", "irradiance=\"411.11");
+    edit("input/phase.xml", "deltaLambda=\"0.02\"", "deltaLambda=\"0.04\"");
+    edit("input/directions.xml", "sunViewingAzimuthAngle=\"306.", "sunViewingAzimuthAngle=\"206.");
+    let (back, report) = read(&folder, &SceneOptions::default());
+    let at_the_body = back.sun.irradiance_1au.at(1.0).unwrap() * (AU_M / back.sun.distance_m).powi(2);
+    assert!((at_the_body - 411.111_111_111_111_1).abs() < 1e-9, "{at_the_body}");
+    assert_eq!(
+        back.sensor.bands,
+        [(1.0, Some(0.04)), (2.0, None)].map(|(centre_um, fwhm_um)| Band { centre_um, fwhm_um })
+    );
+    let turned = back.sun.direction.angle_rad(tetrahedron().sun.direction);
+    assert!(turned > 1.0, "{turned}");
+    // What was not edited is as it was.
+    assert_eq!(back.materials, tetrahedron().materials);
+    assert_eq!(report.notes.len(), 2, "{:#?}", report.notes);
+}
+
+#[test]
+fn mars_lights_a_second_simulation() {
+    let scene = rich();
+    let (package, report) = dart::from_scene(&scene, &options(Target::V5_7_4)).unwrap();
+    let mars = package.mars.unwrap();
+    // (3, 8, 1) 10^6 m from the origin: South -1, East -3, up 8.
+    let [zenith, azimuth] = mars.directions.sun_deg;
+    assert!((zenith - 10f64.sqrt().atan2(8.0).to_degrees()).abs() < 1e-12, "{zenith}");
+    assert!((azimuth - (360.0 - (-3f64).atan2(-1.0).abs().to_degrees())).abs() < 1e-12, "{azimuth}");
+    // A facet that faces Mars gets its light: compare with the light on one, band by band.
+    let light = mmxrt::physics::mars::irradiance(
+        scene.mars.as_ref().unwrap().centre_m,
+        3_389_500.0,
+        DVec3::new(3.0, 8.0, 1.0).normalize(),
+        scene.sun.direction.vec(),
+    );
+    let at_2_um = 0.25 + (0.31 - 0.25) * 0.9 / 1.4;
+    assert!((mars.phase.irradiance[1].0 / (light * at_2_um * 700.0 / 2.25) - 1.0).abs() < 1e-12);
+    assert!(mars.phase.bands.iter().all(|b| b.mode == 0));
+    assert_eq!(package.simulation.phase.bands.iter().map(|b| b.mode).collect::<Vec<_>>(), [1, 1, 1]);
+    assert!(report.notes.iter().any(|n| n.fate == Fate::Carried && n.message.contains("parallel")));
+    // Below the horizon there is none.
+    let mut night = rich();
+    night.mars.as_mut().unwrap().centre_m = DVec3::new(3e6, -8e6, 1e6);
+    assert!(dart::from_scene(&night, &options(Target::V5_7_4)).unwrap().0.mars.is_none());
+}
+
+#[test]
+fn the_same_scene_gives_the_same_bytes() {
+    let scratch = Scratch::new();
+    let mut listings = Vec::new();
+    for name in ["one", "two"] {
+        let folder = scratch.path().join(name);
+        written(&rich(), &options(Target::V5_7_4), &folder);
+        let mut files = BTreeMap::new();
+        let mut open = vec![folder.clone()];
+        while let Some(next) = open.pop() {
+            for entry in next.read_dir().unwrap() {
+                let path = entry.unwrap().path();
+                if path.is_dir() {
+                    open.push(path);
+                } else {
+                    let inside = path.strip_prefix(&folder).unwrap().to_owned();
+                    files.insert(inside, std::fs::read(&path).unwrap());
+                }
+            }
+        }
+        listings.push(files);
+    }
+    assert_eq!(listings[0], listings[1]);
+    for name in
+        ["README.md", "mmxrt.toml", "input/maket.xml", "mars/input/obj/surface.obj", "check/input/object_3d.xml"]
+    {
+        assert!(listings[0].contains_key(Path::new(name)), "{name}");
+    }
+}
+
+#[test]
+fn what_a_version_is_not_known_to_have_is_refused() {
+    let (package, _) = dart::from_scene(&rich(), &options(Target::V5_11_0)).unwrap();
+    let scratch = Scratch::new();
+    let error = dart::write(&package, &scratch.path().join("out"), false, &unwatched).unwrap_err().to_string();
+    assert!(error.contains("\"hapke\"") && error.contains("5.11.0"), "{error}");
+    assert_eq!(scratch.path().read_dir().unwrap().count(), 0, "something was left behind");
+}
+
+#[test]
+fn groups_are_numbered_alike_by_all_versions() {
+    for count in [1, 5, 12, 13, 24, 25, 100, 192, 193, 676] {
+        let names = dart::group_names(count).unwrap();
+        for build in ["v1083", "v1449"] {
+            let version = dart::Version { version: "5".into(), build: build.into() };
+            assert!(dart::groups::order(&names, &version).into_iter().eq(0..count), "{count} {build}");
+        }
+    }
+}
+
+#[test]
+fn differences_are_told_by_meaning() {
+    let (a, _) = dart::from_scene(&rich(), &options(Target::V5_7_4)).unwrap();
+    let mut b = a.simulation.clone();
+    assert!(dart::diff(&a.simulation, &b).is_empty());
+    // Names mean nothing; nor does the place of a property, if the links follow.
+    b.objects[0].name = "other".into();
+    b.optical[0].ident = "other".into();
+    b.optical.swap(0, 1);
+    for links in b.objects[0].groups.iter_mut().filter_map(|g| g.links.as_mut()) {
+        links.index = [1, 0, 2, 3, 4, 5][links.index as usize];
+    }
+    assert_eq!(dart::diff(&a.simulation, &b), [""; 0]);
+    b.directions.sun_deg[0] += 1e-13;
+    b.objects[0].groups[1].links.as_mut().unwrap().index = 4;
+    b.phase.bands.pop();
+    let lines = dart::diff(&a.simulation, &b);
+    let starts = [
+        "object_3d.xml Object[0] Group[1] table: ",
+        "phase.xml SpectralIntervalsProperties, number of them: 3 | 2",
+        "directions.xml Sun, zenith angle and azimuth, deg: ",
+    ];
+    assert_eq!(lines.len(), starts.len(), "{lines:#?}");
+    assert!(lines.iter().zip(starts).all(|(line, start)| line.starts_with(start)), "{lines:#?}");
+}
+
+#[test]
+fn what_does_not_fit_gets_a_proposal() {
+    let scene = tetrahedron();
+    let said = |options: &WriteOptions| {
+        let (_, report) = dart::from_scene(&scene, options).unwrap();
+        report.notes.into_iter().find(|n| n.at.item.as_deref() == Some("size")).unwrap().message
+    };
+    let fine = WriteOptions { cell_m: Some(0.05), memory_bytes: 100 << 20, ..options(Target::V5_7_4) };
+    // 801 x 801 x 301 cells at 64 B are 12 GB; twice as large ones an eighth of it, and so on.
+    assert!(said(&fine).contains("801 x 801 x 301 cells of 0.05 m"), "{}", said(&fine));
+    assert!(said(&fine).ends_with("cells of 0.4 m would fit"), "{}", said(&fine));
+    let tiny = WriteOptions { memory_bytes: 1000, ..fine };
+    assert!(said(&tiny).contains("whatever the cells"));
+    let wrong = WriteOptions { cell_m: Some(-1.0), ..options(Target::V5_7_4) };
+    assert!(dart::from_scene(&scene, &wrong).unwrap_err().to_string().contains("no positive length"));
+}
+
+#[test]
+fn the_shipped_sites_come_back() {
+    for name in ["phobos_site", "phobos_mars_side"] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name).join("scene.toml");
+        let scene = scene_toml::read(&path, &unwatched).unwrap().scene;
+        let scratch = Scratch::new();
+        let folder = scratch.path().join("out");
+        let report = written(&scene, &WriteOptions::default(), &folder);
+        assert!(!report.has_losses(), "{:#?}", report.notes);
+        assert_eq!(folder.join("mars").exists(), name == "phobos_mars_side");
+        let (back, report) = read(&folder, &SceneOptions::default());
+        assert!(report.notes.is_empty(), "{:#?}", report.notes);
+        assert_same(&scene, &back);
+    }
+}

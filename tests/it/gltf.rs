@@ -1,0 +1,387 @@
+//! glTF: files made by hand, what comes back of our own, another reader's opinion, and damaged files.
+
+use std::path::PathBuf;
+
+use glam::DVec3;
+use mmxrt::formats::gltf::{encode, read, told_apart};
+use mmxrt::formats::mtl::ObjMaterial;
+use mmxrt::formats::surface::Surface;
+use mmxrt::geometry::{MaterialId, Mesh};
+use mmxrt::report::{Fate, Report};
+use serde_json::{Value, json};
+
+use crate::scratch::Scratch;
+
+fn f32s(values: &[f32]) -> Vec<u8> {
+    values.iter().flat_map(|v| v.to_le_bytes()).collect()
+}
+
+fn u16s(values: &[u16]) -> Vec<u8> {
+    values.iter().flat_map(|v| v.to_le_bytes()).collect()
+}
+
+/// A unit square in the plane z = 0 of glTF, seen from +z, in a file and its buffer: positions at byte 0, six indices at byte 48.
+fn quad() -> (Value, Vec<u8>) {
+    let mut binary = f32s(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0]);
+    binary.extend(u16s(&[0, 1, 2, 0, 2, 3]));
+    let json = json!({
+        "asset": { "version": "2.0" },
+        "scene": 0,
+        "scenes": [{ "nodes": [0] }],
+        "nodes": [{ "mesh": 0 }],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 1, "material": 0 }] }],
+        "materials": [{ "name": "grey", "pbrMetallicRoughness": { "baseColorFactor": [0.25, 0.25, 0.25, 1.0] } }],
+        "accessors": [
+            { "bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 4, "min": [0, 0, 0], "max": [1, 1, 0] },
+            { "bufferView": 1, "componentType": 5123, "type": "SCALAR", "count": 6 },
+        ],
+        "bufferViews": [
+            { "buffer": 0, "byteOffset": 0, "byteLength": 48 },
+            { "buffer": 0, "byteOffset": 48, "byteLength": 12 },
+        ],
+        "buffers": [{ "byteLength": 60, "uri": "quad.bin" }],
+    });
+    (json, binary)
+}
+
+struct Folder(Scratch);
+
+impl Folder {
+    fn new() -> Self {
+        Folder(Scratch::new())
+    }
+
+    fn put(&self, name: &str, bytes: &[u8]) -> PathBuf {
+        let path = self.0.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        path
+    }
+
+    fn read(&self, json: &Value, binary: &[u8]) -> mmxrt::Result<(Surface, Report)> {
+        self.put("quad.bin", binary);
+        let path = self.put("quad.gltf", json.to_string().as_bytes());
+        read(&path, false).map(|(surface, report, _)| (surface, report))
+    }
+}
+
+fn glb(json: &Value, binary: &[u8]) -> Vec<u8> {
+    let mut text = json.to_string().into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let mut bytes = b"glTF".to_vec();
+    let total = 28 + text.len() + binary.len();
+    for n in [2, total, text.len()] {
+        bytes.extend((n as u32).to_le_bytes());
+    }
+    bytes.extend(b"JSON");
+    bytes.extend(&text);
+    bytes.extend((binary.len() as u32).to_le_bytes());
+    bytes.extend(b"BIN\0");
+    bytes.extend(binary);
+    bytes
+}
+
+fn corners(surface: &Surface) -> Vec<[[f64; 3]; 3]> {
+    let mesh = &surface.mesh;
+    (0..mesh.facets.len()).map(|f| mesh.facet(f).corners_m.map(|c| c.to_array())).collect()
+}
+
+#[test]
+fn a_quad_stands_upright() {
+    let folder = Folder::new();
+    let (json, binary) = quad();
+    let (surface, report) = folder.read(&json, &binary).unwrap();
+    // glTF's y is our z, its z, towards which the square faces, our -y.
+    let expected = [[[0., 0., 0.], [1., 0., 0.], [1., 0., 1.]], [[0., 0., 0.], [1., 0., 1.], [0., 0., 1.]]];
+    assert_eq!(corners(&surface), expected);
+    assert_eq!(surface.mesh.facet(0).normal(), DVec3::NEG_Y);
+    assert_eq!(surface.materials, [ObjMaterial { name: "grey".into(), kd: Some([0.25; 3]) }]);
+    assert_eq!((surface.origin_m, report.notes.len()), (None, 0));
+    // The same as a GLB, and with the buffer in the text.
+    let mut binary_json = json.clone();
+    binary_json["buffers"] = json!([{ "byteLength": 60 }]);
+    let path = folder.put("quad.glb", &glb(&binary_json, &binary));
+    assert_eq!(read(&path, false).unwrap().0, surface);
+    assert!(told_apart(&glb(&binary_json, &binary)) && told_apart(json.to_string().as_bytes()));
+    let digits: Vec<char> = ('A'..='Z').chain('a'..='z').chain('0'..='9').chain(['+', '/']).collect();
+    let sixes = binary.chunks(3).flat_map(|c| {
+        let n = u32::from(c[0]) << 16 | u32::from(c[1]) << 8 | u32::from(c[2]);
+        [n >> 18, n >> 12 & 63, n >> 6 & 63, n & 63]
+    });
+    let text: String = sixes.map(|six| digits[six as usize]).collect();
+    let mut inline = json;
+    inline["buffers"][0]["uri"] = json!(format!("data:application/octet-stream;base64,{text}"));
+    assert_eq!(folder.read(&inline, &[]).unwrap().0, surface);
+}
+
+#[test]
+fn transforms_compose_in_f64_and_a_mirror_turns_facets() {
+    let folder = Folder::new();
+    let (mut json, binary) = quad();
+    // A quarter turn about y (z to x), doubled, moved by more than f32 holds; within a parent that mirrors x.
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    json["nodes"] = json!([
+        { "children": [1], "matrix": [-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1] },
+        { "mesh": 0, "translation": [9376123.4567, 0, 0.125], "rotation": [0, half, 0, half], "scale": [2, 2, 2] },
+    ]);
+    let (surface, _) = folder.read(&json, &binary).unwrap();
+    // (1, 1, 0): doubled (2, 2, 0), turned (0, 2, -2), moved (9376123.4567, 2, -1.875), mirrored, and z up.
+    let at = |v: usize| surface.mesh.vertices_m[v];
+    assert!((at(2) - DVec3::new(-9376123.4567, 1.875, 2.0)).length() < 2e-9, "{}", at(2));
+    assert!((at(0) - DVec3::new(-9376123.4567, -0.125, 0.0)).length() < 2e-9);
+    // The square faced z, after the turn x, after the mirror -x: its corners are still counter-clockwise from there.
+    assert_eq!(surface.mesh.facets[0], [0, 2, 1]);
+    assert!((surface.mesh.facet(0).normal() - DVec3::NEG_X).length() < 1e-12);
+}
+
+#[test]
+fn strips_fans_and_bare_lists_are_triangles() {
+    let folder = Folder::new();
+    let (mut json, binary) = quad();
+    json["meshes"][0]["primitives"][0]["indices"] = Value::Null;
+    json["meshes"][0]["primitives"][0]["mode"] = json!(5);
+    // In the order 0 1 2 3 a strip is 012 and 213 turned: 2 1 3.
+    assert_eq!(folder.read(&json, &binary).unwrap().0.mesh.facets, [[0, 1, 2], [2, 1, 3]]);
+    json["meshes"][0]["primitives"][0]["mode"] = json!(6);
+    assert_eq!(folder.read(&json, &binary).unwrap().0.mesh.facets, [[1, 2, 0], [2, 3, 0]]);
+    json["meshes"][0]["primitives"][0]["mode"] = json!(4);
+    let error = folder.read(&json, &binary).unwrap_err().to_string();
+    assert!(error.ends_with("meshes[0].primitives[0]: 4 corners do not make triangles"), "{error}");
+    // Lines have no surface, and say so.
+    let triangles = quad().0["meshes"][0]["primitives"][0].clone();
+    json["meshes"][0]["primitives"] = json!([{ "attributes": { "POSITION": 0 }, "mode": 3 }, triangles]);
+    let (surface, report) = folder.read(&json, &binary).unwrap();
+    assert_eq!((surface.mesh.facets.len(), report.notes.len()), (2, 1));
+    assert_eq!(report.notes[0].fate, Fate::Dropped);
+}
+
+#[test]
+fn sparse_accessors_replace_elements() {
+    let folder = Folder::new();
+    let (mut json, mut binary) = quad();
+    binary.extend(u16s(&[2, 0]));
+    binary.extend(f32s(&[5.0, 6.0, 7.0]));
+    json["buffers"][0]["byteLength"] = json!(76);
+    json["bufferViews"].as_array_mut().unwrap().push(json!({ "buffer": 0, "byteOffset": 60, "byteLength": 2 }));
+    json["bufferViews"].as_array_mut().unwrap().push(json!({ "buffer": 0, "byteOffset": 64, "byteLength": 12 }));
+    json["accessors"][0]["sparse"] = json!({
+        "count": 1, "indices": { "bufferView": 2, "componentType": 5123 }, "values": { "bufferView": 3 },
+    });
+    let (surface, _) = folder.read(&json, &binary).unwrap();
+    assert_eq!(surface.mesh.vertices_m[2], DVec3::new(5.0, -7.0, 6.0));
+    assert_eq!(surface.mesh.vertices_m[1], DVec3::X);
+    // Without a view the rest is 0.
+    json["accessors"][0].as_object_mut().unwrap().remove("bufferView");
+    let (surface, _) = folder.read(&json, &binary).unwrap();
+    assert_eq!(surface.mesh.vertices_m, [DVec3::ZERO, DVec3::ZERO, DVec3::new(5.0, -7.0, 6.0), DVec3::ZERO]);
+}
+
+#[test]
+fn colours_scenes_and_what_else_there_is() {
+    let folder = Folder::new();
+    let (mut json, mut binary) = quad();
+    binary.extend([51, 102, 255, 255].repeat(4));
+    json["buffers"][0]["byteLength"] = json!(76);
+    json["bufferViews"].as_array_mut().unwrap().push(json!({ "buffer": 0, "byteOffset": 60, "byteLength": 16 }));
+    json["accessors"]
+        .as_array_mut()
+        .unwrap()
+        .push(json!({ "bufferView": 2, "componentType": 5121, "normalized": true, "type": "VEC4", "count": 4 }));
+    json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(2);
+    json["scenes"] = json!([{ "nodes": [0], "extras": { "origin_m": [1, 2.5, 9376123.4567] } }, { "nodes": [] }]);
+    json["materials"][0]["extras"] = json!({ "spectral_material": "phobos_red" });
+    json["materials"][0]["doubleSided"] = json!(true);
+    let (surface, report) = folder.read(&json, &binary).unwrap();
+    assert_eq!(surface.origin_m, Some(DVec3::new(1.0, 2.5, 9376123.4567)));
+    // One colour for all vertices: it multiplies that of the material.
+    assert_eq!(surface.materials[0], ObjMaterial { name: "phobos_red".into(), kd: Some([0.05, 0.1, 0.25]) });
+    let items: Vec<_> = report.notes.iter().filter_map(|n| n.at.item.as_deref()).collect();
+    assert_eq!(items, ["scenes[1]", "materials[0]"]);
+    // Colours that differ have no place.
+    binary[64] = 0;
+    let (surface, report) = folder.read(&json, &binary).unwrap();
+    assert_eq!(surface.materials[0].kd, Some([0.25; 3]));
+    assert!(report.notes.iter().any(|n| n.message.contains("differ from vertex to vertex")));
+}
+
+/// A small landscape far from its origin, with three materials.
+fn surface() -> Surface {
+    let vertices_m: Vec<DVec3> = (0..16)
+        .map(|i| {
+            let (x, y) = (f64::from(i % 4), f64::from(i / 4));
+            DVec3::new(11860.036 + 0.1 * x, -2743.5946 + y / 3.0, 0.51269 + (x * 7.0 + y * 3.0).sin())
+        })
+        .collect();
+    let cell = |i: u32| i + i / 3;
+    let facets: Vec<[u32; 3]> = (0..9).map(cell).flat_map(|a| [[a, a + 1, a + 5], [a, a + 5, a + 4]]).collect();
+    let material = (0..18).map(|f| MaterialId(f % 3)).collect();
+    let materials = ["a", "phobos blue", "#b03020"].map(|name| ObjMaterial { name: name.into(), kd: None });
+    let mesh = Mesh { vertices_m, facets, material, face_of_facet: vec![] };
+    Surface { mesh, materials: materials.to_vec(), origin_m: Some(DVec3::new(-2743.5946, 11860.036, 0.51269)) }
+}
+
+#[test]
+fn residuals_bring_the_digits_back() {
+    let folder = Folder::new();
+    let surface = surface();
+    let encoded = encode(&surface).unwrap();
+    // f32 near 12 km: steps of 1 mm.
+    assert!((1e-4..1e-3).contains(&encoded.largest_error_m), "{}", encoded.largest_error_m);
+    let (text, buffer) = encoded.gltf("a b.bin");
+    folder.put("a b.bin", buffer);
+    for path in [folder.put("a.glb", &encoded.glb()), folder.put("a.gltf", text.as_bytes())] {
+        let (back, report, inputs) = read(&path, false).unwrap();
+        assert!(report.notes.is_empty(), "{:?}", report.notes);
+        assert_eq!((back.origin_m, &back.materials), (surface.origin_m, &surface.materials));
+        for (a, b) in back.mesh.vertices_m.iter().zip(&surface.mesh.vertices_m) {
+            assert!((*a - *b).abs().max_element() <= 1e-14 * b.length(), "{a} {b}");
+        }
+        // The same facets, by material.
+        let sorted = |surface: &Surface| {
+            let mut all: Vec<_> = surface.mesh.material.iter().zip(&surface.mesh.facets).collect();
+            all.sort_by_key(|(material, _)| **material);
+            all.into_iter().map(|(m, f)| (*m, *f)).collect::<Vec<_>>()
+        };
+        assert_eq!(sorted(&back), sorted(&surface));
+        assert_eq!(inputs.len(), if path.extension().unwrap() == "glb" { 1 } else { 2 });
+    }
+}
+
+#[test]
+fn another_reader_sees_the_same() {
+    let surface = surface();
+    let encoded = encode(&surface).unwrap();
+    let ::gltf::Gltf { document, blob } = ::gltf::Gltf::from_slice(&encoded.glb()).unwrap();
+    let blob = blob.unwrap();
+    let mesh = document.meshes().next().unwrap();
+    assert_eq!(mesh.primitives().len(), 3);
+    for primitive in mesh.primitives() {
+        let reader = primitive.reader(|_| Some(&blob));
+        let positions: Vec<[f32; 3]> = reader.read_positions().unwrap().collect();
+        let expected: Vec<[f32; 3]> =
+            surface.mesh.vertices_m.iter().map(|v| [v.x as f32, v.z as f32, -v.y as f32]).collect();
+        assert_eq!(positions, expected);
+        let material = primitive.material().index().unwrap();
+        assert_eq!(primitive.material().name(), Some(surface.materials[material].name.as_str()));
+        let indices: Vec<u32> = reader.read_indices().unwrap().into_u32().collect();
+        let mine = surface.mesh.facets.iter().zip(&surface.mesh.material);
+        let mine: Vec<u32> = mine.filter(|(_, m)| usize::from(m.0) == material).flat_map(|(f, _)| *f).collect();
+        assert_eq!(indices, mine);
+        let bounds = primitive.bounding_box();
+        assert!(positions.iter().all(|p| (0..3).all(|i| bounds.min[i] <= p[i] && p[i] <= bounds.max[i])));
+    }
+}
+
+#[test]
+fn damaged_files_are_told_where() {
+    let folder = Folder::new();
+    let cases: &[(&str, Value, &str)] = &[
+        ("/asset", json!({}), "asset.version: is missing"),
+        ("/asset/version", json!("1.0"), "asset.version: version 1.0 of glTF is not supported"),
+        ("/extensionsRequired", json!(["KHR_draco_mesh_compression"]), "required extension KHR_draco_mesh_compression"),
+        ("/scene", json!(3), "scene: scenes[3]: there are 1"),
+        ("/scenes/0/nodes", json!([7]), "scenes[0].nodes: nodes[7]: there are 1"),
+        ("/scenes/0/nodes", json!([0, 0]), "nodes[0]: is reached twice"),
+        ("/nodes/0/children", json!([0]), "nodes[0]: is reached twice"),
+        ("/nodes/0/matrix", json!([1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]), "nodes[0].matrix: its last row"),
+        ("/nodes/0/rotation", json!([0, 0, 0, 0]), "nodes[0].rotation: has no length"),
+        ("/nodes/0/scale", json!([1e308, 1e308, 1e308]), ""),
+        (
+            "/nodes/0/matrix",
+            json!([1e308, 0, 0, 0, 1e308, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]),
+            "primitives[0]: its place in the scene is beyond all numbers",
+        ),
+        ("/nodes/0/mesh", json!(1), "nodes[0]: meshes[1]: there are 1"),
+        ("/meshes/0/primitives/0/attributes", json!({}), "primitives[0].attributes: `POSITION` is missing"),
+        ("/meshes/0/primitives/0/attributes/POSITION", json!(9), "attributes.POSITION: accessors[9]: there are 2"),
+        ("/meshes/0/primitives/0/attributes/_POSITION_RESIDUAL", json!(1), "accessors[1]: its type is \"SCALAR\""),
+        ("/meshes/0/primitives/0/mode", json!(9), "primitives[0].mode: 9 is not a kind"),
+        ("/meshes/0/primitives/0/material", json!(4), "primitives[0].material: materials[4]"),
+        ("/meshes/0/primitives", json!([]), "meshes: the scene has no triangles"),
+        (
+            "/materials/0/pbrMetallicRoughness/baseColorFactor",
+            json!([2, 0, 0, 1]),
+            "baseColorFactor: is outside 0 to 1",
+        ),
+        ("/accessors/0/type", json!("VEC2"), "accessors[0]: its type is \"VEC2\", where VEC3 is expected"),
+        ("/accessors/0/componentType", json!(5130), "accessors[0]: `componentType` 5130"),
+        (
+            "/accessors/0/count",
+            json!(5),
+            "accessors[0]: 5 elements of 12 bytes, 12 apart from byte 0: bufferViews[0] has 48",
+        ),
+        ("/accessors/0/count", json!(u64::MAX), "accessors[0]: 18446744073709551615 elements: at most"),
+        ("/accessors/0/count", json!(3), "primitives[0].indices: vertex 3: there are 3"),
+        ("/accessors/0/byteOffset", json!(u64::MAX), "accessors[0]: 4 elements"),
+        ("/accessors/0/bufferView", Value::Null, "accessors[0]: has neither `bufferView` nor `sparse`"),
+        ("/accessors/0/sparse", json!({ "count": 9 }), "accessors[0].sparse: replaces 9 of 4"),
+        ("/bufferViews/0/byteOffset", json!(u64::MAX), "bufferViews[0]: 48 bytes from byte 18446744073709551615"),
+        ("/bufferViews/0/byteLength", json!(61), "bufferViews[0]: 61 bytes from byte 0: the buffer has 60"),
+        ("/bufferViews/0/byteStride", json!(4), "bufferViews[0]: a `byteStride` of 4 for elements of 12 bytes"),
+        ("/bufferViews/0/buffer", json!(2), "bufferViews[0]: buffers[2]: there are 1"),
+        ("/buffers/0/byteLength", json!(61), "buffers[0]: `byteLength` 61, but there are 60 bytes"),
+        ("/buffers/0/uri", Value::Null, "buffers[0]: has no `uri`"),
+        ("/buffers/0/uri", json!("data:;base64,!"), "buffers[0]: its data are not base64"),
+        ("/buffers/0/uri", json!("../quad.bin"), "buffers[0]: \"../quad.bin\" leads out of the folder"),
+        ("/buffers/0/uri", json!("%2e%2e/quad.bin"), "buffers[0]: \"../quad.bin\" leads out of the folder"),
+        ("/buffers/0/uri", json!("/etc/passwd"), "buffers[0]: \"/etc/passwd\" leads out of the folder"),
+        ("/buffers/0/uri", json!("http://a.b/c"), "buffers[0]: \"http://a.b/c\" is an address"),
+        ("/buffers/0/uri", json!("lost.bin"), "lost.bin, which it names, cannot be read: "),
+        ("/nodes/0/mesh", json!("zero"), "quad.gltf:1:"),
+        ("/scenes/0/extras", json!({ "origin_m": [1, 2] }), "scenes[0].extras.origin_m: is not three numbers"),
+    ];
+    for (pointer, value, told) in cases {
+        let (mut json, binary) = quad();
+        let (parent, key) = pointer.rsplit_once('/').unwrap();
+        match json.pointer_mut(pointer) {
+            Some(place) => *place = value.clone(),
+            None => json.pointer_mut(parent).unwrap()[key] = value.clone(),
+        }
+        match folder.read(&json, &binary) {
+            Ok(_) => assert!(told.is_empty(), "{pointer} = {value} is read"),
+            Err(error) => {
+                let error = error.to_string();
+                assert!(
+                    !told.is_empty() && error.contains(told) && error.contains("quad"),
+                    "{pointer} = {value}: {error}"
+                );
+            }
+        }
+    }
+    let (json, mut binary) = quad();
+    binary[..4].copy_from_slice(&f32::NAN.to_le_bytes());
+    let error = folder.read(&json, &binary).unwrap_err().to_string();
+    assert!(error.ends_with("accessors[0]: position 0 is not finite"), "{error}");
+}
+
+#[test]
+fn damaged_containers_are_told() {
+    let folder = Folder::new();
+    let (mut json, binary) = quad();
+    json["buffers"] = json!([{ "byteLength": 60 }]);
+    let good = glb(&json, &binary);
+    let mut bad = vec![(good[..9].to_vec(), "ends within its header"), (good[..40].to_vec(), "is it cut short?")];
+    for (at, value, told) in [
+        (4, 1, "version 1 of GLB is not supported"),
+        (8, 14, "a chunk's header is cut short at byte 12"),
+        (12, u32::MAX, "reaches beyond the file's end"),
+        (16, 0, "without a JSON chunk"),
+    ] {
+        let mut bytes = good.clone();
+        bytes[at..at + 4].copy_from_slice(&u32::to_le_bytes(value));
+        bad.push((bytes, told));
+    }
+    for (bytes, told) in bad {
+        let error = read(&folder.put("bad.glb", &bytes), false).unwrap_err().to_string();
+        assert!(error.contains("bad.glb") && error.contains(told), "{told}: {error}");
+    }
+    // No byte that is wrong leads to a panic.
+    let mut outcomes = [0, 0];
+    for i in 0..good.len() {
+        for value in [0, b'9', 0xff] {
+            let mut bytes = good.clone();
+            bytes[i] = value;
+            outcomes[usize::from(read(&folder.put("bad.glb", &bytes), false).is_ok())] += 1;
+        }
+    }
+    assert!(outcomes[0] > 500 && outcomes[1] > 100, "{outcomes:?}");
+}
