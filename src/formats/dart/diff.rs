@@ -46,13 +46,22 @@ pub fn diff(a: &Simulation, b: &Simulation) -> Vec<String> {
             lines.differ(&format!("{at} Skyl"), &x.1, &y.1);
         });
     }
-    lines.differ("phase.xml BrfProductsProperties/@luminanceProducts", &a.phase.radiance_products, &b.phase.radiance_products);
+    lines.differ(
+        "phase.xml BrfProductsProperties/@luminanceProducts",
+        &a.phase.radiance_products,
+        &b.phase.radiance_products,
+    );
     lines.each("phase.xml camera", &a.phase.cameras, &b.phase.cameras, Lines::camera);
 
     lines.differ("directions.xml Sun, zenith angle and azimuth, deg", &a.directions.sun_deg, &b.directions.sun_deg);
-    lines.each("directions.xml AddedDirections", &a.directions.views_deg, &b.directions.views_deg, |lines, at, x, y| {
-        lines.differ(&format!("{at} zenith angle and azimuth, deg"), x, y);
-    });
+    lines.each(
+        "directions.xml AddedDirections",
+        &a.directions.views_deg,
+        &b.directions.views_deg,
+        |lines, at, x, y| {
+            lines.differ(&format!("{at} zenith angle and azimuth, deg"), x, y);
+        },
+    );
     lines.each("sequence", &a.sequences, &b.sequences, |lines, at, x, y| {
         lines.each(&format!("{at} group"), &x.groups, &y.groups, |lines, at, x, y| {
             lines.each(&format!("{at} entry"), &x.entries, &y.entries, |lines, at, x, y| {
@@ -130,9 +139,8 @@ impl Lines {
             }
             (x, y) => self.differ(&format!("{at} the link leads somewhere"), &x.is_some(), &y.is_some()),
         }
-        let temperatures = |s: &Simulation, links: &Links| {
-            s.thermal.get(links.thermal_index as usize).map(|t| [t.mean_k, t.range_k])
-        };
+        let temperatures =
+            |s: &Simulation, links: &Links| s.thermal.get(links.thermal_index as usize).map(|t| [t.mean_k, t.range_k]);
         self.differ(&format!("{at} temperature, mean and range, K"), &temperatures(of_a, a), &temperatures(of_b, b));
     }
 

@@ -71,7 +71,8 @@ impl Size {
         let views = 1 + simulation.directions.views_deg.len() as u64;
         let pixels = simulation.phase.cameras.iter().map(of_camera).sum::<u64>() + views * x * y;
         let all_cells = cells.iter().fold(1u64, |n, c| n.saturating_mul(*c));
-        let bytes = all_cells.saturating_mul(64).saturating_add(facets * (256 + 80 * bands)).saturating_add(pixels * bands * 8);
+        let bytes =
+            all_cells.saturating_mul(64).saturating_add(facets * (256 + 80 * bands)).saturating_add(pixels * bands * 8);
         Size { facets, cells, bytes }
     }
 }
@@ -127,7 +128,9 @@ pub fn from_scene(scene: &Scene, options: &WriteOptions) -> Result<(Package, Rep
     let size_m = high_m - low_m;
     let cell_m = match options.cell_m {
         Some(cell_m) if cell_m > 0.0 && cell_m.is_finite() => cell_m,
-        Some(cell_m) => return Err(Error::invalid(Location::item("cell"), format!("{cell_m} m is no positive length"))),
+        Some(cell_m) => {
+            return Err(Error::invalid(Location::item("cell"), format!("{cell_m} m is no positive length")));
+        }
         None => {
             let cell_m = pixel_m(scene, size_m);
             let message = format!("cells of {cell_m} m: about what a pixel of the camera sees");
@@ -552,19 +555,30 @@ impl Site<'_> {
     fn notes(&self, simulation: &Simulation, size: &Size, options: &WriteOptions, report: &mut Report) {
         let scene = self.scene;
         let item = Location::item;
-        report.note(Fate::Carried, item("origin_m"), "DART's frame starts at the scene's corner; x is South, y East, z outward");
+        report.note(
+            Fate::Carried,
+            item("origin_m"),
+            "DART's frame starts at the scene's corner; x is South, y East, z outward",
+        );
         report.note(
             Fate::Carried,
             item("sun"),
-            format!("distance and spectrum: DART has irradiances at the body, one for each of {} bands", scene.sensor.bands.len()),
+            format!(
+                "distance and spectrum: DART has irradiances at the body, one for each of {} bands",
+                scene.sensor.bands.len()
+            ),
         );
         let [zenith_deg, _] = simulation.directions.sun_deg;
         if zenith_deg >= 90.0 {
-            let message = format!("the Sun stands {:.3} deg below the site's horizon: DART takes only what is above", zenith_deg - 90.0);
+            let message = format!(
+                "the Sun stands {:.3} deg below the site's horizon: DART takes only what is above",
+                zenith_deg - 90.0
+            );
             report.note(Fate::Approximated, item("sun"), message);
         }
         if scene.thermal != Thermal::Off {
-            let message = "DART spreads temperatures by sunlight between two ends, which are those of this scene's model";
+            let message =
+                "DART spreads temperatures by sunlight between two ends, which are those of this scene's model";
             report.note(Fate::Carried, item("thermal"), message);
         }
         report.note(
@@ -574,7 +588,11 @@ impl Site<'_> {
         );
         let monochromatic = scene.sensor.bands.iter().filter(|b| b.fwhm_um.is_none()).count();
         if monochromatic < scene.sensor.bands.len() {
-            report.note(Fate::Carried, item("sensor.bands"), "Gaussian responses; DART's are rectangles of the same width");
+            report.note(
+                Fate::Carried,
+                item("sensor.bands"),
+                "Gaussian responses; DART's are rectangles of the same width",
+            );
         }
         if monochromatic > 0 {
             let message = format!("{monochromatic} monochromatic bands are {MONOCHROMATIC_UM} um wide in DART");
@@ -591,13 +609,19 @@ impl Site<'_> {
         let ahead = self.dart_from_body * scene.sensor.camera.world_from_sensor.rotation.z_axis;
         let tilt_rad = crate::geometry::angle_rad(ahead, DVec3::NEG_Z);
         if simulation.phase.cameras.iter().any(|c| c.look_deg[0] == 180.0) && tilt_rad > 0.0 {
-            let message = format!("the camera looks straight down but for {tilt_rad:.1e} rad, less than a tenth of a pixel: straight down");
+            let message = format!(
+                "the camera looks straight down but for {tilt_rad:.1e} rad, less than a tenth of a pixel: straight down"
+            );
             report.note(Fate::Carried, item("observer"), message);
         }
         match sidecar::runs_of_faces(&scene.mesh) {
             Some(runs) if runs.is_empty() => {}
             Some(_) => report.note(Fate::Carried, item("mesh"), "which face each triangle was cut from"),
-            None => report.note(Fate::Dropped, item("mesh"), "which face each triangle was cut from: their order is not the triangles'"),
+            None => report.note(
+                Fate::Dropped,
+                item("mesh"),
+                "which face each triangle was cut from: their order is not the triangles'",
+            ),
         }
         let ground = match options.target {
             Target::V5_7_4 => "DART has a ground plane at z = 0: it is black and at 0 K, below all of the surface",
@@ -615,7 +639,9 @@ impl Site<'_> {
         );
         if size.bytes > options.memory_bytes {
             message.push_str(&match coarser(simulation, size, options.memory_bytes) {
-                Some(cell_m) => format!(", more than {:.1} GiB: cells of {cell_m} m would fit", gib(options.memory_bytes)),
+                Some(cell_m) => {
+                    format!(", more than {:.1} GiB: cells of {cell_m} m would fit", gib(options.memory_bytes))
+                }
                 None => format!(
                     ", more than {:.1} GiB whatever the cells: convert fewer bands or facets at a time",
                     gib(options.memory_bytes)

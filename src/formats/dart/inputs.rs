@@ -41,7 +41,10 @@ impl Target {
         [Target::V5_7_4, Target::V5_11_0].into_iter().find(|t| t.version() == *version).ok_or_else(|| {
             Error::Unsupported {
                 at: Location::item("version"),
-                feature: format!("writing DART {} {} (5.7.4 v1083 and 5.11.0 v1449 are)", version.version, version.build),
+                feature: format!(
+                    "writing DART {} {} (5.7.4 v1083 and 5.11.0 v1449 are)",
+                    version.version, version.build
+                ),
             }
         })
     }
@@ -118,8 +121,7 @@ impl Writer<'_> {
         let scene = Element::new("Scene")
             .and(cells.with("x", cell_x).with("z", cell_z))
             .and(Element::new("SceneDimensions").with("x", x).with("y", y));
-        let mut topography =
-            Element::new("Topography").with("presenceOfTopography", maket.topography.is_some());
+        let mut topography = Element::new("Topography").with("presenceOfTopography", maket.topography.is_some());
         if let Some(file) = &maket.topography {
             topography = topography.and(Element::new("TopographyProperties").with("fileName", file));
         }
@@ -130,10 +132,8 @@ impl Writer<'_> {
             .and(topography)
             .and(Element::new("DEM_properties").with("createTopography", false));
         let [latitude, longitude, altitude] = maket.latitude_longitude_altitude;
-        let place = Element::new("LatLon")
-            .with("latitude", latitude)
-            .with("longitude", longitude)
-            .with("altitude", altitude);
+        let place =
+            Element::new("LatLon").with("latitude", latitude).with("longitude", longitude).with("altitude", altitude);
         root = root
             .and(scene)
             .and(Element::new("RandomGenerationParameters").with("generationSeed", 733_426_921))
@@ -164,8 +164,8 @@ impl Writer<'_> {
                 .with("outputLADFile", false),
             Element::new("AirMultiFunctions"),
         ];
-        let temperatures = Element::new("Temperatures")
-            .and_all(self.simulation.thermal.iter().map(|t| self.thermal_function(t)));
+        let temperatures =
+            Element::new("Temperatures").and_all(self.simulation.thermal.iter().map(|t| self.thermal_function(t)));
         let root = Element::new("Coeff_diff").with("fluorescenceFile", false).with("fluorescenceProducts", false);
         if !self.is_5_11() {
             return Ok(root.and_all(surfaces).and_all(volumes).and(temperatures));
@@ -192,7 +192,8 @@ impl Writer<'_> {
                 .with("isFluorescent", false);
             let entry = Element::new("LambertianMulti").with("ident", ident).with("roStDev", 0.0);
             let entry = entry.with("useMultiplicativeFactorForLUT", has_factors);
-            let of_model = |e: Element| e.with("ModelName", model).with("databaseName", database).with("useSpecular", false);
+            let of_model =
+                |e: Element| e.with("ModelName", model).with("databaseName", database).with("useSpecular", false);
             return Ok(match self.target {
                 Target::V5_7_4 => of_model(entry).and(leaf).and_all(factors(property)),
                 Target::V5_11_0 => entry
@@ -237,9 +238,8 @@ impl Writer<'_> {
         let kinds = kinds.into_iter().take(if self.is_5_11() { 3 } else { 2 }).map(|(index, name, colour)| {
             Element::new("DefaultType").with("indexOT", index).with("name", name).with("typeColor", colour)
         });
-        let types = Element::new("Types")
-            .and(Element::new("DefaultTypes").and_all(kinds))
-            .and(Element::new("CustomTypes"));
+        let types =
+            Element::new("Types").and(Element::new("DefaultTypes").and_all(kinds)).and(Element::new("CustomTypes"));
         let objects = self.simulation.objects.iter().enumerate().map(|(i, object)| self.object(i, object));
         Element::new("object_3d")
             .with("generateTriangleFileXML", false)
@@ -287,7 +287,8 @@ impl Writer<'_> {
 
     fn geometry(&self, number: usize, object: &Object) -> Element {
         let (low_m, high_m) = self.boxes_m.get(number).copied().unwrap_or_default();
-        let xyz = |name: &str, [x, y, z]: [&str; 3], v: DVec3| Element::new(name).with(x, v.x).with(y, v.y).with(z, v.z);
+        let xyz =
+            |name: &str, [x, y, z]: [&str; 3], v: DVec3| Element::new(name).with(x, v.x).with(y, v.y).with(z, v.z);
         let deviations = |e: Element, [x, y, z]: [&str; 3]| e.with(x, 0.0).with(y, 0.0).with(z, 0.0);
         let scale = xyz("ScaleProperties", ["xscale", "yscale", "zscale"], object.scale);
         let rotation = xyz("RotationProperties", ["xrot", "yrot", "zrot"], object.rotation_deg);
@@ -478,11 +479,11 @@ impl Writer<'_> {
 
     fn products(&self) -> Element {
         let radiance = self.simulation.phase.radiance_products;
-        let mut common = Element::new("CommonProducts")
-            .with("polarizationProducts", false)
-            .with("radiativeBudgetProducts", false);
-        let mut tracking =
-            Element::new("FluxTrackingModeProducts").with("brfProducts", true).with("temperaturePerTrianglePerCell", false);
+        let mut common =
+            Element::new("CommonProducts").with("polarizationProducts", false).with("radiativeBudgetProducts", false);
+        let mut tracking = Element::new("FluxTrackingModeProducts")
+            .with("brfProducts", true)
+            .with("temperaturePerTrianglePerCell", false);
         let brf = Element::new("BrfProductsProperties")
             .with("luminanceProducts", radiance)
             // Nadir, and the directions that are asked for.
@@ -512,7 +513,8 @@ impl Writer<'_> {
             }
             Target::V5_11_0 => {
                 common = common.with("JacobianProducts", false).with("perLightSource", false);
-                let text = Element::new("BRFTextParameters").with("brfProduct", true).with("centralizedBrfProduct", true);
+                let text =
+                    Element::new("BRFTextParameters").with("brfProduct", true).with("centralizedBrfProduct", true);
                 let map = Element::new("BRFBiDirParameters")
                     .with("brfMap", true)
                     .with("brfResolution", 1.0)
@@ -544,9 +546,8 @@ impl Writer<'_> {
             let towards = Element::new("ZenithAzimuth")
                 .with("directionZenithalAngle", *zenith_deg)
                 .with("directionAzimuthalAngle", *azimuth_deg);
-            let cone = Element::new("Square")
-                .with("widthDefinition", 0)
-                .and(Element::new("DefineOmega").with("omega", 0.001));
+            let cone =
+                Element::new("Square").with("widthDefinition", 0).and(Element::new("DefineOmega").with("omega", 0.001));
             Element::new("AddedDirections")
                 .with("imageDirection", true)
                 .with("ifSquareShape", true)
@@ -566,9 +567,8 @@ impl Writer<'_> {
             .with("hotSpotPerpendicularPlane", false)
             .with("hotSpotParallelPlane", false)
             .with("oversampleUpwardRegion", false);
-        let offset = Element::new("AzimuthalOffset")
-            .with("directionalAzimuthalOffset", 0.0)
-            .with("sunAzimuthalOffset", 0.0);
+        let offset =
+            Element::new("AzimuthalOffset").with("directionalAzimuthalOffset", 0.0).with("sunAzimuthalOffset", 0.0);
         self.linked(root, "linkDirection")
             .and_all(views)
             .and(sun)
@@ -663,7 +663,12 @@ fn factors(property: &OpticalProperty) -> Option<Element> {
         OpticalKind::Lambertian => (
             "lambertianNodeMultiplicativeFactorForLUT",
             "lambertianMultiplicativeFactorForLUT",
-            &["diffuseTransmittanceFactor", "reflectanceFactor", "directTransmittanceFactor", "specularIntensityFactor"],
+            &[
+                "diffuseTransmittanceFactor",
+                "reflectanceFactor",
+                "directTransmittanceFactor",
+                "specularIntensityFactor",
+            ],
         ),
         OpticalKind::Hapke => (
             "hapkeNodeMultiplicativeFactorForLUT",
@@ -707,7 +712,8 @@ fn factors(property: &OpticalProperty) -> Option<Element> {
     }
     let same = property.factors.iter().all(|f| f == first);
     parent = parent.with("useSameFactorForAllBands", same).with("useSameOpticalFactorMatrixForAllBands", false);
-    let bands = property.factors.iter().map(|f| with_factors(Element::new(entry), f).with("useOpticalFactorMatrix", false));
+    let bands =
+        property.factors.iter().map(|f| with_factors(Element::new(entry), f).with("useOpticalFactorMatrix", false));
     Some(parent.and_all(bands))
 }
 

@@ -305,7 +305,8 @@ fn parameters<const N: usize>(tables: &BTreeMap<String, Table>, names: [&str; N]
 }
 
 fn material_part(material: &Material) -> MaterialPart {
-    let parameters = || material.photometry.parameters().into_iter().map(|(name, s)| (name.to_owned(), Table::of(s))).collect();
+    let parameters =
+        || material.photometry.parameters().into_iter().map(|(name, s)| (name.to_owned(), Table::of(s))).collect();
     let by_kirchhoff = material.emissivity == material.reflectance.map(|r| 1.0 - r);
     MaterialPart {
         name: material.name.clone(),

@@ -17,7 +17,9 @@ use crate::units::AU_M;
 
 use super::database::Database;
 use super::folder::Folder;
-use super::from_scene::{camera_deg, irradiance, latitude_longitude_altitude, intervals, spectra, tabulated, thermal_functions, width_um};
+use super::from_scene::{
+    camera_deg, intervals, irradiance, latitude_longitude_altitude, spectra, tabulated, thermal_functions, width_um,
+};
 use super::sidecar::{self, Sidecar};
 use super::simulation::{Camera, Links, Object, OpticalKind, OpticalProperty, Simulation};
 use super::{frame, groups};
@@ -54,7 +56,12 @@ const CAMERA_DISTANCE: f64 = 10.0;
 /// # Errors
 /// [`Error::Invalid`] for links that lead nowhere, files that are missing, lie outside, or cannot be used, and as [`Scene::check`];
 /// [`Error::Io`]; [`Error::Interrupted`].
-pub fn to_scene(simulation: &Simulation, folder: &Folder, options: &SceneOptions, watch: Watch<'_>) -> Result<Converted> {
+pub fn to_scene(
+    simulation: &Simulation,
+    folder: &Folder,
+    options: &SceneOptions,
+    watch: Watch<'_>,
+) -> Result<Converted> {
     let mut reader = Reader {
         simulation,
         folder,
@@ -124,7 +131,11 @@ impl Reader<'_> {
         let camera = self.camera(&place, &mesh);
         let mars = self.sidecar.as_ref().and_then(Sidecar::mars);
         if mars.is_some() && !place.is_kept {
-            self.note(Fate::Dropped, &Location::item("mars"), "the scene is elsewhere than where Mars was given for it");
+            self.note(
+                Fate::Dropped,
+                &Location::item("mars"),
+                "the scene is elsewhere than where Mars was given for it",
+            );
         }
         let mars = mars.filter(|_| place.is_kept);
         let name = self.sidecar.as_ref().map_or("DART camera", Sidecar::sensor_name).to_owned();
@@ -141,7 +152,12 @@ impl Reader<'_> {
             let written = latitude_longitude_altitude(origin_m);
             if same_all(&written, &maket.latitude_longitude_altitude) {
                 let origin_in_dart_m = DVec3::from_array(sidecar.origin_in_dart_m);
-                return Place { origin_m, dart_from_body: frame::dart_from_body(origin_m), origin_in_dart_m, is_kept: true };
+                return Place {
+                    origin_m,
+                    dart_from_body: frame::dart_from_body(origin_m),
+                    origin_in_dart_m,
+                    is_kept: true,
+                };
             }
         }
         let [x, y] = maket.size_m;
@@ -202,7 +218,8 @@ impl Reader<'_> {
         }
         let e490 = solar_e490();
         let total = e490.integral(e490.coverage_um().0, e490.coverage_um().1).unwrap_or(crate::units::TSI_1AU_W_M2);
-        let at_1_au = Sun { direction, distance_m: AU_M, irradiance_1au: e490.clone(), total_irradiance_1au_w_m2: total };
+        let at_1_au =
+            Sun { direction, distance_m: AU_M, irradiance_1au: e490.clone(), total_irradiance_1au_w_m2: total };
         let item = Location::item("sun");
         if !is_given {
             let message = "DART does not say how far the Sun is: taken to be 1 au, with the spectrum ASTM E490-00a";
@@ -210,11 +227,13 @@ impl Reader<'_> {
             return at_1_au;
         }
         // What E490 would have to be divided by is the square of the distance.
-        let standard = bands.iter().map(|b| b.quadrature(&[]).iter().map(|(um, w)| w * e490.at(*um).unwrap_or(0.0)).sum::<f64>());
+        let standard =
+            bands.iter().map(|b| b.quadrature(&[]).iter().map(|(um, w)| w * e490.at(*um).unwrap_or(0.0)).sum::<f64>());
         let mut ratios: Vec<f64> = standard.zip(&given).filter(|(_, e)| **e > 0.0).map(|(s, e)| s / e).collect();
         ratios.sort_by(f64::total_cmp);
         let squared = ratios.get(ratios.len() / 2).copied().filter(|r| *r > 0.0).unwrap_or(1.0);
-        let mut points: Vec<(f64, f64)> = bands.iter().map(|b| b.centre_um).zip(given.iter().map(|e| e * squared)).collect();
+        let mut points: Vec<(f64, f64)> =
+            bands.iter().map(|b| b.centre_um).zip(given.iter().map(|e| e * squared)).collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         points.dedup_by_key(|p| p.0);
         let (wavelength_um, value) = points.into_iter().unzip();
@@ -256,7 +275,9 @@ impl Reader<'_> {
                 // Bands may have been edited: as far as the table itself reaches.
                 let um = table[0].wavelength_um();
                 let (um, columns) = tabulated(&spectra, (um[0], um[um.len() - 1]));
-                let same_column = |(values, s): (&Vec<f64>, &Spectrum)| same_all(&um, s.wavelength_um()) && same_all(values, s.value());
+                let same_column = |(values, s): (&Vec<f64>, &Spectrum)| {
+                    same_all(&um, s.wavelength_um()) && same_all(values, s.value())
+                };
                 kind == property.kind && columns.len() == table.len() && columns.iter().zip(&table).all(same_column)
             };
             let kept = kept.filter(is_same);
@@ -345,7 +366,9 @@ impl Reader<'_> {
             spectra.map(|spectra| (spectra, report))
         };
         let read = match property.kind {
-            OpticalKind::Lambertian => database.lambertian(&property.model).map(|(s, report)| Some((vec![s], report)))?,
+            OpticalKind::Lambertian => {
+                database.lambertian(&property.model).map(|(s, report)| Some((vec![s], report)))?
+            }
             OpticalKind::Hapke => of_library(database.hapke(&property.model)?),
             OpticalKind::Rpv => of_library(database.rpv(&property.model)?),
         };
@@ -355,7 +378,8 @@ impl Reader<'_> {
         self.report.notes.extend(report.notes);
         self.multiply(property, bands, &mut spectra);
         let (first, last) = spectra[0].coverage_um();
-        let needed = bands.iter().map(Band::support_um).fold((f64::INFINITY, 0.0f64), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+        let needed =
+            bands.iter().map(Band::support_um).fold((f64::INFINITY, 0.0f64), |a, b| (a.0.min(b.0), a.1.max(b.1)));
         if is_needed && (needed.0 < first || last < needed.1) {
             let message = format!(
                 "{:?} is known from {first} to {last} um, which does not cover all bands: its end values are held",
@@ -397,7 +421,8 @@ impl Reader<'_> {
                 continue;
             }
             varies = true;
-            let in_band = |(band, factor): (&Band, &f64)| (band.centre_um, factor * spectrum.at(band.centre_um).unwrap_or(0.0));
+            let in_band =
+                |(band, factor): (&Band, &f64)| (band.centre_um, factor * spectrum.at(band.centre_um).unwrap_or(0.0));
             let mut points: Vec<(f64, f64)> = bands.iter().zip(&factors).map(in_band).collect();
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
             points.dedup_by_key(|p| p.0);
@@ -405,7 +430,8 @@ impl Reader<'_> {
             *spectrum = Spectrum::new(um, value, Extend::Hold).unwrap_or_else(|| spectrum.clone());
         }
         if varies {
-            let message = "factors that differ from band to band: what they multiply is linear between the bands' centres";
+            let message =
+                "factors that differ from band to band: what they multiply is linear between the bands' centres";
             self.note(Fate::Approximated, &property.at, message);
         }
     }
@@ -457,7 +483,10 @@ impl Reader<'_> {
         }
         self.ground(place, material_of, &mut all)?;
         if all.facets.is_empty() {
-            let problem = Problem::new(Location::file(&self.folder.simulation), "the simulation has no objects and no ground that is seen");
+            let problem = Problem::new(
+                Location::file(&self.folder.simulation),
+                "the simulation has no objects and no ground that is seen",
+            );
             return Err(Error::Invalid(vec![problem]));
         }
         if simulation.maket.boundary != 0 {
@@ -474,7 +503,8 @@ impl Reader<'_> {
         let mut links_of_group = vec![object.links.as_ref(); read.groups.len().max(1)];
         for group in &object.groups {
             let Some(&place) = (group.number as usize).checked_sub(1).and_then(|n| numbered.get(n)) else {
-                let message = format!("group {} ({:?}): the OBJ has {} groups", group.number, group.name, numbered.len());
+                let message =
+                    format!("group {} ({:?}): the OBJ has {} groups", group.number, group.name, numbered.len());
                 return Err(Error::invalid(group.at.clone(), message));
             };
             links_of_group[place] = group.links.as_ref().or(object.links.as_ref());
@@ -499,8 +529,12 @@ impl Reader<'_> {
             false => read.facet_group.iter().map(|g| material_of_group[*g as usize]).collect(),
         };
 
-        let hidden: Vec<usize> =
-            object.groups.iter().filter(|g| g.hidden).filter_map(|g| numbered.get(g.number as usize - 1).copied()).collect();
+        let hidden: Vec<usize> = object
+            .groups
+            .iter()
+            .filter(|g| g.hidden)
+            .filter_map(|g| numbered.get(g.number as usize - 1).copied())
+            .collect();
         let is_seen = |f: usize| read.facet_group.get(f).is_none_or(|g| !hidden.contains(&(*g as usize)));
 
         let turned = DMat3::from_rotation_z(object.rotation_deg.z.to_radians())
@@ -516,9 +550,14 @@ impl Reader<'_> {
             let v = object.scale * frame::dart_from_obj(*vertex);
             *vertex = object.position_m + if is_turned { turned * v } else { v };
         }
-        let mut mesh = Mesh { vertices_m, facets: read.facets.clone(), material, face_of_facet: read.face_of_facet.clone() };
+        let mut mesh =
+            Mesh { vertices_m, facets: read.facets.clone(), material, face_of_facet: read.face_of_facet.clone() };
         if !hidden.is_empty() {
-            self.note(Fate::Dropped, &object.at, format!("{} hidden groups of {:?}: DART ignores them too", hidden.len(), object.name));
+            self.note(
+                Fate::Dropped,
+                &object.at,
+                format!("{} hidden groups of {:?}: DART ignores them too", hidden.len(), object.name),
+            );
             let seen: Vec<usize> = (0..mesh.facets.len()).filter(|f| is_seen(*f)).collect();
             mesh.face_of_facet = seen.iter().map(|f| mesh.face(*f)).collect();
             mesh.material = seen.iter().map(|f| mesh.material[*f]).collect();
@@ -536,7 +575,11 @@ impl Reader<'_> {
     fn settle(&mut self, object: &Object, mesh: &mut Mesh) {
         let Some((low_m, high_m)) = mesh.bounds_m() else { return };
         if object.dem_mode != 2 && self.simulation.maket.topography.is_some() {
-            self.note(Fate::Approximated, &object.at, format!("{:?} stands on the terrain: put on a plane at z = 0", object.name));
+            self.note(
+                Fate::Approximated,
+                &object.at,
+                format!("{:?} stands on the terrain: put on a plane at z = 0", object.name),
+            );
         }
         if object.dem_mode == 0 {
             mesh.vertices_m.iter_mut().for_each(|v| v.z -= low_m.z);
@@ -544,7 +587,10 @@ impl Reader<'_> {
         let [x, y] = self.simulation.maket.size_m;
         let is_beyond = low_m.x < 0.0 || low_m.y < 0.0 || high_m.x > x || high_m.y > y;
         if is_beyond && object.repeated_on_border {
-            let message = format!("{:?} reaches beyond the scene's edge, where DART lets it come in at the other side", object.name);
+            let message = format!(
+                "{:?} reaches beyond the scene's edge, where DART lets it come in at the other side",
+                object.name
+            );
             self.note(Fate::Dropped, &object.at, message);
         }
     }
@@ -573,7 +619,8 @@ impl Reader<'_> {
         let Some(camera) = simulation.phase.cameras.first() else {
             let (low_m, high_m) = mesh.bounds_m().unwrap_or_default();
             let extent_m = (high_m - low_m).length().max(1e-3);
-            let message = format!("there is no camera: one looks straight down from {CAMERA_DISTANCE} times the scene's extent");
+            let message =
+                format!("there is no camera: one looks straight down from {CAMERA_DISTANCE} times the scene's extent");
             self.note(Fate::Defaulted, &simulation.directions.at, message);
             let rotation = place.dart_from_body.transpose() * frame::camera_rotation([180.0, 180.0], 0.0);
             let centre_m = 0.5 * (low_m + high_m) + rotation.z_axis * (-CAMERA_DISTANCE * extent_m);
@@ -588,7 +635,8 @@ impl Reader<'_> {
         let [samples, lines] = camera.pixels;
         let (across, down) = (pitch(width_deg, samples), pitch(height_deg, lines));
         if (across / down - 1.0).abs() > SAME.sqrt() {
-            let message = format!("pixels are not square: {across:e} by {down:e} of the focal length; the first is taken");
+            let message =
+                format!("pixels are not square: {across:e} by {down:e} of the focal length; the first is taken");
             self.note(Fate::Approximated, &camera.at, message);
         }
         let is_written = |rotation: &DMat3| {
@@ -610,7 +658,8 @@ impl Reader<'_> {
     /// Parallel views: one from the scene's middle towards the camera is the camera's own.
     fn other_views(&mut self, camera: &Camera, place: &Place, mesh: &Mesh) {
         let directions = &self.simulation.directions;
-        let dart_m = |f: &[u32; 3]| f.map(|v| place.dart_from_body * mesh.vertices_m[v as usize] + place.origin_in_dart_m);
+        let dart_m =
+            |f: &[u32; 3]| f.map(|v| place.dart_from_body * mesh.vertices_m[v as usize] + place.origin_in_dart_m);
         let mut corners_m = mesh.facets.iter().flat_map(dart_m);
         let first_m = corners_m.next().unwrap_or_default();
         let (low_m, high_m) = corners_m.fold((first_m, first_m), |(lo, hi), v| (lo.min(v), hi.max(v)));
@@ -631,7 +680,10 @@ impl Reader<'_> {
             let functions = thermal_functions(&scene);
             let modes = intervals(&scene, &functions);
             let is_same = functions.len() == simulation.thermal.len()
-                && functions.iter().zip(&simulation.thermal).all(|(a, b)| same(a.mean_k, b.mean_k) && same(a.range_k, b.range_k))
+                && functions
+                    .iter()
+                    .zip(&simulation.thermal)
+                    .all(|(a, b)| same(a.mean_k, b.mean_k) && same(a.range_k, b.range_k))
                 && modes.iter().map(|m| m.mode).eq(simulation.phase.bands.iter().map(|b| b.mode));
             if is_same {
                 return scene;

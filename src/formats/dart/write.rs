@@ -27,7 +27,7 @@ use crate::units::AU_M;
 
 use super::database;
 use super::frame;
-use super::from_scene::{WriteOptions, Package, from_scene};
+use super::from_scene::{Package, WriteOptions, from_scene};
 use super::inputs::{Target, inputs};
 use super::sidecar;
 use super::simulation::Simulation;
@@ -123,7 +123,12 @@ fn tetrahedron(target: Target) -> Result<(Package, [Face; 4])> {
     // East, north, up: base corners South, north-east and north-west of the middle, and the top.
     let (half, long) = (5.0, 5.0 * 3f64.sqrt());
     let corners = [[0.0, -10.0, 0.0], [long, half, 0.0], [-long, half, 0.0], [0.0, 0.0, half]].map(DVec3::from_array);
-    let facets = [("south-east", 0.4, [0, 1, 3]), ("north", 0.2, [1, 2, 3]), ("south-west", 0.3, [2, 0, 3]), ("base", 0.1, [0, 2, 1])];
+    let facets = [
+        ("south-east", 0.4, [0, 1, 3]),
+        ("north", 0.2, [1, 2, 3]),
+        ("south-west", 0.3, [2, 0, 3]),
+        ("base", 0.1, [0, 2, 1]),
+    ];
     let mesh = Mesh {
         vertices_m: corners.to_vec(),
         facets: facets.map(|f| f.2).to_vec(),
@@ -151,9 +156,8 @@ fn tetrahedron(target: Target) -> Result<(Package, [Face; 4])> {
         materials: facets.iter().enumerate().map(material).collect(),
         mesh,
         sun: Sun {
-            direction: Direction::new(towards_sun).ok_or_else(|| {
-                Error::invalid(crate::error::Location::item("check"), "the Sun has no direction")
-            })?,
+            direction: Direction::new(towards_sun)
+                .ok_or_else(|| Error::invalid(crate::error::Location::item("check"), "the Sun has no direction"))?,
             distance_m: AU_M,
             irradiance_1au: Spectrum::constant(CHECK_IRRADIANCE),
             total_irradiance_1au_w_m2: 1361.0,
@@ -216,7 +220,8 @@ fn readme(package: &Package, target: Target, expected: &[Face; 4]) -> String {
             false => ("not seen".into(), "not seen".into()),
         };
         // Writing to a string does not fail.
-        let _ = writeln!(text, "| {} | {} | {:.6} | {brf} | {radiance} |", face.name, face.reflectance, face.cos_incidence);
+        let _ =
+            writeln!(text, "| {} | {} | {:.6} | {brf} | {radiance} |", face.name, face.reflectance, face.cos_incidence);
     }
     text.push_str(
         "| ground | 0 | 0.866025 | 0 | 0 |\n\n\
