@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use mmxrt::Result;
-use mmxrt::formats::convert::{self, Content, Conversion, Format, Options};
+use mmxrt::formats::convert::{self, Content, Conversion, Finding, Format, Options, Severity};
 use mmxrt::report::{Note, Report};
 use mmxrt::spectral::Band;
 use serde_json::{Value, json};
@@ -37,6 +37,18 @@ pub(crate) struct Arguments {
     /// Version of DART to write for
     #[arg(long, value_name = "VERSION", value_parser = ["5.7.4", "5.11.0"], default_value = "5.7.4")]
     dart_version: String,
+    /// Size of DART's cells, m; without it what a pixel of the camera sees
+    #[arg(long, value_name = "M")]
+    cell_m: Option<f64>,
+    /// Folder of DART's databases, for what is not in the simulation's own folder
+    #[arg(long, value_name = "FOLDER")]
+    databases: Option<PathBuf>,
+    /// Where the middle of a DART scene is, body-fixed, m
+    #[arg(long, value_name = "X,Y,Z", value_parser = numbers::<3>, allow_hyphen_values = true)]
+    origin_m: Option<Numbers<3>>,
+    /// Where the Sun is in DART's frame, deg, for simulations that give a date
+    #[arg(long, value_name = "ZENITH,AZIMUTH", value_parser = numbers::<2>, allow_hyphen_values = true)]
+    sun_deg: Option<Numbers<2>>,
     /// Write nothing if anything is dropped or approximated: exit code 3
     #[arg(long)]
     strict: bool,
@@ -57,6 +69,16 @@ pub(crate) struct Arguments {
 fn format(name: &str) -> std::result::Result<Format, String> {
     let names: Vec<&str> = Format::ALL.iter().map(|format| format.about().name).collect();
     Format::named(name).ok_or_else(|| format!("formats are {}", names.join(", ")))
+}
+
+/// Numbers with commas between them.
+#[derive(Debug, Clone, Copy)]
+struct Numbers<const N: usize>([f64; N]);
+
+fn numbers<const N: usize>(text: &str) -> std::result::Result<Numbers<N>, String> {
+    let all: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    let numbers = all.and_then(|all| <[f64; N]>::try_from(all).ok()).filter(|all| all.iter().all(|x| x.is_finite()));
+    numbers.map(Numbers).ok_or_else(|| format!("{N} numbers with commas between them are wanted"))
 }
 
 /// Evenly spaced bands.
@@ -93,6 +115,10 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         from: arguments.from,
         to: arguments.to,
         dart_version: Some(arguments.dart_version.clone()),
+        cell_m: arguments.cell_m,
+        dart_databases: arguments.databases.clone(),
+        origin_m: arguments.origin_m.map(|numbers| numbers.0.into()),
+        sun_deg: arguments.sun_deg.map(|numbers| numbers.0),
         allow_outside: arguments.allow_outside,
         replace: arguments.force,
         strict: arguments.strict,
@@ -107,11 +133,17 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         }
         (Some(input), _) if arguments.check => {
             let findings = convert::check(input, &options)?;
-            let errors = findings.iter().filter(|finding| finding.is_error()).count();
+            let is_error = |finding: &Finding| finding.severity == Severity::Error;
+            let errors = findings.iter().filter(|finding| is_error(finding)).count();
             let lines: String = findings.iter().map(|finding| format!("{finding}\n")).collect();
             let text = format!("{lines}{}: {errors} errors, {} warnings", input.display(), findings.len() - errors);
-            let shown: Vec<Value> =
-                findings.iter().map(|f| json!({ "error": f.is_error(), "text": f.to_string() })).collect();
+            let shown = |f: &Finding| {
+                json!({
+                    "error": is_error(f), "file": f.at.file, "line": f.at.line, "column": f.at.column, "item": f.at.item,
+                    "what": f.what, "effect": f.effect, "fix": f.fix,
+                })
+            };
+            let shown: Vec<Value> = findings.iter().map(shown).collect();
             console.result(&text, &json!({ "errors": errors, "findings": shown }))?;
             Ok(if errors == 0 { Outcome::Done } else { Outcome::Failed })
         }

@@ -7,7 +7,7 @@ use mmxrt::formats::located::Document;
 use mmxrt::formats::mtl::{self, ObjMaterial};
 use mmxrt::formats::report_json::{self, Report, Run};
 use mmxrt::formats::spectrum_csv::{self, Quantity};
-use mmxrt::formats::{envi, exr_cube, npz, obj, quicklook, recipe_toml};
+use mmxrt::formats::{envi, exr_cube, gltf, npz, obj, quicklook, recipe_toml};
 use mmxrt::spectral::Extend;
 use mmxrt::{Error, Location, Problem, Result, study};
 use serde_json::{Value, json};
@@ -17,7 +17,7 @@ use super::console::Console;
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// A product folder, ENVI image or header, .npz, .exr, .png, .json report, scene, recipe, spectrum (.csv), .obj or .mtl
+    /// A product folder, ENVI image or header, .npz, .exr, .png, .json report, scene, recipe, spectrum (.csv), .obj, .mtl, .gltf or .glb
     file: PathBuf,
 }
 
@@ -76,12 +76,15 @@ fn inspect(path: &Path, console: &Console) -> Result<Facts> {
         "png" => picture(path),
         "json" => report(path),
         "obj" => mesh(path),
+        "gltf" | "glb" => surface(path),
         "toml" => toml(path, console),
         "csv" => spectrum(path),
         "mtl" => Ok(vec![("kind", json!("MTL materials")), ("materials", materials(&mtl::read(path)?.0))]),
         _ if path.is_file() => {
             let problem = Problem::new(Location::file(path), format!("no format of ours ends in {extension:?}"))
-                .with_help("these do: hdr, img, npz, exr, png, json, toml, csv, obj, mtl; or name a product folder");
+                .with_help(
+                    "these do: hdr, img, npz, exr, png, json, toml, csv, obj, mtl, gltf, glb; or name a product folder",
+                );
             Err(Error::Invalid(vec![problem]))
         }
         _ => Err(Error::io(path, "reading", std::io::ErrorKind::NotFound.into())),
@@ -110,6 +113,21 @@ fn mesh(path: &Path) -> Result<Facts> {
 
 fn materials(materials: &[ObjMaterial]) -> Value {
     materials.iter().map(|m| json!({ "name": m.name, "kd": m.kd })).collect()
+}
+
+fn surface(path: &Path) -> Result<Facts> {
+    let (surface, report, _) = gltf::read(path, true)?;
+    let (low_m, high_m) = surface.mesh.bounds_m().unwrap_or_default();
+    let size_m = high_m - low_m;
+    Ok(vec![
+        ("kind", json!("glTF mesh")),
+        ("vertices", json!(surface.mesh.vertices_m.len())),
+        ("facets", json!(surface.mesh.facets.len())),
+        ("size_m", json!({ "x": size_m.x, "y": size_m.y, "z": size_m.z })),
+        ("origin_m", json!(surface.origin_m.map(|origin| origin.to_array()))),
+        ("materials", materials(&surface.materials)),
+        ("passed_over", report.notes.iter().map(|note| json!(note.to_string())).collect()),
+    ])
 }
 
 /// A scene or a recipe: a recipe has a seed.

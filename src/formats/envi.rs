@@ -274,7 +274,7 @@ fn plain(name: &str) -> String {
     name.replace(['{', '}', ',', '\n'], " ")
 }
 
-fn list(text: &mut String, key: &str, values: impl Iterator<Item = String>) {
+pub(super) fn list(text: &mut String, key: &str, values: impl Iterator<Item = String>) {
     let values: Vec<String> = values.collect();
     let rows: Vec<String> = values.chunks(8).map(|row| row.join(", ")).collect();
     let _ = writeln!(text, "{key} = {{\n {}}}", rows.join(",\n "));
@@ -284,6 +284,9 @@ fn write_header(data: &Path, text: &str) -> Result<()> {
     let path = data.with_extension("hdr");
     std::fs::write(&path, text).map_err(|e| Error::io(&path, "writing", e))
 }
+
+/// The file type of a spectral library.
+pub(super) const SPECTRAL_LIBRARY: &str = "ENVI Spectral Library";
 
 /// What a header says.
 #[derive(Debug, Clone, PartialEq)]
@@ -339,7 +342,15 @@ const LIMIT: u64 = 16 << 20;
 /// or wrong, [`Error::Unsupported`] for complex numbers and other data types we do not read.
 pub fn read_header(path: &Path) -> Result<Header> {
     let bytes = input::bytes(path, LIMIT)?;
-    let fields = Fields::parse(path, &String::from_utf8_lossy(&bytes))?;
+    parse_header(path, &String::from_utf8_lossy(&bytes))
+}
+
+/// Reads the text of a header; `path` is for messages.
+///
+/// # Errors
+/// As [`read_header`], but for [`Error::Io`].
+pub fn parse_header(path: &Path, text: &str) -> Result<Header> {
+    let fields = Fields::parse(path, text)?;
     let mut problems = Vec::new();
     let samples = fields.whole("samples", None, 1, &mut problems);
     let lines = fields.whole("lines", None, 1, &mut problems);
@@ -356,8 +367,11 @@ pub fn read_header(path: &Path) -> Result<Header> {
             Interleave::Bsq
         }
     };
-    let wavelength = fields.of_bands("wavelength", bands, &mut problems);
-    let fwhm = fields.of_bands("fwhm", bands, &mut problems);
+    // A spectral library has a wavelength for each sample: a line is a spectrum.
+    let is_library = fields.get("file type").is_some_and(|t| t.eq_ignore_ascii_case(SPECTRAL_LIBRARY));
+    let counted = if is_library { ("samples", samples) } else { ("bands", bands) };
+    let wavelength = fields.numbers("wavelength", counted, &mut problems);
+    let fwhm = fields.numbers("fwhm", counted, &mut problems);
     if !problems.is_empty() {
         return Err(Error::Invalid(problems));
     }
@@ -462,13 +476,13 @@ impl<'a> Fields<'a> {
     }
 
     /// A number for each band; none if the list is not there.
-    fn of_bands(&self, key: &str, bands: u64, problems: &mut Vec<Problem>) -> Vec<f64> {
+    fn numbers(&self, key: &str, (counted, count): (&str, u64), problems: &mut Vec<Problem>) -> Vec<f64> {
         let items = self.items(key);
         let values: Vec<f64> = items.iter().filter_map(|item| item.parse().ok()).collect();
         if values.len() != items.len() {
             problems.push(Problem::new(self.at(key), "has items that are not numbers"));
-        } else if !values.is_empty() && values.len() as u64 != bands {
-            problems.push(Problem::new(self.at(key), format!("{} values for {bands} bands", values.len())));
+        } else if !values.is_empty() && values.len() as u64 != count {
+            problems.push(Problem::new(self.at(key), format!("{} values for {count} {counted}", values.len())));
         }
         values
     }
@@ -487,14 +501,14 @@ pub fn pair(path: &Path) -> Result<(PathBuf, PathBuf)> {
     };
     let found = if is_header {
         let bare = path.with_extension("");
-        let candidates = ["img", "dat", "bsq", "bil", "bip", "raw"].map(|e| path.with_extension(e));
+        let candidates = ["img", "dat", "bsq", "bil", "bip", "raw", "sli"].map(|e| path.with_extension(e));
         candidates.into_iter().chain([bare]).find(|p| p.is_file()).map(|data| (path.to_owned(), data))
     } else {
         [path.with_extension("hdr"), appended].into_iter().find(|p| p.is_file()).map(|header| (header, path.to_owned()))
     };
     found.ok_or_else(|| {
         let (other, help) = if is_header {
-            ("data file", "it has the header's name with .img, .dat, .bsq, .bil, .bip, .raw, or without .hdr")
+            ("data file", "it has the header's name with .img, .dat, .bsq, .bil, .bip, .raw, .sli, or without .hdr")
         } else {
             ("header", "it has the data file's name with .hdr")
         };
@@ -578,7 +592,7 @@ pub fn statistics(header: &Header, data: &Path) -> Result<Vec<BandStatistics>> {
     Ok(statistics)
 }
 
-fn number_le(data_type: DataType, bytes: &[u8]) -> f64 {
+pub(super) fn number_le(data_type: DataType, bytes: &[u8]) -> f64 {
     let mut raw = [0; 8];
     raw[..bytes.len()].copy_from_slice(bytes);
     let bits = u64::from_le_bytes(raw);

@@ -153,7 +153,15 @@ impl Staged {
                 problems.iter_mut().for_each(|p| p.at.file = p.at.file.take().map(named));
                 Error::Invalid(problems)
             }
-            other => other,
+            Error::Syntax { mut at, message } => {
+                at.file = at.file.take().map(named);
+                Error::Syntax { at, message }
+            }
+            Error::Unsupported { mut at, feature } => {
+                at.file = at.file.take().map(named);
+                Error::Unsupported { at, feature }
+            }
+            Error::Interrupted => Error::Interrupted,
         }
     }
 

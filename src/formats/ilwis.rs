@@ -41,7 +41,10 @@ pub fn read(path: &Path) -> Result<(Raster, Vec<InputFile>)> {
     }
     let (text, of_header) = input::text(&header_path, HEADER)?;
     let header = parse_header(&text, &header_path)?;
-    let bytes = input::bytes(&values_path, header.values() * 8 + 1)?;
+    // The length is told before as many bytes are read.
+    let length = std::fs::metadata(&values_path).map_err(|e| Error::io(&values_path, "reading", e))?.len();
+    header.fits(length, &values_path).or_else(|e| if length <= HEADER { Ok(()) } else { Err(e) })?;
+    let bytes = input::bytes(&values_path, length)?;
     let of_values = InputFile::of(&values_path, &bytes);
     Ok((header.raster(&bytes, &values_path)?, vec![of_header, of_values]))
 }
@@ -60,29 +63,31 @@ impl Header {
         self.rows as u64 * self.columns as u64
     }
 
+    /// Whether the values take as many bytes.
+    fn fits(&self, length: u64, path: &Path) -> Result<()> {
+        let wanted = self.values() * 8;
+        if length == wanted {
+            return Ok(());
+        }
+        let message = format!(
+            "holds {length} bytes where {wanted} ({} rows x {} columns x 8 bytes) belong: {} says Size={0} {1}",
+            self.rows,
+            self.columns,
+            self.path.display(),
+        );
+        Err(Error::invalid(Location::file(path), message))
+    }
+
     /// The map, from the bytes of its values. `path` is for messages.
     ///
     /// # Errors
     /// [`Error::Invalid`] if there are not as many as the header says.
     pub fn raster(&self, bytes: &[u8], path: &Path) -> Result<Raster> {
-        let wanted = self.values() * 8;
         if bytes.starts_with(b"DRTDB") {
             let feature = "a terrain in the format of newer versions of DART (it begins with DRTDB)".into();
             return Err(Error::Unsupported { at: Location::file(path), feature });
         }
-        if bytes.len() as u64 != wanted {
-            let message = format!(
-                "holds {} bytes where {} ({} rows x {} columns x 8 bytes) belong: {} says Size={} {}",
-                if bytes.len() as u64 > wanted { "more".into() } else { bytes.len().to_string() },
-                wanted,
-                self.rows,
-                self.columns,
-                self.path.display(),
-                self.rows,
-                self.columns
-            );
-            return Err(Error::invalid(Location::file(path), message));
-        }
+        self.fits(bytes.len() as u64, path)?;
         let values = bytes.as_chunks::<8>().0.iter().map(|b| f64::from_le_bytes(*b)).collect();
         Ok(Raster { rows: self.rows, columns: self.columns, pixel_m: self.pixel_m, values })
     }

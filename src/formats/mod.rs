@@ -18,9 +18,11 @@ pub mod quicklook;
 pub mod recipe_toml;
 pub mod report_json;
 pub mod scene_toml;
+pub mod sli;
 pub mod spectra;
 pub mod spectrum_csv;
 pub mod surface;
+mod table;
 pub mod xml;
 
 pub use input::{InputFile, text};

@@ -97,7 +97,9 @@ impl<const N: usize> Header<N> {
         };
         let mut columns = [0; N];
         for (column, name) in columns.iter_mut().zip(names) {
-            let mut found = (0..cells.len()).filter(|&c| cells[c] == name);
+            // What optical databases call it.
+            let is_it = |cell: &str| cell == name || (name == "rho0" && cell == "reflectance");
+            let mut found = (0..cells.len()).filter(|&c| is_it(cells[c]));
             match (found.next(), found.next()) {
                 (Some(c), None) => *column = c,
                 (None, _) => return Err(format!("there is no column `{name}`")),

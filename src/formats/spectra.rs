@@ -1,19 +1,25 @@
 //! Spectra in any of the formats that hold them, for those who convert from one to another.
 
-use std::path::Path;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Location, Result};
-use crate::report::Report;
+use crate::report::{Fate, Report};
 use crate::spectral::{Band, SpectralLibrary};
 
 use super::dart::database::{self, Database};
+use super::dart::kind::distinct_names;
+use super::dart::text_spectra;
+use super::folder::Staged;
+use super::{sli, spectrum_csv};
 
 /// A format that holds spectra.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
     /// A DART optical database, `.db`.
     Database,
-    /// DART's text spectra, `.txt`.
+    /// DART's text spectra, `.txt`: one material in a file.
     DartText,
     /// An ENVI spectral library, `.sli` with `.hdr`.
     Sli,
@@ -22,7 +28,17 @@ pub enum Format {
 }
 
 impl Format {
-    /// The format that a file's name tells; `None` if it tells none of these.
+    /// The format of a file: a database by how it begins, others by their names; `None` if it is none of these.
+    pub fn of(path: &Path) -> Option<Self> {
+        let mut start = Vec::new();
+        let begun = File::open(path).and_then(|file| file.take(16).read_to_end(&mut start));
+        match begun.is_ok() && start == b"SQLite format 3\0" {
+            true => Some(Format::Database),
+            false => Self::of_name(path),
+        }
+    }
+
+    /// The format that the name of a file, which may not be there yet, tells.
     pub fn of_name(path: &Path) -> Option<Self> {
         match path.extension()?.to_str()?.to_lowercase().as_str() {
             "db" => Some(Format::Database),
@@ -34,26 +50,115 @@ impl Format {
     }
 }
 
-/// Reads all spectra of a file, whose name tells its format.
+/// Reads all spectra of a file, or of the tables and texts in a folder, by their names.
+///
+/// The report tells what could not be taken over.
 ///
 /// # Errors
-/// Those of its format's reader; [`Error::Unsupported`] if the name tells no format.
+/// Those of the format's reader; [`Error::Unsupported`] if this is none that holds spectra.
 pub fn read(path: &Path) -> Result<(Vec<SpectralLibrary>, Report)> {
-    match Format::of_name(path) {
-        Some(Format::Database) => Database::open(path)?.read_all(),
-        _ => Err(unknown(path)),
+    if path.is_dir() {
+        return read_folder(path);
+    }
+    match Format::of(path) {
+        Some(format) => read_as(path, format),
+        None => {
+            // Whether it is there matters more than what it is called.
+            File::open(path).map_err(|e| Error::io(path, "reading", e))?;
+            let feature = "reading spectra from a file with such a name (.db, .txt, .sli or .csv)".into();
+            Err(Error::Unsupported { at: Location::file(path), feature })
+        }
     }
 }
 
-/// Writes spectra to one file. It appears whole or not at all.
+/// Reads all spectra of a file whose format is told.
 ///
 /// # Errors
-/// Those of the format's writer.
-pub fn write(path: &Path, format: Format, spectra: &[SpectralLibrary], replace: bool) -> Result<Report> {
+/// Those of the format's reader.
+pub fn read_as(path: &Path, format: Format) -> Result<(Vec<SpectralLibrary>, Report)> {
     match format {
-        Format::Database => database::create(path, spectra, replace),
-        _ => Err(unknown(path)),
+        Format::Database => Database::open(path)?.read_all(),
+        Format::DartText => text_spectra::read(path).map(|(library, report)| (vec![library], report)),
+        Format::Sli => sli::read(path),
+        Format::Csv => Ok((spectrum_csv::read_all(path)?, Report::default())),
     }
+}
+
+fn read_folder(path: &Path) -> Result<(Vec<SpectralLibrary>, Report)> {
+    let reading = |e| Error::io(path, "reading", e);
+    let entries = path.read_dir().map_err(reading)?;
+    let mut files: Vec<PathBuf> = entries.map(|e| Ok(e?.path())).collect::<std::io::Result<_>>().map_err(reading)?;
+    files.retain(|file| matches!(Format::of_name(file), Some(Format::Csv | Format::DartText)));
+    files.sort();
+    if files.is_empty() {
+        return Err(Error::invalid(Location::file(path), "holds no spectra, .csv or .txt"));
+    }
+    let mut all = (Vec::new(), Report::default());
+    for file in &files {
+        let (spectra, report) = read(file)?;
+        all.0.extend(spectra);
+        all.1.notes.extend(report.notes);
+    }
+    Ok(all)
+}
+
+/// Writes spectra to a file, which appears whole or not at all.
+///
+/// Tables and texts are written to a folder, a file for each material, if `path` has not their ending. The report tells
+/// what has no place in the format.
+///
+/// # Errors
+/// Those of the format's writer; [`Error::Invalid`] for several materials in one text, or if the file exists and is not to
+/// be replaced.
+pub fn write(path: &Path, format: Format, spectra: &[SpectralLibrary], replace: bool) -> Result<Report> {
+    let as_file = Format::of_name(path) == Some(format);
+    match (format, spectra) {
+        (Format::Database, _) => database::create(path, spectra, replace),
+        (Format::Sli, _) => sli::write(path, spectra, replace),
+        (Format::Csv, [one]) if as_file => named_by_file(path, one, spectrum_csv::write(path, spectra, replace)?),
+        (Format::Csv, _) if as_file => spectrum_csv::write(path, spectra, replace),
+        (Format::DartText, [one]) if as_file => named_by_file(path, one, text_spectra::write(path, one, replace)?),
+        (Format::DartText, _) if as_file => {
+            let message = format!("cannot hold {} materials: name a folder", spectra.len());
+            Err(Error::invalid(Location::file(path), message))
+        }
+        (Format::Csv | Format::DartText, _) => write_folder(path, format, spectra, replace),
+    }
+}
+
+fn write_folder(path: &Path, format: Format, spectra: &[SpectralLibrary], replace: bool) -> Result<Report> {
+    let staged = Staged::folder(path, replace)?;
+    let mut report = Report::default();
+    let names = distinct_names(spectra, std::iter::empty(), |name| Location::file(path.join(name)), &mut report)?;
+    for (name, library) in names.iter().zip(spectra) {
+        let (file, written) = match format {
+            Format::DartText => {
+                let file = text_spectra::file_name(name);
+                let written = text_spectra::write(&staged.path().join(&file), library, false);
+                (file, written)
+            }
+            _ => {
+                let file = format!("{name}.csv");
+                let written = spectrum_csv::write(&staged.path().join(&file), std::slice::from_ref(library), false);
+                (file, written)
+            }
+        };
+        let mut written = written.map_err(|e| staged.named(e))?;
+        written.notes.iter_mut().for_each(|note| note.at.file = Some(path.join(&file)));
+        report.notes.extend(written.notes);
+    }
+    staged.commit()?;
+    Ok(report)
+}
+
+/// Tells if a material will have another name when it is read: that of its file.
+fn named_by_file(path: &Path, library: &SpectralLibrary, mut report: Report) -> Result<Report> {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    if stem.strip_prefix(text_spectra::PREFIX).unwrap_or(&stem) != library.name {
+        let message = format!("is named by its file: the name {:?} is not kept", library.name);
+        report.note(Fate::Approximated, Location::file(path), message);
+    }
+    Ok(report)
 }
 
 /// All spectra as bands see them; see [`SpectralLibrary::resample`].
@@ -62,9 +167,4 @@ pub fn write(path: &Path, format: Format, spectra: &[SpectralLibrary], replace: 
 /// [`Error::Invalid`] for bands that reach beyond the wavelengths of any of them.
 pub fn resample(spectra: &[SpectralLibrary], bands: &[Band]) -> Result<Vec<SpectralLibrary>> {
     spectra.iter().map(|s| s.resample(bands)).collect()
-}
-
-fn unknown(path: &Path) -> Error {
-    let feature = "reading or writing spectra in a file with such a name".into();
-    Error::Unsupported { at: Location::file(path), feature }
 }

@@ -3,15 +3,23 @@
 //! Lines that begin with `#` are comments. The first other line is the header: its first column is `wavelength_um` or
 //! `wavelength_nm`; its second names the quantity and its unit: `reflectance`, `emissivity` or `albedo` (fractions), the
 //! same with `_percent`, `irradiance_w_m2_um` or `irradiance_w_m2_nm`. Further columns (an uncertainty, say) are passed
-//! over. Rows ascend in wavelength.
+//! over by [`read`], which a scene's materials use. Rows ascend in wavelength.
+//!
+//! [`read_all`] takes every column, as a spectrum of that name: several quantities of one material (`reflectance,k,g,h`), or
+//! of several (`basalt,olivine:reflectance_percent,olivine:emissivity`; a name alone stands for reflectance).
 
+use std::fmt::Write as _;
 use std::path::Path;
 
 use crate::error::{Error, Location, Problem, Result, number};
-use crate::spectral::{Extend, Spectrum};
-use crate::units::um_from_nm;
+use crate::report::{Fate, Report};
+use crate::spectral::{Column, Extend, SpectralLibrary, Spectrum};
+use crate::units::{fraction_from_percent, um_from_nm};
 
+use super::dart::kind::{Kind, same};
+use super::folder::Staged;
 use super::input::{self, InputFile, Problems};
+use super::table::{self, Reading, Row, flat, gathered, is_plain, parts, place};
 
 /// What a table must hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -178,6 +186,147 @@ fn suspect_unit(wavelength_um: &[f64], header_at: Location) -> Option<Problem> {
     };
     let message = format!("wavelengths from {} to {} um", number(first_um), number(last_um));
     Some(Problem::new(header_at, message).with_help(help))
+}
+
+/// Reads all spectra of a table. Those of one material are named by the file.
+///
+/// # Errors
+/// [`Error::Io`]; [`Error::Invalid`] with all cells that cannot be used, as [`read`].
+pub fn read_all(path: &Path) -> Result<Vec<SpectralLibrary>> {
+    let (text, _) = input::text(path, LIMIT)?;
+    parse_all(&text, path)
+}
+
+/// Reads the text of a table with any number of spectra; `path` names them if they are of one material, and is for messages.
+///
+/// # Errors
+/// [`Error::Invalid`], as [`read_all`].
+pub fn parse_all(text: &str, path: &Path) -> Result<Vec<SpectralLibrary>> {
+    let mut comment = Vec::new();
+    let mut lines = Vec::new();
+    for line in text.lines().map(str::trim).filter(|line| !line.is_empty()) {
+        match line.strip_prefix('#') {
+            Some(said) => comment.push(said.strip_prefix(' ').unwrap_or(said)),
+            None => lines.push(Row { cells: line.split(',').map(str::trim).collect() }),
+        }
+    }
+    let Some((header, rows)) = lines.split_first() else {
+        return Err(table::no_header(path, "the first line is `wavelength_um,reflectance`, or more columns"));
+    };
+    let first = header.cells[0];
+    let convert = match first {
+        "wavelength_um" => |um| um,
+        "wavelength_nm" => um_from_nm,
+        _ => {
+            let message = format!("the header begins with `{first}`, which does not state the unit");
+            let problem = Problem::new(place(path, text, first), message);
+            return Err(Error::Invalid(vec![problem.with_help("begin it with `wavelength_um` or `wavelength_nm`")]));
+        }
+    };
+    let mut readings = vec![Reading { name: "wavelength".into(), convert, unit: 1.0 }];
+    // One material's quantities, or labels of many.
+    let labelled: Vec<(&str, bool)> = header.cells[1..].iter().map(|cell| in_percent(cell)).collect();
+    let one = of_one_material(labelled.iter().map(|l| l.0));
+    for (label, percent) in &labelled {
+        let name = if one { label } else { parts(label).1 }.to_owned();
+        readings.push(match percent {
+            true => Reading { name, convert: fraction_from_percent, unit: 100.0 },
+            false => Reading { name, convert: |x| x, unit: 1.0 },
+        });
+    }
+    if labelled.is_empty() {
+        return Err(Error::invalid(
+            place(path, text, first),
+            "one column: a wavelength and values, parted by commas, are needed",
+        ));
+    }
+    for (i, (label, _)) in labelled.iter().enumerate() {
+        if label.is_empty() || labelled[..i].iter().any(|other| same(other.0, label)) {
+            let message =
+                if label.is_empty() { "a column has no name".into() } else { format!("`{label}` is there twice") };
+            return Err(Error::invalid(place(path, text, header.cells[i + 1]), message));
+        }
+    }
+    let mut values = table::numbers(path, text, rows, &readings)?;
+    let wavelength_um = values.remove(0);
+    if let Some(problem) = suspect_unit(&wavelength_um, place(path, text, first)) {
+        return Err(Error::Invalid(vec![problem]));
+    }
+    if one {
+        let columns = labelled.iter().zip(values).map(|(l, values)| Column { name: l.0.to_owned(), values });
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        return Ok(vec![SpectralLibrary {
+            name,
+            comment: comment.join("\n"),
+            wavelength_um,
+            columns: columns.collect(),
+        }]);
+    }
+    let labels = labelled.iter().zip(values);
+    Ok(gathered(labels.map(|(l, values)| (l.0.to_owned(), wavelength_um.clone(), values)).collect()))
+}
+
+/// Whether columns are quantities of one material, not names of several.
+fn of_one_material<'a>(names: impl Iterator<Item = &'a str> + Clone) -> bool {
+    const QUANTITIES: [&str; 3] = ["reflectance", "emissivity", "albedo"];
+    Kind::of(names.clone()) != Kind::Other || names.clone().any(|name| QUANTITIES.contains(&name))
+}
+
+/// A column's name without what says that it is in percent.
+fn in_percent(cell: &str) -> (&str, bool) {
+    match cell.strip_suffix("_percent") {
+        Some(name) => (name, true),
+        None => (cell, false),
+    }
+}
+
+/// Writes spectra as one table, in um and fractions: those of one material, or of several with the same wavelengths.
+///
+/// The report tells comments that several materials have, for which there is no place.
+///
+/// # Errors
+/// [`Error::Io`]; [`Error::Invalid`] if the file exists and is not to be replaced, for spectra whose wavelengths differ, for
+/// names that a header cannot hold.
+pub fn write(path: &Path, spectra: &[SpectralLibrary], replace: bool) -> Result<Report> {
+    let mut report = Report::default();
+    let mut text = String::new();
+    let (wavelength_um, columns) = match spectra {
+        [one] => {
+            one.check()?;
+            text.extend(one.comment.lines().map(|line| format!("# {line}\n")));
+            let columns = one.columns.iter().map(|c| (c.name.clone(), c.values.as_slice())).collect();
+            (one.wavelength_um.as_slice(), columns)
+        }
+        several => {
+            for library in several.iter().filter(|library| !library.comment.is_empty()) {
+                let at = Location::file(path).with_item(format!("spectra of {:?}", library.name));
+                report.note(Fate::Dropped, at, "a table of several materials has no place for comments");
+            }
+            flat(path, several)?
+        }
+    };
+    let names: Vec<&str> = columns.iter().map(|c| c.0.as_str()).collect();
+    if let Some(name) = names.iter().find(|name| !is_plain(name) || in_percent(name).1) {
+        return Err(Error::invalid(Location::file(path), format!("{name:?} cannot be the name of a column")));
+    }
+    let one = of_one_material(names.iter().copied());
+    if one != (spectra.len() == 1) {
+        let message = match one {
+            true => "these names would be read as quantities of one material",
+            false => "none of its columns says what is known of the material, as `reflectance` does",
+        };
+        return Err(Error::invalid(Location::file(path), format!("{}: {message}", names.join(", "))));
+    }
+    let _ = writeln!(text, "wavelength_um,{}", names.join(","));
+    for (i, um) in wavelength_um.iter().enumerate() {
+        let _ = write!(text, "{}", number(*um));
+        columns.iter().for_each(|(_, values)| text.push_str(&format!(",{}", number(values[i]))));
+        text.push('\n');
+    }
+    let staged = Staged::file(path, replace)?;
+    std::fs::write(staged.path(), text).map_err(|e| staged.named(Error::io(staged.path(), "writing", e)))?;
+    staged.commit()?;
+    Ok(report)
 }
 
 #[cfg(test)]

@@ -133,7 +133,7 @@ fn written(scene: &Scene, options: &WriteOptions, folder: &Path) -> Report {
 }
 
 fn read(folder: &Path, options: &SceneOptions) -> (Scene, Report) {
-    let (simulation, mut report, _) = dart::read(folder, &dart::Options::default()).unwrap();
+    let (simulation, mut report, _) = dart::read(folder, &dart::ReadOptions::default()).unwrap();
     let folder = dart::Folder::new(folder, None, false);
     let converted = dart::to_scene(&simulation, &folder, options, &unwatched).unwrap();
     report.notes.extend(converted.report.notes);

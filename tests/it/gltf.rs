@@ -320,7 +320,7 @@ fn damaged_files_are_told_where() {
         ("/buffers/0/uri", json!("%2e%2e/quad.bin"), "buffers[0]: \"../quad.bin\" leads out of the folder"),
         ("/buffers/0/uri", json!("/etc/passwd"), "buffers[0]: \"/etc/passwd\" leads out of the folder"),
         ("/buffers/0/uri", json!("http://a.b/c"), "buffers[0]: \"http://a.b/c\" is an address"),
-        ("/buffers/0/uri", json!("lost.bin"), "lost.bin: reading: "),
+        ("/buffers/0/uri", json!("lost.bin"), "lost.bin, which it names, cannot be read: "),
         ("/nodes/0/mesh", json!("zero"), "quad.gltf:1:"),
         ("/scenes/0/extras", json!({ "origin_m": [1, 2] }), "scenes[0].extras.origin_m: is not three numbers"),
     ];

@@ -3,7 +3,9 @@
 mod bodies;
 mod cli;
 mod convert;
+#[cfg(feature = "sqlite")]
 mod dart_database;
+mod dart_read;
 mod dart_write;
 mod determinism;
 mod exact;
@@ -21,3 +23,4 @@ mod scene_files;
 mod schema;
 mod scratch;
 mod shapes;
+mod spectra;

@@ -1,5 +1,7 @@
 //! What two contents differ in, by meaning: not by the order of facets or materials, nor by how a spectrum is tabulated.
 
+use std::cmp::Ordering;
+
 use glam::DVec3;
 
 use crate::geometry::{MaterialId, Mesh};
@@ -19,7 +21,7 @@ const TOLD: usize = 10;
 pub fn differences(a: &Content, b: &Content) -> Vec<String> {
     let mut lines = Lines(Vec::new());
     match (a, b) {
-        (Content::Scene(a), Content::Scene(b)) => lines.scenes(a, b),
+        (Content::Scene(a, _), Content::Scene(b, _)) => lines.scenes(a, b),
         (Content::Surface(a), Content::Surface(b)) => {
             let (origin_a, origin_b) = (a.origin_m.unwrap_or_default(), b.origin_m.unwrap_or_default());
             lines.places("origin_m", origin_a, origin_b);
@@ -201,20 +203,19 @@ impl Lines {
         if !(0..facets_a).any(|i| differ(i, i)) {
             return;
         }
-        let sorted = |mesh: &Mesh| {
+        let sorted = |(mesh, names): (&Mesh, &[String])| {
             let mut order: Vec<usize> = (0..facets_a).collect();
             let key = |f: usize| first_corner_first(mesh, f).map(|c| c.to_array());
+            // Facets that coincide are told apart by their materials.
             order.sort_by(|&x, &y| {
-                key(x)
-                    .as_flattened()
-                    .iter()
-                    .zip(key(y).as_flattened())
-                    .fold(std::cmp::Ordering::Equal, |order, (p, q)| order.then(p.total_cmp(q)))
+                let (x_m, y_m) = (key(x), key(y));
+                let corners = x_m.as_flattened().iter().zip(y_m.as_flattened()).map(|(p, q)| p.total_cmp(q));
+                let by_corners = corners.fold(Ordering::Equal, Ordering::then);
+                by_corners.then_with(|| name(names, mesh.material[x]).cmp(&name(names, mesh.material[y])))
             });
             order
         };
-        let pairs: Vec<(usize, usize)> =
-            sorted(a.0).into_iter().zip(sorted(b.0)).filter(|(i, j)| differ(*i, *j)).collect();
+        let pairs: Vec<(usize, usize)> = sorted(a).into_iter().zip(sorted(b)).filter(|(i, j)| differ(*i, *j)).collect();
         if let Some(&(i, j)) = pairs.first() {
             let shown = |(mesh, names): (&Mesh, &[String]), f: usize| {
                 format!(

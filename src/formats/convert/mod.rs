@@ -5,11 +5,14 @@
 //! rest; the report says either. Spectra make no scene.
 
 mod compare;
+mod dart;
 mod format;
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
 
 use crate::error::{Error, Location, Result};
 use crate::progress::{Watch, tell};
@@ -17,13 +20,17 @@ use crate::report::{Fate, Report};
 use crate::scene::{Photometry, Scene};
 use crate::spectral::{Band, Column, Extend, SpectralLibrary, Spectrum};
 
-use super::dart::{self, SceneOptions, Target, WriteOptions};
-use super::folder::Staged;
+use super::dart::Step;
+use super::folder::{FolderKind, Staged};
 use super::surface::Surface;
 use super::{gltf, mtl, obj, scene_toml, spectra};
 
+pub use super::dart::{Finding, Severity};
 pub use compare::differences;
+pub use dart::check;
 pub use format::{About, Format};
+
+use self::dart::Flights;
 
 /// What a conversion leaves to its caller.
 #[derive(Debug, Clone, Default)]
@@ -32,8 +39,16 @@ pub struct Options {
     pub from: Option<Format>,
     /// The output's format, instead of what its name says.
     pub to: Option<Format>,
-    /// Version of DART to write for, as in "5.7.4".
+    /// Version of DART to write for, as in "5.7.4", which is taken if none is given.
     pub dart_version: Option<String>,
+    /// Size of DART's cells, m; what a pixel of the camera sees if none is given.
+    pub cell_m: Option<f64>,
+    /// A folder of DART databases and other files that a simulation may name, beside its own.
+    pub dart_databases: Option<PathBuf>,
+    /// Where the middle of a DART scene is, body-fixed, m; nowhere if it is not given.
+    pub origin_m: Option<DVec3>,
+    /// Zenith angle and azimuth of the Sun in DART's frame, deg, for simulations that give a date.
+    pub sun_deg: Option<[f64; 2]>,
     /// Files that an input names may lie outside its folder.
     pub allow_outside: bool,
     /// What is there may be replaced.
@@ -64,13 +79,16 @@ pub struct Conversion {
 /// What a file holds.
 #[derive(Debug, Clone)]
 pub enum Content {
-    /// A scene.
-    Scene(Box<Scene>),
+    /// A scene, and what flies over it.
+    Scene(Box<Scene>, Flights),
     /// A mesh and its materials' names.
     Surface(Surface),
     /// Spectra.
     Spectra(Vec<SpectralLibrary>),
 }
+
+/// The folder of a scene.
+const SCENE: FolderKind = FolderKind { marks: &["scene.toml"], parts: &["scene"] };
 
 /// Reads `input` and writes `output`.
 ///
@@ -110,10 +128,10 @@ pub fn read(input: &Path, options: &Options, watch: Watch<'_>) -> Result<(Format
             for default in &file.defaults {
                 report.note(Fate::Defaulted, Location::file(&path).with_item(&default.item), &default.value);
             }
-            (Content::Scene(Box::new(file.scene)), report)
+            (Content::Scene(Box::new(file.scene), Flights::new()), report)
         }
         Format::Obj => {
-            let obj = obj::read(&path)?;
+            let obj = obj::read_where(&path, options.allow_outside)?;
             let mut report = Report::default();
             let mut dropped = |what: String| report.note(Fate::Dropped, Location::file(&path), what);
             if obj.texture_vertices > 0 {
@@ -127,11 +145,8 @@ pub fn read(input: &Path, options: &Options, watch: Watch<'_>) -> Result<(Format
             (Content::Surface(surface), report)
         }
         Format::Dart => {
-            let reading = dart::Options { allow_outside: options.allow_outside, ..dart::Options::default() };
-            let (simulation, mut report, _) = dart::read(&path, &reading)?;
-            let converted = dart::to_scene(&simulation, &reading.folder(&path), &SceneOptions::default(), watch)?;
-            report.notes.extend(converted.report.notes);
-            (Content::Scene(Box::new(converted.scene)), report)
+            let (scene, flights, report) = dart::read(&path, options, watch)?;
+            (Content::Scene(Box::new(scene), flights), report)
         }
         Format::Database | Format::DartText | Format::Sli | Format::Csv => {
             let (mut libraries, report) = spectra::read(&path)?;
@@ -147,44 +162,16 @@ pub fn read(input: &Path, options: &Options, watch: Watch<'_>) -> Result<(Format
     Ok((format, content, report))
 }
 
-/// What may be wrong with a DART simulation or an optical database.
-///
-/// # Errors
-/// [`Error::Unsupported`] for other formats.
-pub fn check(input: &Path, options: &Options) -> Result<Vec<Finding>> {
-    let format = options.from.map_or_else(|| Format::of_input(input).map(|(format, _)| format), Ok)?;
-    Err(unsupported(input, &format!("checking {}", format.about().name)))
-}
-
-/// Something that `check` found.
-#[derive(Debug, Clone)]
-pub struct Finding {
-    error: bool,
-    text: String,
-}
-
-impl Finding {
-    /// Whether DART would do something else than is meant.
-    pub fn is_error(&self) -> bool {
-        self.error
-    }
-}
-
-impl std::fmt::Display for Finding {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.text)
-    }
-}
-
 /// What two files or folders differ in, by meaning: one line each.
 ///
 /// # Errors
 /// As [`read`].
 pub fn diff(a: &Path, b: &Path, options: &Options, watch: Watch<'_>) -> Result<Vec<String>> {
-    let of = |path: &Path| options.from.map_or_else(|| Format::of_input(path), |from| Ok((from, path.to_owned())));
-    if let ((Format::Dart, a), (Format::Dart, b)) = (of(a)?, of(b)?) {
-        let reading = dart::Options { allow_outside: options.allow_outside, ..dart::Options::default() };
-        return Ok(dart::diff(&dart::read(&a, &reading)?.0, &dart::read(&b, &reading)?.0));
+    let is_dart = |path: &Path| {
+        options.from == Some(Format::Dart) || Format::of_input(path).is_ok_and(|(f, _)| f == Format::Dart)
+    };
+    if is_dart(a) && is_dart(b) {
+        return dart::diff(a, b, options);
     }
     let (_, a, _) = read(a, options, watch)?;
     let (_, b, _) = read(b, options, watch)?;
@@ -195,7 +182,7 @@ impl Content {
     /// How much it is, in words.
     pub fn size(&self) -> String {
         match self {
-            Content::Scene(scene) => format!("{} facets", scene.mesh.facets.len()),
+            Content::Scene(scene, _) => format!("{} facets", scene.mesh.facets.len()),
             Content::Surface(surface) => format!("{} facets", surface.mesh.facets.len()),
             Content::Spectra(libraries) => format!("{} spectra", libraries.len()),
         }
@@ -240,21 +227,21 @@ impl Job<'_> {
             (Content::Spectra(_), _) => {
                 Err(unsupported(self.input, &format!("spectra alone as {}: they make no scene", to.about().name)))
             }
-            (Content::Scene(scene), Format::Scene) => self.scene(&scene),
-            (Content::Scene(scene), Format::Dart) => self.dart(&scene),
-            (Content::Scene(scene), _) if to.is_spectral() => {
+            (Content::Scene(scene, flights), Format::Scene) => self.scene(&scene, &flights),
+            (Content::Scene(scene, _), Format::Dart) => self.dart(&scene),
+            (Content::Scene(scene, _), _) if to.is_spectral() => {
                 let message = "mesh, Sun, camera and heat: only the spectra of its materials are written";
                 self.report.note(Fate::Dropped, Location::file(self.input), message);
                 let libraries = libraries(&scene, self.report);
                 self.spectra(&libraries, to)
             }
-            (Content::Scene(scene), _) => {
+            (Content::Scene(scene, _), _) => {
                 let surface = Surface::of_scene(&scene, self.input, self.report);
                 self.surface(&surface, to)
             }
             (Content::Surface(surface), Format::Scene) => {
                 let scene = surface.into_scene(self.input, self.report)?;
-                self.scene(&scene)
+                self.scene(&scene, &[])
             }
             (Content::Surface(surface), Format::Dart) => {
                 let scene = surface.into_scene(self.input, self.report)?;
@@ -267,17 +254,25 @@ impl Job<'_> {
         }
     }
 
-    fn scene(self, scene: &Scene) -> Result<bool> {
+    fn scene(self, scene: &Scene, flights: &[(String, Vec<Step>)]) -> Result<bool> {
         let folder = self.output.extension().is_none();
         // A folder's files appear with it.
-        let staged = if folder { Some(Staged::folder(self.output, self.options.replace)?) } else { None };
+        let staged = if folder { Some(Staged::folder_of(&SCENE, self.output, self.options.replace)?) } else { None };
         let path = staged.as_ref().map_or(self.output.to_owned(), |staged| staged.path().join("scene.toml"));
         let named = |e| match &staged {
             Some(staged) => staged.named(e),
             None => e,
         };
-        let (files, report) = scene_toml::write(scene, &path, self.options.replace).map_err(named)?;
+        let (mut files, report) = scene_toml::write(scene, &path, self.options.replace).map_err(named)?;
         self.report.notes.extend(report.notes);
+        for (name, steps) in flights {
+            let plain = |c: char| if c.is_alphanumeric() { c } else { '_' };
+            let suffix = format!("flight.{}.csv", name.chars().map(plain).collect::<String>());
+            let file = path.with_extension(suffix);
+            let text = dart::flight_csv(steps);
+            files.insert(0, put(&file, self.options.replace, |out| out.write_all(text.as_bytes())).map_err(named)?);
+            dart::carried(name, steps.len(), &file_name(&file), Location::file(self.input), self.report);
+        }
         if self.refused() {
             return Ok(false);
         }
@@ -287,17 +282,11 @@ impl Job<'_> {
     }
 
     fn dart(self, scene: &Scene) -> Result<bool> {
-        let target = match self.options.dart_version.as_deref() {
-            None | Some("5.7.4") => Target::V5_7_4,
-            Some("5.11.0") => Target::V5_11_0,
-            Some(other) => return Err(unsupported(self.output, &format!("writing for DART {other}"))),
-        };
-        let (package, report) = dart::from_scene(scene, &WriteOptions { target, ..WriteOptions::default() })?;
-        self.report.notes.extend(report.notes);
+        let package = dart::package(scene, self.options, self.report)?;
         if self.refused() {
             return Ok(false);
         }
-        dart::write(&package, self.output, self.options.replace, self.watch)?;
+        super::dart::write(&package, self.output, self.options.replace, self.watch)?;
         Ok(true)
     }
 
@@ -319,9 +308,9 @@ impl Job<'_> {
             let name = file_name(&materials);
             let write_mtl = |out: &mut BufWriter<File>| mtl::write(out, &surface.materials);
             let write_obj = |out: &mut BufWriter<File>| obj::write(out, &surface.mesh, &surface.materials, Some(&name));
-            let first = staged(&materials, options.replace, write_mtl)?;
+            let first = put(&materials, options.replace, write_mtl)?;
             // The mesh last: it refers to the materials.
-            let second = staged(output, options.replace, write_obj)?;
+            let second = put(output, options.replace, write_obj)?;
             first.commit()?;
             second.commit()?;
             return Ok(true);
@@ -343,12 +332,12 @@ impl Job<'_> {
             return Ok(false);
         }
         if to == Format::Glb {
-            staged(output, options.replace, |out| out.write_all(&encoded.glb()))?.commit()?;
+            put(output, options.replace, |out| out.write_all(&encoded.glb()))?.commit()?;
         } else {
             let buffer = output.with_extension("bin");
             let (text, bytes) = encoded.gltf(&file_name(&buffer));
-            let first = staged(&buffer, options.replace, |out| out.write_all(bytes))?;
-            let second = staged(output, options.replace, |out| out.write_all(text.as_bytes()))?;
+            let first = put(&buffer, options.replace, |out| out.write_all(bytes))?;
+            let second = put(output, options.replace, |out| out.write_all(text.as_bytes()))?;
             first.commit()?;
             second.commit()?;
         }
@@ -385,7 +374,7 @@ fn file_name(path: &Path) -> String {
 }
 
 /// A file that is written, but not under its name yet.
-fn staged(path: &Path, replace: bool, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<Staged> {
+fn put(path: &Path, replace: bool, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<Staged> {
     let staged = Staged::file(path, replace)?;
     let writing = |e| staged.named(Error::io(staged.path(), "writing", e));
     let mut out = BufWriter::with_capacity(1 << 20, File::create(staged.path()).map_err(writing)?);

@@ -1,7 +1,6 @@
 //! DART's optical databases (`.db`): SQLite, one table for each model, one row for each wavelength.
 //!
-//! Reflectances and transmittances are percent in the file and fractions here; wavelengths are um in both. DART reads
-//! columns by their place, so that their order is checked by name, and written as DART has it.
+//! Reflectances and transmittances are percent in the file and fractions here; wavelengths are um in both.
 
 use std::path::{Path, PathBuf};
 
@@ -11,97 +10,12 @@ use crate::spectral::{Column, Extend, SpectralLibrary, Spectrum};
 use crate::units::{fraction_from_percent, percent_from_fraction};
 
 use super::super::folder::Staged;
-use super::super::input::Problems;
+use super::super::input::{self, Problems};
+use super::kind::suspect_fractions;
+use super::kind::{DartTable, check_order, distinct_names, is_percent, is_wavelength, outside, range, same};
 use super::store::{Store, Table};
 
-/// What a table describes, as its columns tell.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// Reflectance and transmittances of a Lambertian facet.
-    Lambertian,
-    /// Hapke's parameters in the form of SOILSPECT.
-    Hapke,
-    /// The parameters of Rahman, Pinty and Verstraete.
-    Rpv,
-    /// A fluid that scatters as two Henyey-Greenstein functions.
-    FluidHenyeyGreenstein,
-    /// A fluid that scatters as Rayleigh has it.
-    FluidRayleigh,
-    /// Specular reflection, as older versions have it.
-    Specular,
-    /// A leaf's roughness.
-    Roughness,
-    /// A complex refractive index.
-    RefractiveIndex,
-    /// Irradiance of the Sun, W m-2 um-1.
-    SolarIrradiance,
-    /// Columns that are none of these.
-    Other,
-}
-
-/// Kinds, what they call wavelength, and their other columns, in DART's order. The first whose columns are all there counts.
-const KINDS: [(Kind, &str, &[&str]); 9] = [
-    (Kind::Lambertian, "wavelength", &["reflectance", "direct_transmittance", "diffuse_transmittance"]),
-    (Kind::Hapke, "wavelength", &["w", "c1", "c2", "c3", "c4", "h1", "h2"]),
-    (Kind::Rpv, "wavelength", &["reflectance", "k", "g", "h"]),
-    (Kind::FluidHenyeyGreenstein, "wavelength", &["sigma", "albedo", "a", "g1", "g2"]),
-    (Kind::FluidRayleigh, "wavelength", &["sigma", "albedo", "a", "c"]),
-    (
-        Kind::Specular,
-        "lambda",
-        &[
-            "n_down",
-            "intensity_factor_up_to_down",
-            "angular_divergence_up_to_down",
-            "k_power_up_to_down",
-            "n_up",
-            "intensity_factor_down_to_up",
-            "angular_divergence_down_to_up",
-            "k_power_down_to_up",
-        ],
-    ),
-    (
-        Kind::Roughness,
-        "lambda",
-        &["bottom", "top", "bottom_index", "top_index", "bottom_refraction_index", "top_refraction_index"],
-    ),
-    (Kind::RefractiveIndex, "lambda", &["n", "k"]),
-    (Kind::SolarIrradiance, "wavelength", &["irradiance"]),
-];
-
-impl Kind {
-    /// What columns, wavelength and the row's number left out, describe.
-    pub fn of<'a>(columns: impl Iterator<Item = &'a str> + Clone) -> Kind {
-        let has = |name: &&str| columns.clone().any(|c| c.eq_ignore_ascii_case(name));
-        KINDS.iter().find(|(_, _, names)| names.iter().all(|name| has(name))).map_or(Kind::Other, |kind| kind.0)
-    }
-
-    /// The columns in DART's order, without wavelength; none for [`Kind::Other`].
-    pub fn columns(self) -> &'static [&'static str] {
-        KINDS.iter().find(|kind| kind.0 == self).map_or(&[], |kind| kind.2)
-    }
-
-    fn wavelength(self) -> &'static str {
-        KINDS.iter().find(|kind| kind.0 == self).map_or("wavelength", |kind| kind.1)
-    }
-}
-
-/// Whether DART holds a column in percent: in every kind of table these mean the same.
-fn is_percent(column: &str) -> bool {
-    KINDS[0].2.iter().any(|name| column.eq_ignore_ascii_case(name))
-}
-
-/// The values that a column may have, as the file has them.
-fn range(column: &str) -> (f64, f64) {
-    const SIGNED: [&str; 10] = ["c1", "c2", "c3", "c4", "a", "c", "g", "g1", "g2", "h"];
-    match column.to_lowercase().as_str() {
-        name if is_percent(name) => (0.0, 100.0),
-        "w" | "albedo" => (0.0, 1.0),
-        name if SIGNED.contains(&name) => (f64::NEG_INFINITY, f64::INFINITY),
-        name if KINDS.iter().any(|kind| kind.2.contains(&name)) => (0.0, f64::INFINITY),
-        _ => (f64::NEG_INFINITY, f64::INFINITY),
-    }
-}
+pub use super::kind::{Kind, model_name};
 
 /// A model of a database.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -125,6 +39,8 @@ pub struct Database {
     comments: Vec<(String, String)>,
 }
 
+/// Longer files are refused, bytes.
+const LIMIT: u64 = 512 << 20;
 /// Tables with more columns or rows are no spectra.
 const MOST_COLUMNS: usize = 64;
 const MOST_ROWS: usize = 200_000;
@@ -133,15 +49,7 @@ const MOST_ROWS: usize = 200_000;
 const COMMENTS: &str = "_comments";
 
 fn is_row_number(column: &str) -> bool {
-    column.eq_ignore_ascii_case("id")
-}
-
-fn is_wavelength(column: &str) -> bool {
-    column.eq_ignore_ascii_case("wavelength") || column.eq_ignore_ascii_case("lambda")
-}
-
-fn same(a: &str, b: &str) -> bool {
-    a.eq_ignore_ascii_case(b)
+    same(column, "id")
 }
 
 impl Database {
@@ -151,7 +59,15 @@ impl Database {
     /// [`Error::Io`]; [`Error::Syntax`] for a file that is damaged or no SQLite database; [`Error::Invalid`] for one that
     /// is too long, or that another program is writing; [`Error::Unsupported`] without the feature `sqlite`.
     pub fn open(path: &Path) -> Result<Self> {
-        let store = Store::open(path)?;
+        Self::of(bytes(path)?, path)
+    }
+
+    /// The database that these bytes of a file are; `path` is for messages.
+    ///
+    /// # Errors
+    /// As [`Database::open`].
+    pub fn of(bytes: Vec<u8>, path: &Path) -> Result<Self> {
+        let store = Store::open(path, bytes)?;
         let mut tables = store.tables()?;
         let comments = match tables.iter().position(|t| same(&t.name, COMMENTS)) {
             Some(i) if tables.remove(i).columns.len() >= 2 => store.pairs(COMMENTS)?,
@@ -235,23 +151,13 @@ impl Database {
         }
         let numbered: Vec<(usize, &str)> =
             table.columns.iter().map(String::as_str).enumerate().filter(|(_, c)| !is_row_number(c)).collect();
+        let names: Vec<&str> = numbered.iter().map(|c| c.1).collect();
+        check_order(&names, &at)?;
         let Some(wavelength) = numbered.iter().find(|(_, c)| is_wavelength(c)) else {
             return Err(Error::invalid(at, "has no column `wavelength`"));
         };
-        let kind = Kind::of(numbered.iter().map(|c| c.1));
-        let names: Vec<&str> = numbered.iter().map(|c| c.1).collect();
-        let expected: Vec<&str> = [wavelength.1].iter().chain(kind.columns()).copied().collect();
-        if !expected.iter().zip(&names).all(|(a, b)| same(a, b)) {
-            let message = format!(
-                "has its columns in the order {}: DART reads them by their place, and would take one for another in silence",
-                names.join(", ")
-            );
-            let help = format!("write them as {}", expected.join(", "));
-            return Err(Error::Invalid(vec![Problem::new(at, message).with_help(help)]));
-        }
-
         let values = numbered.iter().filter(|c| c.0 != wavelength.0);
-        let columns: Vec<(usize, &str, (f64, f64))> = values.map(|&(i, name)| (i, name, range(name))).collect();
+        let columns: Vec<(usize, &str)> = values.copied().collect();
         let mut problems = Problems::default();
         let mut library = SpectralLibrary {
             name: table.name.clone(),
@@ -277,16 +183,25 @@ impl Database {
                     _ => library.wavelength_um.push(*um),
                 },
             }
-            for (&(i, name, (least, most)), column) in columns.iter().zip(&mut library.columns) {
-                match &cells[i] {
-                    Err(what) => told(name, what.clone()),
-                    Ok(value) if !value.is_finite() => told(name, format!("{value} is no number")),
-                    Ok(value) if !(least..=most).contains(value) => {
-                        let bounds = if most.is_finite() { format!("{least} to {most}") } else { "0 or more".into() };
-                        told(name, format!("{} is not {bounds}", number(*value)));
+            for (&(i, name), column) in columns.iter().zip(&mut library.columns) {
+                let value = match &cells[i] {
+                    Ok(value) if value.is_finite() => *value,
+                    Ok(value) => {
+                        told(name, format!("{value} is no number"));
+                        continue;
                     }
-                    Ok(value) if is_percent(name) => column.values.push(fraction_from_percent(*value)),
-                    Ok(value) => column.values.push(*value),
+                    Err(what) => {
+                        told(name, what.clone());
+                        continue;
+                    }
+                };
+                let (least, most) = range(name);
+                let (converted, unit) =
+                    if is_percent(name) { (fraction_from_percent(value), 100.0) } else { (value, 1.0) };
+                if (least..=most).contains(&converted) {
+                    column.values.push(converted);
+                } else {
+                    told(name, format!("{} {}", number(value), outside((least, most), unit)));
                 }
             }
             row < MOST_ROWS + 1
@@ -400,20 +315,19 @@ pub fn coverage(path: &Path, model: &str) -> Result<(f64, f64)> {
     Database::open(path)?.coverage(model)
 }
 
-/// Percent that never exceed 1 are told: the manual's own text has it both ways.
-pub(crate) fn suspect_fractions(library: &SpectralLibrary, at: Location, report: &mut Report) {
-    let most = library.column("reflectance").unwrap_or_default().iter().copied().fold(0.0, f64::max);
-    if most > 0.0 && most <= 0.01 {
-        let message = "no reflectance is above 1: probably fractions where percent is meant; taken as percent";
-        report.note(Fate::Defaulted, at, message);
+/// The bytes of a database, none of whose changes are still in another file beside it.
+fn bytes(path: &Path) -> Result<Vec<u8>> {
+    for ending in ["-journal", "-wal"] {
+        let mut beside = path.as_os_str().to_owned();
+        beside.push(ending);
+        if std::fs::metadata(&beside).is_ok_and(|m| m.len() > 0) {
+            let beside = Path::new(&beside).display();
+            let message = format!("a program is writing to it, or was stopped while it was: {beside} holds changes");
+            let help = "close that program, or open the file with it once more, which mends it";
+            return Err(Error::Invalid(vec![Problem::new(Location::file(path), message).with_help(help)]));
+        }
     }
-}
-
-/// The name of a model's table: what is no letter, digit or `_` becomes `_`, and one is put before a leading digit.
-pub fn model_name(name: &str) -> String {
-    let plain = name.chars().map(|c| if c.is_alphanumeric() { c } else { '_' });
-    let gap = name.chars().next().filter(|c| c.is_numeric()).map(|_| '_');
-    gap.into_iter().chain(plain).collect()
+    input::bytes(path, LIMIT)
 }
 
 /// Writes a database of these models. It appears whole or not at all.
@@ -433,7 +347,7 @@ pub fn create(path: &Path, models: &[SpectralLibrary], replace: bool) -> Result<
 /// # Errors
 /// As [`create`] and [`Database::open`]; [`Error::Invalid`] for a model that is there already.
 pub fn append(path: &Path, models: &[SpectralLibrary]) -> Result<Report> {
-    let store = Store::copy(path)?;
+    let store = Store::copy(path, bytes(path)?)?;
     let tables = store.tables()?;
     put(path, store, &tables, models, true)
 }
@@ -442,7 +356,8 @@ pub fn append(path: &Path, models: &[SpectralLibrary]) -> Result<Report> {
 fn put(path: &Path, store: Store, tables: &[Table], models: &[SpectralLibrary], replace: bool) -> Result<Report> {
     let staged = Staged::file(path, replace)?;
     let mut report = Report::default();
-    let named = distinct_names(path, tables, models, &mut report)?;
+    let at = |name: &str| Location::file(path).with_item(format!("table {name}"));
+    let named = distinct_names(models, tables.iter().map(|t| t.name.as_str()), at, &mut report)?;
     store.execute("", "BEGIN")?;
     if !tables.iter().any(|t| same(&t.name, COMMENTS)) {
         store.execute(
@@ -452,7 +367,7 @@ fn put(path: &Path, store: Store, tables: &[Table], models: &[SpectralLibrary], 
     }
     for (name, model) in named.iter().zip(models) {
         let item = format!("table {name}");
-        let (names, values) = columns(path, name, model, &mut report)?;
+        let DartTable { names, values, .. } = DartTable::of(model, &at(name), &mut report)?;
         let definition: Vec<String> = names.iter().map(|name| format!("{name} DOUBLE")).collect();
         // Without quotes, as DART's own statements name it: what is a word of SQL fails here, not there.
         let statement =
@@ -474,83 +389,4 @@ fn put(path: &Path, store: Store, tables: &[Table], models: &[SpectralLibrary], 
     std::fs::write(staged.path(), bytes).map_err(|e| staged.named(Error::io(staged.path(), "writing", e)))?;
     staged.commit()?;
     Ok(report)
-}
-
-/// The tables' names of models, which must differ, also from those that are there.
-fn distinct_names(
-    path: &Path,
-    tables: &[Table],
-    models: &[SpectralLibrary],
-    report: &mut Report,
-) -> Result<Vec<String>> {
-    let mut problems = Vec::new();
-    let mut taken: std::collections::BTreeMap<String, Option<&str>> =
-        tables.iter().map(|t| (t.name.to_ascii_lowercase(), None)).collect();
-    let mut names = Vec::new();
-    for model in models {
-        let name = model_name(&model.name);
-        let at = Location::file(path).with_item(format!("table {name}"));
-        if name != model.name {
-            report.note(Fate::Approximated, at.clone(), format!("the name {:?} is written as {name}", model.name));
-        }
-        match taken.insert(name.to_ascii_lowercase(), Some(&model.name)) {
-            None if name.is_empty() => problems.push(Problem::new(at, "a model needs a name")),
-            None => {}
-            Some(None) => {
-                problems.push(Problem::new(at, "the database has such a table").with_help("choose another name"))
-            }
-            Some(Some(other)) => {
-                let message = format!("{:?} and {other:?} have the same name in a database", model.name);
-                problems.push(Problem::new(at, message).with_help("rename one of them"));
-            }
-        }
-        names.push(name);
-    }
-    if problems.is_empty() { Ok(names) } else { Err(Error::Invalid(problems)) }
-}
-
-/// Names and values of the columns of a model's table, in DART's order and units.
-fn columns(
-    path: &Path,
-    name: &str,
-    model: &SpectralLibrary,
-    report: &mut Report,
-) -> Result<(Vec<String>, Vec<Vec<f64>>)> {
-    model.check()?;
-    let at = || Location::file(path).with_item(format!("table {name}"));
-    let names = || model.columns.iter().map(|c| c.name.as_str());
-    let mut kind = Kind::of(names());
-    let lambertian = Kind::Lambertian.columns();
-    let opaque = |name: &&str| lambertian.contains(name) && model.column(name).is_none();
-    if kind == Kind::Other && model.column("reflectance").is_some() && names().all(is_percent) {
-        kind = Kind::Lambertian;
-        for name in lambertian.iter().filter(|name| opaque(name)) {
-            report.note(Fate::Defaulted, at(), format!("{name} is not given: 0, as of an opaque surface"));
-        }
-    }
-    if kind == Kind::Other {
-        let message = format!("DART is not known to have tables of {}", names().collect::<Vec<_>>().join(", "));
-        report.note(Fate::Approximated, at(), message);
-    }
-    let zeros = vec![0.0; model.wavelength_um.len()];
-    let known = kind.columns();
-    let rest = names().filter(|name| !known.iter().any(|k| same(k, name)));
-    let mut written = (vec![kind.wavelength().to_owned()], vec![model.wavelength_um.clone()]);
-    let mut problems = Problems::default();
-    for column in known.iter().copied().chain(rest) {
-        let values = model.column(column).unwrap_or(&zeros);
-        let (least, most) = range(column);
-        let values: Vec<f64> = match is_percent(column) {
-            true => values.iter().map(|v| percent_from_fraction(*v)).collect(),
-            false => values.to_vec(),
-        };
-        if let Some(bad) = values.iter().find(|v| !(least..=most).contains(*v)) {
-            let bounds = if most.is_finite() { format!("{least} to {most}") } else { "0 or more".into() };
-            problems.push(|| Problem::new(at(), format!("{column}: {} is not {bounds}", number(*bad))));
-        }
-        written.0.push(model_name(column));
-        written.1.push(values);
-    }
-    problems.finish(path)?;
-    Ok(written)
 }

@@ -3,6 +3,7 @@
 //! [`Simulation`] is what mmxrt understands of a simulation, in DART's own terms: everything meets there.
 //! [`from_scene`] and [`write()`] lead to DART, [`read()`] and [`to_scene`] back.
 
+mod check;
 pub mod database;
 mod diff;
 mod folder;
@@ -10,21 +11,24 @@ mod frame;
 mod from_scene;
 pub mod groups;
 mod inputs;
+pub(crate) mod kind;
 mod read;
 mod sidecar;
 mod simulation;
 #[cfg_attr(feature = "sqlite", path = "sqlite.rs")]
 #[cfg_attr(not(feature = "sqlite"), path = "no_sqlite.rs")]
 mod store;
+pub mod text_spectra;
 mod to_scene;
 mod write;
 
+pub use check::{Coverage, CoverageOf, Finding, Severity, check, no_coverage};
 pub use diff::diff;
 pub use folder::Folder;
 pub use from_scene::{Package, Size, Surface, WriteOptions, from_scene, group_names};
 pub use inputs::{Target, inputs};
 pub use read::sequence::{Step, flight, rows};
-pub use read::{Options, read, terrain};
+pub use read::{Options as ReadOptions, read, terrain};
 pub use sidecar::Sidecar;
 pub use simulation::{
     Camera, Directions, Group, Links, Maket, Object, ObjectField, OpticalKind, OpticalProperty, Phase, Placement,

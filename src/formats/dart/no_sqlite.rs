@@ -13,17 +13,17 @@ pub(super) struct Table {
 pub(super) enum Store {}
 
 impl Store {
-    pub(super) fn open(path: &Path) -> Result<Self> {
+    pub(super) fn open(path: &Path, _: Vec<u8>) -> Result<Self> {
         let feature = "a SQLite database (mmxrt was built without its feature `sqlite`)".into();
         Err(Error::Unsupported { at: Location::file(path), feature })
     }
 
-    pub(super) fn copy(path: &Path) -> Result<Self> {
-        Self::open(path)
+    pub(super) fn copy(path: &Path, bytes: Vec<u8>) -> Result<Self> {
+        Self::open(path, bytes)
     }
 
     pub(super) fn in_memory(path: &Path) -> Result<Self> {
-        Self::open(path)
+        Self::open(path, Vec::new())
     }
 
     pub(super) fn tables(&self) -> Result<Vec<Table>> {

@@ -1,19 +1,16 @@
 //! Tables in a SQLite file: the only module that knows SQLite.
 //!
-//! A file is read into memory and opened there: nothing is locked or written beside it, and nothing in it is run. What
+//! A file's bytes are opened in memory: nothing is locked or written beside it, and nothing in it is run. What
 //! is written is made in memory in one transaction, so that the same content gives the same bytes.
 
 use std::path::{Path, PathBuf};
 
 use rusqlite::config::DbConfig;
-use rusqlite::hooks::{AuthAction, AuthContext, Authorization};
 use rusqlite::limits::Limit;
 use rusqlite::types::ValueRef;
 use rusqlite::{Connection, ErrorCode};
 
 use crate::error::{Error, Location, Result};
-
-use super::super::input;
 
 /// A table's name, and its columns in order.
 pub(super) struct Table {
@@ -27,8 +24,6 @@ pub(super) struct Store {
     path: PathBuf,
 }
 
-/// Longer files are refused, bytes.
-const LIMIT: u64 = 512 << 20;
 /// A longer text or blob is refused, bytes.
 const LONGEST_VALUE: i32 = 1 << 20;
 /// Steps of SQLite's machine after which it is stopped: ten seconds, hundreds of times what the largest file takes.
@@ -39,28 +34,20 @@ const MOST_STEPS: u32 = 10_000;
 const MAGIC: &[u8] = b"SQLite format 3\0";
 
 impl Store {
-    /// Opens a file to read it.
+    /// Opens a file's bytes to read them; `path` is for messages.
     ///
     /// # Errors
-    /// [`Error::Io`]; [`Error::Invalid`] for a longer file than we read, or one that another program is writing;
-    /// [`Error::Syntax`] for what is no SQLite file, a cut off or a damaged one.
-    pub(super) fn open(path: &Path) -> Result<Self> {
-        let mut store = Self::load(path, true)?;
-        // What a file defines can call functions: nothing but reading is allowed.
-        let only_reading = |context: AuthContext<'_>| match context.action {
-            AuthAction::Select | AuthAction::Read { .. } => Authorization::Allow,
-            _ => Authorization::Deny,
-        };
-        store.connection.authorizer(Some(only_reading)).map_err(|e| failed(path, "", &e))?;
-        Ok(store)
+    /// [`Error::Syntax`] for what is no SQLite file, a cut off or a damaged one; [`Error::Unsupported`] for computed columns.
+    pub(super) fn open(path: &Path, bytes: Vec<u8>) -> Result<Self> {
+        Self::load(path, bytes, true)
     }
 
-    /// Opens a copy of a file to add to it.
+    /// Opens a file's bytes to add to them.
     ///
     /// # Errors
     /// As [`Store::open`]; and for damage anywhere in the file.
-    pub(super) fn copy(path: &Path) -> Result<Self> {
-        let store = Self::load(path, false)?;
+    pub(super) fn copy(path: &Path, bytes: Vec<u8>) -> Result<Self> {
+        let store = Self::load(path, bytes, false)?;
         let verdict: String = store.run("", |c| c.query_row("PRAGMA integrity_check(1)", [], |row| row.get(0)))?;
         match verdict.as_str() {
             "ok" => Ok(store),
@@ -68,17 +55,22 @@ impl Store {
         }
     }
 
-    fn load(path: &Path, read_only: bool) -> Result<Self> {
-        let mut bytes = input::bytes(path, LIMIT)?;
-        refuse_unfinished(path)?;
+    fn load(path: &Path, mut bytes: Vec<u8>, read_only: bool) -> Result<Self> {
         check_header(path, &bytes)?;
         // 2: changes go to a second file first. There is none, and a file in memory can have none.
-        bytes[18..20].fill(1);
+        bytes[18..20].iter_mut().filter(|version| **version == 2).for_each(|version| *version = 1);
         let mut store = Self::in_memory(path)?;
         let (length, reader) = (bytes.len(), bytes.as_slice());
         store.connection.deserialize_read_exact("main", reader, length, read_only).map_err(|e| failed(path, "", &e))?;
-        // The schema is read with the first question.
-        store.run("", |c| c.query_row("SELECT count(*) FROM sqlite_master", [], |_| Ok(())))?;
+        // No spectrum is computed by its own table, and what a table computes may take forever.
+        let computed = "SELECT name FROM sqlite_master WHERE type = 'table' AND rootpage > 0 \
+                        AND EXISTS (SELECT 1 FROM pragma_table_xinfo(sqlite_master.name) WHERE hidden > 1)";
+        let computed: Vec<String> =
+            store.run("", |c| c.prepare(computed)?.query_map([], |row| row.get(0))?.collect())?;
+        if let Some(table) = computed.first() {
+            let at = Location::file(path).with_item(item(table));
+            return Err(Error::Unsupported { at, feature: "a table with computed columns".into() });
+        }
         Ok(store)
     }
 
@@ -124,10 +116,10 @@ impl Store {
         let own = |name: &String| name.get(..7).is_some_and(|start| start.eq_ignore_ascii_case("sqlite_"));
         let names = names.into_iter().filter(|name| !own(name));
         let table = |name: String| {
-            let columns = self.run(&item(&name), |c| {
-                let statement = c.prepare(&format!("SELECT * FROM {}", quoted(&name)))?;
-                Ok(statement.column_names().into_iter().map(str::to_owned).collect())
-            })?;
+            // Not the names that a statement has: where they are no UTF-8, rusqlite panics.
+            let columns = "SELECT name FROM pragma_table_xinfo(?1) ORDER BY cid";
+            let columns: Vec<String> =
+                self.run(&item(&name), |c| c.prepare(columns)?.query_map([&name], |row| row.get(0))?.collect())?;
             Ok(Table { name, columns })
         };
         names.map(table).collect()
@@ -215,21 +207,6 @@ impl Store {
     }
 }
 
-/// Refuses a file whose last changes are still in another one beside it.
-fn refuse_unfinished(path: &Path) -> Result<()> {
-    for ending in ["-journal", "-wal"] {
-        let mut beside = path.as_os_str().to_owned();
-        beside.push(ending);
-        if std::fs::metadata(&beside).is_ok_and(|m| m.len() > 0) {
-            let message = format!("a program is writing to it, or was stopped while it was: {}", beside.display());
-            let problem = crate::error::Problem::new(Location::file(path), message)
-                .with_help("close that program; or open the file with it once more, which mends it");
-            return Err(Error::Invalid(vec![problem]));
-        }
-    }
-    Ok(())
-}
-
 fn check_header(path: &Path, bytes: &[u8]) -> Result<()> {
     let whole = |at: usize| bytes.get(at..at + 4).and_then(|b| b.try_into().ok()).map_or(0, u32::from_be_bytes);
     let wrong = |message: String| Err(Error::syntax(Location::file(path), message));
@@ -257,6 +234,7 @@ fn failed(path: &Path, item: &str, error: &rusqlite::Error) -> Error {
             "takes far longer to read than its size explains: it is damaged, or made to do so".to_owned()
         }
         Some(ErrorCode::DatabaseCorrupt | ErrorCode::NotADatabase) => format!("is damaged: {error}"),
+        None => format!("is damaged, or no table of spectra: {error}"),
         _ => format!("SQLite says: {error}"),
     };
     Error::syntax(Location::file(path).with_item(item), message)

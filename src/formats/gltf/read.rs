@@ -64,11 +64,11 @@ pub fn read(path: &Path, outside: bool) -> Result<(Surface, Report, Vec<InputFil
 /// The JSON and the binary chunk of a GLB; chunks of other kinds are passed over, as the format wants it.
 fn chunks<'a>(bytes: &'a [u8], path: &Path) -> Result<(&'a [u8], Option<&'a [u8]>)> {
     let wrong = |message: String| Err(Error::syntax(Location::file(path), message));
-    let number = |at: usize| {
+    let number = |bytes: &[u8], at: usize| {
         let bytes = bytes.get(at..at.checked_add(4)?)?;
         Some(u32::from_le_bytes(bytes.try_into().ok()?) as usize)
     };
-    let (Some(version), Some(length)) = (number(4), number(8)) else {
+    let (Some(version), Some(length)) = (number(bytes, 4), number(bytes, 8)) else {
         return wrong("a GLB ends within its header".into());
     };
     if version != 2 {
@@ -78,12 +78,13 @@ fn chunks<'a>(bytes: &'a [u8], path: &Path) -> Result<(&'a [u8], Option<&'a [u8]
     if length > bytes.len() {
         return wrong(format!("a GLB of {length} bytes by its header, but of {}: is it cut short?", bytes.len()));
     }
+    let bytes = &bytes[..length];
     let (mut json, mut binary, mut at) = (None, None, 12);
     while at < length {
-        let (Some(size), Some(kind)) = (number(at), bytes.get(at + 4..at + 8)) else {
+        let (Some(size), Some(kind)) = (number(bytes, at), bytes.get(at + 4..at + 8)) else {
             return wrong(format!("a chunk's header is cut short at byte {at}"));
         };
-        let Some(chunk) = bytes[..length].get(at + 8..at + 8 + size) else {
+        let Some(chunk) = bytes.get(at + 8..at + 8 + size) else {
             return wrong(format!("a chunk of {size} bytes at byte {at} reaches beyond the file's end"));
         };
         match kind {
@@ -133,7 +134,13 @@ fn buffers(data: &Data<'_>, binary: Option<&[u8]>, outside: bool, inputs: &mut V
                     let name = percent_decoded(uri);
                     let path = input::beside(data.path, &name, outside)
                         .map_err(|message| Error::invalid(data.at(&item), message))?;
-                    let bytes = input::bytes(&path, LIMIT)?;
+                    let bytes = input::bytes(&path, LIMIT).map_err(|e| match e {
+                        Error::Io { path, source, .. } => {
+                            let message = format!("{}, which it names, cannot be read: {source}", path.display());
+                            Error::invalid(data.at(&item), message)
+                        }
+                        other => other,
+                    })?;
                     inputs.push(InputFile::of(&path, &bytes));
                     bytes
                 }

@@ -73,12 +73,21 @@ pub struct ObjFile {
 /// faces with fewer than three corners or with vertices that do not exist, a material file that is missing (its
 /// materials would silently become one), a file without faces. The first 20 are told, and the number of the rest.
 pub fn read(path: &Path) -> Result<ObjFile> {
+    read_where(path, true)
+}
+
+/// As [`read`]; material files must lie in the file's folder, unless `outside` allows others.
+///
+/// # Errors
+/// As [`read`]; [`Error::Invalid`] at the `mtllib` that leads out of the folder.
+pub fn read_where(path: &Path, outside: bool) -> Result<ObjFile> {
     let file = File::open(path).map_err(|e| Error::io(path, "reading", e))?;
     let mut source = input::Hashing::new(file);
-    let folder = path.parent().unwrap_or(Path::new("")).to_owned();
     let mut material_files = Vec::new();
     let mut load = |name: &str| {
-        let (materials, input) = mtl::read(&folder.join(name))?;
+        let file =
+            input::beside(path, name, outside).map_err(|why| Error::io(name, "reading", io::Error::other(why)))?;
+        let (materials, input) = mtl::read(&file)?;
         material_files.push(input);
         Ok(materials)
     };

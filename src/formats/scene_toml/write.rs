@@ -223,25 +223,22 @@ impl Writer<'_> {
             None => {
                 let values = self.values(&file("reflectance"), "reflectance", &material.reflectance)?;
                 _ = writeln!(text, "reflectance = {values}");
-                tables.push(&material.reflectance);
+                tables.extend(Some(&material.reflectance).filter(|s| constant(s).is_none()));
             }
         }
         if material.emissivity != material.reflectance.map(kirchhoff_emissivity) {
             let values = self.values(&file("emissivity"), "emissivity", &material.emissivity)?;
             let _ = writeln!(text, "emissivity = {values}");
-            tables.push(&material.emissivity);
+            tables.extend(Some(&material.emissivity).filter(|s| constant(s).is_none()));
         }
         if let Some(key) = material.photometry.key() {
             let columns = self.columns(&item, material);
             let named: Vec<(&str, &Spectrum)> = columns.iter().map(|(name, column)| (*name, column)).collect();
             let table = self.file(&file(key), "csv", |out| photometry_csv::write(out, &named))?;
             let _ = writeln!(text, "{key} = {}", quoted(&table));
-            // Of one row, it would be known at one wavelength only.
-            tables.extend(material.photometry.parameters().iter().map(|(_, column)| *column).take(1));
+            tables.extend(material.photometry.parameters().iter().map(|(_, column)| *column));
         }
-        let tabulated = |s: &&&Spectrum| constant(s).is_none() || material.photometry.key().is_some();
-        let held = tables.iter().filter(tabulated).filter(|s| s.extend() == Extend::Hold).count();
-        if held > 0 {
+        if tables.iter().any(|s| s.extend() == Extend::Hold) {
             text.push_str("extend = \"hold\"\n");
             if tables.iter().any(|s| s.extend() == Extend::Error) {
                 let message = "all its tables are held beyond their ends, where some were unknown";

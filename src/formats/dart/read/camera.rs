@@ -28,7 +28,12 @@ pub(super) fn read(phase: &Element, maket: &Maket, reading: &mut Reading) -> Vec
                 reading.note(Fate::Dropped, element.at(), "a push-broom camera");
                 None
             }
-            _ => None,
+            "SensorsImportation" => None,
+            other => {
+                let message = format!("a camera of a kind that is not known, `<{other}>`");
+                reading.note(Fate::Dropped, element.at(), message);
+                None
+            }
         });
     }
     cameras

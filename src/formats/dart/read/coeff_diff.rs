@@ -1,6 +1,7 @@
 //! coeff_diff.xml: lists of optical properties, and temperatures.
 
 use crate::formats::xml::Element;
+use crate::report::Fate;
 
 use super::super::{OpticalKind, OpticalProperty, ThermalFunction};
 use super::reading::{Reading, number};
@@ -17,17 +18,23 @@ pub(super) fn optical(coeff_diff: &Element, bands: usize, reading: &mut Reading)
     for (kind, list, entry) in LISTS {
         // From 5.10 lists are wrapped in `Surfaces`.
         for element in coeff_diff.descendant(list).iter().flat_map(|l| l.all(entry)) {
-            // From 5.10 database and table are wrapped in an element of their own.
-            let model = element.child("Lambertian").unwrap_or(element);
-            let transmittance = (kind != OpticalKind::Lambertian).then(|| {
-                let [database, table] = ["transmittanceDatabaseName", "transmittanceModelName"];
-                (reading.text(element, database), reading.text(element, table))
-            });
+            let named = table(element, "databaseName", "ModelName");
+            if named.is_none() {
+                reading.note(Fate::Dropped, element.at(), "an optical property that is no table of a database");
+            }
+            let (database, model) = named.unwrap_or_default();
+            let transmittance = match kind {
+                OpticalKind::Lambertian => None,
+                _ => table(element, "transmittanceDatabaseName", "transmittanceModelName"),
+            };
+            if kind != OpticalKind::Lambertian && transmittance.is_none() {
+                reading.note(Fate::Defaulted, element.at(), "names no table of transmittance: taken is none");
+            }
             properties.push(OpticalProperty {
                 kind,
                 ident: reading.text(element, "ident"),
-                database: reading.text(model, "databaseName"),
-                model: reading.text(model, "ModelName"),
+                database,
+                model,
                 transmittance,
                 factors: factors(element, bands, reading),
                 at: element.at(),
@@ -37,18 +44,33 @@ pub(super) fn optical(coeff_diff: &Element, bands: usize, reading: &mut Reading)
     properties
 }
 
+/// The element that has an attribute: a property, or, from 5.10 on, one within that wraps its model.
+fn holder<'e>(property: &'e Element, attribute: &str) -> Option<&'e Element> {
+    std::iter::once(property).chain(&property.children).find(|e| e.get(attribute).is_some())
+}
+
+/// A database and a table in it.
+fn table(property: &Element, database: &str, model: &str) -> Option<(String, String)> {
+    let [database, model] = [database, model].map(|name| holder(property, name)?.get(name).map(str::to_owned));
+    Some((database?, model?))
+}
+
+/// Whether multiplicative factors are used.
+pub(in crate::formats::dart) fn uses_factors(property: &Element) -> bool {
+    const SWITCH: &str = "useMultiplicativeFactorForLUT";
+    holder(property, SWITCH).and_then(|e| e.get(SWITCH)).is_some_and(|used| used.trim() == "1")
+}
+
 /// The element of multiplicative factors of an optical property, if they are used.
 pub(in crate::formats::dart) fn factor_node(property: &Element) -> Option<&Element> {
-    let used = |e: &Element| e.get("useMultiplicativeFactorForLUT").is_some_and(|u| u.trim() == "1");
-    let wrapped = property.child("Lambertian").filter(|model| used(model));
-    let holder = if used(property) { property } else { wrapped? };
-    let is_node = |e: &&Element| e.name.ends_with("NodeMultiplicativeFactorForLUT");
-    holder.children.iter().find(is_node).or_else(|| property.children.iter().find(is_node))
+    let is_node = |e: &&Element| e.name.to_ascii_lowercase().ends_with("nodemultiplicativefactorforlut");
+    let within = property.children.iter().chain(property.children.iter().flat_map(|c| &c.children));
+    within.filter(|_| uses_factors(property)).find(is_node)
 }
 
 /// The factors in each band: elements within a node.
 pub(in crate::formats::dart) fn factors_of_bands(node: &Element) -> impl Iterator<Item = &Element> {
-    node.children.iter().filter(|e| e.name.ends_with("MultiplicativeFactorForLUT"))
+    node.children.iter().filter(|e| e.name.to_ascii_lowercase().ends_with("multiplicativefactorforlut"))
 }
 
 fn factors(property: &Element, bands: usize, reading: &mut Reading) -> Vec<Vec<(String, f64)>> {

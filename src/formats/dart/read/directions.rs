@@ -17,7 +17,8 @@ pub(super) fn read(directions: &Element, maket: &Maket, reading: &mut Reading) -
             reading.note(Fate::Dropped, view.at(), message);
             continue;
         };
-        if reading.flag(view, "imageDirection") && !reading.flag(view, "ifPhaseOnly") {
+        let has_image = view.get("imageDirection").is_none() || reading.flag(view, "imageDirection");
+        if has_image && !reading.flag(view, "ifPhaseOnly") {
             let zenith = reading.number(angles, "directionZenithalAngle");
             let azimuth = reading.number(angles, "directionAzimuthalAngle");
             if !(0.0..=180.0).contains(&zenith) {
@@ -101,8 +102,8 @@ fn by_date(date: &Element, maket: &Maket, offset_deg: f64, reading: &mut Reading
     if let Some([zenith, azimuth]) = reading.options.sun_deg {
         return [zenith, turn(azimuth)];
     }
-    let [year, month, day, hour, minute, second] =
-        ["year", "month", "day", "hour", "minute", "second"].map(|name| f64::from(reading.integer(date, name)));
+    let [year, month, day, hour] = ["year", "month", "day", "hour"].map(|name| f64::from(reading.integer(date, name)));
+    let [minute, second] = ["minute", "second"].map(|name| f64::from(reading.integer_or(date, name, 0)));
     for (name, value, first, last) in [
         ("month", month, 1.0, 12.0),
         ("day", day, 1.0, 31.0),

@@ -32,6 +32,7 @@ const fn switch(
 
 const PRODUCTS: &str = "products other than images (radiative budget, polarization, areas and the like)";
 const RANDOM: &str = "values that vary at random: all are as their mean";
+const OTHER_MODE: &str = "another mode than images by sunlight and heat (Monte Carlo, lidar)";
 const SPECULAR: &str = "specular reflection";
 const OTHER_OPTICS: &str = "an optical property that is neither Lambertian nor Hapke's nor RPV";
 
@@ -95,13 +96,11 @@ const FEATURES: &[Feature] = &[
     switch("object_3d", "SurfaceExitanceProperties", &["useTemperaturePerTriangle"], "a temperature for each triangle"),
     switch("object_3d", "ScaleProperties", &["xScaleDeviation", "yScaleDeviation", "zScaleDeviation"], RANDOM),
     switch("object_3d", "RotationProperties", &["xRotDeviation", "yRotDeviation", "zRotDeviation"], RANDOM),
-    switch(
-        "Phase",
-        "Phase",
-        &["calculatorMethod"],
-        "another mode than images by sunlight and heat (Monte Carlo, lidar)",
-    ),
+    switch("Phase", "Phase", &["calculatorMethod"], OTHER_MODE),
+    switch("Phase", "DartInputParameters", &["calculatorMethod"], OTHER_MODE),
     switch("Phase", "AtmosphereRadiativeTransfer", &["TOAtoBOA"], "the atmosphere"),
+    // Before 5.5.
+    switch("Atmosphere", "Atmosphere", &["atmosphereType"], "the atmosphere"),
     switch("Phase", "ImageSideIllumination", &["sideIlluminationEnabled"], "light from the sides of the scene"),
     switch(
         "Phase",
@@ -189,12 +188,14 @@ const KNOWN: &[(&str, &str)] = &[
     ("LambertianMultiFunctions", ""),
     (
         "LambertianMulti",
-        "ModelName databaseName ident roStDev useMultiplicativeFactorForLUT useSpecular lambertianDefinition \
+        "ModelName databaseName fileName ident roStDev useMultiplicativeFactorForLUT useSpecular lambertianDefinition \
          useDirectionalDirectTransmittance",
     ),
     ("Lambertian", "ModelName databaseName useSpecular useMultiplicativeFactorForLUT"),
     ("ProspectExternalModule", "*"),
     ("SpecularData", "*"),
+    ("nodeMultiplicativeFactorForLUT", "*"),
+    ("LambertianSpecularMultiFunctions", "*"),
     ("opticalFactorMatrix", "*"),
     ("lambertianNodeMultiplicativeFactorForLUT", "*"),
     ("HapkeSpecularMultiFunctions", ""),
@@ -243,28 +244,29 @@ const KNOWN: &[(&str, &str)] = &[
     ("BackFaceThermalProperty", ""),
     ("GroupTypeProperties", "*"),
     ("Elements", "*"),
+    ("LAIPropertyNode", "*"),
     ("PropertiesForObject3DTurbid", "*"),
     ("PropertiesForObject3DTurbidWithLAD", "*"),
     ("SingleGlobalLAIPropertyNode", "*"),
     ("ObjectFields", ""),
     ("Field", "fieldDescriptionFileName name showObjectPositions"),
     ("ModelList", ""),
-    ("Phase", "calculatorMethod accelerationEngine"),
+    ("Phase", "calculatorMethod accelerationEngine expertMode"),
     ("AtmosphereRadiativeTransfer", "*"),
     ("ExpertModeZone", "*"),
     ("EngineParameter", "*"),
     ("ExternalScripts", "*"),
-    ("DartInputParameters", "linkPassiveRsRb"),
+    ("DartInputParameters", "linkPassiveRsRb calculatorMethod"),
     ("MonteCarlo", "*"),
     ("Lidar", "*"),
     ("nodefluxtracking", "*"),
     ("SpectralDomainTir", "*"),
     ("SpectralIntervals", ""),
-    ("SpectralIntervalsProperties", "bandNumber deltaLambda meanLambda spectralDartMode"),
+    ("SpectralIntervalsProperties", "bandNumber deltaLambda meanLambda spectralDartMode radiativeBudgetProducts"),
     ("emissionLawNode", "emissionLaw"),
     ("temperatureAtmosphere", "atmosphericApparentTemperature"),
     ("ImageSideIllumination", "*"),
-    ("nodeIlluminationMode", "irradianceMode"),
+    ("nodeIlluminationMode", "irradianceMode illuminationMode"),
     ("irradianceDatabaseNode", "*"),
     ("BandIrradianceFileNode", "*"),
     ("illumination", "*"),
@@ -292,14 +294,15 @@ const UNKNOWN: usize = 50;
 /// Notes what of the inputs is not read.
 pub(super) fn tell(inputs: &Inputs, reading: &mut Reading) {
     let known: BTreeMap<&str, &str> = KNOWN.iter().copied().collect();
-    for (_, name, needed) in super::FILES {
+    for (_, name, _) in super::FILES {
         let Some(section) = inputs.section(name) else { continue };
         let mut told = Told::default();
         for feature in FEATURES.iter().filter(|f| f.section == name) {
             in_use(section, feature, &mut told);
         }
         let mut unknown = Told::default();
-        if needed {
+        // Sections without a counterpart are told as a whole.
+        if known.contains_key(name) {
             strangers(section, &known, &mut unknown);
         }
         let rest = unknown.kinds.len().saturating_sub(UNKNOWN);

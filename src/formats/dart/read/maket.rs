@@ -15,6 +15,13 @@ pub(super) fn read(maket: &Element, reading: &mut Reading) -> Maket {
     let two = |element: Option<&Element>, names: [&str; 2], reading: &mut Reading| {
         element.map_or([1.0; 2], |e| names.map(|name| reading.positive(e, name)))
     };
+    let ground = soil.and_then(|soil| {
+        let ground = object_3d::links(soil, None, reading);
+        if ground.is_none() {
+            reading.problem(soil.at(), "has no `<OpticalPropertyLink>` within");
+        }
+        ground
+    });
     let nowhere = || Links {
         kind: 0,
         index: 0,
@@ -31,7 +38,7 @@ pub(super) fn read(maket: &Element, reading: &mut Reading) -> Maket {
         size_m: two(size, ["x", "y"], reading),
         cell_m: two(cell, ["x", "z"], reading),
         boundary: code(maket, "exactlyPeriodicScene", 1, 2, reading),
-        ground: soil.and_then(|soil| object_3d::links(soil, None, reading)).unwrap_or_else(nowhere),
+        ground: ground.unwrap_or_else(nowhere),
         ground_enabled: soil.and_then(|s| s.get("groundEnabled")).is_none_or(|e| e.trim() != "0"),
         topography: soil.and_then(|soil| topography(soil, reading)),
         latitude_longitude_altitude: [latitude, longitude, altitude],

@@ -4,7 +4,7 @@
 //! them. What is not known is passed over and told.
 
 mod camera;
-mod coeff_diff;
+pub(super) mod coeff_diff;
 mod directions;
 mod losses;
 mod maket;
@@ -47,7 +47,7 @@ impl Options {
 pub(super) const FILES: [(&str, &str, bool); 11] = [
     ("maket.xml", "Maket", true),
     ("coeff_diff.xml", "Coeff_diff", true),
-    ("object_3d.xml", "object_3d", true),
+    ("object_3d.xml", "object_3d", false),
     ("phase.xml", "Phase", true),
     ("directions.xml", "Directions", true),
     ("atmosphere.xml", "Atmosphere", false),
@@ -95,9 +95,11 @@ impl Inputs {
                 }
                 Err(other) => return Err(other),
             };
-            if root.name != "DartFile" || root.child(section).is_none() {
-                let message = format!("`<{}>` where `<DartFile>` with `<{section}>` within belongs", root.name);
+            if root.name != "DartFile" {
+                let message = format!("`<{}>` where `<DartFile>` belongs", root.name);
                 problems.push(Problem::new(root.at(), message));
+            } else if root.child(section).is_none() {
+                problems.push(Problem::new(root.at(), format!("has no `<{section}>` within")));
             }
             roots.push(Some(root));
         }
@@ -145,12 +147,13 @@ pub fn read(path: &Path, options: &Options) -> Result<(Simulation, Report, Vec<I
     let maket = maket::read(section("Maket")?, &mut reading);
     let coeff_diff = section("Coeff_diff")?;
     let phase = phase::read(section("Phase")?, &maket, &mut reading);
+    let object_3d = inputs.section("object_3d");
     let simulation = Simulation {
         version: version(&inputs, &mut reading),
         optical: coeff_diff::optical(coeff_diff, phase.bands.len(), &mut reading),
         thermal: coeff_diff::thermal(coeff_diff, &mut reading),
-        objects: object_3d::objects(section("object_3d")?, &mut reading),
-        fields: object_3d::fields(section("object_3d")?, &mut reading),
+        objects: object_3d.map_or_else(Vec::new, |o| object_3d::objects(o, &mut reading)),
+        fields: object_3d.map_or_else(Vec::new, |o| object_3d::fields(o, &mut reading)),
         directions: directions::read(section("Directions")?, &maket, &mut reading),
         sequences: sequence::read(&folder, &mut reading),
         maket,

@@ -12,6 +12,8 @@ use super::reading::{Reading, number};
 
 /// No text of an object field is longer, bytes.
 const FIELD_TEXT: u64 = 256 << 20;
+/// Turbid media, elements with their own properties, and what versions that are not known may have.
+const UNKNOWN_MATERIAL: &str = "what this is made of: no `<OpticalPropertyLink>` stands here";
 /// No object field has more places.
 const PLACES: usize = 2_000_000;
 
@@ -45,12 +47,14 @@ fn object(element: &Element, reading: &mut Reading) -> Object {
         _ => same_optical,
     };
     let double_face = optics.is_some_and(|o| is_double(o, reading));
-    let (links_of_all, back_of_all) = match optics {
-        Some(o) if same_optical && same_thermal => {
-            (links(o, None, reading), back(o, None, reading).filter(|_| double_face))
+    let (mut links_of_all, mut back_of_all) = (None, None);
+    if let Some(o) = optics.filter(|_| same_optical && same_thermal) {
+        links_of_all = links(o, None, reading);
+        back_of_all = back(o, None, reading).filter(|_| double_face);
+        if links_of_all.is_none() {
+            reading.note(Fate::Dropped, o.at(), UNKNOWN_MATERIAL);
         }
-        _ => (None, None),
-    };
+    }
     let mut groups = Vec::new();
     if has_groups {
         let shared = Shared {
@@ -58,9 +62,8 @@ fn object(element: &Element, reading: &mut Reading) -> Object {
             thermal: optics.filter(|_| same_thermal && !same_optical),
             all: same_optical && same_thermal,
         };
-        match reading.child(element, "Groups") {
-            Some(list) => groups.extend(list.all("Group").map(|g| group(g, &shared, reading))),
-            None => {}
+        if let Some(list) = reading.child(element, "Groups") {
+            groups.extend(list.all("Group").map(|g| group(g, &shared, reading)));
         }
     }
     Object {
@@ -71,7 +74,7 @@ fn object(element: &Element, reading: &mut Reading) -> Object {
         rotation_deg,
         dem_mode: code(element, "objectDEMMode", 0, 3, reading),
         hidden: reading.flag(element, "hidden"),
-        repeated_on_border: reading.flag(element, "repeatedOnBorder"),
+        repeated_on_border: code(element, "repeatedOnBorder", 1, 1, reading) == 1,
         double_face,
         links: links_of_all,
         back: back_of_all,
@@ -99,6 +102,9 @@ fn group(element: &Element, shared: &Shared, reading: &mut Reading) -> Group {
             None => links(o, shared.thermal, reading),
         };
         behind = back(o, shared.thermal, reading).filter(|_| double_face);
+        if front.is_none() {
+            reading.note(Fate::Dropped, o.at(), UNKNOWN_MATERIAL);
+        }
     }
     Group {
         number: reading.integer(element, "num"),
@@ -117,28 +123,26 @@ fn is_double(optics: &Element, reading: &mut Reading) -> bool {
     reading.flag(optics, "doubleFace") || wrapped.is_some_and(|w| reading.flag(w, "doubleFace"))
 }
 
+/// An element within, or within a wrapper that it has from 5.10 on.
+fn wrapped<'e>(element: &'e Element, wrapper: &str, name: &str) -> Option<&'e Element> {
+    element.child(name).or_else(|| element.child(wrapper)?.child(name))
+}
+
 /// The optical and thermal link in an element, wrapped or not; the thermal one from `thermal` if that is given.
 ///
-/// `None`, and a problem, if there is no optical link.
+/// `None` if there is no optical link.
 pub(super) fn links(element: &Element, thermal: Option<&Element>, reading: &mut Reading) -> Option<Links> {
-    let wrapped =
-        |e: &'_ Element, wrapper: &str, name: &str| e.child(name).or_else(|| e.child(wrapper)?.child(name)).cloned();
-    let Some(optical) = wrapped(element, "SurfaceOpticalProperties", "OpticalPropertyLink") else {
-        reading.problem(element.at(), "has no `<OpticalPropertyLink>` within");
-        return None;
-    };
+    let optical = wrapped(element, "SurfaceOpticalProperties", "OpticalPropertyLink")?;
     let thermal = wrapped(thermal.unwrap_or(element), "SurfaceExitanceProperties", "ThermalPropertyLink");
-    Some(pair(&optical, thermal.as_ref(), reading))
+    Some(pair(optical, thermal, reading))
 }
 
 /// The links of back faces, if there are any.
 fn back(element: &Element, thermal: Option<&Element>, reading: &mut Reading) -> Option<Links> {
-    let wrapped =
-        |e: &'_ Element, wrapper: &str, name: &str| e.child(name).or_else(|| e.child(wrapper)?.child(name)).cloned();
     let optical = wrapped(element, "SurfaceOpticalProperties", "BackFaceOpticalProperty")?;
     let thermal = wrapped(thermal.unwrap_or(element), "SurfaceExitanceProperties", "BackFaceThermalProperty");
-    let optical = reading.child(&optical, "OpticalPropertyLink")?.clone();
-    Some(pair(&optical, thermal.as_ref().and_then(|t| t.child("ThermalPropertyLink")), reading))
+    let optical = reading.child(optical, "OpticalPropertyLink")?;
+    Some(pair(optical, thermal.and_then(|t| t.child("ThermalPropertyLink")), reading))
 }
 
 fn pair(optical: &Element, thermal: Option<&Element>, reading: &mut Reading) -> Links {
@@ -162,11 +166,12 @@ fn field(element: &Element, reading: &mut Reading) -> Option<ObjectField> {
     let models: Vec<Object> =
         element.child("ModelList").iter().flat_map(|l| l.all("Object")).map(|o| object(o, reading)).collect();
     let at = element.at_attribute("fieldDescriptionFileName");
+    let name = element.get("name").unwrap_or_default().to_owned();
     let path = match reading.folder.locate(&file, &at) {
         Ok(Some(path)) => path,
         Ok(None) => {
-            reading.problem(at, format!("the object field `{file}` is not in the input folder"));
-            return None;
+            reading.note(Fate::Dropped, at, format!("an object field whose text `{file}` is not in the input folder"));
+            return Some(ObjectField { name, file, models, places: Vec::new(), at: element.at() });
         }
         Err(problem) => {
             reading.problems.push(|| problem);
@@ -184,13 +189,7 @@ fn field(element: &Element, reading: &mut Reading) -> Option<ObjectField> {
         }
     };
     let places = places(&text, &path, &models, reading);
-    Some(ObjectField {
-        name: element.get("name").unwrap_or_default().to_owned(),
-        file,
-        models,
-        places,
-        at: element.at(),
-    })
+    Some(ObjectField { name, file, models, places, at: element.at() })
 }
 
 /// The lines of a field's text: `index x y z sx sy sz xrot yrot zrot` below the line `complete transformation`, else

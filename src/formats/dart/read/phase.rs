@@ -22,13 +22,19 @@ pub(super) fn read(phase: &Element, maket: &Maket, reading: &mut Reading) -> Pha
     }
 }
 
-/// Elements in the order of their `bandNumber`, from 0 without gaps.
-fn numbered<'e>(mut elements: Vec<&'e Element>, reading: &mut Reading) -> Vec<&'e Element> {
-    let numbers: Vec<u32> = elements.iter().map(|e| reading.integer(e, "bandNumber")).collect();
+/// Elements in the order of their `bandNumber`: in that of the file where it is missing.
+///
+/// Those that must be complete count from 0 without gaps.
+fn numbered<'e>(mut elements: Vec<&'e Element>, complete: bool, reading: &mut Reading) -> Vec<&'e Element> {
+    let number = |(i, e): (usize, &&Element)| match e.get("bandNumber") {
+        Some(_) => reading.integer(e, "bandNumber"),
+        None => i as u32,
+    };
+    let numbers: Vec<u32> = elements.iter().enumerate().map(number).collect();
     let mut order: Vec<usize> = (0..elements.len()).collect();
     order.sort_by_key(|&i| numbers[i]);
     for (wanted, &i) in order.iter().enumerate() {
-        if numbers[i] as usize != wanted && elements[i].get("bandNumber").is_some() {
+        if complete && numbers[i] as usize != wanted && elements[i].get("bandNumber").is_some() {
             let message =
                 format!("`bandNumber` is {} where {wanted} belongs: bands count from 0 without gaps", numbers[i]);
             reading.problem(elements[i].at_attribute("bandNumber"), message);
@@ -44,7 +50,7 @@ fn bands(phase: &Element, reading: &mut Reading) -> Vec<SpectralInterval> {
         reading.problem(phase.at(), "has no `<SpectralIntervals>` within");
         return Vec::new();
     };
-    let elements = numbered(list.all("SpectralIntervalsProperties").collect(), reading);
+    let elements = numbered(list.all("SpectralIntervalsProperties").collect(), true, reading);
     if elements.is_empty() {
         reading.problem(list.at(), "holds no band");
     }
@@ -73,19 +79,29 @@ fn irradiance(phase: &Element, bands: usize, reading: &mut Reading) -> (u32, Vec
         reading.note(Fate::Defaulted, phase.at(), "says nothing of illumination: taken is DART's solar spectrum");
         return (0, Vec::new());
     };
-    let mode = code(node, "irradianceMode", 0, 3, reading);
+    let mode = reading.integer_or(node, "irradianceMode", 0);
     let what = match mode {
         2 => Some("illumination by a radiance file of DART"),
         3 => Some("illumination by a text file: give the values for each band, or a solar spectrum"),
-        _ => None,
+        0 | 1 => None,
+        _ => Some("illumination of a kind that is not known"),
     };
     if let Some(what) = what {
         reading.note(Fate::Dropped, node.at_attribute("irradianceMode"), what);
     }
-    let Some(list) = node.child("SpectralIrradiance") else { return (mode, Vec::new()) };
-    let elements = numbered(list.all("SpectralIrradianceValue").collect(), reading);
+    let Some(list) = node.child("SpectralIrradiance") else {
+        if mode == 1 {
+            let message = "says no irradiance of bands, as in old versions: taken is a solar spectrum";
+            reading.note(Fate::Approximated, node.at(), message);
+        }
+        return (if mode == 1 { 0 } else { mode }, Vec::new());
+    };
+    let elements = numbered(list.all("SpectralIrradianceValue").collect(), mode == 1, reading);
     let mut values: Vec<(f64, f64)> =
         elements.iter().map(|e| (reading.number_or(e, "irradiance", 0.0), reading.number_or(e, "Skyl", 0.0))).collect();
+    if mode != 1 {
+        return (mode, values);
+    }
     for (value, element) in values.iter().zip(&elements) {
         if value.0 < 0.0 || !(0.0..=1.0).contains(&value.1) {
             let message = format!(
@@ -94,9 +110,6 @@ fn irradiance(phase: &Element, bands: usize, reading: &mut Reading) -> (u32, Vec
             );
             reading.problem(element.at(), message);
         }
-    }
-    if mode != 1 {
-        return (mode, values);
     }
     if let Some(common) = list.child("CommonParameters") {
         let first = values.first().copied().unwrap_or_default();
@@ -125,7 +138,7 @@ fn temperatures(phase: &Element, bands: &[SpectralInterval], reading: &mut Readi
         return;
     }
     if let Some(node) = phase.descendant("SpectralDomainTir")
-        && code(node, "temperatureMode", 0, 3, reading) != 0
+        && reading.integer_or(node, "temperatureMode", 0) != 0
     {
         let message = "temperatures from a file or the atmosphere: read are those of the thermal functions";
         reading.note(Fate::Dropped, node.at_attribute("temperatureMode"), message);

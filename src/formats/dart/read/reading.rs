@@ -87,7 +87,7 @@ impl<'a> Reading<'a> {
 
     /// A code or a count, or DART's default where there is none.
     pub(super) fn integer_or(&mut self, element: &Element, name: &str, default: u32) -> u32 {
-        self.value_or(element, name, default, "a whole number, not negative,", |text| u32::from_str(text.trim()).ok())
+        self.value_or(element, name, default, "a whole number, not negative,", integer)
     }
 
     /// A code or a count that must be there.
@@ -135,6 +135,11 @@ impl<'a> Reading<'a> {
             }),
         }
     }
+}
+
+/// A whole number from 0 on; old versions write some as `101.0`.
+fn integer(text: &str) -> Option<u32> {
+    u32::from_str(text.trim().trim_end_matches('0').strip_suffix('.').unwrap_or(text.trim())).ok()
 }
 
 /// A finite number as Java writes it: `1.0`, `1E-7`, `.5`, `4`.

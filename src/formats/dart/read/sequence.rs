@@ -9,10 +9,10 @@ use crate::report::Report;
 use super::super::folder::Folder;
 use super::super::{Camera, Sequence, SequenceEntry, SequenceGroup, SequenceValues};
 use super::reading::{Reading, number};
-use super::{Inputs, Options, directions, maket, phase};
+use super::{Inputs, Options, camera, directions, maket};
 
-/// No sequence makes more simulations.
-const ROWS: usize = 1_000_000;
+/// No sequence gives more values to its simulations.
+const VALUES: usize = 1_000_000;
 /// The root section of a sequence's file.
 const DESCRIPTOR: &str = "DartSequencerDescriptor";
 
@@ -21,12 +21,29 @@ const DESCRIPTOR: &str = "DartSequencerDescriptor";
 /// The values of a group advance together; groups combine as a product, the last one fastest.
 ///
 /// # Errors
-/// [`Error::Invalid`] where the entries of a group differ in their number of values, and for more than a million rows.
+/// [`Error::Invalid`] where the entries of a group differ in their number of values, and for more than a million values
+/// in all.
 pub fn rows(sequence: &Sequence) -> Result<Vec<Vec<String>>> {
+    let count = count(sequence)?;
+    let mut rows = vec![Vec::new(); count];
+    let mut repeat = count;
+    for group in sequence.groups.iter().filter(|g| !g.entries.is_empty()) {
+        let length = group.entries[0].values.len().max(1);
+        repeat /= length;
+        for (i, row) in rows.iter_mut().enumerate() {
+            row.extend(group.entries.iter().map(|entry| entry.values.at(i / repeat % length)));
+        }
+    }
+    Ok(rows)
+}
+
+/// The number of simulations, if they can be made. Errors as [`rows`].
+pub(in crate::formats::dart) fn count(sequence: &Sequence) -> Result<usize> {
     let mut problems = Vec::new();
-    let mut lengths = Vec::new();
+    let (mut simulations, mut entries) = (Some(1_usize), 0);
     for group in &sequence.groups {
-        let length = group.entries.first().map_or(0, |e| e.values.len());
+        let Some(first) = group.entries.first() else { continue };
+        let length = first.values.len();
         for entry in group.entries.iter().filter(|e| e.values.len() != length) {
             let message = format!(
                 "{} values, but the first entry of the group `{}` has {length}: they advance together",
@@ -35,25 +52,16 @@ pub fn rows(sequence: &Sequence) -> Result<Vec<Vec<String>>> {
             );
             problems.push(Problem::new(entry.at.clone(), message));
         }
-        if !group.entries.is_empty() {
-            lengths.push(length);
-        }
+        simulations = simulations.and_then(|n| n.checked_mul(length));
+        entries += group.entries.len();
     }
-    let count = lengths.iter().try_fold(1_usize, |product, n| product.checked_mul(*n)).filter(|n| *n <= ROWS);
-    if count.is_none() {
-        problems.push(Problem::new(sequence.at.clone(), format!("makes more than {ROWS} simulations")));
+    let simulations = if entries == 0 { Some(0) } else { simulations };
+    match simulations.filter(|n| n.checked_mul(entries).is_some_and(|values| values <= VALUES)) {
+        Some(n) if problems.is_empty() => return Ok(n),
+        Some(_) => {}
+        None => problems.push(Problem::new(sequence.at.clone(), format!("makes more than {VALUES} values"))),
     }
-    let Some(count) = count.filter(|_| problems.is_empty()) else { return Err(Error::Invalid(problems)) };
-    let groups = sequence.groups.iter().filter(|g| !g.entries.is_empty());
-    let mut rows = vec![Vec::new(); if lengths.is_empty() { 0 } else { count }];
-    let mut repeat = count;
-    for (group, length) in groups.zip(&lengths) {
-        repeat /= (*length).max(1);
-        for (i, row) in rows.iter_mut().enumerate() {
-            row.extend(group.entries.iter().map(|entry| entry.values.at(i / repeat % length)));
-        }
-    }
-    Ok(rows)
+    Err(Error::Invalid(problems))
 }
 
 impl SequenceValues {
@@ -130,13 +138,13 @@ pub fn flight(path: &Path, sequence: &Sequence, options: &Options) -> Result<(Ve
         let mut reading = Reading::new(&folder, options);
         let maket = maket::read(inputs.section("Maket").ok_or_else(missing)?, &mut reading);
         let directions = directions::read(inputs.section("Directions").ok_or_else(missing)?, &maket, &mut reading);
-        let phase = phase::read(inputs.section("Phase").ok_or_else(missing)?, &maket, &mut reading);
+        let cameras = camera::read(inputs.section("Phase").ok_or_else(missing)?, &maket, &mut reading);
         let Reading { problems, report: of_step, .. } = reading;
         problems.finish(&folder.input)?;
         if i == 0 {
             report.notes.extend(of_step.notes);
         }
-        steps.push(Step { sun_deg: directions.sun_deg, views_deg: directions.views_deg, cameras: phase.cameras });
+        steps.push(Step { sun_deg: directions.sun_deg, views_deg: directions.views_deg, cameras });
     }
     Ok((steps, report))
 }
@@ -200,9 +208,9 @@ fn candidates(folder: &Folder) -> Vec<PathBuf> {
 }
 
 fn sequence(descriptor: &Element, reading: &mut Reading) -> Sequence {
-    // `sequence;;name` where it was made by the sequencer.
+    // `sequence;;name` where it was made by the sequencer, a path in old versions.
     let name = descriptor.get("sequenceName").unwrap_or_default();
-    let name = name.rsplit(";;").next().unwrap_or(name).to_owned();
+    let name = name.rsplit([';', '/', '\\']).next().unwrap_or(name).to_owned();
     let groups = match descriptor.descendant("DartSequencerDescriptorEntries") {
         Some(list) => list
             .all("DartSequencerDescriptorGroup")
@@ -216,11 +224,7 @@ fn sequence(descriptor: &Element, reading: &mut Reading) -> Sequence {
             Vec::new()
         }
     };
-    let sequence = Sequence { name, groups, at: descriptor.at() };
-    if let Err(Error::Invalid(problems)) = rows(&sequence) {
-        problems.into_iter().for_each(|problem| reading.problems.push(|| problem));
-    }
-    sequence
+    Sequence { name, groups, at: descriptor.at() }
 }
 
 fn entry(element: &Element, reading: &mut Reading) -> SequenceEntry {

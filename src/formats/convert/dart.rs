@@ -1,0 +1,167 @@
+//! DART simulations and databases as this module takes them: what is read, checked and written of them in one call.
+
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Location, Result};
+use crate::formats::dart::{self, Coverage, Finding, Severity, Step, WriteOptions, database::Database};
+use crate::formats::dart::{SceneOptions, Target};
+use crate::progress::Watch;
+use crate::report::{Fate, Report};
+use crate::scene::Scene;
+
+use super::{Format, Options, unsupported};
+
+/// The Sun and cameras of a sequence's simulations, by its name.
+pub(super) type Flights = Vec<(String, Vec<Step>)>;
+
+fn reading(options: &Options) -> dart::ReadOptions {
+    dart::ReadOptions {
+        database: options.dart_databases.clone(),
+        allow_outside: options.allow_outside,
+        sun_deg: options.sun_deg,
+    }
+}
+
+/// The scene of a simulation, and what flies over it.
+pub(super) fn read(path: &Path, options: &Options, watch: Watch<'_>) -> Result<(Scene, Flights, Report)> {
+    let reading = reading(options);
+    let (simulation, mut report, _) = dart::read(path, &reading)?;
+    let to_scene = SceneOptions { origin_m: options.origin_m };
+    let converted = dart::to_scene(&simulation, &reading.folder(path), &to_scene, watch)?;
+    report.notes.extend(converted.report.notes);
+    let mut flights = Vec::new();
+    for sequence in &simulation.sequences {
+        let (steps, more) = dart::flight(path, sequence, &reading)?;
+        report.notes.extend(more.notes);
+        flights.push((sequence.name.clone(), steps));
+    }
+    Ok((converted.scene, flights, report))
+}
+
+/// The simulation of a scene, not written yet.
+pub(super) fn package(scene: &Scene, options: &Options, report: &mut Report) -> Result<dart::Package> {
+    let target = match options.dart_version.as_deref() {
+        None | Some("5.7.4") => Target::V5_7_4,
+        Some("5.11.0") => Target::V5_11_0,
+        Some(other) => {
+            let feature = format!("writing DART {other} (5.7.4 and 5.11.0 are)");
+            return Err(Error::Unsupported { at: Location::item("dart_version"), feature });
+        }
+    };
+    let options = WriteOptions { target, cell_m: options.cell_m, ..WriteOptions::default() };
+    let (package, more) = dart::from_scene(scene, &options)?;
+    report.notes.extend(more.notes);
+    Ok(package)
+}
+
+/// What two simulations differ in.
+pub(super) fn diff(a: &Path, b: &Path, options: &Options) -> Result<Vec<String>> {
+    let reading = reading(options);
+    let (a, ..) = dart::read(a, &reading)?;
+    let (b, ..) = dart::read(b, &reading)?;
+    Ok(dart::diff(&a, &b))
+}
+
+/// What may be wrong with a simulation or an optical database.
+///
+/// # Errors
+/// [`Error::Unsupported`] for other formats; [`Error::Io`] if there is nothing.
+pub fn check(input: &Path, options: &Options) -> Result<Vec<Finding>> {
+    let (format, path) = match options.from {
+        Some(from) => (from, input.to_owned()),
+        None => Format::of_input(input)?,
+    };
+    match format {
+        Format::Dart => {
+            let databases = RefCell::new(BTreeMap::new());
+            Ok(dart::check(&path, &reading(options), &|path, model| coverage(&mut databases.borrow_mut(), path, model)))
+        }
+        Format::Database => check_database(&path),
+        other => Err(unsupported(input, &format!("checking {}", other.about().name))),
+    }
+}
+
+/// What a table of a database covers; databases stay open, because many tables are asked for.
+fn coverage(open: &mut BTreeMap<PathBuf, Option<Database>>, path: &Path, model: &str) -> Option<Coverage> {
+    let database = open.entry(path.to_owned()).or_insert_with(|| Database::open(path).ok()).as_ref()?;
+    let (library, _) = database.read(model).ok()?;
+    let reflectance = library.column("reflectance").map(|values| values.iter().copied().fold(0.0, f64::max));
+    // As it stands there: in percent.
+    Some(Coverage { range_um: library.coverage_um()?, largest_reflectance: reflectance.map(|r| 100.0 * r) })
+}
+
+/// Every model of a database is read; what is refused is an error, what is noted a warning.
+fn check_database(path: &Path) -> Result<Vec<Finding>> {
+    let mut findings = Vec::new();
+    let mut refused = |error: Error| -> Result<()> {
+        let problems = match error {
+            Error::Invalid(problems) => problems.into_iter().map(|p| (p.at, p.message, p.help)).collect(),
+            Error::Syntax { at, message } => vec![(at, message, None)],
+            other => return Err(other),
+        };
+        findings.extend(problems.into_iter().map(|(at, what, help)| Finding {
+            severity: Severity::Error,
+            at,
+            what,
+            effect: "DART does not check this".into(),
+            fix: help.unwrap_or_else(|| "write the table again".into()),
+        }));
+        Ok(())
+    };
+    let database = match Database::open(path) {
+        Ok(database) => database,
+        Err(error) => {
+            refused(error)?;
+            return Ok(findings);
+        }
+    };
+    let mut notes = Vec::new();
+    for model in database.models() {
+        match database.read(&model.name) {
+            Ok((_, report)) => notes.extend(report.notes),
+            Err(error) => refused(error)?,
+        }
+    }
+    findings.extend(notes.into_iter().map(|note| Finding {
+        severity: Severity::Warning,
+        at: note.at,
+        what: note.message,
+        effect: "DART takes the numbers as they are".into(),
+        fix: "see whether this is meant".into(),
+    }));
+    Ok(findings)
+}
+
+/// A flight table: a row for each camera of each step, or one without a camera. Angles in degrees and metres in DART's frame.
+pub(super) fn flight_csv(steps: &[Step]) -> String {
+    let mut text = String::from(
+        "# DART's frame: x South, y East, z up, from the corner of the scene; zenith angles, azimuths counter-clockwise from x\n\
+         step,sun_zenith_deg,sun_azimuth_deg,camera,x_m,y_m,z_m,look_zenith_deg,look_azimuth_deg,roll_deg,fov_across_deg,fov_down_deg,samples,lines\n",
+    );
+    for (i, step) in steps.iter().enumerate() {
+        let [zenith, azimuth] = step.sun_deg;
+        // Writing to a string does not fail.
+        if step.cameras.is_empty() {
+            let _ = writeln!(text, "{i},{zenith},{azimuth},,,,,,,,,,,");
+        }
+        for (c, camera) in step.cameras.iter().enumerate() {
+            let ([x, y, z], [look_zenith, look_azimuth]) = (camera.position_m.to_array(), camera.look_deg);
+            let ([across, down], [samples, lines]) = (camera.field_of_view_deg, camera.pixels);
+            let roll = camera.roll_deg;
+            let _ = writeln!(
+                text,
+                "{i},{zenith},{azimuth},{c},{x},{y},{z},{look_zenith},{look_azimuth},{roll},{across},{down},{samples},{lines}"
+            );
+        }
+    }
+    text
+}
+
+/// Says where a sequence went.
+pub(super) fn carried(name: &str, steps: usize, file: &str, at: Location, report: &mut Report) {
+    let message = format!("sequence {name:?}: the Sun and cameras of its {steps} simulations are in {file}");
+    report.note(Fate::Carried, at, message);
+}

@@ -1,0 +1,573 @@
+//! What DART would do otherwise than its user thinks: a simulation's inputs looked over without converting them.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs::File;
+use std::path::Path;
+
+use glam::{DMat3, DVec3};
+
+use crate::error::{Error, Location, Result};
+use crate::formats::obj::{self, ObjFile};
+use crate::formats::xml::Element;
+
+use super::folder::Folder;
+use super::groups;
+use super::read::coeff_diff::{factor_node, factors_of_bands, uses_factors};
+use super::read::sequence::count;
+use super::read::{FILES, Inputs, Options, read};
+use super::{Links, Object, OpticalKind, OpticalProperty, Simulation, Version};
+
+/// How bad a finding is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Severity {
+    /// The simulation is not, or need not be, what is meant.
+    Warning,
+    /// It cannot be what is meant.
+    Error,
+}
+
+/// Something in the inputs that is wrong, or looks wrong.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Finding {
+    /// How bad it is.
+    pub severity: Severity,
+    /// Where it is.
+    pub at: Location,
+    /// What it is.
+    pub what: String,
+    /// What DART does with it, as far as that is known.
+    pub effect: String,
+    /// What to do about it.
+    pub fix: String,
+}
+
+impl std::fmt::Display for Finding {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let severity = match self.severity {
+            Severity::Warning => "warning",
+            Severity::Error => "error",
+        };
+        write!(f, "{severity}: {}: {}", self.at, self.what)?;
+        if !self.effect.is_empty() {
+            write!(f, ". DART: {}", self.effect)?;
+        }
+        if !self.fix.is_empty() {
+            write!(f, ". Fix: {}", self.fix)?;
+        }
+        Ok(())
+    }
+}
+
+/// What a check asks of a table in a database of optical properties.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coverage {
+    /// First and last wavelength, um.
+    pub range_um: (f64, f64),
+    /// The largest reflectance as it stands, of a table that holds reflectances in percent.
+    pub largest_reflectance: Option<f64>,
+}
+
+/// The coverage of a table, by the path of its database and its name, or `None` where that is not known.
+pub type CoverageOf<'a> = &'a dyn Fn(&Path, &str) -> Option<Coverage>;
+
+/// For checks that open no database.
+pub fn no_coverage(_database: &Path, _table: &str) -> Option<Coverage> {
+    None
+}
+
+/// Looks over a simulation, from its folder or its `input/`. Findings come in the order of checks, errors of reading first.
+pub fn check(path: &Path, options: &Options, coverage: CoverageOf<'_>) -> Vec<Finding> {
+    let folder = options.folder(path);
+    // A date is no mistake: that its Sun is only nearly known here is for a conversion to say.
+    let simulation = match read(path, options) {
+        Ok((simulation, _, _)) => simulation,
+        Err(error) => return unreadable(error),
+    };
+    let Ok(inputs) = Inputs::read(&folder) else { return Vec::new() };
+    let mut check = Check { simulation: &simulation, inputs: &inputs, folder: &folder, findings: Vec::new() };
+    check.files();
+    check.bands();
+    check.properties(coverage);
+    check.links();
+    check.objects();
+    check.fields();
+    check.cameras();
+    for sequence in &simulation.sequences {
+        check.findings.extend(count(sequence).err().map(unreadable).unwrap_or_default());
+    }
+    check.findings
+}
+
+fn unreadable(error: Error) -> Vec<Finding> {
+    let finding = |at, what, fix: Option<String>| Finding {
+        severity: Severity::Error,
+        at,
+        what,
+        effect: String::new(),
+        fix: fix.unwrap_or_default(),
+    };
+    match error {
+        Error::Invalid(problems) => problems.into_iter().map(|p| finding(p.at, p.message, p.help)).collect(),
+        Error::Syntax { at, message } => vec![finding(at, message, None)],
+        Error::Unsupported { at, feature } => vec![finding(at, format!("{feature} is not supported"), None)],
+        Error::Io { path, action, source } => vec![finding(Location::file(path), format!("{action}: {source}"), None)],
+        Error::Interrupted => Vec::new(),
+    }
+}
+
+struct Check<'a> {
+    simulation: &'a Simulation,
+    inputs: &'a Inputs,
+    folder: &'a Folder,
+    findings: Vec<Finding>,
+}
+
+impl<'a> Check<'a> {
+    fn error(&mut self, at: &Location, what: impl Into<String>, effect: &str, fix: impl Into<String>) {
+        self.add(Severity::Error, at, what.into(), effect, fix.into());
+    }
+
+    fn warning(&mut self, at: &Location, what: impl Into<String>, effect: &str, fix: impl Into<String>) {
+        self.add(Severity::Warning, at, what.into(), effect, fix.into());
+    }
+
+    fn add(&mut self, severity: Severity, at: &Location, what: String, effect: &str, fix: String) {
+        self.findings.push(Finding { severity, at: at.clone(), what, effect: effect.into(), fix });
+    }
+
+    /// All eleven are there, and of one version.
+    fn files(&mut self) {
+        for (name, section, _) in FILES {
+            if self.inputs.section(section).is_none() {
+                let at = Location::file(self.folder.input.join(name));
+                self.warning(
+                    &at,
+                    "is missing",
+                    "expects all eleven input files",
+                    "write one in which nothing is in use",
+                );
+            }
+        }
+        let version = &self.simulation.version;
+        let others: Vec<(Location, String)> = self
+            .inputs
+            .roots()
+            .filter(|r| r.get("version") != Some(&version.version) || r.get("build").unwrap_or("") != version.build)
+            .map(|r| (r.at_attribute("version"), r.get("version").unwrap_or("none").to_owned()))
+            .collect();
+        for (at, other) in others {
+            let what = format!("is of version {other}, maket.xml of {} {}", version.version, version.build);
+            self.warning(&at, what, "upgrades each file by its version", "write all files for one version and build");
+        }
+        let scene = &self.simulation.maket;
+        for (axis, size) in ["x", "y"].iter().zip(scene.size_m) {
+            let cells = size / scene.cell_m[0];
+            if (cells - cells.round()).abs() > 1e-6 * cells {
+                let at = Location::file(self.folder.input.join("maket.xml")).with_item("Scene/SceneDimensions");
+                let what = format!(
+                    "the scene's extent along {axis}, {size} m, is not a multiple of the cell, {} m",
+                    scene.cell_m[0]
+                );
+                self.warning(&at, what, "works in whole cells", "change the extent or the cell");
+            }
+        }
+    }
+
+    /// As many irradiances and factors as bands.
+    fn bands(&mut self) {
+        let bands = self.simulation.phase.bands.len();
+        let inputs = self.inputs;
+        if let Some(list) = inputs.section("Phase").and_then(|p| p.descendant("SpectralIrradiance")) {
+            let n = list.all("SpectralIrradianceValue").count();
+            if n != bands {
+                let fix = "write one `SpectralIrradianceValue` for each band, numbered from 0";
+                let effect = "takes one irradiance for each band";
+                if self.simulation.phase.irradiance_mode == 1 {
+                    self.error(&list.at(), format!("{n} values of irradiance for {bands} bands"), effect, fix);
+                } else {
+                    self.warning(&list.at(), format!("{n} values of irradiance for {bands} bands"), effect, fix);
+                }
+            }
+        }
+        let lists = ["LambertianMultiFunctions", "HapkeSpecularMultiFunctions", "RPVMultiFunctions"];
+        let coeff_diff = inputs.section("Coeff_diff");
+        for property in lists.iter().filter_map(|l| coeff_diff?.descendant(l)).flat_map(|l| &l.children) {
+            let Some(node) = factor_node(property) else {
+                if uses_factors(property) {
+                    let what = "factors are switched on, but there are none";
+                    let fix = "set `useMultiplicativeFactorForLUT` to 0";
+                    self.error(&property.at(), what, "may take its defaults, which are not 1 for every model", fix);
+                }
+                continue;
+            };
+            let n = factors_of_bands(node).count();
+            if n != bands {
+                let fix = "write factors for each band, or set `useMultiplicativeFactorForLUT` to 0";
+                let effect = "takes factors for each band, even where all are to be the same";
+                if node.get("useSameFactorForAllBands") == Some("1") {
+                    self.warning(&node.at(), format!("{n} sets of factors for {bands} bands"), effect, fix);
+                } else {
+                    self.error(&node.at(), format!("{n} sets of factors for {bands} bands"), effect, fix);
+                }
+            }
+        }
+    }
+
+    /// Factors, transmittance, spectra.
+    fn properties(&mut self, coverage: CoverageOf<'_>) {
+        let mut idents: BTreeSet<String> = BTreeSet::new();
+        for property in &self.simulation.optical {
+            if !idents.insert(property.ident.to_lowercase()) {
+                let what = format!("a second property called `{}`", property.ident);
+                self.warning(
+                    &property.at,
+                    what,
+                    "follows numbers; people and tools follow names",
+                    "give it a name of its own",
+                );
+            }
+            self.factors(property);
+            self.transparency(property);
+            self.spectrum(property, coverage);
+        }
+    }
+
+    fn factors(&mut self, property: &OpticalProperty) {
+        // Transmittance is switched off by 0: the model has its own check.
+        let is_neutral = |name: &str, value: f64| value == 1.0 || (value == 0.0 && name.contains("ransmittance"));
+        let mut odd: BTreeMap<&str, f64> = BTreeMap::new();
+        for (name, value) in property.factors.iter().flatten() {
+            if !is_neutral(name, *value) {
+                odd.entry(name).or_insert(*value);
+            }
+        }
+        if !odd.is_empty() {
+            let listed: Vec<String> = odd.iter().map(|(name, value)| format!("{name} = {value}")).collect();
+            let what = format!("`{}` is multiplied: {}", property.ident, listed.join(", "));
+            let effect = "multiplies what the database holds; its own defaults are not 1 for RPV";
+            self.warning(&property.at, what, effect, "set `useMultiplicativeFactorForLUT` to 0 if that is not meant");
+        }
+    }
+
+    fn transparency(&mut self, property: &OpticalProperty) {
+        let Some((_, table)) = &property.transmittance else { return };
+        let shut = |factors: &Vec<(String, f64)>| {
+            let mut of_transmittance = factors.iter().filter(|(name, _)| name.contains("ransmittance")).peekable();
+            of_transmittance.peek().is_some() && of_transmittance.all(|(_, value)| *value == 0.0)
+        };
+        let is_shut = !property.factors.is_empty() && property.factors.iter().all(shut);
+        if table.contains("trans_equal_1") && !is_shut {
+            let what =
+                format!("`{}` takes its transmittance from `{table}`, and no factor of 0 stops it", property.ident);
+            let fix = "take `reflect_equal_1_trans_equal_0_0`";
+            self.error(&property.at, what, "lets light through the surface: this table is its default", fix);
+        }
+    }
+
+    fn spectrum(&mut self, property: &OpticalProperty, coverage: CoverageOf<'_>) {
+        let path = match self.folder.locate(&property.database, &property.at) {
+            Ok(Some(path)) => path,
+            // A database that DART ships is not expected in the folder.
+            Ok(None) => return,
+            Err(problem) => {
+                let fix = problem.help.unwrap_or_default();
+                return self.warning(&property.at, problem.message, "looks there", fix);
+            }
+        };
+        let Some(Coverage { range_um: (first, last), largest_reflectance }) = coverage(&path, &property.model) else {
+            return;
+        };
+        let outside = |mean: f64, width: f64| mean - width / 2.0 < first || mean + width / 2.0 > last;
+        let bands = &self.simulation.phase.bands;
+        let bare: Vec<String> = bands
+            .iter()
+            .enumerate()
+            .filter(|(_, b)| outside(b.mean_um, b.width_um))
+            .map(|(i, _)| i.to_string())
+            .collect();
+        if !bare.is_empty() {
+            let shown = if bare.len() > 8 { format!("{}, ...", bare[..8].join(", ")) } else { bare.join(", ") };
+            let what = format!(
+                "`{}` of {} runs from {first} to {last} um: bands {shown} reach beyond it",
+                property.model, property.database
+            );
+            self.error(
+                &property.at,
+                what,
+                "does something there that is not known",
+                "extend the spectrum over all bands",
+            );
+        }
+        if let Some(largest) = largest_reflectance.filter(|r| (0.0..=1.0).contains(r) && *r > 0.0) {
+            let what =
+                format!("the reflectances of `{}` reach only {largest}: they look like fractions", property.model);
+            self.warning(&property.at, what, "takes them as percent: 0.3 is 0.3 %", "multiply them by 100");
+        }
+    }
+
+    /// Links lead to what they name.
+    fn links(&mut self) {
+        let simulation = self.simulation;
+        let mut links: Vec<&Links> = vec![&simulation.maket.ground];
+        let models = simulation.fields.iter().flat_map(|f| &f.models);
+        for object in simulation.objects.iter().chain(models).filter(|o| !o.hidden) {
+            links.extend(object.links.iter().chain(&object.back));
+            links.extend(object.groups.iter().filter(|g| !g.hidden).flat_map(|g| g.links.iter().chain(&g.back)));
+        }
+        for link in links {
+            self.link(link);
+        }
+        for object in simulation.objects.iter().filter(|o| o.links.is_none() && !o.hidden) {
+            for group in object.groups.iter().filter(|g| g.links.is_none() && !g.hidden) {
+                let what = format!("the group `{}` has no optical property", group.name);
+                self.error(&group.at, what, "has nothing to make it of", "link it to one");
+            }
+        }
+    }
+
+    fn link(&mut self, link: &Links) {
+        let simulation = self.simulation;
+        let kinds = [(0, OpticalKind::Lambertian), (2, OpticalKind::Hapke), (4, OpticalKind::Rpv)];
+        if let Some((_, kind)) = kinds.iter().find(|(code, _)| *code == link.kind) {
+            let list: Vec<&OpticalProperty> = simulation.optical.iter().filter(|p| p.kind == *kind).collect();
+            let names: Vec<&str> = list.iter().map(|p| p.ident.as_str()).collect();
+            self.leads(&link.at, "optical property", "type and index", &link.ident, link.index, &names);
+        }
+        let names: Vec<&str> = simulation.thermal.iter().map(|t| t.ident.as_str()).collect();
+        self.leads(&link.at, "temperature", "the index", &link.thermal_ident, link.thermal_index, &names);
+    }
+
+    fn leads(&mut self, at: &Location, what: &str, by: &str, ident: &str, index: u32, names: &[&str]) {
+        let place = names.iter().position(|name| name.eq_ignore_ascii_case(ident));
+        let fix = match place {
+            Some(i) => format!("write index {i}, where `{ident}` is"),
+            None => "link to an entry that is there".into(),
+        };
+        match names.get(index as usize) {
+            None => {
+                let what = format!("the {what} {index} (`{ident}`) is not there: the list has {}", names.len());
+                self.error(at, what, "follows the index out of the list", fix);
+            }
+            Some(name) if !ident.is_empty() && !name.eq_ignore_ascii_case(ident) => {
+                let what = format!("the {what} is called `{ident}`, but index {index} is `{name}`");
+                self.error(at, what, &format!("takes `{name}`: it follows {by}, not the name"), fix);
+            }
+            Some(_) => {}
+        }
+    }
+
+    /// Groups, placement and meshes.
+    fn objects(&mut self) {
+        let simulation = self.simulation;
+        let list = self.inputs.section("object_3d").and_then(|o| o.child("ObjectList"));
+        let elements: Vec<&Element> = list.iter().flat_map(|l| l.all("Object")).collect();
+        for (object, element) in simulation.objects.iter().zip(elements).filter(|(o, _)| !o.hidden) {
+            let obj = match load(self.folder, object) {
+                Ok(Some(obj)) => obj,
+                Ok(None) => {
+                    let what = format!("`{}` is not in the input folder", object.file);
+                    let at = element.at_attribute("file_src");
+                    self.error(&at, what, "looks there, then among its 3D objects", "copy the file there");
+                    continue;
+                }
+                Err(error) => {
+                    self.findings.extend(unreadable(error));
+                    continue;
+                }
+            };
+            self.groups(object, &obj);
+            self.axes(object, element, &obj);
+            self.ground(object, element, &obj);
+            self.normals(object, &obj);
+        }
+    }
+
+    /// The texts of object fields, and the meshes of their models, are there.
+    fn fields(&mut self) {
+        let simulation = self.simulation;
+        for field in &simulation.fields {
+            let models = field.models.iter().map(|model| (&model.file, &model.at));
+            for (file, at) in std::iter::once((&field.file, &field.at)).chain(models) {
+                if let Ok(None) = self.folder.locate(file, at) {
+                    self.error(
+                        at,
+                        format!("`{file}` is not in the input folder"),
+                        "looks there",
+                        "copy the file there",
+                    );
+                }
+            }
+        }
+    }
+
+    /// The numbers of groups, which alone bind them to those of the OBJ file.
+    fn groups(&mut self, object: &Object, obj: &ObjFile) {
+        if object.groups.is_empty() {
+            return;
+        }
+        let owning: Vec<&str> = obj.groups.iter().map(String::as_str).collect();
+        let count = owning.len().max(1);
+        if object.groups.len() != count {
+            let what = format!("{} groups, but `{}` has {count} that own faces", object.groups.len(), object.file);
+            self.error(
+                &object.at,
+                what,
+                "binds groups by their numbers",
+                "write one `Group` for each group with faces",
+            );
+            return;
+        }
+        let mut numbers: Vec<u32> = object.groups.iter().map(|g| g.number).collect();
+        numbers.sort_unstable();
+        if !numbers.iter().copied().eq(1..=count as u32) {
+            let what = format!("the numbers of the groups are not 1 to {count}, each once");
+            self.error(&object.at, what, "binds groups by their numbers", "number them in DART's order");
+            return;
+        }
+        let version = &self.simulation.version;
+        let order = groups::order(&owning, version);
+        for group in &object.groups {
+            // A name that is none of the file's is a label only.
+            let Some(wanted) = order.iter().position(|&i| owning[i] == group.name) else { continue };
+            let taken = owning[order[group.number as usize - 1]];
+            if taken != group.name {
+                let what = format!("the group `{}` has number {}, which is `{taken}`", group.name, group.number);
+                let effect = format!("gives these properties to `{taken}`: it binds by number");
+                self.error(&group.at, what, &effect, format!("write num=\"{}\"", wanted + 1));
+            }
+        }
+        let later = Version { version: version.version.clone(), build: "v1111".into() };
+        if order != groups::order(&owning, &later) {
+            let what = format!("the groups of `{}` have another order from build v1111 on", object.file);
+            let effect = "may bind them otherwise once the files are upgraded";
+            self.warning(&object.at, what, effect, "name groups so that both orders agree, as in a, b, c");
+        }
+    }
+
+    /// OBJ files stand upright on y.
+    fn axes(&mut self, object: &Object, element: &Element, obj: &ObjFile) {
+        let (low, high) = bounds(obj.vertices.iter().copied());
+        let size = high - low;
+        let given = element.descendant("Dimension3D").and_then(|d| {
+            let of = |name: &str| d.get(name)?.trim().parse::<f64>().ok();
+            Some((d, DVec3::new(of("xdim")?, of("ydim")?, of("zdim")?)))
+        });
+        let alike = |a: DVec3, b: DVec3| (a - b).abs().max_element() <= 1e-3 * a.abs().max_element();
+        if let Some((dimension, given)) = given {
+            let at = dimension.at();
+            if alike(given, size) && !alike(given, dart_from_obj(size)) {
+                let what = format!("the dimensions of `{}` are those of its own x, y, z", object.file);
+                let effect = "reads `v a b c` as x = c, y = a, z = b: the object lies on its side";
+                return self.warning(&at, what, effect, "write the OBJ file as `v y z x`");
+            }
+            if !alike(given, dart_from_obj(size)) {
+                let is = dart_from_obj(size);
+                let what = format!("dimensions {given}, but those of `{}` are {is} along DART's axes", object.file);
+                self.warning(&at, what, "measures the file itself", "write these dimensions");
+            }
+        }
+        // A sheet whose facets all look along one side of the scene: a terrain with z upwards in its OBJ file.
+        let (sum, area) = vector_area(obj, dart_from_obj);
+        if area > 0.0 && sum.x.abs() > 0.8 * area {
+            let what = format!("`{}` stands on edge: its facets look along x", object.file);
+            let effect = "reads `v a b c` as x = c, y = a, z = b";
+            self.warning(&object.at, what, effect, "write the OBJ file as `v y z x` if its third number is the height");
+        }
+    }
+
+    fn ground(&mut self, object: &Object, element: &Element, obj: &ObjFile) {
+        if object.dem_mode != 0 {
+            return;
+        }
+        let place = placement(object);
+        let (low, high) = bounds(obj.vertices.iter().map(|v| place(*v)));
+        if self.simulation.maket.topography.is_none() && low.z.abs() <= 1e-6 * (high - low).max_element() {
+            return;
+        }
+        let at = element.at_attribute("objectDEMMode");
+        let what = format!("`{}` is dropped to the ground: its lowest point is at z = {} m", object.name, low.z);
+        let effect = "moves it until its lowest point lies on the ground, which is its default";
+        self.warning(&at, what, effect, "set `objectDEMMode` to 2 to keep its z");
+    }
+
+    /// Facets show their backs.
+    fn normals(&mut self, object: &Object, obj: &ObjFile) {
+        let is_double =
+            object.double_face || (!object.groups.is_empty() && object.groups.iter().all(|g| g.double_face));
+        if is_double {
+            return;
+        }
+        let place = placement(object);
+        let (sum, area) = vector_area(obj, &place);
+        let effect = "stops light at the back of a facet: it is black";
+        let fix = "turn the order of the corners round, or give both faces properties (`doubleFace`)";
+        // The sum over a closed mesh is 0; over an open sheet it is the way that it faces.
+        if sum.length() <= 1e-6 * area {
+            if volume(obj, &place) < 0.0 {
+                self.error(
+                    &object.at,
+                    format!("`{}` is inside out: its facets face inwards", object.name),
+                    effect,
+                    fix,
+                );
+            }
+        } else if sum.z < -0.2 * area {
+            self.warning(&object.at, format!("`{}` faces downwards", object.name), effect, fix);
+        }
+    }
+
+    fn cameras(&mut self) {
+        for camera in &self.simulation.phase.cameras {
+            if camera.roll_deg != 0.0 {
+                let what = format!("a turn of {} deg about the line of sight", camera.roll_deg);
+                let effect = "turns the image, which way is not documented";
+                self.warning(&camera.at, what, effect, "turn the scene instead, or look at a first image");
+            }
+        }
+    }
+}
+
+/// The mesh of an object, without materials: DART takes none from the file. `None` if it is not there.
+fn load(folder: &Folder, object: &Object) -> Result<Option<ObjFile>> {
+    let found = folder.locate(&object.file, &object.at).map_err(|problem| Error::Invalid(vec![problem]))?;
+    let Some(path) = found else { return Ok(None) };
+    let mut file = File::open(&path).map_err(|e| Error::io(&path, "reading", e))?;
+    obj::parse(&mut file, &path, &mut |_| Ok(Vec::new())).map(Some)
+}
+
+/// DART's axes from an OBJ file's.
+fn dart_from_obj(v: DVec3) -> DVec3 {
+    DVec3::new(v.z, v.x, v.y)
+}
+
+/// The scene's coordinates from an OBJ file's, before anything is dropped to the ground.
+fn placement(object: &Object) -> impl Fn(DVec3) -> DVec3 {
+    let [intrinsic, nutation, precession] = object.rotation_deg.to_array().map(f64::to_radians);
+    let rotation =
+        DMat3::from_rotation_z(precession) * DMat3::from_rotation_y(nutation) * DMat3::from_rotation_z(intrinsic);
+    let (position_m, scale) = (object.position_m, object.scale);
+    move |v| position_m + rotation * (scale * dart_from_obj(v))
+}
+
+fn bounds(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
+    points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
+}
+
+fn corners(obj: &ObjFile, place: impl Fn(DVec3) -> DVec3) -> impl Iterator<Item = [DVec3; 3]> {
+    obj.facets.iter().map(move |facet| facet.map(|i| place(obj.vertices[i as usize])))
+}
+
+/// The sum of the facets' areas as vectors along their normals, and of their sizes.
+fn vector_area(obj: &ObjFile, place: impl Fn(DVec3) -> DVec3) -> (DVec3, f64) {
+    corners(obj, place).fold((DVec3::ZERO, 0.0), |(sum, area), [a, b, c]| {
+        let vector = (b - a).cross(c - a) / 2.0;
+        (sum + vector, area + vector.length())
+    })
+}
+
+/// The volume that a closed mesh holds: negative if it is inside out.
+fn volume(obj: &ObjFile, place: impl Fn(DVec3) -> DVec3) -> f64 {
+    // About a point of the mesh, so that far-off coordinates keep their digits.
+    let about = obj.vertices.first().map_or(DVec3::ZERO, |v| place(*v));
+    corners(obj, place).map(|[a, b, c]| (a - about).dot((b - about).cross(c - about)) / 6.0).sum()
+}

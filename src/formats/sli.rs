@@ -1,0 +1,213 @@
+//! ENVI spectral libraries: a file of numbers (`.sli`), one spectrum after the other, and a text header beside it.
+//!
+//! A spectrum's name stands for its reflectance; with `:column` behind it, for another quantity of the same material.
+//! Reflectances are fractions times the header's `reflectance scale factor`.
+
+use std::path::Path;
+
+use crate::error::{Error, Location, Problem, Result};
+use crate::report::{Fate, Report};
+use crate::spectral::SpectralLibrary;
+use crate::units::um_from_nm;
+
+use super::dart::kind::{outside, range};
+use super::envi::{self, Header};
+use super::folder::Staged;
+use super::input;
+use super::table::{flat, gathered, parts};
+
+/// Longer files of numbers are refused, bytes.
+const LIMIT: u64 = 512 << 20;
+/// Numbers below this are not there: the library of the US Geological Survey has -1.23e34 in deleted channels.
+const DELETED_BELOW: f64 = -1e30;
+
+/// Reads a library; either of its two files may be named.
+///
+/// Numbers that are not there (NaN, the header's `data ignore value`, channels that `bbl` calls bad) leave a gap in
+/// their spectrum. Spectra with values outside their range are left out. The report tells both.
+///
+/// # Errors
+/// [`Error::Io`]; [`Error::Syntax`] and [`Error::Invalid`] at the lines of the header that cannot be used, for a file
+/// shorter than the header says, or no spectrum that can be used; [`Error::Unsupported`] for complex numbers and wavenumbers.
+pub fn read(path: &Path) -> Result<(Vec<SpectralLibrary>, Report)> {
+    let (header, data) = envi::pair(path)?;
+    parse(&envi::read_header(&header)?, &input::bytes(&data, LIMIT)?, &data)
+}
+
+/// Reads the numbers of a library; `path` is for messages.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(header: &Header, bytes: &[u8], path: &Path) -> Result<(Vec<SpectralLibrary>, Report)> {
+    let at = |key: &str| Location::file(&header.path).with_item(key);
+    let mut report = Report::default();
+    let (count, spectra) = (header.samples, header.lines);
+    if header.bands != 1 {
+        let message = format!("{} bands: a spectral library has 1, and a spectrum in each line", header.bands);
+        return Err(Error::invalid(at("bands"), message));
+    }
+    let start = usize::try_from(header.header_offset).ok();
+    let wanted = header.data_bytes().and_then(|n| usize::try_from(n).ok());
+    let numbers = start.zip(wanted).and_then(|(start, n)| bytes.get(start..start.checked_add(n)?));
+    let Some(numbers) = numbers else {
+        let message = format!(
+            "{} bytes, but its header asks for {spectra} spectra of {count} numbers of {} bytes after {}",
+            bytes.len(),
+            header.data_type.bytes(),
+            header.header_offset
+        );
+        return Err(Error::invalid(Location::file(path), message));
+    };
+    let mut wavelength_um = wavelengths(header, &mut report)?;
+    let reversed = wavelength_um.len() > 1 && wavelength_um.windows(2).all(|w| w[0] > w[1]);
+    if reversed {
+        wavelength_um.reverse();
+    }
+    let ascending = wavelength_um.windows(2).all(|w| w[0] < w[1]);
+    if !ascending || wavelength_um.first().is_none_or(|w| *w <= 0.0) || !wavelength_um.iter().all(|w| w.is_finite()) {
+        return Err(Error::invalid(
+            at("wavelength"),
+            "wavelengths must be positive and ascend, or descend, all the way",
+        ));
+    }
+    let names = names(header, &mut report)?;
+    let scale = match header.field("reflectance scale factor").map(str::parse::<f64>) {
+        None => 1.0,
+        Some(Ok(scale)) if scale > 0.0 && scale.is_finite() => scale,
+        Some(_) => return Err(Error::invalid(at("reflectance scale factor"), "is no positive number")),
+    };
+    let good = good_channels(header)?;
+
+    let bytes_each = header.data_type.bytes();
+    let mut kept = Vec::new();
+    let mut deleted = 0;
+    for (line, (name, spectrum)) in names.iter().zip(numbers.chunks_exact(count * bytes_each)).enumerate() {
+        let mut values: Vec<Option<f64>> = spectrum
+            .chunks_exact(bytes_each)
+            .zip(&good)
+            .map(|(number, good)| {
+                let mut number: [u8; 8] = std::array::from_fn(|i| number.get(i).copied().unwrap_or(0));
+                if header.big_endian {
+                    number[..bytes_each].reverse();
+                }
+                let value = envi::number_le(header.data_type, &number[..bytes_each]);
+                let there = *good && value.is_finite() && value > DELETED_BELOW && header.ignore != Some(value);
+                there.then_some(value / scale)
+            })
+            .collect();
+        if reversed {
+            values.reverse();
+        }
+        deleted += values.iter().filter(|v| v.is_none()).count();
+        let (um, values): (Vec<f64>, Vec<f64>) =
+            wavelength_um.iter().zip(&values).filter_map(|(um, v)| Some((*um, (*v)?))).unzip();
+        let place = Location::file(path).with_item(format!("spectrum {} {name:?}", line + 1));
+        let limits = range(parts(name).1);
+        match values.iter().find(|v| !(limits.0..=limits.1).contains(*v)) {
+            _ if values.is_empty() => report.note(Fate::Dropped, place, "has no values"),
+            Some(bad) => {
+                let message = format!(
+                    "left out: {bad} {}; if all are in another unit, say `reflectance scale factor` in the header",
+                    outside(limits, 1.0)
+                );
+                report.note(Fate::Dropped, place, message);
+            }
+            None => kept.push((name.clone(), um, values)),
+        }
+    }
+    if deleted > 0 {
+        let message =
+            format!("{deleted} numbers are not there: their spectra have gaps, which are linear from end to end");
+        report.note(Fate::Dropped, Location::file(path), message);
+    }
+    if kept.is_empty() {
+        let reasons = report.notes.iter().filter(|n| n.fate == Fate::Dropped).take(5);
+        let mut problems: Vec<Problem> = reasons.map(|n| Problem::new(n.at.clone(), n.message.clone())).collect();
+        problems.push(Problem::new(Location::file(path), "no spectrum can be used"));
+        return Err(Error::Invalid(problems));
+    }
+    Ok((gathered(kept), report))
+}
+
+/// Wavelengths in the order of the file, um.
+fn wavelengths(header: &Header, report: &mut Report) -> Result<Vec<f64>> {
+    let at = |key: &str| Location::file(&header.path).with_item(key);
+    if header.wavelength.len() != header.samples {
+        let message = format!("{} wavelengths for spectra of {} numbers", header.wavelength.len(), header.samples);
+        return Err(Error::invalid(at("wavelength"), message));
+    }
+    let nm = |values: &[f64]| values.iter().map(|w| um_from_nm(*w)).collect();
+    let unit = header.field("wavelength units").unwrap_or("unknown").to_lowercase();
+    match unit.as_str() {
+        "micrometers" | "micrometer" | "microns" | "micron" | "um" => Ok(header.wavelength.clone()),
+        "nanometers" | "nanometer" | "nm" => Ok(nm(&header.wavelength)),
+        "unknown" | "" => {
+            let all_over_100 = header.wavelength.iter().all(|w| *w >= 100.0);
+            let taken = if all_over_100 { "nanometres" } else { "micrometres" };
+            report.note(Fate::Defaulted, at("wavelength units"), format!("not given: taken as {taken}"));
+            Ok(if all_over_100 { nm(&header.wavelength) } else { header.wavelength.clone() })
+        }
+        other => {
+            Err(Error::Unsupported { at: at("wavelength units"), feature: format!("a spectral library in {other}") })
+        }
+    }
+}
+
+fn names(header: &Header, report: &mut Report) -> Result<Vec<String>> {
+    let at = Location::file(&header.path).with_item("spectra names");
+    let Some(list) = header.field("spectra names") else {
+        // A header may promise more spectra than memory holds names of; the numbers were counted before.
+        report.note(Fate::Defaulted, at, "not given: spectra are called by their numbers");
+        return Ok((1..=header.lines).map(|i| format!("spectrum_{i}")).collect());
+    };
+    let names: Vec<String> = list.split(',').map(|name| name.trim().to_owned()).collect();
+    match names.len() == header.lines {
+        true => Ok(names),
+        false => Err(Error::invalid(at, format!("{} names for {} spectra", names.len(), header.lines))),
+    }
+}
+
+/// Whether each channel is good: `bbl`, the list of bad bands, has 0 for those that are not.
+fn good_channels(header: &Header) -> Result<Vec<bool>> {
+    let Some(list) = header.field("bbl") else { return Ok(vec![true; header.samples]) };
+    let flags: Option<Vec<bool>> = list.split(',').map(|flag| Some(flag.trim().parse::<f64>().ok()? != 0.0)).collect();
+    flags.filter(|flags| flags.len() == header.samples).ok_or_else(|| {
+        let message = format!("is no list of {} numbers, 0 or 1", header.samples);
+        Error::invalid(Location::file(&header.path).with_item("bbl"), message)
+    })
+}
+
+/// Writes a library in double precision: the numbers to `path`, the header beside it (`.hdr`).
+///
+/// The report tells comments, for which there is no place.
+///
+/// # Errors
+/// [`Error::Io`]; [`Error::Invalid`] if a file exists and is not to be replaced, for spectra whose wavelengths differ, for
+/// names that a header cannot hold.
+pub fn write(path: &Path, spectra: &[SpectralLibrary], replace: bool) -> Result<Report> {
+    let (wavelength_um, spectra_flat) = flat(path, spectra)?;
+    let mut report = Report::default();
+    for library in spectra.iter().filter(|library| !library.comment.is_empty()) {
+        let at = Location::file(path).with_item(format!("spectra of {:?}", library.name));
+        report.note(Fate::Dropped, at, "a spectral library has no place for comments");
+    }
+    let mut text = format!(
+        "ENVI\ndescription = {{spectral library of mmxrt}}\nsamples = {}\nlines = {}\nbands = 1\nheader offset = 0\n\
+         file type = {}\ndata type = 5\ninterleave = bsq\nbyte order = 0\nwavelength units = Micrometers\n\
+         reflectance scale factor = 1\n",
+        wavelength_um.len(),
+        spectra_flat.len(),
+        envi::SPECTRAL_LIBRARY
+    );
+    envi::list(&mut text, "spectra names", spectra_flat.iter().map(|s| s.0.clone()));
+    envi::list(&mut text, "wavelength", wavelength_um.iter().map(f64::to_string));
+    let bytes: Vec<u8> = spectra_flat.iter().flat_map(|s| s.1).flat_map(|v| v.to_le_bytes()).collect();
+    let header = Staged::file(&path.with_extension("hdr"), replace)?;
+    let data = Staged::file(path, replace)?;
+    for (staged, bytes) in [(&header, text.as_bytes()), (&data, bytes.as_slice())] {
+        std::fs::write(staged.path(), bytes).map_err(|e| staged.named(Error::io(staged.path(), "writing", e)))?;
+    }
+    header.commit()?;
+    data.commit()?;
+    Ok(report)
+}
