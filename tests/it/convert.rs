@@ -89,8 +89,8 @@ fn a_scene_that_is_written_reads_back_the_same() {
     assert_eq!(a.sensor.bands, b.sensor.bands);
     assert_eq!(a.sensor.name, b.sensor.name);
     assert_eq!(a.sensor.camera.world_from_sensor, b.sensor.camera.world_from_sensor);
-    assert!((a.sensor.camera.pitch / b.sensor.camera.pitch - 1.0).abs() < 1e-15);
-    assert!((a.sun.direction.vec() - b.sun.direction.vec()).length() < 1e-15);
+    assert_eq!(a.sensor.camera.pitch, b.sensor.camera.pitch);
+    assert_eq!((a.sun.direction, a.sun.distance_m), (b.sun.direction, b.sun.distance_m));
     let bands: Vec<_> = b.sensor.bands.iter().map(|b| b.fwhm_um).collect();
     assert_eq!(bands, [None, Some(0.01), Some(0.02)]);
     let Photometry::Hapke(hapke) = &b.materials[3].photometry else { panic!() };
@@ -101,9 +101,7 @@ fn a_scene_that_is_written_reads_back_the_same() {
     let (code, _, err) = run(&["convert", &scratch.argument("out/again.toml"), &scratch.argument("twice/again.toml")]);
     assert_eq!(code, 0, "{err}");
     let text = |name: &str| std::fs::read_to_string(scratch.join(name)).unwrap();
-    let without_rounding =
-        |text: String| text.lines().filter(|l| !l.starts_with("direction")).map(str::to_owned).collect::<Vec<_>>();
-    assert_eq!(without_rounding(text("out/again.toml")), without_rounding(text("twice/again.toml")));
+    assert_eq!(text("out/again.toml"), text("twice/again.toml"));
 }
 
 #[test]
@@ -323,14 +321,14 @@ fn a_scene_goes_to_dart_and_comes_back() {
     assert_eq!((&json["from"], &json["written"]), (&Value::from("dart"), &Value::from(true)));
     let (code, out, _) = run(&["convert", "--diff", &argument("scene.toml"), &argument("back/scene.toml")]);
     assert_eq!((code, out.as_str()), (0, "the same in meaning\n"));
-    // Two simulations: the same, and one for another version.
+    // Two simulations: the same.
     assert_eq!(run(&["convert", &argument("back/scene.toml"), &argument("again")]).0, 0);
     let (code, out, _) = run(&["convert", "--diff", &argument("dart"), &argument("again")]);
     assert_eq!((code, out.as_str()), (0, "the same in meaning\n"));
     let (code, _, err) = run(&["convert", &argument("scene.toml"), &argument("new"), "--dart-version", "5.11.0"]);
-    assert_eq!(code, 0, "{err}");
-    let (code, out, _) = run(&["convert", "--diff", &argument("dart"), &argument("new")]);
-    assert!(code == 1 && out.contains("5.11.0"), "{out}");
+    // What 5.11 has for other models of reflectance is not known.
+    assert!(code == 1 && err.contains("\"shiny\"") && err.contains("DART 5.11.0"), "{err}");
+    assert!(!scratch.join("new").exists());
     // It is replaced if asked for.
     assert_eq!(run(&["convert", &argument("scene.toml"), &argument("dart")]).0, 1);
     assert_eq!(run(&["convert", &argument("scene.toml"), &argument("dart"), "--force"]).0, 0);
@@ -366,9 +364,9 @@ fn spectra_go_through_every_format() {
     }
     // At other wavelengths: linear between 5 % at 0.9 um and 7.7 % at 1.3333 um.
     let (code, _, err) =
-        run(&["convert", &argument("one.csv"), &argument("two.csv"), "--bands", "1:1.2:3", "--strict"]);
+        run(&["convert", &argument("one.csv"), &argument("bands/one.csv"), "--bands", "1:1.2:3", "--strict"]);
     assert_eq!(code, 0, "{err}");
-    let text = std::fs::read_to_string(scratch.join("two.csv")).unwrap();
+    let text = std::fs::read_to_string(scratch.join("bands/one.csv")).unwrap();
     let row: Vec<f64> =
         text.lines().find(|l| l.starts_with("1.1,")).unwrap().split(',').map(|c| c.parse().unwrap()).collect();
     assert!((row[1] - (0.05 + 0.027 * 0.2 / 0.4333)).abs() < 1e-12, "{text}");

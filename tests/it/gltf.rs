@@ -284,7 +284,12 @@ fn damaged_files_are_told_where() {
         ("/nodes/0/children", json!([0]), "nodes[0]: is reached twice"),
         ("/nodes/0/matrix", json!([1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]), "nodes[0].matrix: its last row"),
         ("/nodes/0/rotation", json!([0, 0, 0, 0]), "nodes[0].rotation: has no length"),
-        ("/nodes/0/scale", json!([1e300, 1e300, 1e300]), ""),
+        ("/nodes/0/scale", json!([1e308, 1e308, 1e308]), ""),
+        (
+            "/nodes/0/matrix",
+            json!([1e308, 0, 0, 0, 1e308, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]),
+            "primitives[0]: its place in the scene is beyond all numbers",
+        ),
         ("/nodes/0/mesh", json!(1), "nodes[0]: meshes[1]: there are 1"),
         ("/meshes/0/primitives/0/attributes", json!({}), "primitives[0].attributes: `POSITION` is missing"),
         ("/meshes/0/primitives/0/attributes/POSITION", json!(9), "attributes.POSITION: accessors[9]: there are 2"),

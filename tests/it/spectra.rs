@@ -234,7 +234,7 @@ fn libraries_that_cannot_be_used_are_refused() {
                 wavelength = {1, 2, 3}\n";
     scratch.write("a.hdr", huge);
     assert!(sli::read(&scratch.path().join("a.sli")).unwrap_err().to_string().contains("its header asks for"));
-    scratch.write("a.hdr", &huge.replace("bands = 1", "bands = 2"));
+    scratch.write("a.hdr", huge.replace("bands = 1", "bands = 2"));
     assert!(sli::read(&scratch.path().join("a.sli")).unwrap_err().to_string().contains("2 bands"));
     std::fs::remove_file(scratch.path().join("a.hdr")).unwrap();
     assert!(sli::read(&scratch.path().join("a.sli")).unwrap_err().to_string().contains("header is not beside it"));

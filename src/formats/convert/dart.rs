@@ -12,7 +12,7 @@ use crate::progress::Watch;
 use crate::report::{Fate, Report};
 use crate::scene::Scene;
 
-use super::{Format, Options, unsupported};
+use super::{Content, Format, Options, differences, unsupported};
 
 /// The Sun and cameras of a sequence's simulations, by its name.
 pub(super) type Flights = Vec<(String, Vec<Step>)>;
@@ -57,12 +57,24 @@ pub(super) fn package(scene: &Scene, options: &Options, report: &mut Report) -> 
     Ok(package)
 }
 
-/// What two simulations differ in.
-pub(super) fn diff(a: &Path, b: &Path, options: &Options) -> Result<Vec<String>> {
+/// What two simulations differ in: in their inputs, then in the meshes and spectra that these name.
+pub(super) fn diff(a: &Path, b: &Path, options: &Options, watch: Watch<'_>) -> Result<Vec<String>> {
     let reading = reading(options);
-    let (a, ..) = dart::read(a, &reading)?;
-    let (b, ..) = dart::read(b, &reading)?;
-    Ok(dart::diff(&a, &b))
+    let simulation = |path: &Path| Ok(dart::read(path, &reading)?.0);
+    let mut lines = dart::diff(&simulation(a)?, &simulation(b)?);
+    let content = |path: &Path| -> Result<Content> {
+        let (scene, flights, _) = read(path, options, watch)?;
+        Ok(Content::Scene(Box::new(scene), flights))
+    };
+    match (content(a), content(b)) {
+        (Ok(a), Ok(b)) => {
+            let is_of_files = |line: &String| line.starts_with("mesh") || line.starts_with("materials");
+            lines.extend(differences(&a, &b).into_iter().filter(is_of_files));
+        }
+        (Err(Error::Interrupted), _) | (_, Err(Error::Interrupted)) => return Err(Error::Interrupted),
+        (Err(error), _) | (_, Err(error)) => lines.push(format!("meshes and spectra cannot be compared: {error}")),
+    }
+    Ok(lines)
 }
 
 /// What may be wrong with a simulation or an optical database.

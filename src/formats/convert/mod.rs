@@ -171,7 +171,7 @@ pub fn diff(a: &Path, b: &Path, options: &Options, watch: Watch<'_>) -> Result<V
         options.from == Some(Format::Dart) || Format::of_input(path).is_ok_and(|(f, _)| f == Format::Dart)
     };
     if is_dart(a) && is_dart(b) {
-        return dart::diff(a, b, options);
+        return dart::diff(a, b, options, watch);
     }
     let (_, a, _) = read(a, options, watch)?;
     let (_, b, _) = read(b, options, watch)?;
@@ -220,8 +220,13 @@ impl Job<'_> {
         self.options.strict && self.report.has_losses()
     }
 
+    /// What was taken for what a scene does not say, where it is not written anyway.
+    fn forget_defaults(&mut self) {
+        self.report.notes.retain(|note| note.fate != Fate::Defaulted);
+    }
+
     /// Writes; `false` if a loss forbids it.
-    fn write(self, content: Content, to: Format) -> Result<bool> {
+    fn write(mut self, content: Content, to: Format) -> Result<bool> {
         match (content, to) {
             (Content::Spectra(libraries), _) if to.is_spectral() => self.spectra(&libraries, to),
             (Content::Spectra(_), _) => {
@@ -232,10 +237,12 @@ impl Job<'_> {
             (Content::Scene(scene, _), _) if to.is_spectral() => {
                 let message = "mesh, Sun, camera and heat: only the spectra of its materials are written";
                 self.report.note(Fate::Dropped, Location::file(self.input), message);
+                self.forget_defaults();
                 let libraries = libraries(&scene, self.report);
                 self.spectra(&libraries, to)
             }
             (Content::Scene(scene, _), _) => {
+                self.forget_defaults();
                 let surface = Surface::of_scene(&scene, self.input, self.report);
                 self.surface(&surface, to)
             }
@@ -356,7 +363,9 @@ impl Job<'_> {
             // The writers report when they have written: what a first writing, into a folder that goes, loses, is known before.
             let trial = Staged::folder(&self.output.with_file_name(".mmxrt-strict"), false)?;
             let report = spectra::write(&trial.path().join(file_name(self.output)), format, libraries, false);
-            self.report.notes.extend(report.map_err(|e| trial.named(e))?.notes);
+            let mut notes = report.map_err(|e| trial.named(e))?.notes;
+            notes.iter_mut().for_each(|note| note.at.file = Some(self.output.to_owned()));
+            self.report.notes.append(&mut notes);
             if self.refused() {
                 return Ok(false);
             }

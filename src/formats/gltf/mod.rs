@@ -15,7 +15,7 @@ mod json;
 mod read;
 mod write;
 
-pub use read::{read, told_apart};
+pub use read::{parse, read, told_apart};
 pub use write::{Encoded, encode};
 
 /// What tells a binary file: its first bytes.

@@ -38,9 +38,16 @@ pub fn told_apart(bytes: &[u8]) -> bool {
 /// index, offset or count beyond what there is, a position that is not finite, a node that is reached twice, a buffer outside the
 /// folder; [`Error::Unsupported`] for a version or a required extension that is not known.
 pub fn read(path: &Path, outside: bool) -> Result<(Surface, Report, Vec<InputFile>)> {
-    let bytes = input::bytes(path, LIMIT)?;
-    let mut inputs = vec![InputFile::of(path, &bytes)];
-    let (json, binary) = if bytes.starts_with(MAGIC) { chunks(&bytes, path)? } else { (&bytes[..], None) };
+    parse(&input::bytes(path, LIMIT)?, path, outside)
+}
+
+/// Reads the bytes of such a file; `path` is for messages, and for the buffers that lie beside it.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(bytes: &[u8], path: &Path, outside: bool) -> Result<(Surface, Report, Vec<InputFile>)> {
+    let mut inputs = vec![InputFile::of(path, bytes)];
+    let (json, binary) = if bytes.starts_with(MAGIC) { chunks(bytes, path)? } else { (bytes, None) };
     let root: Root = serde_json::from_slice(json).map_err(|e| {
         let place = Location { column: Some(e.column()), ..Location::line(path, e.line()) };
         let place = if binary.is_some() { place.with_item("JSON chunk") } else { place };
@@ -301,6 +308,9 @@ impl Reader<'_> {
                         return data.wrong(item, format!("more than {MOST} vertices with all instances"));
                     }
                     self.mesh.vertices_m.extend(vertices.iter().map(|&v| z_up(world.transform_point3(v))));
+                    if self.mesh.vertices_m[base..].iter().any(|v| !v.is_finite()) {
+                        return data.wrong(item, "its place in the scene is beyond all numbers");
+                    }
                     *shared.entry((position, residual)).or_insert((base as u32, vertices.len()))
                 }
             };
@@ -318,10 +328,10 @@ impl Reader<'_> {
                 }
             };
             let material = self.material(primitive, &indices, count, &item)?;
-            if mode == 4 && indices.len() % 3 != 0 {
+            if mode == 4 && !indices.len().is_multiple_of(3) {
                 return data.wrong(item, format!("{} corners do not make triangles", indices.len()));
             }
-            let flip = DMat3::from(world.matrix3).determinant() < 0.0;
+            let flip = world.matrix3.determinant() < 0.0;
             let mut push = |[a, b, c]: [u32; 3]| {
                 let corners = if flip { [a, c, b] } else { [a, b, c] };
                 self.mesh.facets.push(corners.map(|v| v + base));

@@ -258,14 +258,20 @@ impl Reader<'_> {
     }
 
     fn sun(&mut self, toml: &SunToml) -> Option<Sun> {
-        let towards_m = match (toml.position_m, toml.direction, toml.distance_au) {
-            (Some(position_m), None, None) => Some(DVec3::from_array(position_m) - self.origin_m),
+        // A direction, if there is one, and a distance, m.
+        let place = match (toml.position_m, toml.direction, toml.distance_au) {
+            (Some(position_m), None, None) => {
+                let v = DVec3::from_array(position_m) - self.origin_m;
+                Some((Direction::new(v), v.length()))
+            }
             (None, Some(direction), Some(distance_au)) => {
-                let direction = Direction::new(DVec3::from_array(direction));
+                // A unit vector is taken as it stands: to divide it by its length once more would move its last digit.
+                let direction = DVec3::from_array(direction);
+                let direction = Direction::from_unit(direction).or_else(|| Direction::new(direction));
                 if direction.is_none() {
                     self.problem("sun.direction", "has no length");
                 }
-                direction.map(|d| d.vec() * distance_au * AU_M)
+                direction.map(|d| (Some(d), distance_au * AU_M))
             }
             _ => {
                 self.problem("sun", "give `position_m`, or `direction` and `distance_au`");
@@ -273,9 +279,9 @@ impl Reader<'_> {
             }
         };
         let item = if toml.position_m.is_some() { "sun.position_m" } else { "sun.distance_au" };
-        let place = towards_m.and_then(|v| {
+        let place = place.and_then(|(direction, distance_m)| {
             // As it is given: a distance may be negative.
-            let au = toml.distance_au.unwrap_or(v.length() / AU_M);
+            let au = toml.distance_au.unwrap_or(distance_m / AU_M);
             let metres = toml.distance_au.is_none();
             if !(0.1..=1e5).contains(&au) {
                 let help = match (metres, au) {
@@ -291,7 +297,7 @@ impl Reader<'_> {
             if !(0.3..=40.0).contains(&au) {
                 self.notes.push(format!("{item}: the Sun is {au:.4} au from the origin"));
             }
-            Some((Direction::new(v)?, v.length()))
+            Some((direction?, distance_m))
         });
         let (spectrum, total) = self.sun_spectrum(toml)?;
         let (direction, distance_m) = place?;

@@ -49,7 +49,7 @@ impl Reader<'_> {
                     self.helped("sensor.ifov_mrad", message, "if this is microradians, write a thousandth");
                     return None;
                 }
-                Some(2.0 * (0.5 * ifov_mrad * 1e-3).tan())
+                Some(pitch_of_ifov(ifov_mrad))
             }
             (None, Some(fov_deg), None) => Some(2.0 * (0.5 * fov_deg.to_radians()).tan() / f64::from(samples)),
             (None, None, Some(Fit::Scene)) => match (pose, mesh) {
@@ -229,6 +229,11 @@ impl Reader<'_> {
         }
         Some(())
     }
+}
+
+/// The pitch of pixels that subtend this angle, mrad, in the middle of the image.
+pub(super) fn pitch_of_ifov(ifov_mrad: f64) -> f64 {
+    2.0 * (0.5 * ifov_mrad * 1e-3).tan()
 }
 
 /// Bands at equal steps, both ends included.

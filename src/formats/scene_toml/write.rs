@@ -1,7 +1,7 @@
 //! Writing a scene: the scene file, its mesh as OBJ and MTL, and a CSV table for each spectrum, all beside one another.
 //!
-//! Read again, it is the same scene: vertices, tables and numbers of materials bit for bit, directions and the camera's pitch to
-//! rounding. What is a default elsewhere is stated.
+//! Read again, it is the same scene, bit for bit but for a scaled solar spectrum and positions that no sum with the origin gives,
+//! which are so to rounding. What is a default elsewhere is stated.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -23,6 +23,7 @@ use crate::units::AU_M;
 
 use super::irradiances;
 use super::materials::linear_from_hex;
+use super::view::pitch_of_ifov;
 
 /// A larger pixel is written by its line's field of view, mrad.
 const WIDEST_PIXEL_MRAD: f64 = 1000.0;
@@ -109,18 +110,20 @@ fn list(v: DVec3) -> String {
 
 /// The body-fixed position whose difference to the origin is `local_m` to the last bit, if there is one.
 fn absolute(local_m: DVec3, origin_m: DVec3) -> String {
-    let component = |local: f64, origin: f64| {
-        let sum = local + origin;
-        let (mut below, mut above) = (sum, sum);
-        for _ in 0..4 {
-            if let Some(exact) = [below, above].into_iter().find(|p| p - origin == local) {
-                return exact;
-            }
-            (below, above) = (below.next_down(), above.next_up());
+    let component = |i: usize| exact(local_m[i] + origin_m[i], |sum| sum - origin_m[i], local_m[i]);
+    list(DVec3::from_array([0, 1, 2].map(component)))
+}
+
+/// The number at or beside `near` that reading makes `wanted` of, to the last bit; `near` if there is none.
+fn exact(near: f64, read: impl Fn(f64) -> f64, wanted: f64) -> f64 {
+    let (mut below, mut above) = (near, near);
+    for _ in 0..8 {
+        if let Some(exact) = [below, above].into_iter().find(|x| read(*x) == wanted) {
+            return exact;
         }
-        sum
-    };
-    list(DVec3::from_array([0, 1, 2].map(|i| component(local_m[i], origin_m[i]))))
+        (below, above) = (below.next_down(), above.next_up());
+    }
+    near
 }
 
 /// Whether a spectrum is the same at all wavelengths, so that a number says it.
@@ -290,7 +293,8 @@ impl Writer<'_> {
 
     fn sun(&mut self) -> Result<String> {
         let sun = &self.scene.sun;
-        let (direction, au) = (list(sun.direction.vec()), sun.distance_m / AU_M);
+        let au = exact(sun.distance_m / AU_M, |au| au * AU_M, sun.distance_m);
+        let direction = list(sun.direction.vec());
         let mut text = format!("\n[sun]\ndirection = {direction}\ndistance_au = {au:?}\n");
         let e490 = solar_e490();
         if sun.irradiance_1au == *e490 {
@@ -371,6 +375,7 @@ impl Writer<'_> {
         let _ = writeln!(text, "samples = {}\nlines = {}", camera.samples, camera.lines);
         let ifov_mrad = 1e3 * camera.ifov_rad();
         let _ = if ifov_mrad <= WIDEST_PIXEL_MRAD {
+            let ifov_mrad = exact(ifov_mrad, pitch_of_ifov, camera.pitch);
             writeln!(text, "ifov_mrad = {ifov_mrad:?}")
         } else {
             let half = 0.5 * camera.pitch * f64::from(camera.samples);
