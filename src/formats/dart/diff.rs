@@ -6,8 +6,10 @@ use glam::DVec3;
 
 use super::simulation::{Camera, Links, Object, OpticalProperty, Simulation};
 
-/// One line for each difference: where, and both values. Numbers differ if more than
-/// rounding lies between them. Empty: the same in meaning.
+/// Numbers of one meaning that were computed along two ways differ by less: relative, and lengths, angles and temperatures in their unit.
+const ROUNDING: f64 = 1e-12;
+
+/// One line for each difference: where, and both values. Numbers differ if rounding does not explain it. Empty: the same in meaning.
 ///
 /// Not compared: idents, names of objects and groups, places of optical properties in their lists (links are followed), and what
 /// nothing is linked to.
@@ -17,8 +19,8 @@ pub fn diff(a: &Simulation, b: &Simulation) -> Vec<String> {
         let text = |s: &Simulation| format!("{} {}", s.version.version, s.version.build);
         lines.push("version", &text(a), &text(b));
     }
-    lines.numbers("maket.xml Scene/SceneDimensions, m", &a.maket.size_m, &b.maket.size_m);
-    lines.numbers("maket.xml Scene/CellDimensions, m", &a.maket.cell_m, &b.maket.cell_m);
+    lines.numbers("maket.xml Scene/SceneDimensions, m", &a.maket.size_m, &b.maket.size_m, 1.0);
+    lines.numbers("maket.xml Scene/CellDimensions, m", &a.maket.cell_m, &b.maket.cell_m, 0.0);
     lines.differ("maket.xml Maket/@exactlyPeriodicScene", &a.maket.boundary, &b.maket.boundary);
     lines.differ("maket.xml Soil/@groundEnabled", &a.maket.ground_enabled, &b.maket.ground_enabled);
     if a.maket.ground_enabled && b.maket.ground_enabled {
@@ -26,7 +28,7 @@ pub fn diff(a: &Simulation, b: &Simulation) -> Vec<String> {
     }
     lines.differ("maket.xml Soil/Topography", &a.maket.topography, &b.maket.topography);
     let (place_a, place_b) = (a.maket.latitude_longitude_altitude, b.maket.latitude_longitude_altitude);
-    lines.numbers("maket.xml LatLon", &place_a, &place_b);
+    lines.numbers("maket.xml LatLon", &place_a, &place_b, 1.0);
 
     lines.each("object_3d.xml Object", &a.objects, &b.objects, |lines, at, x, y| lines.object(at, (a, x), (b, y)));
 
@@ -36,15 +38,15 @@ pub fn diff(a: &Simulation, b: &Simulation) -> Vec<String> {
     });
 
     lines.each("phase.xml SpectralIntervalsProperties", &a.phase.bands, &b.phase.bands, |lines, at, x, y| {
-        lines.numbers(&format!("{at} meanLambda, um"), &[x.mean_um], &[y.mean_um]);
-        lines.numbers(&format!("{at} deltaLambda, um"), &[x.width_um], &[y.width_um]);
+        lines.numbers(&format!("{at} meanLambda, um"), &[x.mean_um], &[y.mean_um], 0.0);
+        lines.numbers(&format!("{at} deltaLambda, um"), &[x.width_um], &[y.width_um], 0.0);
         lines.differ(&format!("{at} spectralDartMode"), &x.mode, &y.mode);
     });
     lines.differ("phase.xml nodeIlluminationMode/@irradianceMode", &a.phase.irradiance_mode, &b.phase.irradiance_mode);
     if a.phase.irradiance_mode == 1 && b.phase.irradiance_mode == 1 {
         lines.each("phase.xml SpectralIrradianceValue", &a.phase.irradiance, &b.phase.irradiance, |lines, at, x, y| {
-            lines.numbers(&format!("{at} irradiance, W m-2 um-1"), &[x.0], &[y.0]);
-            lines.numbers(&format!("{at} Skyl"), &[x.1], &[y.1]);
+            lines.numbers(&format!("{at} irradiance, W m-2 um-1"), &[x.0], &[y.0], 0.0);
+            lines.numbers(&format!("{at} Skyl"), &[x.1], &[y.1], 0.0);
         });
     }
     lines.differ(
@@ -54,13 +56,18 @@ pub fn diff(a: &Simulation, b: &Simulation) -> Vec<String> {
     );
     lines.each("phase.xml camera", &a.phase.cameras, &b.phase.cameras, Lines::camera);
 
-    lines.numbers("directions.xml Sun, zenith angle and azimuth, deg", &a.directions.sun_deg, &b.directions.sun_deg);
+    lines.numbers(
+        "directions.xml Sun, zenith angle and azimuth, deg",
+        &a.directions.sun_deg,
+        &b.directions.sun_deg,
+        1.0,
+    );
     lines.each(
         "directions.xml AddedDirections",
         &a.directions.views_deg,
         &b.directions.views_deg,
         |lines, at, x, y| {
-            lines.numbers(&format!("{at} zenith angle and azimuth, deg"), x, y);
+            lines.numbers(&format!("{at} zenith angle and azimuth, deg"), x, y, 1.0);
         },
     );
     lines.each("sequence", &a.sequences, &b.sequences, |lines, at, x, y| {
@@ -76,9 +83,6 @@ pub fn diff(a: &Simulation, b: &Simulation) -> Vec<String> {
 
 struct Lines(Vec<String>);
 
-/// Numbers are the same within this share of them, or of 1: a position that went through another frame and back.
-const SAME: f64 = 1e-12;
-
 impl Lines {
     fn push(&mut self, at: &str, a: &str, b: &str) {
         self.0.push(format!("{at}: {a} | {b}"));
@@ -90,15 +94,16 @@ impl Lines {
         }
     }
 
-    fn numbers(&mut self, at: &str, a: &[f64], b: &[f64]) {
-        let same = |(a, b): (&f64, &f64)| (a - b).abs() <= SAME * a.abs().max(b.abs()).max(1.0);
+    /// `scale`: what is small beside it is small.
+    fn numbers(&mut self, at: &str, a: &[f64], b: &[f64], scale: f64) {
+        let same = |(x, y): (&f64, &f64)| x == y || (x - y).abs() <= ROUNDING * x.abs().max(y.abs()).max(scale);
         if a.len() != b.len() || !a.iter().zip(b).all(same) {
             self.push(at, &format!("{a:?}"), &format!("{b:?}"));
         }
     }
 
     fn vectors(&mut self, at: &str, a: DVec3, b: DVec3) {
-        self.numbers(at, &a.to_array(), &b.to_array());
+        self.numbers(at, &a.to_array(), &b.to_array(), 1.0);
     }
 
     /// Two lists, entry by entry; how many there are if that differs.
@@ -150,17 +155,18 @@ impl Lines {
             }
             (x, y) => self.differ(&format!("{at} the link leads somewhere"), &x.is_some(), &y.is_some()),
         }
-        let temperatures = |s: &Simulation, links: &Links| {
+        let temperatures = |s: &Simulation, links: &Links| -> Vec<f64> {
             s.thermal.get(links.thermal_index as usize).map_or(vec![], |t| vec![t.mean_k, t.range_k])
         };
-        self.numbers(&format!("{at} temperature, mean and range, K"), &temperatures(of_a, a), &temperatures(of_b, b));
+        let (x, y) = (temperatures(of_a, a), temperatures(of_b, b));
+        self.numbers(&format!("{at} temperature, mean and range, K"), &x, &y, 1.0);
     }
 
     fn camera(&mut self, at: &str, a: &Camera, b: &Camera) {
         self.vectors(&format!("{at} position, m"), a.position_m, b.position_m);
-        self.numbers(&format!("{at} line of sight, zenith angle and azimuth, deg"), &a.look_deg, &b.look_deg);
-        self.numbers(&format!("{at} turn about it, deg"), &[a.roll_deg], &[b.roll_deg]);
-        self.numbers(&format!("{at} field of view, deg"), &a.field_of_view_deg, &b.field_of_view_deg);
+        self.numbers(&format!("{at} line of sight, zenith angle and azimuth, deg"), &a.look_deg, &b.look_deg, 1.0);
+        self.numbers(&format!("{at} turn about it, deg"), &[a.roll_deg], &[b.roll_deg], 1.0);
+        self.numbers(&format!("{at} field of view, deg"), &a.field_of_view_deg, &b.field_of_view_deg, 0.0);
         self.differ(&format!("{at} pixels"), &a.pixels, &b.pixels);
     }
 }
