@@ -117,12 +117,15 @@ def main():
             path = folder / f"{landscape}_{incidence_deg}deg_{bands}.toml"
             path.write_text(scene(landscape, incidence_deg, bands))
             product = path.with_suffix("")
-            command = [arguments.program, "--quiet", "simulate", str(path), "-o", str(product), "--force"]
-            # Once without counting: the mesh is then in the system's cache, as it is for whoever just made it.
-            run(command)
+            command = [arguments.program, "--quiet", "simulate", str(path), "-o", str(product)]
             seen = []
-            for i in range(arguments.runs):
-                seen.append(run(command))
+            # Once without counting: the mesh is then in the system's cache, as it is for whoever just made it.
+            for i in range(-1, arguments.runs):
+                shutil.rmtree(product, ignore_errors=True)
+                measured = run(command)
+                if i < 0:
+                    continue
+                seen.append(measured)
                 print(f"{name}: run {i + 1}: {seen[-1][0]:.2f} CPU s, {seen[-1][1]:.2f} s", file=sys.stderr)
             cpu_s[name], wall_s[name], peak_gb[name] = (statistics.median(s[k] for s in seen) for k in range(3))
     finally:

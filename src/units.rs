@@ -55,7 +55,7 @@ mod tests {
             let percent = f64::from(i) / 1000.0;
             let fraction = fraction_from_percent(percent);
             assert_eq!(percent_from_fraction(fraction), percent);
-            assert!((fraction - percent / 100.0).abs() <= 1e-16, "{percent}");
+            assert!((fraction - percent / 100.0).abs() <= f64::EPSILON * fraction, "{percent}");
         }
         assert_eq!(fraction_from_percent(7.0), 0.07);
         assert_eq!(percent_from_fraction(0.07), 7.0);

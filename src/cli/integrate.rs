@@ -37,6 +37,5 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let topology = Topology::new(&opened.scene.mesh);
     let observation = study::observe(&opened.scene, &topology, &table, &watch)?;
     let made = Made { opened, table, observation };
-    product::write("integrate", &arguments.product, staged, &made, false, console)?;
-    Ok(Outcome::Done)
+    product::write("integrate", &arguments.product, staged, &made, false, console)
 }

@@ -10,10 +10,11 @@ use mmxrt::formats::{exr_cube, npz, quicklook};
 use mmxrt::product::FacetTable;
 use mmxrt::progress::tell;
 use mmxrt::spectral::Band;
-use mmxrt::study::Observation;
+use mmxrt::study::{Check, Observation};
 use mmxrt::visibility::Topology;
-use mmxrt::{Result, integrate, study};
+use mmxrt::{Error, Location, Problem, Result, integrate, study};
 
+use super::Outcome;
 use super::console::Console;
 use super::scene::Opened;
 
@@ -72,6 +73,8 @@ pub(super) struct Made {
 }
 
 /// Writes everything into the staged folder, gives it its name, and says so.
+///
+/// A product of which a check does not hold is kept, for whoever looks for the reason, but the command has failed.
 pub(super) fn write(
     command: &str,
     options: &ProductOptions,
@@ -79,21 +82,30 @@ pub(super) fn write(
     made: &Made,
     with_table: bool,
     console: &Console,
-) -> Result<()> {
+) -> Result<Outcome> {
     let report = write_files(command, options, &staged, made, with_table, console).map_err(|e| staged.named(e))?;
     staged.commit()?;
     made.opened.say_defaults(console);
     report.warnings.iter().for_each(|warning| console.note(&format!("warning: {warning}")));
-    for check in report.checks.iter().filter(|c| !c.passed()) {
-        console.note(&format!("check failed: {}: {} is above {}", check.name, check.value, check.limit));
-    }
+    let failed: Vec<Problem> = report.checks.iter().filter(|c| !c.passed()).map(failure).collect();
     let output = options.output.display().to_string();
     let Image { samples, lines, bands, .. } = report.image;
     let text = format!("{output}: {samples} x {lines} pixels, {bands} bands");
     let json = serde_json::json!({
         "product": output, "image": report.image, "defaults": report.defaults, "warnings": report.warnings
     });
-    console.result(&text, &json)
+    console.result(&text, &json)?;
+    if failed.is_empty() {
+        return Ok(Outcome::Done);
+    }
+    console.error(&Error::Invalid(failed));
+    Ok(Outcome::Failed)
+}
+
+fn failure(check: &Check) -> Problem {
+    let message = format!("a check of the product failed: {} is above {}", check.value, check.limit);
+    Problem::new(Location::item(&check.name), message)
+        .with_help("do not use it: report this with its scene, it is a fault of mmxrt")
 }
 
 fn write_files(

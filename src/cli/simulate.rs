@@ -25,6 +25,5 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let opened = scene::open(&arguments.scene, &watch)?;
     let (table, observation) = study::simulate(&opened.scene, &watch)?;
     let made = Made { opened, table, observation };
-    product::write("simulate", &arguments.product, staged, &made, arguments.table, console)?;
-    Ok(Outcome::Done)
+    product::write("simulate", &arguments.product, staged, &made, arguments.table, console)
 }

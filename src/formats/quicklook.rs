@@ -53,7 +53,10 @@ pub fn write_grey(path: &Path, cube: &Cube, band: usize, coverage: &[f64]) -> Re
 /// # Errors
 /// As [`write_grey`].
 pub fn write_colour(path: &Path, cube: &Cube, bands: [usize; 3], coverage: &[f64]) -> Result<()> {
-    let [(red, red_text), (green, green_text), (blue, blue_text)] = bands.map(|band| channel(cube, band, coverage));
+    let red = channel(cube, bands[0], coverage);
+    let other = |band: usize| if band == bands[0] { red.clone() } else { channel(cube, band, coverage) };
+    let ((green, green_text), (blue, blue_text)) = (other(bands[1]), other(bands[2]));
+    let (red, red_text) = &red;
     let pixels: Vec<u8> = (0..red.len()).flat_map(|i| [red[i], green[i], blue[i]]).collect();
     let text = format!("red: {red_text}; green: {green_text}; blue: {blue_text}");
     write(path, cube, png::ColorType::Rgb, &pixels, &text)
@@ -98,10 +101,11 @@ impl Stretch {
     /// `None` if no pixel is covered.
     fn of(radiance: &[f64], coverage: &[f64]) -> Option<Self> {
         let mut covered: Vec<f64> = radiance.iter().zip(coverage).filter(|(_, c)| **c > 0.0).map(|(l, _)| *l).collect();
-        covered.sort_unstable_by(f64::total_cmp);
         let last = covered.len().checked_sub(1)?;
-        let [black, median, white] =
-            [BLACK_WHITE.0, 0.5, BLACK_WHITE.1].map(|share| covered[(share * last as f64).round() as usize]);
+        let [black, median, white] = [BLACK_WHITE.0, 0.5, BLACK_WHITE.1].map(|share| {
+            let place = (share * last as f64).round() as usize;
+            *covered.select_nth_unstable_by(place, f64::total_cmp).1
+        });
         let share = (median - black) / (white - black);
         let power = if share < 0.5 { (0.5_f64.ln() / share.ln()).max(LEAST_POWER) } else { 1.0 };
         Some(Stretch { black, white, power })
@@ -111,7 +115,9 @@ impl Stretch {
         match self.white - self.black {
             range if range > 0.0 => {
                 let share = ((radiance - self.black) / range).clamp(0.0, 1.0);
-                (255.0 * share.powf(self.power)).round() as u8
+                // A power of 1 is common, and powf is slow.
+                let grey = if self.power == 1.0 { share } else { share.powf(self.power) };
+                (255.0 * grey + 0.5) as u8
             }
             // One value everywhere: mid-grey if it shines, black if not.
             _ => 128 * u8::from(self.white > 0.0),

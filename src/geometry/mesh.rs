@@ -95,9 +95,16 @@ impl Mesh {
         self.material.extend(other.material);
     }
 
+    /// The vertices that facets use, m, each once.
+    pub fn used_vertices_m(&self) -> impl Iterator<Item = DVec3> {
+        let mut used = vec![false; self.vertices_m.len()];
+        self.facets.iter().flatten().for_each(|v| used[*v as usize] = true);
+        self.vertices_m.iter().zip(used).filter(|(_, used)| *used).map(|(v, _)| *v)
+    }
+
     /// Smallest and largest coordinates of the vertices that facets use, m; `None` without facets.
     pub fn bounds_m(&self) -> Option<(DVec3, DVec3)> {
-        let mut vertices = self.facets.iter().flatten().map(|&v| self.vertices_m[v as usize]);
+        let mut vertices = self.used_vertices_m();
         let first = vertices.next()?;
         Some(vertices.fold((first, first), |(lo, hi), v| (lo.min(v), hi.max(v))))
     }

@@ -80,6 +80,12 @@ impl Rect {
             && other.max[1] <= self.max[1]
     }
 
+    /// Whether a point lies inside or on the border.
+    #[inline]
+    pub fn holds(&self, p: Point) -> bool {
+        self.min[0] <= p[0] && p[0] <= self.max[0] && self.min[1] <= p[1] && p[1] <= self.max[1]
+    }
+
     /// Area.
     pub fn area(&self) -> f64 {
         (self.max[0] - self.min[0]) * (self.max[1] - self.min[1])

@@ -9,7 +9,7 @@ use glam::DVec3;
 use super::pixel::Pixel;
 use crate::geometry::angle_rad;
 use crate::product::{Backplanes, FacetTable, Plane};
-use crate::scene::Scene;
+use crate::scene::{Material, Scene};
 
 /// Planes that every product has: name and unit.
 const FIXED: [(&str, &str); 30] = [
@@ -49,8 +49,10 @@ const FIXED: [(&str, &str); 30] = [
 pub(super) struct Planes<'a> {
     scene: &'a Scene,
     towards_sun: DVec3,
-    /// Names of dictionary entries: each has a plane of area fractions, and one of lit area fractions.
+    /// Names of the dictionary entries that are no mixtures: each has a plane of area fractions, and one of lit area fractions.
     entries: Vec<String>,
+    /// For each material its shares of these entries.
+    shares: Vec<Vec<(usize, f64)>>,
 }
 
 /// Where a ray meets a facet's plane, and how.
@@ -76,14 +78,19 @@ impl Hit {
 
 impl<'a> Planes<'a> {
     pub(super) fn new(scene: &'a Scene, table: &FacetTable) -> Self {
-        let last = scene.materials.iter().flat_map(|m| &m.mixture).map(|p| p.0 + 1).max().unwrap_or(0);
-        let mut entries: Vec<String> = (0..last).map(|i| format!("entry {i}")).collect();
+        let mut used: Vec<usize> = scene.materials.iter().flat_map(|m| &m.mixture).map(|part| part.0).collect();
+        used.sort_unstable();
+        used.dedup();
+        let mut entries: Vec<String> = used.iter().map(|i| format!("entry {i}")).collect();
+        let place = |entry: usize| used.partition_point(|i| *i < entry);
         for material in &scene.materials {
             if let [(i, _)] = material.mixture[..] {
-                entries[i].clone_from(&material.name);
+                entries[place(i)].clone_from(&material.name);
             }
         }
-        Planes { scene, towards_sun: table.sun_direction.vec(), entries }
+        let of = |m: &Material| m.mixture.iter().map(|(entry, share)| (place(*entry), *share)).collect();
+        let shares = scene.materials.iter().map(of).collect();
+        Planes { scene, towards_sun: table.sun_direction.vec(), entries, shares }
     }
 
     pub(super) fn count(&self) -> usize {
@@ -128,7 +135,7 @@ impl<'a> Planes<'a> {
                 Some(area) => *area += e.area,
                 None => *more_materials.entry(material).or_insert(0.0) += e.area,
             }
-            for (entry, share) in &self.scene.materials[material].mixture {
+            for (entry, share) in &self.shares[material] {
                 abundance[2 * entry] += share * e.area;
                 abundance[2 * entry + 1] += share * e.lit;
             }
@@ -209,6 +216,6 @@ impl<'a> Planes<'a> {
 
 /// Planetocentric latitude and east longitude (0 to 360) of a body-fixed position, deg.
 fn planetocentric_deg(p: DVec3) -> (f64, f64) {
-    let latitude = p.z.atan2(p.x.hypot(p.y)).to_degrees();
+    let latitude = p.z.atan2((p.x * p.x + p.y * p.y).sqrt()).to_degrees();
     (latitude, p.y.atan2(p.x).to_degrees().rem_euclid(360.0))
 }

@@ -63,7 +63,8 @@ pub fn integrate(scene: &Scene, topology: &Topology, table: &FacetTable, watch: 
     let emission = Emission::new(scene, table);
     let planes = Planes::new(scene, table);
     let (samples, rows) = (camera.samples as usize, camera.lines as usize);
-    let mut values = vec![vec![0.0; samples * rows]; planes.count()];
+    // Each plane asks for zeroed memory of its own: a clone would write it.
+    let mut values: Vec<Vec<f64>> = (0..planes.count()).map(|_| vec![0.0; samples * rows]).collect();
     // Each line of the image writes its own part of every plane.
     let mut parts: Vec<Vec<&mut [f64]>> = std::iter::repeat_with(Vec::new).take(rows).collect();
     for plane in &mut values {

@@ -129,7 +129,8 @@ impl Visit for Pixel<'_> {
     fn whole(&mut self, triangle: u32, rect: &Rect) {
         let outline = self.drawing.outline(triangle);
         let facet = self.drawing.facet(triangle);
-        if triangle == facet && rect.contains(&Rect::of(&outline)) {
+        let bounds = Rect::of(&outline);
+        if triangle == facet && rect.contains(&bounds) {
             self.add(facet, &outline, &Window::Facet, 1.0);
         } else {
             let mut clipped = std::mem::take(&mut self.clipped);
@@ -137,7 +138,7 @@ impl Visit for Pixel<'_> {
             self.add(facet, &clipped, &Window::Rect { rect, outline: &outline }, 1.0);
             self.clipped = clipped;
         }
-        if self.centre.is_none() && holds(&outline, self.at) && holds(&rect.corners(), self.at) {
+        if self.centre.is_none() && bounds.holds(self.at) && rect.holds(self.at) && holds(&outline, self.at) {
             self.centre = Some(facet);
         }
     }

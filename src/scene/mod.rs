@@ -36,6 +36,9 @@ pub struct Scene {
     pub sensor: Sensor,
 }
 
+/// A facet's number and one of its edges are kept in 31 bits.
+const MOST_FACETS: usize = 1 << 29;
+
 impl Scene {
     /// Checks what the parts owe each other; below this call no code asks again.
     ///
@@ -50,6 +53,9 @@ impl Scene {
         let mesh = &self.mesh;
         if mesh.facets.is_empty() {
             problem("mesh", "has no facets".into());
+        }
+        if mesh.facets.len() > MOST_FACETS {
+            problem("mesh", format!("{} facets are more than the {MOST_FACETS} there may be", mesh.facets.len()));
         }
         if mesh.material.len() != mesh.facets.len() {
             problem("mesh", format!("{} facets, but {} materials of facets", mesh.facets.len(), mesh.material.len()));

@@ -28,86 +28,131 @@ pub fn sunlit(mesh: &Mesh, topology: &Topology, towards: Direction, watch: Watch
     let coverage = Coverage::new(&drawing);
     let total = u64::from(drawing.grid.rows);
     let done = AtomicU64::new(0);
-    let rows: Result<Vec<RowShadows>> = (0..drawing.grid.rows)
+    let rows: Result<Vec<Row>> = (0..drawing.grid.rows)
         .into_par_iter()
-        .map_init(Scratch::default, |scratch, row| {
-            let mut shadows = RowShadows::default();
-            for column in 0..drawing.grid.columns {
-                shadows.open(column, &drawing);
-                coverage.cell(column, row, scratch, &mut shadows);
-                shadows.close();
-            }
-            tell(watch, "sunlight", done.fetch_add(1, Relaxed) + 1, total)?;
-            Ok(shadows)
-        })
+        .map_init(
+            || (Scratch::default(), CellShadows::new(&drawing), Row::default()),
+            |(scratch, shadows, work), row| {
+                work.clear();
+                for column in 0..drawing.grid.columns {
+                    shadows.clear();
+                    coverage.cell(column, row, scratch, shadows);
+                    shadows.append_to(work, column);
+                }
+                tell(watch, "sunlight", done.fetch_add(1, Relaxed) + 1, total)?;
+                // A copy is no longer than it must be, and the working memory serves the next row.
+                Ok(work.clone())
+            },
+        )
         .collect();
     drop(coverage);
     Ok(assemble(&drawing, mesh.facets.len(), &rows?))
 }
 
-/// What is not wholly lit in the cells of one row: (facet, column), and the lit polygons there, in drawing coordinates.
-#[derive(Default)]
-struct RowShadows<'a> {
-    drawing: Option<&'a Drawing<'a>>,
-    column: u32,
-    /// Facet, column, first polygon, one past the last.
-    entries: Vec<(u32, u32, u32, u32)>,
+/// What is not wholly lit in the cells of one row, and the lit polygons there, in drawing coordinates.
+#[derive(Debug, Clone, Default)]
+struct Row {
+    entries: Vec<Entry>,
     polygon_end: Vec<u32>,
     points: Vec<Point>,
-    /// The cell at hand: facets with something hidden, and what is seen of each facet.
-    cut: Vec<u32>,
-    whole: Vec<(u32, Rect)>,
-    pieces: Vec<(u32, u32, u32)>,
-    piece_points: Vec<Point>,
 }
 
-impl<'a> RowShadows<'a> {
-    fn open(&mut self, column: u32, drawing: &'a Drawing<'a>) {
-        self.drawing = Some(drawing);
-        self.column = column;
-        self.cut.clear();
-        self.whole.clear();
-        self.pieces.clear();
-        self.piece_points.clear();
+/// A facet that is not wholly lit in a cell.
+#[derive(Debug, Clone, Copy)]
+struct Entry {
+    facet: u32,
+    column: u32,
+    /// Its lit polygons among those of the row.
+    first: u32,
+    end: u32,
+}
+
+impl Row {
+    fn clear(&mut self) {
+        self.entries.clear();
+        self.polygon_end.clear();
+        self.points.clear();
     }
 
-    fn close(&mut self) {
-        let Some(drawing) = self.drawing else { return };
-        if self.cut.is_empty() {
-            return;
-        }
-        self.cut.sort_unstable();
-        self.cut.dedup();
-        let (mut clipped, mut spare) = (Vec::new(), Vec::new());
-        for &facet in &self.cut {
-            let first = self.polygon_end.len() as u32;
-            for (_, from, to) in self.pieces.iter().filter(|p| p.0 == facet) {
-                self.points.extend_from_slice(&self.piece_points[*from as usize..*to as usize]);
-                self.polygon_end.push(self.points.len() as u32);
-            }
-            for (_, rect) in self.whole.iter().filter(|w| w.0 == facet) {
-                clip_to_rect(&drawing.outline(facet), rect, &mut clipped, &mut spare);
-                if !clipped.is_empty() {
-                    self.points.extend_from_slice(&clipped);
-                    self.polygon_end.push(self.points.len() as u32);
-                }
-            }
-            self.entries.push((facet, self.column, first, self.polygon_end.len() as u32));
-        }
+    fn add(&mut self, polygon: &[Point]) {
+        self.points.extend_from_slice(polygon);
+        self.polygon_end.push(self.points.len() as u32);
     }
 
     fn polygon(&self, i: u32) -> &[Point] {
         let start = if i == 0 { 0 } else { self.polygon_end[i as usize - 1] };
         &self.points[start as usize..self.polygon_end[i as usize] as usize]
     }
+}
+
+/// What the Sun sees in a cell: facets of which something is hidden, and what is seen of each facet.
+struct CellShadows<'a> {
+    drawing: &'a Drawing<'a>,
+    cut: Vec<u32>,
+    whole: Vec<(u32, Rect)>,
+    /// A stretch of the points for each piece of a facet.
+    pieces: Vec<(u32, std::ops::Range<usize>)>,
+    points: Vec<Point>,
+    clipped: Vec<Point>,
+    spare: Vec<Point>,
+}
+
+impl<'a> CellShadows<'a> {
+    fn new(drawing: &'a Drawing<'a>) -> Self {
+        CellShadows {
+            drawing,
+            cut: vec![],
+            whole: vec![],
+            pieces: vec![],
+            points: vec![],
+            clipped: vec![],
+            spare: vec![],
+        }
+    }
+
+    fn clear(&mut self) {
+        self.cut.clear();
+        self.whole.clear();
+        self.pieces.clear();
+        self.points.clear();
+    }
+
+    fn append_to(&mut self, row: &mut Row, column: u32) {
+        if self.cut.is_empty() {
+            return;
+        }
+        self.cut.sort_unstable();
+        self.cut.dedup();
+        // Both in the order of `cut`; pieces of a facet stay in theirs.
+        self.pieces.sort_by_key(|p| p.0);
+        self.whole.sort_by_key(|w| w.0);
+        let (mut pieces, mut whole) = (self.pieces.iter().peekable(), self.whole.iter().peekable());
+        for &facet in &self.cut {
+            let first = row.polygon_end.len() as u32;
+            while let Some((of, points)) = pieces.next_if(|p| p.0 <= facet) {
+                if *of == facet {
+                    row.add(&self.points[points.clone()]);
+                }
+            }
+            while let Some((of, rect)) = whole.next_if(|w| w.0 <= facet) {
+                if *of == facet {
+                    clip_to_rect(&self.drawing.outline(facet), rect, &mut self.clipped, &mut self.spare);
+                    if !self.clipped.is_empty() {
+                        row.add(&self.clipped);
+                    }
+                }
+            }
+            row.entries.push(Entry { facet, column, first, end: row.polygon_end.len() as u32 });
+        }
+    }
 
     fn receives(&self, facet: u32) -> bool {
-        self.drawing.is_some_and(|d| d.side(facet) == Side::Front)
+        self.drawing.side(facet) == Side::Front
     }
 }
 
 // The parallel view cuts no facets, so a triangle's index is its facet's.
-impl Visit for RowShadows<'_> {
+impl Visit for CellShadows<'_> {
     fn settled(&mut self, _: &[u32], _: &Rect) {}
 
     fn whole(&mut self, facet: u32, rect: &Rect) {
@@ -124,20 +169,20 @@ impl Visit for RowShadows<'_> {
 
     fn piece(&mut self, facet: u32, _: &Rect, polygon: &[Point]) {
         if self.receives(facet) {
-            let from = self.piece_points.len() as u32;
-            self.piece_points.extend_from_slice(polygon);
-            self.pieces.push((facet, from, self.piece_points.len() as u32));
+            let from = self.points.len();
+            self.points.extend_from_slice(polygon);
+            self.pieces.push((facet, from..self.points.len()));
         }
     }
 }
 
 /// Gathers what the cells say about each facet.
-fn assemble(drawing: &Drawing, facets: usize, rows: &[RowShadows]) -> Sunlit {
+fn assemble(drawing: &Drawing, facets: usize, rows: &[Row]) -> Sunlit {
     // Entries by facet: (row, entry), rows ascending.
     let mut start = vec![0u32; facets + 1];
     for row in rows {
         for e in &row.entries {
-            start[e.0 as usize + 1] += 1;
+            start[e.facet as usize + 1] += 1;
         }
     }
     for i in 0..facets {
@@ -147,7 +192,7 @@ fn assemble(drawing: &Drawing, facets: usize, rows: &[RowShadows]) -> Sunlit {
     let mut fill = start.clone();
     for (r, row) in rows.iter().enumerate() {
         for (i, e) in row.entries.iter().enumerate() {
-            let at = &mut fill[e.0 as usize];
+            let at = &mut fill[e.facet as usize];
             entry[*at as usize] = (r as u32, i as u32);
             *at += 1;
         }
@@ -189,7 +234,7 @@ struct Gather {
 }
 
 impl Gather {
-    fn facet(&mut self, drawing: &Drawing, facet: u32, entries: &[(u32, u32)], rows: &[RowShadows], out: &mut Sunlit) {
+    fn facet(&mut self, drawing: &Drawing, facet: u32, entries: &[(u32, u32)], rows: &[Row], out: &mut Sunlit) {
         if drawing.side(facet) != Side::Front {
             out.lit.push(Lit::Dark);
             return;
@@ -223,9 +268,9 @@ impl Gather {
             };
             while next < entries.len() && entries[next].0 == row {
                 let cells = &rows[row as usize];
-                let (_, column, first, last) = cells.entries[entries[next].1 as usize];
+                let Entry { column, first, end, .. } = cells.entries[entries[next].1 as usize];
                 close_run(run, column, &mut add);
-                for i in first..last {
+                for i in first..end {
                     add(cells.polygon(i));
                 }
                 run = column + 1;

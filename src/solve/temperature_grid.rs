@@ -60,17 +60,17 @@ impl TemperatureGrid {
         // Lagrange's polynomials on the points -2 .. 3.
         let t = x - i as f64;
         let (a, b, c, d, e, f) = (t + 2.0, t + 1.0, t, t - 1.0, t - 2.0, t - 3.0);
-        Some((
-            i - 2,
-            [
-                b * c * d * e * f / -120.0,
-                a * c * d * e * f / 24.0,
-                a * b * d * e * f / -12.0,
-                a * b * c * e * f / 12.0,
-                a * b * c * d * f / -24.0,
-                a * b * c * d * e / 120.0,
-            ],
-        ))
+        let (ab, cd, ef) = (a * b, c * d, e * f);
+        let (abcd, abef, cdef) = (ab * cd, ab * ef, cd * ef);
+        let weights = [
+            -1.0 / 120.0 * b * cdef,
+            1.0 / 24.0 * a * cdef,
+            -1.0 / 12.0 * d * abef,
+            1.0 / 12.0 * c * abef,
+            -1.0 / 24.0 * abcd * f,
+            1.0 / 120.0 * abcd * e,
+        ];
+        Some((i - 2, weights))
     }
 }
 

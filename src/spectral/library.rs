@@ -134,7 +134,7 @@ mod tests {
 
     #[test]
     fn bands_see_means_in_ascending_order() {
-        let bands = [(3.0, None), (2.0, Some(0.1)), (1.5, Some(0.2))].map(|(c, f)| Band { centre_um: c, fwhm_um: f });
+        let bands = [(3.0, None), (2.0, Some(0.1)), (1.5, Some(0.1))].map(|(c, f)| Band { centre_um: c, fwhm_um: f });
         let seen = library().resample(&bands).unwrap();
         assert_eq!(seen.wavelength_um, [1.5, 2.0, 3.0]);
         let reflectance = seen.column("Reflectance").unwrap();

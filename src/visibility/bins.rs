@@ -31,11 +31,16 @@ impl Bins {
         Bins { pieces: stretches.into_par_iter().map(|range| Piece::new(drawing, range)).collect() }
     }
 
+    /// The triangles of a cell.
+    pub(super) fn triangles(&self, cell: usize) -> impl Iterator<Item = u32> {
+        self.pieces.iter().flat_map(move |piece| piece.cell(cell)).copied()
+    }
+
     /// Writes the triangles of a cell into `list`.
     pub(super) fn cell(&self, cell: usize, list: &mut Vec<u32>) {
         list.clear();
         for piece in &self.pieces {
-            list.extend_from_slice(&piece.triangle[piece.start[cell] as usize..piece.start[cell + 1] as usize]);
+            list.extend_from_slice(piece.cell(cell));
         }
     }
 }
@@ -60,6 +65,10 @@ impl Piece {
             });
         }
         Piece { start, triangle }
+    }
+
+    fn cell(&self, cell: usize) -> &[u32] {
+        &self.triangle[self.start[cell] as usize..self.start[cell + 1] as usize]
     }
 }
 

@@ -5,6 +5,7 @@
 //! nothing needs to be compared. Elsewhere what lies behind the nearest [whole sheet](Front) is set aside; if more than that
 //! sheet is left, the cell is quartered until few facets remain, then [partitioned](super::partition).
 
+use rayon::prelude::*;
 use robust::{Coord, orient2d};
 
 use super::bins::Bins;
@@ -51,6 +52,8 @@ const DEEPEST: u32 = 25;
 pub struct Coverage<'a> {
     drawing: &'a Drawing<'a>,
     bins: Bins,
+    /// Cells with exactly one layer everywhere, or none.
+    settled: Vec<bool>,
 }
 
 /// A part of a cell: where, how deep, and its stretch of the list of candidates.
@@ -70,9 +73,26 @@ pub struct Scratch {
 }
 
 impl<'a> Coverage<'a> {
-    /// Sorts a drawing's triangles into its cells.
+    /// Sorts a drawing's triangles into its cells, and finds those that one layer covers, or none.
     pub fn new(drawing: &'a Drawing<'a>) -> Self {
-        Coverage { drawing, bins: Bins::new(drawing) }
+        let bins = Bins::new(drawing);
+        let columns = drawing.grid.columns as usize;
+        let mut settled = vec![false; columns * drawing.grid.rows as usize];
+        settled.par_chunks_mut(columns.max(1)).enumerate().for_each(|(row, settled)| {
+            // No open edge between two such cells: what is counted in one holds in the other.
+            let mut layers = None;
+            for (column, settled) in settled.iter_mut().enumerate() {
+                let rect = drawing.grid.cell(column as u32, row as u32);
+                let cell = row * columns + column;
+                layers = if bins.triangles(cell).any(|t| open_edge_crosses(drawing, t, &rect)) {
+                    None
+                } else {
+                    Some(layers.unwrap_or_else(|| layers_at(drawing, bins.triangles(cell), rect.centre())))
+                };
+                *settled = matches!(layers, Some(0 | 1));
+            }
+        });
+        Coverage { drawing, bins, settled }
     }
 
     /// The drawing.
@@ -86,7 +106,7 @@ impl<'a> Coverage<'a> {
         let Scratch { triangles, candidates, list, stack, waiting, front, layers, partition } = scratch;
         self.bins.cell(cell, triangles);
         let rect = self.drawing.grid.cell(column, row);
-        if self.is_settled(&rect, triangles) {
+        if self.settled[cell] {
             visit.settled(triangles, &rect);
             return;
         }
@@ -126,21 +146,17 @@ impl<'a> Coverage<'a> {
             }
         }
     }
+}
 
-    /// Whether the cell has exactly one layer everywhere, or none.
-    fn is_settled(&self, rect: &Rect, triangles: &[u32]) -> bool {
-        let centre = rect.centre();
-        let mut layers = 0;
-        for &t in triangles {
-            let outline = self.drawing.outline(t);
-            let open = self.drawing.open_sides(t);
-            if open != 0 && open_side_crosses(open, &outline, rect) {
-                return false;
-            }
-            layers += u32::from(covers(&outline, centre));
-        }
-        layers == 1 || triangles.is_empty()
-    }
+/// Whether one of a triangle's sides that are open may cross a cell.
+fn open_edge_crosses(drawing: &Drawing, triangle: u32, rect: &Rect) -> bool {
+    let open = drawing.open_sides(triangle);
+    open != 0 && open_side_crosses(open, &drawing.outline(triangle), rect)
+}
+
+/// How many triangles cover a point.
+fn layers_at(drawing: &Drawing, triangles: impl Iterator<Item = u32>, at: Point) -> usize {
+    triangles.filter(|t| covers(&drawing.outline(*t), at)).count()
 }
 
 /// The nearest sheet of facets that hang together and cover a rectangle once, without an open edge in it.

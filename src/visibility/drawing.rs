@@ -119,13 +119,12 @@ impl<'a> Drawing<'a> {
     pub fn from_sun(mesh: &'a Mesh, topology: &'a Topology, towards: Direction, cells: f64) -> Self {
         let (h, v) = long_and_short(mesh, towards);
         let u = -towards.vec();
-        let used = |f: fn(f64, f64) -> f64, start: f64| {
-            mesh.facets.iter().flatten().fold([start; 2], |m, &i| {
-                let p = mesh.vertices_m[i as usize];
-                [f(m[0], p.dot(h)), f(m[1], p.dot(v))]
-            })
-        };
-        let (lo, hi) = (used(f64::min, f64::INFINITY), used(f64::max, f64::NEG_INFINITY));
+        let (mut lo, mut hi) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for p in mesh.used_vertices_m() {
+            let at = [p.dot(h), p.dot(v)];
+            lo = [lo[0].min(at[0]), lo[1].min(at[1])];
+            hi = [hi[0].max(at[0]), hi[1].max(at[1])];
+        }
         let side = cells.sqrt().ceil().clamp(1.0, 4096.0);
         let grid = Grid { columns: side as u32, rows: side as u32 };
         // A margin of 1e-3 cells keeps the outermost points inside.

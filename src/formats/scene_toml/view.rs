@@ -82,8 +82,8 @@ impl Reader<'_> {
     fn fitted(&mut self, pose: &Pose, samples: u32, lines: u32, mesh: &Mesh) -> Option<f64> {
         let sensor_from_world = pose.inverse();
         let mut pitch = 0.0_f64;
-        for &vertex in mesh.facets.iter().flatten() {
-            let v = sensor_from_world.point(mesh.vertices_m[vertex as usize]);
+        for vertex_m in mesh.used_vertices_m() {
+            let v = sensor_from_world.point(vertex_m);
             if v.z > 0.0 {
                 pitch = pitch.max((v.x / v.z).abs() / (0.5 * f64::from(samples)));
                 pitch = pitch.max((v.y / v.z).abs() / (0.5 * f64::from(lines)));
