@@ -98,7 +98,7 @@ mod tests {
         for origin_m in [DVec3::ZERO, DVec3::Z, DVec3::NEG_Z, DVec3::new(1.0, -2.0, 3.0)] {
             let site = dart_from_body(origin_m);
             assert!((site.determinant() - 1.0).abs() < 1e-15);
-            assert!((site * origin_m - DVec3::Z * origin_m.length()).length() < 1e-15 * origin_m.length());
+            assert!((site * origin_m - DVec3::Z * origin_m.length()).length() <= 1e-15 * origin_m.length());
         }
     }
 
