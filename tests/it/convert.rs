@@ -336,11 +336,11 @@ fn a_scene_goes_to_dart_and_comes_back() {
     assert_eq!(run(&["convert", &argument("scene.toml"), &argument("dart")]).0, 1);
     assert_eq!(run(&["convert", &argument("scene.toml"), &argument("dart"), "--force"]).0, 0);
     // A mistake is found.
-    let path = scratch.join("dart/input/coeff_diff.xml");
+    let path = scratch.join("dart/input/object_3d.xml");
     let text = std::fs::read_to_string(&path).unwrap();
-    std::fs::write(&path, text.replace("mmxrt_lambertian.db", "lost.db")).unwrap();
-    let (_, out, _) = run(&["convert", "--check", &argument("dart")]);
-    assert!(out.contains("coeff_diff.xml:") && out.contains("lost.db"), "{out}");
+    std::fs::write(&path, text.replace("indexFctPhase=\"0\"", "indexFctPhase=\"99\"")).unwrap();
+    let (code, out, _) = run(&["convert", "--check", &argument("dart")]);
+    assert!(code == 1 && out.contains("error: ") && out.contains("object_3d.xml:") && out.contains("99"), "{out}");
 }
 
 #[cfg(feature = "sqlite")]
