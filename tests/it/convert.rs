@@ -321,7 +321,7 @@ fn a_scene_goes_to_dart_and_comes_back() {
     assert_eq!((&json["from"], &json["written"]), (&Value::from("dart"), &Value::from(true)));
     let (code, out, _) = run(&["convert", "--diff", &argument("scene.toml"), &argument("back/scene.toml")]);
     assert_eq!((code, out.as_str()), (0, "the same in meaning\n"));
-    // Two simulations: the same, and one for another version.
+    // Two simulations: the same.
     assert_eq!(run(&["convert", &argument("back/scene.toml"), &argument("again")]).0, 0);
     let (code, out, _) = run(&["convert", "--diff", &argument("dart"), &argument("again")]);
     assert_eq!((code, out.as_str()), (0, "the same in meaning\n"));

@@ -181,18 +181,31 @@ impl Reader<'_> {
     }
 
     fn bands(&mut self) -> Vec<Band> {
-        let mut rectangles = None;
+        let (mut rectangles, mut wide) = (None, None);
         let intervals = &self.simulation.phase.bands;
         let bands = intervals.iter().enumerate().map(|(i, interval)| {
             let kept = self.sidecar.as_ref().and_then(|s| s.band(i, interval.mean_um));
-            kept.filter(|band| same(width_um(band), interval.width_um)).unwrap_or_else(|| {
-                rectangles.get_or_insert(&interval.at);
-                Band { centre_um: interval.mean_um, fwhm_um: (interval.width_um > 0.0).then_some(interval.width_um) }
-            })
+            if let Some(band) = kept.filter(|band| same(width_um(band), interval.width_um)) {
+                return band;
+            }
+            let fwhm_um = (interval.width_um > 0.0).then_some(interval.width_um);
+            let band = Band { centre_um: interval.mean_um, fwhm_um };
+            // Where sunlight is not known, or below all wavelengths.
+            if fwhm_um.is_some() && band.support_um().0 < solar_e490().coverage_um().0 {
+                wide.get_or_insert(&interval.at);
+                return Band { fwhm_um: None, ..band };
+            }
+            rectangles.get_or_insert(&interval.at);
+            band
         });
         let bands = bands.collect();
         if let Some(at) = rectangles {
             let message = "DART's bands are rectangles: taken as Gaussian responses with the same full width";
+            self.report.note(Fate::Approximated, at.clone(), message);
+        }
+        if let Some(at) = wide {
+            let message =
+                "a Gaussian response as wide as this band would reach beyond sunlight: taken at the centre alone";
             self.report.note(Fate::Approximated, at.clone(), message);
         }
         bands
