@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
-use crate::error::{Error, Location, Result};
+use crate::error::{Error, Location, Problem, Result};
 use crate::progress::{Watch, tell};
 use crate::report::{Fate, Report};
 use crate::scene::{Photometry, Scene};
@@ -103,13 +103,28 @@ pub fn convert(input: &Path, output: &Path, options: &Options, watch: Watch<'_>)
     tell(watch, "converting", 0, 1)?;
     let size = content.size();
     let job = Job { input, output, options, report: &mut report, watch };
-    let written = job.write(content, to)?;
+    let written = job.write(content, to).map_err(|e| of_input(e, input))?;
     tell(watch, "converting", 1, 1)?;
     for note in &mut report.notes {
         // What is known without the file is of the input.
         note.at.file.get_or_insert_with(|| input.to_owned());
     }
     Ok(Conversion { from, to, report, written, size })
+}
+
+/// An error about a scene as it was read, whose items are those of the input.
+fn of_input(error: Error, input: &Path) -> Error {
+    let placed = |mut at: Location| {
+        at.file.get_or_insert_with(|| input.to_owned());
+        at
+    };
+    match error {
+        Error::Unsupported { at, feature } => Error::Unsupported { at: placed(at), feature },
+        Error::Invalid(problems) => {
+            Error::Invalid(problems.into_iter().map(|p| Problem { at: placed(p.at), ..p }).collect())
+        }
+        other => other,
+    }
 }
 
 /// Reads a file or folder of any format, with what of it is not taken.
