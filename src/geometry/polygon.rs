@@ -235,6 +235,13 @@ pub fn side(a: Point, b: Point, p: Point) -> f64 {
     Line::through(a, b).side(p)
 }
 
+/// Whether a counter-clockwise polygon holds a point, its border included.
+pub fn holds(polygon: &[Point], p: Point) -> bool {
+    !polygon.is_empty()
+        && (0..polygon.len())
+            .all(|i| side(polygon[i], polygon[if i + 1 == polygon.len() { 0 } else { i + 1 }], p) >= 0.0)
+}
+
 /// The part of a convex polygon inside a rectangle, appended to nothing: `out` is cleared first.
 pub fn clip_to_rect(polygon: &[Point], rect: &Rect, out: &mut Vec<Point>, spare: &mut Vec<Point>) {
     out.clear();

@@ -5,11 +5,9 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 
 use crate::geometry::Mesh;
-use crate::geometry::polygon::{Point, Rect, area, clip_to_rect, intersect};
+use crate::geometry::polygon::{Point, Rect, area, clip_to_rect, holds, intersect};
 use crate::product::{Lit, Sunlit};
 use crate::scene::FrameCamera;
-
-use super::pixel::holds;
 
 /// Facets with more lit polygons than this keep them sorted for the image line at hand.
 const MANY: usize = 16;
@@ -142,7 +140,7 @@ impl<'a> LitArea<'a> {
         } else if polygons.len() > MANY {
             let view = FacetView::new(self.mesh, self.camera, facet);
             let bounds = window.bounds();
-            let (mut common, mut spare) = (Vec::new(), Vec::new());
+            let (mut common, mut spare) = (std::mem::take(&mut self.common), std::mem::take(&mut self.spare));
             for (reach, mapped) in self.line_polygons(facet, &view, polygons) {
                 if reach.min[0] >= bounds.max[0] {
                     break;
@@ -151,6 +149,7 @@ impl<'a> LitArea<'a> {
                     lit += window.common_area(mapped, &mut common, &mut spare);
                 }
             }
+            (self.common, self.spare) = (common, spare);
         } else {
             if self.last != Some(facet) {
                 self.map(&FacetView::new(self.mesh, self.camera, facet), polygons);

@@ -1,6 +1,6 @@
 //! What one pixel sees: the facets, their areas in the image, and how much of that is lit.
 
-use crate::geometry::polygon::{Point, Rect, area_and_moment, clip_to_rect, side};
+use crate::geometry::polygon::{Point, Rect, area_and_moment, clip_to_rect, holds};
 use crate::visibility::{Drawing, Scratch, Side, Visit};
 
 use super::lit::{LitArea, Window};
@@ -159,11 +159,4 @@ impl Visit for Pixel<'_> {
             self.centre = Some(facet);
         }
     }
-}
-
-/// Whether a counter-clockwise polygon holds a point, its border included.
-pub(super) fn holds(polygon: &[Point], p: Point) -> bool {
-    !polygon.is_empty()
-        && (0..polygon.len())
-            .all(|i| side(polygon[i], polygon[if i + 1 == polygon.len() { 0 } else { i + 1 }], p) >= 0.0)
 }
