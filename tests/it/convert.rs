@@ -341,6 +341,12 @@ fn a_scene_goes_to_dart_and_comes_back() {
     std::fs::write(&path, text.replace("indexFctPhase=\"0\"", "indexFctPhase=\"99\"")).unwrap();
     let (code, out, _) = run(&["convert", "--check", &argument("dart")]);
     assert!(code == 1 && out.contains("error: ") && out.contains("object_3d.xml:") && out.contains("99"), "{out}");
+    // And so is a database that was cut off.
+    let database = scratch.join("new/input/mmxrt_lambertian.db");
+    let bytes = std::fs::read(&database).unwrap();
+    std::fs::write(&database, &bytes[..4000]).unwrap();
+    let (code, out, _) = run(&["convert", "--check", &argument("new")]);
+    assert!(code == 1 && out.contains("mmxrt_lambertian.db") && out.contains("4000"), "{out}");
 }
 
 #[cfg(feature = "sqlite")]

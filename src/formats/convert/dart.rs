@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use crate::error::{Error, Location, Result};
+use crate::error::{Error, Location, Problem, Result};
 use crate::formats::dart::{self, Coverage, Finding, Severity, Step, WriteOptions, database::Database};
 use crate::formats::dart::{SceneOptions, Target};
 use crate::progress::Watch;
@@ -88,53 +88,82 @@ pub fn check(input: &Path, options: &Options) -> Result<Vec<Finding>> {
     };
     match format {
         Format::Dart => {
-            let databases = RefCell::new(BTreeMap::new());
-            Ok(dart::check(&path, &reading(options), &|path, model| coverage(&mut databases.borrow_mut(), path, model)))
+            let databases = RefCell::new(Databases::default());
+            let mut findings =
+                dart::check(&path, &reading(options), &|path, model| databases.borrow_mut().coverage(path, model));
+            for error in databases.into_inner().refused {
+                findings.extend(refused(error)?);
+            }
+            Ok(findings)
         }
         Format::Database => check_database(&path),
         other => Err(unsupported(input, &format!("checking {}", other.about().name))),
     }
 }
 
-/// What a table of a database covers; databases stay open, because many tables are asked for.
-fn coverage(open: &mut BTreeMap<PathBuf, Option<Database>>, path: &Path, model: &str) -> Option<Coverage> {
-    let database = open.entry(path.to_owned()).or_insert_with(|| Database::open(path).ok()).as_ref()?;
-    let (library, _) = database.read(model).ok()?;
-    let reflectance = library.column("reflectance").map(|values| values.iter().copied().fold(0.0, f64::max));
-    // As it stands there: in percent.
-    Some(Coverage { range_um: library.coverage_um()?, largest_reflectance: reflectance.map(|r| 100.0 * r) })
+/// Databases that a check has asked; they stay open, because many tables are asked for.
+#[derive(Default)]
+struct Databases {
+    open: BTreeMap<PathBuf, Option<Database>>,
+    /// What could not be read.
+    refused: Vec<Error>,
+}
+
+impl Databases {
+    /// What a table covers.
+    fn coverage(&mut self, path: &Path, model: &str) -> Option<Coverage> {
+        let Databases { open, refused } = self;
+        let database = open.entry(path.to_owned()).or_insert_with(|| match Database::open(path) {
+            Ok(database) => Some(database),
+            // Built without SQLite: the rest is checked all the same.
+            Err(Error::Unsupported { .. }) => None,
+            Err(error) => {
+                refused.push(error);
+                None
+            }
+        });
+        let library = match database.as_ref()?.read(model) {
+            Ok((library, _)) => library,
+            Err(error) => {
+                refused.push(error);
+                return None;
+            }
+        };
+        let reflectance = library.column("reflectance").map(|values| values.iter().copied().fold(0.0, f64::max));
+        // As it stands there: in percent.
+        Some(Coverage { range_um: library.coverage_um()?, largest_reflectance: reflectance.map(|r| 100.0 * r) })
+    }
+}
+
+/// What is refused of a database, as findings; other errors end the check.
+fn refused(error: Error) -> Result<Vec<Finding>> {
+    let problems: Vec<Problem> = match error {
+        Error::Invalid(problems) => problems,
+        Error::Syntax { at, message } => vec![Problem::new(at, message)],
+        other => return Err(other),
+    };
+    let finding = |p: Problem| Finding {
+        severity: Severity::Error,
+        at: p.at,
+        what: p.message,
+        effect: "DART does not check this".into(),
+        fix: p.help.unwrap_or_else(|| "write the table again".into()),
+    };
+    Ok(problems.into_iter().map(finding).collect())
 }
 
 /// Every model of a database is read; what is refused is an error, what is noted a warning.
 fn check_database(path: &Path) -> Result<Vec<Finding>> {
     let mut findings = Vec::new();
-    let mut refused = |error: Error| -> Result<()> {
-        let problems = match error {
-            Error::Invalid(problems) => problems.into_iter().map(|p| (p.at, p.message, p.help)).collect(),
-            Error::Syntax { at, message } => vec![(at, message, None)],
-            other => return Err(other),
-        };
-        findings.extend(problems.into_iter().map(|(at, what, help)| Finding {
-            severity: Severity::Error,
-            at,
-            what,
-            effect: "DART does not check this".into(),
-            fix: help.unwrap_or_else(|| "write the table again".into()),
-        }));
-        Ok(())
-    };
     let database = match Database::open(path) {
         Ok(database) => database,
-        Err(error) => {
-            refused(error)?;
-            return Ok(findings);
-        }
+        Err(error) => return refused(error),
     };
     let mut notes = Vec::new();
     for model in database.models() {
         match database.read(&model.name) {
             Ok((_, report)) => notes.extend(report.notes),
-            Err(error) => refused(error)?,
+            Err(error) => findings.extend(refused(error)?),
         }
     }
     findings.extend(notes.into_iter().map(|note| Finding {
