@@ -1,11 +1,13 @@
-//! What is computed: facet tables, footprints, cubes, backplanes.
+//! What is computed, here or elsewhere: facet tables, radiance maps, footprints, cubes, backplanes.
 
 mod backplanes;
 mod cube;
 mod facet_table;
 mod footprints;
+mod radiance_map;
 
 pub use backplanes::{Backplanes, Plane};
 pub use cube::Cube;
 pub use facet_table::{FacetTable, Lit, Sunlit};
 pub use footprints::Footprints;
+pub use radiance_map::{Atlas, Eye, Patches, Placement, Projection, RadianceMap, TexelSource, ViewImage};

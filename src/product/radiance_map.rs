@@ -1,0 +1,188 @@
+//! Radiance that was computed elsewhere: where a map's texels lie in a scene, and what they hold.
+
+use glam::{DMat3, DVec3};
+
+use crate::error::Result;
+use crate::geometry::Direction;
+use crate::scene::FrameCamera;
+use crate::spectral::Band;
+
+/// From a local point, m, to homogeneous texel coordinates: linear (p - origin) + offset = (column, row, 1) w.
+///
+/// Texel (0, 0) is the square from (0, 0) to (1, 1); columns run along a line, rows from line to line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Projection {
+    /// Texels per metre; the last row is zero for parallel projections.
+    pub linear: DMat3,
+    /// A point near the scene, or the projection centre, local, m.
+    pub origin_m: DVec3,
+    /// Homogeneous texel coordinates of that point.
+    pub offset: DVec3,
+}
+
+impl Projection {
+    /// That of a camera: texels are its pixels.
+    pub fn of_camera(camera: &FrameCamera) -> Self {
+        let sensor_from_world = camera.world_from_sensor.rotation.transpose();
+        let [x, y] = camera.boresight_px();
+        // Columns of the matrix that takes (x, y, z) of the sensor to pixels times depth.
+        let pixels = DMat3::from_cols(
+            DVec3::new(1.0 / camera.pitch, 0.0, 0.0),
+            DVec3::new(0.0, 1.0 / camera.pitch, 0.0),
+            DVec3::new(x, y, 1.0),
+        );
+        Projection { linear: pixels * sensor_from_world, origin_m: camera.centre_m(), offset: DVec3::ZERO }
+    }
+
+    /// A parallel projection: steps from column to column and from row to row in texels per metre, and the texel coordinates of
+    /// `origin_m`.
+    pub fn parallel(column_per_m: DVec3, row_per_m: DVec3, origin_m: DVec3, texel_of_origin: [f64; 2]) -> Self {
+        let linear = DMat3::from_cols(column_per_m, row_per_m, DVec3::ZERO).transpose();
+        let [column, row] = texel_of_origin;
+        Projection { linear, origin_m, offset: DVec3::new(column, row, 1.0) }
+    }
+
+    /// Homogeneous texel coordinates of a local point, m; the third is positive in front of the viewer.
+    pub fn homogeneous(&self, p_m: DVec3) -> DVec3 {
+        self.linear * (p_m - self.origin_m) + self.offset
+    }
+
+    /// Texel coordinates (column, row) of a local point, m.
+    pub fn texel(&self, p_m: DVec3) -> [f64; 2] {
+        let h = self.homogeneous(p_m);
+        [h.x / h.z, h.y / h.z]
+    }
+}
+
+/// From where an image was seen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Eye {
+    /// A point, local, m.
+    At(DVec3),
+    /// From infinity, in this direction.
+    Towards(Direction),
+}
+
+/// An image of the scene whose texels are put back onto what they saw.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ViewImage {
+    /// Where a point appears.
+    pub projection: Projection,
+    /// From where.
+    pub eye: Eye,
+    /// Lines of texels.
+    pub rows: usize,
+    /// Texels in a line.
+    pub columns: usize,
+    /// Whether a surface that others hide from the eye is unknown; if not, the image goes through everything.
+    pub occlusion: bool,
+}
+
+/// Convex parts of facets, each a texel's.
+///
+/// Vertices are (u, v) on the facet, as in [`Sunlit`](super::Sunlit).
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Patches {
+    /// Number of texels.
+    pub texels: usize,
+    /// The facet of each polygon, ascending.
+    pub polygon_facet: Vec<u32>,
+    /// The texel of each polygon.
+    pub polygon_texel: Vec<u32>,
+    /// First vertex of each polygon, and the number of vertices as the last element.
+    pub polygon_start: Vec<u32>,
+    /// Vertices of the polygons.
+    pub uv: Vec<[f64; 2]>,
+}
+
+/// Texture coordinates of a mesh's facets, for an image of `rows` x `columns` texels.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Atlas {
+    /// Texel coordinates (column, row) of each facet's corners.
+    pub corners: Vec<[[f64; 2]; 3]>,
+    /// Lines of texels.
+    pub rows: usize,
+    /// Texels in a line.
+    pub columns: usize,
+}
+
+/// Where a map's texels lie in a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Placement {
+    /// Texel i is facet i, of so many.
+    Facets(usize),
+    /// Texels are parts of facets.
+    Patches(Patches),
+    /// Texels are pixels of an image of the scene.
+    View(Box<ViewImage>),
+    /// Texels are pixels of an image that the mesh's texture coordinates address.
+    Atlas(Atlas),
+}
+
+impl Placement {
+    /// Number of texels.
+    pub fn texels(&self) -> usize {
+        match self {
+            Placement::Facets(facets) => *facets,
+            Placement::Patches(patches) => patches.texels,
+            Placement::View(view) => view.rows * view.columns,
+            Placement::Atlas(atlas) => atlas.rows * atlas.columns,
+        }
+    }
+}
+
+/// Spectral radiance of texels, read a band at a time: all bands of a large map need not fit into memory.
+pub trait TexelSource: Send {
+    /// The map's bands.
+    fn bands(&self) -> &[Band];
+
+    /// Reads a band, W m-2 sr-1 um-1: a value for each texel, line by line; NaN where there is none. `values` is cleared first.
+    ///
+    /// Bands are asked for in ascending order, each at most twice.
+    ///
+    /// # Errors
+    /// [`Error::Io`](crate::Error::Io), or [`Error::Invalid`](crate::Error::Invalid) for a value that no radiance has.
+    fn read(&mut self, band: usize, values: &mut Vec<f64>) -> Result<()>;
+}
+
+/// A radiance map: texels, and where they lie.
+pub struct RadianceMap {
+    /// What it is called in reports.
+    pub name: String,
+    /// Where its texels lie.
+    pub placement: Placement,
+    /// What they hold.
+    pub source: Box<dyn TexelSource>,
+    /// What the map's radiance is multiplied by.
+    pub weight: f64,
+}
+
+impl std::fmt::Debug for RadianceMap {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("RadianceMap").field("name", &self.name).finish_non_exhaustive()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Pose;
+
+    #[test]
+    fn a_camera_projects_as_its_rays_go() {
+        // Boresight down, right is +x: a point 2 m east and 1 m south of the axis, 100 m below, pitch 0.01: 2 and 1 pixels.
+        let rotation = DMat3::from_cols(DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z);
+        let world_from_sensor = Pose { rotation, translation_m: DVec3::new(5.0, 6.0, 107.0) };
+        let camera = FrameCamera { world_from_sensor, samples: 8, lines: 6, pitch: 0.01 };
+        let projection = Projection::of_camera(&camera);
+        assert_eq!(projection.texel(DVec3::new(7.0, 5.0, 7.0)), [6.0, 4.0]);
+        assert!(projection.homogeneous(DVec3::new(7.0, 5.0, 108.0)).z < 0.0);
+    }
+
+    #[test]
+    fn a_parallel_projection_counts_texels_from_its_origin() {
+        let origin_m = DVec3::new(1.0, 2.0, 3.0);
+        let projection = Projection::parallel(DVec3::Y * 2.0, DVec3::X * 0.5, origin_m, [10.0, 20.0]);
+        assert_eq!(projection.texel(DVec3::new(5.0, 3.0, -9.0)), [12.0, 22.0]);
+    }
+}
