@@ -36,6 +36,7 @@ impl From<ObjFile> for Surface {
             facets: obj.facets,
             material: obj.facet_material.into_iter().map(MaterialId).collect(),
             face_of_facet: obj.face_of_facet,
+            uv: vec![],
         };
         Surface { mesh, materials: obj.materials, origin_m: None }
     }

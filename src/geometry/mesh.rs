@@ -18,6 +18,9 @@ pub struct Mesh {
     /// The face (polygon of the input, counted from 0 through all meshes) that each facet was cut from.
     /// Empty: facet i is face i.
     pub face_of_facet: Vec<u32>,
+    /// Texture coordinates of each facet's corners: u to the right of an image, v up, both 0 to 1; NaN where a facet has none.
+    /// Empty: no facet has any.
+    pub uv: Vec<[[f64; 2]; 3]>,
 }
 
 /// One facet's corners, with what follows from them.
@@ -57,6 +60,9 @@ impl Facet {
     }
 }
 
+/// Texture coordinates of a facet that has none.
+pub const NO_UV: [[f64; 2]; 3] = [[f64::NAN; 2]; 3];
+
 impl Mesh {
     /// A facet.
     pub fn facet(&self, facet: usize) -> Facet {
@@ -89,6 +95,11 @@ impl Mesh {
             }
             let faces = self.face_of_facet.iter().max().map_or(0, |f| f + 1);
             self.face_of_facet.extend((0..other.facets.len()).map(|i| faces + other.face(i)));
+        }
+        if !self.uv.is_empty() || !other.uv.is_empty() {
+            self.uv.resize(self.facets.len(), NO_UV);
+            self.uv.extend(&other.uv);
+            self.uv.resize(self.facets.len() + other.facets.len(), NO_UV);
         }
         self.vertices_m.extend(other.vertices_m);
         self.facets.extend(other.facets.iter().map(|f| f.map(|v| v + base)));
@@ -144,6 +155,7 @@ mod tests {
             facets: vec![[0, 1, 2], [0, 2, 3]],
             material: vec![MaterialId(0); 2],
             face_of_facet: vec![0, 0],
+            uv: vec![],
         };
         let mut both = quad.clone();
         both.append(quad);

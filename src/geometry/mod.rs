@@ -7,6 +7,6 @@ mod pose;
 mod solid_angle;
 
 pub use direction::{Direction, angle_rad};
-pub use mesh::{Facet, MaterialId, Mesh};
+pub use mesh::{Facet, MaterialId, Mesh, NO_UV};
 pub use pose::Pose;
 pub use solid_angle::signed_solid_angle_sr;

@@ -2,7 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::lit::{LitArea, first_polygons};
+use super::lit::LitArea;
+use super::parts::Polygons;
 use super::pixel::Pixel;
 use crate::geometry::Mesh;
 use crate::product::{Footprints, Sunlit};
@@ -27,14 +28,14 @@ pub(super) fn draw<'a>(mesh: &'a Mesh, topology: &'a Topology, camera: &FrameCam
 pub fn footprints(mesh: &Mesh, topology: &Topology, sunlit: &Sunlit, camera: &FrameCamera) -> Footprints {
     let drawing = draw(mesh, topology, camera);
     let coverage = Coverage::new(&drawing);
-    let first = first_polygons(sunlit);
+    let lit = Polygons::of_sunlit(sunlit);
     let lines: Vec<Footprints> = (0..camera.lines)
         .into_par_iter()
         .map_init(
             || {
                 (
                     Scratch::default(),
-                    Pixel::new(&drawing, LitArea::new(mesh, camera, sunlit, &first, |f| drawing.is_cut(f))),
+                    Pixel::new(&drawing, LitArea::new(&drawing, sunlit, &lit)),
                 )
             },
             |(scratch, pixel), row| {

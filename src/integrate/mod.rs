@@ -5,24 +5,31 @@
 mod backplanes;
 mod footprints;
 mod lit;
+mod maps;
+mod parts;
 mod pixel;
+mod texels;
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::product::{Backplanes, Cube, FacetTable};
+use crate::product::{Backplanes, Cube, FacetTable, Plane};
 use crate::progress::{Watch, tell};
 use crate::scene::Scene;
 use crate::solve::Emission;
 use crate::visibility::{Coverage, Scratch, Topology};
 
 use backplanes::Planes;
-use lit::{LitArea, first_polygons};
-use pixel::Pixel;
+use lit::LitArea;
+use maps::{Looker, MapLine};
+use parts::Polygons;
+use pixel::{Entry, Pixel};
 
 pub use footprints::footprints;
+pub use maps::{Choice, MapImage, MapView, Maps, Unknown, meets};
+pub use texels::Texture;
 
 /// What a camera sees.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,11 +44,17 @@ pub struct Image {
     pub back_area_px: f64,
     /// Largest amount by which the areas in a pixel exceed the pixel, pixels: rounding.
     pub excess_px: f64,
+    /// What of the pixels the texels of maps fill, if there are maps.
+    pub maps: Option<MapImage>,
 }
+
+/// Images of geometry that maps add: name and unit.
+const MAP_PLANES: [(&str, &str); 2] = [("MAP_COVERAGE", "1"), ("MAP_ANGLE", "deg")];
 
 /// One line of the image.
 #[derive(Default)]
 struct Line {
+    maps: MapLine,
     row_start: Vec<u32>,
     row: Vec<u32>,
     weight: Vec<f64>,
@@ -55,11 +68,40 @@ struct Line {
 /// [`Error::Unsupported`](crate::Error::Unsupported), as [`Scene::simulable`] says;
 /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
 pub fn integrate(scene: &Scene, topology: &Topology, table: &FacetTable, watch: Watch<'_>) -> Result<Image> {
+    look(scene, topology, table, None, watch)
+}
+
+/// Looks at a scene whose radiance maps give. The cube holds what is solved where they know nothing, if that is asked for; their
+/// own radiance is to be added band by band, by the weights of their texels.
+///
+/// # Errors
+/// As [`integrate`].
+pub fn integrate_maps(
+    scene: &Scene,
+    topology: &Topology,
+    table: &FacetTable,
+    maps: &Maps<'_>,
+    watch: Watch<'_>,
+) -> Result<Image> {
+    look(scene, topology, table, Some(maps), watch)
+}
+
+fn look(
+    scene: &Scene,
+    topology: &Topology,
+    table: &FacetTable,
+    maps: Option<&Maps<'_>>,
+    watch: Watch<'_>,
+) -> Result<Image> {
     scene.simulable()?;
     let camera = &scene.sensor.camera;
+    let prepared = maps.map(|maps| maps::prepare(maps, scene, topology, watch)).transpose()?;
+    let facets = scene.mesh.facets.len();
+    let prepared = prepared.unwrap_or_default();
+    let polygons: Vec<Vec<_>> = prepared.iter().map(|views| views.iter().map(|p| p.polygons(facets)).collect()).collect();
     let drawing = footprints::draw(&scene.mesh, topology, camera);
     let coverage = Coverage::new(&drawing);
-    let first = first_polygons(&table.sunlit);
+    let sunlit = Polygons::of_sunlit(&table.sunlit);
     let emission = Emission::new(scene, table);
     let planes = Planes::new(scene, table);
     let (samples, rows) = (camera.samples as usize, camera.lines as usize);
@@ -78,17 +120,36 @@ pub fn integrate(scene: &Scene, topology: &Topology, table: &FacetTable, watch: 
         .enumerate()
         .map_init(
             || {
-                let lit = LitArea::new(&scene.mesh, camera, &table.sunlit, &first, |f| drawing.is_cut(f));
-                (Scratch::default(), Pixel::new(&drawing, lit), Weights::new(emission.rows()))
+                let mut pixel = Pixel::new(&drawing, LitArea::new(&drawing, &table.sunlit, &sunlit));
+                let looker = maps.map(|maps| Looker::new(scene, &drawing, maps, &prepared, &polygons));
+                pixel.fragments.are_kept = looker.is_some();
+                (Scratch::default(), pixel, Weights::new(emission.rows()), looker)
             },
-            |(scratch, pixel, weights), (row, mut part)| {
+            |(scratch, pixel, weights, looker), (row, mut part)| {
                 let row = row as u32;
                 let mut line = Line::default();
                 pixel.new_line(row);
+                if let Some(looker) = looker {
+                    line.maps = looker.new_line(row);
+                }
                 for column in 0..camera.samples {
                     pixel.look(&coverage, column, row, scratch);
                     line.row_start.push(line.row.len() as u32);
-                    line.look(scene, &emission, pixel, weights, &seen);
+                    line.look(pixel, &seen);
+                    let send = |e: &Entry, area: f64, lit: f64, weights: &mut Weights, at: [f64; 2]| {
+                        let to_observer = -camera.ray(at[0], at[1]);
+                        emission.towards(e.facet, to_observer, area, lit, |row, weight| weights.add(row, weight));
+                    };
+                    let rect = pixel.rect;
+                    if let Some(looker) = looker {
+                        looker.look(pixel, &mut line.maps, |e, area, lit| {
+                            send(e, area, lit, weights, e.centroid(&rect));
+                        });
+                    } else {
+                        let fronts = pixel.entries.iter().filter(|e| e.front);
+                        fronts.for_each(|e| send(e, e.area, e.lit, weights, e.centroid(&rect)));
+                    }
+                    line.take(weights);
                     planes.add(pixel, column, row, &mut part);
                 }
                 tell(watch, "image", done.fetch_add(1, Relaxed) + 1, u64::from(camera.lines))?;
@@ -97,32 +158,50 @@ pub fn integrate(scene: &Scene, topology: &Topology, table: &FacetTable, watch: 
         )
         .collect();
     drop(coverage);
-    let lines = lines?;
+    let mut lines = lines?;
+    let mut backplanes = planes.name(values, samples, rows);
+    let maps = maps.map(|maps| {
+        let mut image = MapImage::new(maps);
+        let mut planes: [Vec<f64>; 2] = Default::default();
+        for line in lines.iter_mut().map(|line| std::mem::take(&mut line.maps)) {
+            planes[0].extend(&line.coverage);
+            planes[1].extend(&line.angle_deg);
+            image.append(line);
+        }
+        let named = MAP_PLANES.iter().zip(planes).map(|((name, unit), values)| Plane {
+            name: (*name).to_owned(),
+            unit: (*unit).to_owned(),
+            values,
+        });
+        backplanes.planes.extend(named);
+        image
+    });
     Ok(Image {
         back_area_px: lines.iter().map(|l| l.back_area_px).sum(),
         excess_px: lines.iter().map(|l| l.excess_px).fold(0.0, f64::max),
         cube: assemble(scene, &emission, lines),
-        backplanes: planes.name(values, samples, rows),
+        backplanes,
         seen: seen.into_iter().map(AtomicBool::into_inner).collect(),
+        maps,
     })
 }
 
 impl Line {
-    /// Adds up what a pixel sees.
-    fn look(&mut self, scene: &Scene, emission: &Emission, pixel: &Pixel, weights: &mut Weights, seen: &[AtomicBool]) {
+    /// Notes what a pixel sees.
+    fn look(&mut self, pixel: &Pixel, seen: &[AtomicBool]) {
         let mut area = 0.0;
         for e in &pixel.entries {
             area += e.area;
             seen[e.facet as usize].store(true, Relaxed);
-            if e.front {
-                let [x, y] = e.centroid(&pixel.rect);
-                let to_observer = -scene.sensor.camera.ray(x, y);
-                emission.towards(e.facet, to_observer, e.area, e.lit, |row, weight| weights.add(row, weight));
-            } else {
+            if !e.front {
                 self.back_area_px += e.area;
             }
         }
         self.excess_px = self.excess_px.max(area - 1.0);
+    }
+
+    /// Takes over a pixel's weights.
+    fn take(&mut self, weights: &mut Weights) {
         weights.drain(|row, weight| {
             self.row.push(row);
             self.weight.push(weight);
@@ -173,6 +252,7 @@ fn assemble(scene: &Scene, emission: &Emission, lines: Vec<Line>) -> Cube {
         row: Vec::with_capacity(entries),
         weight: Vec::with_capacity(entries),
         spectra: emission.spectra(),
+        added: vec![],
     };
     for line in lines {
         let base = cube.row.len() as u32;

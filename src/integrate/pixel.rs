@@ -3,7 +3,8 @@
 use crate::geometry::polygon::{Point, Rect, area_and_moment, clip_to_rect, holds};
 use crate::visibility::{Drawing, Scratch, Side, Visit};
 
-use super::lit::{LitArea, Window};
+use super::lit::LitArea;
+use super::parts::Window;
 
 /// Of a facet that is hidden all over, subtraction leaves less than this, pixels.
 const REMAINDER: f64 = 1e-14;
@@ -30,6 +31,62 @@ impl Entry {
     }
 }
 
+/// The convex pieces that a pixel's entries are made of: outer sides only, and only if they are kept.
+#[derive(Debug, Default)]
+pub(super) struct Fragments {
+    pub(super) are_kept: bool,
+    /// Facet, sign (-1: taken away again), and end of the outline among the points.
+    pieces: Vec<(u32, f64, usize)>,
+    points: Vec<Point>,
+    /// Pieces by facet, and the first of each entry.
+    order: Vec<u32>,
+    first: Vec<u32>,
+}
+
+impl Fragments {
+    fn clear(&mut self) {
+        self.pieces.clear();
+        self.points.clear();
+    }
+
+    fn add(&mut self, facet: u32, sign: f64, outline: &[Point]) {
+        if self.are_kept {
+            self.points.extend_from_slice(outline);
+            self.pieces.push((facet, sign, self.points.len()));
+        }
+    }
+
+    /// Sorts the pieces by facet, for entries of these facets, ascending.
+    fn sort(&mut self, facets: impl Iterator<Item = u32>) {
+        self.order.clear();
+        self.order.extend(0..self.pieces.len() as u32);
+        let pieces = &self.pieces;
+        self.order.sort_by_key(|i| pieces[*i as usize].0);
+        self.first.clear();
+        let mut at = 0;
+        for facet in facets {
+            while at < self.order.len() && pieces[self.order[at] as usize].0 < facet {
+                at += 1;
+            }
+            self.first.push(at as u32);
+        }
+        self.first.push(self.order.len() as u32);
+    }
+
+    /// The pieces of an entry: to be had one by one.
+    pub(super) fn of(&self, entry: usize) -> std::ops::Range<usize> {
+        self.first[entry] as usize..self.first[entry + 1] as usize
+    }
+
+    /// Whose a piece is, its sign, and its outline.
+    pub(super) fn get(&self, k: usize) -> (u32, f64, &[Point]) {
+        let i = self.order[k] as usize;
+        let (facet, sign, end) = self.pieces[i];
+        let start = if i == 0 { 0 } else { self.pieces[i - 1].2 };
+        (facet, sign, &self.points[start..end])
+    }
+}
+
 /// Collects what a pixel sees.
 pub(super) struct Pixel<'a> {
     drawing: &'a Drawing<'a>,
@@ -40,6 +97,8 @@ pub(super) struct Pixel<'a> {
     pub(super) centre: Option<u32>,
     /// Whether some entries are the rest after a subtraction.
     subtracted: bool,
+    /// What is seen of each facet, for who asks for more than areas.
+    pub(super) fragments: Fragments,
     /// The pixel's square, and its centre.
     pub(super) rect: Rect,
     at: Point,
@@ -50,6 +109,7 @@ pub(super) struct Pixel<'a> {
 impl<'a> Pixel<'a> {
     pub(super) fn new(drawing: &'a Drawing<'a>, lit: LitArea<'a>) -> Self {
         Pixel {
+            fragments: Fragments::default(),
             drawing,
             lit,
             entries: vec![],
@@ -71,6 +131,7 @@ impl<'a> Pixel<'a> {
         scratch: &mut Scratch,
     ) {
         self.entries.clear();
+        self.fragments.clear();
         self.subtracted = false;
         self.centre = None;
         self.rect = self.drawing.grid.cell(column, row);
@@ -82,6 +143,21 @@ impl<'a> Pixel<'a> {
     /// Whether the facet at the pixel's centre is lit there.
     pub(super) fn centre_is_lit(&mut self) -> bool {
         self.centre.is_some_and(|facet| self.lit.is_lit_at(facet, self.at))
+    }
+
+    /// How much of a facet is lit.
+    pub(super) fn lit_of(&self, facet: u32) -> crate::product::Lit {
+        self.lit.state(facet)
+    }
+
+    /// Calls `put` with each lit part that `window` shows of a facet that is lit in part, counter-clockwise in the image.
+    pub(super) fn lit_parts(&mut self, facet: u32, window: &Window, put: impl FnMut(&[Point])) {
+        self.lit.each(facet, window, put);
+    }
+
+    /// Puts the fragments in the order of the entries.
+    pub(super) fn sort_fragments(&mut self) {
+        self.fragments.sort(self.entries.iter().map(|e| e.facet));
     }
 
     /// Called when a new line of the image begins.
@@ -120,6 +196,9 @@ impl<'a> Pixel<'a> {
         }
         let front = self.drawing.side(facet) == Side::Front;
         let lit = if front { self.lit.of(facet, window, area) } else { 0.0 };
+        if front {
+            self.fragments.add(facet, sign, polygon);
+        }
         let moment = [sign * moment[0], sign * moment[1]];
         self.entries.push(Entry { facet, front, area: sign * area, lit: sign * lit, moment });
     }

@@ -6,7 +6,7 @@ use ndarray::Array3;
 
 use crate::spectral::Band;
 
-/// A radiance cube as a product of two matrices: [pixel, row] sparse weights x [row, band] spectra.
+/// A radiance cube as a product of two matrices, [pixel, row] sparse weights x [row, band] spectra, and what maps add to it.
 ///
 /// A row is a spectrum that many pixels share: a material under a source, or a material at a temperature.
 /// A pixel needs a few of them, so 300 bands cost little more than one. W m-2 sr-1 um-1.
@@ -26,6 +26,8 @@ pub struct Cube {
     pub weight: Vec<f64>,
     /// Spectra, one row after the other: [row, band].
     pub spectra: Vec<f64>,
+    /// Radiance from maps, added to that: [band, pixel]. Empty without maps.
+    pub added: Vec<f64>,
 }
 
 impl Cube {
@@ -54,6 +56,10 @@ impl Cube {
     fn panel<const N: usize>(&self, pixel: usize, first_band: usize) -> [f64; N] {
         let entries = self.row_start[pixel] as usize..self.row_start[pixel + 1] as usize;
         let mut sum = [0.0; N];
+        if !self.added.is_empty() {
+            let pixels = self.samples * self.lines;
+            sum = std::array::from_fn(|k| self.added[(first_band + k) * pixels + pixel]);
+        }
         for (row, weight) in self.row[entries.clone()].iter().zip(&self.weight[entries]) {
             let spectrum = &self.spectra[*row as usize * self.bands.len() + first_band..][..N];
             for (sum, value) in sum.iter_mut().zip(spectrum) {
@@ -106,6 +112,7 @@ mod tests {
             row: vec![0, 1],
             weight: vec![2.0, 3.0],
             spectra: a.chain(b).collect(),
+            added: vec![],
         }
     }
 
@@ -118,6 +125,18 @@ mod tests {
         }
         cube().pixel(1, &mut radiance);
         assert_eq!(radiance, [0.0; 21]);
+    }
+
+    #[test]
+    fn maps_add_to_a_pixel() {
+        let mut cube = cube();
+        cube.added = (0..42).map(|i| f64::from(i) * 1000.0).collect();
+        // Band i of pixel 1 is at 2 i + 1.
+        let mut radiance = [f64::NAN; 21];
+        cube.pixel(1, &mut radiance);
+        assert_eq!((radiance[0], radiance[20]), (1000.0, 41_000.0));
+        cube.pixel(0, &mut radiance);
+        assert_eq!((radiance[0], radiance[20]), (0.0, 40_000.0 + 302.0 * 20.0));
     }
 
     #[test]

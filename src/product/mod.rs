@@ -5,9 +5,11 @@ mod cube;
 mod facet_table;
 mod footprints;
 mod radiance_map;
+mod texel_weights;
 
 pub use backplanes::{Backplanes, Plane};
 pub use cube::Cube;
 pub use facet_table::{FacetTable, Lit, Sunlit};
 pub use footprints::Footprints;
 pub use radiance_map::{Atlas, Eye, Patches, Placement, Projection, RadianceMap, TexelSource, ViewImage};
+pub use texel_weights::{TexelLine, TexelWeights};

@@ -106,6 +106,14 @@ pub struct Atlas {
     pub columns: usize,
 }
 
+impl Atlas {
+    /// Of texture coordinates: u to the right, v up from the last row, both 0 to 1 over the whole image.
+    pub fn of_uv(uv: &[[[f64; 2]; 3]], rows: usize, columns: usize) -> Self {
+        let texel = |[u, v]: [f64; 2]| [u * columns as f64, (1.0 - v) * rows as f64];
+        Atlas { corners: uv.iter().map(|corners| corners.map(texel)).collect(), rows, columns }
+    }
+}
+
 /// Where a map's texels lie in a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Placement {

@@ -18,7 +18,7 @@ use crate::scene::{Mars, MarsModel, Scene, Thermal};
 use crate::visibility::Topology;
 
 pub use emission::Emission;
-pub use sunlit::sunlit;
+pub use sunlit::{seen_from, sunlit};
 pub use temperature_grid::interpolation_error;
 
 /// Irradiance, sunlit polygons and temperature of every facet.

@@ -1,7 +1,8 @@
-//! Exact shadows: the sunlit part of every facet is what the Sun sees of it.
+//! Exact shadows: the sunlit part of every facet is what the Sun sees of it. And what another camera sees of it, alike.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::error::Result;
@@ -9,7 +10,7 @@ use crate::geometry::polygon::{Point, Rect, area, clip_to_rect};
 use crate::geometry::{Direction, Mesh};
 use crate::product::{Lit, Sunlit};
 use crate::progress::{Watch, tell};
-use crate::visibility::{Coverage, Drawing, Scratch, Side, Topology, Visit, cells_of};
+use crate::visibility::{Coverage, Drawing, Grid, OnFacet, Scratch, Side, Topology, View, Visit, cells_of};
 
 /// So many facets share a cell of the Sun's view, in the mean: fewer make more work at cell borders, more are quartered.
 const FACETS_PER_CELL: f64 = 6.0;
@@ -24,14 +25,43 @@ const SLIVER: f64 = 1e-14;
 /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
 pub fn sunlit(mesh: &Mesh, topology: &Topology, towards: Direction, watch: Watch<'_>) -> Result<Sunlit> {
     let cells = mesh.facets.len() as f64 / FACETS_PER_CELL;
-    let drawing = Drawing::from_sun(mesh, topology, towards, cells);
-    let coverage = Coverage::new(&drawing);
+    seen(&Drawing::from_sun(mesh, topology, towards, cells), "sunlight", watch)
+}
+
+/// Which part of each facet is seen from `centre_m`, local, m, within the cone of some rays about `axis`.
+///
+/// # Errors
+/// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
+pub fn seen_from(
+    mesh: &Mesh,
+    topology: &Topology,
+    centre_m: DVec3,
+    axis: Direction,
+    rays: &[DVec3],
+    watch: Watch<'_>,
+) -> Result<Sunlit> {
+    let u = axis.vec();
+    let (h, v) = axis.frame();
+    let tangents: Vec<Point> = rays.iter().map(|r| [r.dot(h) / r.dot(u), r.dot(v) / r.dot(u)]).collect();
+    let frame = Rect::of(&tangents);
+    let extent = [0, 1].map(|k| frame.max[k] - frame.min[k]);
+    let cells = (mesh.facets.len() as f64 / FACETS_PER_CELL).clamp(1.0, 4096.0 * 4096.0);
+    let scale = (cells / (extent[0] * extent[1])).sqrt();
+    let [columns, rows] = extent.map(|e| (e * scale).ceil().clamp(1.0, 16384.0) as u32);
+    let offset = [0, 1].map(|k| -frame.min[k] * scale);
+    let view = View::Pinhole { centre_m, h, v, u, scale, offset };
+    seen(&Drawing::new(mesh, topology, view, Grid { columns, rows }), "what the map sees", watch)
+}
+
+/// What a view sees of each facet.
+fn seen(drawing: &Drawing, stage: &'static str, watch: Watch<'_>) -> Result<Sunlit> {
+    let coverage = Coverage::new(drawing);
     let total = u64::from(drawing.grid.rows);
     let done = AtomicU64::new(0);
     let rows: Result<Vec<Row>> = (0..drawing.grid.rows)
         .into_par_iter()
         .map_init(
-            || (Scratch::default(), CellShadows::new(&drawing), Row::default()),
+            || (Scratch::default(), CellShadows::new(drawing), Row::default()),
             |(scratch, shadows, work), row| {
                 work.clear();
                 for column in 0..drawing.grid.columns {
@@ -39,14 +69,14 @@ pub fn sunlit(mesh: &Mesh, topology: &Topology, towards: Direction, watch: Watch
                     coverage.cell(column, row, scratch, shadows);
                     shadows.append_to(work, column);
                 }
-                tell(watch, "sunlight", done.fetch_add(1, Relaxed) + 1, total)?;
+                tell(watch, stage, done.fetch_add(1, Relaxed) + 1, total)?;
                 // A copy is no longer than it must be, and the working memory serves the next row.
                 Ok(work.clone())
             },
         )
         .collect();
     drop(coverage);
-    Ok(assemble(&drawing, mesh.facets.len(), &rows?))
+    Ok(assemble(drawing, &rows?))
 }
 
 /// What is not wholly lit in the cells of one row, and the lit polygons there, in drawing coordinates.
@@ -57,10 +87,10 @@ struct Row {
     points: Vec<Point>,
 }
 
-/// A facet that is not wholly lit in a cell.
+/// A triangle that is not wholly lit in a cell.
 #[derive(Debug, Clone, Copy)]
 struct Entry {
-    facet: u32,
+    triangle: u32,
     column: u32,
     /// Its lit polygons among those of the row.
     first: u32,
@@ -127,72 +157,72 @@ impl<'a> CellShadows<'a> {
         self.pieces.sort_by_key(|p| p.0);
         self.whole.sort_by_key(|w| w.0);
         let (mut pieces, mut whole) = (self.pieces.iter().peekable(), self.whole.iter().peekable());
-        for &facet in &self.cut {
+        for &triangle in &self.cut {
             let first = row.polygon_end.len() as u32;
-            while let Some((of, points)) = pieces.next_if(|p| p.0 <= facet) {
-                if *of == facet {
+            while let Some((of, points)) = pieces.next_if(|p| p.0 <= triangle) {
+                if *of == triangle {
                     row.add(&self.points[points.clone()]);
                 }
             }
-            while let Some((of, rect)) = whole.next_if(|w| w.0 <= facet) {
-                if *of == facet {
-                    clip_to_rect(&self.drawing.outline(facet), rect, &mut self.clipped, &mut self.spare);
+            while let Some((of, rect)) = whole.next_if(|w| w.0 <= triangle) {
+                if *of == triangle {
+                    clip_to_rect(&self.drawing.outline(triangle), rect, &mut self.clipped, &mut self.spare);
                     if !self.clipped.is_empty() {
                         row.add(&self.clipped);
                     }
                 }
             }
-            row.entries.push(Entry { facet, column, first, end: row.polygon_end.len() as u32 });
+            row.entries.push(Entry { triangle, column, first, end: row.polygon_end.len() as u32 });
         }
     }
 
-    fn receives(&self, facet: u32) -> bool {
-        self.drawing.side(facet) == Side::Front
+    fn receives(&self, triangle: u32) -> bool {
+        self.drawing.side(triangle) == Side::Front
     }
 }
 
-// The parallel view cuts no facets, so a triangle's index is its facet's.
 impl Visit for CellShadows<'_> {
     fn settled(&mut self, _: &[u32], _: &Rect) {}
 
-    fn whole(&mut self, facet: u32, rect: &Rect) {
-        if self.receives(facet) {
-            self.whole.push((facet, *rect));
+    fn whole(&mut self, triangle: u32, rect: &Rect) {
+        if self.receives(triangle) {
+            self.whole.push((triangle, *rect));
         }
     }
 
-    fn cut(&mut self, facet: u32, _: &Rect) {
-        if self.receives(facet) {
-            self.cut.push(facet);
+    fn cut(&mut self, triangle: u32, _: &Rect) {
+        if self.receives(triangle) {
+            self.cut.push(triangle);
         }
     }
 
-    fn piece(&mut self, facet: u32, _: &Rect, polygon: &[Point]) {
-        if self.receives(facet) {
+    fn piece(&mut self, triangle: u32, _: &Rect, polygon: &[Point]) {
+        if self.receives(triangle) {
             let from = self.points.len();
             self.points.extend_from_slice(polygon);
-            self.pieces.push((facet, from..self.points.len()));
+            self.pieces.push((triangle, from..self.points.len()));
         }
     }
 }
 
 /// Gathers what the cells say about each facet.
-fn assemble(drawing: &Drawing, facets: usize, rows: &[Row]) -> Sunlit {
-    // Entries by facet: (row, entry), rows ascending.
-    let mut start = vec![0u32; facets + 1];
+fn assemble(drawing: &Drawing, rows: &[Row]) -> Sunlit {
+    // Entries by triangle: (row, entry), rows ascending.
+    let (triangles, facets) = (drawing.len(), drawing.mesh().facets.len());
+    let mut start = vec![0u32; triangles + 1];
     for row in rows {
         for e in &row.entries {
-            start[e.facet as usize + 1] += 1;
+            start[e.triangle as usize + 1] += 1;
         }
     }
-    for i in 0..facets {
+    for i in 0..triangles {
         start[i + 1] += start[i];
     }
-    let mut entry = vec![(0u32, 0u32); start[facets] as usize];
+    let mut entry = vec![(0u32, 0u32); start[triangles] as usize];
     let mut fill = start.clone();
     for (r, row) in rows.iter().enumerate() {
         for (i, e) in row.entries.iter().enumerate() {
-            let at = &mut fill[e.facet as usize];
+            let at = &mut fill[e.triangle as usize];
             entry[*at as usize] = (r as u32, i as u32);
             *at += 1;
         }
@@ -205,7 +235,7 @@ fn assemble(drawing: &Drawing, facets: usize, rows: &[Row]) -> Sunlit {
             let mut part = Sunlit { polygon_start: vec![0], ..Sunlit::default() };
             let mut gather = Gather::default();
             for facet in c * chunk..((c + 1) * chunk).min(facets) {
-                let entries = &entry[start[facet] as usize..start[facet + 1] as usize];
+                let entries = |t: u32| &entry[start[t as usize] as usize..start[t as usize + 1] as usize];
                 gather.facet(drawing, facet as u32, entries, rows, &mut part);
             }
             part
@@ -234,70 +264,61 @@ struct Gather {
 }
 
 impl Gather {
-    fn facet(&mut self, drawing: &Drawing, facet: u32, entries: &[(u32, u32)], rows: &[Row], out: &mut Sunlit) {
+    fn facet<'e>(
+        &mut self,
+        drawing: &Drawing,
+        facet: u32,
+        entries: impl Fn(u32) -> &'e [(u32, u32)],
+        rows: &[Row],
+        out: &mut Sunlit,
+    ) {
         if drawing.side(facet) != Side::Front {
             out.lit.push(Lit::Dark);
             return;
         }
-        if entries.is_empty() {
+        let is_whole = !drawing.is_cut(facet) && entries(facet).is_empty();
+        if is_whole && drawing.grid.bounds().contains(&Rect::of(&drawing.outline(facet))) {
             out.lit.push(Lit::Full);
             return;
         }
-        let outline = drawing.outline(facet);
-        let least_area = SLIVER * area(&outline);
-        let frame = Barycentric::new(drawing.corners(facet).map(|p| [p[0], p[1]]));
+        let frame = OnFacet::new(&drawing.view, &drawing.mesh().facet(facet as usize));
         let polygons_before = out.polygon_facet.len();
-        let mut add = |polygon: &[Point]| {
-            if area(polygon) > least_area {
-                out.uv.extend(polygon.iter().map(|p| frame.uv(*p)));
-                out.polygon_facet.push(facet);
-                out.polygon_start.push(out.uv.len() as u32);
-            }
-        };
-        let mut next = 0;
-        // Cells without an entry are wholly lit: they are joined along their row, so that a large facet has few polygons.
-        cells_of(outline, drawing.grid, |row, columns| {
-            let mut run = columns.start;
-            let mut close_run = |from: u32, to: u32, add: &mut dyn FnMut(&[Point])| {
-                if from < to {
-                    let mut rect = drawing.grid.cell(from, row);
-                    rect.max[0] = f64::from(to);
-                    clip_to_rect(&outline, &rect, &mut self.clipped, &mut self.spare);
-                    add(&self.clipped);
+        for triangle in drawing.triangles(facet) {
+            let outline = drawing.outline(triangle);
+            let least_area = SLIVER * area(&outline);
+            let mut add = |polygon: &[Point]| {
+                if area(polygon) > least_area {
+                    out.uv.extend(polygon.iter().map(|p| frame.uv(*p)));
+                    out.polygon_facet.push(facet);
+                    out.polygon_start.push(out.uv.len() as u32);
                 }
             };
-            while next < entries.len() && entries[next].0 == row {
-                let cells = &rows[row as usize];
-                let Entry { column, first, end, .. } = cells.entries[entries[next].1 as usize];
-                close_run(run, column, &mut add);
-                for i in first..end {
-                    add(cells.polygon(i));
+            let entries = entries(triangle);
+            let mut next = 0;
+            // Cells without an entry are wholly lit: they are joined along their row, so that a large facet has few polygons.
+            cells_of(outline, drawing.grid, |row, columns| {
+                let mut run = columns.start;
+                let mut close_run = |from: u32, to: u32, add: &mut dyn FnMut(&[Point])| {
+                    if from < to {
+                        let mut rect = drawing.grid.cell(from, row);
+                        rect.max[0] = f64::from(to);
+                        clip_to_rect(&outline, &rect, &mut self.clipped, &mut self.spare);
+                        add(&self.clipped);
+                    }
+                };
+                while next < entries.len() && entries[next].0 == row {
+                    let cells = &rows[row as usize];
+                    let Entry { column, first, end, .. } = cells.entries[entries[next].1 as usize];
+                    close_run(run, column, &mut add);
+                    for i in first..end {
+                        add(cells.polygon(i));
+                    }
+                    run = column + 1;
+                    next += 1;
                 }
-                run = column + 1;
-                next += 1;
-            }
-            close_run(run, columns.end, &mut add);
-        });
+                close_run(run, columns.end, &mut add);
+            });
+        }
         out.lit.push(if out.polygon_facet.len() == polygons_before { Lit::Dark } else { Lit::Part });
-    }
-}
-
-/// Turns points of the drawing into (u, v) on a facet. A parallel view is affine, so this is exact up to rounding.
-struct Barycentric {
-    a: Point,
-    b: Point,
-    c: Point,
-    det: f64,
-}
-
-impl Barycentric {
-    fn new([a, b, c]: [Point; 3]) -> Self {
-        let (b, c) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
-        Barycentric { a, b, c, det: b[0] * c[1] - b[1] * c[0] }
-    }
-
-    fn uv(&self, p: Point) -> [f64; 2] {
-        let (x, y) = (p[0] - self.a[0], p[1] - self.a[1]);
-        [(x * self.c[1] - y * self.c[0]) / self.det, (self.b[0] * y - self.b[1] * x) / self.det]
     }
 }

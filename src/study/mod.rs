@@ -1,6 +1,7 @@
 //! Studies: what spans several layers. Takes values and callbacks, touches no disk.
 
 mod effects;
+mod maps;
 mod simulate;
 mod site;
 mod summary;
@@ -9,6 +10,7 @@ pub mod validate;
 mod warnings;
 
 pub use effects::Effect;
+pub use maps::{Fill, MapAccount, MapEntry, MapOptions, observe_maps};
 pub use simulate::{Check, Counts, Observation, observe, simulate};
 pub use summary::{Summary, summary};
 pub use table_id::table_id;

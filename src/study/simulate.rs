@@ -95,6 +95,17 @@ pub fn observe(scene: &Scene, topology: &Topology, table: &FacetTable, watch: Wa
     fits(scene, table)?;
     has_room(scene)?;
     let image = integrate::integrate(scene, topology, table, watch)?;
+    account_for(scene, topology, table, image, watch)
+}
+
+/// An image with an account of how good it is.
+pub(super) fn account_for(
+    scene: &Scene,
+    topology: &Topology,
+    table: &FacetTable,
+    image: Image,
+    watch: Watch<'_>,
+) -> Result<Observation> {
     tell(watch, "report", 0, 1)?;
     let site = Site::new(&scene.mesh, topology);
     let account = Account::new(scene, table, &site, &image.backplanes);
@@ -122,7 +133,7 @@ pub fn observe(scene: &Scene, topology: &Topology, table: &FacetTable, watch: Wa
 }
 
 /// Says if a table cannot be of a scene: what it lacks would be missing from the image, and the report would not know.
-fn fits(scene: &Scene, table: &FacetTable) -> Result<()> {
+pub(super) fn fits(scene: &Scene, table: &FacetTable) -> Result<()> {
     let facets = scene.mesh.facets.len();
     let has_heat = scene.thermal != Thermal::Off;
     let mut problems: Vec<Problem> = [
@@ -149,7 +160,7 @@ fn fits(scene: &Scene, table: &FacetTable) -> Result<()> {
 }
 
 /// Says if the machine cannot hold the image: asked for in vain later, memory would end the program where it stands.
-fn has_room(scene: &Scene) -> Result<()> {
+pub(super) fn has_room(scene: &Scene) -> Result<()> {
     let (samples, lines) = (scene.sensor.camera.samples, scene.sensor.camera.lines);
     // Every plane is there twice while lines become an image: some 30, and two for each material.
     let pixel_bytes = 2 * 8 * (30 + 2 * scene.materials.len());
@@ -174,7 +185,7 @@ fn checks(account: &Account, image: &Image) -> Vec<Check> {
     let Account { scene, table, .. } = account;
     let check = |name: &str, value: f64, limit: f64| Check { name: name.to_owned(), value, limit };
     let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
-    let bad = image.cube.weight.iter().chain(&image.cube.spectra).filter(|v| !v.is_finite()).count();
+    let bad = image.cube.weight.iter().chain(&image.cube.spectra).chain(&image.cube.added).filter(|v| !v.is_finite()).count();
     let mut checks = vec![
         check("areas in a pixel exceed the pixel by, pixels", image.excess_px, 1e-12),
         check(

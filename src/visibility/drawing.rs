@@ -149,8 +149,26 @@ impl<'a> Drawing<'a> {
     }
 
     /// Number of triangles: facets, then pieces of facets.
-    pub(super) fn len(&self) -> usize {
+    #[allow(clippy::len_without_is_empty)]
+    pub fn len(&self) -> usize {
         self.flags.len()
+    }
+
+    /// The mesh that is drawn.
+    pub fn mesh(&self) -> &'a Mesh {
+        self.mesh
+    }
+
+    /// The triangles that are drawn in a facet's place: itself, or its pieces if it had to be cut.
+    pub fn triangles(&self, facet: u32) -> std::ops::Range<u32> {
+        if !self.is_cut(facet) {
+            return facet..facet + 1;
+        }
+        let facets = self.mesh.facets.len() as u32;
+        // Pieces were made facet by facet.
+        let first = self.extra.partition_point(|e| e.facet < facet) as u32;
+        let count = self.extra[first as usize..].partition_point(|e| e.facet == facet) as u32;
+        facets + first..facets + first + count
     }
 
     /// The facet of a triangle.
@@ -215,7 +233,7 @@ impl<'a> Drawing<'a> {
         next
     }
 
-    /// Which side of a facet the viewer sees.
+    /// Which side of a facet, or of another triangle, the viewer sees.
     pub fn side(&self, facet: u32) -> Side {
         match self.flags[facet as usize] & (FRONT | BACK) {
             FRONT => Side::Front,
@@ -410,7 +428,7 @@ fn cut(polygon: &[(DVec3, Name)], plane: DVec3, number: usize) -> Vec<(DVec3, Na
     out
 }
 
-fn project(view: &View, p_m: DVec3) -> [f64; 3] {
+pub(super) fn project(view: &View, p_m: DVec3) -> [f64; 3] {
     match view {
         View::Parallel { h, v, u, scale, offset } => {
             [p_m.dot(*h) * scale[0] + offset[0], p_m.dot(*v) * scale[1] + offset[1], -p_m.dot(*u)]

@@ -8,10 +8,12 @@ mod bins;
 mod coverage;
 mod drawing;
 mod layers;
+mod on_facet;
 mod partition;
 mod topology;
 
 pub use bins::for_each_cell_of as cells_of;
 pub use coverage::{Coverage, Scratch, Visit};
 pub use drawing::{Drawing, Grid, Side, View};
+pub use on_facet::OnFacet;
 pub use topology::{NONE, Topology};

@@ -229,6 +229,7 @@ mod tests {
             facets: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
             material: vec![MaterialId(0); 4],
             face_of_facet: vec![],
+            uv: vec![],
         }
     }
 

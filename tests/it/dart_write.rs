@@ -47,6 +47,7 @@ fn tetrahedron() -> Scene {
             facets: vec![[0, 1, 3], [1, 2, 3], [2, 0, 3], [0, 2, 1]],
             material: (0..4).map(MaterialId).collect(),
             face_of_facet: vec![],
+            uv: vec![],
         },
         materials: [("east", 0.1), ("north west", 0.2), ("south west", 0.3), ("base", 0.4)]
             .iter()

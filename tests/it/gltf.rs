@@ -215,7 +215,7 @@ fn surface() -> Surface {
     let facets: Vec<[u32; 3]> = (0..9).map(cell).flat_map(|a| [[a, a + 1, a + 5], [a, a + 5, a + 4]]).collect();
     let material = (0..18).map(|f| MaterialId(f % 3)).collect();
     let materials = ["a", "phobos blue", "#b03020"].map(|name| ObjMaterial { name: name.into(), kd: None });
-    let mesh = Mesh { vertices_m, facets, material, face_of_facet: vec![] };
+    let mesh = Mesh { vertices_m, facets, material, face_of_facet: vec![], uv: vec![] };
     Surface { mesh, materials: materials.to_vec(), origin_m: Some(DVec3::new(-2743.5946, 11860.036, 0.51269)) }
 }
 

@@ -15,6 +15,7 @@ mod hazards;
 mod invariance;
 mod layers;
 mod malformed_scene;
+mod maps;
 mod oracles;
 mod products;
 mod report;

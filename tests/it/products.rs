@@ -23,6 +23,7 @@ fn small_cube() -> Cube {
         row: vec![0; 4],
         weight: vec![1.0, 2.0, 3.0, 4.0],
         spectra: vec![1.0, 10.0],
+        added: vec![],
     }
 }
 
@@ -38,6 +39,7 @@ fn random_cube(samples: usize, lines: usize, bands: usize, rows: usize, rows_per
         row: (0..pixels * rows_per_pixel).map(|_| (random.share() * rows as f64) as u32).collect(),
         weight: (0..pixels * rows_per_pixel).map(|_| random.share()).collect(),
         spectra: (0..rows * bands).map(|_| random.share()).collect(),
+        added: vec![],
     }
 }
 

@@ -14,6 +14,7 @@ pub(crate) fn mesh(vertices: &[[f64; 3]], facets: &[[u32; 3]]) -> Mesh {
         facets: facets.to_vec(),
         material: vec![MaterialId(0); facets.len()],
         face_of_facet: vec![],
+        uv: vec![],
     }
 }
 
@@ -143,6 +144,7 @@ pub(crate) fn sphere(centre: [f64; 3], radius: f64, n: u32) -> Mesh {
         material: vec![MaterialId(0); f.len()],
         facets: f,
         face_of_facet: vec![],
+        uv: vec![],
     }
 }
 

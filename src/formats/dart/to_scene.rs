@@ -564,7 +564,7 @@ impl Reader<'_> {
             *vertex = object.position_m + if is_turned { turned * v } else { v };
         }
         let mut mesh =
-            Mesh { vertices_m, facets: read.facets.clone(), material, face_of_facet: read.face_of_facet.clone() };
+            Mesh { vertices_m, facets: read.facets.clone(), material, face_of_facet: read.face_of_facet.clone(), uv: vec![] };
         if !hidden.is_empty() {
             self.note(
                 Fate::Dropped,
@@ -623,6 +623,7 @@ impl Reader<'_> {
             facets: vec![[0, 1, 2], [0, 2, 3]],
             material: vec![material_id(Some(material), &maket.ground.at)?; 2],
             face_of_facet: vec![0, 0],
+            uv: vec![],
         });
         Ok(())
     }

@@ -134,6 +134,7 @@ fn tetrahedron(target: Target) -> Result<(Package, [Face; 4])> {
         facets: facets.map(|f| f.2).to_vec(),
         material: (0..4).map(MaterialId).collect(),
         face_of_facet: vec![],
+        uv: vec![],
     };
     let material = |(i, (name, reflectance, _)): (usize, &(&str, f64, [u32; 3]))| Material {
         name: (*name).into(),

@@ -238,7 +238,7 @@ mod tests {
             .flat_map(|i| [[quad(i), quad(i) + 1, quad(i) + w + 1], [quad(i), quad(i) + w + 1, quad(i) + w]])
             .collect();
         let material = (0..facets.len()).map(|i| MaterialId(u16::from(i % 10 > 6))).collect();
-        Mesh { vertices_m, facets, material, face_of_facet: vec![] }
+        Mesh { vertices_m, facets, material, face_of_facet: vec![], uv: vec![] }
     }
 
     fn two_materials() -> Vec<ObjMaterial> {

@@ -5,7 +5,7 @@
 
 mod materials;
 mod mesh;
-mod types;
+pub(super) mod types;
 mod view;
 mod write;
 
@@ -24,6 +24,8 @@ use super::InputFile;
 use super::located::{self, Document};
 use super::spectrum_csv::{self, Quantity};
 pub(crate) use materials::hex_from_linear;
+pub(super) use view::pitch_of_fov;
+pub(super) use view::pitch_of_ifov;
 pub use write::write;
 
 use types::{MarsModelToml, MarsToml, SceneToml, SunToml, ThermalModelToml, ThermalToml, Values};
@@ -88,17 +90,7 @@ const MARS_THERMAL_EXITANCE_W_M2: f64 = 110.0;
 pub fn read(path: &Path, watch: Watch<'_>) -> Result<SceneFile> {
     let (document, input) = Document::open(path)?;
     let toml: SceneToml = document.read()?;
-    let mut reader = Reader {
-        folder: path.parent().unwrap_or(Path::new("")).to_owned(),
-        document,
-        origin_m: DVec3::from_array(toml.origin_m),
-        problems: Vec::new(),
-        defaults: Vec::new(),
-        notes: Vec::new(),
-        inputs: vec![input],
-        watch,
-        interrupted: false,
-    };
+    let mut reader = Reader::new(path, document, DVec3::from_array(toml.origin_m), input, watch);
     reader.tell("reading the scene", 0, 1);
     let scene = reader.scene(&toml);
     reader.tell("reading the scene", 1, 1);
@@ -140,8 +132,8 @@ fn irradiances(spectrum: &Spectrum) -> (f64, f64) {
     (integral(spectrum, first, last), beyond)
 }
 
-/// What the parts of a scene file are read with.
-struct Reader<'a> {
+/// What the parts of a scene file are read with, and of other files that share them.
+pub(super) struct Reader<'a> {
     folder: PathBuf,
     document: Document,
     origin_m: DVec3,
@@ -152,6 +144,42 @@ struct Reader<'a> {
     watch: Watch<'a>,
     /// The caller has asked to stop.
     interrupted: bool,
+}
+
+impl<'a> Reader<'a> {
+    /// For another file that is about a scene with this origin.
+    pub(super) fn new(path: &Path, document: Document, origin_m: DVec3, input: InputFile, watch: Watch<'a>) -> Self {
+        Reader {
+            folder: path.parent().unwrap_or(Path::new("")).to_owned(),
+            document,
+            origin_m,
+            problems: Vec::new(),
+            defaults: Vec::new(),
+            notes: Vec::new(),
+            inputs: vec![input],
+            watch,
+            interrupted: false,
+        }
+    }
+
+    /// What was read and is worth knowing.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with all problems, in the order of the text; [`Error::Interrupted`].
+    pub(super) fn finish(mut self) -> Result<(Vec<InputFile>, Vec<String>)> {
+        if self.interrupted {
+            return Err(Error::Interrupted);
+        }
+        if self.problems.is_empty() {
+            return Ok((self.inputs, self.notes));
+        }
+        self.problems.sort_by_key(|p| p.at.span);
+        Err(Error::Invalid(self.problems))
+    }
+
+    pub(super) fn origin_m(&self) -> DVec3 {
+        self.origin_m
+    }
 }
 
 impl Reader<'_> {
@@ -176,13 +204,13 @@ impl Reader<'_> {
         })
     }
 
-    fn problem(&mut self, item: &str, message: impl Into<String>) -> &mut Problem {
+    pub(super) fn problem(&mut self, item: &str, message: impl Into<String>) -> &mut Problem {
         let problem = Problem::new(self.document.at(item), message);
         self.problems.push(problem);
         self.problems.last_mut().expect("one was pushed")
     }
 
-    fn helped(&mut self, item: &str, message: impl Into<String>, help: impl Into<String>) {
+    pub(super) fn helped(&mut self, item: &str, message: impl Into<String>, help: impl Into<String>) {
         self.problem(item, message).help = Some(help.into());
     }
 
@@ -200,12 +228,12 @@ impl Reader<'_> {
         self.interrupted |= !(self.watch)(Progress { stage, done, total });
     }
 
-    fn path(&self, name: &str) -> PathBuf {
+    pub(super) fn path(&self, name: &str) -> PathBuf {
         self.folder.join(name)
     }
 
     /// A value, or the problems of the file that was to give it. A file that cannot be read is a problem of the item that names it.
-    fn taken<T>(&mut self, item: &str, outcome: Result<T>) -> Option<T> {
+    pub(super) fn taken<T>(&mut self, item: &str, outcome: Result<T>) -> Option<T> {
         match outcome {
             Ok(value) => return Some(value),
             Err(Error::Invalid(problems)) => self.problems.extend(problems),

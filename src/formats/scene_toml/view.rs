@@ -23,7 +23,7 @@ impl Reader<'_> {
         let samples = self.given("sensor.samples", toml.samples, preset.then_some(256));
         let lines = self.given("sensor.lines", toml.lines, preset.then_some(256));
         let bands = match (&toml.bands, preset) {
-            (Some(bands), _) => self.bands(bands),
+            (Some(bands), _) => self.bands("sensor.bands", bands),
             (None, true) => {
                 self.stated("sensor.bands", "MacrOmega: 300 bands from 0.95 to 3.6 um, monochromatic");
                 Some(evenly(0.95, 3.6, 300))
@@ -51,7 +51,7 @@ impl Reader<'_> {
                 }
                 Some(pitch_of_ifov(ifov_mrad))
             }
-            (None, Some(fov_deg), None) => Some(2.0 * (0.5 * fov_deg.to_radians()).tan() / f64::from(samples)),
+            (None, Some(fov_deg), None) => Some(pitch_of_fov(fov_deg, samples)),
             (None, None, Some(Fit::Scene)) => match (pose, mesh) {
                 (Some(pose), Some(mesh)) => self.fitted(&pose, samples, lines, mesh),
                 _ => None,
@@ -99,7 +99,7 @@ impl Reader<'_> {
         Some(pitch)
     }
 
-    fn observer(&mut self, toml: &ObserverToml) -> Option<Pose> {
+    pub(in crate::formats) fn observer(&mut self, toml: &ObserverToml) -> Option<Pose> {
         let position_m = DVec3::from_array(toml.position_m);
         let axes = (toml.h, toml.v, toml.u);
         let rotation = match (toml.target_m, toml.up, axes, toml.world_from_sensor_xyzw) {
@@ -154,30 +154,31 @@ impl Reader<'_> {
         Some(Pose { rotation, translation_m: position_m - self.origin_m })
     }
 
-    fn bands(&mut self, toml: &BandsToml) -> Option<Vec<Band>> {
-        let mut bands = self.centres(toml)?;
-        let is_good = self.check_centres(toml, &bands);
-        self.widths(toml, &mut bands)?;
+    /// Bands, called `item` in the text.
+    pub(in crate::formats) fn bands(&mut self, item: &str, toml: &BandsToml) -> Option<Vec<Band>> {
+        let mut bands = self.centres(item, toml)?;
+        let is_good = self.check_centres(item, toml, &bands);
+        self.widths(item, toml, &mut bands)?;
         let odd = bands.iter().find(|b| b.fwhm_um.is_some_and(|w| !(w > 0.0 && w < b.centre_um)));
         if let Some(Band { centre_um, fwhm_um: Some(fwhm_um) }) = odd.filter(|_| is_good) {
             let message = format!("a width of {} um for a band at {centre_um} um", number(*fwhm_um));
             let help = "widths are in um, positive and less than the centre; leave them out for monochromatic bands";
-            self.helped("sensor.bands.fwhm_um", message, help);
+            self.helped(&format!("{item}.fwhm_um"), message, help);
             return None;
         }
         is_good.then_some(bands)
     }
 
-    fn centres(&mut self, toml: &BandsToml) -> Option<Vec<Band>> {
+    fn centres(&mut self, item: &str, toml: &BandsToml) -> Option<Vec<Band>> {
         match (toml.start_um, toml.stop_um, toml.count, &toml.centres_um) {
             (Some(start), Some(stop), Some(count), None) => {
                 if !(start < stop || (start == stop && count == 1)) {
-                    self.problem("sensor.bands.stop_um", format!("{stop} is not beyond start_um = {start}"));
+                    self.problem(&format!("{item}.stop_um"), format!("{stop} is not beyond start_um = {start}"));
                     return None;
                 }
                 if count == 1 && start != stop {
                     let message = "one band cannot have two centres: make start_um and stop_um equal";
-                    self.problem("sensor.bands.count", message);
+                    self.problem(&format!("{item}.count"), message);
                     return None;
                 }
                 Some(evenly(start, stop, count))
@@ -186,26 +187,26 @@ impl Reader<'_> {
                 Some(centres.iter().map(|&centre_um| Band { centre_um, fwhm_um: None }).collect())
             }
             _ => {
-                self.problem("sensor.bands", "give `start_um`, `stop_um` and `count`, or `centres_um`");
+                self.problem(item, "give `start_um`, `stop_um` and `count`, or `centres_um`");
                 None
             }
         }
     }
 
     /// Whether all centres are wavelengths of light in um.
-    fn check_centres(&mut self, toml: &BandsToml, bands: &[Band]) -> bool {
+    fn check_centres(&mut self, item: &str, toml: &BandsToml, bands: &[Band]) -> bool {
         let is_wrong = |band: &Band| !(band.centre_um > 0.0 && band.centre_um < LONGEST_UM);
         let wrong: Vec<usize> = (0..bands.len()).filter(|&i| is_wrong(&bands[i])).collect();
         // Of evenly spaced bands the ends say it all.
         let told = wrong.iter().filter(|&&i| toml.centres_um.is_some() || i == 0 || i + 1 == bands.len());
         for &i in told.take(TOLD) {
-            let item = match toml.centres_um {
-                Some(_) => format!("sensor.bands.centres_um[{i}]"),
-                None if i == 0 => "sensor.bands.start_um".into(),
-                None => "sensor.bands.stop_um".into(),
+            let place = match toml.centres_um {
+                Some(_) => format!("{item}.centres_um[{i}]"),
+                None if i == 0 => format!("{item}.start_um"),
+                None => format!("{item}.stop_um"),
             };
             let um = bands[i].centre_um;
-            let problem = self.problem(&item, format!("{} um is outside 0 to {LONGEST_UM} um", number(um)));
+            let problem = self.problem(&place, format!("{} um is outside 0 to {LONGEST_UM} um", number(um)));
             if um >= LONGEST_UM {
                 problem.help = Some(format!("if this is nanometres, write {}", number(um / 1000.0)));
             }
@@ -213,7 +214,7 @@ impl Reader<'_> {
         wrong.is_empty()
     }
 
-    fn widths(&mut self, toml: &BandsToml, bands: &mut [Band]) -> Option<()> {
+    fn widths(&mut self, item: &str, toml: &BandsToml, bands: &mut [Band]) -> Option<()> {
         match &toml.fwhm_um {
             Some(Fwhm::All(fwhm)) => bands.iter_mut().for_each(|band| band.fwhm_um = Some(*fwhm)),
             Some(Fwhm::Each(fwhm)) if fwhm.len() == bands.len() => {
@@ -222,18 +223,23 @@ impl Reader<'_> {
             Some(Fwhm::Each(fwhm)) => {
                 let message =
                     format!("{} widths for {} bands: give one for each, or one for all", fwhm.len(), bands.len());
-                self.problem("sensor.bands.fwhm_um", message);
+                self.problem(&format!("{item}.fwhm_um"), message);
                 return None;
             }
-            None => self.stated("sensor.bands.fwhm_um", "none: bands are monochromatic"),
+            None => self.stated(&format!("{item}.fwhm_um"), "none: bands are monochromatic"),
         }
         Some(())
     }
 }
 
 /// The pitch of pixels that subtend this angle, mrad, in the middle of the image.
-pub(super) fn pitch_of_ifov(ifov_mrad: f64) -> f64 {
+pub(in crate::formats) fn pitch_of_ifov(ifov_mrad: f64) -> f64 {
     2.0 * (0.5 * ifov_mrad * 1e-3).tan()
+}
+
+/// The pitch of `samples` pixels whose line subtends this angle, deg.
+pub(in crate::formats) fn pitch_of_fov(fov_deg: f64, samples: u32) -> f64 {
+    2.0 * (0.5 * fov_deg.to_radians()).tan() / f64::from(samples)
 }
 
 /// Bands at equal steps, both ends included.

@@ -172,6 +172,7 @@ fn mesh(vertices_m: &[DVec3], facets: &[[u32; 3]]) -> Mesh {
         facets: facets.to_vec(),
         material: vec![MaterialId(0); facets.len()],
         face_of_facet: vec![],
+        uv: vec![],
     }
 }
 

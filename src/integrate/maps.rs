@@ -1,0 +1,582 @@
+//! Radiance maps from elsewhere: how much of each pixel each texel fills. Free of wavelength, like footprints: bands are
+//! multiplied in afterwards.
+
+use glam::DVec3;
+
+use super::parts::{Parts, Polygons, Window, on_facet};
+use super::pixel::{Entry, Pixel};
+use super::texels::{Chart, Overlay, Texture};
+use crate::error::Result;
+use crate::geometry::polygon::{Point, Rect, area};
+use crate::geometry::{Direction, angle_rad};
+use crate::product::{Atlas, Eye, Lit, Patches, Placement, Sunlit, TexelLine, TexelWeights, ViewImage};
+use crate::progress::Watch;
+use crate::scene::Scene;
+use crate::solve;
+use crate::visibility::{Drawing, Topology};
+
+/// Which of several maps of one scene serve a facet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Choice {
+    /// The one seen from the nearest direction that knows the facet.
+    #[default]
+    Nearest,
+    /// All that know the facet, weighted by one over the squared angle to the direction of view.
+    Interpolated,
+}
+
+/// What is shown where a map knows nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Unknown {
+    /// What is known of the facet, else of the pixel, stands for the rest.
+    #[default]
+    Mean,
+    /// Nothing: the caller has something for it.
+    Left,
+    /// What the scene's own sources and heat send there.
+    Solved,
+}
+
+/// A map in a scene.
+#[derive(Debug, Clone, Copy)]
+pub struct MapView<'a> {
+    /// Where its texels lie.
+    pub placement: &'a Placement,
+    /// For each texel whether it holds a value.
+    pub known: &'a [bool],
+}
+
+/// How maps are put onto a scene.
+#[derive(Debug, Clone)]
+pub struct Maps<'a> {
+    /// Terms of a sum; each is one of several maps of the scene, seen from different directions.
+    pub terms: Vec<Vec<MapView<'a>>>,
+    /// Which of the maps of a term.
+    pub choice: Choice,
+    /// What holds between texel centres.
+    pub texture: Texture,
+    /// What is shown where nothing is known.
+    pub unknown: Unknown,
+}
+
+/// How much of the pixels the texels of maps fill.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct MapImage {
+    /// For each map of each term.
+    pub weights: Vec<Vec<TexelWeights>>,
+    /// For each term and pixel the area that it knows nothing of, of what is seen of outer sides, pixels.
+    pub unknown: Vec<Vec<f64>>,
+    /// As much of that as the weights do not stand for either: with [`Unknown::Mean`] that of facets of which nothing is known.
+    pub unfilled: Vec<Vec<f64>>,
+    /// For each pixel the area that shows outer sides, pixels.
+    pub area: Vec<f64>,
+    /// Largest angle between a direction of view and that of the map that serves it, deg; 0 if no map has a direction.
+    pub largest_angle_deg: f64,
+    /// Largest error by quadrature between texel centres, relative to the largest value of the texels around.
+    pub quadrature_error: f64,
+}
+
+impl MapImage {
+    pub(super) fn new(maps: &Maps) -> Self {
+        MapImage {
+            weights: maps.terms.iter().map(|views| vec![TexelWeights::default(); views.len()]).collect(),
+            unknown: vec![vec![]; maps.terms.len()],
+            unfilled: vec![vec![]; maps.terms.len()],
+            ..MapImage::default()
+        }
+    }
+
+    pub(super) fn append(&mut self, line: MapLine) {
+        let ours = self.weights.iter_mut().flatten();
+        ours.zip(line.weights.into_iter().flatten()).for_each(|(ours, line)| ours.lines.push(line));
+        self.unknown.iter_mut().zip(&line.unknown).for_each(|(ours, line)| ours.extend(line));
+        self.unfilled.iter_mut().zip(&line.unfilled).for_each(|(ours, line)| ours.extend(line));
+        self.area.extend(&line.area);
+        self.largest_angle_deg = line.angle_deg.iter().copied().fold(self.largest_angle_deg, f64::max);
+        self.quadrature_error = self.quadrature_error.max(line.quadrature_error);
+    }
+}
+
+/// A map, ready to be looked up.
+pub(super) struct Prepared<'a> {
+    view: MapView<'a>,
+    seen: Option<Sunlit>,
+}
+
+/// Finds what each map's eye sees of the scene.
+pub(super) fn prepare<'a>(
+    maps: &Maps<'a>,
+    scene: &Scene,
+    topology: &Topology,
+    watch: Watch<'_>,
+) -> Result<Vec<Vec<Prepared<'a>>>> {
+    let prepare = |view: &MapView<'a>| {
+        let seen = match view.placement {
+            Placement::View(image) if image.occlusion => Some(seen_by(image, scene, topology, watch)?),
+            _ => None,
+        };
+        Ok(Prepared { view: *view, seen })
+    };
+    maps.terms.iter().map(|views| views.iter().map(prepare).collect()).collect()
+}
+
+/// What an image's eye sees of each facet.
+fn seen_by(image: &ViewImage, scene: &Scene, topology: &Topology, watch: Watch<'_>) -> Result<Sunlit> {
+    match image.eye {
+        Eye::Towards(direction) => solve::sunlit(&scene.mesh, topology, direction, watch),
+        Eye::At(centre_m) => {
+            // The last row of a central projection is its axis; the corners of the image are rays.
+            let axis = Direction::new(image.projection.linear.row(2)).unwrap_or_else(|| {
+                Direction::new(-centre_m).unwrap_or(scene.sun.direction)
+            });
+            let from_texel = image.projection.linear.inverse();
+            let (columns, rows) = (image.columns as f64, image.rows as f64);
+            let rays = [[0.0, 0.0], [columns, 0.0], [columns, rows], [0.0, rows]]
+                .map(|[s, t]| from_texel * DVec3::new(s, t, 1.0));
+            solve::seen_from(&scene.mesh, topology, centre_m, axis, &rays, watch)
+        }
+    }
+}
+
+impl Prepared<'_> {
+    /// The polygons on facets that the map is made of, or that it sees.
+    pub(super) fn polygons(&self, facets: usize) -> Option<Polygons<'_>> {
+        match (self.view.placement, &self.seen) {
+            (Placement::Patches(patches), _) => Some(Polygons::of_patches(facets, patches)),
+            (_, Some(seen)) => Some(Polygons::of_sunlit(seen)),
+            _ => None,
+        }
+    }
+}
+
+/// Texels and their areas in a facet, pixels.
+#[derive(Debug, Default)]
+pub(super) struct Share {
+    pub(super) texels: Vec<(u32, f64)>,
+    /// Of all of them.
+    pub(super) area: f64,
+}
+
+impl Share {
+    fn clear(&mut self) {
+        self.texels.clear();
+        self.area = 0.0;
+    }
+}
+
+/// One map, and what is known of the facet at hand.
+pub(super) struct Lookup<'a> {
+    scene: &'a Scene,
+    drawing: &'a Drawing<'a>,
+    kind: Kind<'a>,
+    known: &'a [bool],
+    parts: Option<Parts<'a>>,
+    texture: Texture,
+    overlay: Overlay,
+    piece: Vec<Point>,
+    chart: Option<(u32, Chart)>,
+    /// What is seen of the facet, and what of that is lit.
+    pub(super) seen: Share,
+    pub(super) lit: Share,
+    sums: TexelSums,
+    quadrature_error: f64,
+}
+
+enum Kind<'a> {
+    Facets,
+    Patches(&'a Patches),
+    View(&'a ViewImage, Option<&'a Sunlit>),
+    Atlas(&'a Atlas),
+}
+
+impl<'a> Lookup<'a> {
+    pub(super) fn new(
+        scene: &'a Scene,
+        drawing: &'a Drawing<'a>,
+        prepared: &'a Prepared<'a>,
+        polygons: Option<&'a Polygons<'a>>,
+        texture: Texture,
+    ) -> Self {
+        let kind = match prepared.view.placement {
+            Placement::Facets(_) => Kind::Facets,
+            Placement::Patches(patches) => Kind::Patches(patches),
+            Placement::View(image) => Kind::View(image, prepared.seen.as_ref()),
+            Placement::Atlas(atlas) => Kind::Atlas(atlas),
+        };
+        Lookup {
+            scene,
+            drawing,
+            kind,
+            known: prepared.view.known,
+            parts: polygons.map(|p| Parts::new(drawing, p)),
+            texture,
+            overlay: Overlay::default(),
+            piece: vec![],
+            chart: None,
+            seen: Share::default(),
+            lit: Share::default(),
+            sums: TexelSums::default(),
+            quadrature_error: 0.0,
+        }
+    }
+
+    pub(super) fn new_line(&mut self, row: u32) {
+        self.quadrature_error = 0.0;
+        if let Some(parts) = &mut self.parts {
+            parts.new_line(row);
+        }
+    }
+
+    /// Finds the texels of what a pixel sees of a facet, its entry `index`, and if that is wanted those of the lit part.
+    pub(super) fn look(&mut self, pixel: &mut Pixel, index: usize, wants_lit: bool) {
+        self.seen.clear();
+        self.lit.clear();
+        let entry = pixel.entries[index];
+        if let Kind::Facets = self.kind {
+            if self.known[entry.facet as usize] {
+                self.seen.texels.push((entry.facet, entry.area));
+                self.lit.texels.push((entry.facet, entry.lit));
+                (self.seen.area, self.lit.area) = (entry.area, entry.lit);
+            }
+            return;
+        }
+        for k in pixel.fragments.of(index) {
+            let (of, sign, outline) = pixel.fragments.get(k);
+            if of != entry.facet {
+                // What rounding alone left of a facet has no entry.
+                continue;
+            }
+            // Kept apart from the pixel, which is asked for lit parts.
+            let mut piece = std::mem::take(&mut self.piece);
+            piece.clear();
+            piece.extend_from_slice(outline);
+            let before = (self.seen.texels.len(), self.seen.area);
+            self.lay(entry.facet, &piece, sign, false);
+            if wants_lit {
+                match pixel.lit_of(entry.facet) {
+                    Lit::Dark => {}
+                    Lit::Full => {
+                        self.lit.texels.extend_from_slice(&self.seen.texels[before.0..]);
+                        self.lit.area += self.seen.area - before.1;
+                    }
+                    Lit::Part => {
+                        pixel.lit_parts(entry.facet, &Window::Piece(&piece), |part| self.lay(entry.facet, part, sign, true))
+                    }
+                }
+            }
+            self.piece = piece;
+        }
+    }
+
+    /// Lays the map's texels over a convex part of a facet's image.
+    fn lay(&mut self, facet: u32, part: &[Point], sign: f64, is_lit: bool) {
+        if part.len() < 3 {
+            return;
+        }
+        let size = match &self.kind {
+            Kind::Facets => return,
+            Kind::Patches(patches) => {
+                let Some(parts) = &mut self.parts else { return };
+                let share = if is_lit { &mut self.lit } else { &mut self.seen };
+                let known = self.known;
+                parts.each(facet, &Window::Piece(part), |i, common| {
+                    let (texel, common) = (patches.polygon_texel[i], area(common));
+                    if common > 0.0 && known[texel as usize] {
+                        share.texels.push((texel, sign * common));
+                        share.area += sign * common;
+                    }
+                });
+                return;
+            }
+            Kind::View(image, _) => [image.columns, image.rows],
+            Kind::Atlas(atlas) => [atlas.columns, atlas.rows],
+        };
+        let Some(chart) = self.chart(facet) else { return };
+        let seen = match &self.kind {
+            Kind::View(_, Some(seen)) => seen.lit[facet as usize],
+            _ => Lit::Full,
+        };
+        let Lookup { known, parts, texture, overlay, seen: all, lit, quadrature_error, .. } = self;
+        let share = if is_lit { lit } else { all };
+        let known = |column: usize, row: usize| known[row * size[0] + column];
+        let number = |column: usize, row: usize| (row * size[0] + column) as u32;
+        let mut lay = |part: &[Point]| match texture {
+            Texture::Nearest => overlay.texels(&chart, part, size, |column, row, area| {
+                if known(column, row) {
+                    share.texels.push((number(column, row), sign * area));
+                    share.area += sign * area;
+                }
+            }),
+            Texture::Bilinear => overlay.centres(&chart, part, size, |around, area, error| {
+                if around.iter().all(|(column, row, _)| known(*column, *row)) {
+                    *quadrature_error = quadrature_error.max(error);
+                    share.texels.extend(around.map(|(column, row, weight)| (number(column, row), sign * weight)));
+                    share.area += sign * area;
+                }
+            }),
+        };
+        match (seen, parts) {
+            (Lit::Dark, _) => {}
+            (Lit::Part, Some(parts)) => parts.each(facet, &Window::Piece(part), |_, common| {
+                if common.len() > 2 {
+                    lay(common);
+                }
+            }),
+            _ => lay(part),
+        }
+    }
+
+    /// How the image of a facet leads to texels.
+    fn chart(&mut self, facet: u32) -> Option<Chart> {
+        if let Some((of, chart)) = self.chart
+            && of == facet
+        {
+            return Some(chart);
+        }
+        let (mesh, view) = (&self.scene.mesh, &self.drawing.view);
+        let chart = match &self.kind {
+            Kind::View(image, _) => Chart::of_projection(&image.projection, view, &mesh.facet(facet as usize)),
+            Kind::Atlas(atlas) => Chart::of_corners(&atlas.corners[facet as usize], &on_facet(mesh, view, facet)),
+            Kind::Facets | Kind::Patches(_) => None,
+        };
+        self.chart = chart.map(|chart| (facet, chart));
+        chart
+    }
+}
+
+/// Sums over texels, handed out in the order in which the texels came.
+#[derive(Debug, Default)]
+struct TexelSums {
+    /// Open addressing; a power of two, at most half full.
+    slots: Vec<(u32, f64)>,
+    used: Vec<u32>,
+}
+
+/// What is known of a facet stands for the rest of it if it is at least this share; less is no better than what its pixel knows,
+/// and rounding would be multiplied.
+const LEAST_KNOWN: f64 = 0.01;
+
+/// Of a texel that is hidden all over, subtraction leaves less than this, pixels.
+const REMAINDER: f64 = 1e-15;
+
+const EMPTY: u32 = u32::MAX;
+
+impl TexelSums {
+    fn add(&mut self, texel: u32, weight: f64) {
+        if 2 * (self.used.len() + 1) > self.slots.len() {
+            self.grow();
+        }
+        let slot = self.slot(texel);
+        if self.slots[slot].0 == EMPTY {
+            self.slots[slot].0 = texel;
+            self.used.push(texel);
+        }
+        self.slots[slot].1 += weight;
+    }
+
+    fn slot(&self, texel: u32) -> usize {
+        let mask = self.slots.len() - 1;
+        // Fibonacci hashing: neighbours in a line or column spread.
+        let mut slot = ((u64::from(texel) + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32) as usize & mask;
+        while self.slots[slot].0 != EMPTY && self.slots[slot].0 != texel {
+            slot = (slot + 1) & mask;
+        }
+        slot
+    }
+
+    fn grow(&mut self) {
+        let old = std::mem::take(&mut self.slots);
+        self.slots = vec![(EMPTY, 0.0); (2 * old.len()).max(64)];
+        for (texel, weight) in old.into_iter().filter(|s| s.0 != EMPTY) {
+            let slot = self.slot(texel);
+            self.slots[slot] = (texel, weight);
+        }
+    }
+
+    fn drain(&mut self, mut put: impl FnMut(u32, f64)) {
+        for i in 0..self.used.len() {
+            let texel = self.used[i];
+            let slot = self.slot(texel);
+            put(texel, self.slots[slot].1);
+        }
+        if self.used.len() * 8 < self.slots.len() {
+            // All slots first: an emptied one would hide what was pushed past it.
+            let slots: Vec<usize> = self.used.iter().map(|t| self.slot(*t)).collect();
+            slots.into_iter().for_each(|s| self.slots[s] = (EMPTY, 0.0));
+        } else {
+            self.slots.fill((EMPTY, 0.0));
+        }
+        self.used.clear();
+    }
+}
+
+/// What a line of the image says of maps.
+#[derive(Debug, Default)]
+pub(super) struct MapLine {
+    /// For each term and map.
+    pub(super) weights: Vec<Vec<TexelLine>>,
+    /// For each term.
+    pub(super) unknown: Vec<Vec<f64>>,
+    pub(super) unfilled: Vec<Vec<f64>>,
+    pub(super) area: Vec<f64>,
+    /// Angle between the directions of map and camera, deg; NaN if no map has one, or nothing is seen.
+    pub(super) angle_deg: Vec<f64>,
+    /// Share of what is seen that all terms know.
+    pub(super) coverage: Vec<f64>,
+    pub(super) quadrature_error: f64,
+}
+
+/// Looks maps up, pixel by pixel.
+pub(super) struct Looker<'a> {
+    scene: &'a Scene,
+    terms: Vec<Vec<Lookup<'a>>>,
+    choice: Choice,
+    unknown: Unknown,
+}
+
+impl<'a> Looker<'a> {
+    pub(super) fn new(
+        scene: &'a Scene,
+        drawing: &'a Drawing<'a>,
+        maps: &Maps,
+        prepared: &'a [Vec<Prepared<'a>>],
+        polygons: &'a [Vec<Option<Polygons<'a>>>],
+    ) -> Self {
+        let lookups = |(views, polygons): (&'a Vec<Prepared<'a>>, &'a Vec<Option<Polygons<'a>>>)| {
+            let one = |(p, polygons): (&'a Prepared<'a>, &'a Option<Polygons<'a>>)| {
+                Lookup::new(scene, drawing, p, polygons.as_ref(), maps.texture)
+            };
+            views.iter().zip(polygons).map(one).collect()
+        };
+        let terms = prepared.iter().zip(polygons).map(lookups).collect();
+        Looker { scene, terms, choice: maps.choice, unknown: maps.unknown }
+    }
+
+    pub(super) fn new_line(&mut self, row: u32) -> MapLine {
+        for lookup in self.terms.iter_mut().flatten() {
+            lookup.new_line(row);
+        }
+        MapLine {
+            weights: self.terms.iter().map(|t| vec![TexelLine::default(); t.len()]).collect(),
+            unknown: vec![vec![]; self.terms.len()],
+            unfilled: vec![vec![]; self.terms.len()],
+            ..MapLine::default()
+        }
+    }
+
+    /// Adds what a pixel sees. `solved(entry, area, lit)` is called with what is left for the scene's own sources.
+    pub(super) fn look(&mut self, pixel: &mut Pixel, line: &mut MapLine, mut solved: impl FnMut(&Entry, f64, f64)) {
+        let mut front = 0.0;
+        let (mut angle_sum, mut angle_area) = (0.0, 0.0);
+        let (mut unknown, mut unfilled) = (vec![0.0; self.terms.len()], vec![0.0; self.terms.len()]);
+        pixel.sort_fragments();
+        for index in 0..pixel.entries.len() {
+            let entry = pixel.entries[index];
+            if !entry.front {
+                continue;
+            }
+            front += entry.area;
+            let angles: Vec<Vec<f64>> = self.angles(pixel, &entry);
+            for (t, views) in self.terms.iter_mut().enumerate() {
+                for lookup in views.iter_mut() {
+                    let wants_lit = self.unknown == Unknown::Solved;
+                    lookup.look(pixel, index, wants_lit);
+                }
+                let Some(best) = (0..views.len()).max_by(|a, b| views[*a].seen.area.total_cmp(&views[*b].seen.area)) else { continue };
+                let most = views[best].seen.area.min(entry.area);
+                let rest = entry.area - most.max(0.0);
+                unknown[t] += rest;
+                let target = match self.unknown {
+                    Unknown::Mean if most >= LEAST_KNOWN * entry.area => entry.area,
+                    Unknown::Mean => 0.0,
+                    Unknown::Left | Unknown::Solved => most.max(0.0),
+                };
+                unfilled[t] += entry.area - target;
+                if rest > 0.0 && self.unknown == Unknown::Solved {
+                    let lit = if most > 0.0 { (entry.lit - views[best].lit.area).clamp(0.0, rest) } else { entry.lit };
+                    solved(&entry, rest, lit);
+                }
+                if target <= 0.0 {
+                    continue;
+                }
+                let shares = shares(views, &angles[t], self.choice);
+                let known: f64 = shares.iter().zip(views.iter()).map(|(g, v)| g * v.seen.area).sum();
+                for ((lookup, share), angle) in views.iter_mut().zip(&shares).zip(&angles[t]) {
+                    if *share == 0.0 {
+                        continue;
+                    }
+                    let scale = share * target / known;
+                    let Lookup { seen, sums, .. } = lookup;
+                    seen.texels.iter().for_each(|(texel, weight)| sums.add(*texel, scale * weight));
+                    if t == 0 && angle.is_finite() {
+                        angle_sum += scale * lookup.seen.area * angle;
+                        angle_area += scale * lookup.seen.area;
+                    }
+                }
+            }
+        }
+        for (views, weights) in self.terms.iter_mut().zip(&mut line.weights) {
+            for (lookup, weights) in views.iter_mut().zip(weights) {
+                weights.row_start.push(weights.texel.len());
+                lookup.sums.drain(|texel, weight| {
+                    if weight > REMAINDER {
+                        weights.texel.push(texel);
+                        weights.weight.push(weight);
+                    }
+                });
+                line.quadrature_error = line.quadrature_error.max(lookup.quadrature_error);
+            }
+        }
+        let most_unknown = unknown.iter().copied().fold(0.0, f64::max);
+        line.coverage.push(if front > 0.0 { ((front - most_unknown) / front).clamp(0.0, 1.0) } else { f64::NAN });
+        line.angle_deg.push(if angle_area > 0.0 { (angle_sum / angle_area).to_degrees() } else { f64::NAN });
+        line.area.push(front);
+        line.unknown.iter_mut().zip(unknown).for_each(|(line, u)| line.push(u));
+        line.unfilled.iter_mut().zip(unfilled).for_each(|(line, u)| line.push(u));
+    }
+
+    /// For each term and map the angle between its direction and that to the camera, rad, where what is seen of a facet lies.
+    fn angles(&self, pixel: &Pixel, entry: &Entry) -> Vec<Vec<f64>> {
+        let [x, y] = entry.centroid(&pixel.rect);
+        let camera = &self.scene.sensor.camera;
+        let ray = camera.ray(x, y);
+        let facet = self.scene.mesh.facet(entry.facet as usize);
+        let normal = facet.cross_m2();
+        let point_m = camera.centre_m() + ray * (normal.dot(facet.corners_m[0] - camera.centre_m()) / normal.dot(ray));
+        let of = |lookup: &Lookup| match lookup.kind {
+            Kind::View(image, _) => match image.eye {
+                Eye::At(eye_m) => angle_rad(eye_m - point_m, -ray),
+                Eye::Towards(direction) => angle_rad(direction.vec(), -ray),
+            },
+            _ => f64::NAN,
+        };
+        self.terms.iter().map(|views| views.iter().map(of).collect()).collect()
+    }
+}
+
+/// How much each map counts for a facet, relative to each other.
+fn shares(views: &[Lookup], angles: &[f64], choice: Choice) -> Vec<f64> {
+    let known = |i: &usize| views[*i].seen.area > 0.0;
+    let mut shares = vec![0.0; views.len()];
+    let Some(nearest) = (0..views.len()).filter(known).min_by(|a, b| angles[*a].total_cmp(&angles[*b])) else {
+        return shares;
+    };
+    if choice == Choice::Nearest || !(angles[nearest] > 0.0) {
+        shares[nearest] = 1.0;
+        return shares;
+    }
+    // Relative to the nearest, so that small angles do not overflow.
+    (0..views.len()).filter(known).for_each(|i| shares[i] = (angles[nearest] / angles[i]).powi(2));
+    shares
+}
+
+/// Whether some facet of a scene lies, in part, within an image of it: its bounds do.
+pub fn meets(image: &ViewImage, scene: &Scene) -> bool {
+    let frame = Rect { min: [0.0; 2], max: [image.columns as f64, image.rows as f64] };
+    (0..scene.mesh.facets.len()).any(|f| {
+        let corners = scene.mesh.facet(f).corners_m.map(|p| image.projection.homogeneous(p));
+        let in_front = corners.iter().filter(|c| c.z > 0.0).count();
+        // What reaches behind the eye may be anywhere.
+        in_front > 0 && (in_front < 3 || Rect::of(&corners.map(|c| [c.x / c.z, c.y / c.z])).overlaps(&frame))
+    })
+}

@@ -1,0 +1,390 @@
+//! From radiance maps of elsewhere to what a camera sees of them.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::simulate::{Observation, account_for, has_room};
+use crate::error::{Error, Location, Problem, Result};
+use crate::integrate::{self, Choice, MapImage, MapView, Maps, Texture, Unknown};
+use crate::product::{Cube, FacetTable, Placement, RadianceMap, TexelSource};
+use crate::progress::{Watch, tell};
+use crate::scene::Scene;
+use crate::spectral::{Band, Mix, mixes};
+use crate::visibility::Topology;
+
+/// What is shown where maps know nothing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Fill {
+    /// It is an error if it is more than this share of what is seen; of less, what is known of a facet or pixel stands for the rest.
+    Refuse(f64),
+    /// What the scene's own sources and heat send there.
+    Solved,
+    /// This radiance, W m-2 sr-1 um-1.
+    Value(f64),
+}
+
+impl Default for Fill {
+    fn default() -> Self {
+        Fill::Refuse(1e-3)
+    }
+}
+
+/// How maps are put onto a scene.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct MapOptions {
+    /// Which of several maps serve a facet.
+    pub choice: Choice,
+    /// What holds between texel centres.
+    pub texture: Texture,
+    /// What is shown where nothing is known.
+    pub fill: Fill,
+    /// What is solved for the scene is added, too.
+    pub add_solved: bool,
+}
+
+/// What a product says of the maps it was made from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MapAccount {
+    /// The maps: term by term of the sum, and in each the maps of different views.
+    pub maps: Vec<MapEntry>,
+    /// Share of what is seen that they know nothing of.
+    pub unknown_share: f64,
+    /// Largest angle between the direction of a pixel and that from which the map that serves it was seen, deg.
+    pub largest_angle_deg: f64,
+    /// Bound of the error by quadrature between texel centres, relative to the largest value around; 0 where texels are constant.
+    pub quadrature_error: f64,
+}
+
+/// A map of a product.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MapEntry {
+    /// What it is called.
+    pub name: String,
+    /// Which term of the sum it is, from 1.
+    pub term: u64,
+    /// What its radiance was multiplied by.
+    pub weight: f64,
+    /// Its texels.
+    pub texels: u64,
+    /// Texels without a value.
+    pub undefined_texels: u64,
+    /// Its bands that were used.
+    pub bands: u64,
+}
+
+/// Looks at a scene by radiance maps: `terms` add up, and each is one of several maps of the scene from different views.
+///
+/// `table` tells where the scene is lit, and what fills gaps, if that is asked for.
+///
+/// # Errors
+/// [`Error::Invalid`] if a map is not of this scene, lacks a band, or holds a negative or infinite radiance, or if maps know too
+/// little of what is seen; whatever their sources report; [`Error::Interrupted`] if `watch` asks to stop.
+pub fn observe_maps(
+    scene: &Scene,
+    topology: &Topology,
+    table: &FacetTable,
+    terms: Vec<Vec<RadianceMap>>,
+    options: &MapOptions,
+    watch: Watch<'_>,
+) -> Result<(Observation, MapAccount)> {
+    super::simulate::fits(scene, table)?;
+    has_room(scene)?;
+    fit(scene, &terms)?;
+    let mut terms = Term::of(scene, terms)?;
+    let mut problems = Vec::new();
+    for term in terms.iter_mut().flat_map(|t| &mut t.views) {
+        term.find_known(&mut problems)?;
+    }
+    if !problems.is_empty() {
+        return Err(Error::Invalid(problems));
+    }
+    let maps = Maps {
+        terms: terms.iter().map(|t| t.views.iter().map(View::on_scene).collect()).collect(),
+        choice: options.choice,
+        texture: options.texture,
+        unknown: match options.fill {
+            Fill::Refuse(_) => Unknown::Mean,
+            Fill::Solved => Unknown::Solved,
+            Fill::Value(_) => Unknown::Left,
+        },
+    };
+    if options.fill == Fill::Solved && maps.terms.len() > 1 {
+        let message = "gaps can be filled from the scene's own sources only if all maps have their texels at the same places";
+        return Err(Error::invalid(Location::item("unknown"), message));
+    }
+    let mut image = integrate::integrate_maps(scene, topology, table, &maps, watch)?;
+    let on_scene = image.maps.take().unwrap_or_default();
+    drop(maps);
+    let unknown_share = refuse(&on_scene, options)?;
+    let added = add_up(scene, &mut terms, &on_scene, options, watch)?;
+    if options.add_solved {
+        let solved = integrate::integrate(scene, topology, table, watch)?;
+        image.cube = Cube { added, ..solved.cube };
+    } else {
+        image.cube.added = added;
+    }
+    let account = MapAccount {
+        maps: terms.iter().enumerate().flat_map(|(t, term)| term.entries(t)).collect(),
+        unknown_share,
+        largest_angle_deg: on_scene.largest_angle_deg,
+        quadrature_error: on_scene.quadrature_error,
+    };
+    drop(on_scene);
+    let mut observation = account_for(scene, topology, table, image, watch)?;
+    if !(options.add_solved || options.fill == Fill::Solved) {
+        // What maps have in them and leave out is theirs to say.
+        observation.effects.clear();
+    }
+    Ok((observation, account))
+}
+
+/// A map's part that can be read.
+struct Source {
+    name: String,
+    weight: f64,
+    source: Box<dyn TexelSource>,
+    /// For each band of the map that is needed, ascending: its weights in the sensor's bands.
+    uses: Vec<(usize, Vec<(usize, f64)>)>,
+}
+
+/// Maps whose texels lie at the same places.
+struct View {
+    placement: Placement,
+    sources: Vec<Source>,
+    known: Vec<bool>,
+    /// How many texels of each source have no value.
+    undefined: Vec<u64>,
+}
+
+/// Maps from different views, each of the same sum.
+struct Term {
+    views: Vec<View>,
+}
+
+/// Says which maps cannot be of a scene.
+fn fit(scene: &Scene, terms: &[Vec<RadianceMap>]) -> Result<()> {
+    let facets = scene.mesh.facets.len();
+    let mut problems = Vec::new();
+    for map in terms.iter().flatten() {
+        let mut problem = |message: String, help: &str| {
+            problems.push(Problem::new(Location::item(&map.name), message).with_help(help));
+        };
+        match &map.placement {
+            Placement::Facets(n) if *n != facets => problem(
+                format!("has values for {n} facets, but the scene has {facets}"),
+                "it was made for another mesh; facets are counted through all meshes of the scene, after faces were cut into triangles",
+            ),
+            Placement::Atlas(atlas) if atlas.corners.len() != facets => problem(
+                format!("has texture coordinates for {} facets, but the scene has {facets}", atlas.corners.len()),
+                "it was made for another mesh",
+            ),
+            Placement::Patches(p) if p.polygon_facet.last().is_some_and(|f| *f as usize >= facets) => {
+                problem(format!("has parts of facets beyond the {facets} of the scene"), "it was made for another mesh");
+            }
+            Placement::View(view) if !integrate::meets(view, scene) => problem(
+                "does not overlap the scene: none of the mesh lies within the image".into(),
+                "check its placement: the frame (local or body), metres, and which axis runs along lines",
+            ),
+            _ => {}
+        }
+        if !map.weight.is_finite() {
+            problem(format!("cannot be multiplied by {}", map.weight), "the weight is a number");
+        }
+    }
+    if problems.is_empty() { Ok(()) } else { Err(Error::Invalid(problems)) }
+}
+
+impl Term {
+    /// Terms with the same placements become one, whose texels are looked up once.
+    fn of(scene: &Scene, terms: Vec<Vec<RadianceMap>>) -> Result<Vec<Term>> {
+        let mut all: Vec<Term> = Vec::new();
+        let mut problems = Vec::new();
+        for maps in terms {
+            let mut views = Vec::new();
+            for map in maps {
+                let uses = uses(map.source.bands(), &scene.sensor.bands).unwrap_or_else(|wrong| {
+                    problems.extend(wrong.into_iter().map(|w| Problem::new(Location::item(&map.name), w)));
+                    vec![]
+                });
+                let RadianceMap { name, placement, source, weight } = map;
+                views.push(View {
+                    placement,
+                    sources: vec![Source { name, weight, source, uses }],
+                    known: vec![],
+                    undefined: vec![],
+                });
+            }
+            let same = |term: &&mut Term| {
+                let pairs = term.views.iter().zip(&views);
+                term.views.len() == views.len() && pairs.into_iter().all(|(a, b)| a.placement == b.placement)
+            };
+            match all.iter_mut().find(same) {
+                Some(term) => {
+                    let pairs = term.views.iter_mut().zip(views);
+                    pairs.for_each(|(ours, other)| ours.sources.extend(other.sources));
+                }
+                None => all.push(Term { views }),
+            }
+        }
+        if problems.is_empty() { Ok(all) } else { Err(Error::Invalid(problems)) }
+    }
+
+    fn entries(&self, term: usize) -> impl Iterator<Item = MapEntry> {
+        self.views.iter().flat_map(move |view| {
+            view.sources.iter().zip(&view.undefined).map(move |(source, undefined)| MapEntry {
+                name: source.name.clone(),
+                term: term as u64 + 1,
+                weight: source.weight,
+                texels: view.known.len() as u64,
+                undefined_texels: *undefined,
+                bands: source.uses.len() as u64,
+            })
+        })
+    }
+}
+
+/// For each band of a map that is needed, ascending, its weights in the sensor's bands.
+fn uses(map: &[Band], sensor: &[Band]) -> std::result::Result<Vec<(usize, Vec<(usize, f64)>)>, Vec<String>> {
+    let mixes: Vec<Mix> = mixes(map, sensor)?;
+    let of = |band: usize| {
+        let weights = mixes.iter().enumerate().filter_map(|(s, mix)| {
+            mix.iter().find(|(m, _)| *m == band).map(|(_, weight)| (s, *weight))
+        });
+        (band, weights.collect::<Vec<_>>())
+    };
+    Ok((0..map.len()).map(of).filter(|(_, weights)| !weights.is_empty()).collect())
+}
+
+impl View {
+    fn on_scene(&self) -> MapView<'_> {
+        MapView { placement: &self.placement, known: &self.known }
+    }
+
+    /// Which texels have a value, by the first band of each source that is needed.
+    fn find_known(&mut self, problems: &mut Vec<Problem>) -> Result<()> {
+        let texels = self.placement.texels();
+        self.known = vec![true; texels];
+        let mut values = Vec::new();
+        for source in &mut self.sources {
+            let Some((band, _)) = source.uses.first() else { continue };
+            source.source.read(*band, &mut values)?;
+            if values.len() != texels {
+                let message = format!("has {} values in a band, but its placement has {texels} texels", values.len());
+                problems.push(Problem::new(Location::item(&source.name), message));
+                continue;
+            }
+            let mut undefined = 0;
+            for (known, value) in self.known.iter_mut().zip(&values) {
+                undefined += u64::from(value.is_nan());
+                *known &= !value.is_nan();
+            }
+            self.undefined.push(undefined);
+        }
+        Ok(())
+    }
+}
+
+/// The share of what is seen that is unknown, if it is not too much.
+fn refuse(maps: &MapImage, options: &MapOptions) -> Result<f64> {
+    let area: f64 = maps.area.iter().sum();
+    let most = |pixel: usize| maps.unknown.iter().map(|term| term[pixel]).fold(0.0, f64::max);
+    let unknown: f64 = (0..maps.area.len()).map(most).sum();
+    let share = if area > 0.0 { unknown / area } else { 0.0 };
+    match options.fill {
+        Fill::Refuse(limit) if share > limit => {
+            let message = format!(
+                "{:.2} % of what the camera sees is unknown: outside the maps, hidden from where they were seen, or without a value",
+                100.0 * share
+            );
+            let problem = Problem::new(Location::item("--radiance"), message).with_help(
+                "--unknown solve fills it from the scene's own sources, --unknown 0 with a radiance; more maps from other directions may know it",
+            );
+            Err(Error::Invalid(vec![problem]))
+        }
+        _ => Ok(share),
+    }
+}
+
+/// Radiance by maps: [band, pixel], W m-2 sr-1 um-1.
+fn add_up(
+    scene: &Scene,
+    terms: &mut [Term],
+    on_scene: &MapImage,
+    options: &MapOptions,
+    watch: Watch<'_>,
+) -> Result<Vec<f64>> {
+    let pixels = on_scene.area.len();
+    let mut added = vec![0.0; pixels * scene.sensor.bands.len()];
+    let total: usize = terms.iter().flat_map(|t| &t.views).flat_map(|v| &v.sources).map(|s| s.uses.len()).sum();
+    let mut done = 0;
+    let mut values = Vec::new();
+    for (t, term) in terms.iter_mut().enumerate() {
+        let unfilled = &on_scene.unfilled[t];
+        for (v, view) in term.views.iter_mut().enumerate() {
+            let weights = &on_scene.weights[t][v];
+            for source in &mut view.sources {
+                for (band, shares) in &source.uses {
+                    tell(watch, "maps", done, total as u64)?;
+                    done += 1;
+                    source.source.read(*band, &mut values)?;
+                    if let Some(texel) = values.iter().position(|v| *v < 0.0 || v.is_infinite()) {
+                        let at = Location::item(format!("{}, band {}", source.name, band + 1));
+                        let message = format!("texel {} holds the radiance {}", place(&view.placement, texel), values[texel]);
+                        let problem = Problem::new(at, message)
+                            .with_help("radiance is a number from 0; mark what is not known by NaN, or by a `no_data` value");
+                        return Err(Error::Invalid(vec![problem]));
+                    }
+                    let sums = weights.apply(&values);
+                    let lost: f64 = sums.iter().map(|s| s.1).sum();
+                    let area: f64 = on_scene.area.iter().sum();
+                    let limit = if let Fill::Refuse(limit) = options.fill { limit } else { 0.0 };
+                    if lost > limit * area {
+                        let at = Location::item(format!("{}, band {}", source.name, band + 1));
+                        let message = "has texels without a value where the map's first band has one";
+                        let help = "what a map knows must be the same in all of its bands";
+                        return Err(Error::Invalid(vec![Problem::new(at, message).with_help(help)]));
+                    }
+                    for (sensor_band, share) in shares {
+                        let out = &mut added[sensor_band * pixels..(sensor_band + 1) * pixels];
+                        for (pixel, (out, (sum, lost))) in out.iter_mut().zip(&sums).enumerate() {
+                            let mut value = source.weight * share * sum;
+                            let filled = on_scene.area[pixel] - unfilled[pixel];
+                            if options.fill.is_by_mean() && filled > *lost && unfilled[pixel] + lost > 0.0 {
+                                value *= on_scene.area[pixel] / (filled - lost);
+                            }
+                            *out += value;
+                        }
+                    }
+                }
+            }
+        }
+    }
+    if let Fill::Value(radiance) = options.fill {
+        for out in added.chunks_exact_mut(pixels.max(1)) {
+            for (pixel, out) in out.iter_mut().enumerate() {
+                let most = on_scene.unknown.iter().map(|term| term[pixel]).fold(0.0, f64::max);
+                *out += radiance * most;
+            }
+        }
+    }
+    tell(watch, "maps", total as u64, total as u64)?;
+    Ok(added)
+}
+
+impl Fill {
+    fn is_by_mean(&self) -> bool {
+        matches!(self, Fill::Refuse(_))
+    }
+}
+
+/// What a texel is called.
+fn place(placement: &Placement, texel: usize) -> String {
+    let in_image = |columns: usize| format!("(row {}, column {})", texel / columns, texel % columns);
+    match placement {
+        Placement::View(view) => in_image(view.columns),
+        Placement::Atlas(atlas) => in_image(atlas.columns),
+        Placement::Facets(_) | Placement::Patches(_) => format!("{texel} (counted from 0)"),
+    }
+}
