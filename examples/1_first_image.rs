@@ -42,6 +42,7 @@ fn main() -> Result<()> {
         origin_m: DVec3::new(0.0, 11_860.0, 0.0), // where the site is on the body: for latitudes and longitudes
         mesh: landscape.mesh,
         materials,
+        textures: vec![],
         sun: Sun {
             direction: Direction::new(DVec3::new(1.0, 0.0, 1.0)).expect("has a length"), // 45 deg high in the east
             distance_m: 1.52 * AU_M,

@@ -39,6 +39,7 @@
 //!     origin_m: DVec3::new(0.0, 0.0, 11_000.0),
 //!     mesh,
 //!     materials: vec![grey],
+//!     textures: vec![],
 //!     sun: Sun {
 //!         direction: Direction::new(DVec3::new(1.0, 0.0, 1.0)).unwrap(),
 //!         distance_m: 1.5 * AU_M,

@@ -1,13 +1,19 @@
-//! `mmxrt integrate`: a scene and the table of its facets become a product folder.
+//! `mmxrt integrate`: a scene, and the radiance that its facets send, become a product folder.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use mmxrt::formats::npz;
+use clap::ValueEnum;
+use mmxrt::formats::report_json::Input;
+use mmxrt::formats::{npz, radiance_map};
+use mmxrt::integrate::{self, Choice};
+use mmxrt::product::{FacetTable, RadianceMap};
+use mmxrt::study::{Fill, MapOptions};
 use mmxrt::visibility::Topology;
-use mmxrt::{Error, Location, Problem, Result, study};
+use mmxrt::{Error, Location, Problem, Result, solve, study};
 
 use super::console::Console;
 use super::product::{self, Made, ProductOptions};
+use super::scene::Opened;
 use super::{Outcome, scene};
 
 #[derive(clap::Args)]
@@ -15,27 +21,158 @@ pub(crate) struct Arguments {
     /// The scene file
     scene: PathBuf,
     /// What its facets receive, from `mmxrt solve`; one table serves all cameras and bands
-    #[arg(long, value_name = "TABLE.npz")]
-    table: PathBuf,
+    #[arg(long, value_name = "TABLE.npz", required_unless_present = "radiance")]
+    table: Option<PathBuf>,
+    /// Radiance from elsewhere: a raster with its `.map.toml`, a table of facets, an output of DART. Maps joined by `+` add up, each
+    /// times a number after `*`; given several times, they are maps of other views of the same
+    #[arg(long, value_name = "MAP[+MAP*W]...")]
+    radiance: Vec<String>,
+    /// Which of maps of several views serve a facet
+    #[arg(long, value_enum, default_value = "nearest", requires = "radiance")]
+    views: Views,
+    /// What a map is between the centres of its texels
+    #[arg(long, value_enum, default_value = "nearest", requires = "radiance")]
+    texels: Between,
+    /// What is shown where no map knows the radiance: `error` if that is over 0.1 % of what is seen, `solve` to fill it from the
+    /// scene's own sources, or a radiance in W m-2 sr-1 um-1
+    #[arg(long, value_name = "error|solve|VALUE", default_value = "error", value_parser = fill, requires = "radiance")]
+    unknown: Fill,
     #[command(flatten)]
     product: ProductOptions,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Views {
+    /// The one from the nearest direction
+    Nearest,
+    /// All of them, weighted by one over the squared angle
+    Interpolated,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Between {
+    /// A texel has one value
+    Nearest,
+    /// Values vary linearly from centre to centre
+    Bilinear,
+}
+
+fn fill(text: &str) -> std::result::Result<Fill, String> {
+    match text {
+        "error" => Ok(Fill::default()),
+        "solve" => Ok(Fill::Solved),
+        _ => match text.parse::<f64>() {
+            Ok(value) if value >= 0.0 && value.is_finite() => Ok(Fill::Value(value)),
+            _ => Err("give `error`, `solve`, or a radiance from 0".into()),
+        },
+    }
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let watch = |progress| console.watch(progress);
     let staged = arguments.product.stage()?;
-    let opened = scene::open(&arguments.scene, &watch)?;
-    let (table, header) = npz::read_table(&arguments.table)?;
+    let mut opened = scene::open(&arguments.scene, &watch)?;
+    let topology = Topology::new(&opened.scene.mesh);
+    let table = arguments.table.as_deref().map(|path| table(path, &arguments.scene, &opened)).transpose()?;
+    if arguments.radiance.is_empty() {
+        let Some(table) = table else { return Err(no_radiance()) };
+        let observation = study::observe(&opened.scene, &topology, &table, &watch)?;
+        let made = Made { opened, table, observation, maps: None };
+        return product::write("integrate", &arguments.product, staged, &made, false, console);
+    }
+    let mut options = MapOptions {
+        choice: match arguments.views {
+            Views::Nearest => Choice::Nearest,
+            Views::Interpolated => Choice::Interpolated,
+        },
+        texels: match arguments.texels {
+            Between::Nearest => integrate::Texels::Nearest,
+            Between::Bilinear => integrate::Texels::Bilinear,
+        },
+        fill: arguments.unknown,
+        add_solved: false,
+    };
+    let mut terms: Vec<Vec<RadianceMap>> = Vec::new();
+    let mut tables = table;
+    for text in &arguments.radiance {
+        for (i, (path, weight)) in summands(text).into_iter().enumerate() {
+            if is_table(&path) {
+                if weight != 1.0 || options.add_solved {
+                    let problem = Problem::new(Location::file(&path), "a facet table counts once, and whole")
+                        .with_help("its light and heat are of this scene: other maps may have weights");
+                    return Err(Error::Invalid(vec![problem]));
+                }
+                tables = Some(self::table(&path, &arguments.scene, &opened)?);
+                options.add_solved = true;
+                continue;
+            }
+            let found = radiance_map::open(&path, &opened.scene, weight, &watch)?;
+            opened.inputs.extend(found.inputs.iter().map(Input::from));
+            opened.warnings.extend(found.notes);
+            if terms.len() <= i {
+                terms.resize_with(i + 1, Vec::new);
+            }
+            terms[i].extend(found.maps);
+        }
+    }
+    terms.retain(|term| !term.is_empty());
+    let table = match tables {
+        Some(table) => table,
+        None => solve::solve(&opened.scene, &topology, &watch)?,
+    };
+    let (observation, maps) = study::observe_maps(&opened.scene, &topology, &table, terms, &options, &watch)?;
+    let made = Made { opened, table, observation, maps: Some(maps) };
+    product::write("integrate", &arguments.product, staged, &made, false, console)
+}
+
+fn no_radiance() -> Error {
+    Error::invalid(Location::item("--table"), "give `--table`, `--radiance`, or both")
+}
+
+/// A table of facets of this scene.
+fn table(path: &Path, scene: &Path, opened: &Opened) -> Result<FacetTable> {
+    let (table, header) = npz::read_table(path)?;
     if header.scene != study::table_id(&opened.scene) {
         let problem = Problem::new(
-            Location::file(&arguments.table),
+            Location::file(path),
             "was solved for another scene: another mesh, origin, Sun, Mars or heat (camera, bands and spectra may differ)",
         );
-        let help = format!("solve it again: mmxrt solve {} -o TABLE.npz", arguments.scene.display());
+        let help = format!("solve it again: mmxrt solve {} -o TABLE.npz", scene.display());
         return Err(Error::Invalid(vec![problem.with_help(help)]));
     }
-    let topology = Topology::new(&opened.scene.mesh);
-    let observation = study::observe(&opened.scene, &topology, &table, &watch)?;
-    let made = Made { opened, table, observation };
-    product::write("integrate", &arguments.product, staged, &made, false, console)
+    Ok(table)
+}
+
+/// Whether a file is one of our facet tables.
+fn is_table(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e == "npz")
+        && npz::list(path).is_ok_and(|(header, _)| header.is_some_and(|h| h.format == npz::TABLE))
+}
+
+/// `A+B*0.5`: paths and what they are multiplied by. A path that is there is taken as it stands.
+fn summands(text: &str) -> Vec<(PathBuf, f64)> {
+    if Path::new(text).exists() {
+        return vec![(text.into(), 1.0)];
+    }
+    let summand = |part: &str| {
+        let weighted = part.rsplit_once('*').and_then(|(path, w)| Some((path.trim(), w.trim().parse::<f64>().ok()?)));
+        match weighted {
+            Some((path, weight)) if !Path::new(part).exists() => (path.into(), weight),
+            _ => (part.trim().into(), 1.0),
+        }
+    };
+    text.split('+').map(summand).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn maps_add_up_with_weights() {
+        let of = |text: &str| summands(text).into_iter().map(|(p, w)| (p.display().to_string(), w)).collect::<Vec<_>>();
+        assert_eq!(of("a.img"), [("a.img".into(), 1.0)]);
+        assert_eq!(of("a.img + b/c.img*0.5"), [("a.img".into(), 1.0), ("b/c.img".into(), 0.5)]);
+        assert_eq!(of("a*b.img"), [("a*b.img".into(), 1.0)]);
+    }
 }

@@ -10,7 +10,7 @@ use mmxrt::formats::{exr_cube, npz, quicklook};
 use mmxrt::product::FacetTable;
 use mmxrt::progress::tell;
 use mmxrt::spectral::Band;
-use mmxrt::study::{Check, Observation};
+use mmxrt::study::{Check, MapAccount, Observation};
 use mmxrt::visibility::Topology;
 use mmxrt::{Error, Location, Problem, Result, integrate, study};
 
@@ -70,6 +70,8 @@ pub(super) struct Made {
     pub(super) opened: Opened,
     pub(super) table: FacetTable,
     pub(super) observation: Observation,
+    /// The maps that it was made from, if it was.
+    pub(super) maps: Option<MapAccount>,
 }
 
 /// Writes everything into the staged folder, gives it its name, and says so.
@@ -118,7 +120,7 @@ fn write_files(
 ) -> Result<Report> {
     let watch = |progress| console.watch(progress);
     let file = |name: &str| staged.path().join(name);
-    let Made { opened, table, observation } = made;
+    let Made { opened, table, observation, maps } = made;
     let (cube, planes) = (&observation.cube, &observation.backplanes);
     let coverage = planes.plane("COVERAGE").map_or(&[][..], |plane| &plane.values);
     let title = |what: &str| format!("{what} by mmxrt {} of {}", env!("CARGO_PKG_VERSION"), opened.scene.sensor.name);
@@ -151,7 +153,7 @@ fn write_files(
     tell(&watch, "writing pictures and reports", 0, 1)?;
     quicklook::write_grey(&file("quicklook.png"), cube, quicklook::grey_band(&cube.bands), coverage)?;
     quicklook::write_colour(&file("quicklook_rgb.png"), cube, quicklook::colour_bands(&cube.bands), coverage)?;
-    let report = report(opened, observation, coverage);
+    let report = report(opened, observation, maps.clone(), coverage);
     report_json::write(&file("report.json"), &report)?;
     tell(&watch, "writing pictures and reports", 1, 1)?;
     report_json::write(&file("run.json"), &console.run(command))?;
@@ -159,7 +161,7 @@ fn write_files(
 }
 
 /// What is said of a product.
-fn report(opened: &Opened, observation: &Observation, coverage: &[f64]) -> Report {
+fn report(opened: &Opened, observation: &Observation, maps: Option<MapAccount>, coverage: &[f64]) -> Report {
     let cube = &observation.cube;
     let band_um = |band: Option<&Band>| band.map_or(0.0, |b| b.centre_um);
     Report {
@@ -177,6 +179,7 @@ fn report(opened: &Opened, observation: &Observation, coverage: &[f64]) -> Repor
         effects: observation.effects.clone(),
         checks: observation.checks.clone(),
         counts: observation.counts,
+        maps,
         defaults: opened.defaults.clone(),
         warnings: opened.warnings.iter().chain(&observation.warnings).cloned().collect(),
         statistics: report_json::statistics(cube, coverage, &observation.backplanes),

@@ -24,6 +24,6 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let staged = arguments.product.stage()?;
     let opened = scene::open(&arguments.scene, &watch)?;
     let (table, observation) = study::simulate(&opened.scene, &watch)?;
-    let made = Made { opened, table, observation };
+    let made = Made { opened, table, observation, maps: None };
     product::write("simulate", &arguments.product, staged, &made, arguments.table, console)
 }

@@ -16,7 +16,8 @@ use crate::error::{Error, Location, Problem, Result};
 use crate::geometry::Direction;
 use crate::product::{FacetTable, Footprints, Lit, Sunlit};
 
-const TABLE: &str = "mmxrt facet table";
+/// What the header of a facet table says it is.
+pub const TABLE: &str = "mmxrt facet table";
 const FOOTPRINTS: &str = "mmxrt footprints";
 const FORMAT_VERSION: u32 = 1;
 
@@ -362,6 +363,30 @@ pub fn read_table(path: &Path) -> Result<(FacetTable, Header)> {
         )),
         _ => Err(Error::Invalid(problems)),
     }
+}
+
+/// Shape and values of an array.
+pub type Shaped = (Vec<usize>, Vec<f64>);
+
+/// Arrays of numbers (f4, f8) by name, as f64; `None` where there is none of that name.
+///
+/// # Errors
+/// [`Error::Io`]; [`Error::Syntax`] naming the array that is damaged; [`Error::Unsupported`] for a compressed file;
+/// [`Error::Invalid`] for an array of another type.
+pub fn read_f64s(path: &Path, names: &[&str]) -> Result<Vec<Option<Shaped>>> {
+    let mut file = Npz::open(path)?;
+    names
+        .iter()
+        .map(|name| {
+            let Some(array) = file.array(name)? else { return Ok(None) };
+            let values = match array.descr.as_str() {
+                "<f8" => array.data.as_chunks::<8>().0.iter().map(|b| f64::from_le_bytes(*b)).collect(),
+                "<f4" => array.data.as_chunks::<4>().0.iter().map(|b| f64::from(f32::from_le_bytes(*b))).collect(),
+                other => return Err(Error::invalid(file.at(name), format!("is of type {other:?}; expected <f8 or <f4"))),
+            };
+            Ok(Some((array.shape, values)))
+        })
+        .collect()
 }
 
 /// Tells what of a table does not fit together or is out of range: (item, message). Lengths are compared only on request.

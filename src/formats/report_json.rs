@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use super::InputFile;
 use crate::error::{Error, Location, Result};
 use crate::product::{Backplanes, Cube};
-use crate::study::{Check, Counts, Effect};
+use crate::study::{Check, Counts, Effect, MapAccount};
 
 /// Version of both formats.
 pub const FORMAT_VERSION: u32 = 1;
@@ -39,6 +39,9 @@ pub struct Report {
     pub checks: Vec<Check>,
     /// What the mesh is like.
     pub counts: Counts,
+    /// The radiance maps that it was made from, if it was.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub maps: Option<MapAccount>,
     /// What the input did not say, and what was taken for it.
     pub defaults: Vec<String>,
     /// What a reader of the result should know.

@@ -36,7 +36,7 @@ impl From<ObjFile> for Surface {
             facets: obj.facets,
             material: obj.facet_material.into_iter().map(MaterialId).collect(),
             face_of_facet: obj.face_of_facet,
-            uv: vec![],
+            uv: obj.uv,
         };
         Surface { mesh, materials: obj.materials, origin_m: None }
     }
@@ -136,6 +136,7 @@ impl Surface {
             origin_m,
             mesh: self.mesh,
             materials,
+            textures: vec![],
             sun: Sun {
                 direction: outward,
                 distance_m: AU_M,

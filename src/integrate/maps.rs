@@ -5,11 +5,11 @@ use glam::DVec3;
 
 use super::parts::{Parts, Polygons, Window, on_facet};
 use super::pixel::{Entry, Pixel};
-use super::texels::{Chart, Overlay, Texture};
+use super::texels::{Chart, Overlay, Texels};
 use crate::error::Result;
 use crate::geometry::polygon::{Point, Rect, area};
 use crate::geometry::{Direction, angle_rad};
-use crate::product::{Atlas, Eye, Lit, Patches, Placement, Sunlit, TexelLine, TexelWeights, ViewImage};
+use crate::product::{Eye, Lit, Patches, Placement, Sunlit, TexelLine, TexelWeights, ViewImage};
 use crate::progress::Watch;
 use crate::scene::Scene;
 use crate::solve;
@@ -54,7 +54,7 @@ pub struct Maps<'a> {
     /// Which of the maps of a term.
     pub choice: Choice,
     /// What holds between texel centres.
-    pub texture: Texture,
+    pub texels: Texels,
     /// What is shown where nothing is known.
     pub unknown: Unknown,
 }
@@ -169,9 +169,10 @@ pub(super) struct Lookup<'a> {
     scene: &'a Scene,
     drawing: &'a Drawing<'a>,
     kind: Kind<'a>,
-    known: &'a [bool],
+    /// For each texel whether it holds a value; `None`: all do.
+    known: Option<&'a [bool]>,
     parts: Option<Parts<'a>>,
-    texture: Texture,
+    texels: Texels,
     overlay: Overlay,
     piece: Vec<Point>,
     chart: Option<(u32, Chart)>,
@@ -182,11 +183,13 @@ pub(super) struct Lookup<'a> {
     quadrature_error: f64,
 }
 
-enum Kind<'a> {
+/// Where the texels of a lookup lie.
+pub(super) enum Kind<'a> {
     Facets,
     Patches(&'a Patches),
     View(&'a ViewImage, Option<&'a Sunlit>),
-    Atlas(&'a Atlas),
+    /// By the texel coordinates of facets' corners; columns and rows.
+    Texture(&'a [[[f64; 2]; 3]], [usize; 2]),
 }
 
 impl<'a> Lookup<'a> {
@@ -195,21 +198,32 @@ impl<'a> Lookup<'a> {
         drawing: &'a Drawing<'a>,
         prepared: &'a Prepared<'a>,
         polygons: Option<&'a Polygons<'a>>,
-        texture: Texture,
+        texels: Texels,
     ) -> Self {
         let kind = match prepared.view.placement {
             Placement::Facets(_) => Kind::Facets,
             Placement::Patches(patches) => Kind::Patches(patches),
             Placement::View(image) => Kind::View(image, prepared.seen.as_ref()),
-            Placement::Atlas(atlas) => Kind::Atlas(atlas),
+            Placement::Atlas(atlas) => Kind::Texture(&atlas.corners, [atlas.columns, atlas.rows]),
         };
+        Lookup::of(scene, drawing, kind, Some(prepared.view.known), polygons, texels)
+    }
+
+    pub(super) fn of(
+        scene: &'a Scene,
+        drawing: &'a Drawing<'a>,
+        kind: Kind<'a>,
+        known: Option<&'a [bool]>,
+        polygons: Option<&'a Polygons<'a>>,
+        texels: Texels,
+    ) -> Self {
         Lookup {
             scene,
             drawing,
             kind,
-            known: prepared.view.known,
+            known,
             parts: polygons.map(|p| Parts::new(drawing, p)),
-            texture,
+            texels,
             overlay: Overlay::default(),
             piece: vec![],
             chart: None,
@@ -233,7 +247,7 @@ impl<'a> Lookup<'a> {
         self.lit.clear();
         let entry = pixel.entries[index];
         if let Kind::Facets = self.kind {
-            if self.known[entry.facet as usize] {
+            if self.known.is_none_or(|known| known[entry.facet as usize]) {
                 self.seen.texels.push((entry.facet, entry.area));
                 self.lit.texels.push((entry.facet, entry.lit));
                 (self.seen.area, self.lit.area) = (entry.area, entry.lit);
@@ -281,7 +295,7 @@ impl<'a> Lookup<'a> {
                 let known = self.known;
                 parts.each(facet, &Window::Piece(part), |i, common| {
                     let (texel, common) = (patches.polygon_texel[i], area(common));
-                    if common > 0.0 && known[texel as usize] {
+                    if common > 0.0 && known.is_none_or(|known| known[texel as usize]) {
                         share.texels.push((texel, sign * common));
                         share.area += sign * common;
                     }
@@ -289,25 +303,25 @@ impl<'a> Lookup<'a> {
                 return;
             }
             Kind::View(image, _) => [image.columns, image.rows],
-            Kind::Atlas(atlas) => [atlas.columns, atlas.rows],
+            Kind::Texture(_, size) => *size,
         };
         let Some(chart) = self.chart(facet) else { return };
         let seen = match &self.kind {
             Kind::View(_, Some(seen)) => seen.lit[facet as usize],
             _ => Lit::Full,
         };
-        let Lookup { known, parts, texture, overlay, seen: all, lit, quadrature_error, .. } = self;
+        let Lookup { known, parts, texels, overlay, seen: all, lit, quadrature_error, .. } = self;
         let share = if is_lit { lit } else { all };
-        let known = |column: usize, row: usize| known[row * size[0] + column];
+        let known = |column: usize, row: usize| known.is_none_or(|known| known[row * size[0] + column]);
         let number = |column: usize, row: usize| (row * size[0] + column) as u32;
-        let mut lay = |part: &[Point]| match texture {
-            Texture::Nearest => overlay.texels(&chart, part, size, |column, row, area| {
+        let mut lay = |part: &[Point]| match texels {
+            Texels::Nearest => overlay.texels(&chart, part, size, |column, row, area| {
                 if known(column, row) {
                     share.texels.push((number(column, row), sign * area));
                     share.area += sign * area;
                 }
             }),
-            Texture::Bilinear => overlay.centres(&chart, part, size, |around, area, error| {
+            Texels::Bilinear => overlay.centres(&chart, part, size, |around, area, error| {
                 if around.iter().all(|(column, row, _)| known(*column, *row)) {
                     *quadrature_error = quadrature_error.max(error);
                     share.texels.extend(around.map(|(column, row, weight)| (number(column, row), sign * weight)));
@@ -336,7 +350,7 @@ impl<'a> Lookup<'a> {
         let (mesh, view) = (&self.scene.mesh, &self.drawing.view);
         let chart = match &self.kind {
             Kind::View(image, _) => Chart::of_projection(&image.projection, view, &mesh.facet(facet as usize)),
-            Kind::Atlas(atlas) => Chart::of_corners(&atlas.corners[facet as usize], &on_facet(mesh, view, facet)),
+            Kind::Texture(corners, _) => Chart::of_corners(&corners[facet as usize], &on_facet(mesh, view, facet)),
             Kind::Facets | Kind::Patches(_) => None,
         };
         self.chart = chart.map(|chart| (facet, chart));
@@ -444,7 +458,7 @@ impl<'a> Looker<'a> {
     ) -> Self {
         let lookups = |(views, polygons): (&'a Vec<Prepared<'a>>, &'a Vec<Option<Polygons<'a>>>)| {
             let one = |(p, polygons): (&'a Prepared<'a>, &'a Option<Polygons<'a>>)| {
-                Lookup::new(scene, drawing, p, polygons.as_ref(), maps.texture)
+                Lookup::new(scene, drawing, p, polygons.as_ref(), maps.texels)
             };
             views.iter().zip(polygons).map(one).collect()
         };

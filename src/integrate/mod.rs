@@ -9,6 +9,7 @@ mod maps;
 mod parts;
 mod pixel;
 mod texels;
+mod textures;
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 
@@ -26,10 +27,12 @@ use lit::LitArea;
 use maps::{Looker, MapLine};
 use parts::Polygons;
 use pixel::{Entry, Pixel};
+use textures::Textures;
 
 pub use footprints::footprints;
 pub use maps::{Choice, MapImage, MapView, Maps, Unknown, meets};
-pub use texels::Texture;
+pub use texels::Texels;
+pub use textures::texture_means;
 
 /// What a camera sees.
 #[derive(Debug, Clone, PartialEq)]
@@ -122,13 +125,15 @@ fn look(
             || {
                 let mut pixel = Pixel::new(&drawing, LitArea::new(&drawing, &table.sunlit, &sunlit));
                 let looker = maps.map(|maps| Looker::new(scene, &drawing, maps, &prepared, &polygons));
-                pixel.fragments.are_kept = looker.is_some();
-                (Scratch::default(), pixel, Weights::new(emission.rows()), looker)
+                let textures = Textures::new(scene, &drawing);
+                pixel.fragments.are_kept = looker.is_some() || !scene.textures.is_empty();
+                (Scratch::default(), pixel, Weights::new(emission.rows()), looker, textures)
             },
-            |(scratch, pixel, weights, looker), (row, mut part)| {
+            |(scratch, pixel, weights, looker, textures), (row, mut part)| {
                 let row = row as u32;
                 let mut line = Line::default();
                 pixel.new_line(row);
+                textures.new_line(row);
                 if let Some(looker) = looker {
                     line.maps = looker.new_line(row);
                 }
@@ -136,18 +141,25 @@ fn look(
                     pixel.look(&coverage, column, row, scratch);
                     line.row_start.push(line.row.len() as u32);
                     line.look(pixel, &seen);
-                    let send = |e: &Entry, area: f64, lit: f64, weights: &mut Weights, at: [f64; 2]| {
-                        let to_observer = -camera.ray(at[0], at[1]);
-                        emission.towards(e.facet, to_observer, area, lit, |row, weight| weights.add(row, weight));
-                    };
                     let rect = pixel.rect;
+                    let send = |e: &Entry, area: f64, lit: f64, weights: &mut Weights| {
+                        let [x, y] = e.centroid(&rect);
+                        let add = |row, weight| weights.add(row, weight);
+                        emission.towards(e.facet, -camera.ray(x, y), area, lit, add);
+                    };
                     if let Some(looker) = looker {
-                        looker.look(pixel, &mut line.maps, |e, area, lit| {
-                            send(e, area, lit, weights, e.centroid(&rect));
-                        });
+                        looker.look(pixel, &mut line.maps, |e, area, lit| send(e, area, lit, weights));
                     } else {
-                        let fronts = pixel.entries.iter().filter(|e| e.front);
-                        fronts.for_each(|e| send(e, e.area, e.lit, weights, e.centroid(&rect)));
+                        pixel.sort_fragments();
+                        for index in 0..pixel.entries.len() {
+                            let e = pixel.entries[index];
+                            let material = scene.mesh.material[e.facet as usize].0 as usize;
+                            if e.front && textures.has(material) {
+                                textures.send(pixel, index, material, &emission, |row, w| weights.add(row, w));
+                            } else if e.front {
+                                send(&e, e.area, e.lit, weights);
+                            }
+                        }
                     }
                     line.take(weights);
                     planes.add(pixel, column, row, &mut part);

@@ -157,7 +157,9 @@ impl<'a> Pixel<'a> {
 
     /// Puts the fragments in the order of the entries.
     pub(super) fn sort_fragments(&mut self) {
-        self.fragments.sort(self.entries.iter().map(|e| e.facet));
+        if self.fragments.are_kept {
+            self.fragments.sort(self.entries.iter().map(|e| e.facet));
+        }
     }
 
     /// Called when a new line of the image begins.

@@ -57,6 +57,12 @@ impl Chart {
         Some(Chart { s, t, w })
     }
 
+    /// From (u, v) of a facet to a texture with these texel coordinates at its corners.
+    pub(super) fn affine([a, b, c]: &[Point; 3]) -> Self {
+        let row = |k: usize| [b[k] - a[k], c[k] - a[k], a[k]];
+        Chart { s: row(0), t: row(1), w: [0.0, 0.0, 1.0] }
+    }
+
     fn new(matrix: DMat3) -> Self {
         let [s, t, w] = [0, 1, 2].map(|k| matrix.row(k).to_array());
         Chart { s, t, w }
@@ -102,7 +108,7 @@ impl Vertex {
 
 /// How values between texel centres are had.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Texture {
+pub enum Texels {
     /// A texel has one value all over.
     #[default]
     Nearest,

@@ -4,6 +4,7 @@ mod material;
 mod photometry;
 mod sensor;
 mod source;
+mod texture;
 
 use std::f64::consts::PI;
 
@@ -16,6 +17,7 @@ pub use material::Material;
 pub use photometry::{Hapke, Photometry, Rpv};
 pub use sensor::{FrameCamera, Sensor};
 pub use source::{Mars, MarsModel, Sun, Thermal};
+pub use texture::{Texture, TextureKind};
 
 /// A body's surface, what lights it, and what looks at it.
 #[derive(Debug, Clone)]
@@ -26,6 +28,8 @@ pub struct Scene {
     pub mesh: Mesh,
     /// What the surface is made of; facets refer to it by index.
     pub materials: Vec<Material>,
+    /// Variation of reflectance inside facets: at most one texture for a material.
+    pub textures: Vec<Texture>,
     /// The Sun.
     pub sun: Sun,
     /// Mars as a second source, if there is one.
@@ -87,6 +91,14 @@ impl Scene {
         self.sensor.check(&mut problem);
         for material in &self.materials {
             material.check(&self.sensor.bands, &mut problem);
+        }
+        for (i, texture) in self.textures.iter().enumerate() {
+            let name = self.materials.get(texture.material.0 as usize).map_or("", |m| m.name.as_str());
+            let item = format!("materials.{name:?}.texture");
+            texture.check(mesh, &self.materials, &self.sensor.bands, |message| problem(&item, message));
+            if self.textures[..i].iter().any(|t| t.material == texture.material) {
+                problem(&item, "a material has one texture at most".into());
+            }
         }
         self.sun.check(&self.sensor.bands, &mut problem);
         if let Some(mars) = &self.mars {

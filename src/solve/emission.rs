@@ -6,7 +6,7 @@ use super::temperature_grid::{POINTS, TemperatureGrid};
 use crate::physics::reflectance::{Brdf, PhotometricAngles};
 use crate::physics::{blackbody, sun};
 use crate::product::FacetTable;
-use crate::scene::{Material, Scene};
+use crate::scene::{Material, Scene, TextureKind};
 use crate::spectral::{Band, Spectrum};
 
 /// Answers what a facet sends towards an observer.
@@ -45,29 +45,75 @@ impl<'a> Emission<'a> {
             }
     }
 
-    /// Each material under the Sun and under Mars comes first.
+    /// Each material under the Sun and under Mars comes first, then each layer of the textures.
     fn first_thermal_row(&self) -> usize {
-        2 * self.scene.materials.len()
+        self.texture_row(self.scene.textures.len())
+    }
+
+    /// The first row of a texture: its first layer under the Sun.
+    fn texture_row(&self, texture: usize) -> usize {
+        let layers: usize = self.scene.textures[..texture].iter().map(|t| t.layers()).sum();
+        2 * (self.scene.materials.len() + layers)
     }
 
     /// Adds to `add(row, weight)` what a facet sends towards `to_observer` when `area` of it is seen, `lit` of that lit.
     pub fn towards(&self, facet: u32, _to_observer: DVec3, area: f64, lit: f64, mut add: impl FnMut(u32, f64)) {
+        self.reflected(facet, area, lit, &mut add);
+        self.heat(facet, area, lit, &mut add);
+    }
+
+    /// Adds what a facet reflects with its material's own reflectance.
+    pub fn reflected(&self, facet: u32, area: f64, lit: f64, add: &mut impl FnMut(u32, f64)) {
+        let f = facet as usize;
+        let row = 2 * u32::from(self.scene.mesh.material[f].0);
+        if lit > 0.0 {
+            add(row, lit * self.table.sun_irradiance[f]);
+        }
+        if let Some(mars) = self.table.mars_irradiance.get(f)
+            && area > 0.0
+        {
+            add(row + 1, area * mars);
+        }
+    }
+
+    /// Adds what a facet reflects by a texture, whose layers have these means over what is seen and over what is lit.
+    #[allow(clippy::too_many_arguments)]
+    pub fn textured(
+        &self,
+        facet: u32,
+        texture: usize,
+        area: f64,
+        lit: f64,
+        mean_seen: &[f64],
+        mean_lit: &[f64],
+        add: &mut impl FnMut(u32, f64),
+    ) {
+        let f = facet as usize;
+        let first = self.texture_row(texture) as u32;
+        for (layer, (seen, lit_value)) in mean_seen.iter().zip(mean_lit).enumerate() {
+            let row = first + 2 * layer as u32;
+            if lit > 0.0 {
+                add(row, lit * self.table.sun_irradiance[f] * lit_value);
+            }
+            if let Some(mars) = self.table.mars_irradiance.get(f) {
+                add(row + 1, area * mars * seen);
+            }
+        }
+    }
+
+    /// Adds what a facet emits.
+    pub fn heat(&self, facet: u32, area: f64, lit: f64, add: &mut impl FnMut(u32, f64)) {
+        if self.grid.len() == 0 {
+            return;
+        }
         let f = facet as usize;
         let material = self.scene.mesh.material[f].0 as usize;
-        if lit > 0.0 {
-            add(2 * material as u32, lit * self.table.sun_irradiance[f]);
-        }
-        if let Some(mars) = self.table.mars_irradiance.get(f) {
-            add(2 * material as u32 + 1, area * mars);
-        }
-        if self.grid.len() > 0 {
-            let parts = [(lit, &self.table.temperature_lit_k), (area - lit, &self.table.temperature_shaded_k)];
-            for (part, temperature_k) in parts {
-                if part > 0.0
-                    && let Some((at, weights)) = self.grid.weights(temperature_k[f])
-                {
-                    self.add_thermal(part, material * self.grid.len() + at, &weights, &mut add);
-                }
+        let parts = [(lit, &self.table.temperature_lit_k), (area - lit, &self.table.temperature_shaded_k)];
+        for (part, temperature_k) in parts {
+            if part > 0.0
+                && let Some((at, weights)) = self.grid.weights(temperature_k[f])
+            {
+                self.add_thermal(part, material * self.grid.len() + at, &weights, add);
             }
         }
     }
@@ -100,6 +146,19 @@ impl<'a> Emission<'a> {
                     let reflected = weight * brdf(material, at(&material.reflectance, um)) * sunlight;
                     spectra[2 * m * bands.len() + b] += reflected;
                     spectra[(2 * m + 1) * bands.len() + b] += reflected * mars;
+                }
+                for (t, texture) in self.scene.textures.iter().enumerate() {
+                    let material = &self.scene.materials[texture.material.0 as usize];
+                    let base = match texture.kind {
+                        TextureKind::Factor => at(&material.reflectance, um),
+                        TextureKind::Reflectance => 1.0,
+                    };
+                    let reflected = weight * brdf(material, base) * sunlight;
+                    for (layer, share) in texture.shares(um).into_iter().enumerate() {
+                        let row = self.texture_row(t) + 2 * layer;
+                        spectra[row * bands.len() + b] += share * reflected;
+                        spectra[(row + 1) * bands.len() + b] += share * reflected * mars;
+                    }
                 }
             }
         }
@@ -137,8 +196,9 @@ impl<'a> Emission<'a> {
         let materials = self.scene.materials.iter().flat_map(|m| [&m.reflectance, &m.emissivity]);
         let mars = self.scene.mars.iter().map(|m| &m.reflectance);
         let all = materials.chain(mars).chain([&self.scene.sun.irradiance_1au]);
+        let layers = self.scene.textures.iter().flat_map(|t| &t.wavelength_um);
         let mut knots: Vec<f64> =
-            all.flat_map(|s| s.wavelength_um()).copied().filter(|um| lo < *um && *um < hi).collect();
+            all.flat_map(|s| s.wavelength_um()).chain(layers).copied().filter(|um| lo < *um && *um < hi).collect();
         knots.sort_by(f64::total_cmp);
         knots.dedup();
         knots

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::simulate::{Observation, account_for, has_room};
 use crate::error::{Error, Location, Problem, Result};
-use crate::integrate::{self, Choice, MapImage, MapView, Maps, Texture, Unknown};
+use crate::integrate::{self, Choice, MapImage, MapView, Maps, Texels, Unknown};
 use crate::product::{Cube, FacetTable, Placement, RadianceMap, TexelSource};
 use crate::progress::{Watch, tell};
 use crate::scene::Scene;
@@ -35,7 +35,7 @@ pub struct MapOptions {
     /// Which of several maps serve a facet.
     pub choice: Choice,
     /// What holds between texel centres.
-    pub texture: Texture,
+    pub texels: Texels,
     /// What is shown where nothing is known.
     pub fill: Fill,
     /// What is solved for the scene is added, too.
@@ -103,7 +103,7 @@ pub fn observe_maps(
     let maps = Maps {
         terms: terms.iter().map(|t| t.views.iter().map(View::on_scene).collect()).collect(),
         choice: options.choice,
-        texture: options.texture,
+        texels: options.texels,
         unknown: match options.fill {
             Fill::Refuse(_) => Unknown::Mean,
             Fill::Solved => Unknown::Solved,

@@ -11,7 +11,7 @@ use crate::scene::{MarsModel, Scene, Thermal};
 pub fn table_id(scene: &Scene) -> String {
     let mut hasher = Hasher::new();
     let mut put = |values: &[f64]| values.iter().for_each(|v| _ = hasher.update(&v.to_le_bytes()));
-    let Scene { origin_m, mesh, materials, sun, mars, thermal, sensor: _ } = scene;
+    let Scene { origin_m, mesh, materials, sun, mars, thermal, sensor: _, textures: _ } = scene;
     put(&origin_m.to_array());
     put(&sun.direction.vec().to_array());
     put(&[sun.distance_m, sun.total_irradiance_1au_w_m2]);

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 use mmxrt::geometry::{Mesh, Pose};
-use mmxrt::integrate::{Choice, Texture};
+use mmxrt::integrate::{Choice, Texels as Between};
 use mmxrt::landscape::{self, Recipe};
 use mmxrt::product::{Atlas, Eye, FacetTable, Placement, Projection, RadianceMap, TexelSource, ViewImage};
 use mmxrt::progress::unwatched;
@@ -50,6 +50,7 @@ pub(crate) fn scene(mesh: Mesh, camera: FrameCamera, sun_direction: [f64; 3]) ->
         origin_m: DVec3::new(0.0, 0.0, 11_000.0),
         mesh,
         materials: vec![grey],
+        textures: vec![],
         sun: Sun {
             direction: direction(sun_direction),
             distance_m: 1.5 * AU_M,
@@ -161,16 +162,16 @@ fn a_uniform_map_is_uniform_from_everywhere() {
         (parallel_image([0.3, -0.4, 1.0], [-60.0, 60.0], 3.7, 40, 40, true), 1600),
         (far, 250_000),
     ];
-    for (placement, texels) in maps {
-        for texture in [Texture::Nearest, Texture::Bilinear] {
-            let options = MapOptions { texture, fill: Fill::Refuse(0.9), ..MapOptions::default() };
+    for (placement, count) in maps {
+        for texels in [Between::Nearest, Between::Bilinear] {
+            let options = MapOptions { texels, fill: Fill::Refuse(0.9), ..MapOptions::default() };
             let (seen, account) =
-                observe(&scene, vec![vec![map(placement.clone(), vec![5.0; texels])]], &options).unwrap();
+                observe(&scene, vec![vec![map(placement.clone(), vec![5.0; count])]], &options).unwrap();
             let covered = coverage(&seen);
             let full = covered.iter().filter(|c| **c > 1.0 - 1e-9).count();
             assert!(full > 500, "{full}");
             for (pixel, (value, covered)) in seen.cube.band(0).iter().zip(covered).enumerate() {
-                assert!((value - 5.0 * covered).abs() < 5e-12, "{texture:?} pixel {pixel}: {value} of {covered}");
+                assert!((value - 5.0 * covered).abs() < 5e-12, "{texels:?} pixel {pixel}: {value} of {covered}");
             }
             assert!(account.quadrature_error < 1e-10, "{account:?}");
         }
@@ -225,7 +226,7 @@ fn a_ramp_on_a_tilted_plane_has_its_analytic_pixel_means() {
     let step = 2.0 * half / texels as f64;
     let y_of = |row: usize| -half + step * (row as f64 + 0.5);
     let values: Vec<f64> = (0..texels * texels).map(|i| 100.0 + y_of(i / texels)).collect();
-    let options = MapOptions { texture: Texture::Bilinear, ..MapOptions::default() };
+    let options = MapOptions { texels: Between::Bilinear, ..MapOptions::default() };
     let image = radiance(&scene, map(on_tilted(half, tilt, texels), values), &options);
     // y = Y cos a / (10 + Y sin a): Y = 10 y / (cos a - y sin a), whose integral is
     // -10 y / sin a - 10 cos a / sin^2 a ln(cos a - y sin a).

@@ -42,6 +42,7 @@ fn scene(mesh: Mesh, towards_sun: Direction, camera: FrameCamera) -> Scene {
         origin_m: DVec3::new(0.0, 0.0, 11_000.0),
         mesh,
         materials: vec![material(0.07)],
+        textures: vec![],
         sun: Sun {
             direction: towards_sun,
             distance_m: 1.5237 * mmxrt::units::AU_M,

@@ -140,7 +140,7 @@ impl Reader<'_> {
         let mars = mars.filter(|_| place.is_kept);
         let name = self.sidecar.as_ref().map_or("DART camera", Sidecar::sensor_name).to_owned();
         let sensor = Sensor { name, camera, bands };
-        let scene = Scene { origin_m: place.origin_m, mesh, materials, sun, mars, thermal: Thermal::Off, sensor };
+        let scene = Scene { origin_m: place.origin_m, mesh, materials, textures: vec![], sun, mars, thermal: Thermal::Off, sensor };
         Ok(self.with_thermal(scene))
     }
 

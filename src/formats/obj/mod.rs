@@ -1,7 +1,7 @@
 //! Wavefront OBJ: meshes, in the file's own units, axes and order.
 //!
 //! Read are `v` (further numbers on the line are passed over), `f` (`a`, `a/b`, `a//c`, `a/b/c`, negative indices),
-//! `g`, `usemtl` and `mtllib`; `vt` is counted. `vn`, `o`, `s` and comments say nothing here. Anything else is
+//! `g`, `usemtl`, `mtllib` and `vt`. `vn`, `o`, `s` and comments say nothing here. Anything else is
 //! counted by its keyword in [`ObjFile::ignored`]. Vertices and faces keep the order of the file.
 //!
 //! # How a face becomes facets
@@ -58,6 +58,8 @@ pub struct ObjFile {
     /// Groups that own faces, in the order of their first one: all that follows `g` on its line. A name that comes again
     /// is the same group; faces before the first `g` are in a group without a name.
     pub groups: Vec<String>,
+    /// Texture coordinates of each facet's corners, NaN where there are none; empty if no face has any.
+    pub uv: Vec<[[f64; 2]; 3]>,
     /// Number of texture coordinates (`vt`).
     pub texture_vertices: usize,
     /// Statements that were passed over, and how many of each.
@@ -159,6 +161,35 @@ mod tests {
         assert_eq!(obj.face_of_facet, [0_u32; 0]);
         assert_eq!((obj.texture_vertices, obj.ignored.get("curv")), (1, Some(&1)));
         assert_eq!(obj.materials, [ObjMaterial { name: String::new(), kd: None }]);
+    }
+
+    #[test]
+    fn corners_keep_their_texture_coordinates() {
+        // A triangle without any, one with, and a concave quad, whose cut starts at its second corner.
+        let text = "v 0 0 0\nv 4 0 0\nv 1 1 0\nv 0 4 0\nvt 0 0\nvt 1 0\nvt .25 .25 0\nvt 0 1\nf 1 2 3\nf 1/1 2/2 3/3\nf 1/1 2/2 3/-2 4/4\n";
+        let obj = parsed(text).unwrap();
+        assert_eq!(obj.facets[2..], [[0, 1, 2], [0, 2, 3]]);
+        assert!(obj.uv[0].iter().flatten().all(|x| x.is_nan()));
+        assert_eq!(obj.uv[1..], [
+            [[0.0, 0.0], [1.0, 0.0], [0.25, 0.25]],
+            [[0.0, 0.0], [1.0, 0.0], [0.25, 0.25]],
+            [[0.0, 0.0], [0.25, 0.25], [0.0, 1.0]]
+        ]);
+        let mesh = Mesh {
+            vertices_m: obj.vertices.clone(),
+            facets: obj.facets.clone(),
+            material: obj.facet_material.iter().map(|m| MaterialId(*m)).collect(),
+            face_of_facet: obj.face_of_facet.clone(),
+            uv: obj.uv.clone(),
+        };
+        let mut text = Vec::new();
+        write(&mut text, &mesh, &[], None).unwrap();
+        let again = parsed(&String::from_utf8(text).unwrap()).unwrap();
+        assert_eq!((&again.facets, &again.face_of_facet, &again.uv[1..]), (&obj.facets, &obj.face_of_facet, &obj.uv[1..]));
+        let wrong = parsed("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt x 0\nf 1/1 2/2 3/0\nf 1/1 2/5 3/1\n").unwrap_err().to_string();
+        for part in ["a.obj:4: u of the texture coordinates is `x`", "a.obj:5: texture index 0", "a.obj:6: texture index 5: the file has 1"] {
+            assert!(wrong.contains(part), "{wrong}");
+        }
     }
 
     #[test]

@@ -6,12 +6,13 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 use super::ObjFile;
-use super::faces::Faces;
+use super::faces::{Faces, NO_TEXTURE};
 use super::materials::Materials;
 use super::number::{decimal, digits_of, integer};
 use crate::error::{Error, Location, Problem, Result};
 use crate::formats::input::Problems;
 use crate::formats::mtl::ObjMaterial;
+use crate::geometry::NO_UV;
 
 /// Faces with more corners are refused: cutting ears off takes a time that grows with their square.
 const CORNERS: usize = 1000;
@@ -31,7 +32,7 @@ pub(super) struct Parser<'a> {
     /// The materials of a `mtllib` name.
     load_mtl: &'a mut dyn FnMut(&str) -> Result<Vec<ObjMaterial>>,
     vertices: Vec<DVec3>,
-    texture_vertices: usize,
+    texture_vertices: Vec<[f64; 2]>,
     faces: Faces,
     materials: Materials,
     ignored: BTreeMap<String, usize>,
@@ -46,8 +47,12 @@ pub(super) struct Parser<'a> {
     group: Option<(String, Place)>,
     /// Corners of the face at hand.
     corners: Vec<u32>,
+    /// Their texture coordinates.
+    texture: Vec<u32>,
     /// Indices that were beyond the vertices known so far, and where.
     forward: Vec<(u32, Place)>,
+    /// The same of texture coordinates.
+    forward_texture: Vec<(u32, Place)>,
 }
 
 impl<'a> Parser<'a> {
@@ -56,7 +61,7 @@ impl<'a> Parser<'a> {
             path: path.to_owned(),
             load_mtl,
             vertices: Vec::new(),
-            texture_vertices: 0,
+            texture_vertices: Vec::new(),
             faces: Faces::default(),
             materials: Materials::default(),
             ignored: BTreeMap::new(),
@@ -66,7 +71,9 @@ impl<'a> Parser<'a> {
             material: None,
             group: None,
             corners: Vec::new(),
+            texture: Vec::new(),
             forward: Vec::new(),
+            forward_texture: Vec::new(),
         }
     }
 
@@ -151,7 +158,7 @@ impl<'a> Parser<'a> {
         match keyword {
             b"v" => self.vertex(rest, place),
             b"f" => self.face(rest, place),
-            b"vt" => self.texture_vertices += 1,
+            b"vt" => self.texture_vertex(rest, place),
             b"usemtl" => _ = self.use_material(&text(rest), place),
             b"mtllib" => self.libraries(&text(rest), place),
             b"g" => self.group = Some((text(rest), place)),
@@ -188,15 +195,38 @@ impl<'a> Parser<'a> {
         self.vertices.push(DVec3::from_array(xyz));
     }
 
+    fn texture_vertex(&mut self, mut rest: &[u8], place: Place) {
+        let mut uv = [0.0; 2];
+        for (axis, x) in uv.iter_mut().enumerate() {
+            rest = skip_blanks(rest);
+            match decimal(rest) {
+                Some((value, n)) if value.is_finite() && rest.get(n).is_none_or(|b| is_blank(*b)) => {
+                    *x = value;
+                    rest = &rest[n..];
+                }
+                // v may be left out, and is 0 then.
+                None if axis == 1 && rest.is_empty() => {}
+                _ => {
+                    let found = shown(word(rest).0);
+                    let axis = ["u", "v"][axis];
+                    self.problem(place, || format!("{axis} of the texture coordinates is `{found}`: not a finite number"));
+                    break;
+                }
+            }
+        }
+        self.texture_vertices.push(uv);
+    }
+
     fn face(&mut self, mut rest: &[u8], place: Place) {
         self.corners.clear();
+        self.texture.clear();
         let known = self.vertices.len() as i64;
         loop {
             rest = skip_blanks(rest);
             if rest.first().is_none_or(|b| *b == b'#') {
                 break;
             }
-            let Some((index, after)) = corner(rest) else {
+            let Some((index, texture, after)) = corner(rest) else {
                 let found = shown(word(rest).0);
                 return self.problem(place, || format!("`{found}` is not a corner of a face (a, a/b, a//c or a/b/c)"));
             };
@@ -212,6 +242,24 @@ impl<'a> Parser<'a> {
                 self.forward.push((vertex as u32, place));
             }
             self.corners.push(vertex as u32);
+            let known = self.texture_vertices.len() as i64;
+            let texture = match texture {
+                None => NO_TEXTURE,
+                Some(index) => {
+                    let at = if index > 0 { index - 1 } else { known + index };
+                    if index == 0 || !(0..i64::from(NO_TEXTURE)).contains(&at) {
+                        return self.problem(place, || match index {
+                            0 => "texture index 0: indices count from 1".into(),
+                            _ => format!("texture index {index}: {known} texture coordinates come before this face"),
+                        });
+                    }
+                    if at >= known {
+                        self.forward_texture.push((at as u32, place));
+                    }
+                    at as u32
+                }
+            };
+            self.texture.push(texture);
         }
         let n = self.corners.len();
         if !(3..=CORNERS).contains(&n) {
@@ -226,7 +274,7 @@ impl<'a> Parser<'a> {
         {
             self.problem(place, || "more groups than can be told apart: give several of them one name".into());
         }
-        self.faces.push(&self.corners, material);
+        self.faces.push(&self.corners, &self.texture, material);
     }
 
     /// Makes this the material of the faces that come.
@@ -291,6 +339,14 @@ impl<'a> Parser<'a> {
                 });
             }
         }
+        let textures = self.texture_vertices.len();
+        for (texture, place) in std::mem::take(&mut self.forward_texture) {
+            if texture as usize >= textures {
+                self.problem(place, || {
+                    format!("texture index {}: the file has {textures} texture coordinates", u64::from(texture) + 1)
+                });
+            }
+        }
         let of_file = |message| Problem::new(Location::file(&self.path), message);
         if facets == 0 && self.problems.is_empty() {
             self.problems.push(|| of_file("holds no faces (lines that begin with `f`): is it an OBJ file?"));
@@ -300,6 +356,8 @@ impl<'a> Parser<'a> {
         }
         self.problems.finish(&self.path)?;
         self.faces.cut(&self.vertices);
+        let of_corner = |t: u32| self.texture_vertices.get(t as usize).copied().unwrap_or(NO_UV[0]);
+        let uv = self.faces.facet_texture.iter().map(|texture| texture.map(of_corner)).collect();
         let Faces { facets, facet_material, face_of_facet, facet_group, groups, .. } = self.faces;
         Ok(ObjFile {
             vertices: self.vertices,
@@ -309,7 +367,8 @@ impl<'a> Parser<'a> {
             materials: self.materials.into_list(),
             facet_group,
             groups,
-            texture_vertices: self.texture_vertices,
+            texture_vertices: textures,
+            uv,
             ignored: self.ignored,
             inputs: Vec::new(),
         })
@@ -341,15 +400,20 @@ fn text(rest: &[u8]) -> String {
     String::from_utf8_lossy(rest).trim().to_owned()
 }
 
-/// The vertex index of a corner, and what follows the corner.
-fn corner(bytes: &[u8]) -> Option<(i64, &[u8])> {
+/// The vertex index of a corner, that of its texture coordinates, and what follows the corner.
+fn corner(bytes: &[u8]) -> Option<(i64, Option<i64>, &[u8])> {
     let (index, mut after) = integer(bytes)?;
-    for _ in 0..2 {
+    let mut texture = None;
+    for k in 0..2 {
         if let [b'/', more @ ..] = after {
-            after = integer(more).map_or(more, |(_, after)| after);
+            let further = integer(more);
+            after = further.map_or(more, |(_, after)| after);
+            if k == 0 {
+                texture = further.map(|(index, _)| index);
+            }
         }
     }
-    after.first().is_none_or(|b| is_blank(*b)).then_some((index, after))
+    after.first().is_none_or(|b| is_blank(*b)).then_some((index, texture, after))
 }
 
 /// Three numbers after a letter, with one blank before each, that end the line; and the line's length with its newline.

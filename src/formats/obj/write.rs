@@ -1,6 +1,8 @@
 //! Meshes as text.
 
+use std::collections::BTreeMap;
 use std::io::{self, Write};
+use std::ops::Range;
 
 use glam::DVec3;
 
@@ -52,6 +54,14 @@ pub(crate) fn write_by<'a>(
             text.clear();
         }
     }
+    let texture = TextureVertices::of(mesh);
+    for [u, v] in &texture.list {
+        writeln!(text, "vt {u} {v}")?;
+        if text.len() >= CHUNK {
+            out.write_all(&text)?;
+            text.clear();
+        }
+    }
     let mut current = None;
     let mut first = 0;
     while let (Some(facet), Some(material)) = (mesh.facets.get(first), mesh.material.get(first)) {
@@ -61,10 +71,12 @@ pub(crate) fn write_by<'a>(
         }
         let facets = facets_of_face(mesh, first);
         first = facets.end;
-        match polygon(mesh, facets.clone()) {
-            Some(corners) => push_face(&mut text, &corners),
-            None if facets.len() == 1 => push_face(&mut text, facet),
-            None => mesh.facets[facets].iter().for_each(|facet| push_face(&mut text, facet)),
+        let of_polygon = polygon(mesh, facets.clone());
+        let whole = of_polygon.and_then(|corners| Some((texture.of_polygon(mesh, facets.clone(), &corners)?, corners)));
+        match whole {
+            Some((textures, corners)) => push_face(&mut text, &corners, &textures),
+            None if facets.len() == 1 => push_face(&mut text, facet, texture.of_facet(facets.start)),
+            None => facets.for_each(|f| push_face(&mut text, &mesh.facets[f], texture.of_facet(f))),
         }
         if text.len() >= CHUNK {
             out.write_all(&text)?;
@@ -74,11 +86,57 @@ pub(crate) fn write_by<'a>(
     out.write_all(&text)
 }
 
-fn push_face(text: &mut Vec<u8>, corners: &[u32]) {
+/// Each texture coordinate once, and for each facet which of them its corners have.
+struct TextureVertices {
+    list: Vec<[f64; 2]>,
+    /// From 0; empty without texture coordinates.
+    of_facet: Vec<[Option<u32>; 3]>,
+}
+
+impl TextureVertices {
+    fn of(mesh: &Mesh) -> Self {
+        let mut known = BTreeMap::new();
+        let mut list = Vec::new();
+        let mut number = |uv: [f64; 2]| {
+            uv.iter().all(|x| x.is_finite()).then(|| {
+                *known.entry(uv.map(f64::to_bits)).or_insert_with(|| {
+                    list.push(uv);
+                    list.len() as u32 - 1
+                })
+            })
+        };
+        let of_facet = mesh.uv.iter().map(|corners| corners.map(&mut number)).collect();
+        TextureVertices { list, of_facet }
+    }
+
+    fn of_facet(&self, facet: usize) -> &[Option<u32>] {
+        self.of_facet.get(facet).map_or(&[], |corners| corners)
+    }
+
+    /// Those of a face's corners; `None` if its facets do not agree on them.
+    fn of_polygon(&self, mesh: &Mesh, facets: Range<usize>, corners: &[u32]) -> Option<Vec<Option<u32>>> {
+        if self.of_facet.is_empty() {
+            return Some(vec![]);
+        }
+        let of_corner = |corner: &u32| {
+            let all = facets.clone().flat_map(|f| mesh.facets[f].into_iter().zip(self.of_facet[f]));
+            let mut own = all.filter(|(v, _)| v == corner).map(|(_, texture)| texture);
+            let first = own.next()?;
+            own.all(|t| t == first).then_some(first)
+        };
+        corners.iter().map(of_corner).collect()
+    }
+}
+
+fn push_face(text: &mut Vec<u8>, corners: &[u32], textures: &[Option<u32>]) {
     text.push(b'f');
-    for &vertex in corners {
+    for (k, &vertex) in corners.iter().enumerate() {
         text.push(b' ');
         push_integer(text, u64::from(vertex) + 1);
+        if let Some(Some(texture)) = textures.get(k) {
+            text.push(b'/');
+            push_integer(text, u64::from(*texture) + 1);
+        }
     }
     text.push(b'\n');
 }

@@ -194,6 +194,7 @@ impl Reader<'_> {
             origin_m: self.origin_m,
             mesh: mesh?,
             materials: dictionary.materials?,
+            textures: vec![],
             sun: sun?,
             mars: match mars {
                 Some(mars) => Some(mars?),

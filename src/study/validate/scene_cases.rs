@@ -140,6 +140,7 @@ fn look(mesh: Mesh, reflectance: f64, sun: Sun, camera: FrameCamera) -> Result<V
         origin_m: TARGET_M,
         mesh,
         materials: vec![material],
+        textures: vec![],
         sun,
         mars: None,
         thermal: Thermal::Off,

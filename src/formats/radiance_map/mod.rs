@@ -1,0 +1,337 @@
+//! Radiance maps from elsewhere: a raster or a table of facets, and a map file that says what its numbers are and where they lie.
+//!
+//! A map file is TOML: it is named itself, or lies beside the raster, as `x.map.toml` beside `x.img`. Its JSON Schema is in
+//! `schemas/`. Tables of facets that say all of it themselves need none: see [`facets`].
+
+mod facets;
+mod types;
+mod values;
+
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+
+use super::InputFile;
+use super::dart::output as dart_output;
+use super::located::Document;
+use super::raster::{self, Raster};
+use super::scene_toml::types::Coordinates;
+use super::scene_toml::{self, Reader};
+use crate::error::{Error, Location, Problem, Result};
+use crate::geometry::{Direction, Pose};
+use crate::product::{Atlas, Eye, Placement, Projection, RadianceMap, ViewImage};
+use crate::progress::Watch;
+use crate::scene::{FrameCamera, Scene};
+use crate::spectral::Band;
+
+use types::{MapToml, NumbersToml, PlacementToml, PlaneToml, RasterToml};
+use values::{Conversion, RasterTexels};
+
+/// The maps that were found at a path: one, or one for each direction of view.
+#[derive(Debug)]
+pub struct Opened {
+    /// The maps.
+    pub maps: Vec<RadianceMap>,
+    /// Every file that was read: headers and map files; rasters are read later, band by band.
+    pub inputs: Vec<InputFile>,
+    /// What is worth knowing.
+    pub notes: Vec<String>,
+}
+
+/// The JSON Schema of a map file.
+pub fn schema() -> schemars::Schema {
+    schemars::schema_for!(MapToml)
+}
+
+/// Opens what is at a path as maps of a scene; `weight` is what their radiance is multiplied by.
+///
+/// | at the path | |
+/// |---|---|
+/// | a map file (`.toml`), or a raster with one beside it | as it says |
+/// | `.npz`, `.csv` with radiance and wavelengths of facets | see [`facets`] |
+/// | a DART simulation, its `output/`, a folder of images, an image | its views: see [`dart::output`](super::dart::output) |
+///
+/// # Errors
+/// [`Error::Io`]; [`Error::Syntax`]; [`Error::Invalid`] with all that is wrong in the map file, with the rasters it names, and
+/// with both together; [`Error::Unsupported`] for rasters that are not read.
+pub fn open(path: &Path, scene: &Scene, weight: f64, watch: Watch<'_>) -> Result<Opened> {
+    if let Some(file) = map_file(path) {
+        return read(&file, path, scene, weight, watch);
+    }
+    if let Some((map, input)) = facets::open(path, weight)? {
+        return Ok(Opened { maps: vec![map], inputs: vec![input], notes: vec![] });
+    }
+    if path.is_dir() || dart_output::is_image(path) {
+        return of_dart(path, scene, weight);
+    }
+    // What is no raster either is told as that.
+    let raster = raster::open(path)?;
+    let message = format!(
+        "is a raster of {} x {} pixels and {} bands, but what its numbers are, and where they lie, is not known",
+        raster.columns,
+        raster.rows,
+        raster.bands.len()
+    );
+    let help = format!("say it in {}: `quantity`, `unit` and `placement`", beside(path).display());
+    Err(Error::Invalid(vec![Problem::new(Location::file(path), message).with_help(help)]))
+}
+
+/// The map file beside a raster.
+fn beside(path: &Path) -> PathBuf {
+    path.with_extension("map.toml")
+}
+
+/// The map file that belongs to a path, if there is one.
+fn map_file(path: &Path) -> Option<PathBuf> {
+    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
+        return Some(path.to_owned());
+    }
+    let mut appended = path.as_os_str().to_owned();
+    appended.push(".map.toml");
+    [beside(path), PathBuf::from(appended)].into_iter().find(|p| p.is_file())
+}
+
+/// All views of a DART output.
+fn of_dart(path: &Path, scene: &Scene, weight: f64) -> Result<Opened> {
+    let output = dart_output::open(path)?;
+    let mut maps = Vec::new();
+    for view in 0..output.views().len() {
+        let mut map = output.view_map(view, scene, &dart_output::MapOptions::default())?;
+        map.weight *= weight;
+        maps.push(map);
+    }
+    Ok(Opened { maps, inputs: vec![], notes: vec![] })
+}
+
+/// Reads a map file; `asked` is the path that it was found by.
+fn read(file: &Path, asked: &Path, scene: &Scene, weight: f64, watch: Watch<'_>) -> Result<Opened> {
+    let (document, input) = Document::open(file)?;
+    let toml: MapToml = document.read()?;
+    let mut reader = Reader::new(file, document, scene.origin_m, input, watch);
+    let names: Vec<PathBuf> = match &toml.raster {
+        Some(RasterToml::One(name)) => vec![reader.path(name)],
+        Some(RasterToml::Several(names)) => names.iter().map(|name| reader.path(name)).collect(),
+        None if asked != file => vec![asked.to_owned()],
+        None => {
+            reader.problem("raster", "is missing: this file does not say which raster it belongs to");
+            vec![]
+        }
+    };
+    let rasters: Vec<Raster> = names.iter().filter_map(|p| reader.taken("raster", raster::open(p))).collect();
+    let map = if rasters.len() == names.len() && !rasters.is_empty() {
+        let name = names[0].display().to_string();
+        map(&mut reader, &toml, rasters, scene, watch).map(|(placement, texels)| RadianceMap {
+            name,
+            placement,
+            source: Box::new(texels),
+            weight,
+        })
+    } else {
+        None
+    };
+    let (inputs, notes) = reader.finish()?;
+    match map {
+        Some(map) => Ok(Opened { maps: vec![map], inputs, notes }),
+        None => Err(Error::invalid(Location::file(file), "cannot be used")),
+    }
+}
+
+fn map(
+    reader: &mut Reader<'_>,
+    toml: &MapToml,
+    mut rasters: Vec<Raster>,
+    scene: &Scene,
+    watch: Watch<'_>,
+) -> Option<(Placement, RasterTexels)> {
+    let facets = scene.mesh.facets.len();
+    if toml.placement == PlacementToml::Facets {
+        // A table of [facet, band], which a reader of images takes for one band.
+        rasters = rasters.into_iter().map(|r| if r.pixels() == facets { r } else { r.columns_as_bands() }).collect();
+    }
+    let (rows, columns) = (rasters[0].rows, rasters[0].columns);
+    if let Some(other) = rasters.iter().find(|r| (r.rows, r.columns) != (rows, columns)) {
+        let message = format!(
+            "{} has {} x {} pixels, but the first raster {columns} x {rows}",
+            other.path.display(),
+            other.columns,
+            other.rows
+        );
+        reader.problem("raster", message);
+        return None;
+    }
+    let bands = bands(reader, toml, &rasters);
+    let placement = placement(reader, toml, rows, columns, scene, watch);
+    let bands = bands?;
+    let irradiance = |band: usize| match &toml.irradiance_w_m2_um {
+        None => None,
+        Some(NumbersToml::All(value)) => Some(*value),
+        Some(NumbersToml::Each(values)) => values.get(band).copied(),
+    };
+    if let Some(NumbersToml::Each(values)) = &toml.irradiance_w_m2_um
+        && values.len() != bands.len()
+    {
+        reader.problem("irradiance_w_m2_um", format!("{} numbers for {} bands", values.len(), bands.len()));
+        return None;
+    }
+    let convert = |(i, band): (usize, &Band)| Conversion::new(toml.quantity, toml.unit, band, irradiance(i));
+    match bands.iter().enumerate().map(convert).collect() {
+        Ok(conversion) => Some((placement?, RasterTexels { rasters, bands, conversion, no_data: toml.no_data })),
+        Err(message) => {
+            reader.problem("unit", message);
+            None
+        }
+    }
+}
+
+/// The bands of a map: those that its file gives, or its rasters'.
+fn bands(reader: &mut Reader<'_>, toml: &MapToml, rasters: &[Raster]) -> Option<Vec<Band>> {
+    let of_raster: Vec<_> = rasters.iter().flat_map(|r| &r.bands).collect();
+    if let Some(given) = &toml.bands {
+        let bands = reader.bands("bands", given)?;
+        if bands.len() != of_raster.len() {
+            reader.problem("bands", format!("{} bands, but the raster has {}", bands.len(), of_raster.len()));
+            return None;
+        }
+        return Some(bands);
+    }
+    let known = of_raster.iter().map(|b| Some(Band { centre_um: b.centre_um?, fwhm_um: b.fwhm_um }));
+    match known.collect::<Option<Vec<Band>>>() {
+        Some(bands) if bands.iter().all(|b| b.centre_um > 0.0) => Some(bands),
+        _ => {
+            reader.helped(
+                "bands",
+                "is missing: the raster does not say the wavelengths of its bands",
+                "give them as `bands = { centres_um = [1.0, 1.1] }`",
+            );
+            None
+        }
+    }
+}
+
+fn placement(
+    reader: &mut Reader<'_>,
+    toml: &MapToml,
+    rows: usize,
+    columns: usize,
+    scene: &Scene,
+    watch: Watch<'_>,
+) -> Option<Placement> {
+    let occlusion = toml.occlusion.unwrap_or(true);
+    let wanted = match toml.placement {
+        PlacementToml::Camera => ["observer", "sensor", "scene"].as_slice(),
+        PlacementToml::Plane => &["plane"],
+        PlacementToml::Facets | PlacementToml::Atlas => &[],
+    };
+    let given = [
+        ("observer", toml.observer.is_some()),
+        ("sensor", toml.sensor.is_some()),
+        ("scene", toml.scene.is_some()),
+        ("plane", toml.plane.is_some()),
+    ];
+    for (key, _) in given.into_iter().filter(|(key, is_given)| *is_given && !wanted.contains(key)) {
+        reader.problem(key, "does not go with this placement");
+    }
+    match toml.placement {
+        PlacementToml::Facets => Some(Placement::Facets(rows * columns)),
+        PlacementToml::Atlas => {
+            if scene.mesh.uv.is_empty() {
+                reader.helped(
+                    "placement",
+                    "the scene's meshes have no texture coordinates",
+                    "an OBJ has them as `vt` lines, and its faces as `f 1/1 2/2 3/3`",
+                );
+                return None;
+            }
+            Some(Placement::Atlas(Atlas::of_uv(&scene.mesh.uv, rows, columns)))
+        }
+        PlacementToml::Camera => {
+            let camera = camera(reader, toml, rows, columns, watch)?;
+            Some(Placement::View(Box::new(ViewImage {
+                projection: Projection::of_camera(&camera),
+                eye: Eye::At(camera.centre_m()),
+                rows,
+                columns,
+                occlusion,
+            })))
+        }
+        PlacementToml::Plane => match &toml.plane {
+            Some(plane) => self::plane(reader, plane, rows, columns, occlusion),
+            None => {
+                reader.problem("plane", "is missing: it says where the raster lies");
+                None
+            }
+        },
+    }
+}
+
+/// The camera that an image was taken by, local to the scene.
+fn camera(reader: &mut Reader<'_>, toml: &MapToml, rows: usize, columns: usize, watch: Watch<'_>) -> Option<FrameCamera> {
+    let (Ok(samples), Ok(lines)) = (u32::try_from(columns), u32::try_from(rows)) else { return None };
+    match (&toml.scene, &toml.observer, &toml.sensor) {
+        (Some(name), None, None) => {
+            let path = reader.path(name);
+            let other = reader.taken("scene", scene_toml::read(&path, watch))?;
+            let mut camera = other.scene.sensor.camera;
+            if (camera.samples, camera.lines) != (samples, lines) {
+                let message = format!(
+                    "{name} has a camera of {} x {} pixels, but the raster has {samples} x {lines}",
+                    camera.samples, camera.lines
+                );
+                reader.problem("scene", message);
+                return None;
+            }
+            let moved_m = other.scene.origin_m - reader.origin_m();
+            camera.world_from_sensor.translation_m += moved_m;
+            Some(camera)
+        }
+        (None, Some(observer), Some(sensor)) => {
+            let pose: Option<Pose> = reader.observer(observer);
+            let pitch = match (sensor.ifov_mrad, sensor.fov_deg) {
+                (Some(ifov_mrad), None) => scene_toml::pitch_of_ifov(ifov_mrad),
+                (None, Some(fov_deg)) => scene_toml::pitch_of_fov(fov_deg, samples),
+                _ => {
+                    reader.problem("sensor", "give one of `ifov_mrad` and `fov_deg`");
+                    return None;
+                }
+            };
+            Some(FrameCamera { world_from_sensor: pose?, samples, lines, pitch })
+        }
+        _ => {
+            reader.problem("placement", "a camera needs `observer` and `sensor`, or a `scene` that has them");
+            None
+        }
+    }
+}
+
+/// A raster on a plane, local to the scene.
+fn plane(reader: &mut Reader<'_>, toml: &PlaneToml, rows: usize, columns: usize, occlusion: bool) -> Option<Placement> {
+    let [along, across] = [toml.along_line_m, toml.line_to_line_m].map(DVec3::from_array);
+    let normal = Direction::new(across.cross(along));
+    let Some(normal) = normal.filter(|_| along.angle_between(across).sin() > 1e-6) else {
+        reader.problem("plane.line_to_line_m", "runs along the lines: the two steps do not span a plane");
+        return None;
+    };
+    // Seen from where lines run to the right and follow one another downwards.
+    let towards = match toml.towards {
+        Some(towards) => Direction::new(DVec3::from_array(towards)),
+        None => Some(normal),
+    };
+    let Some(towards) = towards.filter(|t| t.vec().dot(normal.vec()).abs() > 1e-6) else {
+        reader.problem("plane.towards", "is no direction from which the plane is seen: it lies in the plane");
+        return None;
+    };
+    let mut corner_m = DVec3::from_array(toml.corner_m);
+    if toml.coordinates == Some(Coordinates::Body) {
+        corner_m -= reader.origin_m();
+    }
+    // p - corner = s along + t across + d towards: rows of the inverse.
+    let from_steps = glam::DMat3::from_cols(along, across, towards.vec());
+    let steps = from_steps.inverse().transpose();
+    Some(Placement::View(Box::new(ViewImage {
+        projection: Projection::parallel(steps.x_axis, steps.y_axis, corner_m, [0.0; 2]),
+        eye: Eye::Towards(towards),
+        rows,
+        columns,
+        occlusion,
+    })))
+}

@@ -1,0 +1,148 @@
+//! What people write in a map file. The published schema is made from these types and their comments.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use crate::formats::scene_toml::types::{BandsToml, Coordinates, ObserverToml};
+
+/// A radiance map: the raster that holds it, what its numbers are, and where they lie in a scene. Relative paths start at this
+/// file's folder.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MapToml {
+    /// Version of this format: 1.
+    #[schemars(range(min = 1, max = 1))]
+    #[allow(dead_code, reason = "the schema checks it")]
+    pub(super) mmxrt_map: u32,
+    /// The raster, or several of the same size whose bands follow one another. Default: the file that this one is named after.
+    pub(super) raster: Option<RasterToml>,
+    /// What the numbers are.
+    pub(super) quantity: QuantityToml,
+    /// Their unit.
+    pub(super) unit: UnitToml,
+    /// For a reflectance factor: the irradiance that it refers to, W m-2 um-1, its cosine already in it; one for all bands, or one for each.
+    pub(super) irradiance_w_m2_um: Option<NumbersToml>,
+    /// The number that stands for "not known", beside NaN and what the raster itself says.
+    pub(super) no_data: Option<f64>,
+    /// The bands, where the raster does not know its wavelengths; they replace the raster's.
+    pub(super) bands: Option<BandsToml>,
+    /// Where the numbers lie.
+    pub(super) placement: PlacementToml,
+    /// For `placement = "camera"`: where the camera was, and where it looked.
+    pub(super) observer: Option<ObserverToml>,
+    /// For `placement = "camera"`: its field of view. Its samples and lines are the raster's.
+    pub(super) sensor: Option<MapSensorToml>,
+    /// For `placement = "camera"`: a scene file whose `observer` and `sensor` the image was made by, instead of the two above.
+    pub(super) scene: Option<String>,
+    /// For `placement = "plane"`: where the raster lies.
+    pub(super) plane: Option<PlaneToml>,
+    /// For a camera or a plane: whether a surface that others hide from it is unknown (the default); if not, the image goes
+    /// through everything.
+    pub(super) occlusion: Option<bool>,
+}
+
+/// One file, or several.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(super) enum RasterToml {
+    /// One raster.
+    One(String),
+    /// Several.
+    Several(Vec<String>),
+}
+
+/// One number for all bands, or one for each.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(super) enum NumbersToml {
+    /// One for all bands.
+    All(f64),
+    /// One for each band.
+    Each(Vec<f64>),
+}
+
+/// What a map's numbers are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum QuantityToml {
+    /// Spectral radiance.
+    Radiance,
+    /// Radiance in each band; bands need a width.
+    BandRadiance,
+    /// Reflectance factor (BRF): pi times radiance over `irradiance_w_m2_um`.
+    ReflectanceFactor,
+    /// Temperature of a black body of the same spectral radiance.
+    BrightnessTemperature,
+}
+
+/// Units that maps may have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+pub(super) enum UnitToml {
+    /// Spectral radiance.
+    #[serde(rename = "W m-2 sr-1 um-1")]
+    PerUm,
+    /// Spectral radiance: 1000 W m-2 sr-1 um-1.
+    #[serde(rename = "W m-2 sr-1 nm-1")]
+    PerNm,
+    /// Spectral radiance: 1 W m-2 sr-1 um-1.
+    #[serde(rename = "mW m-2 sr-1 nm-1")]
+    MilliPerNm,
+    /// Spectral radiance: 10 W m-2 sr-1 um-1.
+    #[serde(rename = "uW cm-2 sr-1 nm-1")]
+    MicroPerCm2PerNm,
+    /// Radiance in a band.
+    #[serde(rename = "W m-2 sr-1")]
+    InBand,
+    /// A factor.
+    #[serde(rename = "1")]
+    One,
+    /// A factor, times 100.
+    #[serde(rename = "%")]
+    Percent,
+    /// Temperature.
+    #[serde(rename = "K")]
+    Kelvin,
+}
+
+/// Where a map's numbers lie.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum PlacementToml {
+    /// A number for each facet of the scene, in their order.
+    Facets,
+    /// By the texture coordinates of the scene's meshes.
+    Atlas,
+    /// Pixels of a frame camera's image.
+    Camera,
+    /// Squares of a plane, put onto the scene along one direction.
+    Plane,
+}
+
+/// A camera's field of view: one of the two.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MapSensorToml {
+    /// Angle that the central pixel subtends, mrad.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub(super) ifov_mrad: Option<f64>,
+    /// Angle that a line of pixels subtends, deg.
+    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 180))]
+    pub(super) fov_deg: Option<f64>,
+}
+
+/// A raster on a plane.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PlaneToml {
+    /// The outer corner of the first pixel of the first line, m.
+    pub(super) corner_m: [f64; 3],
+    /// From a pixel to the next one in its line, m.
+    pub(super) along_line_m: [f64; 3],
+    /// From a line to the next one, m.
+    pub(super) line_to_line_m: [f64; 3],
+    /// Direction towards the viewer, along which the plane is put onto the scene; any length. Default: the plane's normal, on the
+    /// side from which the image is not a mirror image.
+    pub(super) towards: Option<[f64; 3]>,
+    /// Whether positions are local to the scene's `origin_m`, or start at the body's centre. Axes are those of the body. Default "local".
+    pub(super) coordinates: Option<Coordinates>,
+}

@@ -1,0 +1,130 @@
+//! Variation of reflectance inside facets.
+
+use crate::geometry::{MaterialId, Mesh};
+use crate::spectral::Band;
+
+use super::Material;
+
+/// What a texture's values are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TextureKind {
+    /// Factors of the material's reflectance.
+    Factor,
+    /// Reflectances in the material's stead.
+    Reflectance,
+}
+
+/// An image on the facets of a material: its values stand for the light that is reflected; heat is the material's.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Texture {
+    /// The material.
+    pub material: MaterialId,
+    /// What its values are.
+    pub kind: TextureKind,
+    /// Texel coordinates (column, row; 0 to `columns`, 0 to `rows`) of the corners of every facet; of no meaning for other materials.
+    pub corners: Vec<[[f64; 2]; 3]>,
+    /// Lines of texels.
+    pub rows: usize,
+    /// Texels in a line.
+    pub columns: usize,
+    /// Wavelengths of its layers, um, strictly ascending; values are linear between them, and held beyond. One layer may do
+    /// without: it is for all wavelengths.
+    pub wavelength_um: Vec<f64>,
+    /// [row, column, layer].
+    pub values: Vec<f64>,
+    /// Whether values vary bilinearly between texel centres; else a texel has one value.
+    pub bilinear: bool,
+}
+
+impl Texture {
+    /// Number of layers.
+    pub fn layers(&self) -> usize {
+        self.wavelength_um.len().max(1)
+    }
+
+    /// How much of a value at a wavelength, um, is each layer's: they sum to 1.
+    pub fn shares(&self, um: f64) -> Vec<f64> {
+        let mut shares = vec![0.0; self.layers()];
+        let after = self.wavelength_um.partition_point(|w| *w <= um);
+        if after == 0 || after == self.wavelength_um.len() {
+            shares[after.saturating_sub(1)] = 1.0;
+        } else {
+            let (a, b) = (self.wavelength_um[after - 1], self.wavelength_um[after]);
+            let share = (um - a) / (b - a);
+            shares[after - 1] = 1.0 - share;
+            shares[after] = share;
+        }
+        shares
+    }
+
+    /// What is wrong with it, a sentence for each.
+    pub(super) fn check(&self, mesh: &Mesh, materials: &[Material], bands: &[Band], mut problem: impl FnMut(String)) {
+        if self.rows == 0 || self.columns == 0 || self.values.len() != self.rows * self.columns * self.layers() {
+            return problem(format!(
+                "{} values are not {} x {} texels of {} layers",
+                self.values.len(),
+                self.columns,
+                self.rows,
+                self.layers()
+            ));
+        }
+        if self.corners.len() != mesh.facets.len() {
+            return problem(format!("places {} facets of {}", self.corners.len(), mesh.facets.len()));
+        }
+        if let Some(i) = self.values.iter().position(|v| !(*v >= 0.0 && v.is_finite())) {
+            let texel = i / self.layers();
+            let (row, column) = (texel / self.columns, texel % self.columns);
+            problem(format!("texel (row {row}, column {column}) is {}: a number from 0 is wanted", self.values[i]));
+        }
+        let ascends = self.wavelength_um.windows(2).all(|w| w[0] < w[1]);
+        if !(ascends && self.wavelength_um.iter().all(|w| *w > 0.0 && w.is_finite())) {
+            problem("its wavelengths do not ascend".into());
+        }
+        let Some(material) = materials.get(self.material.0 as usize) else {
+            return problem("is of no material".into());
+        };
+        let most = self.values.iter().copied().fold(0.0, f64::max);
+        let base = match self.kind {
+            TextureKind::Factor => material.reflectance.value().iter().copied().fold(0.0, f64::max),
+            TextureKind::Reflectance => 1.0,
+        };
+        if most * base > 1.0 + 1e-9 {
+            problem(format!("makes a reflectance of {:.4}, which is above 1", most * base));
+        }
+        let reach = |b: &Band| b.support_um();
+        if let (Some(first), Some(last)) = (self.wavelength_um.first(), self.wavelength_um.last())
+            && let Some(band) = bands.iter().find(|b| self.layers() > 1 && (reach(b).1 < *first || reach(b).0 > *last))
+        {
+            problem(format!("its layers reach from {first} to {last} um, and none is near the band at {} um", band.centre_um));
+        }
+        let absent = (0..mesh.facets.len()).find(|f| {
+            mesh.material[*f] == self.material && self.corners[*f].iter().flatten().any(|x| !x.is_finite())
+        });
+        if let Some(facet) = absent {
+            problem(format!("facet {facet} (counted from 0) has no texture coordinates"));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn layers_share_what_lies_between_them() {
+        let texture = |wavelength_um: Vec<f64>| Texture {
+            material: MaterialId(0),
+            kind: TextureKind::Factor,
+            corners: vec![],
+            rows: 1,
+            columns: 1,
+            values: vec![1.0; wavelength_um.len().max(1)],
+            wavelength_um,
+            bilinear: false,
+        };
+        let three = texture(vec![1.0, 2.0, 4.0]);
+        assert_eq!(three.shares(2.5), [0.0, 0.75, 0.25]);
+        assert_eq!((three.shares(0.5), three.shares(9.0)), (vec![1.0, 0.0, 0.0], vec![0.0, 0.0, 1.0]));
+        assert_eq!(texture(vec![]).shares(3.0), [1.0]);
+    }
+}
