@@ -17,6 +17,7 @@ mod layers;
 mod malformed_scene;
 mod oracles;
 mod products;
+mod raster;
 mod report;
 mod sampler;
 mod scene_files;
