@@ -247,8 +247,12 @@ pub fn parse_header(text: &str, path: &Path) -> Result<Header> {
 /// Step and offset of a range: `least:largest:step:offset=number`, or without a step.
 fn range(text: &str) -> Option<[f64; 2]> {
     let (bounds, offset) = text.split_once(":offset=").unwrap_or((text, "0"));
-    let step = bounds.split(':').nth(2).unwrap_or("1");
-    let [step, offset]: [f64; 2] = [step.trim().parse().ok()?, offset.trim().parse().ok()?];
+    let bounds: Option<Vec<f64>> = bounds.split(':').map(|n| n.trim().parse().ok()).collect();
+    let (step, offset): (f64, f64) = match bounds?[..] {
+        [_, _] => (1.0, offset.trim().parse().ok()?),
+        [_, _, step] => (step, offset.trim().parse().ok()?),
+        _ => return None,
+    };
     // A step of 0: reals, which have none.
     (step.is_finite() && offset.is_finite()).then_some([if step == 0.0 { 1.0 } else { step }, offset])
 }

@@ -84,7 +84,7 @@ fn envi_is_read_in_every_order_type_and_byte_order() {
     let error = raster.read(2, &mut one).unwrap_err().to_string();
     assert!(error.contains("band 3 is asked for") && one.is_empty(), "{error}");
     let inputs = raster.inputs().unwrap();
-    assert_eq!(inputs.iter().map(|i| i.bytes).collect::<Vec<_>>(), [108, 99]);
+    assert_eq!(inputs.iter().map(|i| i.bytes).collect::<Vec<_>>(), [102, 99]);
 }
 
 #[test]
