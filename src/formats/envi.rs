@@ -9,9 +9,11 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 
 use super::input;
+pub use super::number::DataType;
 use crate::error::{Error, Location, Problem, Result};
 use crate::product::{Backplanes, Cube, Plane};
 use crate::progress::{Watch, tell};
+use crate::units::um_from_nm;
 
 /// Order of the numbers in the file, slowest index first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -36,44 +38,18 @@ impl Interleave {
     }
 }
 
-/// How a number is stored. Always little-endian when written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum DataType {
-    /// 8 bits, unsigned (ENVI data type 1).
-    U8,
-    /// 16 bits, signed (2).
-    I16,
-    /// 32 bits, signed (3).
-    I32,
-    /// Single precision (4).
-    #[default]
-    F32,
-    /// Double precision (5).
-    F64,
-    /// 16 bits, unsigned (12).
-    U16,
-}
-
-impl DataType {
-    const CODES: [(u64, DataType); 6] = [
-        (1, DataType::U8),
-        (2, DataType::I16),
-        (3, DataType::I32),
-        (4, DataType::F32),
-        (5, DataType::F64),
-        (12, DataType::U16),
-    ];
-
-    /// Size of a number, bytes.
-    pub fn bytes(self) -> usize {
-        match self {
-            DataType::U8 => 1,
-            DataType::I16 | DataType::U16 => 2,
-            DataType::I32 | DataType::F32 => 4,
-            DataType::F64 => 8,
-        }
-    }
-}
+/// ENVI's codes of real numbers.
+const CODES: [(u64, DataType); 9] = [
+    (1, DataType::U8),
+    (2, DataType::I16),
+    (3, DataType::I32),
+    (4, DataType::F32),
+    (5, DataType::F64),
+    (12, DataType::U16),
+    (13, DataType::U32),
+    (14, DataType::I64),
+    (15, DataType::U64),
+];
 
 /// The precision of what is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -325,6 +301,23 @@ impl Header {
         self.fields.iter().find(|(k, _)| k == key).map(|(_, v)| v.as_str())
     }
 
+    /// Whether it is that of a spectral library, whose lines are spectra.
+    pub fn is_library(&self) -> bool {
+        self.field("file type").is_some_and(|t| t.eq_ignore_ascii_case(SPECTRAL_LIBRARY))
+    }
+
+    /// Wavelengths in um, and the unit that was taken for granted if the header gives none; `None` for other units, as wavenumbers.
+    pub(super) fn um(&self, wavelengths: &[f64]) -> Option<(Vec<f64>, Option<&'static str>)> {
+        let nm = || wavelengths.iter().map(|w| um_from_nm(*w)).collect();
+        match self.field("wavelength units").unwrap_or("unknown").to_lowercase().as_str() {
+            "micrometers" | "micrometer" | "microns" | "micron" | "um" => Some((wavelengths.to_vec(), None)),
+            "nanometers" | "nanometer" | "nm" => Some((nm(), None)),
+            "unknown" | "" if self.wavelength.iter().all(|w| *w >= 100.0) => Some((nm(), Some("nanometres"))),
+            "unknown" | "" => Some((wavelengths.to_vec(), Some("micrometres"))),
+            _ => None,
+        }
+    }
+
     /// Size of the numbers in the data file, bytes; `None` if no file can be so large.
     pub fn data_bytes(&self) -> Option<u64> {
         let count = (self.samples as u64).checked_mul(self.lines as u64)?.checked_mul(self.bands as u64)?;
@@ -372,11 +365,16 @@ pub fn parse_header(path: &Path, text: &str) -> Result<Header> {
     let counted = if is_library { ("samples", samples) } else { ("bands", bands) };
     let wavelength = fields.numbers("wavelength", counted, &mut problems);
     let fwhm = fields.numbers("fwhm", counted, &mut problems);
+    let ignore = fields.number("data ignore value", &mut problems);
     if !problems.is_empty() {
         return Err(Error::Invalid(problems));
     }
-    let Some(data_type) = DataType::CODES.iter().find(|c| c.0 == code).map(|c| c.1) else {
-        return Err(Error::Unsupported { at: fields.at("data type"), feature: format!("ENVI data type {code}") });
+    let Some(data_type) = CODES.iter().find(|c| c.0 == code).map(|c| c.1) else {
+        let complex = if matches!(code, 6 | 9) { " (complex numbers)" } else { "" };
+        return Err(Error::Unsupported {
+            at: fields.at("data type"),
+            feature: format!("ENVI data type {code}{complex}"),
+        });
     };
     let header = Header {
         path: path.to_owned(),
@@ -390,7 +388,7 @@ pub fn parse_header(path: &Path, text: &str) -> Result<Header> {
         wavelength,
         fwhm,
         band_names: fields.items("band names"),
-        ignore: fields.get("data ignore value").and_then(|v| v.parse().ok()),
+        ignore,
         fields: fields.list.iter().map(|f| (f.key.clone(), f.value.clone())).collect(),
     };
     match header.data_bytes() {
@@ -469,6 +467,16 @@ impl<'a> Fields<'a> {
         least
     }
 
+    /// A number, which may be NaN.
+    fn number(&self, key: &str, problems: &mut Vec<Problem>) -> Option<f64> {
+        let text = self.get(key)?;
+        let value = text.parse().ok();
+        if value.is_none() {
+            problems.push(Problem::new(self.at(key), format!("{text:?} is not a number")));
+        }
+        value
+    }
+
     /// The items of a list; none if it is not there.
     fn items(&self, key: &str) -> Vec<String> {
         let items = self.get(key).unwrap_or("").split(',').map(str::trim);
@@ -478,9 +486,10 @@ impl<'a> Fields<'a> {
     /// A number for each band; none if the list is not there.
     fn numbers(&self, key: &str, (counted, count): (&str, u64), problems: &mut Vec<Problem>) -> Vec<f64> {
         let items = self.items(key);
-        let values: Vec<f64> = items.iter().filter_map(|item| item.parse().ok()).collect();
+        let values: Vec<f64> =
+            items.iter().filter_map(|item| item.parse().ok()).filter(|v: &f64| v.is_finite()).collect();
         if values.len() != items.len() {
-            problems.push(Problem::new(self.at(key), "has items that are not numbers"));
+            problems.push(Problem::new(self.at(key), "has items that are not finite numbers"));
         } else if !values.is_empty() && values.len() as u64 != count {
             problems.push(Problem::new(self.at(key), format!("{} values for {count} {counted}", values.len())));
         }
@@ -562,18 +571,15 @@ pub fn statistics(header: &Header, data: &Path) -> Result<Vec<BandStatistics>> {
         Interleave::Bip => (1, header.lines * header.samples * header.bands),
     };
     let bytes_each = header.data_type.bytes();
-    let mut bytes = vec![0; run * bytes_each];
+    let (mut bytes, mut values) = (vec![0; run * bytes_each], vec![0.0; run]);
     for i in 0..runs {
         file.read_exact(&mut bytes).map_err(io)?;
         let band = &mut statistics[match header.interleave {
             Interleave::Bsq => i / header.lines,
             Interleave::Bil | Interleave::Bip => i % header.bands,
         }];
-        for number in bytes.chunks_exact_mut(bytes_each) {
-            if header.big_endian {
-                number.reverse();
-            }
-            let value = number_le(header.data_type, number);
+        header.data_type.decode(header.big_endian, &bytes, &mut values);
+        for &value in &values {
             if !value.is_nan() && header.ignore != Some(value) {
                 band.count += 1;
                 band.min = band.min.min(value);
@@ -590,18 +596,4 @@ pub fn statistics(header: &Header, data: &Path) -> Result<Vec<BandStatistics>> {
         }
     }
     Ok(statistics)
-}
-
-pub(super) fn number_le(data_type: DataType, bytes: &[u8]) -> f64 {
-    let mut raw = [0; 8];
-    raw[..bytes.len()].copy_from_slice(bytes);
-    let bits = u64::from_le_bytes(raw);
-    match data_type {
-        DataType::U8 => f64::from(bits as u8),
-        DataType::I16 => f64::from(bits as u16 as i16),
-        DataType::I32 => f64::from(bits as u32 as i32),
-        DataType::F32 => f64::from(f32::from_bits(bits as u32)),
-        DataType::F64 => f64::from_bits(bits),
-        DataType::U16 => f64::from(bits as u16),
-    }
 }

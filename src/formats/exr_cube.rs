@@ -16,6 +16,7 @@ use crate::error::{Error, Location, Problem, Result};
 use crate::product::Cube;
 use crate::progress::Watch;
 use crate::spectral::Band;
+use crate::units::um_from_nm;
 
 /// The name of a band's channel, to 1e-6 nm.
 pub fn channel_name(band: &Band) -> String {
@@ -113,6 +114,24 @@ fn header(names: &[&str], window: [i32; 4], description: &str) -> Vec<u8> {
     header
 }
 
+/// The wavelength that a channel's name gives, um: `S0` of emissive and `T` of reflective images.
+pub(super) fn wavelength_um(channel: &str) -> Option<f64> {
+    let text = channel.strip_prefix("S0.").or_else(|| channel.strip_prefix("T."))?;
+    let value: f64 = text.strip_suffix("nm")?.replace(',', ".").parse().ok()?;
+    (value > 0.0 && value.is_finite()).then(|| um_from_nm(value))
+}
+
+/// What the reader of OpenEXR files says of one.
+pub(super) fn failed(path: &Path, error: exr::error::Error) -> Error {
+    match error {
+        exr::error::Error::Io(e) if e.kind() != std::io::ErrorKind::UnexpectedEof => Error::io(path, "reading", e),
+        exr::error::Error::NotSupported(what) => {
+            Error::Unsupported { at: Location::file(path), feature: format!("OpenEXR with {what}") }
+        }
+        e => Error::syntax(Location::file(path), format!("not a complete OpenEXR file: {e}")),
+    }
+}
+
 /// What the header of an OpenEXR file says.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Info {
@@ -132,13 +151,7 @@ pub struct Info {
 /// [`Error::Io`], [`Error::Syntax`] if it is no OpenEXR file, [`Error::Unsupported`] for what the reader does not know.
 pub fn read_info(path: &Path) -> Result<Info> {
     use exr::meta::attribute::AttributeValue;
-    let meta = exr::meta::MetaData::read_from_file(path, false).map_err(|e| match e {
-        exr::error::Error::Io(e) if e.kind() != std::io::ErrorKind::UnexpectedEof => Error::io(path, "reading", e),
-        exr::error::Error::NotSupported(what) => {
-            Error::Unsupported { at: Location::file(path), feature: format!("OpenEXR with {what}") }
-        }
-        e => Error::syntax(Location::file(path), format!("not a complete OpenEXR file: {e}")),
-    })?;
+    let meta = exr::meta::MetaData::read_from_file(path, false).map_err(|e| failed(path, e))?;
     let Some(header) = meta.headers.first() else {
         return Err(Error::syntax(Location::file(path), "an OpenEXR file without a part"));
     };

@@ -1,13 +1,15 @@
-//! ILWIS 2 raster maps of real numbers: a header `.mpr` in the manner of INI files, and its values `.mp#` beside it.
+//! ILWIS 2 raster maps of numbers: a header `.mpr` in the manner of INI files, and its values `.mp#` beside it.
 //!
-//! Values are little-endian f64, line after line, without a header of their own. Read is what DART writes and reads:
-//! `Type=Real`, one value a cell as it stands. Headers are not believed where they contradict themselves or the values.
+//! Values are little-endian, line after line, without a header of their own. DART writes and reads `Type=Real`, f64 as they
+//! stand; integers, which others write, are values by `Range=least:largest:step:offset=o`: (number + o) step.
+//! Headers are not believed where they contradict themselves or the values; `MinMax` never is.
 
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Location, Problem, Result};
 
 use super::input::{self, InputFile};
+use super::number::DataType;
 
 /// No header is longer, bytes.
 const HEADER: u64 = 1 << 20;
@@ -27,18 +29,38 @@ pub struct Raster {
     pub values: Vec<f64>,
 }
 
-/// Reads a map by the path of its header or of its values. The header is read first, then the values that lie beside it.
+/// Finds the two files of a map by the path of either.
+fn pair(path: &Path) -> Result<(PathBuf, PathBuf)> {
+    let header_path = path.with_extension("mpr");
+    let values_path = path.with_extension("mp#");
+    let missing = |path: &Path, other, why: &str| {
+        let message = format!("has no {other} beside it: without a file of the same name that ends in {why}");
+        Err(Error::invalid(Location::file(path), message))
+    };
+    match (header_path.exists(), values_path.exists()) {
+        (false, true) => missing(&values_path, "header", "`.mpr`, rows and columns are not known"),
+        (true, false) => missing(&header_path, "values", "`.mp#` there are none"),
+        _ => Ok((header_path, values_path)),
+    }
+}
+
+/// Reads the header of a map by the path of either of its files: header, and the paths of header and values.
+///
+/// # Errors
+/// As [`read`], but for the values.
+pub fn open(path: &Path) -> Result<(Header, PathBuf, PathBuf)> {
+    let (header_path, values_path) = pair(path)?;
+    let (text, _) = input::text(&header_path, HEADER)?;
+    Ok((parse_header(&text, &header_path)?, header_path, values_path))
+}
+
+/// Reads a map of reals by the path of its header or of its values. The header is read first, then the values that lie beside it.
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::Invalid`] with all that is wrong in the header, or where header and values do not agree in
 /// size; [`Error::Unsupported`] for other kinds of maps.
 pub fn read(path: &Path) -> Result<(Raster, Vec<InputFile>)> {
-    let header_path = path.with_extension("mpr");
-    let values_path = path.with_extension("mp#");
-    if !header_path.exists() && values_path.exists() {
-        let message = "has no header beside it: without a file of the same name that ends in `.mpr`, rows and columns are not known";
-        return Err(Error::invalid(Location::file(&values_path), message));
-    }
+    let (header_path, values_path) = pair(path)?;
     let (text, of_header) = input::text(&header_path, HEADER)?;
     let header = parse_header(&text, &header_path)?;
     // The length is told before as many bytes are read.
@@ -55,10 +77,41 @@ pub struct Header {
     rows: usize,
     columns: usize,
     pixel_m: Option<[f64; 2]>,
+    store: Store,
     path: PathBuf,
 }
 
+/// How a map's values are stored.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Store {
+    /// Type of the numbers.
+    pub data_type: DataType,
+    /// The number that stands for "undefined".
+    pub undefined: Option<f64>,
+    /// Step and offset: value = (number + offset) step; `None` if the numbers are the values.
+    pub scale: Option<[f64; 2]>,
+}
+
+/// ILWIS' names of types, and the number of each that is undefined in a map of values.
+const TYPES: [(&str, DataType, f64); 5] = [
+    ("Byte", DataType::U8, 0.0),
+    ("Int", DataType::I16, -32767.0),
+    ("Long", DataType::I32, -2147483647.0),
+    ("Float", DataType::F32, -1e38),
+    ("Real", DataType::F64, -1e308),
+];
+
 impl Header {
+    /// Lines, and values in a line.
+    pub fn size(&self) -> (usize, usize) {
+        (self.rows, self.columns)
+    }
+
+    /// How its values are stored.
+    pub fn store(&self) -> Store {
+        self.store
+    }
+
     fn values(&self) -> u64 {
         self.rows as u64 * self.columns as u64
     }
@@ -87,6 +140,10 @@ impl Header {
             let feature = "a terrain in the format of newer versions of DART (it begins with DRTDB)".into();
             return Err(Error::Unsupported { at: Location::file(path), feature });
         }
+        if self.store.data_type != DataType::F64 {
+            let feature = "a map of another type than Real, which DART's are,".to_owned();
+            return Err(Error::Unsupported { at: Location::file(&self.path).with_item("Type"), feature });
+        }
         self.fits(bytes.len() as u64, path)?;
         let values = bytes.as_chunks::<8>().0.iter().map(|b| f64::from_le_bytes(*b)).collect();
         Ok(Raster { rows: self.rows, columns: self.columns, pixel_m: self.pixel_m, values })
@@ -101,6 +158,8 @@ pub fn parse_header(text: &str, path: &Path) -> Result<Header> {
     let mut problems = Vec::new();
     let mut section = "";
     let (mut size, mut bounds, mut row_length) = (None, None, None);
+    let (_, mut data_type, mut undefined) = TYPES[4];
+    let (mut domain, mut step_offset) = ("value.dom".to_owned(), [1.0, 0.0]);
     let mut is_map = false;
     let mut start = 0;
     for raw in text.split_inclusive('\n') {
@@ -128,9 +187,15 @@ pub fn parse_header(text: &str, path: &Path) -> Result<Header> {
                 Some(n) if n.iter().all(|n| n.is_finite()) && n[0] != n[2] && n[1] != n[3] => bounds = Some(n),
                 _ => problems.push(expected("a box of four numbers")),
             },
-            ("MapStore", "Type") if value != "Real" => {
-                return Err(unsupported(format!("a map of type {value} (DART's are Real: f64)")));
-            }
+            ("BaseMap", "Domain") => domain = value.to_lowercase(),
+            ("BaseMap", "Range") => match range(value) {
+                Some(found) => step_offset = found,
+                None => problems.push(expected("least:largest:step:offset=number")),
+            },
+            ("MapStore", "Type") => match TYPES.iter().find(|t| t.0 == value) {
+                Some(found) => (_, data_type, undefined) = *found,
+                None => return Err(unsupported(format!("a map of type {value}"))),
+            },
             ("MapStore", "Structure") if value != "Line" => return Err(unsupported(format!("the structure {value}"))),
             ("MapStore", "StartOffset") if value != "0" => {
                 return Err(unsupported(format!("values that begin at byte {value}")));
@@ -160,10 +225,36 @@ pub fn parse_header(text: &str, path: &Path) -> Result<Header> {
             // The second coordinate runs along lines, the first from line to line.
             let pixel_m =
                 bounds.map(|[x0, y0, x1, y1]| [(x1 - x0).abs() / rows as f64, (y1 - y0).abs() / columns as f64]);
-            Ok(Header { rows, columns, pixel_m, path: path.to_owned() })
+            let store = match (data_type.is_integer(), domain.as_str()) {
+                (false, _) => Store { data_type, undefined: Some(undefined), scale: None },
+                (true, "value.dom") => {
+                    let scale = (step_offset != [1.0, 0.0]).then_some(step_offset);
+                    Store { data_type, undefined: Some(undefined), scale }
+                }
+                (true, "image.dom") => Store { data_type, undefined: None, scale: None },
+                _ => {
+                    let at = Location::file(path).with_item("Domain");
+                    let feature = format!("a map of the domain {domain}, whose numbers are not values,");
+                    return Err(Error::Unsupported { at, feature });
+                }
+            };
+            Ok(Header { rows, columns, pixel_m, store, path: path.to_owned() })
         }
         _ => Err(Error::Invalid(problems)),
     }
+}
+
+/// Step and offset of a range: `least:largest:step:offset=number`, or without a step.
+fn range(text: &str) -> Option<[f64; 2]> {
+    let (bounds, offset) = text.split_once(":offset=").unwrap_or((text, "0"));
+    let bounds: Option<Vec<f64>> = bounds.split(':').map(|n| n.trim().parse().ok()).collect();
+    let (step, offset): (f64, f64) = match bounds?[..] {
+        [_, _] => (1.0, offset.trim().parse().ok()?),
+        [_, _, step] => (step, offset.trim().parse().ok()?),
+        _ => return None,
+    };
+    // A step of 0: reals, which have none.
+    (step.is_finite() && offset.is_finite()).then_some([if step == 0.0 { 1.0 } else { step }, offset])
 }
 
 /// `N` numbers with blanks between them.
@@ -193,6 +284,8 @@ mod tests {
         let short = header.raster(&bytes[..47], Path::new("a.mp#")).unwrap_err().to_string();
         assert!(short.contains("a.mp#: holds 47 bytes where 48 (2 rows x 3 columns x 8 bytes)"), "{short}");
         assert!(matches!(header.raster(b"DRTDB123", Path::new("a")), Err(Error::Unsupported { .. })));
+        let header = parse_header(&GOOD.replace("Type=Real", "Type=Byte"), Path::new("a.mpr")).unwrap();
+        assert!(matches!(header.raster(&bytes[..6], Path::new("a.mp#")), Err(Error::Unsupported { .. })));
     }
 
     #[test]
@@ -203,7 +296,7 @@ mod tests {
             ("Size=2 3", "Size=99999999 99999999", "at most"),
             ("Size=2 3\r\n", "", "no `Size=`"),
             ("RowLength=3", "RowLength=2", "a.mpr:13:1 RowLength: rows of 2 values, but `Size=` says 3"),
-            ("Type=Real", "Type=Byte", "a map of type Byte"),
+            ("Type=Real", "Type=Bit", "a map of type Bit"),
             ("0 -6 4 0", "0 -6 4", "a.mpr:5:1 CoordBounds: `0 -6 4` where a box"),
             ("[MapStore]", "[Store]", "no section [MapStore]"),
         ] {

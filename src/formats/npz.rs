@@ -20,6 +20,7 @@ use crate::product::{FacetTable, Footprints, Lit, Sunlit};
 pub const TABLE: &str = "mmxrt facet table";
 const FOOTPRINTS: &str = "mmxrt footprints";
 const FORMAT_VERSION: u32 = 1;
+const COMPRESSED: &str = "a compressed .npz file (save it with np.savez)";
 
 /// What the member `header` says.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -490,10 +491,7 @@ impl Npz {
     fn array(&mut self, name: &str) -> Result<Option<Array>> {
         let at = self.at(name);
         let damaged = |message: String| Error::syntax(at.clone(), message);
-        let compressed = || {
-            let feature = "a compressed .npz file (save it with np.savez)".into();
-            Error::Unsupported { at: at.clone(), feature }
-        };
+        let compressed = || Error::Unsupported { at: at.clone(), feature: COMPRESSED.to_owned() };
         let mut member = match self.zip.by_name(&format!("{name}.npy")) {
             Ok(member) => member,
             Err(zip::result::ZipError::FileNotFound) => return Ok(None),
@@ -508,7 +506,10 @@ impl Npz {
         }
         let mut bytes = Vec::with_capacity(member.size() as usize);
         member.read_to_end(&mut bytes).map_err(|e| damaged(e.to_string()))?;
-        let (descr, shape, start) = preamble(&bytes).map_err(&damaged)?;
+        let Preamble { descr, shape, fortran_order, start } = preamble(&bytes).map_err(&damaged)?;
+        if fortran_order && shape.len() > 1 {
+            return Err(damaged("is in Fortran order; save it with np.ascontiguousarray".into()));
+        }
         let width: Option<usize> = match descr.split_at_checked(2) {
             Some(("<U", length)) => length.parse::<usize>().ok().and_then(|n| n.checked_mul(4)),
             Some((_, width)) => width.parse().ok(),
@@ -580,8 +581,81 @@ impl Npz {
     }
 }
 
-/// Type, shape and start of the data of a `.npy` file.
-fn preamble(bytes: &[u8]) -> std::result::Result<(String, Vec<usize>, usize), String> {
+/// Where an array is in an `.npz` file.
+pub(super) struct Member {
+    /// Its name, without `.npy`.
+    pub(super) name: String,
+    /// Where its `.npy` file begins, bytes.
+    pub(super) start: u64,
+    /// Size of that, bytes.
+    pub(super) bytes: u64,
+}
+
+/// All arrays of a file.
+///
+/// # Errors
+/// As [`list`], and [`Error::Unsupported`] for compressed ones.
+pub(super) fn members(path: &Path) -> Result<Vec<Member>> {
+    let mut file = Npz::open(path)?;
+    let mut members = Vec::new();
+    for i in 0..file.zip.len() {
+        let damaged = |message: String| Error::syntax(Location::file(path), message);
+        let member = file.zip.by_index_raw(i).map_err(|e| damaged(e.to_string()))?;
+        let Some(name) = member.name().ok().and_then(|n| Some(n.strip_suffix(".npy")?.to_owned())) else { continue };
+        let at = Location::file(path).with_item(&name);
+        if member.compression() != CompressionMethod::Stored {
+            return Err(Error::Unsupported { at, feature: COMPRESSED.to_owned() });
+        }
+        let (start, bytes) = (member.data_start(), member.size());
+        let end = start.and_then(|start| start.checked_add(bytes));
+        let (Some(start), Some(_)) = (start, end.filter(|end| *end <= file.file_bytes)) else {
+            return Err(Error::syntax(at, format!("claims {bytes} bytes in a file of {}", file.file_bytes)));
+        };
+        members.push(Member { name, start, bytes });
+    }
+    Ok(members)
+}
+
+/// The first bytes of an array, at most `most`.
+///
+/// # Errors
+/// [`Error::Io`].
+pub(super) fn beginning(path: &Path, member: &Member, most: u64) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let mut read = || {
+        let mut file = File::open(path)?;
+        file.seek(SeekFrom::Start(member.start))?;
+        file.take(member.bytes.min(most)).read_to_end(&mut bytes)
+    };
+    read().map_err(|e| Error::io(path, "reading", e))?;
+    Ok(bytes)
+}
+
+/// The text of an array that is one.
+///
+/// # Errors
+/// As [`read_table`].
+pub(super) fn text(path: &Path, member: &Member) -> Result<Option<String>> {
+    Ok(Npz::open(path)?.array(&member.name)?.and_then(|array| array.text()))
+}
+
+/// What a `.npy` file says of its numbers.
+pub(super) struct Preamble {
+    /// Type, as in `<f8`.
+    pub(super) descr: String,
+    /// Length of each axis.
+    pub(super) shape: Vec<usize>,
+    /// Whether the first index runs fastest.
+    pub(super) fortran_order: bool,
+    /// Where the numbers begin, bytes.
+    pub(super) start: usize,
+}
+
+/// The preamble of a `.npy` file, of which `bytes` holds at least the beginning.
+///
+/// # Errors
+/// What is wrong with it, as a sentence.
+pub(super) fn preamble(bytes: &[u8]) -> std::result::Result<Preamble, String> {
     let short = || "is cut short".to_owned();
     if bytes.get(..6) != Some(b"\x93NUMPY") {
         return Err("is not a NumPy array".into());
@@ -599,10 +673,9 @@ fn preamble(bytes: &[u8]) -> std::result::Result<(String, Vec<usize>, usize), St
     let shape: Option<Vec<usize>> =
         shape.and_then(|s| s.split(',').map(str::trim).filter(|s| !s.is_empty()).map(|s| s.parse().ok()).collect());
     match (descr, shape, value("fortran_order")) {
-        (Some(descr), Some(shape), Some(order)) if order.starts_with("False") || shape.len() < 2 => {
-            Ok((descr.to_owned(), shape, end))
+        (Some(descr), Some(shape), Some(order)) => {
+            Ok(Preamble { descr: descr.to_owned(), shape, fortran_order: order.starts_with("True"), start: end })
         }
-        (Some(_), Some(_), Some(_)) => Err("is in Fortran order; save it with np.ascontiguousarray".into()),
         _ => Err(format!("its preamble is not understood: {}", text.trim())),
     }
 }

@@ -8,7 +8,6 @@ use std::path::Path;
 use crate::error::{Error, Location, Problem, Result};
 use crate::report::{Fate, Report};
 use crate::spectral::SpectralLibrary;
-use crate::units::um_from_nm;
 
 use super::dart::kind::{outside, range};
 use super::envi::{self, Header};
@@ -79,18 +78,15 @@ pub fn parse(header: &Header, bytes: &[u8], path: &Path) -> Result<(Vec<Spectral
     let good = good_channels(header)?;
 
     let bytes_each = header.data_type.bytes();
+    let mut stored = vec![0.0; count];
     let mut kept = Vec::new();
     let mut deleted = 0;
     for (line, (name, spectrum)) in names.iter().zip(numbers.chunks_exact(count * bytes_each)).enumerate() {
-        let mut values: Vec<Option<f64>> = spectrum
-            .chunks_exact(bytes_each)
+        header.data_type.decode(header.big_endian, spectrum, &mut stored);
+        let mut values: Vec<Option<f64>> = stored
+            .iter()
             .zip(&good)
-            .map(|(number, good)| {
-                let mut number: [u8; 8] = std::array::from_fn(|i| number.get(i).copied().unwrap_or(0));
-                if header.big_endian {
-                    number[..bytes_each].reverse();
-                }
-                let value = envi::number_le(header.data_type, &number[..bytes_each]);
+            .map(|(&value, good)| {
                 let there = *good && value.is_finite() && value > DELETED_BELOW && header.ignore != Some(value);
                 there.then_some(value / scale)
             })
@@ -136,19 +132,15 @@ fn wavelengths(header: &Header, report: &mut Report) -> Result<Vec<f64>> {
         let message = format!("{} wavelengths for spectra of {} numbers", header.wavelength.len(), header.samples);
         return Err(Error::invalid(at("wavelength"), message));
     }
-    let nm = |values: &[f64]| values.iter().map(|w| um_from_nm(*w)).collect();
-    let unit = header.field("wavelength units").unwrap_or("unknown").to_lowercase();
-    match unit.as_str() {
-        "micrometers" | "micrometer" | "microns" | "micron" | "um" => Ok(header.wavelength.clone()),
-        "nanometers" | "nanometer" | "nm" => Ok(nm(&header.wavelength)),
-        "unknown" | "" => {
-            let all_over_100 = header.wavelength.iter().all(|w| *w >= 100.0);
-            let taken = if all_over_100 { "nanometres" } else { "micrometres" };
+    match header.um(&header.wavelength) {
+        Some((um, None)) => Ok(um),
+        Some((um, Some(taken))) => {
             report.note(Fate::Defaulted, at("wavelength units"), format!("not given: taken as {taken}"));
-            Ok(if all_over_100 { nm(&header.wavelength) } else { header.wavelength.clone() })
+            Ok(um)
         }
-        other => {
-            Err(Error::Unsupported { at: at("wavelength units"), feature: format!("a spectral library in {other}") })
+        None => {
+            let unit = header.field("wavelength units").unwrap_or_default();
+            Err(Error::Unsupported { at: at("wavelength units"), feature: format!("a spectral library in {unit}") })
         }
     }
 }

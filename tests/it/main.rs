@@ -18,6 +18,7 @@ mod malformed_scene;
 mod maps;
 mod oracles;
 mod products;
+mod raster;
 mod report;
 mod sampler;
 mod scene_files;

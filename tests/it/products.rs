@@ -193,10 +193,13 @@ fn damaged_envi_files_are_located() {
         ("ENVI\nsamples = -2\nbands = 2\ninterleave = bsr\n", "x.hdr:2 samples: \"-2\" is not a whole number from 1"),
         ("ENVI\nsamples = -2\nbands = 2\ninterleave = bsr\n", "x.hdr lines: is missing"),
         ("ENVI\nsamples = -2\nbands = 2\ninterleave = bsr\n", "x.hdr:4 interleave: \"bsr\" is none of"),
-        (&good.replace("type = 4", "type = 6"), "x.hdr:5 data type: ENVI data type 6 is not supported"),
+        (
+            &good.replace("type = 4", "type = 6"),
+            "x.hdr:5 data type: ENVI data type 6 (complex numbers) is not supported",
+        ),
         (&good.replace('2', "18446744073709551615"), "x.hdr:2 samples: samples x lines x bands is more"),
         (&format!("{good}wavelength = {{1, 2, 3}}\n"), "x.hdr:8 wavelength: 3 values for 2 bands"),
-        (&format!("{good}wavelength = {{1, b}}\n"), "x.hdr:8 wavelength: has items that are not numbers"),
+        (&format!("{good}wavelength = {{1, b}}\n"), "x.hdr:8 wavelength: has items that are not finite numbers"),
     ];
     for (text, expected) in cases {
         std::fs::write(&path, text).unwrap();

@@ -1,0 +1,130 @@
+//! Numbers of one type in a file, one after the other: ENVI, ILWIS and NumPy differ in the order of axes only.
+
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
+use std::ops::Range;
+use std::path::Path;
+
+use crate::error::{Error, Result};
+use crate::formats::envi::Interleave;
+use crate::formats::number::DataType;
+
+/// Numbers are read, and written, in pieces of about as many bytes.
+const PIECE: usize = 1 << 20;
+
+/// Order of the axes, slowest first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Order {
+    /// Band, row, column: a band in one piece.
+    BandRowColumn,
+    /// Band, column, row: the same in Fortran's order.
+    BandColumnRow,
+    /// Row, band, column.
+    RowBandColumn,
+    /// Row, column, band: a pixel in one piece.
+    RowColumnBand,
+}
+
+impl From<Interleave> for Order {
+    fn from(interleave: Interleave) -> Self {
+        match interleave {
+            Interleave::Bsq => Order::BandRowColumn,
+            Interleave::Bil => Order::RowBandColumn,
+            Interleave::Bip => Order::RowColumnBand,
+        }
+    }
+}
+
+/// How a file's numbers lie.
+#[derive(Debug, Clone)]
+pub(super) struct Flat {
+    pub(super) rows: usize,
+    pub(super) columns: usize,
+    pub(super) bands: usize,
+    /// Bytes before the first number.
+    pub(super) start: u64,
+    pub(super) data_type: DataType,
+    pub(super) big_endian: bool,
+    pub(super) order: Order,
+}
+
+impl Flat {
+    /// Bytes of all numbers; `None` if no file can have as many.
+    pub(super) fn data_bytes(&self) -> Option<u64> {
+        let pixels = (self.rows as u64).checked_mul(self.columns as u64)?;
+        pixels.checked_mul(self.bands as u64)?.checked_mul(self.data_type.bytes() as u64)
+    }
+
+    /// Whether a band lies in one piece.
+    pub(super) fn is_banded(&self) -> bool {
+        matches!(self.order, Order::BandRowColumn | Order::BandColumnRow) || self.bands == 1
+    }
+
+    /// Reads some bands, [band, row, column].
+    pub(super) fn read(&self, path: &Path, bands: Range<usize>, values: &mut [f64]) -> Result<()> {
+        let reading = |e| Error::io(path, "reading", e);
+        let file = File::open(path).map_err(reading)?;
+        let mut run = Run { file, flat: self, bytes: Vec::new() };
+        let (rows, columns) = (self.rows, self.columns);
+        let pixels = rows * columns;
+        let mut numbers = Vec::new();
+        match self.order {
+            Order::BandRowColumn => run.read(bands.start * pixels, values).map_err(reading)?,
+            Order::BandColumnRow => {
+                let step = (PIECE / 8 / rows).clamp(1, columns);
+                for (band, values) in bands.zip(values.chunks_exact_mut(pixels)) {
+                    for first in (0..columns).step_by(step) {
+                        numbers.resize(rows * step.min(columns - first), 0.0);
+                        run.read(band * pixels + first * rows, &mut numbers).map_err(reading)?;
+                        for (i, number) in numbers.iter().enumerate() {
+                            values[i % rows * columns + first + i / rows] = *number;
+                        }
+                    }
+                }
+            }
+            Order::RowBandColumn => {
+                numbers.resize(bands.len() * columns, 0.0);
+                for row in 0..rows {
+                    run.read((row * self.bands + bands.start) * columns, &mut numbers).map_err(reading)?;
+                    for (line, plane) in numbers.chunks_exact(columns).zip(values.chunks_exact_mut(pixels)) {
+                        plane[row * columns..][..columns].copy_from_slice(line);
+                    }
+                }
+            }
+            Order::RowColumnBand => {
+                let step = (PIECE / 8 / self.bands).clamp(1, pixels);
+                for first in (0..pixels).step_by(step) {
+                    numbers.resize(self.bands * step.min(pixels - first), 0.0);
+                    run.read(first * self.bands, &mut numbers).map_err(reading)?;
+                    for (band, plane) in bands.clone().zip(values.chunks_exact_mut(pixels)) {
+                        let one_band = numbers[band..].iter().step_by(self.bands);
+                        plane[first..].iter_mut().zip(one_band).for_each(|(value, number)| *value = *number);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// An open file, from which runs of numbers are read.
+struct Run<'a> {
+    file: File,
+    flat: &'a Flat,
+    bytes: Vec<u8>,
+}
+
+impl Run<'_> {
+    /// Reads numbers from the `first` on.
+    fn read(&mut self, first: usize, values: &mut [f64]) -> std::io::Result<()> {
+        let size = self.flat.data_type.bytes();
+        // That all of it is within the file's length was checked when it was opened.
+        self.file.seek(SeekFrom::Start(self.flat.start + first as u64 * size as u64))?;
+        for piece in values.chunks_mut(PIECE / size) {
+            self.bytes.resize(piece.len() * size, 0);
+            self.file.read_exact(&mut self.bytes)?;
+            self.flat.data_type.decode(self.flat.big_endian, &self.bytes, piece);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,146 @@
+//! Rasters of numbers with a header beside them: ENVI and ILWIS.
+
+use std::path::Path;
+
+use crate::error::{Error, Location, Problem, Result};
+use crate::formats::envi::{self, Header};
+use crate::formats::ilwis;
+use crate::formats::number::DataType;
+use crate::report::{Fate, Report};
+
+use super::flat::{Flat, Order};
+use super::{Pass, Raster, RasterBand, Reader, Scale, check_length, check_size};
+
+/// Opens an ENVI image by its header or its data file.
+pub(super) fn open_envi(path: &Path) -> Result<Raster> {
+    let (header_path, data) = envi::pair(path)?;
+    let header = envi::read_header(&header_path)?;
+    let at = |key: &str| Location::file(&header_path).with_item(key);
+    let unsupported = |key: &str, feature: &str| Err(Error::Unsupported { at: at(key), feature: feature.to_owned() });
+    if header.is_library() {
+        return unsupported("file type", "a spectral library as an image");
+    }
+    if header.field("file compression").is_some_and(|v| v.trim() != "0") {
+        return unsupported("file compression", "a compressed ENVI image");
+    }
+    check_size(Location::file(&header_path), header.lines, header.samples, header.bands)?;
+    let mut report = Report::default();
+    let mut problems = Vec::new();
+    let wavelengths = (header.um(&header.wavelength)).zip(header.um(&header.fwhm));
+    let (centres_um, fwhms_um) = match wavelengths {
+        Some(((centres_um, taken), (fwhms_um, _))) => {
+            if let Some(taken) = taken.filter(|_| !centres_um.is_empty()) {
+                report.note(Fate::Defaulted, at("wavelength units"), format!("not given: taken as {taken}"));
+            }
+            (centres_um, fwhms_um)
+        }
+        None => {
+            let unit = header.field("wavelength units").unwrap_or_default();
+            report.note(Fate::Dropped, at("wavelength"), format!("in {unit}, which is no length of waves"));
+            (Vec::new(), Vec::new())
+        }
+    };
+    if let Some(i) = centres_um.iter().position(|um| *um <= 0.0) {
+        problems.push(Problem::new(at("wavelength"), format!("that of band {} is not positive", i + 1)));
+    }
+    let scale = scale(&header, &mut problems);
+    if !problems.is_empty() {
+        return Err(Error::Invalid(problems));
+    }
+    let flat = Flat {
+        rows: header.lines,
+        columns: header.samples,
+        bands: header.bands,
+        start: header.header_offset,
+        data_type: header.data_type,
+        big_endian: header.big_endian,
+        order: Order::from(header.interleave),
+    };
+    check_length(&data, &flat, None, &header_path)?;
+    let band = |i: usize| RasterBand {
+        name: header.band_names.get(i).cloned().unwrap_or_default(),
+        centre_um: centres_um.get(i).copied(),
+        fwhm_um: fwhms_um.get(i).copied().filter(|um| *um > 0.0),
+    };
+    Ok(Raster {
+        rows: header.lines,
+        columns: header.samples,
+        bands: (0..header.bands).map(band).collect(),
+        unit: header.field("data units").map(str::to_owned).filter(|unit| !unit.is_empty()),
+        ignore: header.ignore,
+        data_type: if scale.is_empty() { header.data_type } else { DataType::F64 },
+        report,
+        scale,
+        files: vec![header_path, data.clone()],
+        path: data,
+        reader: Reader::Flat(flat),
+        pass: Pass::default(),
+    })
+}
+
+/// How each band's numbers become values; none if the numbers are the values.
+fn scale(header: &Header, problems: &mut Vec<Problem>) -> Vec<Scale> {
+    let mut list = |key: &str, default: f64| -> Option<Vec<f64>> {
+        let text = header.field(key)?;
+        let numbers: Option<Vec<f64>> = text.split(',').map(|t| t.trim().parse().ok()).collect();
+        let numbers = numbers.filter(|n| n.len() == header.bands && n.iter().all(|v: &f64| v.is_finite()));
+        if numbers.is_none() {
+            let message = format!("is no list of {} finite numbers, one for each band", header.bands);
+            problems.push(Problem::new(Location::file(&header.path).with_item(key), message));
+        }
+        numbers.filter(|n| n.iter().any(|v| *v != default))
+    };
+    let gains = list("data gain values", 1.0);
+    let offsets = list("data offset values", 0.0);
+    let divisor = match header.field("reflectance scale factor").map(str::parse::<f64>) {
+        None => 1.0,
+        Some(Ok(divisor)) if divisor > 0.0 && divisor.is_finite() => divisor,
+        Some(_) => {
+            let at = Location::file(&header.path).with_item("reflectance scale factor");
+            problems.push(Problem::new(at, "is no positive number"));
+            1.0
+        }
+    };
+    if gains.is_none() && offsets.is_none() && divisor == 1.0 {
+        return Vec::new();
+    }
+    let of = |list: &Option<Vec<f64>>, i: usize, default| list.as_ref().map_or(default, |l| l[i]);
+    (0..header.bands).map(|i| Scale { gain: of(&gains, i, 1.0), offset: of(&offsets, i, 0.0), divisor }).collect()
+}
+
+/// Opens an ILWIS map by its header or its values.
+pub(super) fn open_ilwis(path: &Path) -> Result<Raster> {
+    let (header, header_path, values_path) = ilwis::open(path)?;
+    let (rows, columns) = header.size();
+    let store = header.store();
+    check_size(Location::file(&header_path), rows, columns, 1)?;
+    let flat = Flat {
+        rows,
+        columns,
+        bands: 1,
+        start: 0,
+        data_type: store.data_type,
+        big_endian: false,
+        order: Order::BandRowColumn,
+    };
+    check_length(&values_path, &flat, None, &header_path)?;
+    let name = values_path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    Ok(Raster {
+        rows,
+        columns,
+        bands: vec![RasterBand { name, ..RasterBand::default() }],
+        unit: None,
+        ignore: store.undefined,
+        data_type: if store.scale.is_none() { store.data_type } else { DataType::F64 },
+        report: Report::default(),
+        scale: store
+            .scale
+            .map(|[step, offset]| Scale { gain: step, offset: offset * step, divisor: 1.0 })
+            .into_iter()
+            .collect(),
+        files: vec![header_path, values_path.clone()],
+        path: values_path,
+        reader: Reader::Flat(flat),
+        pass: Pass::default(),
+    })
+}

@@ -1,0 +1,150 @@
+//! NumPy: one array in `.npy`, or one among those of a `.npz`. [row, column] or [row, column, band].
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use crate::error::{Error, Location, Problem, Result};
+use crate::formats::npz::{self, Member, Preamble, preamble};
+use crate::formats::number::DataType;
+use crate::report::Report;
+
+use super::flat::{Flat, Order};
+use super::{Pass, Raster, RasterBand, Reader, check_length, check_size};
+
+/// Preambles end before this, bytes.
+const PREAMBLE: u64 = 1 << 16;
+
+/// Opens a `.npy` file.
+pub(super) fn open(path: &Path) -> Result<Raster> {
+    let reading = |e| Error::io(path, "reading", e);
+    let mut beginning = Vec::new();
+    File::open(path).and_then(|file| file.take(PREAMBLE).read_to_end(&mut beginning)).map_err(reading)?;
+    let flat = flat(&beginning, 0, Location::file(path))?;
+    check_length(path, &flat, None, path)?;
+    Ok(raster(path, flat))
+}
+
+fn raster(path: &Path, flat: Flat) -> Raster {
+    Raster {
+        path: path.to_owned(),
+        rows: flat.rows,
+        columns: flat.columns,
+        bands: vec![RasterBand::default(); flat.bands],
+        unit: None,
+        ignore: None,
+        data_type: flat.data_type,
+        report: Report::default(),
+        scale: Vec::new(),
+        files: vec![path.to_owned()],
+        reader: Reader::Flat(flat),
+        pass: Pass::default(),
+    }
+}
+
+/// How the numbers of an array lie that begins at byte `start` of a file.
+fn flat(beginning: &[u8], start: u64, at: Location) -> Result<Flat> {
+    let array = preamble(beginning).map_err(|message| Error::syntax(at.clone(), message))?;
+    let Preamble { descr, shape, fortran_order, start: behind } = array;
+    let data_type = match descr.get(1..) {
+        Some("u1" | "b1") => DataType::U8,
+        Some("i1") => DataType::I8,
+        Some("u2") => DataType::U16,
+        Some("i2") => DataType::I16,
+        Some("u4") => DataType::U32,
+        Some("i4") => DataType::I32,
+        Some("u8") => DataType::U64,
+        Some("i8") => DataType::I64,
+        Some("f4") => DataType::F32,
+        Some("f8") => DataType::F64,
+        _ => {
+            let feature = format!("an array of type {descr:?} (save it as f4, f8 or integers: `a.astype(\"f8\")`)");
+            return Err(Error::Unsupported { at, feature });
+        }
+    };
+    let (rows, columns, bands) = match shape[..] {
+        [columns] => (1, columns, 1),
+        [rows, columns] => (rows, columns, 1),
+        [rows, columns, bands] => (rows, columns, bands),
+        _ => {
+            let help = "save [row, column] or [row, column, band]; `np.moveaxis(a, 0, -1)` puts the first axis last";
+            let problem = Problem::new(at, format!("has {} axes", shape.len())).with_help(help);
+            return Err(Error::Invalid(vec![problem]));
+        }
+    };
+    check_size(at, rows, columns, bands)?;
+    let order = match (fortran_order, bands) {
+        (true, _) => Order::BandColumnRow,
+        (false, 1) => Order::BandRowColumn,
+        (false, _) => Order::RowColumnBand,
+    };
+    Ok(Flat {
+        rows,
+        columns,
+        bands,
+        start: start + behind as u64,
+        data_type,
+        big_endian: descr.starts_with('>'),
+        order,
+    })
+}
+
+/// Opens a `.npz` file: the array of numbers in it, or the one named `raster`. `wavelength_um`, `fwhm_um` and `unit` beside it
+/// say what its bands are.
+pub(super) fn open_npz(path: &Path) -> Result<Raster> {
+    let at = |name: &str| Location::file(path).with_item(name);
+    let mut members = npz::members(path)?;
+    let mut beside = |name: &str| members.iter().position(|m| m.name == name).map(|i| members.remove(i));
+    let [wavelength_um, fwhm_um, unit] = ["wavelength_um", "fwhm_um", "unit"].map(&mut beside);
+    let named = members.iter().position(|m| m.name == "raster");
+    let array = match (named, &members[..]) {
+        (Some(i), _) => &members[i],
+        (None, [one]) => one,
+        (None, others) => {
+            let names: Vec<&str> = others.iter().map(|m| m.name.as_str()).collect();
+            let problem = Problem::new(
+                Location::file(path),
+                format!("which of its arrays is the raster? [{}]", names.join(", ")),
+            )
+            .with_help("save one array, or name it: `np.savez(path, raster=a, wavelength_um=w)`");
+            return Err(Error::Invalid(vec![problem]));
+        }
+    };
+    let flat = flat(&npz::beginning(path, array, PREAMBLE)?, array.start, at(&array.name))?;
+    check_length(path, &flat, Some(array.start + array.bytes), path)?;
+    let mut raster = raster(path, flat);
+    let mut problems = Vec::new();
+    let mut list = |member: Option<Member>| -> Result<Option<Vec<f64>>> {
+        let Some(member) = member else { return Ok(None) };
+        let of_list = self::flat(&npz::beginning(path, &member, PREAMBLE)?, member.start, at(&member.name))?;
+        check_length(path, &of_list, Some(member.start + member.bytes), path)?;
+        if of_list.bands != 1
+            || of_list.rows.min(of_list.columns) != 1
+            || of_list.rows * of_list.columns != raster.bands.len()
+        {
+            let message = format!("is no list of {} numbers, one for each band", raster.bands.len());
+            problems.push(Problem::new(at(&member.name), message));
+            return Ok(None);
+        }
+        let mut numbers = vec![0.0; raster.bands.len()];
+        of_list.read(path, 0..1, &mut numbers)?;
+        if let Some(i) = numbers.iter().position(|v| !(*v > 0.0 && v.is_finite())) {
+            problems
+                .push(Problem::new(at(&format!("{}[{i}]", member.name)), format!("{} is not positive", numbers[i])));
+        }
+        Ok(Some(numbers))
+    };
+    let (centres_um, fwhms_um) = (list(wavelength_um)?, list(fwhm_um)?);
+    if !problems.is_empty() {
+        return Err(Error::Invalid(problems));
+    }
+    for (i, band) in raster.bands.iter_mut().enumerate() {
+        band.centre_um = centres_um.as_ref().map(|all| all[i]);
+        band.fwhm_um = fwhms_um.as_ref().map(|all| all[i]);
+    }
+    raster.unit = match unit {
+        Some(member) => npz::text(path, &member)?,
+        None => None,
+    };
+    Ok(raster)
+}

@@ -1,0 +1,84 @@
+//! PNG: grey or colours as shares of the largest number, as they are stored; no gamma is undone. What is transparent is no data.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::ops::Range;
+use std::path::Path;
+
+use png::{BitDepth, ColorType, Transformations};
+
+use crate::error::{Error, Location, Result};
+use crate::formats::number::DataType;
+use crate::report::{Fate, Report};
+
+use super::{Pass, Raster, RasterBand, Reader, check_size, resize};
+
+/// Opens a picture.
+pub(super) fn open(path: &Path) -> Result<Raster> {
+    let reader = decoder(path)?;
+    let (rows, columns) = (reader.info().height as usize, reader.info().width as usize);
+    let (colour, _) = reader.output_color_type();
+    let names: &[&str] = match colour {
+        ColorType::Grayscale | ColorType::GrayscaleAlpha => &["grey"],
+        _ => &["red", "green", "blue"],
+    };
+    check_size(Location::file(path), rows, columns, names.len())?;
+    let mut report = Report::default();
+    report.note(Fate::Defaulted, Location::file(path), "values: shares of the largest number, as stored");
+    Ok(Raster {
+        path: path.to_owned(),
+        rows,
+        columns,
+        bands: names.iter().map(|name| RasterBand { name: (*name).to_owned(), ..RasterBand::default() }).collect(),
+        unit: None,
+        ignore: None,
+        data_type: DataType::F64,
+        report,
+        scale: Vec::new(),
+        files: vec![path.to_owned()],
+        reader: Reader::Png,
+        pass: Pass::default(),
+    })
+}
+
+fn decoder(path: &Path) -> Result<png::Reader<BufReader<File>>> {
+    let file = File::open(path).map_err(|e| Error::io(path, "reading", e))?;
+    let mut decoder = png::Decoder::new(BufReader::new(file));
+    // Palettes become colours, and what is said to be transparent becomes alpha.
+    decoder.set_transformations(Transformations::EXPAND);
+    decoder.read_info().map_err(|e| failed(path, e))
+}
+
+fn failed(path: &Path, error: png::DecodingError) -> Error {
+    match error {
+        png::DecodingError::IoError(e) if e.kind() != std::io::ErrorKind::UnexpectedEof => {
+            Error::io(path, "reading", e)
+        }
+        e => Error::syntax(Location::file(path), format!("not a complete PNG: {e}")),
+    }
+}
+
+/// Reads some bands, [band, row, column].
+pub(super) fn read(path: &Path, bands: Range<usize>, values: &mut [f64]) -> Result<()> {
+    let mut reader = decoder(path)?;
+    let (colour, depth) = reader.output_color_type();
+    let samples = colour.samples();
+    let (width, largest) = if depth == BitDepth::Sixteen { (DataType::U16, 65535.0) } else { (DataType::U8, 255.0) };
+    let pixels = values.len() / bands.len().max(1);
+    let mut bytes = Vec::new();
+    let size = pixels * samples * width.bytes();
+    bytes.try_reserve_exact(size).map_err(|e| Error::io(path, "reading", e.into()))?;
+    bytes.resize(size, 0);
+    reader.next_frame(&mut bytes).map_err(|e| failed(path, e))?;
+    let mut pixel = Vec::new();
+    resize(&mut pixel, samples, path)?;
+    let has_alpha = matches!(colour, ColorType::GrayscaleAlpha | ColorType::Rgba);
+    for (i, stored) in bytes.chunks_exact(samples * width.bytes()).enumerate() {
+        width.decode(true, stored, &mut pixel);
+        let transparent = has_alpha && pixel[samples - 1] == 0.0;
+        for (band, values) in bands.clone().zip(values.chunks_exact_mut(pixels)) {
+            values[i] = if transparent { f64::NAN } else { pixel[band] / largest };
+        }
+    }
+    Ok(())
+}

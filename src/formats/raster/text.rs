@@ -1,0 +1,113 @@
+//! A band as text: a line for each row, numbers with commas, semicolons, tabs or blanks between them.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
+
+use crate::error::{Error, Location, Problem, Result};
+use crate::formats::input::Problems;
+use crate::formats::number::DataType;
+use crate::report::Report;
+
+use super::{MOST_PIXELS, Pass, Raster, RasterBand, Reader, check_size};
+
+/// Longer files are refused, bytes.
+const LIMIT: u64 = 8 << 30;
+
+/// What stands between the cells of a line; `None` for blanks.
+fn separator(line: &str) -> Option<char> {
+    [';', ',', '\t'].into_iter().find(|c| line.contains(*c))
+}
+
+fn cells(line: &str, separator: Option<char>) -> impl Iterator<Item = &str> {
+    let by_blanks = separator.is_none().then(|| line.split_ascii_whitespace());
+    let by_mark = separator.map(|c| line.split(c).map(str::trim));
+    by_blanks.into_iter().flatten().chain(by_mark.into_iter().flatten())
+}
+
+/// A number; `nan`, or nothing between two commas, is no data.
+fn number(cell: &str) -> Option<f64> {
+    if cell.is_empty() { Some(f64::NAN) } else { fast_float2::parse(cell).ok() }
+}
+
+fn is_left_out(line: &str) -> bool {
+    line.is_empty() || line.starts_with('#')
+}
+
+/// Whether a text is a table of nothing but numbers, by its first row.
+pub(crate) fn is_grid(beginning: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(beginning);
+    let text = text.trim_start_matches('\u{feff}');
+    let mut lines = text.lines().map(str::trim);
+    // The last cell may be cut off.
+    let first = lines.find(|line| !is_left_out(line)).unwrap_or_default();
+    let mut cells = cells(first, separator(first)).filter(|cell| !cell.is_empty()).peekable();
+    cells.peek().is_some() && cells.by_ref().take(16).all(|cell| number(cell).is_some())
+}
+
+/// Reads a text.
+pub(super) fn open(path: &Path) -> Result<Raster> {
+    let reading = |e| Error::io(path, "reading", e);
+    let file = File::open(path).map_err(reading)?;
+    if file.metadata().map_err(reading)?.len() > LIMIT {
+        return Err(Error::invalid(Location::file(path), format!("is longer than the {LIMIT} bytes that are read")));
+    }
+    let mut file = BufReader::with_capacity(1 << 20, file.take(LIMIT));
+    let mut problems = Problems::default();
+    let (mut bytes, mut values) = (Vec::new(), Vec::new());
+    let (mut rows, mut columns, mut between, mut line_number) = (0, 0, None, 0);
+    loop {
+        bytes.clear();
+        if file.read_until(b'\n', &mut bytes).map_err(reading)? == 0 {
+            break;
+        }
+        line_number += 1;
+        let at = |column| Location { column: Some(column), ..Location::line(path, line_number) };
+        let Ok(text) = std::str::from_utf8(&bytes) else {
+            return Err(Error::syntax(at(1), "not UTF-8 text: save the file as UTF-8"));
+        };
+        let line = text.trim_start_matches('\u{feff}').trim();
+        if is_left_out(line) {
+            continue;
+        }
+        if rows == 0 {
+            between = separator(line);
+        }
+        let before = values.len();
+        for cell in cells(line, between) {
+            let value = number(cell);
+            values.push(value.unwrap_or(f64::NAN));
+            if value.is_none() {
+                let column = (cell.as_ptr() as usize).saturating_sub(text.as_ptr() as usize) + 1;
+                let shown: String = cell.chars().take(40).collect();
+                problems.push(|| Problem::new(at(column), format!("`{shown}` is not a number")));
+            }
+        }
+        let found = values.len() - before;
+        if rows == 0 {
+            columns = found;
+        } else if found != columns {
+            problems.push(|| Problem::new(at(1), format!("{found} numbers where the first row has {columns}")));
+        }
+        rows += 1;
+        if values.len() as u64 > MOST_PIXELS {
+            check_size(Location::file(path), values.len(), 1, 1)?;
+        }
+    }
+    problems.finish(path)?;
+    check_size(Location::file(path), rows, columns, 1)?;
+    Ok(Raster {
+        path: path.to_owned(),
+        rows,
+        columns,
+        bands: vec![RasterBand::default()],
+        unit: None,
+        ignore: None,
+        data_type: DataType::F64,
+        report: Report::default(),
+        scale: Vec::new(),
+        files: vec![path.to_owned()],
+        reader: Reader::Held(values),
+        pass: Pass::default(),
+    })
+}
