@@ -33,20 +33,50 @@ pub struct Raster {
 /// [`Error::Io`]; [`Error::Invalid`] with all that is wrong in the header, or where header and values do not agree in
 /// size; [`Error::Unsupported`] for other kinds of maps.
 pub fn read(path: &Path) -> Result<(Raster, Vec<InputFile>)> {
-    let header_path = path.with_extension("mpr");
-    let values_path = path.with_extension("mp#");
-    if !header_path.exists() && values_path.exists() {
-        let message = "has no header beside it: without a file of the same name that ends in `.mpr`, rows and columns are not known";
-        return Err(Error::invalid(Location::file(&values_path), message));
-    }
-    let (text, of_header) = input::text(&header_path, HEADER)?;
-    let header = parse_header(&text, &header_path)?;
+    let files = Files::look(path)?;
     // The length is told before as many bytes are read.
-    let length = std::fs::metadata(&values_path).map_err(|e| Error::io(&values_path, "reading", e))?.len();
-    header.fits(length, &values_path).or_else(|e| if length <= HEADER { Ok(()) } else { Err(e) })?;
-    let bytes = input::bytes(&values_path, length)?;
-    let of_values = InputFile::of(&values_path, &bytes);
-    Ok((header.raster(&bytes, &values_path)?, vec![of_header, of_values]))
+    files.fit().or_else(|e| if files.length <= HEADER { Ok(()) } else { Err(e) })?;
+    let bytes = input::bytes(&files.values_path, files.length)?;
+    let of_values = InputFile::of(&files.values_path, &bytes);
+    Ok((files.header.raster(&bytes, &files.values_path)?, vec![files.of_header, of_values]))
+}
+
+/// Reads a map's header, and sees that the values beside it are as many as it says, without reading them.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_header(path: &Path) -> Result<Header> {
+    let files = Files::look(path)?;
+    files.fit()?;
+    Ok(files.header)
+}
+
+/// A map's files, of which the header is read.
+struct Files {
+    header: Header,
+    of_header: InputFile,
+    values_path: PathBuf,
+    /// Of the values, bytes.
+    length: u64,
+}
+
+impl Files {
+    fn look(path: &Path) -> Result<Self> {
+        let header_path = path.with_extension("mpr");
+        let values_path = path.with_extension("mp#");
+        if !header_path.exists() && values_path.exists() {
+            let message = "has no header beside it: without a file of the same name that ends in `.mpr`, rows and columns are not known";
+            return Err(Error::invalid(Location::file(&values_path), message));
+        }
+        let (text, of_header) = input::text(&header_path, HEADER)?;
+        let header = parse_header(&text, &header_path)?;
+        let length = std::fs::metadata(&values_path).map_err(|e| Error::io(&values_path, "reading", e))?.len();
+        Ok(Files { header, of_header, values_path, length })
+    }
+
+    fn fit(&self) -> Result<()> {
+        self.header.fits(self.length, &self.values_path)
+    }
 }
 
 /// What a header says of the values.
@@ -59,6 +89,16 @@ pub struct Header {
 }
 
 impl Header {
+    /// Lines, and values in a line.
+    pub fn size(&self) -> [usize; 2] {
+        [self.rows, self.columns]
+    }
+
+    /// Extent from line to line and along a line, m, if the header bounds the map.
+    pub fn pixel_m(&self) -> Option<[f64; 2]> {
+        self.pixel_m
+    }
+
     fn values(&self) -> u64 {
         self.rows as u64 * self.columns as u64
     }
