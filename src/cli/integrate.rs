@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 use mmxrt::formats::report_json::Input;
 use mmxrt::formats::{npz, radiance_map};
-use mmxrt::integrate::{self, Choice};
+use mmxrt::geometry::Texels;
+use mmxrt::integrate::Choice;
 use mmxrt::product::{FacetTable, RadianceMap};
 use mmxrt::study::{Fill, MapOptions};
 use mmxrt::visibility::Topology;
@@ -86,8 +87,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
             Views::Interpolated => Choice::Interpolated,
         },
         texels: match arguments.texels {
-            Between::Nearest => integrate::Texels::Nearest,
-            Between::Bilinear => integrate::Texels::Bilinear,
+            Between::Nearest => Texels::Nearest,
+            Between::Bilinear => Texels::Bilinear,
         },
         fill: arguments.unknown,
         add_solved: false,

@@ -54,6 +54,17 @@ pub fn open(path: &Path) -> Result<(Header, PathBuf, PathBuf)> {
     Ok((parse_header(&text, &header_path)?, header_path, values_path))
 }
 
+/// Reads a map's header, and sees that the values beside it are as many as it says, without reading them.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_header(path: &Path) -> Result<Header> {
+    let (header, _, values_path) = open(path)?;
+    let length = std::fs::metadata(&values_path).map_err(|e| Error::io(&values_path, "reading", e))?.len();
+    header.fits(length, &values_path)?;
+    Ok(header)
+}
+
 /// Reads a map of reals by the path of its header or of its values. The header is read first, then the values that lie beside it.
 ///
 /// # Errors
@@ -103,8 +114,13 @@ const TYPES: [(&str, DataType, f64); 5] = [
 
 impl Header {
     /// Lines, and values in a line.
-    pub fn size(&self) -> (usize, usize) {
-        (self.rows, self.columns)
+    pub fn size(&self) -> [usize; 2] {
+        [self.rows, self.columns]
+    }
+
+    /// Extent from line to line and along a line, m, if the header bounds the map.
+    pub fn pixel_m(&self) -> Option<[f64; 2]> {
+        self.pixel_m
     }
 
     /// How its values are stored.

@@ -16,6 +16,7 @@ pub mod obj;
 pub mod photometry_csv;
 mod picture;
 pub mod quicklook;
+pub mod radiance_map;
 pub mod raster;
 pub mod recipe_toml;
 pub mod report_json;

@@ -383,7 +383,9 @@ pub fn read_f64s(path: &Path, names: &[&str]) -> Result<Vec<Option<Shaped>>> {
             let values = match array.descr.as_str() {
                 "<f8" => array.data.as_chunks::<8>().0.iter().map(|b| f64::from_le_bytes(*b)).collect(),
                 "<f4" => array.data.as_chunks::<4>().0.iter().map(|b| f64::from(f32::from_le_bytes(*b))).collect(),
-                other => return Err(Error::invalid(file.at(name), format!("is of type {other:?}; expected <f8 or <f4"))),
+                other => {
+                    return Err(Error::invalid(file.at(name), format!("is of type {other:?}; expected <f8 or <f4")));
+                }
             };
             Ok(Some((array.shape, values)))
         })

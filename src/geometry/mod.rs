@@ -2,11 +2,13 @@
 
 mod direction;
 mod mesh;
+mod overlay;
 pub mod polygon;
 mod pose;
 mod solid_angle;
 
 pub use direction::{Direction, angle_rad};
 pub use mesh::{Facet, MaterialId, Mesh, NO_UV};
+pub use overlay::{Chart, Overlay, Texels};
 pub use pose::Pose;
 pub use solid_angle::signed_solid_angle_sr;

@@ -32,12 +32,7 @@ pub fn footprints(mesh: &Mesh, topology: &Topology, sunlit: &Sunlit, camera: &Fr
     let lines: Vec<Footprints> = (0..camera.lines)
         .into_par_iter()
         .map_init(
-            || {
-                (
-                    Scratch::default(),
-                    Pixel::new(&drawing, LitArea::new(&drawing, sunlit, &lit)),
-                )
-            },
+            || (Scratch::default(), Pixel::new(&drawing, LitArea::new(&drawing, sunlit, &lit))),
             |(scratch, pixel), row| {
                 let mut line = Footprints::default();
                 pixel.new_line(row);

@@ -5,10 +5,10 @@ use glam::DVec3;
 
 use super::parts::{Parts, Polygons, Window, on_facet};
 use super::pixel::{Entry, Pixel};
-use super::texels::{Chart, Overlay, Texels};
+use super::texels::{of_corners, of_projection};
 use crate::error::Result;
 use crate::geometry::polygon::{Point, Rect, area};
-use crate::geometry::{Direction, angle_rad};
+use crate::geometry::{Chart, Direction, Overlay, Texels, angle_rad};
 use crate::product::{Eye, Lit, Patches, Placement, Sunlit, TexelLine, TexelWeights, ViewImage};
 use crate::progress::Watch;
 use crate::scene::Scene;
@@ -126,9 +126,8 @@ fn seen_by(image: &ViewImage, scene: &Scene, topology: &Topology, watch: Watch<'
         Eye::Towards(direction) => solve::sunlit(&scene.mesh, topology, direction, watch),
         Eye::At(centre_m) => {
             // The last row of a central projection is its axis; the corners of the image are rays.
-            let axis = Direction::new(image.projection.linear.row(2)).unwrap_or_else(|| {
-                Direction::new(-centre_m).unwrap_or(scene.sun.direction)
-            });
+            let axis = Direction::new(image.projection.linear.row(2))
+                .unwrap_or_else(|| Direction::new(-centre_m).unwrap_or(scene.sun.direction));
             let from_texel = image.projection.linear.inverse();
             let (columns, rows) = (image.columns as f64, image.rows as f64);
             let rays = [[0.0, 0.0], [columns, 0.0], [columns, rows], [0.0, rows]]
@@ -273,9 +272,8 @@ impl<'a> Lookup<'a> {
                         self.lit.texels.extend_from_slice(&self.seen.texels[before.0..]);
                         self.lit.area += self.seen.area - before.1;
                     }
-                    Lit::Part => {
-                        pixel.lit_parts(entry.facet, &Window::Piece(&piece), |part| self.lay(entry.facet, part, sign, true))
-                    }
+                    Lit::Part => pixel
+                        .lit_parts(entry.facet, &Window::Piece(&piece), |part| self.lay(entry.facet, part, sign, true)),
                 }
             }
             self.piece = piece;
@@ -349,8 +347,8 @@ impl<'a> Lookup<'a> {
         }
         let (mesh, view) = (&self.scene.mesh, &self.drawing.view);
         let chart = match &self.kind {
-            Kind::View(image, _) => Chart::of_projection(&image.projection, view, &mesh.facet(facet as usize)),
-            Kind::Texture(corners, _) => Chart::of_corners(&corners[facet as usize], &on_facet(mesh, view, facet)),
+            Kind::View(image, _) => of_projection(&image.projection, view, &mesh.facet(facet as usize)),
+            Kind::Texture(corners, _) => of_corners(&corners[facet as usize], &on_facet(mesh, view, facet)),
             Kind::Facets | Kind::Patches(_) => None,
         };
         self.chart = chart.map(|chart| (facet, chart));
@@ -496,7 +494,10 @@ impl<'a> Looker<'a> {
                     let wants_lit = self.unknown == Unknown::Solved;
                     lookup.look(pixel, index, wants_lit);
                 }
-                let Some(best) = (0..views.len()).max_by(|a, b| views[*a].seen.area.total_cmp(&views[*b].seen.area)) else { continue };
+                let Some(best) = (0..views.len()).max_by(|a, b| views[*a].seen.area.total_cmp(&views[*b].seen.area))
+                else {
+                    continue;
+                };
                 let most = views[best].seen.area.min(entry.area);
                 let rest = entry.area - most.max(0.0);
                 unknown[t] += rest;

@@ -31,8 +31,6 @@ use textures::Textures;
 
 pub use footprints::footprints;
 pub use maps::{Choice, MapImage, MapView, Maps, Unknown, meets};
-pub use texels::Texels;
-pub use textures::texture_means;
 
 /// What a camera sees.
 #[derive(Debug, Clone, PartialEq)]
@@ -101,7 +99,8 @@ fn look(
     let prepared = maps.map(|maps| maps::prepare(maps, scene, topology, watch)).transpose()?;
     let facets = scene.mesh.facets.len();
     let prepared = prepared.unwrap_or_default();
-    let polygons: Vec<Vec<_>> = prepared.iter().map(|views| views.iter().map(|p| p.polygons(facets)).collect()).collect();
+    let polygons: Vec<Vec<_>> =
+        prepared.iter().map(|views| views.iter().map(|p| p.polygons(facets)).collect()).collect();
     let drawing = footprints::draw(&scene.mesh, topology, camera);
     let coverage = Coverage::new(&drawing);
     let sunlit = Polygons::of_sunlit(&table.sunlit);

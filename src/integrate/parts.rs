@@ -66,11 +66,7 @@ pub(super) struct Polygons<'a> {
 impl<'a> Polygons<'a> {
     /// What is lit, or seen.
     pub(super) fn of_sunlit(sunlit: &'a Sunlit) -> Self {
-        Polygons {
-            first: first(sunlit.lit.len(), &sunlit.polygon_facet),
-            start: &sunlit.polygon_start,
-            uv: &sunlit.uv,
-        }
+        Polygons { first: first(sunlit.lit.len(), &sunlit.polygon_facet), start: &sunlit.polygon_start, uv: &sunlit.uv }
     }
 
     /// Texels on `facets` facets.

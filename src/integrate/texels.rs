@@ -1,402 +1,46 @@
-//! The texels of a map that lie under a piece of a facet's image: exact areas.
-//!
-//! On a planar facet both the image and the map are seen by a homography, so that texel edges are straight lines in the image:
-//! where s, t, w (linear in image coordinates) are a point's homogeneous texel coordinates, the border between columns i and
-//! i + 1 is the line s - (i + 1) w = 0. Pieces are split along these lines, in the image, where areas are wanted.
+//! How the image of a facet leads to a map's texels: both see the facet's plane by a homography.
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
-use crate::geometry::Facet;
 use crate::geometry::polygon::Point;
+use crate::geometry::{Chart, Facet};
 use crate::product::Projection;
 use crate::visibility::{OnFacet, View};
 
-/// From image coordinates (x, y, 1) to homogeneous texel coordinates, for the points of one facet.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Chart {
-    s: [f64; 3],
-    t: [f64; 3],
-    w: [f64; 3],
+/// Of an image that `projection` makes of the facet.
+///
+/// The ray d from the camera c meets the facet's plane (normal n, corner a) at c + d (n.(a - c)) / (n.d); times n.d, all is
+/// linear in d, which is linear in (x, y, 1).
+pub(super) fn of_projection(projection: &Projection, view: &View, facet: &Facet) -> Option<Chart> {
+    let View::Pinhole { centre_m, h, v, u, scale, offset } = view else { return None };
+    let normal = facet.cross_m2();
+    let away = normal.dot(facet.corners_m[0] - *centre_m);
+    let eye = projection.linear * (*centre_m - projection.origin_m) + projection.offset;
+    let of_ray = |d: DVec3| eye * normal.dot(d) + projection.linear * d * away;
+    let (right, down) = (of_ray(*h / *scale), of_ray(*v / *scale));
+    let ahead = of_ray(*u) - right * offset[0] - down * offset[1];
+    // n.d is negative on the side that is seen: w shall be positive in front of the map's eye.
+    let [s, t, w] = [0, 1, 2].map(|k| [-right[k], -down[k], -ahead[k]]);
+    Some(Chart { s, t, w })
 }
 
-impl Chart {
-    /// Of an image that `projection` makes of the facet.
-    ///
-    /// The ray d from the camera c meets the facet's plane (normal n, corner a) at c + d (n.(a - c)) / (n.d); times n.d, all is
-    /// linear in d, which is linear in (x, y, 1).
-    pub(super) fn of_projection(projection: &Projection, view: &View, facet: &Facet) -> Option<Self> {
-        let View::Pinhole { centre_m, h, v, u, scale, offset } = view else { return None };
-        let normal = facet.cross_m2();
-        let away = normal.dot(facet.corners_m[0] - *centre_m);
-        let eye = projection.linear * (*centre_m - projection.origin_m) + projection.offset;
-        let of_ray = |d: DVec3| eye * normal.dot(d) + projection.linear * d * away;
-        let (right, down) = (of_ray(*h / *scale), of_ray(*v / *scale));
-        let ahead = of_ray(*u) - right * offset[0] - down * offset[1];
-        // n.d is negative on the side that is seen: w shall be positive in front of the map's eye.
-        Some(Chart::new(DMat3::from_cols(-right, -down, -ahead)))
-    }
-
-    /// Of a texture, whose texel coordinates at the facet's corners are `corners`.
-    pub(super) fn of_corners(corners: &[Point; 3], on_facet: &OnFacet) -> Option<Self> {
-        let OnFacet::Pinhole { a, to_b, to_c, centre } = on_facet else { return None };
-        // (u, v) = (-p.a, ray.q) / p.to_b with p = ray x to_c and q = to_b x a: see `OnFacet::uv`.
-        let u_numerator = -to_c.cross(*a);
-        let v_numerator = -a.cross(*to_b);
-        let denominator = to_c.cross(*to_b);
-        let affine = |k: usize| {
-            let [a, b, c] = [corners[0][k], corners[1][k], corners[2][k]];
-            a * denominator + (b - a) * u_numerator + (c - a) * v_numerator
-        };
-        // Rows, over the ray (x - cx, y - cy, 1).
-        let rows = [affine(0), affine(1), denominator];
-        let sign = if denominator.dot(*a + (*to_b + *to_c) / 3.0) < 0.0 { -1.0 } else { 1.0 };
-        let [s, t, w] = rows.map(|r| {
-            let r = r * sign;
-            [r.x, r.y, r.z - r.x * centre[0] - r.y * centre[1]]
-        });
-        Some(Chart { s, t, w })
-    }
-
-    /// From (u, v) of a facet to a texture with these texel coordinates at its corners.
-    pub(super) fn affine([a, b, c]: &[Point; 3]) -> Self {
-        let row = |k: usize| [b[k] - a[k], c[k] - a[k], a[k]];
-        Chart { s: row(0), t: row(1), w: [0.0, 0.0, 1.0] }
-    }
-
-    fn new(matrix: DMat3) -> Self {
-        let [s, t, w] = [0, 1, 2].map(|k| matrix.row(k).to_array());
-        Chart { s, t, w }
-    }
-
-    /// With texel coordinates half a texel larger: borders of its cells are centres of texels.
-    fn shifted_by_half(&self) -> Self {
-        let plus_half = |f: [f64; 3]| [0, 1, 2].map(|k| f[k] + 0.5 * self.w[k]);
-        Chart { s: plus_half(self.s), t: plus_half(self.t), w: self.w }
-    }
-
-    #[inline]
-    fn vertex(&self, p: Point) -> Vertex {
-        let form = |f: &[f64; 3]| f[0] * p[0] + f[1] * p[1] + f[2];
-        Vertex { at: p, s: form(&self.s), t: form(&self.t), w: form(&self.w) }
-    }
-}
-
-/// A corner of a piece, in the image and in the map.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Vertex {
-    at: Point,
-    s: f64,
-    t: f64,
-    w: f64,
-}
-
-impl Vertex {
-    #[inline]
-    fn between(a: &Vertex, da: f64, b: &Vertex, db: f64) -> Vertex {
-        // In the order of coordinates, so that both sides of an edge get the same bits.
-        let (a, da, b, db) = if (a.at[0], a.at[1]) <= (b.at[0], b.at[1]) { (a, da, b, db) } else { (b, db, a, da) };
-        let k = da / (da - db);
-        let mix = |x: f64, y: f64| x + k * (y - x);
-        Vertex {
-            at: [mix(a.at[0], b.at[0]), mix(a.at[1], b.at[1])],
-            s: mix(a.s, b.s),
-            t: mix(a.t, b.t),
-            w: mix(a.w, b.w),
-        }
-    }
-}
-
-/// How values between texel centres are had.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Texels {
-    /// A texel has one value all over.
-    #[default]
-    Nearest,
-    /// Values vary bilinearly between the centres of texels, and are constant outside the outermost centres.
-    Bilinear,
-}
-
-/// Splits pieces of facets along texel edges.
-#[derive(Debug, Default)]
-pub(super) struct Overlay {
-    rest: Vec<Vertex>,
-    row: Vec<Vertex>,
-    cell: Vec<Vertex>,
-    spare: Vec<Vertex>,
-    outline: Vec<Point>,
-}
-
-impl Overlay {
-    /// Calls `put(column, row, area)` for each texel of a map of `columns` x `rows` that some of a convex `piece`,
-    /// counter-clockwise in the image, lies in.
-    pub(super) fn texels(
-        &mut self,
-        chart: &Chart,
-        piece: &[Point],
-        size: [usize; 2],
-        mut put: impl FnMut(usize, usize, f64),
-    ) {
-        self.cells(chart, piece, 0.0, size, |column, row, area, _| put(column, row, area));
-    }
-
-    /// Calls `put(around, area, error)` for each square between the centres of four texels that some of a convex `piece`,
-    /// counter-clockwise in the image, lies in: the four (column, row, weight), their weights being the integrals of the
-    /// bilinear shares over the area. `error` bounds that of the weights' sum of values, over the largest value and the area.
-    ///
-    /// A share is P / w^2, P quadratic in the image and w = w0 (1 + e), |e| <= d. In 1 / (1 + e)^2 = 1 - 2 e + 3 e^2 - 4 e^3 + ..
-    /// the rule of degree 5 takes all terms to e^3 exactly; the rest is at most 5 d^4 / (1 - d)^2 of (1 + d)^2, for the
-    /// integral and for the rule, whose weights are positive. Pieces are divided until that is below [`QUADRATURE`].
-    pub(super) fn centres(
-        &mut self,
-        chart: &Chart,
-        piece: &[Point],
-        [columns, rows]: [usize; 2],
-        mut put: impl FnMut(&[(usize, usize, f64); 4], f64, f64),
-    ) {
-        let shifted = chart.shifted_by_half();
-        self.cells(&shifted, piece, 0.5, [columns + 1, rows + 1], |column, row, area, corners| {
-            let mut weights = [0.0; 4];
-            let mut error: f64 = 0.0;
-            for k in 2..corners.len() {
-                let triangle = [corners[0], corners[k - 1], corners[k]];
-                error = error.max(bilinear(&triangle, [column as f64, row as f64], DIVIDED, &mut weights));
-            }
-            let (left, right) = (column.saturating_sub(1), column.min(columns - 1));
-            let (above, below) = (row.saturating_sub(1), row.min(rows - 1));
-            let [a, b, c, d] = weights;
-            put(&[(left, above, a), (right, above, b), (left, below, c), (right, below, d)], area, error);
-        });
-    }
-
-    /// The cells of a grid that a piece touches, but for what lies within `margin` of the grid's outer borders.
-    fn cells(
-        &mut self,
-        chart: &Chart,
-        piece: &[Point],
-        margin: f64,
-        [columns, rows]: [usize; 2],
-        mut put: impl FnMut(usize, usize, f64, &[Vertex]),
-    ) {
-        let (width, height) = (columns as f64 - margin, rows as f64 - margin);
-        self.rest.clear();
-        self.rest.extend(piece.iter().map(|p| chart.vertex(*p)));
-        // What lies outside the map, or behind its eye, where w is not positive.
-        keep(&mut self.rest, &mut self.spare, |v| v.s - margin * v.w);
-        keep(&mut self.rest, &mut self.spare, |v| width * v.w - v.s);
-        keep(&mut self.rest, &mut self.spare, |v| v.t - margin * v.w);
-        keep(&mut self.rest, &mut self.spare, |v| height * v.w - v.t);
-        if self.rest.len() < 3 {
-            return;
-        }
-        let (first, last) = touched(self.rest.iter().map(|v| v.t / v.w), rows);
-        for row in first..=last {
-            if row < last {
-                let border = (row + 1) as f64;
-                split(&mut self.rest, &mut self.row, &mut self.spare, |v| v.t - border * v.w);
-            } else {
-                std::mem::swap(&mut self.rest, &mut self.row);
-            }
-            if self.row.len() < 3 {
-                continue;
-            }
-            let (left, right) = touched(self.row.iter().map(|v| v.s / v.w), columns);
-            for column in left..=right {
-                if column < right {
-                    let border = (column + 1) as f64;
-                    split(&mut self.row, &mut self.cell, &mut self.spare, |v| v.s - border * v.w);
-                } else {
-                    std::mem::swap(&mut self.row, &mut self.cell);
-                }
-                if self.cell.len() < 3 {
-                    continue;
-                }
-                self.outline.clear();
-                self.outline.extend(self.cell.iter().map(|v| v.at));
-                let area = crate::geometry::polygon::area(&self.outline);
-                if area > 0.0 {
-                    put(column, row, area, &self.cell);
-                }
-            }
-        }
-    }
-}
-
-/// Largest error of a bilinear texture by quadrature, relative to the largest value around; unless pieces would have to be
-/// divided more than ...
-const QUADRATURE: f64 = 1e-11;
-/// ... so many times.
-const DIVIDED: u32 = 6;
-
-/// Radon's rule of degree 5 on a triangle (Stroud 1971, T2 5-1): barycentric coordinates and weights (sum 1).
-const RADON: [([f64; 3], f64); 7] = {
-    const THIRD: f64 = 1.0 / 3.0;
-    // (6 -+ sqrt 15) / 21 and (155 -+ sqrt 15) / 1200.
-    const A: f64 = 0.101_286_507_323_456_34;
-    const B: f64 = 0.470_142_064_105_115_1;
-    const WA: f64 = 0.125_939_180_544_827_15;
-    const WB: f64 = 0.132_394_152_788_506_18;
-    [
-        ([THIRD, THIRD, THIRD], 0.225),
-        ([1.0 - 2.0 * A, A, A], WA),
-        ([A, 1.0 - 2.0 * A, A], WA),
-        ([A, A, 1.0 - 2.0 * A], WA),
-        ([1.0 - 2.0 * B, B, B], WB),
-        ([B, 1.0 - 2.0 * B, B], WB),
-        ([B, B, 1.0 - 2.0 * B], WB),
-    ]
-};
-
-/// Adds the integrals of the four bilinear shares over a triangle that lies in the cell whose least corner is `corner`; returns a
-/// bound of the error, relative to the largest value around.
-fn bilinear(triangle: &[Vertex; 3], corner: Point, divide: u32, weights: &mut [f64; 4]) -> f64 {
-    let w = triangle.map(|v| v.w);
-    let (least, most) = (w[0].min(w[1]).min(w[2]), w[0].max(w[1]).max(w[2]));
-    let d = (most - least) / (most + least);
-    let error = 4.0 * 2.0 * 5.0 * d.powi(4) * ((1.0 + d) / (1.0 - d)).powi(2);
-    if !(error <= QUADRATURE) && divide > 0 {
-        let [a, b, c] = triangle;
-        let middle = |p: &Vertex, q: &Vertex| Vertex::between(p, 1.0, q, -1.0);
-        let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
-        let quarters = [[*a, ab, ca], [ab, *b, bc], [ca, bc, *c], [ab, bc, ca]];
-        return quarters.iter().map(|t| bilinear(t, corner, divide - 1, weights)).fold(0.0, f64::max);
-    }
-    let area = crate::geometry::polygon::area(&triangle.map(|v| v.at));
-    for (at, weight) in RADON {
-        let of = |f: fn(&Vertex) -> f64| (0..3).map(|k| at[k] * f(&triangle[k])).sum::<f64>();
-        let w = of(|v| v.w);
-        let x = of(|v| v.s) / w - corner[0];
-        let y = of(|v| v.t) / w - corner[1];
-        let weight = weight * area;
-        weights[0] += weight * (1.0 - x) * (1.0 - y);
-        weights[1] += weight * x * (1.0 - y);
-        weights[2] += weight * (1.0 - x) * y;
-        weights[3] += weight * x * y;
-    }
-    error
-}
-
-/// First and last of `count` texels that some coordinates, within 0 to `count` up to rounding, lie in.
-#[inline]
-fn touched(coordinates: impl Iterator<Item = f64>, count: usize) -> (usize, usize) {
-    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-    for x in coordinates {
-        low = low.min(x);
-        high = high.max(x);
-    }
-    // A cast rounds towards 0 and saturates, also from NaN.
-    let first = (low as usize).min(count - 1);
-    let below = high as usize;
-    let last = if below as f64 == high && below > first { below - 1 } else { below };
-    (first, last.clamp(first, count - 1))
-}
-
-/// Leaves of a polygon what lies where `form`, linear in the image, is not negative.
-#[inline]
-fn keep(polygon: &mut Vec<Vertex>, spare: &mut Vec<Vertex>, form: impl Fn(&Vertex) -> f64) {
-    if polygon.iter().all(|v| form(v) >= 0.0) {
-        return;
-    }
-    spare.clear();
-    let Some(mut before) = polygon.last().copied() else { return };
-    let mut d_before = form(&before);
-    for v in polygon.iter() {
-        let d = form(v);
-        if (d > 0.0 && d_before < 0.0) || (d < 0.0 && d_before > 0.0) {
-            spare.push(Vertex::between(&before, d_before, v, d));
-        }
-        if d >= 0.0 {
-            spare.push(*v);
-        }
-        (before, d_before) = (*v, d);
-    }
-    std::mem::swap(polygon, spare);
-}
-
-/// Moves to `below` what of a polygon lies where `form`, linear in the image, is not positive; `polygon` keeps the rest.
-#[inline]
-fn split(polygon: &mut Vec<Vertex>, below: &mut Vec<Vertex>, above: &mut Vec<Vertex>, form: impl Fn(&Vertex) -> f64) {
-    below.clear();
-    above.clear();
-    let Some(mut before) = polygon.last().copied() else { return };
-    let mut d_before = form(&before);
-    for v in polygon.iter() {
-        let d = form(v);
-        if (d > 0.0 && d_before < 0.0) || (d < 0.0 && d_before > 0.0) {
-            let x = Vertex::between(&before, d_before, v, d);
-            below.push(x);
-            above.push(x);
-        }
-        if d <= 0.0 {
-            below.push(*v);
-        }
-        if d >= 0.0 {
-            above.push(*v);
-        }
-        (before, d_before) = (*v, d);
-    }
-    std::mem::swap(polygon, above);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Texel coordinates are image coordinates, times `scale`, seen through a tilt of `w`.
-    fn chart(scale: f64, tilt: f64) -> Chart {
-        Chart { s: [scale, 0.0, 0.0], t: [0.0, scale, 0.0], w: [tilt, 0.0, 1.0] }
-    }
-
-    fn areas(chart: &Chart, piece: &[Point], size: [usize; 2]) -> Vec<(usize, usize, f64)> {
-        let mut areas = vec![];
-        Overlay::default().texels(chart, piece, size, |c, r, a| areas.push((c, r, a)));
-        areas
-    }
-
-    #[test]
-    fn a_triangle_over_four_texels() {
-        // Legs of 2 on a grid of 1: a whole texel, and two halves; the hypotenuse passes through a corner.
-        let found = areas(&chart(1.0, 0.0), &[[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]], [4, 4]);
-        assert_eq!(found, [(0, 0, 1.0), (1, 0, 0.5), (0, 1, 0.5)]);
-    }
-
-    #[test]
-    fn what_lies_beyond_the_map_is_left_out() {
-        let square = [[-1.0, -1.0], [1.5, -1.0], [1.5, 3.0], [-1.0, 3.0]];
-        assert_eq!(areas(&chart(1.0, 0.0), &square, [1, 2]), [(0, 0, 1.0), (0, 1, 1.0)]);
-        // s = x, w = 1 - x: behind the map's eye from x = 1 on, and beyond two columns from x = 2/3 on (s / w = 2).
-        let found = areas(&chart(1.0, -1.0), &[[0.0, 0.0], [3.0, 0.0], [3.0, 0.1], [0.0, 0.1]], [2, 9]);
-        let area: f64 = found.iter().map(|f| f.2).sum();
-        assert!((area - 0.1 * 2.0 / 3.0).abs() < 1e-16, "{found:?}");
-        // Column 0 ends at x = 1/2.
-        assert!((found[0].2 - 0.05).abs() < 1e-16 && found[0].0 == 0);
-    }
-
-    #[test]
-    fn a_bilinear_ramp_has_its_analytic_mean() {
-        // Texel values are the columns of their centres, so that the texture is s / w itself: here x / (1 + x / 2), whose
-        // integral is 2 x - 4 ln(1 + x / 2).
-        let (x0, x1) = (1.0, 3.0);
-        let piece = [[x0, 1.0], [x1, 1.0], [x1, 1.25], [x0, 1.25]];
-        let (mut integral, mut areas, mut worst) = (0.0, 0.0, 0.0_f64);
-        Overlay::default().centres(&chart(1.0, 0.5), &piece, [4, 4], |around, area, error| {
-            integral += around.iter().map(|(c, _, w)| (*c as f64 + 0.5) * w).sum::<f64>();
-            areas += area;
-            worst = worst.max(error);
-        });
-        let of = |x: f64| 2.0 * x - 4.0 * (1.0 + x / 2.0).ln();
-        assert!((areas - 0.5).abs() < 1e-15 && worst <= 1e-6);
-        assert!((integral - 0.25 * (of(x1) - of(x0))).abs() < 1e-12, "{integral} {worst}");
-    }
-
-    #[test]
-    fn texels_under_perspective_have_analytic_areas() {
-        // s = 7 x, w = 1 + x / 2: column borders at x = i / (7 - i / 2).
-        let found = areas(&chart(7.0, 0.5), &[[0.0, 0.0], [1.0, 0.0], [1.0, 0.05], [0.0, 0.05]], [7, 7]);
-        let border = |i: f64| (i / (7.0 - i / 2.0)).min(1.0);
-        assert_eq!(found.len(), 5);
-        for (column, _, area) in found {
-            let i = column as f64;
-            assert!((area - 0.05 * (border(i + 1.0) - border(i))).abs() < 1e-16);
-        }
-    }
+/// Of a texture, whose texel coordinates at the facet's corners are `corners`.
+pub(super) fn of_corners(corners: &[Point; 3], on_facet: &OnFacet) -> Option<Chart> {
+    let OnFacet::Pinhole { a, to_b, to_c, centre } = on_facet else { return None };
+    // (u, v) = (-p.a, ray.q) / p.to_b with p = ray x to_c and q = to_b x a: see `OnFacet::uv`.
+    let u_numerator = -to_c.cross(*a);
+    let v_numerator = -a.cross(*to_b);
+    let denominator = to_c.cross(*to_b);
+    let affine = |k: usize| {
+        let [a, b, c] = [corners[0][k], corners[1][k], corners[2][k]];
+        a * denominator + (b - a) * u_numerator + (c - a) * v_numerator
+    };
+    // Rows, over the ray (x - cx, y - cy, 1).
+    let rows = [affine(0), affine(1), denominator];
+    let sign = if denominator.dot(*a + (*to_b + *to_c) / 3.0) < 0.0 { -1.0 } else { 1.0 };
+    let [s, t, w] = rows.map(|r| {
+        let r = r * sign;
+        [r.x, r.y, r.z - r.x * centre[0] - r.y * centre[1]]
+    });
+    Some(Chart { s, t, w })
 }

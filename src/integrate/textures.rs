@@ -2,7 +2,6 @@
 
 use super::maps::{Kind, Lookup};
 use super::pixel::Pixel;
-use super::texels::{Chart, Overlay, Texels};
 use crate::scene::{Scene, Texture};
 use crate::solve::Emission;
 use crate::visibility::Drawing;
@@ -27,7 +26,7 @@ impl<'a> Textures<'a> {
         scene.textures.iter().enumerate().for_each(|(i, t)| of_material[t.material.0 as usize] = Some(i));
         let lookup = |texture: &'a Texture| {
             let kind = Kind::Texture(&texture.corners, [texture.columns, texture.rows]);
-            Lookup::of(scene, drawing, kind, None, None, texels(texture))
+            Lookup::of(scene, drawing, kind, None, None, texture.texels)
         };
         let lookups = scene.textures.iter().map(lookup).collect();
         Textures { textures: &scene.textures, of_material, lookups, seen: vec![], lit: vec![] }
@@ -67,10 +66,6 @@ impl<'a> Textures<'a> {
     }
 }
 
-fn texels(texture: &Texture) -> Texels {
-    if texture.bilinear { Texels::Bilinear } else { Texels::Nearest }
-}
-
 /// Mean of each layer over some texels with their weights; 1 without any, so that a mean times nothing is nothing.
 fn mean(weights: &[(u32, f64)], texture: &Texture, means: &mut Vec<f64>) {
     let layers = texture.layers();
@@ -83,32 +78,4 @@ fn mean(weights: &[(u32, f64)], texture: &Texture, means: &mut Vec<f64>) {
         means.iter_mut().zip(values).for_each(|(mean, value)| *mean += weight * value);
     }
     means.iter_mut().for_each(|mean| *mean = if total > 0.0 { *mean / total } else { 1.0 });
-}
-
-/// Mean of each layer over the area of all facets of a texture's material.
-pub fn texture_means(mesh: &crate::geometry::Mesh, texture: &Texture) -> Vec<f64> {
-    let layers = texture.layers();
-    let (mut sums, mut total) = (vec![0.0; layers], 0.0);
-    let mut overlay = Overlay::default();
-    let size = [texture.columns, texture.rows];
-    for facet in (0..mesh.facets.len()).filter(|f| mesh.material[*f] == texture.material) {
-        let area_m2 = mesh.facet(facet).area_m2();
-        // Twice the area of the triangle (0, 0), (1, 0), (0, 1) is 1.
-        let triangle = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
-        let chart = Chart::affine(&texture.corners[facet]);
-        let mut add = |texel: usize, share: f64| {
-            let weight = 2.0 * share * area_m2;
-            total += weight;
-            let values = &texture.values[texel * layers..][..layers];
-            sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
-        };
-        match texels(texture) {
-            Texels::Nearest => overlay.texels(&chart, &triangle, size, |c, r, share| add(r * size[0] + c, share)),
-            Texels::Bilinear => overlay.centres(&chart, &triangle, size, |around, _, _| {
-                around.iter().for_each(|(c, r, share)| add(r * size[0] + c, *share));
-            }),
-        }
-    }
-    sums.iter_mut().for_each(|sum| *sum /= total);
-    sums
 }

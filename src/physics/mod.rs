@@ -20,6 +20,7 @@
 //! | (4), (6), (7), (8) | [`mars::thesis_irradiance`] | Domagala (2020), as printed | 0.06516322993 |
 //! | bounds of Mars-light, interreflection, penumbra, the Sun at the horizon | [`bounds::mars_light`], [`bounds::interreflection`], [`bounds::surroundings_form_factor`], [`bounds::penumbra_width_m`], [`bounds::terminator`] | set up here | full Mars; Ingersoll's bowl; flat ground; straight edge; flat horizon |
 //! | eclipse | [`sun::eclipse`] | two discs | oracles `eclipse_by_mars_central_duration` |
+//! | radiance of a reflectance factor, of a Lambert surface's exitance | [`reflectance::radiance_of_reflectance_factor`], [`reflectance::lambert_radiance`] | Nicodemus et al. (1977); Lambert | white surface; integral over the hemisphere |
 //! | (2), (13): BRDF | [`reflectance::Brdf`] | Nicodemus et al. (1977); Hapke (2012) | Lambert rho / pi |
 //!
 //! Elsewhere, because they are geometry or sums: (11) to (13) in `solve::Emission`, (16) in `spectral::Band::in_band_w_m2_sr`,

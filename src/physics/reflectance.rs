@@ -42,6 +42,20 @@ impl Brdf {
     }
 }
 
+/// Radiance of a surface with this reflectance factor towards the viewer, in the irradiance's unit sr-1: L = REFF E / pi.
+///
+/// Source: Nicodemus et al. (1977). E is the irradiance that the factor was measured against, the cosine already in it.
+pub fn radiance_of_reflectance_factor(reflectance_factor: f64, irradiance: f64) -> f64 {
+    reflectance_factor * irradiance / PI
+}
+
+/// Radiance of a Lambert surface that sends out this exitance, in its unit sr-1: L = M / pi.
+///
+/// Source: Lambert's cosine law, integrated over the hemisphere.
+pub fn lambert_radiance(exitance: f64) -> f64 {
+    exitance / PI
+}
+
 /// Directional emissivity of an opaque surface, 1 - rho: what it does not reflect, it absorbs, and what it absorbs, it can emit.
 ///
 /// Source: Kirchhoff's law. Limits: rho is the hemispherical reflectance for light from that direction; a Lambert surface's own.
@@ -64,6 +78,15 @@ mod tests {
             .integral(0.0, 1.0, |mu| 2.0 * PI * mu * brdf.eval(&PhotometricAngles { cos_emission: mu, ..ANGLES }));
         assert!((reflected - 0.07).abs() < 1e-16);
         assert!((reflected + kirchhoff_emissivity(0.07) - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_white_lambert_surface_sends_out_what_it_gets() {
+        // Its factor is 1: radiance times pi is the irradiance, which is also its exitance.
+        assert_eq!(radiance_of_reflectance_factor(1.0, PI), 1.0);
+        assert_eq!(radiance_of_reflectance_factor(0.5, 2.0), lambert_radiance(1.0));
+        let exitance = GaussLegendre::new(4).integral(0.0, 1.0, |mu| 2.0 * PI * mu * lambert_radiance(3.0));
+        assert!((exitance - 3.0).abs() < 1e-15);
     }
 
     #[test]

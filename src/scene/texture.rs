@@ -1,6 +1,6 @@
 //! Variation of reflectance inside facets.
 
-use crate::geometry::{MaterialId, Mesh};
+use crate::geometry::{Chart, MaterialId, Mesh, Overlay, Texels};
 use crate::spectral::Band;
 
 use super::Material;
@@ -32,8 +32,8 @@ pub struct Texture {
     pub wavelength_um: Vec<f64>,
     /// [row, column, layer].
     pub values: Vec<f64>,
-    /// Whether values vary bilinearly between texel centres; else a texel has one value.
-    pub bilinear: bool,
+    /// What holds between texel centres.
+    pub texels: Texels,
 }
 
 impl Texture {
@@ -55,6 +55,34 @@ impl Texture {
             shares[after] = share;
         }
         shares
+    }
+
+    /// Mean of each layer over the area of all of its material's facets that it covers; NaN if it covers none.
+    pub fn means(&self, mesh: &Mesh) -> Vec<f64> {
+        let layers = self.layers();
+        let (mut sums, mut total) = (vec![0.0; layers], 0.0);
+        let mut overlay = Overlay::default();
+        let size = [self.columns, self.rows];
+        // In (u, v) a facet is this triangle, of area 1 / 2.
+        let triangle = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+        for facet in (0..mesh.facets.len()).filter(|f| mesh.material[*f] == self.material) {
+            let area_m2 = mesh.facet(facet).area_m2();
+            let chart = Chart::affine(&self.corners[facet]);
+            let mut add = |column: usize, row: usize, share: f64| {
+                let weight = 2.0 * share * area_m2;
+                total += weight;
+                let values = &self.values[(row * size[0] + column) * layers..][..layers];
+                sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
+            };
+            match self.texels {
+                Texels::Nearest => overlay.texels(&chart, &triangle, size, add),
+                Texels::Bilinear => overlay.centres(&chart, &triangle, size, |around, _, _| {
+                    around.iter().for_each(|(column, row, share)| add(*column, *row, *share));
+                }),
+            }
+        }
+        sums.iter_mut().for_each(|sum| *sum /= total);
+        sums
     }
 
     /// What is wrong with it, a sentence for each.
@@ -95,11 +123,13 @@ impl Texture {
         if let (Some(first), Some(last)) = (self.wavelength_um.first(), self.wavelength_um.last())
             && let Some(band) = bands.iter().find(|b| self.layers() > 1 && (reach(b).1 < *first || reach(b).0 > *last))
         {
-            problem(format!("its layers reach from {first} to {last} um, and none is near the band at {} um", band.centre_um));
+            problem(format!(
+                "its layers reach from {first} to {last} um, and none is near the band at {} um",
+                band.centre_um
+            ));
         }
-        let absent = (0..mesh.facets.len()).find(|f| {
-            mesh.material[*f] == self.material && self.corners[*f].iter().flatten().any(|x| !x.is_finite())
-        });
+        let absent = (0..mesh.facets.len())
+            .find(|f| mesh.material[*f] == self.material && self.corners[*f].iter().flatten().any(|x| !x.is_finite()));
         if let Some(facet) = absent {
             problem(format!("facet {facet} (counted from 0) has no texture coordinates"));
         }
@@ -120,7 +150,7 @@ mod tests {
             columns: 1,
             values: vec![1.0; wavelength_um.len().max(1)],
             wavelength_um,
-            bilinear: false,
+            texels: Texels::Nearest,
         };
         let three = texture(vec![1.0, 2.0, 4.0]);
         assert_eq!(three.shares(2.5), [0.0, 0.75, 0.25]);

@@ -100,10 +100,10 @@ mod tests {
     #[test]
     fn between_bands_lies_what_is_between() {
         let map = [band(1.0, None), band(2.0, None), band(4.0, None)];
-        assert_eq!(mixes(&map, &[band(1.25, None), band(3.5, None)]).unwrap(), [
-            vec![(0, 0.75), (1, 0.25)],
-            vec![(1, 0.25), (2, 0.75)]
-        ]);
+        assert_eq!(
+            mixes(&map, &[band(1.25, None), band(3.5, None)]).unwrap(),
+            [vec![(0, 0.75), (1, 0.25)], vec![(1, 0.25), (2, 0.75)]]
+        );
     }
 
     #[test]
@@ -113,7 +113,8 @@ mod tests {
         let map: Vec<Band> = [1.0, 1.5, 2.0, 2.5, 3.0].map(|c| band(c, None)).to_vec();
         let s = 0.05;
         let found = mixes(&map, &[band(2.0, Some(s * 2.354_820_045_030_949))]).unwrap();
-        let (middle, total): (f64, f64) = (found[0].iter().find(|m| m.0 == 2).unwrap().1, found[0].iter().map(|m| m.1).sum());
+        let (middle, total): (f64, f64) =
+            (found[0].iter().find(|m| m.0 == 2).unwrap().1, found[0].iter().map(|m| m.1).sum());
         assert!((middle - (1.0 - 2.0 * s * (2.0 / std::f64::consts::PI).sqrt())).abs() < 1e-6);
         assert!((total - 1.0).abs() < 1e-12);
     }
@@ -123,9 +124,12 @@ mod tests {
         let map = [band(1.0, Some(0.2))];
         assert_eq!(mixes(&map, &[band(1.05, None), band(1.0, Some(0.1))]).unwrap(), [vec![(0, 1.0)], vec![(0, 1.0)]]);
         let wrong = mixes(&map, &[band(1.0, None), band(1.2, None), band(1.05, Some(0.2))]).unwrap_err();
-        assert_eq!(wrong, [
-            "band 2 of the sensor, at 1.2 um, is not among the map's, which reach from 0.9 to 1.1 um",
-            "band 3 of the sensor, 0.2 um wide at 1.05 um, is not among the map's, which reach from 0.9 to 1.1 um",
-        ]);
+        assert_eq!(
+            wrong,
+            [
+                "band 2 of the sensor, at 1.2 um, is not among the map's, which reach from 0.9 to 1.1 um",
+                "band 3 of the sensor, 0.2 um wide at 1.05 um, is not among the map's, which reach from 0.9 to 1.1 um",
+            ]
+        );
     }
 }

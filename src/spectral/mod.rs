@@ -7,7 +7,7 @@ mod solar;
 mod spectrum;
 
 pub use band::Band;
-pub use matching::{Mix, mixes};
 pub use library::{Column, SpectralLibrary};
+pub use matching::{Mix, mixes};
 pub use solar::{solar_e490, solar_mean};
 pub use spectrum::{Extend, Spectrum};

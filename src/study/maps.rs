@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use super::simulate::{Observation, account_for, has_room};
 use crate::error::{Error, Location, Problem, Result};
-use crate::integrate::{self, Choice, MapImage, MapView, Maps, Texels, Unknown};
+use crate::geometry::Texels;
+use crate::integrate::{self, Choice, MapImage, MapView, Maps, Unknown};
 use crate::product::{Cube, FacetTable, Placement, RadianceMap, TexelSource};
 use crate::progress::{Watch, tell};
 use crate::scene::Scene;
@@ -111,7 +112,8 @@ pub fn observe_maps(
         },
     };
     if options.fill == Fill::Solved && maps.terms.len() > 1 {
-        let message = "gaps can be filled from the scene's own sources only if all maps have their texels at the same places";
+        let message =
+            "gaps can be filled from the scene's own sources only if all maps have their texels at the same places";
         return Err(Error::invalid(Location::item("unknown"), message));
     }
     let mut image = integrate::integrate_maps(scene, topology, table, &maps, watch)?;
@@ -181,7 +183,10 @@ fn fit(scene: &Scene, terms: &[Vec<RadianceMap>]) -> Result<()> {
                 "it was made for another mesh",
             ),
             Placement::Patches(p) if p.polygon_facet.last().is_some_and(|f| *f as usize >= facets) => {
-                problem(format!("has parts of facets beyond the {facets} of the scene"), "it was made for another mesh");
+                problem(
+                    format!("has parts of facets beyond the {facets} of the scene"),
+                    "it was made for another mesh",
+                );
             }
             Placement::View(view) if !integrate::meets(view, scene) => problem(
                 "does not overlap the scene: none of the mesh lies within the image".into(),
@@ -249,9 +254,10 @@ impl Term {
 fn uses(map: &[Band], sensor: &[Band]) -> std::result::Result<Vec<(usize, Vec<(usize, f64)>)>, Vec<String>> {
     let mixes: Vec<Mix> = mixes(map, sensor)?;
     let of = |band: usize| {
-        let weights = mixes.iter().enumerate().filter_map(|(s, mix)| {
-            mix.iter().find(|(m, _)| *m == band).map(|(_, weight)| (s, *weight))
-        });
+        let weights = mixes
+            .iter()
+            .enumerate()
+            .filter_map(|(s, mix)| mix.iter().find(|(m, _)| *m == band).map(|(_, weight)| (s, *weight)));
         (band, weights.collect::<Vec<_>>())
     };
     Ok((0..map.len()).map(of).filter(|(_, weights)| !weights.is_empty()).collect())
@@ -331,9 +337,11 @@ fn add_up(
                     source.source.read(*band, &mut values)?;
                     if let Some(texel) = values.iter().position(|v| *v < 0.0 || v.is_infinite()) {
                         let at = Location::item(format!("{}, band {}", source.name, band + 1));
-                        let message = format!("texel {} holds the radiance {}", place(&view.placement, texel), values[texel]);
-                        let problem = Problem::new(at, message)
-                            .with_help("radiance is a number from 0; mark what is not known by NaN, or by a `no_data` value");
+                        let message =
+                            format!("texel {} holds the radiance {}", place(&view.placement, texel), values[texel]);
+                        let problem = Problem::new(at, message).with_help(
+                            "radiance is a number from 0; mark what is not known by NaN, or by a `no_data` value",
+                        );
                         return Err(Error::Invalid(vec![problem]));
                     }
                     let sums = weights.apply(&values);

@@ -185,7 +185,8 @@ fn checks(account: &Account, image: &Image) -> Vec<Check> {
     let Account { scene, table, .. } = account;
     let check = |name: &str, value: f64, limit: f64| Check { name: name.to_owned(), value, limit };
     let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
-    let bad = image.cube.weight.iter().chain(&image.cube.spectra).chain(&image.cube.added).filter(|v| !v.is_finite()).count();
+    let bad =
+        image.cube.weight.iter().chain(&image.cube.spectra).chain(&image.cube.added).filter(|v| !v.is_finite()).count();
     let mut checks = vec![
         check("areas in a pixel exceed the pixel by, pixels", image.excess_px, 1e-12),
         check(

@@ -87,9 +87,8 @@ mod tests {
 
     #[test]
     fn drawn_points_and_points_of_the_facet_are_inverse() {
-        let facet = Facet {
-            corners_m: [DVec3::new(-3.0, 1.0, 20.0), DVec3::new(5.0, 2.0, 30.0), DVec3::new(0.5, -4.0, 25.0)],
-        };
+        let facet =
+            Facet { corners_m: [DVec3::new(-3.0, 1.0, 20.0), DVec3::new(5.0, 2.0, 30.0), DVec3::new(0.5, -4.0, 25.0)] };
         let (h, v, u) = (DVec3::X, DVec3::Y, DVec3::Z);
         let pinhole = View::Pinhole { centre_m: DVec3::ZERO, h, v, u, scale: 10.0, offset: [4.0, 3.0] };
         let parallel = View::Parallel { h, v, u, scale: [2.0, 0.5], offset: [7.0, 1.0] };

@@ -36,6 +36,7 @@ fn material(i: usize, name: &str, reflectance: Spectrum) -> Material {
 fn tetrahedron() -> Scene {
     let slant = 0.5f64.sqrt();
     Scene {
+        textures: vec![],
         origin_m: DVec3::new(0.0, 11_000.0, 0.0),
         mesh: Mesh {
             vertices_m: vec![

@@ -5,6 +5,7 @@ mod cli;
 mod convert;
 #[cfg(feature = "sqlite")]
 mod dart_database;
+mod dart_output;
 mod dart_read;
 mod dart_write;
 mod determinism;
@@ -26,3 +27,4 @@ mod schema;
 mod scratch;
 mod shapes;
 mod spectra;
+mod textures;

@@ -1,8 +1,8 @@
 //! Radiance maps of elsewhere, put onto a scene: closed forms, identities, and the same scene made otherwise.
 
 use glam::{DMat3, DVec3};
-use mmxrt::geometry::{Mesh, Pose};
-use mmxrt::integrate::{Choice, Texels as Between};
+use mmxrt::geometry::{Mesh, Pose, Texels as Between};
+use mmxrt::integrate::Choice;
 use mmxrt::landscape::{self, Recipe};
 use mmxrt::product::{Atlas, Eye, FacetTable, Placement, Projection, RadianceMap, TexelSource, ViewImage};
 use mmxrt::progress::unwatched;
@@ -114,7 +114,14 @@ fn camera_image(camera: &FrameCamera, occlusion: bool) -> Placement {
 }
 
 /// Texels of `step_m`, columns along x and rows along -y, seen from a direction; the first corner lies at (x, y) of z = 0.
-fn parallel_image(towards: [f64; 3], corner_m: [f64; 2], step_m: f64, columns: usize, rows: usize, occlusion: bool) -> Placement {
+fn parallel_image(
+    towards: [f64; 3],
+    corner_m: [f64; 2],
+    step_m: f64,
+    columns: usize,
+    rows: usize,
+    occlusion: bool,
+) -> Placement {
     let towards = DVec3::from_array(towards);
     // Along the rays nothing changes: the horizontal coordinate of where a ray meets z = 0.
     let column_per_m = DVec3::new(1.0, 0.0, -towards.x / towards.z) / step_m;

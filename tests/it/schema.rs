@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use mmxrt::formats::{report_json, scene_toml};
+use mmxrt::formats::{radiance_map, report_json, scene_toml};
 
 #[test]
 fn schemas_are_those_of_the_types() {
     let generated = [
+        ("map.schema.json", radiance_map::schema()),
         ("report.schema.json", report_json::report_schema()),
         ("run.schema.json", report_json::run_schema()),
         ("scene.schema.json", scene_toml::schema()),

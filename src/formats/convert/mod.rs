@@ -149,8 +149,8 @@ pub fn read(input: &Path, options: &Options, watch: Watch<'_>) -> Result<(Format
             let obj = obj::read_where(&path, options.allow_outside)?;
             let mut report = Report::default();
             let mut dropped = |what: String| report.note(Fate::Dropped, Location::file(&path), what);
-            if obj.texture_vertices > 0 {
-                dropped(format!("{} texture coordinates", obj.texture_vertices));
+            if obj.texture_vertices > 0 && obj.uv.is_empty() {
+                dropped(format!("{} texture coordinates that no face uses", obj.texture_vertices));
             }
             obj.ignored.iter().for_each(|(word, count)| dropped(format!("{count} x `{word}`")));
             (Content::Surface(obj.into()), report)
@@ -287,6 +287,11 @@ impl Job<'_> {
         };
         let (mut files, report) = scene_toml::write(scene, &path, self.options.replace).map_err(named)?;
         self.report.notes.extend(report.notes);
+        for texture in &scene.textures {
+            let name = scene.materials.get(texture.material.0 as usize).map_or("", |m| m.name.as_str());
+            let at = Location::item(format!("materials.{name:?}.texture"));
+            self.report.note(Fate::Dropped, at, "textures are not written: name its raster in the new scene again");
+        }
         for (name, steps) in flights {
             let plain = |c: char| if c.is_alphanumeric() { c } else { '_' };
             let suffix = format!("flight.{}.csv", name.chars().map(plain).collect::<String>());
@@ -340,6 +345,10 @@ impl Job<'_> {
         let is_cut = surface.mesh.face_of_facet.windows(2).any(|pair| pair[0] == pair[1]);
         if is_cut {
             let message = "faces of more than three corners become triangles";
+            self.report.note(Fate::Dropped, Location::file(input).with_item("mesh"), message);
+        }
+        if !surface.mesh.uv.is_empty() {
+            let message = "texture coordinates are not written to glTF";
             self.report.note(Fate::Dropped, Location::file(input).with_item("mesh"), message);
         }
         let encoded = gltf::encode(surface)?;

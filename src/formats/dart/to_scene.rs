@@ -17,9 +17,8 @@ use crate::units::AU_M;
 
 use super::database::Database;
 use super::folder::Folder;
-use super::from_scene::{
-    camera_deg, intervals, irradiance, latitude_longitude_altitude, spectra, tabulated, thermal_functions, width_um,
-};
+use super::from_scene::{camera_deg, intervals, irradiance, spectra, tabulated, thermal_functions, width_um};
+use super::place::{Place, SAME, same, same_all};
 use super::sidecar::{self, Sidecar};
 use super::simulation::{Camera, Links, Object, OpticalKind, OpticalProperty, Simulation};
 use super::{frame, groups};
@@ -42,8 +41,6 @@ pub struct Converted {
     pub inputs: Vec<InputFile>,
 }
 
-/// Two numbers that went through a text, or through percent, are the same within this, relative.
-const SAME: f64 = 1e-12;
 /// Reflectance of what cannot be looked up.
 const UNKNOWN_REFLECTANCE: f64 = 0.1;
 /// Bolometric emissivity of what does not say: Phobos and most powders lie between 0.9 and 1.
@@ -95,21 +92,6 @@ struct Reader<'a> {
     sidecar: Option<Sidecar>,
 }
 
-/// The scene's frame in DART's.
-struct Place {
-    origin_m: DVec3,
-    dart_from_body: DMat3,
-    origin_in_dart_m: DVec3,
-    /// As `mmxrt.toml` has it, whose body-fixed vectors so mean the same.
-    is_kept: bool,
-}
-
-impl Place {
-    fn local_m(&self, dart_m: DVec3) -> DVec3 {
-        self.dart_from_body.transpose() * (dart_m - self.origin_in_dart_m)
-    }
-}
-
 impl Reader<'_> {
     fn note(&mut self, fate: Fate, at: &Location, message: impl Into<String>) {
         self.report.note(fate, at.clone(), message);
@@ -140,44 +122,28 @@ impl Reader<'_> {
         let mars = mars.filter(|_| place.is_kept);
         let name = self.sidecar.as_ref().map_or("DART camera", Sidecar::sensor_name).to_owned();
         let sensor = Sensor { name, camera, bands };
-        let scene = Scene { origin_m: place.origin_m, mesh, materials, textures: vec![], sun, mars, thermal: Thermal::Off, sensor };
+        let scene = Scene {
+            origin_m: place.origin_m,
+            mesh,
+            materials,
+            textures: vec![],
+            sun,
+            mars,
+            thermal: Thermal::Off,
+            sensor,
+        };
         Ok(self.with_thermal(scene))
     }
 
     /// Where the scene is on the body.
     fn place(&mut self) -> Place {
-        let maket = &self.simulation.maket;
-        if let (Some(sidecar), None) = (&self.sidecar, self.options.origin_m) {
-            let origin_m = DVec3::from_array(sidecar.origin_m);
-            let written = latitude_longitude_altitude(origin_m);
-            if same_all(&written, &maket.latitude_longitude_altitude) {
-                let origin_in_dart_m = DVec3::from_array(sidecar.origin_in_dart_m);
-                return Place {
-                    origin_m,
-                    dart_from_body: frame::dart_from_body(origin_m),
-                    origin_in_dart_m,
-                    is_kept: true,
-                };
-            }
-        }
-        let [x, y] = maket.size_m;
-        let message = match self.options.origin_m {
-            Some(_) => None,
-            None => Some(
-                "DART does not say where on the body the scene is: taken to be at its centre, with x East, y North and z up. \
-                 Give the place of the scene's middle",
-            ),
-        };
-        if let Some(message) = message {
+        let place = Place::of(&self.simulation.maket, self.sidecar.as_ref(), self.options.origin_m);
+        if !place.is_kept && self.options.origin_m.is_none() {
+            let message = "DART does not say where on the body the scene is: taken to be at its centre, with x East, y North and z up. \
+                           Give the place of the scene's middle";
             self.note(Fate::Defaulted, &Location::item("origin_m"), message);
         }
-        let origin_m = self.options.origin_m.unwrap_or(DVec3::ZERO);
-        Place {
-            origin_m,
-            dart_from_body: frame::dart_from_body(origin_m),
-            origin_in_dart_m: DVec3::new(0.5 * x, 0.5 * y, 0.0),
-            is_kept: false,
-        }
+        place
     }
 
     fn bands(&mut self) -> Vec<Band> {
@@ -563,8 +529,13 @@ impl Reader<'_> {
             let v = object.scale * frame::dart_from_obj(*vertex);
             *vertex = object.position_m + if is_turned { turned * v } else { v };
         }
-        let mut mesh =
-            Mesh { vertices_m, facets: read.facets.clone(), material, face_of_facet: read.face_of_facet.clone(), uv: vec![] };
+        let mut mesh = Mesh {
+            vertices_m,
+            facets: read.facets.clone(),
+            material,
+            face_of_facet: read.face_of_facet.clone(),
+            uv: vec![],
+        };
         if !hidden.is_empty() {
             self.note(
                 Fate::Dropped,
@@ -742,12 +713,4 @@ fn material(property: &OpticalProperty, table: Vec<Spectrum>) -> Material {
 fn material_id(material: Option<usize>, at: &Location) -> Result<MaterialId> {
     let id = material.and_then(|m| u16::try_from(m).ok()).map(MaterialId);
     id.ok_or_else(|| Error::invalid(at.clone(), "more materials than can be told apart"))
-}
-
-fn same(a: f64, b: f64) -> bool {
-    (a - b).abs() <= SAME * a.abs().max(b.abs())
-}
-
-fn same_all(a: &[f64], b: &[f64]) -> bool {
-    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| same(*a, *b))
 }

@@ -155,6 +155,7 @@ fn tetrahedron(target: Target) -> Result<(Package, [Face; 4])> {
     let scene = Scene {
         origin_m: DVec3::ZERO,
         materials: facets.iter().enumerate().map(material).collect(),
+        textures: vec![],
         mesh,
         sun: Sun {
             direction: Direction::new(towards_sun)

@@ -170,11 +170,14 @@ mod tests {
         let obj = parsed(text).unwrap();
         assert_eq!(obj.facets[2..], [[0, 1, 2], [0, 2, 3]]);
         assert!(obj.uv[0].iter().flatten().all(|x| x.is_nan()));
-        assert_eq!(obj.uv[1..], [
-            [[0.0, 0.0], [1.0, 0.0], [0.25, 0.25]],
-            [[0.0, 0.0], [1.0, 0.0], [0.25, 0.25]],
-            [[0.0, 0.0], [0.25, 0.25], [0.0, 1.0]]
-        ]);
+        assert_eq!(
+            obj.uv[1..],
+            [
+                [[0.0, 0.0], [1.0, 0.0], [0.25, 0.25]],
+                [[0.0, 0.0], [1.0, 0.0], [0.25, 0.25]],
+                [[0.0, 0.0], [0.25, 0.25], [0.0, 1.0]]
+            ]
+        );
         let mesh = Mesh {
             vertices_m: obj.vertices.clone(),
             facets: obj.facets.clone(),
@@ -185,9 +188,17 @@ mod tests {
         let mut text = Vec::new();
         write(&mut text, &mesh, &[], None).unwrap();
         let again = parsed(&String::from_utf8(text).unwrap()).unwrap();
-        assert_eq!((&again.facets, &again.face_of_facet, &again.uv[1..]), (&obj.facets, &obj.face_of_facet, &obj.uv[1..]));
-        let wrong = parsed("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt x 0\nf 1/1 2/2 3/0\nf 1/1 2/5 3/1\n").unwrap_err().to_string();
-        for part in ["a.obj:4: u of the texture coordinates is `x`", "a.obj:5: texture index 0", "a.obj:6: texture index 5: the file has 1"] {
+        assert_eq!(
+            (&again.facets, &again.face_of_facet, &again.uv[1..]),
+            (&obj.facets, &obj.face_of_facet, &obj.uv[1..])
+        );
+        let wrong =
+            parsed("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt x 0\nf 1/1 2/2 3/0\nf 1/1 2/5 3/1\n").unwrap_err().to_string();
+        for part in [
+            "a.obj:4: u of the texture coordinates is `x`",
+            "a.obj:5: texture index 0",
+            "a.obj:6: texture index 5: the file has 1",
+        ] {
             assert!(wrong.contains(part), "{wrong}");
         }
     }

@@ -209,7 +209,9 @@ impl<'a> Parser<'a> {
                 _ => {
                     let found = shown(word(rest).0);
                     let axis = ["u", "v"][axis];
-                    self.problem(place, || format!("{axis} of the texture coordinates is `{found}`: not a finite number"));
+                    self.problem(place, || {
+                        format!("{axis} of the texture coordinates is `{found}`: not a finite number")
+                    });
                     break;
                 }
             }

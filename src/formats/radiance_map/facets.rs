@@ -85,7 +85,8 @@ fn of_csv(path: &Path, text: &str) -> Result<FacetTexels> {
     let mut facet = 0_usize;
     for (number, raw) in text.split_inclusive('\n').enumerate() {
         let line = raw.trim();
-        let at = |message: String| Problem::new(Location::span(path, text, start, start + raw.trim_end().len()), message);
+        let at =
+            |message: String| Problem::new(Location::span(path, text, start, start + raw.trim_end().len()), message);
         let mut cells = line.split(',').map(str::trim);
         let first = cells.next().unwrap_or_default();
         if number == 0 {
@@ -104,14 +105,22 @@ fn of_csv(path: &Path, text: &str) -> Result<FacetTexels> {
             }
         } else if !line.is_empty() {
             if first.parse() != Ok(facet) {
-                problems.push(|| at(format!("facet {first:?} where {facet} belongs: one line for each facet, in order, from 0")));
+                problems.push(|| {
+                    at(format!("facet {first:?} where {facet} belongs: one line for each facet, in order, from 0"))
+                });
             }
             facet += 1;
             let before = values.len();
-            values.extend(cells.map(|cell| match cell {
-                "" => Ok(f64::NAN),
-                cell => fast_float2::parse::<f64, _>(cell).map_err(|_| cell.to_owned()),
-            }).filter_map(|value| value.map_err(|cell| problems.push(|| at(format!("{cell:?} is not a number")))).ok()));
+            values.extend(
+                cells
+                    .map(|cell| match cell {
+                        "" => Ok(f64::NAN),
+                        cell => fast_float2::parse::<f64, _>(cell).map_err(|_| cell.to_owned()),
+                    })
+                    .filter_map(|value| {
+                        value.map_err(|cell| problems.push(|| at(format!("{cell:?} is not a number")))).ok()
+                    }),
+            );
             if values.len() - before != bands.len() && problems.is_empty() {
                 problems.push(|| at(format!("{} values for {} bands", values.len() - before, bands.len())));
             }
@@ -138,7 +147,11 @@ mod tests {
     fn what_is_wrong_in_a_csv_is_told_at_its_line() {
         let text = "facet,radiance_w_m2_sr_um at 0.95 um,radiance_w_m2_sr_um\n0,1,x\n7,2,3\n";
         let message = of_csv(Path::new("t.csv"), text).unwrap_err().to_string();
-        for part in ["t.csv:1:1: the column \"radiance_w_m2_sr_um\" is not as in", "t.csv:2:1: \"x\" is not a number", "t.csv:3:1: facet \"7\" where 1"] {
+        for part in [
+            "t.csv:1:1: the column \"radiance_w_m2_sr_um\" is not as in",
+            "t.csv:2:1: \"x\" is not a number",
+            "t.csv:3:1: facet \"7\" where 1",
+        ] {
             assert!(message.contains(part), "{message}");
         }
     }

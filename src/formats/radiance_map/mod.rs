@@ -9,22 +9,19 @@ mod values;
 
 use std::path::{Path, PathBuf};
 
-use glam::DVec3;
-
 use super::InputFile;
 use super::dart::output as dart_output;
 use super::located::Document;
 use super::raster::{self, Raster};
-use super::scene_toml::types::Coordinates;
 use super::scene_toml::{self, Reader};
 use crate::error::{Error, Location, Problem, Result};
-use crate::geometry::{Direction, Pose};
+use crate::geometry::Pose;
 use crate::product::{Atlas, Eye, Placement, Projection, RadianceMap, ViewImage};
 use crate::progress::Watch;
 use crate::scene::{FrameCamera, Scene};
 use crate::spectral::Band;
 
-use types::{MapToml, NumbersToml, PlacementToml, PlaneToml, RasterToml};
+use types::{MapToml, NumbersToml, PlacementToml};
 use values::{Conversion, RasterTexels};
 
 /// The maps that were found at a path: one, or one for each direction of view.
@@ -61,7 +58,7 @@ pub fn open(path: &Path, scene: &Scene, weight: f64, watch: Watch<'_>) -> Result
     if let Some((map, input)) = facets::open(path, weight)? {
         return Ok(Opened { maps: vec![map], inputs: vec![input], notes: vec![] });
     }
-    if path.is_dir() || dart_output::is_image(path) {
+    if path.is_dir() || path.extension().is_some_and(|e| e == "mpr" || e == "mp#") {
         return of_dart(path, scene, weight);
     }
     // What is no raster either is told as that.
@@ -108,27 +105,19 @@ fn read(file: &Path, asked: &Path, scene: &Scene, weight: f64, watch: Watch<'_>)
     let (document, input) = Document::open(file)?;
     let toml: MapToml = document.read()?;
     let mut reader = Reader::new(file, document, scene.origin_m, input, watch);
-    let names: Vec<PathBuf> = match &toml.raster {
-        Some(RasterToml::One(name)) => vec![reader.path(name)],
-        Some(RasterToml::Several(names)) => names.iter().map(|name| reader.path(name)).collect(),
-        None if asked != file => vec![asked.to_owned()],
+    let rasters = match &toml.raster {
+        Some(named) => reader.rasters("raster", named),
+        None if asked != file => reader.opened("raster", vec![asked.to_owned()]),
         None => {
             reader.problem("raster", "is missing: this file does not say which raster it belongs to");
-            vec![]
+            None
         }
     };
-    let rasters: Vec<Raster> = names.iter().filter_map(|p| reader.taken("raster", raster::open(p))).collect();
-    let map = if rasters.len() == names.len() && !rasters.is_empty() {
-        let name = names[0].display().to_string();
-        map(&mut reader, &toml, rasters, scene, watch).map(|(placement, texels)| RadianceMap {
-            name,
-            placement,
-            source: Box::new(texels),
-            weight,
-        })
-    } else {
-        None
-    };
+    let map = rasters.and_then(|rasters| {
+        let name = rasters[0].path.display().to_string();
+        let (placement, texels) = map(&mut reader, &toml, rasters, scene, watch)?;
+        Some(RadianceMap { name, placement, source: Box::new(texels), weight })
+    });
     let (inputs, notes) = reader.finish()?;
     match map {
         Some(map) => Ok(Opened { maps: vec![map], inputs, notes }),
@@ -149,17 +138,7 @@ fn map(
         rasters = rasters.into_iter().map(|r| if r.pixels() == facets { r } else { r.columns_as_bands() }).collect();
     }
     let (rows, columns) = (rasters[0].rows, rasters[0].columns);
-    if let Some(other) = rasters.iter().find(|r| (r.rows, r.columns) != (rows, columns)) {
-        let message = format!(
-            "{} has {} x {} pixels, but the first raster {columns} x {rows}",
-            other.path.display(),
-            other.columns,
-            other.rows
-        );
-        reader.problem("raster", message);
-        return None;
-    }
-    let bands = bands(reader, toml, &rasters);
+    let bands = reader.raster_bands("bands", toml.bands.as_ref(), &rasters);
     let placement = placement(reader, toml, rows, columns, scene, watch);
     let bands = bands?;
     let irradiance = |band: usize| match &toml.irradiance_w_m2_um {
@@ -178,31 +157,6 @@ fn map(
         Ok(conversion) => Some((placement?, RasterTexels { rasters, bands, conversion, no_data: toml.no_data })),
         Err(message) => {
             reader.problem("unit", message);
-            None
-        }
-    }
-}
-
-/// The bands of a map: those that its file gives, or its rasters'.
-fn bands(reader: &mut Reader<'_>, toml: &MapToml, rasters: &[Raster]) -> Option<Vec<Band>> {
-    let of_raster: Vec<_> = rasters.iter().flat_map(|r| &r.bands).collect();
-    if let Some(given) = &toml.bands {
-        let bands = reader.bands("bands", given)?;
-        if bands.len() != of_raster.len() {
-            reader.problem("bands", format!("{} bands, but the raster has {}", bands.len(), of_raster.len()));
-            return None;
-        }
-        return Some(bands);
-    }
-    let known = of_raster.iter().map(|b| Some(Band { centre_um: b.centre_um?, fwhm_um: b.fwhm_um }));
-    match known.collect::<Option<Vec<Band>>>() {
-        Some(bands) if bands.iter().all(|b| b.centre_um > 0.0) => Some(bands),
-        _ => {
-            reader.helped(
-                "bands",
-                "is missing: the raster does not say the wavelengths of its bands",
-                "give them as `bands = { centres_um = [1.0, 1.1] }`",
-            );
             None
         }
     }
@@ -255,7 +209,10 @@ fn placement(
             })))
         }
         PlacementToml::Plane => match &toml.plane {
-            Some(plane) => self::plane(reader, plane, rows, columns, occlusion),
+            Some(plane) => reader.plane("plane", plane).map(|(projection, towards)| {
+                let eye = Eye::Towards(towards);
+                Placement::View(Box::new(ViewImage { projection, eye, rows, columns, occlusion }))
+            }),
             None => {
                 reader.problem("plane", "is missing: it says where the raster lies");
                 None
@@ -265,7 +222,13 @@ fn placement(
 }
 
 /// The camera that an image was taken by, local to the scene.
-fn camera(reader: &mut Reader<'_>, toml: &MapToml, rows: usize, columns: usize, watch: Watch<'_>) -> Option<FrameCamera> {
+fn camera(
+    reader: &mut Reader<'_>,
+    toml: &MapToml,
+    rows: usize,
+    columns: usize,
+    watch: Watch<'_>,
+) -> Option<FrameCamera> {
     let (Ok(samples), Ok(lines)) = (u32::try_from(columns), u32::try_from(rows)) else { return None };
     match (&toml.scene, &toml.observer, &toml.sensor) {
         (Some(name), None, None) => {
@@ -301,37 +264,4 @@ fn camera(reader: &mut Reader<'_>, toml: &MapToml, rows: usize, columns: usize, 
             None
         }
     }
-}
-
-/// A raster on a plane, local to the scene.
-fn plane(reader: &mut Reader<'_>, toml: &PlaneToml, rows: usize, columns: usize, occlusion: bool) -> Option<Placement> {
-    let [along, across] = [toml.along_line_m, toml.line_to_line_m].map(DVec3::from_array);
-    let normal = Direction::new(across.cross(along));
-    let Some(normal) = normal.filter(|_| along.angle_between(across).sin() > 1e-6) else {
-        reader.problem("plane.line_to_line_m", "runs along the lines: the two steps do not span a plane");
-        return None;
-    };
-    // Seen from where lines run to the right and follow one another downwards.
-    let towards = match toml.towards {
-        Some(towards) => Direction::new(DVec3::from_array(towards)),
-        None => Some(normal),
-    };
-    let Some(towards) = towards.filter(|t| t.vec().dot(normal.vec()).abs() > 1e-6) else {
-        reader.problem("plane.towards", "is no direction from which the plane is seen: it lies in the plane");
-        return None;
-    };
-    let mut corner_m = DVec3::from_array(toml.corner_m);
-    if toml.coordinates == Some(Coordinates::Body) {
-        corner_m -= reader.origin_m();
-    }
-    // p - corner = s along + t across + d towards: rows of the inverse.
-    let from_steps = glam::DMat3::from_cols(along, across, towards.vec());
-    let steps = from_steps.inverse().transpose();
-    Some(Placement::View(Box::new(ViewImage {
-        projection: Projection::parallel(steps.x_axis, steps.y_axis, corner_m, [0.0; 2]),
-        eye: Eye::Towards(towards),
-        rows,
-        columns,
-        occlusion,
-    })))
 }

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::formats::scene_toml::types::{BandsToml, Coordinates, ObserverToml};
+use crate::formats::scene_toml::types::{BandsToml, ObserverToml, PlaneToml, RasterToml};
 
 /// A radiance map: the raster that holds it, what its numbers are, and where they lie in a scene. Relative paths start at this
 /// file's folder.
@@ -39,16 +39,6 @@ pub(super) struct MapToml {
     /// For a camera or a plane: whether a surface that others hide from it is unknown (the default); if not, the image goes
     /// through everything.
     pub(super) occlusion: Option<bool>,
-}
-
-/// One file, or several.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(untagged)]
-pub(super) enum RasterToml {
-    /// One raster.
-    One(String),
-    /// Several.
-    Several(Vec<String>),
 }
 
 /// One number for all bands, or one for each.
@@ -128,21 +118,4 @@ pub(super) struct MapSensorToml {
     /// Angle that a line of pixels subtends, deg.
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 180))]
     pub(super) fov_deg: Option<f64>,
-}
-
-/// A raster on a plane.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct PlaneToml {
-    /// The outer corner of the first pixel of the first line, m.
-    pub(super) corner_m: [f64; 3],
-    /// From a pixel to the next one in its line, m.
-    pub(super) along_line_m: [f64; 3],
-    /// From a line to the next one, m.
-    pub(super) line_to_line_m: [f64; 3],
-    /// Direction towards the viewer, along which the plane is put onto the scene; any length. Default: the plane's normal, on the
-    /// side from which the image is not a mirror image.
-    pub(super) towards: Option<[f64; 3]>,
-    /// Whether positions are local to the scene's `origin_m`, or start at the body's centre. Axes are those of the body. Default "local".
-    pub(super) coordinates: Option<Coordinates>,
 }

@@ -36,10 +36,16 @@ impl Conversion {
             (Radiance, MicroPerCm2PerNm) => Conversion::Times(10.0),
             (BandRadiance, InBand) => match band.fwhm_um {
                 Some(width_um) if width_um > 0.0 => Conversion::Times(1.0 / width_um),
-                _ => return Err(format!("radiance in a band needs the band's width, which that at {} um lacks", band.centre_um)),
+                _ => {
+                    return Err(format!(
+                        "radiance in a band needs the band's width, which that at {} um lacks",
+                        band.centre_um
+                    ));
+                }
             },
             (ReflectanceFactor, One | Percent) => {
-                let irradiance = irradiance.ok_or("a reflectance factor needs the irradiance that it refers to: give `irradiance_w_m2_um`")?;
+                let irradiance = irradiance
+                    .ok_or("a reflectance factor needs the irradiance that it refers to: give `irradiance_w_m2_um`")?;
                 Conversion::OfFactor { scale: if unit == Percent { 0.01 } else { 1.0 }, irradiance }
             }
             (BrightnessTemperature, Kelvin) => Conversion::OfTemperature(band.centre_um),
@@ -57,7 +63,11 @@ impl Conversion {
                 reflectance::radiance_of_reflectance_factor(scale * value, irradiance)
             }
             Conversion::OfTemperature(um) => {
-                if value < 0.0 { value } else { blackbody::radiance_w_m2_sr_um(um, value) }
+                if value < 0.0 {
+                    value
+                } else {
+                    blackbody::radiance_w_m2_sr_um(um, value)
+                }
             }
         }
     }
@@ -116,18 +126,25 @@ impl TexelSource for RasterTexels {
 
 impl RasterTexels {
     fn negative(&self, raster: &Raster, band: usize, i: usize, value: f64) -> Error {
-        let at = Location::file(&raster.path)
-            .with_item(format!("band {}, row {}, column {}", band + 1, i / raster.columns, i % raster.columns));
+        let at = Location::file(&raster.path).with_item(format!(
+            "band {}, row {}, column {}",
+            band + 1,
+            i / raster.columns,
+            i % raster.columns
+        ));
         let help = if value == -1.0 {
             "if -1 stands for what is not known, say `no_data = -1`"
         } else {
             "say which number stands for what is not known: `no_data`"
         };
-        Error::Invalid(vec![Problem::new(at, format!("{value} is negative, which nothing that a map holds can be")).with_help(help)])
+        Error::Invalid(vec![
+            Problem::new(at, format!("{value} is negative, which nothing that a map holds can be")).with_help(help),
+        ])
     }
 }
 
 /// Values of facets in memory: [facet, band].
+#[derive(Debug)]
 pub(super) struct FacetTexels {
     pub(super) path: PathBuf,
     pub(super) bands: Vec<Band>,

@@ -111,7 +111,7 @@ fn scale(header: &Header, problems: &mut Vec<Problem>) -> Vec<Scale> {
 /// Opens an ILWIS map by its header or its values.
 pub(super) fn open_ilwis(path: &Path) -> Result<Raster> {
     let (header, header_path, values_path) = ilwis::open(path)?;
-    let (rows, columns) = header.size();
+    let [rows, columns] = header.size();
     let store = header.store();
     check_size(Location::file(&header_path), rows, columns, 1)?;
     let flat = Flat {

@@ -21,7 +21,7 @@ use crate::report::Report;
 use super::input::{Hashing, InputFile};
 pub use super::number::DataType;
 
-use self::flat::Flat;
+use self::flat::{Flat, Order};
 
 /// Bands that one pass through a file gives are kept up to this size, or one band if that is larger.
 const PASS_BYTES: usize = 256 << 20;
@@ -136,6 +136,23 @@ pub fn open(path: &Path) -> Result<Raster> {
 }
 
 impl Raster {
+    /// The same numbers, a column for each band: of a table with a line for each thing. What has bands already stays as it is.
+    #[must_use]
+    pub fn columns_as_bands(mut self) -> Self {
+        if let Reader::Flat(flat) = &mut self.reader
+            && flat.bands == 1
+            && self.scale.is_empty()
+        {
+            flat.order = match flat.order {
+                Order::BandColumnRow => Order::BandRowColumn,
+                _ => Order::RowColumnBand,
+            };
+            (flat.bands, flat.columns) = (flat.columns, 1);
+            (self.columns, self.bands) = (1, vec![RasterBand::default(); flat.bands]);
+        }
+        self
+    }
+
     /// Number of pixels.
     pub fn pixels(&self) -> usize {
         self.rows * self.columns

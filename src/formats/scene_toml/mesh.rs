@@ -93,7 +93,13 @@ impl Reader<'_> {
             self.notes.push(format!("{item}: statements passed over: {}", list.join(", ")));
         }
         let material = obj.facet_material.into_iter().map(MaterialId).collect();
-        let mesh = Mesh { vertices_m: obj.vertices, facets: obj.facets, material, face_of_facet: obj.face_of_facet, uv: obj.uv };
+        let mesh = Mesh {
+            vertices_m: obj.vertices,
+            facets: obj.facets,
+            material,
+            face_of_facet: obj.face_of_facet,
+            uv: obj.uv,
+        };
         Some((mesh, obj.materials))
     }
 

@@ -5,6 +5,7 @@
 
 mod materials;
 mod mesh;
+mod rasters;
 pub(super) mod types;
 mod view;
 mod write;
@@ -16,7 +17,7 @@ use glam::DVec3;
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::Direction;
 use crate::progress::{Progress, Watch};
-use crate::scene::{Mars, MarsModel, Scene, Sun, Thermal};
+use crate::scene::{Mars, MarsModel, Scene, Sun, Texture, Thermal};
 use crate::spectral::{Extend, Spectrum, solar_e490};
 use crate::units::{AU_M, MARS_RADIUS_M, TSI_1AU_W_M2};
 
@@ -190,11 +191,12 @@ impl Reader<'_> {
         let mars = toml.mars.as_ref().map(|mars| self.mars(mars));
         let thermal = self.thermal(toml.thermal.as_ref());
         let sensor = self.sensor(&toml.sensor, &toml.observer, mesh.as_ref());
+        let textures = self.textures(toml, &dictionary.names, mesh.as_ref());
         Some(Scene {
             origin_m: self.origin_m,
             mesh: mesh?,
             materials: dictionary.materials?,
-            textures: vec![],
+            textures,
             sun: sun?,
             mars: match mars {
                 Some(mars) => Some(mars?),
@@ -203,6 +205,16 @@ impl Reader<'_> {
             thermal,
             sensor: sensor?,
         })
+    }
+
+    /// The textures of materials, in the order of the dictionary; those that cannot be used are problems.
+    fn textures(&mut self, toml: &SceneToml, names: &[String], mesh: Option<&crate::geometry::Mesh>) -> Vec<Texture> {
+        let Some(mesh) = mesh else { return vec![] };
+        let texture = |(id, name): (usize, &String)| {
+            let toml = toml.materials.get(name)?.texture.as_ref()?;
+            self.texture(name, id, toml, mesh)
+        };
+        names.iter().enumerate().filter_map(texture).collect()
     }
 
     pub(super) fn problem(&mut self, item: &str, message: impl Into<String>) -> &mut Problem {

@@ -136,6 +136,109 @@ pub(crate) struct MaterialToml {
     pub(crate) bond_albedo: Option<f64>,
     /// Emissivity over all wavelengths, for the heat balance. Default 0.95.
     pub(crate) emissivity_bolometric: Option<f64>,
+    /// Variation of reflectance inside facets. Heat does not see it.
+    pub(crate) texture: Option<TextureToml>,
+}
+
+/// An image on a material's facets.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct TextureToml {
+    /// Path of a raster; or of several of the same size, whose bands follow one another.
+    pub(crate) raster: RasterToml,
+    /// What its numbers are.
+    pub(crate) quantity: TextureQuantityToml,
+    /// Their unit. Default "1".
+    pub(crate) unit: Option<FactorUnitToml>,
+    /// Where it lies.
+    pub(crate) placement: TexturePlacementToml,
+    /// For `placement = "plane"`: where the raster lies. It is put through everything.
+    pub(crate) plane: Option<PlaneToml>,
+    /// Whether factors are divided by their mean over the material's facets, so that it is 1 ("one", the default for factors), or
+    /// stay as they are ("kept", the default for reflectances).
+    pub(crate) mean: Option<MeanToml>,
+    /// What holds between the centres of texels. Default "nearest".
+    pub(crate) texels: Option<TexelsToml>,
+    /// Wavelengths of the raster's bands, where it does not say them, or others. One band may do without: it is for all wavelengths.
+    pub(crate) bands: Option<BandsToml>,
+}
+
+/// One file, or several.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(crate) enum RasterToml {
+    /// One raster.
+    One(String),
+    /// Several.
+    Several(Vec<String>),
+}
+
+/// What a texture's numbers are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum TextureQuantityToml {
+    /// Factors of the material's reflectance.
+    Factor,
+    /// Reflectances in the material's stead.
+    Reflectance,
+}
+
+/// Units of factors.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+pub(crate) enum FactorUnitToml {
+    /// As it is.
+    #[serde(rename = "1")]
+    One,
+    /// Times 100.
+    #[serde(rename = "%")]
+    Percent,
+}
+
+/// Where a texture lies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum TexturePlacementToml {
+    /// By the texture coordinates of the meshes.
+    Atlas,
+    /// On squares of a plane, put onto the scene along one direction.
+    Plane,
+}
+
+/// What becomes of a texture's mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum MeanToml {
+    /// It is made 1.
+    One,
+    /// It stays.
+    Kept,
+}
+
+/// What holds between texel centres.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum TexelsToml {
+    /// A texel has one value all over.
+    Nearest,
+    /// Values vary linearly from centre to centre.
+    Bilinear,
+}
+
+/// A raster on a plane.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct PlaneToml {
+    /// The outer corner of the first pixel of the first line, m.
+    pub(crate) corner_m: [f64; 3],
+    /// From a pixel to the next one in its line, m.
+    pub(crate) along_line_m: [f64; 3],
+    /// From a line to the next one, m.
+    pub(crate) line_to_line_m: [f64; 3],
+    /// Direction towards the viewer, along which the plane is put onto the scene; any length. Default: the plane's normal, on the
+    /// side from which the image is not a mirror image.
+    pub(crate) towards: Option<[f64; 3]>,
+    /// Whether positions are local to `origin_m` of the scene, or start at the body's centre. Axes are those of the body. Default "local".
+    pub(crate) coordinates: Option<Coordinates>,
 }
 
 /// A number for all wavelengths, or a table.

@@ -1,0 +1,334 @@
+//! What a DART simulation computed, as radiance maps of a scene: images of parallel views, and the radiative budget of triangles.
+//!
+//! `output/BANDn/{BRF,Tapp,Radiance}/ITERn/IMAGES_DART/*.mpr` are the images; `simulation.properties.txt` tells their directions, bands and
+//! irradiances. Axes and angles of DART end here: maps lie in the scene's local frame.
+
+mod georef;
+mod images;
+mod properties;
+
+use std::path::{Component, Path, PathBuf};
+
+use glam::DVec3;
+
+use crate::error::{Error, Location, Problem, Result};
+use crate::geometry::{Direction, Pose};
+use crate::product::RadianceMap;
+use crate::scene::Scene;
+use crate::spectral::Band;
+
+use super::frame;
+use super::place::scene_from_dart;
+use super::read::{self, Options};
+use properties::{Properties, Told};
+
+/// What DART's images hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Quantity {
+    /// Reflectance factor: pi times radiance over the irradiance of a horizontal plane.
+    Brf,
+    /// Apparent temperature: that of a black body of the same radiance, K.
+    Tapp,
+    /// Radiance, W m-2 sr-1 um-1.
+    Radiance,
+}
+
+impl Quantity {
+    const ALL: [Quantity; 3] = [Quantity::Brf, Quantity::Tapp, Quantity::Radiance];
+
+    /// The name of its folders.
+    pub fn name(self) -> &'static str {
+        match self {
+            Quantity::Brf => "BRF",
+            Quantity::Tapp => "Tapp",
+            Quantity::Radiance => "Radiance",
+        }
+    }
+}
+
+/// A band of a view.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OutputBand {
+    /// DART's number of it, from 0.
+    pub number: usize,
+    /// Middle and full width of the wavelengths it reaches over.
+    pub band: Band,
+    /// The image's header, `.mpr`.
+    pub path: PathBuf,
+}
+
+/// An image by parallel projection, in some bands.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OutputView {
+    /// The images' common name, as in `ima03_VZ=022_4_VA=090_0`.
+    pub name: String,
+    /// What they hold.
+    pub quantity: Quantity,
+    /// The folder of the iteration that they are of, as in `ITER3`; `ITERX` is extrapolated to all iterations.
+    pub iteration: String,
+    /// Zenith angle and azimuth of the direction from the scene to the viewer, deg, in DART's frame: azimuths from x (down the image, South) to
+    /// y (right, East).
+    pub towards_deg: [f64; 2],
+    /// To what these angles are known, deg.
+    rounding_deg: f64,
+    /// The number in the name.
+    number: u32,
+    /// Bands that there are images of, ascending.
+    pub bands: Vec<OutputBand>,
+}
+
+impl OutputView {
+    /// The direction towards the viewer in the scene's local frame.
+    pub fn towards(&self, scene_from_dart: &Pose) -> Direction {
+        // A vector made of angles has a length.
+        Direction::new(scene_from_dart.vector(frame::vector(self.towards_deg)))
+            .unwrap_or_else(|| Direction::new(DVec3::Z).expect("z has a direction"))
+    }
+}
+
+/// What a DART simulation computed that can be a radiance map of a scene.
+#[derive(Debug, Clone)]
+pub struct Output {
+    /// The folder `output`.
+    folder: PathBuf,
+    properties: Properties,
+    views: Vec<OutputView>,
+    passed_over: Vec<String>,
+}
+
+/// What a map needs that the simulation's folder may not say.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct MapOptions {
+    /// DART's frame in that of the scene; `None`: by the simulation's inputs, which the scene was made of or into.
+    pub scene_from_dart: Option<Pose>,
+    /// Irradiance of a horizontal plane under the atmosphere that reflectance factors refer to, W m-2 um-1, for each band of the view; `None`: as in
+    /// `simulation.properties.txt`.
+    pub irradiance_w_m2_um: Option<Vec<f64>>,
+    /// Columns and rows by which what an image shows lies beyond where its corners put it. 0 is as DART says; adapters/dart/README.md tells of an image
+    /// that is off.
+    pub shift_texels: [f64; 2],
+}
+
+/// Finds what a simulation computed, at the path of its folder, of its `output/`, of a folder therein (a band, an iteration, `IMAGES_DART`), or of one
+/// image: what lies there.
+///
+/// Of several iterations that lie there `ITERX` is taken, or that with the highest number. Values are not read.
+///
+/// # Errors
+/// [`Error::Io`]; [`Error::Invalid`] with all that is wrong: nothing there, a band that lacks the iteration that others have, names and properties that do
+/// not say a direction or a band.
+pub fn open(path: &Path) -> Result<Output> {
+    if !path.exists() {
+        return Err(Error::io(path, "reading", std::io::ErrorKind::NotFound.into()));
+    }
+    let folder = root(path)?;
+    let properties = Properties::read(&folder.join(properties::FILE))?;
+    let mut output = Output { folder, properties, views: Vec::new(), passed_over: Vec::new() };
+    output.find_views(path)?;
+    Ok(output)
+}
+
+/// The folder of `simulation.properties.txt`: `output/` within, this one, or one around.
+fn root(path: &Path) -> Result<PathBuf> {
+    let holds = |folder: &Path| folder.join(properties::FILE).is_file();
+    let within = path.join("output");
+    if holds(&within) {
+        return Ok(within);
+    }
+    // IMAGES_DART is five folders below, one more if it is of a type of objects.
+    let around = path.ancestors().filter(|folder| !folder.as_os_str().is_empty()).take(7);
+    let here = Path::new(".");
+    match around.chain((!path.has_root()).then_some(here)).find(|folder| holds(folder)) {
+        Some(folder) => Ok(folder.to_owned()),
+        None => {
+            let message = format!(
+                "is no output of DART: neither it, nor `output` in it, nor a folder around it holds {}",
+                properties::FILE
+            );
+            let help = "copy that file with the images: it tells bands, directions and irradiances";
+            Err(Error::Invalid(vec![Problem::new(Location::file(path), message).with_help(help)]))
+        }
+    }
+}
+
+/// Folders and files in a folder, sorted; none if it is not there.
+fn names(folder: &Path) -> Result<Vec<String>> {
+    if !folder.is_dir() {
+        return Ok(Vec::new());
+    }
+    let io = |e| Error::io(folder, "reading", e);
+    let mut names = Vec::new();
+    for entry in folder.read_dir().map_err(io)? {
+        names.push(entry.map_err(io)?.file_name().to_string_lossy().into_owned());
+    }
+    names.sort();
+    Ok(names)
+}
+
+/// The number of a band's folder, `BANDn`.
+fn band_number(name: &str) -> Option<usize> {
+    name.strip_prefix("BAND")?.parse().ok()
+}
+
+/// The place of an iteration's folder among others: the last is taken.
+fn iteration_rank(name: &str) -> Option<u32> {
+    let number = name.strip_prefix("ITER")?;
+    if number == "X" { Some(u32::MAX) } else { number.parse().ok().filter(|n| *n < u32::MAX) }
+}
+
+/// A path without what names the same place twice.
+fn plain(path: &Path) -> PathBuf {
+    path.components().filter(|c| !matches!(c, Component::CurDir)).collect()
+}
+
+impl Output {
+    /// All views there are.
+    pub fn views(&self) -> &[OutputView] {
+        &self.views
+    }
+
+    /// Names of images that are no parallel views: a camera's.
+    pub fn passed_over(&self) -> &[String] {
+        &self.passed_over
+    }
+
+    /// A view as a map of a scene: an image of it, each texel at what is seen there.
+    ///
+    /// # Errors
+    /// [`Error::Io`]; [`Error::Invalid`] with all that is wrong: images that are cut short, of different sizes or without corners; corners that do not
+    /// go with the size, the pixel and the direction; irradiances that are missing; a placement that is not known; a map that does not
+    /// overlap the scene.
+    pub fn view_map(&self, view: usize, scene: &Scene, options: &MapOptions) -> Result<RadianceMap> {
+        let Some(view) = self.views.get(view) else {
+            let message = format!("there is no view {view}: there are {}, counted from 0", self.views.len());
+            return Err(Error::invalid(Location::file(&self.folder), message));
+        };
+        let pose = self.scene_from_dart(scene, options);
+        images::map(view, &self.properties, pose, scene, options)
+    }
+
+    /// DART's frame in the scene's.
+    fn scene_from_dart(&self, scene: &Scene, options: &MapOptions) -> Result<Pose> {
+        if let Some(pose) = options.scene_from_dart {
+            return Ok(pose);
+        }
+        let simulation = match self.folder.parent() {
+            Some(around) if !around.as_os_str().is_empty() => around.to_owned(),
+            _ => self.folder.join(".."),
+        };
+        let reading = Options::default();
+        let folder = reading.folder(&simulation);
+        if !folder.input.join("maket.xml").is_file() {
+            let message =
+                "where DART's scene lies in this one is not known: the simulation's `input` is not beside its `output`";
+            let help = "copy it there, or give the placement `scene_from_dart`";
+            return Err(Error::Invalid(vec![Problem::new(Location::file(&self.folder), message).with_help(help)]));
+        }
+        // Files that inputs name are not opened, so that it does not matter where they are.
+        let (simulation, _, _) = read::read(&simulation, &Options { allow_outside: true, ..reading })?;
+        scene_from_dart(&simulation, &folder, scene)
+    }
+
+    fn find_views(&mut self, path: &Path) -> Result<()> {
+        let wanted = plain(path);
+        // What is asked for lies in, or around, a folder or file.
+        let is_wanted = |at: &Path| {
+            let at = plain(at);
+            at.starts_with(&wanted) || wanted.starts_with(&at)
+        };
+        let mut problems = Vec::new();
+        let mut bands: Vec<(usize, PathBuf)> = names(&self.folder)?
+            .iter()
+            .filter_map(|name| Some((band_number(name)?, self.folder.join(name))))
+            .filter(|(_, folder)| is_wanted(folder))
+            .collect();
+        bands.sort();
+        for quantity in Quantity::ALL {
+            let mut found: Vec<(&(usize, PathBuf), Vec<String>)> = Vec::new();
+            for band in &bands {
+                let folder = band.1.join(quantity.name());
+                let mut iterations = names(&folder)?;
+                iterations
+                    .retain(|name| iteration_rank(name).is_some() && is_wanted(&folder.join(name).join("IMAGES_DART")));
+                if !iterations.is_empty() {
+                    found.push((band, iterations));
+                }
+            }
+            let last =
+                found.iter().flat_map(|(_, iterations)| iterations).max_by_key(|name| iteration_rank(name)).cloned();
+            let Some(last) = last else { continue };
+            for ((number, folder), iterations) in found {
+                let folder = folder.join(quantity.name());
+                if !iterations.contains(&last) {
+                    let message = format!("has no {last}, which other bands have: was the simulation interrupted?");
+                    problems.push(Problem::new(Location::file(&folder), message));
+                    continue;
+                }
+                let band = match self.properties.band(*number) {
+                    Ok(band) => band,
+                    Err(problem) => {
+                        if !problems.contains(&problem) {
+                            problems.push(problem);
+                        }
+                        continue;
+                    }
+                };
+                let images = folder.join(&last).join("IMAGES_DART");
+                for name in names(&images)? {
+                    let path = images.join(&name);
+                    // An image's values stand for it as well.
+                    let is_asked = is_wanted(&path) || is_wanted(&path.with_extension("mp#"));
+                    if let Some(name) = name.strip_suffix(".mpr").filter(|_| is_asked) {
+                        let band = OutputBand { number: *number, band, path };
+                        if let Err(problem) = self.add(name, quantity, &last, band) {
+                            problems.push(problem);
+                        }
+                    }
+                }
+            }
+        }
+        let is_part = !plain(&self.folder).starts_with(&wanted);
+        if problems.is_empty() && is_part && self.views.is_empty() && self.passed_over.is_empty() {
+            let message = "holds no images: they are BANDn/{BRF,Tapp,Radiance}/ITERn/IMAGES_DART/*.mpr of the simulation's `output`";
+            problems.push(Problem::new(Location::file(path), message));
+        }
+        if problems.is_empty() { Ok(()) } else { Err(Error::Invalid(problems)) }
+    }
+
+    /// Adds a band's image to its view, or passes it over.
+    fn add(&mut self, name: &str, quantity: Quantity, iteration: &str, band: OutputBand) -> Told<()> {
+        if let Some(view) = self.views.iter_mut().find(|v| v.name == name && v.quantity == quantity) {
+            view.bands.push(band);
+            return Ok(());
+        }
+        let (prefix, angles) = name.split_once('_').unwrap_or((name, ""));
+        let known = self.properties.image(prefix)?;
+        let number = prefix.strip_prefix("ima").and_then(|n| n.parse().ok());
+        let Some(number) = number.filter(|_| known.as_ref().is_none_or(|image| !image.is_sensor)) else {
+            if !self.passed_over.iter().any(|other| other == name) {
+                self.passed_over.push(name.to_owned());
+            }
+            return Ok(());
+        };
+        let (towards_deg, rounding_deg) = match known {
+            Some(image) => (image.towards_deg, images::PROPERTY_ROUNDING_DEG),
+            None => (images::angles_of_name(angles).ok_or_else(|| {
+                let message = format!(
+                    "from where it was seen is not known: {} has no imageNamePrefix:{prefix}, and no _VZ=..._VA=... is in the name",
+                    self.properties.path.display()
+                );
+                Problem::new(Location::file(&band.path), message)
+            })?, images::NAME_ROUNDING_DEG),
+        };
+        if !(0.0..90.0).contains(&towards_deg[0]) {
+            let message = format!(
+                "a view from a zenith angle of {} deg: parallel views are from above, below 90 deg",
+                towards_deg[0]
+            );
+            return Err(Problem::new(Location::file(&band.path), message));
+        }
+        let (name, iteration) = (name.to_owned(), iteration.to_owned());
+        self.views.push(OutputView { name, quantity, iteration, towards_deg, rounding_deg, number, bands: vec![band] });
+        Ok(())
+    }
+}

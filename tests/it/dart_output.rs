@@ -1,0 +1,511 @@
+//! DART's outputs as radiance maps: where texels lie and what they hold, against numbers worked out by hand, and damaged outputs.
+
+use std::f64::consts::PI;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use glam::{DMat3, DVec3};
+use mmxrt::formats::dart::output::{self, MapOptions, Quantity};
+use mmxrt::formats::dart::{self, ReadOptions, SceneOptions, WriteOptions};
+use mmxrt::geometry::{Direction, Mesh, Pose};
+use mmxrt::product::{Eye, Placement, RadianceMap, ViewImage};
+use mmxrt::progress::unwatched;
+use mmxrt::scene::{FrameCamera, Material, Photometry, Scene, Sensor, Sun, Thermal};
+use mmxrt::spectral::{Band, Spectrum};
+use mmxrt::units::AU_M;
+
+use crate::scratch::Scratch;
+use crate::shapes::{cuboid, joined, quad};
+
+/// A scene of a mesh, with what else there must be.
+fn scene(mesh: Mesh, origin_m: DVec3) -> Scene {
+    let grey = Material {
+        name: "grey".into(),
+        reflectance: Spectrum::constant(0.1),
+        photometry: Photometry::Lambert,
+        emissivity: Spectrum::constant(0.9),
+        bond_albedo: 0.1,
+        emissivity_bolometric: 0.95,
+        mixture: vec![(0, 1.0)],
+    };
+    let rotation = DMat3::from_cols(DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z);
+    let world_from_sensor = Pose { rotation, translation_m: DVec3::new(0.0, 0.0, 1000.0) };
+    Scene {
+        textures: vec![],
+        origin_m,
+        mesh,
+        materials: vec![grey],
+        sun: Sun {
+            direction: Direction::new(DVec3::new(1.0, 0.0, 1.0)).unwrap(),
+            distance_m: AU_M,
+            irradiance_1au: Spectrum::constant(700.0),
+            total_irradiance_1au_w_m2: 1361.0,
+        },
+        mars: None,
+        thermal: Thermal::Off,
+        sensor: Sensor {
+            name: "test".into(),
+            camera: FrameCamera { world_from_sensor, samples: 4, lines: 4, pitch: 5e-3 },
+            bands: vec![Band { centre_um: 1.0, fwhm_um: None }],
+        },
+    }
+    .check()
+    .unwrap()
+}
+
+/// DART's frame where x is South, y East, and the scene's origin is at (6, 8, 0).
+fn pose() -> Pose {
+    let rotation = DMat3::from_cols(DVec3::NEG_Y, DVec3::X, DVec3::Z);
+    Pose { rotation, translation_m: rotation * DVec3::new(-6.0, -8.0, 0.0) }
+}
+
+/// Ground of 12 m (South) by 16 m (East), and a box 4 m high on it from (2, 4) to (6, 12) in DART's frame.
+fn box_on_ground() -> Scene {
+    let ground = quad([-8.0, -6.0, 0.0], [8.0, -6.0, 0.0], [8.0, 6.0, 0.0], [-8.0, 6.0, 0.0]);
+    scene(joined(&[ground, cuboid([-4.0, 0.0, 0.0], [4.0, 4.0, 4.0])]), DVec3::ZERO)
+}
+
+fn options() -> MapOptions {
+    MapOptions { scene_from_dart: Some(pose()), ..MapOptions::default() }
+}
+
+/// An image as DART writes it.
+struct Image<'a> {
+    folder: &'a str,
+    name: &'a str,
+    number: u32,
+    size: [usize; 2],
+    pixel_m: f64,
+    /// (first row, first column), (last, first), (last, last), (first, last), in DART's x and y.
+    corners_m: [[f64; 2]; 4],
+    values: Vec<f64>,
+}
+
+impl Image<'_> {
+    fn write(&self, output: &Path) -> PathBuf {
+        let folder = output.join(self.folder).join("IMAGES_DART");
+        std::fs::create_dir_all(&folder).unwrap();
+        let ([rows, columns], name) = (self.size, self.name);
+        let (height_m, width_m) = (rows as f64 * self.pixel_m, columns as f64 * self.pixel_m);
+        let header = format!(
+            "[Ilwis]\nType=BaseMap\n\n[BaseMap]\nCoordBounds=0 -{width_m} {height_m} 0\nType=Map\n\n[Map]\nGeoRef={name}.grf\n\
+             Size={rows} {columns}\nType=MapStore\n\n[MapStore]\nData={name}.mp#\nType=Real\nStructure=Line\nStartOffset=0\nRowLength={columns}\n"
+        );
+        std::fs::write(folder.join(format!("{name}.mpr")), header).unwrap();
+        let bytes: Vec<u8> = self.values.iter().flat_map(|v| v.to_le_bytes()).collect();
+        std::fs::write(folder.join(format!("{name}.mp#")), bytes).unwrap();
+        let mut table = b"ILWIS 2.00 Table\r\n\x1a".to_vec();
+        table.resize(128, 0);
+        let last = [rows as i32, columns as i32];
+        for (corner, [row, column]) in [(0, [1, 1]), (3, [1, last[1]]), (1, [last[0], 1]), (2, last)] {
+            table.extend(self.corners_m[corner].iter().flat_map(|x| x.to_le_bytes()));
+            table.extend([row, column, 2].iter().flat_map(|n: &i32| n.to_le_bytes()));
+        }
+        std::fs::write(folder.join(format!("{name}.gr#")), table).unwrap();
+        let mut text = String::from("Ima  X1      Y1\n\t(same size as original image)\n");
+        let numbers = self.corners_m.iter().flatten().fold(String::new(), |mut all, n| {
+            write!(all, " {n:.6}").unwrap();
+            all
+        });
+        write!(text, "{}{numbers}\n  {numbers}\n", self.number).unwrap();
+        std::fs::write(folder.join("georef"), text).unwrap();
+        folder
+    }
+}
+
+const NAME: &str = "ima02_VZ=036_9_VA=090_0";
+
+/// The box seen from the East, 36.87 deg from the zenith: sine 0.6, cosine 0.8. Its height displaces its top by 4 x 0.75 = 3 m, so that the image
+/// begins at y = -3 m and has, with 16 rows of 1 m / 0.8, 20 m on the ground; columns run from x = 12 m to 0. The value of row r, column c is r + c / 100.
+fn oblique(folder: &str) -> Image<'_> {
+    Image {
+        folder,
+        name: NAME,
+        number: 2,
+        size: [16, 12],
+        pixel_m: 1.0,
+        corners_m: [[12.0, -3.0], [12.0, 17.0], [0.0, 17.0], [0.0, -3.0]],
+        values: (0..16 * 12).map(|i| f64::from(i / 12) + f64::from(i % 12) / 100.0).collect(),
+    }
+}
+
+const PROPERTIES: &str = "maket.lowerCorner.z:0\nphase.nbSpectralBands:2\ndart.products.image0.teta:36.869898\ndart.products.image0.phi:90.000000\n\
+     dart.products.image0.imageNamePrefix:ima02\ndart.products.image0.isSensorImage:0\ndart.band0.lambdaMin:0.62000000000000\n\
+     dart.band0.lambdaMax:0.75000000000000\ndart.band0.BOA.irradiance:852.000000\nphase.band1.lambdamin:9\nphase.band1.lambdamax:11\n\
+     dart.band1.equivalentWavelength:9.9\n";
+
+/// A simulation's `output` with an oblique image in a folder.
+fn output_with(scratch: &Scratch, image: &Image<'_>) -> PathBuf {
+    let output = scratch.join("output");
+    std::fs::create_dir_all(&output).unwrap();
+    std::fs::write(output.join("simulation.properties.txt"), PROPERTIES).unwrap();
+    image.write(&output);
+    output
+}
+
+fn view_of(map: &RadianceMap) -> &ViewImage {
+    match &map.placement {
+        Placement::View(view) => view,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn replace(path: &Path, from: &str, to: &str) {
+    let text = std::fs::read_to_string(path).unwrap();
+    assert!(text.contains(from), "{from} in {}", path.display());
+    std::fs::write(path, text.replace(from, to)).unwrap();
+}
+
+fn near(a: [f64; 2], b: [f64; 2]) -> bool {
+    a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6)
+}
+
+#[test]
+fn an_oblique_image_lands_on_the_faces_that_it_shows() {
+    let scratch = Scratch::new();
+    output_with(&scratch, &oblique("BAND0/BRF/ITER3"));
+    let output = output::open(scratch.path()).unwrap();
+    let [view] = output.views() else { panic!("{:?}", output.views()) };
+    assert_eq!((view.name.as_str(), view.quantity, view.iteration.as_str()), (NAME, Quantity::Brf, "ITER3"));
+    assert_eq!(view.towards_deg, [36.869898, 90.0]);
+    let scene = box_on_ground();
+    let mut map = output.view_map(0, &scene, &options()).unwrap();
+    let image = view_of(&map).clone();
+    assert_eq!((image.rows, image.columns, image.occlusion, map.weight), (16, 12, true, 1.0));
+    // y of DART is East, the scene's x.
+    let Eye::Towards(towards) = image.eye else { panic!("{:?}", image.eye) };
+    assert!((towards.vec() - DVec3::new(0.6, 0.0, 0.8)).length() < 1e-8);
+    // Row: 0.8 (y + 3) - 0.6 z; column: 12 - x.
+    for (dart_m, column, row) in [
+        ([12.0, -3.0, 0.0], 0.0, 0.0),
+        ([0.0, 0.0, 0.0], 12.0, 2.4),
+        // The top: its far edge, then the near one, where the front face begins.
+        ([2.0, 4.0, 4.0], 10.0, 3.2),
+        ([6.0, 12.0, 4.0], 6.0, 9.6),
+        // The front face's lower edge.
+        ([6.0, 12.0, 0.0], 6.0, 12.0),
+        ([2.0, 12.0, 0.0], 10.0, 12.0),
+    ] {
+        let at = image.projection.texel(pose().point(DVec3::from_array(dart_m)));
+        assert!(near(at, [column, row]), "{dart_m:?}: {at:?}");
+    }
+    // What lies on one line of sight is at one place: the far corner of the top, and the ground 3 m behind it.
+    let [top, ground] =
+        [[2.0, 4.0, 4.0], [2.0, 1.0, 0.0]].map(|p| image.projection.texel(pose().point(DVec3::from_array(p))));
+    assert!(near(top, ground));
+
+    assert_eq!(map.source.bands()[0].centre_um, 0.685);
+    assert!((map.source.bands()[0].fwhm_um.unwrap() - 0.13).abs() < 1e-15);
+    let mut values = vec![1.0; 3];
+    map.source.read(0, &mut values).unwrap();
+    assert_eq!(values.len(), 16 * 12);
+    // The middle of the top, (4, 8, 4): row 6.4, column 8: BRF 6.08, on 852 W m-2 um-1.
+    let [column, row] =
+        image.projection.texel(pose().point(DVec3::new(4.0, 8.0, 4.0))).map(|x| (x + 1e-6).floor() as usize);
+    assert_eq!((row, column), (6, 8));
+    assert!((values[row * 12 + column] - 6.08 * 852.0 / PI).abs() < 1e-12);
+    assert!((values[row * 12 + column] - 1648.896_140_013_8).abs() < 1e-6);
+}
+
+#[test]
+fn a_scene_11_m_high_is_displaced_by_4_53_m() {
+    // 30 m by 33 m, 11 m high, seen at 22.404906 deg from azimuth 90 deg: 11 tan = 4.534975; 36 / cos = 38.939403 m of ground in 36 rows.
+    let scratch = Scratch::new();
+    let image = Image {
+        folder: "BAND0/BRF/ITERX",
+        name: "ima002_VZ=022_4_VA=090_0",
+        number: 2,
+        size: [36, 31],
+        pixel_m: 1.0,
+        corners_m: [[30.0, -4.534_975], [30.0, 34.404_428], [-1.0, 34.404_428], [-1.0, -4.534_975]],
+        values: vec![0.5; 36 * 31],
+    };
+    let output = output_with(&scratch, &image);
+    let properties = output.join("simulation.properties.txt");
+    replace(&properties, "36.869898", "22.404906");
+    replace(&properties, "products.image0", "product.image17");
+    replace(&properties, "ima02", "ima002");
+    let scene_from_dart = Some(Pose { translation_m: DVec3::ZERO, ..pose() });
+    let scene = scene(cuboid([4.0, -16.0, 0.0], [29.0, -2.0, 10.0]), DVec3::ZERO);
+    let map = output::open(&output).unwrap();
+    let map = map.view_map(0, &scene, &MapOptions { scene_from_dart, ..MapOptions::default() }).unwrap();
+    let texel =
+        |dart_m: [f64; 3]| view_of(&map).projection.texel(scene_from_dart.unwrap().point(DVec3::from_array(dart_m)));
+    assert!(near(texel([30.0, 0.0, 11.0]), [0.0, 0.0]), "{:?}", texel([30.0, 0.0, 11.0]));
+    assert!(near(texel([30.0, -4.534_975, 0.0]), [0.0, 0.0]));
+    assert!(near(texel([-1.0, 34.404_428, 0.0]), [31.0, 36.0]));
+    assert!(near(texel([9.0, 33.0, 0.0]), [21.0, (33.0 + 4.534_975) * 22.404_906_f64.to_radians().cos()]));
+}
+
+#[test]
+fn temperatures_and_radiances_are_radiance() {
+    let scratch = Scratch::new();
+    let nothing = |i: usize, v: f64| {
+        if i == 0 {
+            -1.0
+        } else if i == 1 {
+            f64::NAN
+        } else {
+            v
+        }
+    };
+    let filled = |folder, value: f64| {
+        let mut image = oblique(folder);
+        image.values = (0..16 * 12).map(|i| nothing(i, value)).collect();
+        image
+    };
+    let output = output_with(&scratch, &filled("BAND1/Tapp/ITER2", 300.0));
+    filled("BAND0/Radiance/ITER2", 3.25).write(&output);
+    filled("BAND1/Radiance/ITER2", 4.5).write(&output);
+    let output = output::open(&output).unwrap();
+    let found: Vec<_> =
+        output.views().iter().map(|v| (v.quantity, v.bands.iter().map(|b| b.number).collect())).collect();
+    assert_eq!(found, [(Quantity::Tapp, vec![1]), (Quantity::Radiance, vec![0, 1])]);
+    let mut values = Vec::new();
+    let scene = box_on_ground();
+    let mut map = output.view_map(0, &scene, &options()).unwrap();
+    map.source.read(0, &mut values).unwrap();
+    assert!(values[0].is_nan() && values[1].is_nan());
+    // Planck at 9.9 um and 300 K: 2 h c^2 / l^5 / (exp(14387.768775 / 2970) - 1) = 1.191042972e8 / 9.9^5 / 126.0336.
+    let exponential = (14_387.768_775_f64 / 2970.0).exp() - 1.0;
+    assert!((values[2] / (1.191_042_972e8 / 9.9_f64.powi(5) / exponential) - 1.0).abs() < 1e-9, "{}", values[2]);
+    let mut map = output.view_map(1, &scene, &options()).unwrap();
+    assert_eq!(map.source.bands()[1], Band { centre_um: 10.0, fwhm_um: Some(2.0) });
+    map.source.read(1, &mut values).unwrap();
+    assert!(values[0].is_nan() && values[2] == 4.5);
+}
+
+#[test]
+fn the_last_iteration_is_taken_unless_another_is_named() {
+    let scratch = Scratch::new();
+    let output = output_with(&scratch, &oblique("BAND0/BRF/ITER9"));
+    let images = oblique("BAND0/BRF/ITER10").write(&output);
+    let iteration = |path: &Path| output::open(path).unwrap().views()[0].iteration.clone();
+    assert_eq!(iteration(scratch.path()), "ITER10");
+    assert_eq!(iteration(&output.join("BAND0/BRF/ITER9")), "ITER9");
+    assert_eq!(iteration(&images), "ITER10");
+    assert_eq!(iteration(&images.join(format!("{NAME}.mpr"))), "ITER10");
+    oblique("BAND0/BRF/ITERX").write(&output);
+    assert_eq!(iteration(&output), "ITERX");
+    // Another band without it.
+    oblique("BAND1/BRF/ITER10").write(&output);
+    let error = output::open(&output).unwrap_err().to_string();
+    assert!(error.contains("BAND1") && error.contains("has no ITERX"), "{error}");
+    let error = output::open(&scratch.join("nothing")).unwrap_err();
+    assert!(matches!(error, mmxrt::Error::Io { .. }));
+    std::fs::create_dir_all(output.join("BAND0/BRF/ITER1")).unwrap();
+    let error = output::open(&output.join("BAND0/BRF/ITER1")).unwrap_err().to_string();
+    assert!(error.contains("holds no images"), "{error}");
+    std::fs::remove_file(output.join("simulation.properties.txt")).unwrap();
+    let error = output::open(scratch.path()).unwrap_err().to_string();
+    assert!(error.contains("holds simulation.properties.txt") && error.contains("help"), "{error}");
+}
+
+#[test]
+fn the_name_tells_the_direction_if_the_properties_do_not() {
+    let scratch = Scratch::new();
+    let output = output_with(&scratch, &oblique("BAND0/BRF/ITER3"));
+    replace(&output.join("simulation.properties.txt"), ":ima02", ":ima77");
+    let opened = output::open(&output).unwrap();
+    assert_eq!(opened.views()[0].towards_deg, [36.9, 90.0]);
+    // 0.0301 deg more than the corners were made for: within what a name tells.
+    opened.view_map(0, &box_on_ground(), &options()).unwrap();
+    // A camera's image is none of ours.
+    let mut camera = oblique("BAND0/BRF/ITER3");
+    camera.name = "ima_camera001";
+    camera.write(&output);
+    let opened = output::open(&output).unwrap();
+    assert_eq!((opened.views().len(), opened.passed_over()), (1, &["ima_camera001".to_owned()][..]));
+    let mut nameless = oblique("BAND0/BRF/ITER3");
+    nameless.name = "ima05";
+    nameless.write(&output);
+    let error = output::open(&output).unwrap_err().to_string();
+    assert!(error.contains("ima05.mpr: from where it was seen is not known"), "{error}");
+}
+
+#[test]
+fn damaged_images_are_told_at_their_place() {
+    let scene = box_on_ground();
+    let folder = "BAND0/BRF/ITER3";
+    let error = |damage: &dyn Fn(&Path, &Path)| {
+        let scratch = Scratch::new();
+        let output = output_with(&scratch, &oblique(folder));
+        damage(&output, &output.join(folder).join("IMAGES_DART").join(NAME));
+        let output = output::open(&output).unwrap();
+        match output.view_map(0, &scene, &options()) {
+            Err(error) => error.to_string(),
+            Ok(mut map) => map.source.read(0, &mut Vec::new()).unwrap_err().to_string(),
+        }
+    };
+    let says = |error: String, wanted: &[&str]| {
+        assert!(wanted.iter().all(|w| error.contains(w)), "{error}");
+    };
+    let with = |image: &Path, extension: &str| image.with_file_name(format!("{NAME}.{extension}"));
+    let delete = |image: &Path, extension: &str| std::fs::remove_file(with(image, extension)).unwrap();
+    let delete_georef = |image: &Path| std::fs::remove_file(image.with_file_name("georef")).unwrap();
+    says(
+        error(&|_, image| {
+            std::fs::write(with(image, "mp#"), [0; 100]).unwrap();
+            delete_georef(image);
+            delete(image, "gr#");
+        }),
+        &["mp#: holds 100 bytes where 1536 (16 rows x 12 columns x 8 bytes)"],
+    );
+    says(
+        error(&|_, image| {
+            delete_georef(image);
+            delete(image, "gr#");
+        }),
+        &["gr#: the image's corners are not known", "IMAGES_DART"],
+    );
+    // Rows and columns exchanged in the header.
+    let swap = |image: &Path| {
+        replace(&with(image, "mpr"), "Size=16 12", "Size=12 16");
+        replace(&with(image, "mpr"), "RowLength=12", "RowLength=16");
+        replace(&with(image, "mpr"), "0 -12 16 0", "0 -16 12 0");
+    };
+    says(error(&|_, image| swap(image)), &["gr#: a corner at row 1, column 12 where row 1, column 16 belongs"]);
+    says(
+        error(&|_, image| {
+            swap(image);
+            delete(image, "gr#");
+        }),
+        &["georef:3: the corners span 20.000000 m by 12.000000 m", "12 rows and 16 columns"],
+    );
+    // Corners in another order.
+    says(
+        error(&|_, image| {
+            delete(image, "gr#");
+            let line = " 12.000000 17.000000 0.000000 17.000000 0.000000 -3.000000";
+            replace(
+                &image.with_file_name("georef"),
+                line,
+                " 0.000000 -3.000000 0.000000 17.000000 12.000000 17.000000",
+            );
+        }),
+        &["georef:3: the corners span 12.000000 m by 20.000000 m", "rows and columns are swapped"],
+    );
+    // Seen from elsewhere than the corners were made for.
+    says(
+        error(&|output, _| replace(&output.join("simulation.properties.txt"), "phi:90", "phi:91")),
+        &["gr#: the corners span", "azimuth 91 deg"],
+    );
+    says(
+        error(&|output, _| replace(&output.join("simulation.properties.txt"), "dart.band0.BOA", "dart.band0.BOB")),
+        &["simulation.properties.txt: has no `dart.band<n>.BOA.irradiance` of bands 0", "irradiance_w_m2_um"],
+    );
+    says(
+        error(&|output, _| replace(&output.join("simulation.properties.txt"), "852.000000", "bright")),
+        &["simulation.properties.txt:9 dart.band0.BOA.irradiance: `bright` is no finite number"],
+    );
+    for (bad, text) in [(-0.5, "-0.5 is no value"), (f64::INFINITY, "inf is no value"), (-1.5, "(one of 2)")] {
+        says(
+            error(&|output, _| {
+                let mut image = oblique(folder);
+                (image.values[12 + 5], image.values[100]) = (bad, if bad == -1.5 { bad } else { 0.0 });
+                image.write(output);
+            }),
+            &["mp# row 1, column 5: ", text],
+        );
+    }
+    says(
+        error(&|output, image| {
+            delete(image, "gr#");
+            delete_georef(image);
+            replace(&output.join("simulation.properties.txt"), "852.000000", "-3");
+        }),
+        &["corners are not known", "an irradiance of -3"],
+    );
+}
+
+#[test]
+fn a_map_that_is_elsewhere_is_refused() {
+    let scratch = Scratch::new();
+    let output = output::open(&output_with(&scratch, &oblique("BAND0/BRF/ITER3"))).unwrap();
+    let scene = box_on_ground();
+    let mut far = options();
+    far.scene_from_dart.as_mut().unwrap().translation_m.x += 40.0;
+    let error = output.view_map(0, &scene, &far).unwrap_err().to_string();
+    assert!(error.contains("does not overlap the scene") && error.contains("scene_from_dart"), "{error}");
+    // Without inputs beside it, where it lies must be said.
+    let error = output.view_map(0, &scene, &MapOptions::default()).unwrap_err().to_string();
+    assert!(error.contains("is not beside its `output`") && error.contains("scene_from_dart"), "{error}");
+    assert!(output.view_map(1, &scene, &options()).unwrap_err().to_string().contains("no view 1"));
+    for wrong in [vec![], vec![1.0, 2.0], vec![-1.0], vec![f64::NAN]] {
+        let options = MapOptions { irradiance_w_m2_um: Some(wrong), ..options() };
+        assert!(output.view_map(0, &scene, &options).unwrap_err().to_string().contains("1 irradiances belong"));
+    }
+    // Given irradiances, and a shift.
+    let given = MapOptions { irradiance_w_m2_um: Some(vec![PI]), shift_texels: [1.0, 0.5], ..options() };
+    let mut map = output.view_map(0, &scene, &given).unwrap();
+    assert!(near(view_of(&map).projection.texel(pose().point(DVec3::new(6.0, 12.0, 0.0))), [7.0, 12.5]));
+    let mut values = Vec::new();
+    map.source.read(0, &mut values).unwrap();
+    assert!((values[13] - 1.01).abs() < 1e-15);
+}
+
+/// A box of 11 m (South), 7 m (East) and 4 m (up), at longitude 90 deg on the equator: South is -z, East -x, up +y. In whole cells of 1 m that is 12 m by
+/// 8 m by 5 m: half a metre of margin, so that the box's corner (4, 4, 6) is at (0.5, 0.5, 4.5) in DART's frame.
+fn made() -> Scene {
+    scene(cuboid([-3.0, 0.0, -5.0], [4.0, 4.0, 6.0]), DVec3::new(0.0, 11e3, 0.0))
+}
+
+fn write_simulation(folder: &Path) {
+    let (package, _) =
+        dart::from_scene(&made(), &WriteOptions { cell_m: Some(1.0), ..WriteOptions::default() }).unwrap();
+    dart::write(&package, folder, false, &unwatched).unwrap();
+}
+
+#[test]
+fn a_scene_that_was_made_of_the_simulation_lies_where_it_was_read() {
+    let scratch = Scratch::new();
+    let folder = scratch.join("simulation");
+    write_simulation(&folder);
+    std::fs::remove_file(folder.join("mmxrt.toml")).unwrap();
+    let reading = ReadOptions::default();
+    let (simulation, _, _) = dart::read(&folder, &reading).unwrap();
+    // The middle of the ground, (6, 4, 0), is the origin: at the body's centre x is East, y North; at longitude 90 deg as above.
+    for (origin_m, corner_m) in
+        [(None, DVec3::new(-3.5, 5.5, 4.5)), (Some(DVec3::new(0.0, 11e3, 0.0)), DVec3::new(3.5, 4.5, 5.5))]
+    {
+        let options = SceneOptions { origin_m };
+        let read = dart::to_scene(&simulation, &reading.folder(&folder), &options, &unwatched).unwrap().scene;
+        let pose = dart::scene_from_dart(&simulation, &reading.folder(&folder), &read).unwrap();
+        assert!((pose.point(DVec3::new(0.5, 0.5, 4.5)) - corner_m).length() < 1e-12, "{pose:?}");
+        assert!(read.mesh.vertices_m.iter().any(|v| (*v - corner_m).length() < 1e-12));
+    }
+}
+
+#[test]
+fn a_simulation_that_was_made_of_the_scene_lies_where_it_was_written() {
+    let scratch = Scratch::new();
+    let (made, folder) = (made(), scratch.join("simulation"));
+    write_simulation(&folder);
+    let reading = ReadOptions::default();
+    let (simulation, _, _) = dart::read(&folder, &reading).unwrap();
+    let pose = dart::scene_from_dart(&simulation, &reading.folder(&folder), &made).unwrap();
+    // The corner (4, 4, 6) of the box is at (0.5, 0.5, 4.5): it minus the origin, turned.
+    assert!((pose.point(DVec3::ZERO) - DVec3::new(4.5, -0.5, 6.5)).length() < 1e-12, "{:?}", pose.point(DVec3::ZERO));
+    assert!((pose.vector(DVec3::new(1.0, 2.0, 3.0)) - DVec3::new(-2.0, 3.0, -1.0)).length() < 1e-12);
+    // Another scene is not silently put there.
+    let other = Scene { origin_m: DVec3::new(0.0, 12e3, 0.0), ..made.clone() };
+    let error = dart::scene_from_dart(&simulation, &reading.folder(&folder), &other).unwrap_err().to_string();
+    assert!(error.contains("mmxrt.toml") && error.contains("origin"), "{error}");
+
+    // The scene from above, 12 rows South by 8 columns East: what is at the scene's corner is at the image's.
+    let image = Image {
+        folder: "BAND0/Radiance/ITER1",
+        name: "ima01_VZ=000_0_VA=000_0",
+        number: 1,
+        size: [12, 8],
+        pixel_m: 1.0,
+        corners_m: [[0.0, 0.0], [12.0, 0.0], [12.0, 8.0], [0.0, 8.0]],
+        values: vec![1.0; 96],
+    };
+    std::fs::create_dir_all(folder.join("output")).unwrap();
+    std::fs::write(folder.join("output/simulation.properties.txt"), PROPERTIES).unwrap();
+    image.write(&folder.join("output"));
+    let map = output::open(&folder).unwrap().view_map(0, &made, &MapOptions::default()).unwrap();
+    assert!(near(view_of(&map).projection.texel(DVec3::new(4.0, 4.0, 6.0)), [0.5, 0.5]));
+    assert!(near(view_of(&map).projection.texel(DVec3::new(-3.0, 0.0, -5.0)), [7.5, 11.5]));
+}

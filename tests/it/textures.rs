@@ -1,0 +1,176 @@
+//! Textures inside facets: neutral where they should be, exact where they are not.
+
+use mmxrt::geometry::{MaterialId, Mesh, Texels};
+use mmxrt::progress::unwatched;
+use mmxrt::scene::{Mars, MarsModel, Scene, Texture, TextureKind, Thermal};
+use mmxrt::spectral::{Band, Spectrum};
+use mmxrt::study;
+
+use crate::maps::scene;
+use crate::scratch::Scratch;
+use crate::shapes::*;
+
+fn radiance(scene: &Scene, band: usize) -> Vec<f64> {
+    study::simulate(scene, &unwatched).unwrap().1.cube.band(band)
+}
+
+/// A texture of `columns` x `rows` texels on the horizontal square of half width `r`, columns along x, rows along -y.
+fn on_plane(mesh: &Mesh, r: f64, columns: usize, rows: usize, values: Vec<f64>) -> Texture {
+    let texel = |f: usize| {
+        mesh.facet(f).corners_m.map(|p| [(p.x + r) / (2.0 * r) * columns as f64, (r - p.y) / (2.0 * r) * rows as f64])
+    };
+    Texture {
+        material: MaterialId(0),
+        kind: TextureKind::Factor,
+        corners: (0..mesh.facets.len()).map(texel).collect(),
+        rows,
+        columns,
+        wavelength_um: vec![],
+        values,
+        texels: Texels::Nearest,
+    }
+}
+
+/// Ground with a post, lit from the side, warm and under Mars: lit, shadowed and half-lit pixels.
+fn post() -> Scene {
+    let mesh = joined(&[plane(5.0, 0.0), cuboid([-0.5, -0.5, 0.0], [0.5, 0.5, 2.0])]);
+    let mut scene = scene(mesh, camera([6.0, -9.0, 20.0], [0.0; 3], [0.0, 1.0, 0.0], 24, 0.025), [1.0, 0.3, 0.7]);
+    scene.thermal = Thermal::Equilibrium;
+    scene.mars = Some(Mars {
+        centre_m: glam::DVec3::new(3e6, 2e6, 8.7e6),
+        radius_m: 3_389_500.0,
+        reflectance: Spectrum::constant(0.25),
+        bond_albedo: 0.25,
+        thermal_exitance_w_m2: 110.0,
+        model: MarsModel::NearField,
+    });
+    scene.sensor.bands.push(Band { centre_um: 3.5, fwhm_um: Some(0.1) });
+    scene.check().unwrap()
+}
+
+#[test]
+fn a_texture_of_ones_changes_nothing() {
+    let plain = post();
+    for (texels, layers) in
+        [(Texels::Nearest, vec![]), (Texels::Bilinear, vec![]), (Texels::Nearest, vec![1.0, 2.0, 4.0])]
+    {
+        let mut textured = plain.clone();
+        let count = layers.len().max(1);
+        let ones = on_plane(&plain.mesh, 5.0, 37, 23, vec![1.0; 37 * 23 * count]);
+        textured.textures = vec![Texture { texels, wavelength_um: layers, ..ones }];
+        let textured = textured.check().unwrap();
+        for band in 0..2 {
+            let (a, b) = (radiance(&plain, band), radiance(&textured, band));
+            let largest = a.iter().copied().fold(0.0, f64::max);
+            let worst = a.iter().zip(&b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(largest > 0.1 && worst < 1e-14 * largest, "band {band}, {texels:?}: {:e}", worst / largest);
+        }
+    }
+}
+
+#[test]
+fn a_checkerboard_halves_what_it_halves() {
+    // Pixels of 0.7 m on texels of 0.1 m, factors 2 and 0: 50 or 48 of 49 of the light.
+    let mesh = plane(4.2, 0.0);
+    let plain = scene(mesh.clone(), nadir(1000.0, 8.4, 12), [0.0, 0.3, 1.0]);
+    let values = (0..84 * 84).map(|i| if (i % 84 + i / 84) % 2 == 0 { 2.0 } else { 0.0 }).collect();
+    let mut textured = plain.clone();
+    textured.textures = vec![on_plane(&mesh, 4.2, 84, 84, values)];
+    let (a, b) = (radiance(&plain, 0), radiance(&textured.check().unwrap(), 0));
+    for pixel in 0..144 {
+        let share = if (pixel % 12 + pixel / 12) % 2 == 0 { 50.0 / 49.0 } else { 48.0 / 49.0 };
+        assert!((b[pixel] / a[pixel] - share).abs() < 1e-9, "{pixel}: {}", b[pixel] / a[pixel]);
+    }
+}
+
+#[test]
+fn only_light_that_is_there_is_modulated() {
+    // A wall's shadow covers x from -1 to 0; the texture is 3 there and 0.5 elsewhere, seen by pixels of 2 m, half in shadow.
+    let wall = quad([0.0, -4.0, 0.0], [0.0, 4.0, 0.0], [0.0, 4.0, 1.0], [0.0, -4.0, 1.0]);
+    let mesh = joined(&[plane(4.0, 0.0), wall]);
+    let plain = scene(mesh.clone(), nadir(1000.0, 8.0, 4), [1.0, 0.0, 1.0]);
+    let values = (0..8).map(|i| if i == 3 { 3.0 } else { 0.5 }).collect();
+    let mut textured = plain.clone();
+    textured.textures = vec![on_plane(&mesh, 4.0, 8, 1, values)];
+    let (a, b) = (radiance(&plain, 0), radiance(&textured.check().unwrap(), 0));
+    for pixel in 0..16 {
+        // Of the pixels from x = -2 to 0 only the half at x < -1 is lit, where the texture is 0.5, as everywhere that is lit.
+        assert!((b[pixel] / a[pixel] - 0.5).abs() < 1e-12, "{pixel}: {} {}", b[pixel], a[pixel]);
+    }
+    assert!((a[5] / a[4] - 0.5).abs() < 1e-5);
+}
+
+#[test]
+fn a_texture_of_layers_is_a_reflectance_at_each_wavelength() {
+    // Left half 0.1 at 1 um and 0.3 at 2 um, right half 0.2 and 0.6; bands at 1, 1.25 and 2 um.
+    let mesh = plane(4.0, 0.0);
+    let mut scene = scene(mesh.clone(), nadir(1000.0, 8.0, 2), [0.0, 0.0, 1.0]);
+    scene.sensor.bands = [1.0, 1.25, 2.0].map(|centre_um| Band { centre_um, fwhm_um: None }).to_vec();
+    let texture = on_plane(&mesh, 4.0, 2, 1, vec![0.1, 0.3, 0.2, 0.6]);
+    scene.textures = vec![Texture { kind: TextureKind::Reflectance, wavelength_um: vec![1.0, 2.0], ..texture }];
+    let scene = scene.check().unwrap();
+    let white = 700.0 / 2.25 / std::f64::consts::PI;
+    for (band, left) in [(0, 0.1), (1, 0.15), (2, 0.3)] {
+        for (pixel, value) in radiance(&scene, band).iter().enumerate() {
+            let expected = white * left * if pixel % 2 == 0 { 1.0 } else { 2.0 };
+            assert!((value / expected - 1.0).abs() < 1e-12, "band {band} pixel {pixel}: {value} {expected}");
+        }
+    }
+}
+
+#[test]
+fn a_texture_is_read_with_its_scene() {
+    let folder = Scratch::new();
+    folder.write(
+        "square.obj",
+        "v -4 -4 0\nv 4 -4 0\nv 4 4 0\nv -4 4 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n",
+    );
+    // Row 0 is the top of the image, v = 1: north, which is up in the image.
+    folder.write("rows.csv", "3,1\n1,3\n");
+    let text = |texture: &str| {
+        format!(
+            "mmxrt_scene = 1\norigin_m = [0, 0, 11000]\n[[mesh]]\nobj = \"square.obj\"\n[materials.default]\nreflectance = 0.1\n{texture}\n\
+             [sun]\ndirection = [0, 0, 1]\ndistance_au = 1.5\n[thermal]\nmodel = \"off\"\n[observer]\nposition_m = [0, 0, 12000]\ntarget_m = [0, 0, 11000]\nup = [0, 1, 0]\n\
+             [sensor]\nsamples = 2\nlines = 2\nfov_deg = 0.4583662361046586\n[sensor.bands]\ncentres_um = [1.0]\n"
+        )
+    };
+    let plain = folder.look(&text("")).cube.band(0);
+    let seen = folder.look(&text("texture = { raster = \"rows.csv\", quantity = \"factor\", placement = \"atlas\" }"));
+    // Mean 2 becomes 1.
+    for (value, share) in seen.cube.band(0).iter().zip([1.5, 0.5, 0.5, 1.5]) {
+        assert!((value / plain[0] - share).abs() < 1e-9, "{:?} {plain:?}", seen.cube.band(0));
+    }
+    // The same on a plane, whose corner is in the north-west.
+    let plane = "texture = { raster = \"rows.csv\", quantity = \"factor\", placement = \"plane\", mean = \"kept\", plane = \
+                 { corner_m = [-4, 4, 0], along_line_m = [4, 0, 0], line_to_line_m = [0, -4, 0] } }";
+    for (value, factor) in folder.look(&text(plane)).cube.band(0).iter().zip([3.0, 1.0, 1.0, 3.0]) {
+        assert!((value / plain[0] - factor).abs() < 1e-9);
+    }
+    let refused = |texture: &str| {
+        let path = folder.write("scene.toml", text(texture));
+        mmxrt::formats::scene_toml::read(&path, &unwatched).unwrap_err().to_string()
+    };
+    folder.write("negative.csv", "3,1\n1,-3\n");
+    folder.write("bright.csv", "30,1\n1,1\n");
+    for (texture, message) in [
+        ("texture = { raster = \"none.csv\", quantity = \"factor\", placement = \"atlas\" }", "none.csv"),
+        (
+            "texture = { raster = \"negative.csv\", quantity = \"factor\", placement = \"atlas\", mean = \"kept\" }",
+            "texel (row 1, column 1) is -3",
+        ),
+        (
+            "texture = { raster = \"bright.csv\", quantity = \"factor\", placement = \"atlas\", mean = \"kept\" }",
+            "makes a reflectance of 3",
+        ),
+        ("texture = { raster = \"rows.csv\", quantity = \"factor\", placement = \"plane\" }", "plane"),
+        ("texture = { raster = \"rows.csv\", quantity = \"factor\", placement = \"atlas\", unit = \"K\" }", "unit"),
+    ] {
+        let told = refused(texture);
+        assert!(told.contains(message), "{told}");
+    }
+    folder.write("square.obj", "v -4 -4 0\nv 4 -4 0\nv 4 4 0\nv -4 4 0\nvt 0 0\nvt 2 0\nf 1/1 2/2 3/2 4/1\n");
+    let atlas = "texture = { raster = \"rows.csv\", quantity = \"factor\", placement = \"atlas\" }";
+    assert!(refused(atlas).contains("outside 0 to 1: 2"), "{}", refused(atlas));
+    folder.write("square.obj", "v -4 -4 0\nv 4 -4 0\nv 4 4 0\nv -4 4 0\nf 1 2 3 4\n");
+    assert!(refused(atlas).contains("have no texture coordinates"), "{}", refused(atlas));
+}
