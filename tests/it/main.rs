@@ -6,6 +6,7 @@ mod convert;
 #[cfg(feature = "sqlite")]
 mod dart_database;
 mod dart_read;
+mod dart_terrain;
 mod dart_write;
 mod determinism;
 mod exact;
