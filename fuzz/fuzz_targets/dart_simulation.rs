@@ -8,7 +8,7 @@ use libfuzzer_sys::fuzz_target;
 use mmxrt::formats::dart;
 
 /// What may be replaced: where it lies, and its good text.
-const FILES: [(&str, &[u8]); 8] = [
+const FILES: [(&str, &[u8]); 10] = [
     ("input/maket.xml", include_bytes!("../../tests/data/dart/boulder_574/input/maket.xml")),
     ("input/coeff_diff.xml", include_bytes!("../../tests/data/dart/boulder_574/input/coeff_diff.xml")),
     ("input/object_3d.xml", include_bytes!("../../tests/data/dart/boulder_574/input/object_3d.xml")),
@@ -16,6 +16,8 @@ const FILES: [(&str, &[u8]); 8] = [
     ("input/directions.xml", include_bytes!("../../tests/data/dart/boulder_574/input/directions.xml")),
     ("input/pebbles.txt", include_bytes!("../../tests/data/dart/boulder_574/input/pebbles.txt")),
     ("input/obj/boulder.obj", include_bytes!("../../tests/data/dart/boulder_574/input/obj/boulder.obj")),
+    ("input/DEM.mpr", include_bytes!("../../tests/data/dart/boulder_574/input/DEM.mpr")),
+    ("input/DEM.mp#", include_bytes!("../../tests/data/dart/boulder_574/input/DEM.mp#")),
     ("flyby.xml", include_bytes!("../../tests/data/dart/boulder_574/flyby.xml")),
 ];
 

@@ -46,6 +46,9 @@ pub(crate) struct Arguments {
     /// Where the middle of a DART scene is, body-fixed, m
     #[arg(long, value_name = "X,Y,Z", value_parser = numbers::<3>, allow_hyphen_values = true)]
     origin_m: Option<Numbers<3>>,
+    /// Take N more of a repeated DART scene on each side: (2 N + 1)^2 scenes
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    repeat: u32,
     /// Where the Sun is in DART's frame, deg, for simulations that give a date
     #[arg(long, value_name = "ZENITH,AZIMUTH", value_parser = numbers::<2>, allow_hyphen_values = true)]
     sun_deg: Option<Numbers<2>>,
@@ -118,6 +121,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         cell_m: arguments.cell_m,
         dart_databases: arguments.databases.clone(),
         origin_m: arguments.origin_m.map(|numbers| numbers.0.into()),
+        repeat: arguments.repeat,
         sun_deg: arguments.sun_deg.map(|numbers| numbers.0),
         allow_outside: arguments.allow_outside,
         replace: arguments.force,

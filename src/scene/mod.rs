@@ -41,7 +41,7 @@ pub struct Scene {
 }
 
 /// A facet's number and one of its edges are kept in 31 bits.
-const MOST_FACETS: usize = 1 << 29;
+pub(crate) const MOST_FACETS: usize = 1 << 29;
 
 impl Scene {
     /// Checks what the parts owe each other; below this call no code asks again.

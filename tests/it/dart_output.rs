@@ -468,7 +468,7 @@ fn a_scene_that_was_made_of_the_simulation_lies_where_it_was_read() {
     for (origin_m, corner_m) in
         [(None, DVec3::new(-3.5, 5.5, 4.5)), (Some(DVec3::new(0.0, 11e3, 0.0)), DVec3::new(3.5, 4.5, 5.5))]
     {
-        let options = SceneOptions { origin_m };
+        let options = SceneOptions { origin_m, ..SceneOptions::default() };
         let read = dart::to_scene(&simulation, &reading.folder(&folder), &options, &unwatched).unwrap().scene;
         let pose = dart::scene_from_dart(&simulation, &reading.folder(&folder), &read).unwrap();
         assert!((pose.point(DVec3::new(0.5, 0.5, 4.5)) - corner_m).length() < 1e-12, "{pose:?}");

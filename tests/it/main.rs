@@ -7,6 +7,7 @@ mod convert;
 mod dart_database;
 mod dart_output;
 mod dart_read;
+mod dart_terrain;
 mod dart_write;
 mod determinism;
 mod exact;

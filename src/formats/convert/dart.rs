@@ -29,7 +29,7 @@ fn reading(options: &Options) -> dart::ReadOptions {
 pub(super) fn read(path: &Path, options: &Options, watch: Watch<'_>) -> Result<(Scene, Flights, Report)> {
     let reading = reading(options);
     let (simulation, mut report, _) = dart::read(path, &reading)?;
-    let to_scene = SceneOptions { origin_m: options.origin_m };
+    let to_scene = SceneOptions { origin_m: options.origin_m, repeat: options.repeat };
     let converted = dart::to_scene(&simulation, &reading.folder(path), &to_scene, watch)?;
     report.notes.extend(converted.report.notes);
     let mut flights = Vec::new();

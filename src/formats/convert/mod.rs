@@ -47,6 +47,8 @@ pub struct Options {
     pub dart_databases: Option<PathBuf>,
     /// Where the middle of a DART scene is, body-fixed, m; nowhere if it is not given.
     pub origin_m: Option<DVec3>,
+    /// Copies of a repeated DART scene that are taken on each side.
+    pub repeat: u32,
     /// Zenith angle and azimuth of the Sun in DART's frame, deg, for simulations that give a date.
     pub sun_deg: Option<[f64; 2]>,
     /// Files that an input names may lie outside its folder.
@@ -136,6 +138,11 @@ pub fn read(input: &Path, options: &Options, watch: Watch<'_>) -> Result<(Format
         Some(from) => (from, input.to_owned()),
         None => Format::of_input(input)?,
     };
+    if options.repeat > 0 && format != Format::Dart {
+        let message =
+            format!("is {}: only the scene of a DART simulation can be repeated (`--repeat`)", format.about().name);
+        return Err(Error::invalid(Location::file(&path), message));
+    }
     let (content, report) = match format {
         Format::Scene => {
             let file = scene_toml::read(&path, watch)?;

@@ -7,6 +7,7 @@ use std::path::Path;
 use glam::{DMat3, DVec3};
 
 use crate::error::{Error, Location, Result};
+use crate::formats::ilwis::Raster;
 use crate::formats::obj::{self, ObjFile};
 use crate::formats::xml::Element;
 
@@ -14,7 +15,7 @@ use super::folder::Folder;
 use super::groups;
 use super::read::coeff_diff::{factor_node, factors_of_bands, uses_factors};
 use super::read::sequence::count;
-use super::read::{FILES, Inputs, Options, read};
+use super::read::{FILES, Inputs, Options, read, terrain};
 use super::{Links, Object, OpticalKind, OpticalProperty, Simulation, Version};
 
 /// How bad a finding is.
@@ -91,6 +92,7 @@ pub fn check(path: &Path, options: &Options, coverage: CoverageOf<'_>) -> Vec<Fi
     check.links();
     check.objects();
     check.fields();
+    check.terrain();
     check.cameras();
     for sequence in &simulation.sequences {
         check.findings.extend(count(sequence).err().map(unreadable).unwrap_or_default());
@@ -488,6 +490,29 @@ impl<'a> Check<'a> {
         let what = format!("`{}` is dropped to the ground: its lowest point is at z = {} m", object.name, low.z);
         let effect = "moves it until its lowest point lies on the ground, which is its default";
         self.warning(&at, what, effect, "set `objectDEMMode` to 2 to keep its z");
+    }
+
+    /// The raster can be read, spans the scene, and fits its own copy where the scene is repeated.
+    fn terrain(&mut self) {
+        let (simulation, maket) = (self.simulation, &self.simulation.maket);
+        let raster = match terrain(simulation, self.folder) {
+            Ok(raster) => raster,
+            // What is not read here need not be wrong.
+            Err(Error::Unsupported { .. }) => return,
+            Err(error) => return self.findings.extend(unreadable(error)),
+        };
+        let (Some((raster, _)), Some(topography), 1) = (raster, &maket.topography, maket.boundary) else { return };
+        let Raster { rows, columns, values: h, .. } = raster;
+        let along_x = (0..columns).map(|j| h[(rows - 1) * columns + j] - h[j]);
+        let along_y = (0..rows).map(|i| h[(i + 1) * columns - 1] - h[i * columns]);
+        let step_m = along_x.chain(along_y).map(f64::abs).fold(0.0, f64::max);
+        if step_m > 0.0 {
+            let what = format!("heights on opposite edges of `{}` differ by up to {step_m} m", topography.file);
+            let effect =
+                "puts the first line and column in place of the last ones, so that the repeated scene meets itself";
+            let fix = "set `exactlyPeriodicScene` to 2 for a slope that goes on or to 0 for nothing beside it, or make the edges alike";
+            self.warning(&topography.at, what, effect, fix);
+        }
     }
 
     /// Facets show their backs.

@@ -26,7 +26,8 @@ pub fn diff(a: &Simulation, b: &Simulation) -> Vec<String> {
     if a.maket.ground_enabled && b.maket.ground_enabled {
         lines.links("maket.xml Soil", (a, Some(&a.maket.ground)), (b, Some(&b.maket.ground)));
     }
-    lines.differ("maket.xml Soil/Topography", &a.maket.topography, &b.maket.topography);
+    let raster = |s: &Simulation| s.maket.topography.as_ref().map(|t| t.file.clone());
+    lines.differ("maket.xml Soil/Topography", &raster(a), &raster(b));
     let (place_a, place_b) = (a.maket.latitude_longitude_altitude, b.maket.latitude_longitude_altitude);
     lines.numbers("maket.xml LatLon", &place_a, &place_b, 1.0);
 

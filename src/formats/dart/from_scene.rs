@@ -164,6 +164,7 @@ pub fn from_scene(scene: &Scene, options: &WriteOptions) -> Result<(Package, Rep
             ground_enabled: options.target == Target::V5_7_4,
             topography: None,
             latitude_longitude_altitude: latitude_longitude_altitude(scene.origin_m),
+            at: Location::item("maket"),
         },
         optical: optical(scene, &names),
         thermal,

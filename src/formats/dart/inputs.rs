@@ -10,7 +10,8 @@ use crate::formats::xml::Element;
 
 use super::frame;
 use super::simulation::{
-    Camera, Group, Links, Object, OpticalKind, OpticalProperty, Simulation, SpectralInterval, ThermalFunction, Version,
+    Camera, Group, Links, Object, OpticalKind, OpticalProperty, Simulation, SpectralInterval, ThermalFunction,
+    Topography, Version,
 };
 
 /// Versions that are written.
@@ -122,7 +123,7 @@ impl Writer<'_> {
             .and(cells.with("x", cell_x).with("z", cell_z))
             .and(Element::new("SceneDimensions").with("x", x).with("y", y));
         let mut topography = Element::new("Topography").with("presenceOfTopography", maket.topography.is_some());
-        if let Some(file) = &maket.topography {
+        if let Some(Topography { file, .. }) = &maket.topography {
             topography = topography.and(Element::new("TopographyProperties").with("fileName", file));
         }
         let soil = self

@@ -9,6 +9,7 @@ mod diff;
 mod folder;
 mod frame;
 mod from_scene;
+mod ground;
 pub mod groups;
 mod inputs;
 pub(crate) mod kind;
@@ -35,7 +36,8 @@ pub use read::{Options as ReadOptions, read, terrain};
 pub use sidecar::Sidecar;
 pub use simulation::{
     Camera, Directions, Group, Links, Maket, Object, ObjectField, OpticalKind, OpticalProperty, Phase, Placement,
-    Sequence, SequenceEntry, SequenceGroup, SequenceValues, Simulation, SpectralInterval, ThermalFunction, Version,
+    Sequence, SequenceEntry, SequenceGroup, SequenceValues, Simulation, SpectralInterval, ThermalFunction, Topography,
+    Version,
 };
 pub use to_scene::{Converted, SceneOptions, to_scene};
 pub use write::write;

@@ -52,10 +52,23 @@ pub struct Maket {
     pub ground: Links,
     /// There is a ground plane at z = 0 (always, before 5.10).
     pub ground_enabled: bool,
-    /// Raster of heights, if there is one: path as written.
-    pub topography: Option<String>,
+    /// Raster of heights, if there is one.
+    pub topography: Option<Topography>,
     /// Latitude and longitude, deg, altitude, km: used for dates only.
     pub latitude_longitude_altitude: [f64; 3],
+    /// Where it stands.
+    pub at: Location,
+}
+
+/// A raster of heights that is the ground.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Topography {
+    /// Path as written.
+    pub file: String,
+    /// DART makes it before it runs.
+    pub generated: bool,
+    /// Where it is named.
+    pub at: Location,
 }
 
 /// The lists of optical properties; the number is `OpticalPropertyLink@type`.

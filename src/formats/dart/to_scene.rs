@@ -1,15 +1,17 @@
 //! A DART simulation as a scene, and what of it has no counterpart.
 
+mod mesh;
+
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use glam::{DMat3, DVec3};
 
-use crate::error::{Error, Location, Problem, Result};
-use crate::formats::input::{self, Hashing, InputFile};
-use crate::formats::obj::{self, ObjFile};
-use crate::geometry::{Direction, MaterialId, Mesh, Pose};
-use crate::progress::{Watch, tell};
+use crate::error::{Error, Location, Result};
+use crate::formats::input::{self, InputFile};
+use crate::formats::obj::ObjFile;
+use crate::geometry::{Direction, Mesh, Pose};
+use crate::progress::Watch;
 use crate::report::{Fate, Report};
 use crate::scene::{FrameCamera, Hapke, Material, Photometry, Rpv, Scene, Sensor, Sun, Thermal};
 use crate::spectral::{Band, Extend, SpectralLibrary, Spectrum, solar_e490, solar_mean};
@@ -17,17 +19,19 @@ use crate::units::AU_M;
 
 use super::database::Database;
 use super::folder::Folder;
+use super::frame;
 use super::from_scene::{camera_deg, intervals, irradiance, spectra, tabulated, thermal_functions, width_um};
 use super::place::{Place, SAME, same, same_all};
 use super::sidecar::{self, Sidecar};
-use super::simulation::{Camera, Links, Object, OpticalKind, OpticalProperty, Simulation};
-use super::{frame, groups};
+use super::simulation::{Camera, Links, OpticalKind, OpticalProperty, Simulation};
 
 /// What a conversion needs to know beside the simulation.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SceneOptions {
     /// Where the middle of the scene's ground is on the body, body-fixed, m; `None`: nowhere, the body's axes are East, North and up.
     pub origin_m: Option<DVec3>,
+    /// Copies of a repeated scene that are taken on each side: (2 `repeat` + 1)^2 scenes in all.
+    pub repeat: u32,
 }
 
 /// A scene, and how it came about.
@@ -51,7 +55,8 @@ const CAMERA_DISTANCE: f64 = 10.0;
 /// The scene of a simulation whose folder holds the files it names, and `mmxrt.toml` if it was written here.
 ///
 /// # Errors
-/// [`Error::Invalid`] for links that lead nowhere, files that are missing, lie outside, or cannot be used, and as [`Scene::check`];
+/// [`Error::Invalid`] for links that lead nowhere, files that are missing, lie outside, or cannot be used, a scene that cannot be
+/// repeated as often as is asked for, and as [`Scene::check`]; [`Error::Unsupported`] for terrains as [`super::terrain`];
 /// [`Error::Io`]; [`Error::Interrupted`].
 pub fn to_scene(
     simulation: &Simulation,
@@ -98,18 +103,11 @@ impl Reader<'_> {
     }
 
     fn scene(&mut self) -> Result<Scene> {
-        let simulation = self.simulation;
         let place = self.place();
         let bands = self.bands();
         let sun = self.sun(&place, &bands);
         let (materials, material_of) = self.materials(&bands)?;
-        let mut mesh = self.mesh(&place, &material_of)?;
-        if let Some(sidecar) = self.sidecar.as_ref().filter(|_| simulation.objects.len() == 1) {
-            mesh.face_of_facet = match sidecar.faces(mesh.facets.len()) {
-                faces if faces.is_empty() => mesh.face_of_facet,
-                faces => faces,
-            };
-        }
+        let mesh = self.mesh(&place, &material_of)?;
         let camera = self.camera(&place, &mesh);
         let mars = self.sidecar.as_ref().and_then(Sidecar::mars);
         if mars.is_some() && !place.is_kept {
@@ -323,6 +321,8 @@ impl Reader<'_> {
         kind == OpticalKind::Lambertian
             && table[0].value().iter().all(|v| *v == 0.0)
             && thermal.is_some_and(|t| t.mean_k == 0.0 && t.range_k == 0.0)
+            // Hills hide what is behind them.
+            && self.simulation.maket.topography.is_none()
     }
 
     /// What a property's table holds, as [`spectra`] has it; `None` if it is not needed and not there.
@@ -426,177 +426,6 @@ impl Reader<'_> {
             self.databases.insert(name.clone(), opened);
         }
         Ok(self.databases.get(name).and_then(Option::as_ref))
-    }
-
-    /// The OBJ file that an object names.
-    fn obj(&mut self, object: &Object) -> Result<Rc<ObjFile>> {
-        if let Some(known) = self.objs.get(&object.file) {
-            return Ok(known.clone());
-        }
-        let path = self.folder.locate(&object.file, &object.at).map_err(|problem| Error::Invalid(vec![problem]))?;
-        let path = path.ok_or_else(|| {
-            Error::invalid(object.at.clone(), format!("the file {:?} of {:?} is not there", object.file, object.name))
-        })?;
-        // DART knows groups, not materials, and reads no material file.
-        let file = std::fs::File::open(&path).map_err(|e| Error::io(&path, "reading", e))?;
-        let mut source = Hashing::new(file);
-        let read = Rc::new(obj::parse(&mut source, &path, &mut |_| Ok(Vec::new()))?);
-        self.inputs.push(source.finish(&path));
-        self.objs.insert(object.file.clone(), read.clone());
-        Ok(read)
-    }
-
-    /// All objects in one mesh, in the scene's frame, and the ground if it is something.
-    fn mesh(&mut self, place: &Place, material_of: &[Option<usize>]) -> Result<Mesh> {
-        let simulation = self.simulation;
-        let mut all = Mesh::default();
-        let fields: Vec<Object> = simulation.fields.iter().flat_map(|f| f.objects()).collect();
-        for object in simulation.objects.iter().chain(&fields) {
-            if object.hidden {
-                self.note(Fate::Dropped, &object.at, format!("{:?} is hidden: DART ignores it too", object.name));
-                continue;
-            }
-            tell(self.watch, "reading meshes", 0, 1)?;
-            let mesh = self.object(object, place, material_of)?;
-            if all.facets.is_empty() { all = mesh } else { all.append(mesh) }
-        }
-        self.ground(place, material_of, &mut all)?;
-        if all.facets.is_empty() {
-            let problem = Problem::new(
-                Location::file(&self.folder.simulation),
-                "the simulation has no objects and no ground that is seen",
-            );
-            return Err(Error::Invalid(vec![problem]));
-        }
-        if simulation.maket.boundary != 0 {
-            let message = "the scene goes on beyond its edges: only one of it is taken";
-            self.note(Fate::Dropped, &Location::item("Maket/@exactlyPeriodicScene"), message);
-        }
-        tell(self.watch, "reading meshes", 1, 1)?;
-        Ok(all)
-    }
-
-    fn object(&mut self, object: &Object, place: &Place, material_of: &[Option<usize>]) -> Result<Mesh> {
-        let read = self.obj(object)?;
-        let numbered = groups::order(&read.groups, &self.simulation.version);
-        let mut links_of_group = vec![object.links.as_ref(); read.groups.len().max(1)];
-        for group in &object.groups {
-            let Some(&place) = (group.number as usize).checked_sub(1).and_then(|n| numbered.get(n)) else {
-                let message =
-                    format!("group {} ({:?}): the OBJ has {} groups", group.number, group.name, numbered.len());
-                return Err(Error::invalid(group.at.clone(), message));
-            };
-            links_of_group[place] = group.links.as_ref().or(object.links.as_ref());
-            if group.double_face || object.double_face {
-                self.note(Fate::Dropped, &group.at, format!("the back of {:?}: backs are black", group.name));
-            }
-        }
-        if object.groups.is_empty() && object.double_face {
-            self.note(Fate::Dropped, &object.at, format!("the back of {:?}: backs are black", object.name));
-        }
-        let mut material_of_group = Vec::new();
-        for (i, links) in links_of_group.iter().enumerate() {
-            let Some(links) = links else {
-                let name = read.groups.get(i).map_or("", String::as_str);
-                let message = format!("nothing says what group {name:?} of {:?} is made of", object.file);
-                return Err(Error::invalid(object.at.clone(), message));
-            };
-            material_of_group.push(material_id(material_of[self.property(links)?], &links.at)?);
-        }
-        let material = match read.facet_group.is_empty() {
-            true => vec![material_of_group[0]; read.facets.len()],
-            false => read.facet_group.iter().map(|g| material_of_group[*g as usize]).collect(),
-        };
-
-        let hidden: Vec<usize> = object
-            .groups
-            .iter()
-            .filter(|g| g.hidden)
-            .filter_map(|g| numbered.get(g.number as usize - 1).copied())
-            .collect();
-        let is_seen = |f: usize| read.facet_group.get(f).is_none_or(|g| !hidden.contains(&(*g as usize)));
-
-        let turned = DMat3::from_rotation_z(object.rotation_deg.z.to_radians())
-            * DMat3::from_rotation_y(object.rotation_deg.y.to_radians())
-            * DMat3::from_rotation_z(object.rotation_deg.x.to_radians());
-        if object.rotation_deg.x != 0.0 || object.rotation_deg.y != 0.0 {
-            let message = "rotations about more than the vertical: their order is inferred, not documented";
-            self.note(Fate::Approximated, &object.at, message);
-        }
-        let is_turned = object.rotation_deg != DVec3::ZERO;
-        let mut vertices_m = read.vertices.clone();
-        for vertex in &mut vertices_m {
-            let v = object.scale * frame::dart_from_obj(*vertex);
-            *vertex = object.position_m + if is_turned { turned * v } else { v };
-        }
-        let mut mesh = Mesh {
-            vertices_m,
-            facets: read.facets.clone(),
-            material,
-            face_of_facet: read.face_of_facet.clone(),
-            uv: vec![],
-        };
-        if !hidden.is_empty() {
-            self.note(
-                Fate::Dropped,
-                &object.at,
-                format!("{} hidden groups of {:?}: DART ignores them too", hidden.len(), object.name),
-            );
-            let seen: Vec<usize> = (0..mesh.facets.len()).filter(|f| is_seen(*f)).collect();
-            mesh.face_of_facet = seen.iter().map(|f| mesh.face(*f)).collect();
-            mesh.material = seen.iter().map(|f| mesh.material[*f]).collect();
-            mesh.facets = seen.iter().map(|f| mesh.facets[*f]).collect();
-        }
-        if object.scale.x * object.scale.y * object.scale.z < 0.0 {
-            mesh.facets.iter_mut().for_each(|f| f.swap(1, 2));
-        }
-        self.settle(object, &mut mesh);
-        mesh.vertices_m.iter_mut().for_each(|v| *v = place.local_m(*v));
-        Ok(mesh)
-    }
-
-    /// Puts an object on the ground where DART does, and says what is beyond the scene's edge.
-    fn settle(&mut self, object: &Object, mesh: &mut Mesh) {
-        let Some((low_m, high_m)) = mesh.bounds_m() else { return };
-        if object.dem_mode != 2 && self.simulation.maket.topography.is_some() {
-            self.note(
-                Fate::Approximated,
-                &object.at,
-                format!("{:?} stands on the terrain: put on a plane at z = 0", object.name),
-            );
-        }
-        if object.dem_mode == 0 {
-            mesh.vertices_m.iter_mut().for_each(|v| v.z -= low_m.z);
-        }
-        let [x, y] = self.simulation.maket.size_m;
-        let is_beyond = low_m.x < 0.0 || low_m.y < 0.0 || high_m.x > x || high_m.y > y;
-        if is_beyond && object.repeated_on_border {
-            let message = format!(
-                "{:?} reaches beyond the scene's edge, where DART lets it come in at the other side",
-                object.name
-            );
-            self.note(Fate::Dropped, &object.at, message);
-        }
-    }
-
-    fn ground(&mut self, place: &Place, material_of: &[Option<usize>], mesh: &mut Mesh) -> Result<()> {
-        let maket = &self.simulation.maket;
-        if let Some(file) = &maket.topography {
-            let message = format!("the terrain {file:?}: the ground is a plane at z = 0");
-            self.note(Fate::Dropped, &maket.ground.at, message);
-        }
-        let property = self.property(&maket.ground)?;
-        let Some(material) = material_of[property].filter(|_| maket.ground_enabled) else { return Ok(()) };
-        let [x, y] = maket.size_m;
-        let corners = [[0.0, 0.0], [x, 0.0], [x, y], [0.0, y]];
-        mesh.append(Mesh {
-            vertices_m: corners.map(|[x, y]| place.local_m(DVec3::new(x, y, 0.0))).to_vec(),
-            facets: vec![[0, 1, 2], [0, 2, 3]],
-            material: vec![material_id(Some(material), &maket.ground.at)?; 2],
-            face_of_facet: vec![0, 0],
-            uv: vec![],
-        });
-        Ok(())
     }
 
     fn camera(&mut self, place: &Place, mesh: &Mesh) -> FrameCamera {
@@ -708,9 +537,4 @@ fn material(property: &OpticalProperty, table: Vec<Spectrum>) -> Material {
         reflectance,
         photometry,
     }
-}
-
-fn material_id(material: Option<usize>, at: &Location) -> Result<MaterialId> {
-    let id = material.and_then(|m| u16::try_from(m).ok()).map(MaterialId);
-    id.ok_or_else(|| Error::invalid(at.clone(), "more materials than can be told apart"))
 }

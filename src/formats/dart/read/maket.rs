@@ -3,7 +3,7 @@
 use crate::formats::xml::Element;
 use crate::report::Fate;
 
-use super::super::{Links, Maket};
+use super::super::{Links, Maket, Topography};
 use super::object_3d;
 use super::reading::Reading;
 
@@ -42,6 +42,7 @@ pub(super) fn read(maket: &Element, reading: &mut Reading) -> Maket {
         ground_enabled: soil.and_then(|s| s.get("groundEnabled")).is_none_or(|e| e.trim() != "0"),
         topography: soil.and_then(|soil| topography(soil, reading)),
         latitude_longitude_altitude: [latitude, longitude, altitude],
+        at: maket.at(),
     }
 }
 
@@ -55,11 +56,17 @@ pub(super) fn code(element: &Element, name: &str, default: u32, last: u32, readi
     code.min(last)
 }
 
-fn topography(soil: &Element, reading: &mut Reading) -> Option<String> {
-    if let Some(generator) = soil.child("DEM_properties").filter(|d| d.get("createTopography") == Some("1")) {
-        let message = "DART makes a terrain raster before it runs: what is read is the raster as it lies in the folder";
-        reading.note(Fate::Approximated, generator.at_attribute("createTopography"), message);
-    }
+/// `caseDEM`: what the generator makes a terrain of.
+const GENERATORS: [&str; 5] = [
+    "synthetic shapes",
+    "a part of another raster",
+    "a text of hills",
+    "another raster, turned",
+    "a raster of another format",
+];
+
+fn topography(soil: &Element, reading: &mut Reading) -> Option<Topography> {
+    let made = generated(soil, reading);
     let topography = soil.child("Topography")?;
     if !reading.flag(topography, "presenceOfTopography") {
         return None;
@@ -69,5 +76,24 @@ fn topography(soil: &Element, reading: &mut Reading) -> Option<String> {
     if let Err(problem) = reading.folder.locate(&name, &properties.at_attribute("fileName")) {
         reading.problems.push(|| problem);
     }
-    Some(name)
+    let generated = made.is_some_and(|output| output.is_none_or(|output| output == name));
+    Some(Topography { file: name, generated, at: properties.at_attribute("fileName") })
+}
+
+/// The raster that DART makes before it runs, if it makes one: `Some(None)` if it is not said which.
+fn generated(soil: &Element, reading: &mut Reading) -> Option<Option<String>> {
+    let properties = soil.child("DEM_properties").filter(|d| reading.flag(d, "createTopography"))?;
+    let generator = properties.child("DEMGenerator");
+    let case = generator.and_then(|g| g.get("caseDEM"));
+    let known = case.and_then(|c| GENERATORS.get(c.trim().parse::<usize>().ok()?.checked_sub(1)?));
+    let at = match generator {
+        Some(generator) if case.is_some() => generator.at_attribute("caseDEM"),
+        _ => properties.at_attribute("createTopography"),
+    };
+    let message = format!(
+        "DART makes a terrain of {} before it runs: read is the raster as it lies in the folder",
+        known.unwrap_or(&"what is not known here")
+    );
+    reading.note(Fate::Dropped, at, message);
+    Some(generator.and_then(|g| g.get("outputFileName")).map(str::to_owned))
 }

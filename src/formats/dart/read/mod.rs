@@ -22,7 +22,7 @@ use crate::formats::xml::{self, Element};
 use crate::report::{Fate, Report};
 
 use super::folder::Folder;
-use super::{Simulation, Version};
+use super::{Simulation, Topography, Version};
 use reading::Reading;
 
 /// What a simulation does not say itself.
@@ -42,6 +42,9 @@ impl Options {
         Folder::new(path, self.database.as_deref(), self.allow_outside)
     }
 }
+
+/// Pixels that a raster may be larger or smaller than the scene, but for rounding.
+const LENIENT: f64 = 1.001;
 
 /// The input files: their names, the section each holds, and whether a simulation is read without it.
 pub(super) const FILES: [(&str, &str, bool); 11] = [
@@ -166,18 +169,43 @@ pub fn read(path: &Path, options: &Options) -> Result<(Simulation, Report, Vec<I
 
 /// The raster of heights that a simulation names, if there is one: the first line is at x = 0, heights in m.
 ///
+/// It spans the scene, with two lines and columns at least. `None` also if DART would make it first, and has not.
+///
 /// # Errors
-/// [`Error::Invalid`] if it is not there, and as [`ilwis::read`].
+/// [`Error::Invalid`] if it is not there, if it holds what is no height, or if its header gives it another extent than the scene's, by more than
+/// a pixel; and as [`ilwis::read`].
 pub fn terrain(simulation: &Simulation, folder: &Folder) -> Result<Option<(Raster, Vec<InputFile>)>> {
-    let Some(name) = &simulation.maket.topography else { return Ok(None) };
-    let at = Location::file(folder.input.join("maket.xml")).with_item("Soil/Topography/TopographyProperties");
-    let found = folder.locate(name, &at).map_err(|problem| Error::Invalid(vec![problem]))?;
-    let path = found.ok_or_else(|| Error::invalid(at, format!("the terrain `{name}` is not there")))?;
+    let Some(Topography { file: name, generated, at }) = &simulation.maket.topography else { return Ok(None) };
+    let found = folder.locate(name, at).map_err(|problem| Error::Invalid(vec![problem]))?;
+    let Some(path) = found else {
+        let missing = || Error::invalid(at.clone(), format!("the terrain `{name}` is not there"));
+        return if *generated { Ok(None) } else { Err(missing()) };
+    };
     let (raster, files) = ilwis::read(&path)?;
-    if raster.values.iter().any(|height| !height.is_finite()) {
-        return Err(Error::invalid(Location::file(&path), "holds heights that are not finite numbers"));
+    let Raster { rows, columns, pixel_m, values } = &raster;
+    let mut problems = Vec::new();
+    if let Some(first) = values.iter().position(|height| !height.is_finite()) {
+        let (row, column) = (first / columns + 1, first % columns + 1);
+        let message = format!("holds heights that are not finite numbers, first in row {row}, column {column}");
+        problems.push(Problem::new(Location::file(&path), message));
     }
-    Ok(Some((raster, files)))
+    let header = || Location::file(path.with_extension("mpr"));
+    if *rows < 2 || *columns < 2 {
+        let message = format!("a terrain of {rows} x {columns} heights: two lines and columns at least belong here");
+        problems.push(Problem::new(header(), message));
+    }
+    if let Some([dx, dy]) = pixel_m {
+        let (spans, [x, y]) = ([dx * *rows as f64, dy * *columns as f64], simulation.maket.size_m);
+        // Some writers count from the first value to the last one.
+        if (spans[0] - x).abs() > *dx * LENIENT || (spans[1] - y).abs() > *dy * LENIENT {
+            let [a, b] = spans;
+            let message = format!(
+                "spans {a} x {b} m by its `CoordBounds`, but the scene is {x} x {y} m (maket.xml, SceneDimensions)"
+            );
+            problems.push(Problem::new(header(), message).with_help("make one as large as the other"));
+        }
+    }
+    if problems.is_empty() { Ok(Some((raster, files))) } else { Err(Error::Invalid(problems)) }
 }
 
 fn version(inputs: &Inputs, reading: &mut Reading) -> Version {

@@ -1,0 +1,185 @@
+//! The surface of a simulation: its objects, its ground, and copies of both.
+
+use std::rc::Rc;
+
+use glam::{DMat3, DVec3};
+
+use crate::error::{Error, Location, Result};
+use crate::formats::input::Hashing;
+use crate::formats::obj::{self, ObjFile};
+use crate::geometry::{MaterialId, Mesh};
+use crate::progress::tell;
+use crate::report::Fate;
+use crate::scene::MOST_FACETS;
+
+use super::super::ground::{Ground, Standing};
+use super::super::simulation::Object;
+use super::super::{frame, groups};
+use super::{Place, Reader};
+
+impl Reader<'_> {
+    /// The OBJ file that an object names.
+    fn obj(&mut self, object: &Object) -> Result<Rc<ObjFile>> {
+        if let Some(known) = self.objs.get(&object.file) {
+            return Ok(known.clone());
+        }
+        let path = self.folder.locate(&object.file, &object.at).map_err(|problem| Error::Invalid(vec![problem]))?;
+        let path = path.ok_or_else(|| {
+            Error::invalid(object.at.clone(), format!("the file {:?} of {:?} is not there", object.file, object.name))
+        })?;
+        // DART knows groups, not materials, and reads no material file.
+        let file = std::fs::File::open(&path).map_err(|e| Error::io(&path, "reading", e))?;
+        let mut source = Hashing::new(file);
+        let read = Rc::new(obj::parse(&mut source, &path, &mut |_| Ok(Vec::new()))?);
+        self.inputs.push(source.finish(&path));
+        self.objs.insert(object.file.clone(), read.clone());
+        Ok(read)
+    }
+
+    /// All objects in one mesh, and the ground if it is something, with all copies, in the scene's frame.
+    pub(super) fn mesh(&mut self, place: &Place, material_of: &[Option<usize>]) -> Result<Mesh> {
+        let (simulation, maket) = (self.simulation, &self.simulation.maket);
+        let (ground, report, files) = Ground::of(simulation, self.folder, self.options.repeat)?;
+        self.report.notes.extend(report.notes);
+        self.inputs.extend(files);
+        let mut all = Mesh::default();
+        let mut standing = Standing::default();
+        let fields: Vec<Object> = simulation.fields.iter().flat_map(|f| f.objects()).collect();
+        for object in simulation.objects.iter().chain(&fields) {
+            if object.hidden {
+                self.note(Fate::Dropped, &object.at, format!("{:?} is hidden: DART ignores it too", object.name));
+                continue;
+            }
+            tell(self.watch, "reading meshes", 0, 1)?;
+            let mut mesh = self.object(object, material_of)?;
+            standing.settle(object, &mut mesh, &ground, &mut self.report);
+            self.beyond(object, &mesh);
+            // A field may hold millions of places.
+            if all.vertices_m.len().max(all.facets.len()) + mesh.vertices_m.len().max(mesh.facets.len()) > MOST_FACETS {
+                let message = format!(
+                    "with {:?} there are more than the {MOST_FACETS} facets or vertices there may be",
+                    object.name
+                );
+                return Err(Error::invalid(object.at.clone(), message));
+            }
+            if all.facets.is_empty() { all = mesh } else { all.append(mesh) }
+        }
+        standing.tell(&mut self.report);
+        if let Some(sidecar) = self.sidecar.as_ref().filter(|_| simulation.objects.len() == 1) {
+            all.face_of_facet = match sidecar.faces(all.facets.len()) {
+                faces if faces.is_empty() => all.face_of_facet,
+                faces => faces,
+            };
+        }
+        let material = material_of[self.property(&maket.ground)?].filter(|_| maket.ground_enabled);
+        ground.fits(&all, material.is_some(), &maket.at)?;
+        let mut all = ground.copies(all);
+        if material.is_some() {
+            all.append(ground.mesh(material_id(material, &maket.ground.at)?));
+        }
+        if all.facets.is_empty() {
+            let message = "the simulation has no objects and no ground that is seen";
+            return Err(Error::invalid(Location::file(&self.folder.simulation), message));
+        }
+        all.vertices_m.iter_mut().for_each(|v| *v = place.local_m(*v));
+        tell(self.watch, "reading meshes", 1, 1)?;
+        Ok(all)
+    }
+
+    /// Says what is beyond the scene's edge, where there is no copy that it reaches into.
+    fn beyond(&mut self, object: &Object, mesh: &Mesh) {
+        let Some((low_m, high_m)) = mesh.bounds_m() else { return };
+        let [x, y] = self.simulation.maket.size_m;
+        let is_beyond = low_m.x < 0.0 || low_m.y < 0.0 || high_m.x > x || high_m.y > y;
+        if is_beyond && object.repeated_on_border && self.options.repeat == 0 {
+            let message = format!(
+                "{:?} reaches beyond the scene's edge, where DART lets it come in at the other side: it only stands where it is",
+                object.name
+            );
+            self.note(Fate::Dropped, &object.at, message);
+        }
+    }
+
+    /// An object in DART's frame, where its position says.
+    fn object(&mut self, object: &Object, material_of: &[Option<usize>]) -> Result<Mesh> {
+        let read = self.obj(object)?;
+        let numbered = groups::order(&read.groups, &self.simulation.version);
+        let mut links_of_group = vec![object.links.as_ref(); read.groups.len().max(1)];
+        for group in &object.groups {
+            let Some(&place) = (group.number as usize).checked_sub(1).and_then(|n| numbered.get(n)) else {
+                let message =
+                    format!("group {} ({:?}): the OBJ has {} groups", group.number, group.name, numbered.len());
+                return Err(Error::invalid(group.at.clone(), message));
+            };
+            links_of_group[place] = group.links.as_ref().or(object.links.as_ref());
+            if group.double_face || object.double_face {
+                self.note(Fate::Dropped, &group.at, format!("the back of {:?}: backs are black", group.name));
+            }
+        }
+        if object.groups.is_empty() && object.double_face {
+            self.note(Fate::Dropped, &object.at, format!("the back of {:?}: backs are black", object.name));
+        }
+        let mut material_of_group = Vec::new();
+        for (i, links) in links_of_group.iter().enumerate() {
+            let Some(links) = links else {
+                let name = read.groups.get(i).map_or("", String::as_str);
+                let message = format!("nothing says what group {name:?} of {:?} is made of", object.file);
+                return Err(Error::invalid(object.at.clone(), message));
+            };
+            material_of_group.push(material_id(material_of[self.property(links)?], &links.at)?);
+        }
+        let material = match read.facet_group.is_empty() {
+            true => vec![material_of_group[0]; read.facets.len()],
+            false => read.facet_group.iter().map(|g| material_of_group[*g as usize]).collect(),
+        };
+
+        let hidden: Vec<usize> = object
+            .groups
+            .iter()
+            .filter(|g| g.hidden)
+            .filter_map(|g| numbered.get(g.number as usize - 1).copied())
+            .collect();
+        let is_seen = |f: usize| read.facet_group.get(f).is_none_or(|g| !hidden.contains(&(*g as usize)));
+
+        let turned = DMat3::from_rotation_z(object.rotation_deg.z.to_radians())
+            * DMat3::from_rotation_y(object.rotation_deg.y.to_radians())
+            * DMat3::from_rotation_z(object.rotation_deg.x.to_radians());
+        if object.rotation_deg.x != 0.0 || object.rotation_deg.y != 0.0 {
+            let message = "rotations about more than the vertical: their order is inferred, not documented";
+            self.note(Fate::Approximated, &object.at, message);
+        }
+        let is_turned = object.rotation_deg != DVec3::ZERO;
+        let mut vertices_m = read.vertices.clone();
+        for vertex in &mut vertices_m {
+            let v = object.scale * frame::dart_from_obj(*vertex);
+            *vertex = object.position_m + if is_turned { turned * v } else { v };
+        }
+        let mut mesh = Mesh {
+            vertices_m,
+            facets: read.facets.clone(),
+            material,
+            face_of_facet: read.face_of_facet.clone(),
+            uv: vec![],
+        };
+        if !hidden.is_empty() {
+            self.note(
+                Fate::Dropped,
+                &object.at,
+                format!("{} hidden groups of {:?}: DART ignores them too", hidden.len(), object.name),
+            );
+            let seen: Vec<usize> = (0..mesh.facets.len()).filter(|f| is_seen(*f)).collect();
+            mesh.face_of_facet = seen.iter().map(|f| mesh.face(*f)).collect();
+            mesh.material = seen.iter().map(|f| mesh.material[*f]).collect();
+            mesh.facets = seen.iter().map(|f| mesh.facets[*f]).collect();
+        }
+        if object.scale.x * object.scale.y * object.scale.z < 0.0 {
+            mesh.facets.iter_mut().for_each(|f| f.swap(1, 2));
+        }
+        Ok(mesh)
+    }
+}
+
+fn material_id(material: Option<usize>, at: &Location) -> Result<MaterialId> {
+    let id = material.and_then(|m| u16::try_from(m).ok()).map(MaterialId);
+    id.ok_or_else(|| Error::invalid(at.clone(), "more materials than can be told apart"))
+}
