@@ -103,7 +103,7 @@ fn site() -> Mesh {
     of_material(landscape::generate(&recipe, &|_| true).unwrap().mesh, 0)
 }
 
-fn camera_image(camera: &FrameCamera, occlusion: bool) -> Placement {
+pub(crate) fn camera_image(camera: &FrameCamera, occlusion: bool) -> Placement {
     Placement::View(Box::new(ViewImage {
         projection: Projection::of_camera(camera),
         eye: Eye::At(camera.world_from_sensor.translation_m),

@@ -9,6 +9,7 @@ use glam::DVec3;
 use mmxrt::geometry::{Direction, Mesh};
 use mmxrt::landscape::{self, Recipe};
 use mmxrt::scene::FrameCamera;
+use mmxrt::study::{Fill, MapOptions};
 
 /// 200 m of hills, craters and 150 half-sunk boulders of 2 to 12 m, facets of 2 m.
 fn site() -> Mesh {
@@ -82,33 +83,25 @@ fn meets(mesh: &Mesh, facet: u32, from: DVec3, ray: DVec3) -> Option<f64> {
     (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0).then_some(t)
 }
 
-/// The image by rays, `side` x `side` of them in each pixel, each at a random place of its own square.
-fn sampled(mesh: &Mesh, towards_sun: DVec3, camera: &FrameCamera, side: u32, seed: u64) -> Vec<f64> {
+/// The image by rays, `side` x `side` of them in each pixel, each at a random place of its own square. `value` is told the facet, the
+/// point, and the facet's unit normal.
+fn sampled(
+    mesh: &Mesh,
+    camera: &FrameCamera,
+    side: u32,
+    seed: u64,
+    value: impl Fn(u32, DVec3, DVec3) -> f64,
+) -> Vec<f64> {
     let eye = camera.world_from_sensor.translation_m;
     let [h, v, u] = [0, 1, 2].map(|k| camera.world_from_sensor.rotation.col(k));
-    let in_image = Bins::new(mesh, |p| {
-        let p = p - eye;
-        assert!(p.dot(u) > 0.0, "behind the camera");
-        DVec3::new(p.dot(h), p.dot(v), 0.0) / p.dot(u)
-    });
-    let (across, along) = towards_sun.any_orthonormal_pair();
-    let from_sun = |p: DVec3| DVec3::new(p.dot(across), p.dot(along), 0.0);
-    let shadows = Bins::new(mesh, from_sun);
+    let in_image = Bins::new(mesh, |p| through(camera, p));
     let value = |x: f64, y: f64| {
-        let place = DVec3::new(x, y, 0.0);
         let ray = x * h + y * v + u;
-        let hits = in_image.at(place).iter().filter_map(|f| Some((meets(mesh, *f, eye, ray)?, *f)));
+        let hits = in_image.at(DVec3::new(x, y, 0.0)).iter().filter_map(|f| Some((meets(mesh, *f, eye, ray)?, *f)));
         let Some((t, facet)) = hits.min_by(|a, b| a.0.total_cmp(&b.0)) else { return 0.0 };
         let [a, b, c] = mesh.facets[facet as usize].map(|v| mesh.vertices_m[v as usize]);
         let normal = (b - a).cross(c - a).normalize();
-        let cos_i = normal.dot(towards_sun);
-        if normal.dot(ray) >= 0.0 || cos_i <= 0.0 {
-            return 0.0;
-        }
-        let point = eye + t * ray;
-        let hidden =
-            shadows.at(from_sun(point)).iter().any(|f| *f != facet && meets(mesh, *f, point, towards_sun).is_some());
-        if hidden { 0.0 } else { cos_i }
+        if normal.dot(ray) >= 0.0 { 0.0 } else { value(facet, eye + t * ray, normal) }
     };
     let pixels = camera.samples * camera.lines;
     let coordinate = |pixel: u32, pixels: u32, part: f64| {
@@ -129,6 +122,25 @@ fn sampled(mesh: &Mesh, towards_sun: DVec3, camera: &FrameCamera, side: u32, see
         .collect()
 }
 
+/// Where a camera sees a point: tangents to the right and down.
+fn through(camera: &FrameCamera, p: DVec3) -> DVec3 {
+    let p = camera.world_from_sensor.rotation.transpose() * (p - camera.world_from_sensor.translation_m);
+    assert!(p.z > 0.0, "behind the camera");
+    DVec3::new(p.x, p.y, 0.0) / p.z
+}
+
+/// Cosine of incidence where the Sun is seen, else 0.
+fn sunlight(mesh: &Mesh, towards_sun: DVec3) -> impl Fn(u32, DVec3, DVec3) -> f64 {
+    let (across, along) = towards_sun.any_orthonormal_pair();
+    let from_sun = move |p: DVec3| DVec3::new(p.dot(across), p.dot(along), 0.0);
+    let shadows = Bins::new(mesh, from_sun);
+    move |facet, point, normal| {
+        let cos_i = normal.dot(towards_sun);
+        let hides = |f: &u32| *f != facet && meets(mesh, *f, point, towards_sun).is_some();
+        if cos_i <= 0.0 || shadows.at(from_sun(point)).iter().any(hides) { 0.0 } else { cos_i }
+    }
+}
+
 /// The same image by areas.
 fn exact(mesh: &Mesh, towards_sun: Direction, camera: &FrameCamera) -> Vec<f64> {
     let seen = see(mesh, towards_sun, camera);
@@ -142,15 +154,10 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
     (sum / f64::from(count)).sqrt()
 }
 
-/// `least_shadow`: the share of cos i over the image that shadows take away, at least: there is something to get wrong.
-fn assert_converges(camera: &FrameCamera, towards_sun: Direction, least_shadow: f64) {
-    let heavy = std::env::var("MMXRT_HEAVY").is_ok_and(|v| v == "1");
-    let side = if heavy { 128 } else { 32 };
-    let mesh = site();
-    let ours = exact(&mesh, towards_sun, camera);
-    let [one, two] = [1, 2].map(|seed| sampled(&mesh, towards_sun.vec(), camera, side, seed));
-    let mean: Vec<f64> = one.iter().zip(&two).map(|(a, b)| 0.5 * (a + b)).collect();
-    let noise = rms(one.iter().zip(&two).map(|(a, b)| 0.5 * (a - b)));
+/// What differs is no more than the noise of two images by rays explains.
+fn assert_alike(ours: &[f64], one: &[f64], two: &[f64]) {
+    let mean: Vec<f64> = one.iter().zip(two).map(|(a, b)| 0.5 * (a + b)).collect();
+    let noise = rms(one.iter().zip(two).map(|(a, b)| 0.5 * (a - b)));
     let error = rms(ours.iter().zip(&mean).map(|(a, b)| a - b));
     let level = mean.iter().sum::<f64>() / mean.len() as f64;
     let worst = (0..ours.len()).max_by(|a, b| (ours[*a] - mean[*a]).abs().total_cmp(&(ours[*b] - mean[*b]).abs()));
@@ -158,6 +165,16 @@ fn assert_converges(camera: &FrameCamera, towards_sun: Direction, least_shadow: 
     let told = format!("worst pixel {worst}: {}, rays say {} and {}", ours[worst], one[worst], two[worst]);
     assert!(error <= 1.2 * noise, "error {error:e}, noise {noise:e} of {level}; {told}");
     assert!(noise > 0.0 && noise < 0.02 * level, "noise {noise:e} of {level}");
+}
+
+/// `least_shadow`: the share of cos i over the image that shadows take away, at least: there is something to get wrong.
+fn assert_converges(camera: &FrameCamera, towards_sun: Direction, least_shadow: f64) {
+    let heavy = std::env::var("MMXRT_HEAVY").is_ok_and(|v| v == "1");
+    let side = if heavy { 128 } else { 32 };
+    let mesh = site();
+    let ours = exact(&mesh, towards_sun, camera);
+    let [one, two] = [1, 2].map(|seed| sampled(&mesh, camera, side, seed, sunlight(&mesh, towards_sun.vec())));
+    assert_alike(&ours, &one, &two);
     // Without shadows.
     let bare: f64 = {
         let seen = see(&mesh, towards_sun, camera);
@@ -193,4 +210,38 @@ fn rays_agree_at_85_degrees() {
 fn rays_agree_in_an_oblique_view() {
     let camera = camera([700.0, -500.0, 320.0], [0.0; 3], [0.0, 0.0, 1.0], 32, 0.08 / 32.0);
     assert_converges(&camera, sun(70.0, 10.0), 0.05);
+}
+
+#[test]
+fn rays_agree_on_a_map_from_another_camera() {
+    // A camera in the west took an image of noise, 60 x 60 pixels; another one, in the south, sees what of it lies where.
+    let mesh = site();
+    let map_camera = camera([-800.0, 200.0, 500.0], [0.0; 3], [0.0, 0.0, 1.0], 60, 0.0035);
+    let view = camera([250.0, -900.0, 420.0], [0.0; 3], [0.0, 0.0, 1.0], 32, 0.08 / 32.0);
+    let mut random = Random(7);
+    let texels: Vec<f64> = (0..3600).map(|_| random.share()).collect();
+    let scene = crate::maps::scene(of_material(mesh.clone(), 0), view.clone(), [0.0, 0.0, 1.0]);
+    let placement = crate::maps::camera_image(&map_camera, true);
+    let options = MapOptions { fill: Fill::Value(0.0), ..MapOptions::default() };
+    let terms = vec![vec![crate::maps::map(placement, texels.clone())]];
+    let (seen, account) = crate::maps::observe(&scene, terms, &options).unwrap();
+    let eye = map_camera.world_from_sensor.translation_m;
+    let hidden = Bins::new(&mesh, |p| through(&map_camera, p));
+    let of_map = |facet: u32, point: DVec3, normal: DVec3| {
+        let at = through(&map_camera, point);
+        let [column, row] = [at.x, at.y].map(|x| x / map_camera.pitch + 30.0);
+        let is_inside = (0.0..60.0).contains(&column) && (0.0..60.0).contains(&row);
+        let ray = point - eye;
+        // What lies between the eye and the point, short of it by more than rounding.
+        let hides = |f: &u32| *f != facet && meets(&mesh, *f, eye, ray).is_some_and(|t| t < 1.0 - 1e-12);
+        if !is_inside || normal.dot(ray) >= 0.0 || hidden.at(at).iter().any(hides) {
+            return 0.0;
+        }
+        texels[row as usize * 60 + column as usize]
+    };
+    let side = if std::env::var("MMXRT_HEAVY").is_ok_and(|v| v == "1") { 128 } else { 32 };
+    let [one, two] = [1, 2].map(|seed| sampled(&mesh, &view, side, seed, of_map));
+    assert_alike(&seen.cube.band(0), &one, &two);
+    // Something is hidden, and something is seen.
+    assert!((0.1..0.9).contains(&account.unknown_share), "{account:?}");
 }
