@@ -3,12 +3,14 @@
 //! A band is f64, row by row, whatever the file stores; what the file says is no data is NaN. Of a file that interleaves its
 //! bands, as many are read in one pass as [`PASS_BYTES`] holds; no more of any file is in memory.
 
+mod compare;
 mod exr;
 mod flat;
 mod headers;
 mod npy;
 mod picture;
 mod text;
+mod write;
 
 use std::fs::File;
 use std::io::Read;
@@ -18,6 +20,10 @@ use std::path::{Path, PathBuf};
 use crate::error::{Error, Location, Problem, Result};
 use crate::report::Report;
 
+pub use self::compare::{differences, statistics};
+pub(crate) use self::text::{is_grid, open as open_csv};
+pub use self::write::{Options, Target, write};
+use super::ilwis;
 use super::input::{Hashing, InputFile};
 pub use super::number::DataType;
 
@@ -53,6 +59,10 @@ pub struct Raster {
     pub report: Report,
     /// How each band's numbers become values; none if they are the values.
     scale: Vec<Scale>,
+    /// Where an ILWIS map lies.
+    place: Option<ilwis::Place>,
+    /// What else an ENVI header says: key and text.
+    extra: Vec<(String, String)>,
     /// All files that the raster comes from.
     files: Vec<PathBuf>,
     reader: Reader,
@@ -136,6 +146,32 @@ pub fn open(path: &Path) -> Result<Raster> {
 }
 
 impl Raster {
+    /// A raster of numbers that are values, of which no more is known.
+    fn of(
+        path: &Path,
+        (rows, columns): (usize, usize),
+        bands: Vec<RasterBand>,
+        data_type: DataType,
+        reader: Reader,
+    ) -> Self {
+        Raster {
+            path: path.to_owned(),
+            rows,
+            columns,
+            bands,
+            unit: None,
+            ignore: None,
+            data_type,
+            report: Report::default(),
+            scale: Vec::new(),
+            place: None,
+            extra: Vec::new(),
+            files: vec![path.to_owned()],
+            reader,
+            pass: Pass::default(),
+        }
+    }
+
     /// Number of pixels.
     pub fn pixels(&self) -> usize {
         self.rows * self.columns
