@@ -174,18 +174,19 @@ const TABLE_HEAD: usize = 128;
 const RECORD: usize = 28;
 const ACTIVE: i32 = 2;
 
-/// Where a map lies: its corners from the table `.gr#` beside its values, if there is one, and else from the header's box.
+/// Where a map lies: its corners from the table `.gr#` beside its values, if there is one, and else from the header's box;
+/// `None` if that says nothing either.
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::Syntax`] for a table that is none.
-pub fn place(header: &Header, values_path: &Path) -> Result<Place> {
+pub fn place(header: &Header, values_path: &Path) -> Result<Option<Place>> {
     let mut place = Place::of_pixels(header.pixel_m.unwrap_or([1.0; 2]), header.rows, header.columns);
     if let Some(bounds) = header.bounds {
         place.bounds = bounds;
     }
     let path = values_path.with_extension("gr#");
     if !path.exists() {
-        return Ok(place);
+        return Ok(header.bounds.map(|_| place));
     }
     let bytes = input::bytes(&path, HEADER)?;
     let records = bytes.get(TABLE_HEAD..).filter(|rest| bytes.starts_with(TABLE) && rest.len() % RECORD == 0);
@@ -203,7 +204,7 @@ pub fn place(header: &Header, values_path: &Path) -> Result<Place> {
             place.corners_m[i] = [real(record, 0), real(record, 8)];
         }
     }
-    Ok(place)
+    Ok(Some(place))
 }
 
 /// The table `.gr#` of a map's corners.

@@ -1,6 +1,7 @@
 //! From one format to another, with a report of all that is not carried over as it was.
 //!
-//! What is read is one of three things: a scene; a surface, which is a mesh with names of materials; or a list of spectra. A
+//! What is read is one of four things: a scene; a surface, which is a mesh with names of materials; a list of spectra; or an
+//! image, which becomes nothing but an image. A
 //! surface becomes a scene by taking for granted what it does not say; a scene becomes a surface, or spectra, by leaving out the
 //! rest; the report says either. Spectra make no scene.
 
@@ -420,6 +421,10 @@ impl Job<'_> {
                 return Err(unsupported(self.input, &feature));
             }
         };
+        if to == Format::Envi && self.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("hdr")) {
+            let message = "is a header's name: name the file of numbers, as .img";
+            return Err(Error::invalid(Location::file(self.output), message));
+        }
         let Options { data_type, image_bands, replace, .. } = self.options;
         let options = raster::Options { data_type: *data_type, bands: image_bands.clone(), replace: *replace };
         let files = raster::write(raster, self.output, target, &options, self.report, self.watch)?;

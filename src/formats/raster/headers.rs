@@ -146,9 +146,8 @@ pub(super) fn open_ilwis(path: &Path) -> Result<Raster> {
         gap: 0,
     };
     check_length(&values_path, &flat, None, &header_path)?;
-    let name = values_path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let data_type = if store.scale.is_none() { store.data_type } else { DataType::F64 };
-    let bands = vec![RasterBand { name, ..RasterBand::default() }];
+    let bands = vec![RasterBand::default()];
     Ok(Raster {
         ignore: store.undefined,
         scale: store
@@ -156,7 +155,7 @@ pub(super) fn open_ilwis(path: &Path) -> Result<Raster> {
             .map(|[step, offset]| Scale { gain: step, offset: offset * step, divisor: 1.0 })
             .into_iter()
             .collect(),
-        place: Some(ilwis::place(&header, &values_path)?),
+        place: ilwis::place(&header, &values_path)?,
         files: vec![header_path, values_path.clone()],
         ..Raster::of(&values_path, (rows, columns), bands, data_type, Reader::Flat(flat))
     })

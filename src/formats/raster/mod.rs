@@ -19,6 +19,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Location, Problem, Result};
 use crate::report::Report;
+use crate::spectral::Band;
 
 pub use self::compare::{differences, statistics};
 pub(crate) use self::text::{is_grid, open as open_csv};
@@ -26,6 +27,7 @@ pub use self::write::{Options, Target, write};
 use super::ilwis;
 use super::input::{Hashing, InputFile};
 pub use super::number::DataType;
+use super::quicklook;
 
 use self::flat::Flat;
 
@@ -229,6 +231,17 @@ impl Raster {
             }
         }
         Ok(())
+    }
+
+    /// The bands of a picture: three for colours where all wavelengths are known or there are three, else the middle one.
+    pub fn colour_bands(&self) -> Vec<usize> {
+        let bands: Option<Vec<Band>> =
+            self.bands.iter().map(|b| Some(Band { centre_um: b.centre_um?, fwhm_um: None })).collect();
+        match bands {
+            Some(bands) if bands.len() >= 3 => quicklook::colour_bands(&bands).to_vec(),
+            None if self.bands.len() == 3 => vec![0, 1, 2],
+            _ => vec![self.bands.len() / 2],
+        }
     }
 
     /// The files that it comes from, for reports. They are read to the end for their hashes.
