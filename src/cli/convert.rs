@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use mmxrt::Result;
 use mmxrt::formats::convert::{self, Content, Conversion, Finding, Format, Options, Severity};
+use mmxrt::formats::raster::DataType;
 use mmxrt::report::{Note, Report};
 use mmxrt::spectral::Band;
 use serde_json::{Value, json};
@@ -13,7 +14,7 @@ use super::console::Console;
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// What to convert: a scene, mesh, DART simulation or spectra; what it is shows by what it holds
+    /// What to convert: a scene, mesh, DART simulation, spectra or image; what it is shows by what it holds
     #[arg(required_unless_present = "list")]
     input: Option<PathBuf>,
     /// What to write; its ending tells the format, none is a DART simulation. With --diff, what to compare with
@@ -64,6 +65,12 @@ pub(crate) struct Arguments {
     /// Bands to resample spectra to, um: FIRST:LAST:COUNT or FIRST:LAST:COUNT:WIDTH
     #[arg(long, value_name = "BANDS", value_parser = bands)]
     bands: Option<Bands>,
+    /// Of an image take this band, from 1; may be given several times
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    band: Vec<u32>,
+    /// Type of an image's numbers in ENVI and NumPy; as they are without it
+    #[arg(long, value_name = "TYPE", value_parser = data_type)]
+    dtype: Option<DataType>,
     /// Replace what exists
     #[arg(long)]
     force: bool,
@@ -72,6 +79,11 @@ pub(crate) struct Arguments {
 fn format(name: &str) -> std::result::Result<Format, String> {
     let names: Vec<&str> = Format::ALL.iter().map(|format| format.about().name).collect();
     Format::named(name).ok_or_else(|| format!("formats are {}", names.join(", ")))
+}
+
+fn data_type(name: &str) -> std::result::Result<DataType, String> {
+    let found = DataType::ALL.into_iter().find(|data_type| data_type.name() == name);
+    found.ok_or_else(|| format!("types are {}", DataType::ALL.map(DataType::name).join(", ")))
 }
 
 /// Numbers with commas between them.
@@ -127,6 +139,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         replace: arguments.force,
         strict: arguments.strict,
         models: arguments.model.clone(),
+        image_bands: arguments.band.iter().map(|band| *band as usize - 1).collect(),
+        data_type: arguments.dtype,
         bands: arguments.bands.clone().map(|bands| bands.0).unwrap_or_default(),
     };
     let watch = |progress| console.watch(progress);
@@ -203,7 +217,8 @@ fn list_formats(console: &Console) -> Result<Outcome> {
     let all = Format::ALL.map(Format::about);
     let row = |about: &convert::About| {
         let endings: Vec<String> = about.extensions.iter().map(|e| format!(".{e}")).collect();
-        format!("{:10} {:6} reads {}; writes {}\n", about.name, endings.join(" "), about.reads, about.writes)
+        let writes = if about.writes.is_empty() { "nothing" } else { about.writes };
+        format!("{:10} {:6} reads {}; writes {writes}\n", about.name, endings.join(" "), about.reads)
     };
     let shown: Vec<Value> = all
         .iter()

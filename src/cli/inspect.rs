@@ -3,11 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
+use mmxrt::formats::convert::Format;
+use mmxrt::formats::folder::Staged;
 use mmxrt::formats::located::Document;
 use mmxrt::formats::mtl::{self, ObjMaterial};
+use mmxrt::formats::raster::{self, Raster};
 use mmxrt::formats::report_json::{self, Report, Run};
 use mmxrt::formats::spectrum_csv::{self, Quantity};
 use mmxrt::formats::{envi, exr_cube, gltf, npz, obj, quicklook, recipe_toml};
+use mmxrt::progress::tell;
 use mmxrt::spectral::Extend;
 use mmxrt::{Error, Location, Problem, Result, study};
 use serde_json::{Value, json};
@@ -17,15 +21,32 @@ use super::console::Console;
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// A product folder, ENVI image or header, .npz, .exr, .png, .json report, scene, recipe, spectrum (.csv), .obj, .mtl, .gltf or .glb
+    /// A product folder, image (ENVI, ILWIS, OpenEXR, NumPy, PNG, CSV), .npz, .json report, scene, recipe, spectrum (.csv), .obj, .mtl, .gltf or .glb
     file: PathBuf,
+    /// Write a picture of an image, to look at: grey, or of three bands in colours
+    #[arg(long, value_name = "OUT.png")]
+    picture: Option<PathBuf>,
+    /// The band of the picture, from 1; given three times, those of red, green and blue
+    #[arg(long, value_name = "N", requires = "picture", value_parser = clap::value_parser!(u32).range(1..))]
+    band: Vec<u32>,
+    /// Replace a picture that exists
+    #[arg(long, requires = "picture")]
+    force: bool,
 }
 
 /// What a file holds: names and values, in the order they are said.
 type Facts = Vec<(&'static str, Value)>;
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
-    let facts = inspect(&arguments.file, console)?;
+    let path = &arguments.file;
+    let found = if path.is_file() { Format::of_input(path).ok() } else { None };
+    let facts = match found {
+        Some((format, _)) if format.is_raster() => image(format, arguments, console)?,
+        _ if arguments.picture.is_some() => {
+            return Err(Error::invalid(Location::file(path), "is no image, of which a picture could be made"));
+        }
+        _ => inspect(path, console)?,
+    };
     let text = facts.iter().map(|(name, value)| line(name, value)).collect::<String>();
     let json: serde_json::Map<String, Value> =
         facts.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
@@ -70,10 +91,7 @@ fn inspect(path: &Path, console: &Console) -> Result<Facts> {
     }
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     match extension.as_str() {
-        "hdr" | "img" | "dat" | "bsq" | "bil" | "bip" | "raw" => image(path),
-        "npz" => arrays(path),
-        "exr" => open_exr(path),
-        "png" => picture(path),
+        "hdr" | "sli" => library(path),
         "json" => report(path),
         "obj" => mesh(path),
         "gltf" | "glb" => surface(path),
@@ -83,18 +101,12 @@ fn inspect(path: &Path, console: &Console) -> Result<Facts> {
         _ if path.is_file() => {
             let problem = Problem::new(Location::file(path), format!("no format of ours ends in {extension:?}"))
                 .with_help(
-                    "these do: hdr, img, npz, exr, png, json, toml, csv, obj, mtl, gltf, glb; or name a product folder",
+                    "these do: hdr, img, mpr, npy, npz, exr, png, json, toml, csv, obj, mtl, gltf, glb; or name a product folder",
                 );
             Err(Error::Invalid(vec![problem]))
         }
         _ => Err(Error::io(path, "reading", std::io::ErrorKind::NotFound.into())),
     }
-}
-
-fn picture(path: &Path) -> Result<Facts> {
-    let (samples, lines, colour) = quicklook::read_info(path)?;
-    let kind = if colour { "picture of three bands" } else { "picture of one band" };
-    Ok(vec![("kind", json!(kind)), ("samples", json!(samples)), ("lines", json!(lines))])
 }
 
 fn mesh(path: &Path) -> Result<Facts> {
@@ -270,7 +282,7 @@ fn report(path: &Path) -> Result<Facts> {
     ])
 }
 
-fn image(path: &Path) -> Result<Facts> {
+fn library(path: &Path) -> Result<Facts> {
     let (header_path, data) = envi::pair(path)?;
     let header = envi::read_header(&header_path)?;
     let statistics = envi::statistics(&header, &data)?;
@@ -315,13 +327,84 @@ fn arrays(path: &Path) -> Result<Facts> {
     Ok(facts)
 }
 
-fn open_exr(path: &Path) -> Result<Facts> {
-    let info = exr_cube::read_info(path)?;
-    Ok(vec![
-        ("kind", json!("OpenEXR image")),
-        ("samples", json!(info.samples)),
-        ("lines", json!(info.lines)),
-        ("attributes", info.attributes.iter().map(|(name, text)| json!({ "name": name, "text": text })).collect()),
-        ("channels", json!(info.channels)),
-    ])
+/// What an image holds, band by band, and on request a picture of it.
+fn image(format: Format, arguments: &Arguments, console: &Console) -> Result<Facts> {
+    let path = &arguments.file;
+    let mut facts = match format {
+        Format::Envi => {
+            let header = envi::read_header(&envi::pair(path)?.0)?;
+            vec![
+                ("kind", json!("ENVI image")),
+                ("description", json!(header.field("description").unwrap_or(""))),
+                ("interleave", json!(header.interleave.name())),
+            ]
+        }
+        Format::Exr => {
+            let attributes = exr_cube::read_info(path)?.attributes;
+            let attributes = attributes.iter().map(|(name, text)| json!({ "name": name, "text": text }));
+            vec![("kind", json!("OpenEXR image")), ("attributes", attributes.collect())]
+        }
+        Format::Npz => {
+            let facts = arrays(path)?;
+            let is_ours = facts.iter().any(|(name, _)| *name == "scene");
+            // Tables and footprints are no images; of other arrays it is not said which is one.
+            if arguments.picture.is_none() && (is_ours || raster::open(path).is_err()) {
+                return Ok(facts);
+            }
+            facts
+        }
+        Format::Ilwis => vec![("kind", json!("ILWIS map"))],
+        Format::Npy => vec![("kind", json!("NumPy array"))],
+        Format::Png => vec![("kind", json!("picture"))],
+        _ => vec![("kind", json!("CSV of numbers"))],
+    };
+    let mut raster = raster::open(path)?;
+    let shown: Vec<usize> = match (&arguments.picture, arguments.band.is_empty()) {
+        (None, _) => Vec::new(),
+        (Some(_), true) => raster.colour_bands(),
+        (Some(_), false) => arguments.band.iter().map(|band| *band as usize - 1).collect(),
+    };
+    if let Some(band) = shown.iter().find(|band| **band >= raster.bands.len()) {
+        let message = format!("band {} is asked for: it has {}", band + 1, raster.bands.len());
+        return Err(Error::invalid(Location::file(path), message));
+    }
+    let label = |i: usize, raster: &Raster| match (&raster.bands[i].name, raster.bands[i].centre_um) {
+        (name, _) if !name.is_empty() => name.clone(),
+        (_, Some(um)) => format!("{um} um"),
+        _ => format!("band {}", i + 1),
+    };
+    let mut pictured: Vec<(String, Vec<f64>)> = vec![Default::default(); shown.len()];
+    let (mut bands, mut values) = (Vec::new(), Vec::new());
+    let count = raster.bands.len();
+    for i in 0..count {
+        tell(&|progress| console.watch(progress), "reading the image", i as u64, count as u64)?;
+        raster.read(i, &mut values)?;
+        for (picture, _) in pictured.iter_mut().zip(&shown).filter(|(_, band)| **band == i) {
+            *picture = (label(i, &raster), values.clone());
+        }
+        let about = raster::statistics(&values);
+        bands.push(json!({
+            "band": label(i, &raster), "centre_um": raster.bands[i].centre_um, "fwhm_um": raster.bands[i].fwhm_um,
+            "count": about.count, "no_data": values.len() as u64 - about.count,
+            "min": about.min, "max": about.max, "mean": about.mean,
+        }));
+    }
+    facts.extend([
+        ("samples", json!(raster.columns)),
+        ("lines", json!(raster.rows)),
+        ("bands", json!(count)),
+        ("data_type", json!(raster.data_type.name())),
+        ("data_units", json!(raster.unit)),
+        ("no_data_value", json!(raster.ignore)),
+        ("notes", raster.report.notes.iter().map(|note| json!(note.to_string())).collect()),
+        ("statistics", json!(bands)),
+    ]);
+    if let Some(picture) = &arguments.picture {
+        let staged = Staged::file(picture, arguments.force)?;
+        let size = [raster.rows, raster.columns];
+        quicklook::write_bands(staged.path(), size, &pictured).map_err(|e| staged.named(e))?;
+        staged.commit()?;
+        facts.push(("picture", json!(picture)));
+    }
+    Ok(facts)
 }

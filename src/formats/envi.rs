@@ -51,6 +51,11 @@ const CODES: [(u64, DataType); 9] = [
     (15, DataType::U64),
 ];
 
+/// The code of a type; 0 for signed bytes, which ENVI does not have.
+pub(super) fn code(data_type: DataType) -> u64 {
+    CODES.iter().find(|c| c.1 == data_type).map_or(0, |c| c.0)
+}
+
 /// The precision of what is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Precision {
@@ -246,7 +251,7 @@ fn common_header(
 }
 
 /// A name that the header's lists can hold.
-fn plain(name: &str) -> String {
+pub(super) fn plain(name: &str) -> String {
     name.replace(['{', '}', ',', '\n'], " ")
 }
 

@@ -9,7 +9,7 @@
 //! writes attributes in hash order, another one at each run. (It reads what is written here.)
 
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::{BufWriter, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use crate::error::{Error, Location, Problem, Result};
@@ -42,28 +42,19 @@ pub fn write(path: &Path, cube: &Cube, description: &str, watch: Watch<'_>) -> R
             .with_help("OpenEXR knows bands by their wavelength, here to 1e-6 nm: move one, or leave out --exr");
         return Err(Error::Invalid(vec![problem]));
     }
-    let line_bytes = 4 * cube.samples * cube.bands.len();
-    let (Ok(last_x), Ok(last_y), Ok(line_bytes32)) =
-        (i32::try_from(cube.samples), i32::try_from(cube.lines), i32::try_from(line_bytes))
-    else {
-        return Err(Error::invalid(Location::file(path), "the image is too large for OpenEXR"));
-    };
     let channels: Vec<&str> = order.iter().map(|band| names[*band].as_str()).collect();
-    let mut header = header(&channels, [0, 0, last_x - 1, last_y - 1], description);
-    // Where each scan line begins.
-    let first = header.len() as u64 + 8 * cube.lines as u64;
-    for line in 0..cube.lines as u64 {
-        header.extend((first + line * (8 + line_bytes as u64)).to_le_bytes());
-    }
+    let about = About { description, spectral: true, unit: Some("W.m^-2.sr^-1.um^-1") };
+    let head = head(path, &channels, [cube.samples, cube.lines], &about)?;
+    let line_bytes = 4 * cube.samples * cube.bands.len();
 
     let io = |e| Error::io(path, "writing", e);
     let mut file = BufWriter::with_capacity(1 << 20, File::create(path).map_err(io)?);
-    file.write_all(&header).map_err(io)?;
+    file.write_all(&head).map_err(io)?;
     let mut y = 0_i32;
     let mut put = |lines: &[u8]| {
         for line in lines.chunks_exact(line_bytes) {
             file.write_all(&y.to_le_bytes()).map_err(io)?;
-            file.write_all(&line_bytes32.to_le_bytes()).map_err(io)?;
+            file.write_all(&(line_bytes as i32).to_le_bytes()).map_err(io)?;
             for &band in &order {
                 file.write_all(&line[4 * cube.samples * band..][..4 * cube.samples]).map_err(io)?;
             }
@@ -75,8 +66,55 @@ pub fn write(path: &Path, cube: &Cube, description: &str, watch: Watch<'_>) -> R
     file.flush().map_err(io)
 }
 
+/// What a file says of itself.
+pub(super) struct About<'a> {
+    pub(super) description: &'a str,
+    /// Whether channels are called by their wavelength.
+    pub(super) spectral: bool,
+    /// Unit of the values.
+    pub(super) unit: Option<&'a str>,
+}
+
+/// All before the first of the scan lines, each of which then takes 8 bytes and its numbers, f32, channel by channel.
+/// `size` is columns and rows.
+///
+/// # Errors
+/// [`Error::Invalid`] if the image is larger than OpenEXR can hold.
+pub(super) fn head(path: &Path, names: &[&str], size: [usize; 2], about: &About<'_>) -> Result<Vec<u8>> {
+    let [columns, rows] = size;
+    let line_bytes = (4 * columns).checked_mul(names.len()).unwrap_or(usize::MAX);
+    let (Ok(last_x), Ok(last_y), Ok(_)) = (i32::try_from(columns), i32::try_from(rows), i32::try_from(line_bytes))
+    else {
+        return Err(Error::invalid(Location::file(path), "the image is too large for OpenEXR"));
+    };
+    let mut head = header(names, [0, 0, last_x - 1, last_y - 1], about);
+    // Where each scan line begins.
+    let first = head.len() as u64 + 8 * rows as u64;
+    for line in 0..rows as u64 {
+        head.extend((first + line * (8 + line_bytes as u64)).to_le_bytes());
+    }
+    Ok(head)
+}
+
+/// Writes what comes before the numbers of each scan line: its place, and their length. `start` is where the first line begins.
+///
+/// # Errors
+/// [`Error::Io`].
+pub(super) fn write_line_heads(path: &Path, start: u64, size: [usize; 2], channels: usize) -> Result<()> {
+    let [columns, rows] = size;
+    let line_bytes = 4 * columns * channels;
+    let write = || {
+        let mut file = std::fs::OpenOptions::new().write(true).open(path)?;
+        (0..rows).try_for_each(|y| {
+            file.seek(SeekFrom::Start(start + y as u64 * (8 + line_bytes as u64)))?;
+            file.write_all(&[(y as i32).to_le_bytes(), (line_bytes as i32).to_le_bytes()].concat())
+        })
+    };
+    write().map_err(|e: std::io::Error| Error::io(path, "writing", e))
+}
+
 /// Magic number, version and attributes, the latter in the order of their names; `window` is first x, y and last x, y.
-fn header(names: &[&str], window: [i32; 4], description: &str) -> Vec<u8> {
+fn header(names: &[&str], window: [i32; 4], about: &About<'_>) -> Vec<u8> {
     let mut header: Vec<u8> = Vec::new();
     header.extend(20_000_630_i32.to_le_bytes());
     // Version 2, single-part scan lines; names are shorter than 32 bytes.
@@ -99,17 +137,25 @@ fn header(names: &[&str], window: [i32; 4], description: &str) -> Vec<u8> {
         header.extend(value);
     };
     attribute("channels", "chlist", &channels);
-    attribute("comments", "string", description.as_bytes());
+    if !about.description.is_empty() {
+        attribute("comments", "string", about.description.as_bytes());
+    }
     attribute("compression", "compression", &[0]);
     attribute("dataWindow", "box2i", &window);
     attribute("displayWindow", "box2i", &window);
-    attribute("emissiveUnits", "string", b"W.m^-2.sr^-1");
+    if about.spectral && about.unit.is_some_and(|unit| unit.starts_with('W')) {
+        attribute("emissiveUnits", "string", b"W.m^-2.sr^-1");
+    }
     attribute("lineOrder", "lineOrder", &[0]);
     attribute("pixelAspectRatio", "float", &1_f32.to_le_bytes());
-    attribute("radianceUnits", "string", b"W.m^-2.sr^-1.um^-1");
+    if let Some(unit) = about.unit {
+        attribute("radianceUnits", "string", unit.as_bytes());
+    }
     attribute("screenWindowCenter", "v2f", &[0; 8]);
     attribute("screenWindowWidth", "float", &1_f32.to_le_bytes());
-    attribute("spectralLayoutVersion", "string", b"1.0");
+    if about.spectral {
+        attribute("spectralLayoutVersion", "string", b"1.0");
+    }
     header.push(0);
     header
 }

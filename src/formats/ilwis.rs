@@ -88,6 +88,7 @@ pub struct Header {
     rows: usize,
     columns: usize,
     pixel_m: Option<[f64; 2]>,
+    bounds: Option<[f64; 4]>,
     store: Store,
     path: PathBuf,
 }
@@ -163,6 +164,135 @@ impl Header {
         self.fits(bytes.len() as u64, path)?;
         let values = bytes.as_chunks::<8>().0.iter().map(|b| f64::from_le_bytes(*b)).collect();
         Ok(Raster { rows: self.rows, columns: self.columns, pixel_m: self.pixel_m, values })
+    }
+}
+
+/// Where a map lies.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Place {
+    /// The header's box: first and second coordinate of one corner, then of the other.
+    bounds: [f64; 4],
+    /// x and y of the outer corners, m: first row and column, first row and last column, last row and first column, last of both.
+    corners_m: [[f64; 2]; 4],
+}
+
+impl Place {
+    /// A map from the origin on: x runs from row to row, y along a row, as DART has it. `pixel_m` is their extent, m.
+    pub fn of_pixels(pixel_m: [f64; 2], rows: usize, columns: usize) -> Self {
+        let (x, y) = (rows as f64 * pixel_m[0], columns as f64 * pixel_m[1]);
+        Place { bounds: [0.0, -y, x, 0.0], corners_m: [[0.0, 0.0], [0.0, y], [x, 0.0], [x, y]] }
+    }
+}
+
+/// Head of a table of ILWIS, and of its records: x, y, row, column, and whether it counts.
+const TABLE: &[u8] = b"ILWIS 2.00 Table\r\n\x1a";
+const TABLE_HEAD: usize = 128;
+const RECORD: usize = 28;
+const ACTIVE: i32 = 2;
+
+/// Where a map lies: its corners from the table `.gr#` beside its values, if there is one, and else from the header's box;
+/// `None` if that says nothing either.
+///
+/// # Errors
+/// [`Error::Io`]; [`Error::Syntax`] for a table that is none.
+pub fn place(header: &Header, values_path: &Path) -> Result<Option<Place>> {
+    let mut place = Place::of_pixels(header.pixel_m.unwrap_or([1.0; 2]), header.rows, header.columns);
+    if let Some(bounds) = header.bounds {
+        place.bounds = bounds;
+    }
+    let path = values_path.with_extension("gr#");
+    if !path.exists() {
+        return Ok(header.bounds.map(|_| place));
+    }
+    let bytes = input::bytes(&path, HEADER)?;
+    let records = bytes.get(TABLE_HEAD..).filter(|rest| bytes.starts_with(TABLE) && rest.len() % RECORD == 0);
+    let Some(records) = records else {
+        return Err(Error::syntax(Location::file(&path), "not a table of control points of ILWIS 2"));
+    };
+    let int = |record: &[u8], at: usize| record[at..].first_chunk().map_or(0, |b| i64::from(i32::from_le_bytes(*b)));
+    let real = |record: &[u8], at: usize| record[at..].first_chunk().map_or(f64::NAN, |b| f64::from_le_bytes(*b));
+    let (rows, columns) = (header.rows as i64, header.columns as i64);
+    for record in records.chunks_exact(RECORD) {
+        let corner = [(1, 1), (1, columns), (rows, 1), (rows, columns)];
+        let row_column = (int(record, 16), int(record, 20));
+        // Of a map of one row or column the ends coincide: records come in this order.
+        for (i, _) in corner.iter().enumerate().filter(|(_, c)| **c == row_column) {
+            place.corners_m[i] = [real(record, 0), real(record, 8)];
+        }
+    }
+    Ok(Some(place))
+}
+
+/// The table `.gr#` of a map's corners.
+pub fn corner_table(rows: usize, columns: usize, place: &Place) -> Vec<u8> {
+    let mut bytes = TABLE.to_vec();
+    bytes.resize(TABLE_HEAD, 0);
+    for (i, [x, y]) in place.corners_m.iter().enumerate() {
+        let (row, column) = (if i < 2 { 1 } else { rows as i32 }, if i % 2 == 0 { 1 } else { columns as i32 });
+        [x, y].iter().for_each(|v| bytes.extend(v.to_le_bytes()));
+        [row, column, ACTIVE].iter().for_each(|v| bytes.extend(v.to_le_bytes()));
+    }
+    bytes
+}
+
+/// The header `.mpr` of a real map, as DART writes it; `extremes` are the least and the largest value.
+pub fn header_text(name: &str, rows: usize, columns: usize, place: &Place, extremes: [f64; 2]) -> String {
+    let [a, b, c, d] = place.bounds.map(plain);
+    let [least, largest] = extremes.map(|v| if v.is_finite() { six_digits(v) } else { "0".into() });
+    format!(
+        "[Ilwis]\nDescription=Raster Map {name}\nTime=0\nType=BaseMap\n\n[BaseMap]\nCoordSystem=unknown.csy\n\
+         CoordBounds={a} {b} {c} {d}\nDomain=value.dom\nDomainInfo=value.dom;Long;value;0;-9999999.9:9999999.9:0.1:offset=0;\n\
+         Range=-1e+300:1e+300:0.000000:offset=0\nType=Map\nMinMax={least}:{largest}\n\n[Map]\nGeoRef={name}.grf\n\
+         Size={rows} {columns}\nType=MapStore\n\n[MapStore]\nData={name}.mp#\nType=Real\nStructure=Line\nStartOffset=0\n\
+         RowLength={columns}\n"
+    )
+}
+
+/// The georeference `.grf` of a map, as DART writes it: four control points in the table `.gr#`.
+pub fn georeference_text(name: &str, rows: usize, columns: usize) -> String {
+    let common = "Time=0\nDataReadOnly=no\nPropertiesReadOnly=no\n";
+    let column = |title: &str, domain: &str, range: &str, store: &str| {
+        format!(
+            "[Col:{title}]\nDescription=\nDomain={domain}\nRange={range}\n{common}Type=ColumnStore\nStored=yes\n\
+             NrDepObjects=0\nStoreType={store}\n\n"
+        )
+    };
+    let coordinate = |title| {
+        let text = column(title, "value.dom", "-1000000000.000:1000000000.000:0.001", "Real");
+        text.replace("Real\n", "Real\nMinMax=0:50\n")
+    };
+    let [row, mut col] = [("Row", rows), ("Col", columns)]
+        .map(|(title, n)| column(title, "value.dom", &format!("-{n}:{}:offset=0", 2 * n), "Int"));
+    col = col.replace("Int\n", &format!("Int\nMinMax=1:{columns}\n"));
+    let active = column("Active", "bool.dom", "0:1", "Int").replace("Int\n", "Int\nMinMax=1:1\n");
+    let (x, y) = (coordinate("X"), coordinate("Y"));
+    format!(
+        "[Ilwis]\nDescription=\n{common}Type=GeoRef\n\n[Table]\nDomain=None\nColumns=5\nRecords=4\nType=TableStore\n\n\
+         [TableStore]\nData={name}.gr#\nCol0=X\nType=TableBinary\nCol1=Y\nCol2=Row\nCol3=Col\nCol4=Active\n\n\
+         {x}{y}{row}{col}{active}[GeoRef]\nCoordSystem=unknown.csy\nlines={rows}\ncolumns={columns}\nType=GeoRefCTP\n\n\
+         [GeoRefCTP]\nTransformation=Affine\nReference Map={name}.mpr\n"
+    )
+}
+
+/// A number in decimals; minus nothing is nothing.
+fn plain(x: f64) -> String {
+    (x + 0.0).to_string()
+}
+
+/// A number as C's `%g` writes it.
+fn six_digits(x: f64) -> String {
+    let scientific = format!("{x:.5e}");
+    let (digits, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    let trimmed = |text: &str| match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text.to_owned(),
+    };
+    if (-4..6).contains(&exponent) {
+        trimmed(&format!("{x:.*}", (5 - exponent) as usize))
+    } else {
+        let sign = if exponent < 0 { '-' } else { '+' };
+        format!("{}e{sign}{:02}", trimmed(digits), exponent.abs())
     }
 }
 
@@ -254,7 +384,7 @@ pub fn parse_header(text: &str, path: &Path) -> Result<Header> {
                     return Err(Error::Unsupported { at, feature });
                 }
             };
-            Ok(Header { rows, columns, pixel_m, store, path: path.to_owned() })
+            Ok(Header { rows, columns, pixel_m, bounds, store, path: path.to_owned() })
         }
         _ => Err(Error::Invalid(problems)),
     }
@@ -302,6 +432,24 @@ mod tests {
         assert!(matches!(header.raster(b"DRTDB123", Path::new("a")), Err(Error::Unsupported { .. })));
         let header = parse_header(&GOOD.replace("Type=Real", "Type=Byte"), Path::new("a.mpr")).unwrap();
         assert!(matches!(header.raster(&bytes[..6], Path::new("a.mp#")), Err(Error::Unsupported { .. })));
+    }
+
+    #[test]
+    fn six_digits_are_those_of_c() {
+        // printf("%g").
+        for (x, text) in [
+            (1.206012999, "1.20601"),
+            (0.010077103, "0.0100771"),
+            (-1.0, "-1"),
+            (0.0, "0"),
+            (100000.0, "100000"),
+            (999999.5, "1e+06"),
+            (0.0001, "0.0001"),
+            (0.00001234, "1.234e-05"),
+            (1e300, "1e+300"),
+        ] {
+            assert_eq!(six_digits(x), text);
+        }
     }
 
     #[test]

@@ -45,7 +45,7 @@ pub fn colour_bands(bands: &[Band]) -> [usize; 3] {
 /// [`Error::Io`] if the file cannot be written; [`Error::Invalid`] for an image without pixels.
 pub fn write_grey(path: &Path, cube: &Cube, band: usize, coverage: &[f64]) -> Result<()> {
     let (pixels, text) = channel(cube, band, coverage);
-    write(path, cube, png::ColorType::Grayscale, &pixels, &text)
+    write(path, [cube.samples, cube.lines], png::ColorType::Grayscale, &pixels, &text)
 }
 
 /// Writes three bands as a colour PNG, each stretched by itself: colours show differences, not colour.
@@ -59,7 +59,30 @@ pub fn write_colour(path: &Path, cube: &Cube, bands: [usize; 3], coverage: &[f64
     let (red, red_text) = &red;
     let pixels: Vec<u8> = (0..red.len()).flat_map(|i| [red[i], green[i], blue[i]]).collect();
     let text = format!("red: {red_text}; green: {green_text}; blue: {blue_text}");
-    write(path, cube, png::ColorType::Rgb, &pixels, &text)
+    write(path, [cube.samples, cube.lines], png::ColorType::Rgb, &pixels, &text)
+}
+
+/// Writes one band as grey, or three as red, green and blue, of any image: [row, column], each stretched by itself and called
+/// by its label. What is not finite is black. `size` is rows and columns.
+///
+/// # Errors
+/// As [`write_grey`]; [`Error::Invalid`] for another number of bands.
+pub fn write_bands(path: &Path, size: [usize; 2], bands: &[(String, Vec<f64>)]) -> Result<()> {
+    let colour = match bands.len() {
+        1 => png::ColorType::Grayscale,
+        3 => png::ColorType::Rgb,
+        n => return Err(Error::invalid(Location::file(path), format!("a picture shows 1 band or 3, not {n}"))),
+    };
+    let [rows, columns] = size;
+    let mut pixels = vec![0; rows * columns * bands.len()];
+    let mut texts = Vec::new();
+    for (i, (label, values)) in bands.iter().enumerate() {
+        let coverage: Vec<f64> = values.iter().map(|v| f64::from(u8::from(v.is_finite()))).collect();
+        let (bytes, text) = stretched(values, &coverage, label, "");
+        pixels.iter_mut().skip(i).step_by(bands.len()).zip(bytes).for_each(|(pixel, byte)| *pixel = byte);
+        texts.push(text);
+    }
+    write(path, [columns, rows], colour, &pixels, &texts.join("; "))
 }
 
 /// Width and height of a PNG, pixels, and whether it has colours.
@@ -78,13 +101,17 @@ pub fn read_info(path: &Path) -> Result<(u32, u32, bool)> {
 fn channel(cube: &Cube, band: usize, coverage: &[f64]) -> (Vec<u8>, String) {
     let radiance = cube.band(band);
     let um = cube.bands[band].centre_um;
-    match Stretch::of(&radiance, coverage) {
+    stretched(&radiance, coverage, &format!("{um} um"), " W m-2 sr-1 um-1")
+}
+
+fn stretched(values: &[f64], coverage: &[f64], label: &str, unit: &str) -> (Vec<u8>, String) {
+    match Stretch::of(values, coverage) {
         Some(stretch) => {
             let Stretch { black, white, power } = stretch;
-            let text = format!("{um} um, black {black:.4e}, white {white:.4e} W m-2 sr-1 um-1, power {power:.3}");
-            (stretch.bytes(&radiance, coverage), text)
+            let text = format!("{label}, black {black:.4e}, white {white:.4e}{unit}, power {power:.3}");
+            (stretch.bytes(values, coverage), text)
         }
-        None => (vec![0; radiance.len()], format!("{um} um, nothing in view")),
+        None => (vec![0; values.len()], format!("{label}, nothing in view")),
     }
 }
 
@@ -129,12 +156,12 @@ impl Stretch {
     }
 }
 
-fn write(path: &Path, cube: &Cube, colour: png::ColorType, pixels: &[u8], text: &str) -> Result<()> {
+fn write(path: &Path, size: [usize; 2], colour: png::ColorType, pixels: &[u8], text: &str) -> Result<()> {
     let failed = |e: png::EncodingError| match e {
         png::EncodingError::IoError(e) => Error::io(path, "writing", e),
         other => Error::invalid(Location::file(path), other.to_string()),
     };
-    let (Ok(width), Ok(height)) = (u32::try_from(cube.samples), u32::try_from(cube.lines)) else {
+    let (Ok(width), Ok(height)) = (u32::try_from(size[0]), u32::try_from(size[1])) else {
         return Err(Error::invalid(Location::file(path), "the image is too large for PNG"));
     };
     let file = File::create(path).map_err(|e| Error::io(path, "writing", e))?;
@@ -153,7 +180,7 @@ mod tests {
     use super::*;
 
     fn stretched(radiance: &[f64], coverage: &[f64]) -> Vec<u8> {
-        Stretch::of(radiance, coverage).map_or(vec![0; radiance.len()], |stretch| stretch.bytes(radiance, coverage))
+        super::stretched(radiance, coverage, "", "").0
     }
 
     fn bands(centres: &[f64]) -> Vec<Band> {

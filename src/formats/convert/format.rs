@@ -5,7 +5,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Location, Problem, Result};
-use crate::formats::gltf;
+use crate::formats::{envi, gltf, raster};
 
 /// A format that is read, written, or both.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,6 +28,20 @@ pub enum Format {
     Sli,
     /// Spectra as comma-separated values.
     Csv,
+    /// An ENVI image with its header.
+    Envi,
+    /// An ILWIS 2 map, as DART writes images.
+    Ilwis,
+    /// An OpenEXR image.
+    Exr,
+    /// A NumPy array.
+    Npy,
+    /// NumPy arrays in a zip file.
+    Npz,
+    /// A picture.
+    Png,
+    /// A band as comma-separated values: numbers alone.
+    Grid,
 }
 
 /// What a format is called on the command line, how its files' names end, and what is read and written of it.
@@ -50,7 +64,7 @@ const BEGINNING: u64 = 1 << 16;
 
 impl Format {
     /// All formats, in the order they are listed.
-    pub const ALL: [Format; 9] = [
+    pub const ALL: [Format; 16] = [
         Format::Scene,
         Format::Obj,
         Format::Gltf,
@@ -60,6 +74,13 @@ impl Format {
         Format::DartText,
         Format::Sli,
         Format::Csv,
+        Format::Envi,
+        Format::Ilwis,
+        Format::Exr,
+        Format::Npy,
+        Format::Npz,
+        Format::Png,
+        Format::Grid,
     ];
 
     /// What there is to say of a format.
@@ -85,6 +106,18 @@ impl Format {
             Format::DartText => about("dart-text", &["txt"], "DART spectra", "the same"),
             Format::Sli => about("sli", &["sli"], "ENVI spectral libraries, with .hdr", "the same"),
             Format::Csv => about("csv", &["csv"], "spectra with a header that states units", "the same"),
+            Format::Envi => about(
+                "envi",
+                &["img", "bsq", "bil", "bip", "dat", "raw"],
+                "images with .hdr: real numbers in any order",
+                "the same; .bil and .bip interleave bands so",
+            ),
+            Format::Ilwis => about("ilwis", &["mpr", "mp#"], "maps of values", "one band as DART writes it, with .grf"),
+            Format::Exr => about("exr", &["exr"], "channels, wavelengths", "the same, f32"),
+            Format::Npy => about("npy", &["npy"], "[row, column] or [row, column, band]", "the same"),
+            Format::Npz => about("npz", &["npz"], "the array in it, or that named raster; wavelength_um", ""),
+            Format::Png => about("png", &["png"], "grey or colours, 0 to 1; transparent is no data", ""),
+            Format::Grid => about("grid", &[], "CSV of numbers alone: one band", "the same"),
         }
     }
 
@@ -96,6 +129,12 @@ impl Format {
     /// Whether it holds spectra and nothing else.
     pub fn is_spectral(self) -> bool {
         matches!(self, Format::Database | Format::DartText | Format::Sli | Format::Csv)
+    }
+
+    /// Whether it holds an image and nothing else.
+    pub fn is_raster(self) -> bool {
+        use Format::{Envi, Exr, Grid, Ilwis, Npy, Npz, Png};
+        matches!(self, Envi | Ilwis | Exr | Npy | Npz | Png | Grid)
     }
 
     /// The format of what is there, and its main file or folder: by its content, and where that does not tell, by its name.
@@ -125,7 +164,14 @@ impl Format {
                 let folder = path.parent().unwrap_or(Path::new(""));
                 return Ok((Format::Dart, if folder.as_os_str().is_empty() { ".".into() } else { folder.to_owned() }));
             }
+            _ if beginning.starts_with(b"\x93NUMPY") => Format::Npy,
+            _ if beginning.starts_with(b"\x89PNG") => Format::Png,
+            _ if beginning.starts_with(&[0x76, 0x2f, 0x31, 0x01]) => Format::Exr,
+            Some(Format::Csv) if raster::is_grid(&beginning) => Format::Grid,
+            // A header of ENVI says of what.
+            Some(Format::Sli) if beginning.starts_with(b"ENVI") && !is_of_library(&beginning) => Format::Envi,
             Some(format) => format,
+            None if envi::pair(path).is_ok() => Format::Envi,
             None => return refused(path, "neither what it holds nor how its name ends tells a format"),
         };
         Ok((format, path.to_owned()))
@@ -149,6 +195,10 @@ impl Format {
         let extension = if extension == "hdr" { "sli" } else { &extension };
         Format::ALL.into_iter().find(|format| format.about().extensions.contains(&extension))
     }
+}
+
+fn is_of_library(header: &[u8]) -> bool {
+    String::from_utf8_lossy(header).to_lowercase().contains(&envi::SPECTRAL_LIBRARY.to_lowercase())
 }
 
 fn refused<T>(path: &Path, message: &str) -> Result<T> {

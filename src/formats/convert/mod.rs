@@ -1,6 +1,7 @@
 //! From one format to another, with a report of all that is not carried over as it was.
 //!
-//! What is read is one of three things: a scene; a surface, which is a mesh with names of materials; or a list of spectra. A
+//! What is read is one of four things: a scene; a surface, which is a mesh with names of materials; a list of spectra; or an
+//! image, which becomes nothing but an image. A
 //! surface becomes a scene by taking for granted what it does not say; a scene becomes a surface, or spectra, by leaving out the
 //! rest; the report says either. Spectra make no scene.
 
@@ -21,7 +22,9 @@ use crate::scene::{Photometry, Scene};
 use crate::spectral::{Band, Column, Extend, SpectralLibrary, Spectrum};
 
 use super::dart::Step;
+use super::envi::{DataType, Interleave};
 use super::folder::{FolderKind, Staged};
+use super::raster::{self, Raster, Target};
 use super::surface::Surface;
 use super::{gltf, mtl, obj, scene_toml, spectra};
 
@@ -61,6 +64,10 @@ pub struct Options {
     pub models: Vec<String>,
     /// Bands that spectra are resampled to; as they are if there are none.
     pub bands: Vec<Band>,
+    /// Of an image only these bands, from 0; all if there are none.
+    pub image_bands: Vec<usize>,
+    /// Type of an image's numbers in ENVI and NumPy; the image's own if not given.
+    pub data_type: Option<DataType>,
 }
 
 /// What came of a conversion.
@@ -87,6 +94,8 @@ pub enum Content {
     Surface(Surface),
     /// Spectra.
     Spectra(Vec<SpectralLibrary>),
+    /// An image.
+    Raster(Box<Raster>),
 }
 
 /// The folder of a scene.
@@ -180,6 +189,16 @@ pub fn read(input: &Path, options: &Options, watch: Watch<'_>) -> Result<(Format
             }
             (Content::Spectra(libraries), report)
         }
+        Format::Grid => {
+            let mut raster = raster::open_csv(&path)?;
+            let report = std::mem::take(&mut raster.report);
+            (Content::Raster(Box::new(raster)), report)
+        }
+        Format::Envi | Format::Ilwis | Format::Exr | Format::Npy | Format::Npz | Format::Png => {
+            let mut raster = raster::open(&path)?;
+            let report = std::mem::take(&mut raster.report);
+            (Content::Raster(Box::new(raster)), report)
+        }
     };
     Ok((format, content, report))
 }
@@ -195,8 +214,11 @@ pub fn diff(a: &Path, b: &Path, options: &Options, watch: Watch<'_>) -> Result<V
     if is_dart(a) && is_dart(b) {
         return dart::diff(a, b, options, watch);
     }
-    let (_, a, _) = read(a, options, watch)?;
-    let (_, b, _) = read(b, options, watch)?;
+    let (_, mut a, _) = read(a, options, watch)?;
+    let (_, mut b, _) = read(b, options, watch)?;
+    if let (Content::Raster(a), Content::Raster(b)) = (&mut a, &mut b) {
+        return raster::differences(a, b, watch);
+    }
     Ok(differences(&a, &b))
 }
 
@@ -207,6 +229,9 @@ impl Content {
             Content::Scene(scene, _) => format!("{} facets", scene.mesh.facets.len()),
             Content::Surface(surface) => format!("{} facets", surface.mesh.facets.len()),
             Content::Spectra(libraries) => format!("{} spectra", libraries.len()),
+            Content::Raster(raster) => {
+                format!("{} rows x {} columns x {} bands", raster.rows, raster.columns, raster.bands.len())
+            }
         }
     }
 }
@@ -250,6 +275,10 @@ impl Job<'_> {
     /// Writes; `false` if a loss forbids it.
     fn write(mut self, content: Content, to: Format) -> Result<bool> {
         match (content, to) {
+            (Content::Raster(mut raster), _) => self.raster(&mut raster, to),
+            (_, _) if to.is_raster() => {
+                Err(unsupported(self.input, &format!("anything but an image as {}", to.about().name)))
+            }
             (Content::Spectra(libraries), _) if to.is_spectral() => self.spectra(&libraries, to),
             (Content::Spectra(_), _) => {
                 Err(unsupported(self.input, &format!("spectra alone as {}: they make no scene", to.about().name)))
@@ -379,6 +408,46 @@ impl Job<'_> {
             first.commit()?;
             second.commit()?;
         }
+        Ok(true)
+    }
+
+    fn raster(self, raster: &mut Raster, to: Format) -> Result<bool> {
+        let target = match to {
+            Format::Envi => Target::Envi(match self.output.extension().map(|e| e.to_string_lossy().to_lowercase()) {
+                Some(e) if e == "bil" => Interleave::Bil,
+                Some(e) if e == "bip" => Interleave::Bip,
+                _ => Interleave::Bsq,
+            }),
+            Format::Ilwis => Target::Ilwis,
+            Format::Exr => Target::Exr,
+            Format::Npy => Target::Npy,
+            // A name alone does not tell what a table is to hold.
+            Format::Grid | Format::Csv => Target::Csv,
+            Format::Png | Format::Npz => {
+                let help = match to {
+                    Format::Png => "`mmxrt inspect FILE --picture OUT.png` makes one to look at",
+                    _ => "write .npy",
+                };
+                let problem =
+                    Problem::new(Location::file(self.output), "is a format that is read only").with_help(help);
+                return Err(Error::Invalid(vec![problem]));
+            }
+            _ => {
+                let feature = format!("an image as {}: it has neither mesh nor spectra", to.about().name);
+                return Err(unsupported(self.input, &feature));
+            }
+        };
+        if to == Format::Envi && self.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("hdr")) {
+            let message = "is a header's name: name the file of numbers, as .img";
+            return Err(Error::invalid(Location::file(self.output), message));
+        }
+        let Options { data_type, image_bands, replace, .. } = self.options;
+        let options = raster::Options { data_type: *data_type, bands: image_bands.clone(), replace: *replace };
+        let files = raster::write(raster, self.output, target, &options, self.report, self.watch)?;
+        if self.refused() {
+            return Ok(false);
+        }
+        files.into_iter().try_for_each(Staged::commit)?;
         Ok(true)
     }
 

@@ -17,7 +17,7 @@ use crate::formats::exr_cube;
 use crate::formats::number::DataType;
 use crate::report::{Fate, Report};
 
-use super::{Pass, Raster, RasterBand, Reader, check_size};
+use super::{Raster, RasterBand, Reader, check_size};
 
 /// Where a band is.
 #[derive(Debug, Clone)]
@@ -93,20 +93,9 @@ pub(super) fn open(path: &Path) -> Result<Raster> {
     };
     let all_f32 = found.iter().all(|f| f.1.sample != SampleType::U32);
     let (bands, channels) = found.into_iter().unzip();
-    Ok(Raster {
-        path: path.to_owned(),
-        rows,
-        columns,
-        bands,
-        unit: unit("radianceUnits").or_else(|| unit("emissiveUnits")),
-        ignore: None,
-        data_type: if all_f32 { DataType::F32 } else { DataType::F64 },
-        report,
-        scale: Vec::new(),
-        files: vec![path.to_owned()],
-        reader: Reader::Exr(channels),
-        pass: Pass::default(),
-    })
+    let data_type = if all_f32 { DataType::F32 } else { DataType::F64 };
+    let unit = unit("radianceUnits").or_else(|| unit("emissiveUnits"));
+    Ok(Raster { unit, report, ..Raster::of(path, (rows, columns), bands, data_type, Reader::Exr(channels)) })
 }
 
 /// Reads some bands, [band, row, column].

@@ -1,7 +1,7 @@
 //! Numbers of one type in a file, one after the other: ENVI, ILWIS and NumPy differ in the order of axes only.
 
 use std::fs::File;
-use std::io::{Read, Seek, SeekFrom};
+use std::io::{Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 use std::path::Path;
 
@@ -46,6 +46,8 @@ pub(super) struct Flat {
     pub(super) data_type: DataType,
     pub(super) big_endian: bool,
     pub(super) order: Order,
+    /// Bytes before each row of [`Order::RowBandColumn`] when written: OpenEXR has a head there.
+    pub(super) gap: u64,
 }
 
 impl Flat {
@@ -104,6 +106,52 @@ impl Flat {
             }
         }
         Ok(())
+    }
+}
+
+impl Flat {
+    /// Bands that are written at a time: as many as memory is given for, where they are interleaved.
+    pub(super) fn together(&self, most_bytes: usize) -> usize {
+        if self.is_banded() { 1 } else { (most_bytes / (8 * self.rows * self.columns)).clamp(1, self.bands) }
+    }
+
+    /// Writes some bands, [band, row, column], each where it belongs.
+    pub(super) fn write(&self, file: &mut File, bands: Range<usize>, values: &[f64]) -> std::io::Result<()> {
+        let size = self.data_type.bytes();
+        let (rows, columns) = (self.rows, self.columns);
+        let pixels = rows * columns;
+        let mut bytes = Vec::new();
+        let mut put = |at: u64, numbers: &[f64]| {
+            file.seek(SeekFrom::Start(self.start + at))?;
+            for piece in numbers.chunks(PIECE / size) {
+                bytes.clear();
+                self.data_type.encode(self.big_endian, piece, &mut bytes);
+                file.write_all(&bytes)?;
+            }
+            Ok::<(), std::io::Error>(())
+        };
+        let at = |number: usize| number as u64 * size as u64;
+        match self.order {
+            Order::BandRowColumn => put(at(bands.start * pixels), values),
+            Order::BandColumnRow => Err(std::io::ErrorKind::Unsupported.into()),
+            Order::RowBandColumn => (0..rows).try_for_each(|row| {
+                let lines = values.chunks_exact(pixels).flat_map(|plane| &plane[row * columns..][..columns]);
+                let line: Vec<f64> = lines.copied().collect();
+                put(at((row * self.bands + bands.start) * columns) + self.gap * (row as u64 + 1), &line)
+            }),
+            Order::RowColumnBand if bands.len() == self.bands => {
+                let step = (PIECE / 8 / self.bands).max(1);
+                (0..pixels).step_by(step).try_for_each(|first| {
+                    let some = first..pixels.min(first + step);
+                    let numbers = some.flat_map(|pixel| values[pixel..].iter().step_by(pixels));
+                    put(at(first * self.bands), &numbers.copied().collect::<Vec<f64>>())
+                })
+            }
+            Order::RowColumnBand => (0..pixels).try_for_each(|pixel| {
+                let numbers: Vec<f64> = values[pixel..].iter().step_by(pixels).copied().collect();
+                put(at(pixel * self.bands + bands.start), &numbers)
+            }),
+        }
     }
 }
 

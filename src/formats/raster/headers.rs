@@ -9,7 +9,7 @@ use crate::formats::number::DataType;
 use crate::report::{Fate, Report};
 
 use super::flat::{Flat, Order};
-use super::{Pass, Raster, RasterBand, Reader, Scale, check_length, check_size};
+use super::{Raster, RasterBand, Reader, Scale, check_length, check_size};
 
 /// Opens an ENVI image by its header or its data file.
 pub(super) fn open_envi(path: &Path) -> Result<Raster> {
@@ -55,6 +55,7 @@ pub(super) fn open_envi(path: &Path) -> Result<Raster> {
         data_type: header.data_type,
         big_endian: header.big_endian,
         order: Order::from(header.interleave),
+        gap: 0,
     };
     check_length(&data, &flat, None, &header_path)?;
     let band = |i: usize| RasterBand {
@@ -62,21 +63,41 @@ pub(super) fn open_envi(path: &Path) -> Result<Raster> {
         centre_um: centres_um.get(i).copied(),
         fwhm_um: fwhms_um.get(i).copied().filter(|um| *um > 0.0),
     };
+    let data_type = if scale.is_empty() { header.data_type } else { DataType::F64 };
+    let extra = header.fields.iter().filter(|(key, _)| !TAKEN.contains(&key.as_str())).cloned().collect();
+    let bands = (0..header.bands).map(band).collect();
     Ok(Raster {
-        rows: header.lines,
-        columns: header.samples,
-        bands: (0..header.bands).map(band).collect(),
         unit: header.field("data units").map(str::to_owned).filter(|unit| !unit.is_empty()),
         ignore: header.ignore,
-        data_type: if scale.is_empty() { header.data_type } else { DataType::F64 },
         report,
         scale,
+        extra,
         files: vec![header_path, data.clone()],
-        path: data,
-        reader: Reader::Flat(flat),
-        pass: Pass::default(),
+        ..Raster::of(&data, (header.lines, header.samples), bands, data_type, Reader::Flat(flat))
     })
 }
+
+/// Keys of a header that are taken for what they are.
+const TAKEN: [&str; 18] = [
+    "samples",
+    "lines",
+    "bands",
+    "header offset",
+    "file type",
+    "file compression",
+    "data type",
+    "interleave",
+    "byte order",
+    "wavelength",
+    "wavelength units",
+    "fwhm",
+    "band names",
+    "data units",
+    "data ignore value",
+    "data gain values",
+    "data offset values",
+    "reflectance scale factor",
+];
 
 /// How each band's numbers become values; none if the numbers are the values.
 fn scale(header: &Header, problems: &mut Vec<Problem>) -> Vec<Scale> {
@@ -122,25 +143,20 @@ pub(super) fn open_ilwis(path: &Path) -> Result<Raster> {
         data_type: store.data_type,
         big_endian: false,
         order: Order::BandRowColumn,
+        gap: 0,
     };
     check_length(&values_path, &flat, None, &header_path)?;
-    let name = values_path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let data_type = if store.scale.is_none() { store.data_type } else { DataType::F64 };
+    let bands = vec![RasterBand::default()];
     Ok(Raster {
-        rows,
-        columns,
-        bands: vec![RasterBand { name, ..RasterBand::default() }],
-        unit: None,
         ignore: store.undefined,
-        data_type: if store.scale.is_none() { store.data_type } else { DataType::F64 },
-        report: Report::default(),
         scale: store
             .scale
             .map(|[step, offset]| Scale { gain: step, offset: offset * step, divisor: 1.0 })
             .into_iter()
             .collect(),
+        place: ilwis::place(&header, &values_path)?,
         files: vec![header_path, values_path.clone()],
-        path: values_path,
-        reader: Reader::Flat(flat),
-        pass: Pass::default(),
+        ..Raster::of(&values_path, (rows, columns), bands, data_type, Reader::Flat(flat))
     })
 }

@@ -3,12 +3,14 @@
 //! A band is f64, row by row, whatever the file stores; what the file says is no data is NaN. Of a file that interleaves its
 //! bands, as many are read in one pass as [`PASS_BYTES`] holds; no more of any file is in memory.
 
+mod compare;
 mod exr;
 mod flat;
 mod headers;
 mod npy;
 mod picture;
 mod text;
+mod write;
 
 use std::fs::File;
 use std::io::Read;
@@ -17,9 +19,15 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Location, Problem, Result};
 use crate::report::Report;
+use crate::spectral::Band;
 
+pub use self::compare::{differences, statistics};
+pub(crate) use self::text::{is_grid, open as open_csv};
+pub use self::write::{Options, Target, write};
+use super::ilwis;
 use super::input::{Hashing, InputFile};
 pub use super::number::DataType;
+use super::quicklook;
 
 use self::flat::{Flat, Order};
 
@@ -53,6 +61,10 @@ pub struct Raster {
     pub report: Report,
     /// How each band's numbers become values; none if they are the values.
     scale: Vec<Scale>,
+    /// Where an ILWIS map lies.
+    place: Option<ilwis::Place>,
+    /// What else an ENVI header says: key and text.
+    extra: Vec<(String, String)>,
     /// All files that the raster comes from.
     files: Vec<PathBuf>,
     reader: Reader,
@@ -153,6 +165,32 @@ impl Raster {
         self
     }
 
+    /// A raster of numbers that are values, of which no more is known.
+    fn of(
+        path: &Path,
+        (rows, columns): (usize, usize),
+        bands: Vec<RasterBand>,
+        data_type: DataType,
+        reader: Reader,
+    ) -> Self {
+        Raster {
+            path: path.to_owned(),
+            rows,
+            columns,
+            bands,
+            unit: None,
+            ignore: None,
+            data_type,
+            report: Report::default(),
+            scale: Vec::new(),
+            place: None,
+            extra: Vec::new(),
+            files: vec![path.to_owned()],
+            reader,
+            pass: Pass::default(),
+        }
+    }
+
     /// Number of pixels.
     pub fn pixels(&self) -> usize {
         self.rows * self.columns
@@ -210,6 +248,17 @@ impl Raster {
             }
         }
         Ok(())
+    }
+
+    /// The bands of a picture: three for colours where all wavelengths are known or there are three, else the middle one.
+    pub fn colour_bands(&self) -> Vec<usize> {
+        let bands: Option<Vec<Band>> =
+            self.bands.iter().map(|b| Some(Band { centre_um: b.centre_um?, fwhm_um: None })).collect();
+        match bands {
+            Some(bands) if bands.len() >= 3 => quicklook::colour_bands(&bands).to_vec(),
+            None if self.bands.len() == 3 => vec![0, 1, 2],
+            _ => vec![self.bands.len() / 2],
+        }
     }
 
     /// The files that it comes from, for reports. They are read to the end for their hashes.

@@ -7,10 +7,10 @@ use std::path::Path;
 use crate::error::{Error, Location, Problem, Result};
 use crate::formats::npz::{self, Member, Preamble, preamble};
 use crate::formats::number::DataType;
-use crate::report::Report;
+use crate::report::Fate;
 
 use super::flat::{Flat, Order};
-use super::{Pass, Raster, RasterBand, Reader, check_length, check_size};
+use super::{Raster, RasterBand, Reader, check_length, check_size};
 
 /// Preambles end before this, bytes.
 const PREAMBLE: u64 = 1 << 16;
@@ -26,20 +26,8 @@ pub(super) fn open(path: &Path) -> Result<Raster> {
 }
 
 fn raster(path: &Path, flat: Flat) -> Raster {
-    Raster {
-        path: path.to_owned(),
-        rows: flat.rows,
-        columns: flat.columns,
-        bands: vec![RasterBand::default(); flat.bands],
-        unit: None,
-        ignore: None,
-        data_type: flat.data_type,
-        report: Report::default(),
-        scale: Vec::new(),
-        files: vec![path.to_owned()],
-        reader: Reader::Flat(flat),
-        pass: Pass::default(),
-    }
+    let bands = vec![RasterBand::default(); flat.bands];
+    Raster::of(path, (flat.rows, flat.columns), bands, flat.data_type, Reader::Flat(flat))
 }
 
 /// How the numbers of an array lie that begins at byte `start` of a file.
@@ -86,6 +74,7 @@ fn flat(beginning: &[u8], start: u64, at: Location) -> Result<Flat> {
         data_type,
         big_endian: descr.starts_with('>'),
         order,
+        gap: 0,
     })
 }
 
@@ -113,6 +102,9 @@ pub(super) fn open_npz(path: &Path) -> Result<Raster> {
     let flat = flat(&npz::beginning(path, array, PREAMBLE)?, array.start, at(&array.name))?;
     check_length(path, &flat, Some(array.start + array.bytes), path)?;
     let mut raster = raster(path, flat);
+    for other in members.iter().filter(|m| m.name != array.name) {
+        raster.report.note(Fate::Dropped, at(&other.name), "an array beside the raster");
+    }
     let mut problems = Vec::new();
     let mut list = |member: Option<Member>| -> Result<Option<Vec<f64>>> {
         let Some(member) = member else { return Ok(None) };

@@ -9,9 +9,9 @@ use png::{BitDepth, ColorType, Transformations};
 
 use crate::error::{Error, Location, Result};
 use crate::formats::number::DataType;
-use crate::report::{Fate, Report};
+use crate::report::Fate;
 
-use super::{Pass, Raster, RasterBand, Reader, check_size, resize};
+use super::{Raster, RasterBand, Reader, check_size, resize};
 
 /// Opens a picture.
 pub(super) fn open(path: &Path) -> Result<Raster> {
@@ -23,22 +23,11 @@ pub(super) fn open(path: &Path) -> Result<Raster> {
         _ => &["red", "green", "blue"],
     };
     check_size(Location::file(path), rows, columns, names.len())?;
-    let mut report = Report::default();
-    report.note(Fate::Defaulted, Location::file(path), "values: shares of the largest number, as stored");
-    Ok(Raster {
-        path: path.to_owned(),
-        rows,
-        columns,
-        bands: names.iter().map(|name| RasterBand { name: (*name).to_owned(), ..RasterBand::default() }).collect(),
-        unit: None,
-        ignore: None,
-        data_type: DataType::F64,
-        report,
-        scale: Vec::new(),
-        files: vec![path.to_owned()],
-        reader: Reader::Png,
-        pass: Pass::default(),
-    })
+    let bands = names.iter().map(|name| RasterBand { name: (*name).to_owned(), ..RasterBand::default() }).collect();
+    let mut raster = Raster::of(path, (rows, columns), bands, DataType::F64, Reader::Png);
+    let message = "values: shares of the largest number, as stored";
+    raster.report.note(Fate::Defaulted, Location::file(path), message);
+    Ok(raster)
 }
 
 fn decoder(path: &Path) -> Result<png::Reader<BufReader<File>>> {

@@ -7,9 +7,8 @@ use std::path::Path;
 use crate::error::{Error, Location, Problem, Result};
 use crate::formats::input::Problems;
 use crate::formats::number::DataType;
-use crate::report::Report;
 
-use super::{MOST_PIXELS, Pass, Raster, RasterBand, Reader, check_size};
+use super::{MOST_PIXELS, Raster, RasterBand, Reader, check_size};
 
 /// Longer files are refused, bytes.
 const LIMIT: u64 = 8 << 30;
@@ -46,7 +45,7 @@ pub(crate) fn is_grid(beginning: &[u8]) -> bool {
 }
 
 /// Reads a text.
-pub(super) fn open(path: &Path) -> Result<Raster> {
+pub(crate) fn open(path: &Path) -> Result<Raster> {
     let reading = |e| Error::io(path, "reading", e);
     let file = File::open(path).map_err(reading)?;
     if file.metadata().map_err(reading)?.len() > LIMIT {
@@ -96,18 +95,5 @@ pub(super) fn open(path: &Path) -> Result<Raster> {
     }
     problems.finish(path)?;
     check_size(Location::file(path), rows, columns, 1)?;
-    Ok(Raster {
-        path: path.to_owned(),
-        rows,
-        columns,
-        bands: vec![RasterBand::default()],
-        unit: None,
-        ignore: None,
-        data_type: DataType::F64,
-        report: Report::default(),
-        scale: Vec::new(),
-        files: vec![path.to_owned()],
-        reader: Reader::Held(values),
-        pass: Pass::default(),
-    })
+    Ok(Raster::of(path, (rows, columns), vec![RasterBand::default()], DataType::F64, Reader::Held(values)))
 }
