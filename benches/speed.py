@@ -6,11 +6,13 @@
 
 Needs Python 3 on Linux or macOS, and nothing else. Each row is one scene of benches/landscape_*.toml: 2 x 2 km seen
 from 77 km straight above in 256 x 256 pixels, Sun 30 deg from x (east) to y (north), Mars in the sky, all default effects on
-(exact shadows, Mars-light, thermal emission). Measured is the process as the system accounts for it: CPU time (user +
-system) and peak memory. The table is the median of the runs, in Markdown.
+(exact shadows, Mars-light, thermal emission). The last rows put a texture on the facets, with texels as large as they are, and
+integrate radiance maps of 4096 x 4096 texels, of which the files take up to 1.1 GB. Measured is the process as the system
+accounts for it: CPU time (user + system) and peak memory. The table is the median of the runs, in Markdown.
 """
 
 import argparse
+import array
 import math
 import os
 import pathlib
@@ -31,6 +33,51 @@ CASES = [
     ("2e6 facets, 85 deg, 1 band", "landscape_2e6", 85, 1),
     ("2e6 facets, 60 deg, 300 bands", "landscape_2e6", 60, 300),
 ]
+
+TEXTURED = "2e6 facets, 60 deg, texels as large as facets"
+# name, bands
+MAPS = [("2e6 facets, map of 4096 x 4096 x 16", 16), ("2e6 facets, map of 4096 x 4096 x 4", 4)]
+
+
+def raster(path, side, bands):
+    """An ENVI file of side x side texels, f4: smooth, and another number in each of the texels around."""
+    rows = [array.array("f", (1 + 0.3 * math.sin(0.37 * (side * r + c)) for c in range(side))).tobytes() for r in range(64)]
+    with path.open("wb") as out:
+        for band in range(bands):
+            for row in range(side):
+                out.write(rows[(row + band) % 64])
+    centres = ", ".join(f"{1 + 0.1 * band:.1f}" for band in range(bands))
+    path.with_suffix(".hdr").write_text(
+        f"ENVI\nsamples = {side}\nlines = {side}\nbands = {bands}\ndata type = 4\ninterleave = bsq\nbyte order = 0\n"
+        f"wavelength units = Micrometers\nwavelength = {{{centres}}}\n"
+    )
+
+
+def plane(side):
+    """A raster over the 2 x 2 km of the scene, seen from above."""
+    step = 2004 / side
+    return f"{{ corner_m = [-1002, 1002, 0], along_line_m = [{step!r}, 0, 0], line_to_line_m = [0, {-step!r}, 0] }}"
+
+
+def textured(text):
+    """A scene with a texture on both of its materials."""
+    texture = f"texture = {{ raster = 'texture.img', quantity = 'factor', placement = 'plane', plane = {plane(1430)} }}"
+    return text.replace("_unit.csv' }", f"_unit.csv', {texture} }}")
+
+
+def map_command(folder, program, bands):
+    """What integrates a map, after its files were made."""
+    image = folder / f"map_{bands}.img"
+    if not image.exists():
+        print(f"making {image.name}", file=sys.stderr)
+        raster(image, 4096, bands)
+    image.with_suffix(".map.toml").write_text(
+        'mmxrt_map = 1\nquantity = "radiance"\nunit = "W m-2 sr-1 um-1"\nplacement = "plane"\n' f"plane = {plane(4096)}\n"
+    )
+    path = folder / f"map_{bands}.toml"
+    centres = ", ".join(f"{1 + 0.1 * band:.1f}" for band in range(bands))
+    path.write_text(scene("landscape_2e6", 60, 1).replace("[1.0]", f"[{centres}]"))
+    return [program, "--quiet", "integrate", str(path), "--radiance", str(image), "-o", str(path.with_suffix(""))]
 
 
 def scene(landscape, incidence_deg, bands):
@@ -112,16 +159,23 @@ def main():
                 print(f"making {landscape}.obj", file=sys.stderr)
                 recipe, mesh = HERE / f"{landscape}.toml", folder / f"{landscape}.obj"
                 run([arguments.program, "--quiet", "landscape", str(recipe), "-o", str(mesh)])
-        cpu_s, wall_s, peak_gb = {}, {}, {}
+        commands = {}
         for name, landscape, incidence_deg, bands in CASES:
             path = folder / f"{landscape}_{incidence_deg}deg_{bands}.toml"
             path.write_text(scene(landscape, incidence_deg, bands))
-            product = path.with_suffix("")
-            command = [arguments.program, "--quiet", "simulate", str(path), "-o", str(product)]
+            commands[name] = [arguments.program, "--quiet", "simulate", str(path), "-o", str(path.with_suffix(""))]
+        raster(folder / "texture.img", 1430, 1)
+        path = folder / "textured.toml"
+        path.write_text(textured(scene("landscape_2e6", 60, 1)))
+        commands[TEXTURED] = [arguments.program, "--quiet", "simulate", str(path), "-o", str(path.with_suffix(""))]
+        for name, bands in MAPS:
+            commands[name] = map_command(folder, arguments.program, bands)
+        cpu_s, wall_s, peak_gb = {}, {}, {}
+        for name, command in commands.items():
             seen = []
-            # Once without counting: the mesh is then in the system's cache, as it is for whoever just made it.
+            # Once without counting: the files are then in the system's cache, as they are for whoever just made them.
             for i in range(-1, arguments.runs):
-                shutil.rmtree(product, ignore_errors=True)
+                shutil.rmtree(command[-1], ignore_errors=True)
                 measured = run(command)
                 if i < 0:
                     continue
@@ -146,6 +200,10 @@ def main():
         ("2e6 facets, 85 deg, 1 band", cpu_s[grazing], 5.0, "CPU s"),
         ("300 bands instead of 1, at 2e6 facets", cpu_s[many] - cpu_s[large], 0.6, "CPU s"),
         ("2e6 against 2e5 facets", cpu_s[large] / cpu_s[small], 11.0, "x"),
+        ("texture against none, at 2e6 facets", cpu_s[TEXTURED] / cpu_s[large], 3.0, "x"),
+        ("map of 4096 x 4096 x 16", cpu_s[MAPS[0][0]], 10.0, "CPU s"),
+        ("the same: peak memory, of which the map's file is no part", peak_gb[MAPS[0][0]], 2.0, "GB"),
+        ("the same against 4 bands: peak memory", peak_gb[MAPS[0][0]] - peak_gb[MAPS[1][0]], 0.02, "GB"),
     ]
     print("\n| asked for | at most | measured | kept |")
     print("|---|---|---|---|")
