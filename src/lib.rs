@@ -22,6 +22,7 @@
 //!     facets: vec![[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]],
 //!     material: vec![MaterialId(0); 4],
 //!     face_of_facet: vec![0, 0, 1, 1],
+//!     uv: vec![],
 //! };
 //! let grey = Material {
 //!     name: "grey".into(),

@@ -80,7 +80,9 @@ fn mix(map: &[Band], order: &[usize], band: &Band) -> Option<Mix> {
             weights[order[after]] += weight * share;
         }
     }
-    Some(weights.into_iter().enumerate().filter(|(_, w)| *w != 0.0).collect())
+    // A quadrature's weights sum to 1 but for rounding.
+    let sum: f64 = weights.iter().sum();
+    Some(weights.into_iter().map(|w| w / sum).enumerate().filter(|(_, w)| *w != 0.0).collect())
 }
 
 #[cfg(test)]

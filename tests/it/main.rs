@@ -17,6 +17,7 @@ mod hazards;
 mod invariance;
 mod layers;
 mod malformed_scene;
+mod map_files;
 mod maps;
 mod oracles;
 mod products;

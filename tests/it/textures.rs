@@ -131,7 +131,7 @@ fn a_texture_is_read_with_its_scene() {
         format!(
             "mmxrt_scene = 1\norigin_m = [0, 0, 11000]\n[[mesh]]\nobj = \"square.obj\"\n[materials.default]\nreflectance = 0.1\n{texture}\n\
              [sun]\ndirection = [0, 0, 1]\ndistance_au = 1.5\n[thermal]\nmodel = \"off\"\n[observer]\nposition_m = [0, 0, 12000]\ntarget_m = [0, 0, 11000]\nup = [0, 1, 0]\n\
-             [sensor]\nsamples = 2\nlines = 2\nfov_deg = 0.4583662361046586\n[sensor.bands]\ncentres_um = [1.0]\n"
+             [sensor]\nsamples = 2\nlines = 2\nfov_deg = 0.45836379150820084\n[sensor.bands]\ncentres_um = [1.0]\n"
         )
     };
     let plain = folder.look(&text("")).cube.band(0);

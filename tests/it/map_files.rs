@@ -1,0 +1,196 @@
+//! `mmxrt integrate --radiance`: map files, tables of facets, and what is wrong with them.
+
+use crate::cli::run;
+use crate::scratch::Scratch;
+
+/// A square of 8 x 8 m, of two facets: its north-west (above the diagonal), then its south-east... counted as the OBJ has them.
+const SQUARE: &str =
+    "v -4 -4 0\nv 4 -4 0\nv 4 4 0\nv -4 4 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n";
+/// 2 x 2 pixels of 4 m, north up, seen from 1 km.
+const SCENE: &str = "mmxrt_scene = 1\norigin_m = [0, 0, 11000]\n[[mesh]]\nobj = \"square.obj\"\n[materials.default]\nreflectance = 0.1\n\
+    [sun]\ndirection = [0, 0, 1]\ndistance_au = 1.5\n[thermal]\nmodel = \"off\"\n[observer]\nposition_m = [0, 0, 12000]\n\
+    target_m = [0, 0, 11000]\nup = [0, 1, 0]\n[sensor]\nsamples = 2\nlines = 2\nfov_deg = 0.45836379150820084\n[sensor.bands]\ncentres_um = [1.0]\n";
+const HEAD: &str =
+    "mmxrt_map = 1\nquantity = \"radiance\"\nunit = \"W m-2 sr-1 um-1\"\nbands = { centres_um = [1.0] }\n";
+const PLANE: &str =
+    "placement = \"plane\"\nplane = { corner_m = [-4, 4, 0], along_line_m = [4, 0, 0], line_to_line_m = [0, -4, 0] }\n";
+
+struct Bench(Scratch);
+
+impl Bench {
+    fn new() -> Self {
+        let bench = Bench(Scratch::new());
+        bench.0.write("square.obj", SQUARE);
+        bench.0.write("scene.toml", SCENE);
+        bench.0.write("m.csv", "1,2\n3,4\n");
+        bench.map(&format!("{HEAD}{PLANE}"));
+        bench
+    }
+
+    fn map(&self, text: &str) {
+        self.0.write("m.map.toml", text);
+    }
+
+    /// Exit code and what was said on standard error.
+    fn try_to(&self, more: &[&str]) -> (i32, String) {
+        let (scene, out) = (self.0.argument("scene.toml"), self.0.argument("out"));
+        let arguments: Vec<String> = more
+            .iter()
+            .map(|a| if a.starts_with("--") { (*a).to_owned() } else { a.replace("{}", &self.0.argument("")) })
+            .collect();
+        let mut all = vec!["integrate", &scene, "-o", &out, "--dtype", "f64", "--quiet", "--force"];
+        all.extend(arguments.iter().map(String::as_str));
+        let (code, _, err) = run(&all);
+        (code, err)
+    }
+
+    /// The image.
+    fn integrate(&self, more: &[&str]) -> Vec<f64> {
+        let (code, err) = self.try_to(more);
+        assert_eq!(code, 0, "{err}");
+        let bytes = std::fs::read(self.0.join("out/cube.img")).unwrap();
+        bytes.as_chunks::<8>().0.iter().map(|b| f64::from_le_bytes(*b)).collect()
+    }
+}
+
+fn assert_near(image: &[f64], expected: &[f64]) {
+    let worst = image.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(image.len() == expected.len() && worst < 1e-9, "{image:?}, expected {expected:?}");
+}
+
+#[test]
+fn a_raster_lies_where_its_map_file_says() {
+    let bench = Bench::new();
+    assert_near(&bench.integrate(&["--radiance", "{}m.csv"]), &[1.0, 2.0, 3.0, 4.0]);
+    // Named by its map file, which names the raster; in the body's frame; lines from north to south, from east to west.
+    bench.0.write(
+        "east.toml",
+        format!(
+            "raster = \"m.csv\"\n{HEAD}placement = \"plane\"\nplane = {{ corner_m = [4, 4, 11000], along_line_m = [0, -4, 0], \
+             line_to_line_m = [-4, 0, 0], coordinates = \"body\" }}\n"
+        ),
+    );
+    assert_near(&bench.integrate(&["--radiance", "{}east.toml"]), &[3.0, 1.0, 4.0, 2.0]);
+    // By texture coordinates: row 0 is v = 1, north.
+    bench.map(&format!("{HEAD}placement = \"atlas\"\n"));
+    assert_near(&bench.integrate(&["--radiance", "{}m.csv"]), &[1.0, 2.0, 3.0, 4.0]);
+    // As the image of the scene's own camera, and of one that is given by its own numbers, turned by 90 deg: its top is east.
+    bench.map(&format!("{HEAD}placement = \"camera\"\nscene = \"scene.toml\"\n"));
+    assert_near(&bench.integrate(&["--radiance", "{}m.csv"]), &[1.0, 2.0, 3.0, 4.0]);
+    bench.map(&format!(
+        "{HEAD}placement = \"camera\"\nobserver = {{ position_m = [0, 0, 12000], target_m = [0, 0, 11000], up = [1, 0, 0] }}\n\
+         sensor = {{ fov_deg = 0.45836379150820084 }}\n"
+    ));
+    assert_near(&bench.integrate(&["--radiance", "{}m.csv"]), &[3.0, 1.0, 4.0, 2.0]);
+}
+
+#[test]
+fn tables_of_facets_need_no_map_file() {
+    let bench = Bench::new();
+    bench.0.write("t.csv", "facet,radiance_w_m2_sr_um at 1 um\n0,2\n1,6\n");
+    // The diagonal from south-west to north-east halves the pixels there.
+    assert_near(&bench.integrate(&["--radiance", "{}t.csv"]), &[6.0, 4.0, 4.0, 2.0]);
+    let facets = ["--radiance", "{}m.csv + {}t.csv*0.5"];
+    assert_near(&bench.integrate(&facets), &[4.0, 4.0, 5.0, 5.0]);
+    // A raster of one column, a facet in each line.
+    bench.0.write("m.csv", "2\n6\n");
+    bench.map(&format!("{HEAD}placement = \"facets\"\n"));
+    assert_near(&bench.integrate(&["--radiance", "{}m.csv"]), &[6.0, 4.0, 4.0, 2.0]);
+}
+
+#[test]
+fn the_scenes_own_table_is_a_map_too() {
+    let bench = Bench::new();
+    let (scene, table) = (bench.0.argument("scene.toml"), bench.0.argument("table.npz"));
+    assert_eq!(run(&["solve", &scene, "-o", &table, "--quiet"]).0, 0);
+    let own = bench.integrate(&["--radiance", "{}table.npz"]);
+    assert_near(&own, &bench.integrate(&["--table", "{}table.npz"]));
+    let both = bench.integrate(&["--radiance", "{}m.csv+{}table.npz"]);
+    assert_near(&both, &[1.0, 2.0, 3.0, 4.0].map(|l| l + own[0]));
+    assert!(bench.try_to(&["--radiance", "{}table.npz*2"]).1.contains("counts once"));
+}
+
+#[test]
+fn what_is_not_known_is_an_error_or_filled() {
+    let bench = Bench::new();
+    bench.0.write("m.csv", "1,-1\n3,nan\n");
+    bench.map(&format!("no_data = -1\n{HEAD}{PLANE}"));
+    let (code, err) = bench.try_to(&["--radiance", "{}m.csv"]);
+    assert!(code == 1 && err.contains("50.00 % of what the camera sees is unknown"), "{err}");
+    assert!(!bench.0.join("out").exists());
+    assert_near(&bench.integrate(&["--radiance", "{}m.csv", "--unknown", "7.5"]), &[1.0, 7.5, 3.0, 7.5]);
+    // 0.1 / pi of E490 at 1 um, at 1.5 au, from the zenith.
+    let solved = 0.1 / std::f64::consts::PI * mmxrt::spectral::solar_e490().at(1.0).unwrap() / 2.25;
+    assert_near(&bench.integrate(&["--radiance", "{}m.csv", "--unknown", "solve"]), &[1.0, solved, 3.0, solved]);
+    let report = std::fs::read_to_string(bench.0.join("out/report.json")).unwrap();
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    assert_eq!(report["maps"]["unknown_share"], 0.5);
+    assert_eq!(report["maps"]["maps"][0]["undefined_texels"], 2);
+    assert!(report["inputs"].as_array().unwrap().iter().any(|i| i["path"].as_str().unwrap().ends_with("m.csv")));
+}
+
+#[test]
+fn what_is_wrong_with_a_map_is_told_at_its_place() {
+    let plane = |head: &str| format!("{head}{PLANE}");
+    let of_unit = |unit: &str| HEAD.replace("W m-2 sr-1 um-1", unit);
+    let cases: Vec<(String, &str)> = vec![
+        (plane("quantity = \"radiance\"\n"), "mmxrt_map"),
+        (plane(&HEAD.replace("mmxrt_map = 1", "mmxrt_map = 2")), "mmxrt_map"),
+        (plane(&format!("{HEAD}colour = 1\n")), "colour"),
+        (plane(&of_unit("K")), "is no unit of spectral radiance"),
+        (plane(&of_unit("furlong")), "unit"),
+        (
+            plane(&HEAD.replace("\"radiance\"", "\"reflectance_factor\"").replace("W m-2 sr-1 um-1", "1")),
+            "irradiance_w_m2_um",
+        ),
+        (plane(&HEAD.replace("\"radiance\"", "\"band_radiance\"").replace("W m-2 sr-1 um-1", "W m-2 sr-1")), "width"),
+        (plane(&HEAD.replace("[1.0]", "[1.0, 2.0]")), "2 bands, but the raster has 1"),
+        (plane(&HEAD.replace("bands = { centres_um = [1.0] }\n", "")), "does not say the wavelengths"),
+        (plane(&HEAD.replace("[1.0]", "[2.0]")), "at 1 um, is not among the map's"),
+        (format!("{HEAD}placement = \"plane\"\n"), "plane: is missing"),
+        (format!("{HEAD}placement = \"camera\"\n"), "needs `observer` and `sensor`"),
+        (format!("{HEAD}placement = \"camera\"\nscene = \"none.toml\"\n"), "none.toml"),
+        (format!("{HEAD}placement = \"facets\"\n"), "4 facets, but the scene has 2"),
+        (format!("{HEAD}{PLANE}").replace("[0, -4, 0]", "[8, 0, 0]"), "do not span a plane"),
+        (format!("{HEAD}{PLANE}").replace("[-4, 4, 0]", "[400, 4, 0]"), "does not overlap the scene"),
+        (format!("{HEAD}{PLANE}scene = \"scene.toml\"\n"), "scene: does not go with this placement"),
+        (format!("raster = \"none.img\"\n{HEAD}{PLANE}"), "none.img"),
+        (format!("raster = [\"m.csv\", \"long.csv\"]\n{HEAD}{PLANE}"), "long.csv has 3 x 1 pixels"),
+    ];
+    let bench = Bench::new();
+    bench.0.write("long.csv", "1,2,3\n");
+    for (text, message) in cases {
+        bench.map(&text);
+        let (code, err) = bench.try_to(&["--radiance", "{}m.csv"]);
+        assert!(code == 1 && err.contains(message), "{message}\n{text}\n{err}");
+        assert!(!bench.0.join("out").exists() && !bench.0.names().iter().any(|n| n.starts_with('.')), "{text}");
+    }
+    // The raster's own faults.
+    bench.map(&plane(HEAD));
+    for (raster, message) in
+        [("1,-2\n3,4\n", "row 0, column 1"), ("1,2\n3\n", "m.csv"), ("", "m.csv"), ("1,x\n3,4\n", "m.csv")]
+    {
+        bench.0.write("m.csv", raster);
+        let (code, err) = bench.try_to(&["--radiance", "{}m.csv"]);
+        assert!(code == 1 && err.contains(message), "{raster}: {err}");
+    }
+    bench.0.write("t.img", [0_u8; 12]);
+    bench
+        .0
+        .write("t.hdr", "ENVI\nsamples = 2\nlines = 2\nbands = 1\ndata type = 4\ninterleave = bsq\nbyte order = 0\n");
+    bench.0.write("t.map.toml", plane(HEAD));
+    assert!(bench.try_to(&["--radiance", "{}t.img"]).1.contains("t.img"));
+    // No map file, nothing there, tables that are not of this scene.
+    bench.0.write("bare.csv", "1,2\n3,4\n");
+    assert!(bench.try_to(&["--radiance", "{}bare.csv"]).1.contains("bare.map.toml"));
+    assert!(bench.try_to(&["--radiance", "{}nothing.img"]).1.contains("nothing.img"));
+    bench.0.write("u.csv", "facet,radiance_w_m2_sr_um at 1 um\n0,2\n1,6\n2,1\n");
+    let told = bench.try_to(&["--radiance", "{}u.csv"]).1;
+    assert!(told.contains("has values for 3 facets, but the scene has 2"), "{told}");
+    assert_eq!(bench.try_to(&["--radiance", "{}m.csv", "--unknown", "-1"]).0, 2);
+    assert_eq!(bench.try_to(&[]).0, 2);
+    bench.0.write("square.obj", SQUARE.replace("/1", "").replace("/2", "").replace("/3", "").replace("/4", ""));
+    bench.0.write("m.csv", "1,2\n3,4\n");
+    bench.map(&format!("{HEAD}placement = \"atlas\"\n"));
+    assert!(bench.try_to(&["--radiance", "{}m.csv"]).1.contains("no texture coordinates"));
+}
