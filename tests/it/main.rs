@@ -18,6 +18,7 @@ mod malformed_scene;
 mod oracles;
 mod products;
 mod raster;
+mod raster_convert;
 mod report;
 mod sampler;
 mod scene_files;
