@@ -22,6 +22,7 @@ mod maps;
 mod oracles;
 mod products;
 mod raster;
+mod raster_convert;
 mod report;
 mod sampler;
 mod scene_files;

@@ -1,5 +1,6 @@
 //! Rasters: files written byte by byte are read as what they hold, and what is wrong with a file is told at its place.
 
+use std::io::Write;
 use std::path::Path;
 
 use mmxrt::Error;
@@ -277,4 +278,246 @@ fn an_array_that_cannot_be_is_refused() {
         assert!(error.contains(message), "{message}: {error}");
     }
     assert!(matches!(raster::open(&folder.join("none.npy")), Err(Error::Io { .. })));
+}
+
+/// A zip file with one stored member for each array.
+fn npz(arrays: &[(&str, Vec<u8>)]) -> Vec<u8> {
+    let mut zip = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+    let options = zip::write::SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
+    for (name, bytes) in arrays {
+        zip.start_file(format!("{name}.npy"), options).unwrap();
+        zip.write_all(bytes).unwrap();
+    }
+    zip.finish().unwrap().into_inner()
+}
+
+fn doubles(values: &[f64]) -> Vec<u8> {
+    npy(
+        "<f8",
+        false,
+        &format!("({},)", values.len()),
+        &values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>(),
+    )
+}
+
+#[test]
+fn an_array_of_a_npz_file_is_read_with_its_wavelengths() {
+    let folder = Scratch::new();
+    let array = || npy("|u1", false, "(2, 3, 2)", &BIP);
+    let unit = npy("<U2", false, "()", &[b'K', 0, 0, 0, 0, 0, 0, 0]);
+    let path =
+        folder.write("a.npz", npz(&[("arr_0", array()), ("wavelength_um", doubles(&[0.9, 1.5])), ("unit", unit)]));
+    let mut raster = raster::open(&path).unwrap();
+    assert_eq!(bands(&mut raster), values());
+    assert_eq!((raster.bands[1].centre_um, raster.unit.as_deref()), (Some(1.5), Some("K")));
+
+    let path = folder.write("a.npz", npz(&[("raster", array()), ("mask", doubles(&[1.0]))]));
+    let mut raster = raster::open(&path).unwrap();
+    assert_eq!(bands(&mut raster), values());
+    assert!(raster.report.notes[0].to_string().contains("mask: an array beside the raster"));
+    for (arrays, message) in [
+        (vec![("a", array()), ("b", array())], "a.npz: which of its arrays is the raster? [a, b] (help: save one"),
+        (vec![], "which of its arrays"),
+        (vec![("a", array()), ("wavelength_um", doubles(&[1.0]))], "wavelength_um: is no list of 2 numbers"),
+        (vec![("a", array()), ("wavelength_um", doubles(&[1.0, f64::NAN]))], "wavelength_um[1]: NaN is not positive"),
+        (vec![("a", array()), ("fwhm_um", doubles(&[1.0, -0.5]))], "fwhm_um[1]: -0.5 is not positive"),
+        (vec![("a", npy("|u1", false, "(2, 3, 2)", &BIP[1..]))], "a.npz: has"),
+        (vec![("a", b"text".to_vec())], "a.npz a: is not a NumPy array"),
+    ] {
+        let path = folder.write("a.npz", npz(&arrays));
+        let error = refused(&path);
+        assert!(error.contains(message), "{message}: {error}");
+    }
+    let whole = npz(&[("a", array())]);
+    let path = folder.write("a.npz", &whole[..whole.len() - 30]);
+    assert!(refused(&path).contains("not a complete .npz file"));
+}
+
+/// An OpenEXR file of uncompressed scan lines, by the file layout of OpenEXR 2: channels are (name, type, sampling).
+fn exr(channels: &[(&str, i32, i32)], size: [i32; 2], lines: &[Vec<u8>], unit: Option<&str>) -> Vec<u8> {
+    let [columns, rows] = size;
+    let mut bytes = vec![0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0];
+    let mut attribute = |name: &str, kind: &str, value: &[u8]| {
+        bytes.extend(
+            [name.as_bytes(), b"\0", kind.as_bytes(), b"\0", &(value.len() as i32).to_le_bytes(), value].concat(),
+        );
+    };
+    let mut list = Vec::new();
+    for (name, kind, sampling) in channels {
+        list.extend(
+            [name.as_bytes(), b"\0", &kind.to_le_bytes(), &[0; 4], &sampling.to_le_bytes(), &sampling.to_le_bytes()]
+                .concat(),
+        );
+    }
+    list.push(0);
+    let window: Vec<u8> = [0, 0, columns - 1, rows - 1].iter().flat_map(|v: &i32| v.to_le_bytes()).collect();
+    attribute("channels", "chlist", &list);
+    attribute("compression", "compression", &[0]);
+    attribute("dataWindow", "box2i", &window);
+    attribute("displayWindow", "box2i", &window);
+    attribute("lineOrder", "lineOrder", &[0]);
+    attribute("pixelAspectRatio", "float", &1_f32.to_le_bytes());
+    if let Some(unit) = unit {
+        attribute("radianceUnits", "string", unit.as_bytes());
+    }
+    attribute("screenWindowCenter", "v2f", &[0; 8]);
+    attribute("screenWindowWidth", "float", &1_f32.to_le_bytes());
+    bytes.push(0);
+    let mut place = bytes.len() + 8 * lines.len();
+    for line in lines {
+        bytes.extend((place as u64).to_le_bytes());
+        place += 8 + line.len();
+    }
+    for (y, line) in lines.iter().enumerate() {
+        bytes.extend([&(y as i32).to_le_bytes(), &(line.len() as i32).to_le_bytes(), &line[..]].concat());
+    }
+    bytes
+}
+
+#[test]
+fn openexr_is_read_in_every_type_and_in_the_order_of_wavelength() {
+    let folder = Scratch::new();
+    // A line: two halves (1.5, -2), two floats, two integers.
+    let line = |f: f32, u: u32| {
+        [
+            &[0x00, 0x3e, 0x00, 0xc0][..],
+            &f.to_le_bytes(),
+            &0.5_f32.to_le_bytes(),
+            &u.to_le_bytes(),
+            &7_u32.to_le_bytes(),
+        ]
+        .concat()
+    };
+    let lines = [line(0.25, 3), line(f32::NAN, u32::MAX)];
+    // By text 1000 nm comes before 900,5 nm.
+    let channels = [("S0.1000nm", 1, 1), ("S0.900,5nm", 2, 1), ("T.3um", 0, 1)];
+    let path = folder.write("a.exr", exr(&channels[..2], [2, 1], &[line(0.25, 0)[..12].to_vec()], Some("K")));
+    let mut raster = raster::open(&path).unwrap();
+    assert_eq!((raster.rows, raster.columns, raster.unit.as_deref()), (1, 2, Some("K")));
+    assert_eq!([raster.bands[0].centre_um, raster.bands[1].centre_um], [Some(0.9005), Some(1.0)]);
+    assert_eq!(bands(&mut raster), [[0.25, 0.5], [1.5, -2.0]]);
+
+    let channels = [("A", 1, 1), ("B", 2, 1), ("C", 0, 1)];
+    let path = folder.write("b.exr", exr(&channels, [2, 2], &lines, None));
+    let mut raster = raster::open(&path).unwrap();
+    assert!(raster.bands.iter().all(|b| b.centre_um.is_none()));
+    let all = bands(&mut raster);
+    assert_eq!((&all[0][..], &all[2][..]), (&[1.5, -2.0, 1.5, -2.0][..], &[3.0, 7.0, 4294967295.0, 7.0][..]));
+    assert!(all[1][2].is_nan() && all[1][3] == 0.5);
+}
+
+#[test]
+fn an_openexr_file_that_cannot_be_is_refused() {
+    let folder = Scratch::new();
+    let line = vec![0; 16];
+    let two = [("A", 2, 1), ("B", 2, 1)];
+    let whole = exr(&two, [2, 2], &[line.clone(), line.clone()], None);
+    let mut one = Vec::new();
+    for length in 0..whole.len() {
+        let path = folder.write("a.exr", &whole[..length]);
+        // Refused when it is opened, or when it is read: nowhere else, and never without a word.
+        let error = raster::open(&path).and_then(|mut raster| raster.read(0, &mut one)).unwrap_err().to_string();
+        assert!(
+            error.contains("a.exr: not a complete OpenEXR file") || error.contains("cut short"),
+            "{length}: {error}"
+        );
+    }
+    for (bytes, message) in [
+        (
+            exr(&[("A", 2, 1), ("A", 2, 1)], [2, 1], std::slice::from_ref(&line), None),
+            "A: a channel of this name is there twice",
+        ),
+        (exr(&[("A", 2, 2)], [2, 2], &[vec![0; 4]], None), "does not have every pixel"),
+        (exr(&[], [2, 1], &[vec![]], None), "a.exr"),
+        (exr(&two, [1 << 20, 1 << 20], std::slice::from_ref(&line), None), "are more than the 268435456 pixels"),
+        (exr(&two, [1 << 10, 1 << 17], std::slice::from_ref(&line), None), "131072 blocks are promised"),
+    ] {
+        let path = folder.write("a.exr", bytes);
+        let error = refused(&path);
+        assert!(error.contains(message), "{message}: {error}");
+    }
+    // The first line twice, the second never.
+    let mut twice = whole.clone();
+    let (from, to) = (whole.len() - 48, whole.len() - 24);
+    twice.copy_within(from..to, to);
+    let path = folder.write("a.exr", twice);
+    let error = raster::open(&path).unwrap().read(0, &mut one).unwrap_err().to_string();
+    assert!(error.contains("a.exr: lines are missing"), "{error}");
+}
+
+/// Two pixels of 16 bits, red, green, blue and alpha: (65535, 13107, 0, 65535), (1, 2, 3, 0). Made with Python's zlib.
+const RGBA16: [u8; 85] = [
+    0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44, 0x52, 0x00, 0x00, 0x00,
+    0x02, 0x00, 0x00, 0x00, 0x01, 0x10, 0x06, 0x00, 0x00, 0x00, 0xa4, 0xb2, 0xa3, 0xc9, 0x00, 0x00, 0x00, 0x1c, 0x49,
+    0x44, 0x41, 0x54, 0x78, 0x01, 0x01, 0x11, 0x00, 0xee, 0xff, 0x00, 0xff, 0xff, 0x33, 0x33, 0x00, 0x00, 0xff, 0xff,
+    0x00, 0x01, 0x00, 0x02, 0x00, 0x03, 0x00, 0x00, 0x37, 0x5a, 0x04, 0x69, 0x63, 0xf0, 0x50, 0x7d, 0x00, 0x00, 0x00,
+    0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82,
+];
+/// Four grey pixels of 2 bits: 2, 3, 0, 0. Made likewise.
+const GREY2: [u8; 70] = [
+    0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44, 0x52, 0x00, 0x00, 0x00,
+    0x04, 0x00, 0x00, 0x00, 0x01, 0x02, 0x00, 0x00, 0x00, 0x00, 0x96, 0xe7, 0x48, 0xb0, 0x00, 0x00, 0x00, 0x0d, 0x49,
+    0x44, 0x41, 0x54, 0x78, 0x01, 0x01, 0x02, 0x00, 0xfd, 0xff, 0x00, 0xb0, 0x00, 0xb2, 0x00, 0xb1, 0x60, 0xfd, 0x48,
+    0x5a, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82,
+];
+
+#[test]
+fn pictures_are_shares_of_the_largest_number_and_nothing_where_transparent() {
+    let folder = Scratch::new();
+    let path = folder.write("a.png", RGBA16);
+    let mut raster = raster::open(&path).unwrap();
+    assert_eq!(raster.bands.iter().map(|b| b.name.as_str()).collect::<Vec<_>>(), ["red", "green", "blue"]);
+    let all = bands(&mut raster);
+    assert_eq!([all[0][0], all[1][0], all[2][0]], [1.0, 0.2, 0.0]);
+    assert!(all.iter().all(|band| band[1].is_nan()));
+    let path = folder.write("b.png", GREY2);
+    assert_eq!(bands(&mut raster::open(&path).unwrap()), [[2.0 / 3.0, 1.0, 0.0, 0.0]]);
+    let mut one = Vec::new();
+    for length in 0..GREY2.len() - 16 {
+        let path = folder.write("b.png", &GREY2[..length]);
+        let error = raster::open(&path).and_then(|mut raster| raster.read(0, &mut one)).unwrap_err().to_string();
+        assert!(error.contains("b.png: not a complete PNG"), "{length}: {error}");
+    }
+}
+
+#[test]
+fn text_is_read_with_any_separator_and_told_where_it_is_none() {
+    let folder = Scratch::new();
+    for text in [
+        "1,2.5e1,nan\n-3,4,\n",
+        "\u{feff}# a\n1;25;nan\r\n\r\n-3;4;NaN\r\n",
+        "1\t25\tNaN\n-3\t4\t\n",
+        " 1  25 nan\n-3 4 nan",
+    ] {
+        let path = folder.write("a.csv", text);
+        let mut raster = raster::open(&path).unwrap();
+        assert_eq!((raster.rows, raster.columns), (2, 3), "{text:?}");
+        let read = bands(&mut raster).remove(0);
+        assert_eq!((&read[..2], &read[3..5]), (&[1.0, 25.0][..], &[-3.0, 4.0][..]), "{text:?}");
+        assert!(read[2].is_nan() && read[5].is_nan(), "{text:?}");
+    }
+    let path = folder.write("a.csv", "1,2\n3,x\n4\n");
+    let error = refused(&path);
+    for part in ["a.csv:2:3: `x` is not a number", "a.csv:3:1: 1 numbers where the first row has 2"] {
+        assert!(error.contains(part), "{error}");
+    }
+    assert!(refused(&folder.write("a.csv", "# nothing\n")).contains("hold no pixels"));
+    assert!(refused(&folder.write("a.csv", b"1,2\n\xff,2\n")).contains("a.csv:2:1: not UTF-8"));
+}
+
+#[test]
+fn what_is_no_raster_is_refused_with_what_to_do() {
+    let folder = Scratch::new();
+    for (name, bytes, message) in [
+        ("a.tif", &b"II*\0rest"[..], "TIFF (`gdal_translate -of ENVI IN OUT.img`"),
+        ("a.nc", b"\x89HDF\r\n\x1a\n", "HDF or NetCDF"),
+        ("a.bin", b"1234", "its header is not beside it"),
+        ("a.hdr", b"ENVI\nsamples = 1\n", "its data file is not beside it"),
+        ("a.exr", b"not", "not a complete OpenEXR file"),
+        ("a.npz", b"not", "not a complete .npz file"),
+    ] {
+        let error = refused(&folder.write(name, bytes));
+        assert!(error.contains(message), "{name}: {error}");
+    }
+    assert!(matches!(raster::open(folder.path()), Err(Error::Io { .. })));
 }

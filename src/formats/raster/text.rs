@@ -37,11 +37,10 @@ fn is_left_out(line: &str) -> bool {
 pub(crate) fn is_grid(beginning: &[u8]) -> bool {
     let text = String::from_utf8_lossy(beginning);
     let text = text.trim_start_matches('\u{feff}');
-    let mut lines = text.lines().map(str::trim);
-    // The last cell may be cut off.
-    let first = lines.find(|line| !is_left_out(line)).unwrap_or_default();
+    let first = text.lines().find(|line| !is_left_out(line.trim())).unwrap_or_default();
     let mut cells = cells(first, separator(first)).filter(|cell| !cell.is_empty()).peekable();
-    cells.peek().is_some() && cells.by_ref().take(16).all(|cell| number(cell).is_some())
+    // A few are enough, and the last may be cut off.
+    cells.peek().is_some() && cells.take(16).all(|cell| number(cell).is_some())
 }
 
 /// Reads a text.
@@ -65,8 +64,9 @@ pub(crate) fn open(path: &Path) -> Result<Raster> {
         let Ok(text) = std::str::from_utf8(&bytes) else {
             return Err(Error::syntax(at(1), "not UTF-8 text: save the file as UTF-8"));
         };
-        let line = text.trim_start_matches('\u{feff}').trim();
-        if is_left_out(line) {
+        // A tab at the end stands before a cell that is empty.
+        let line = text.trim_start_matches('\u{feff}').trim_end_matches(['\r', '\n']);
+        if is_left_out(line.trim()) {
             continue;
         }
         if rows == 0 {
