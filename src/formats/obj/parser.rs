@@ -34,6 +34,7 @@ pub(super) struct Parser<'a> {
     texture_vertices: usize,
     faces: Faces,
     materials: Materials,
+    objects: usize,
     ignored: BTreeMap<String, usize>,
     problems: Problems,
     /// Lines so far.
@@ -59,6 +60,7 @@ impl<'a> Parser<'a> {
             texture_vertices: 0,
             faces: Faces::default(),
             materials: Materials::default(),
+            objects: 0,
             ignored: BTreeMap::new(),
             problems: Problems::default(),
             line: 0,
@@ -155,7 +157,8 @@ impl<'a> Parser<'a> {
             b"usemtl" => _ = self.use_material(&text(rest), place),
             b"mtllib" => self.libraries(&text(rest), place),
             b"g" => self.group = Some((text(rest), place)),
-            b"" | b"vn" | b"o" | b"s" => {}
+            b"o" => self.objects += 1,
+            b"" | b"vn" | b"s" => {}
             _ if keyword[0] == b'#' => {}
             _ => {
                 let key = if self.ignored.len() < IGNORED { shown(keyword) } else { "...".into() };
@@ -310,6 +313,7 @@ impl<'a> Parser<'a> {
             facet_group,
             groups,
             texture_vertices: self.texture_vertices,
+            objects: self.objects,
             ignored: self.ignored,
             inputs: Vec::new(),
         })
