@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
+use mmxrt::formats::convert::{self, Content, Format};
 use mmxrt::formats::located::Document;
 use mmxrt::formats::mtl::{self, ObjMaterial};
 use mmxrt::formats::report_json::{self, Report, Run};
@@ -17,7 +18,7 @@ use super::console::Console;
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// A product folder, ENVI image or header, .npz, .exr, .png, .json report, scene, recipe, spectrum (.csv), .obj, .mtl, .gltf or .glb
+    /// A product folder, ENVI image or header, .npz, .exr, .png, .json report, scene, recipe, spectrum (.csv), .obj, .mtl, .gltf, .glb, DART simulation or optical database, .sli or .txt
     file: PathBuf,
 }
 
@@ -66,7 +67,8 @@ fn line(name: &str, value: &Value) -> String {
 
 fn inspect(path: &Path, console: &Console) -> Result<Facts> {
     if path.is_dir() {
-        return folder(path);
+        let is_convertible = !path.join("report.json").is_file() && Format::of_input(path).is_ok();
+        return if is_convertible { converted(path, console) } else { folder(path) };
     }
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     match extension.as_str() {
@@ -79,11 +81,13 @@ fn inspect(path: &Path, console: &Console) -> Result<Facts> {
         "gltf" | "glb" => surface(path),
         "toml" => toml(path, console),
         "csv" => spectrum(path),
+        "db" | "sli" | "txt" => converted(path, console),
         "mtl" => Ok(vec![("kind", json!("MTL materials")), ("materials", materials(&mtl::read(path)?.0))]),
         _ if path.is_file() => {
             let problem = Problem::new(Location::file(path), format!("no format of ours ends in {extension:?}"))
                 .with_help(
-                    "these do: hdr, img, npz, exr, png, json, toml, csv, obj, mtl, gltf, glb; or name a product folder",
+                    "these do: hdr, img, npz, exr, png, json, toml, csv, obj, mtl, gltf, glb, db, sli, txt; or name a folder \
+                     of a product or a DART simulation",
                 );
             Err(Error::Invalid(vec![problem]))
         }
@@ -113,6 +117,29 @@ fn mesh(path: &Path) -> Result<Facts> {
 
 fn materials(materials: &[ObjMaterial]) -> Value {
     materials.iter().map(|m| json!({ "name": m.name, "kd": m.kd })).collect()
+}
+
+/// What `convert` makes of a file or folder.
+fn converted(path: &Path, console: &Console) -> Result<Facts> {
+    let options = convert::Options::default();
+    let (format, content, report) = convert::read(path, &options, &|progress| console.watch(progress))?;
+    let names: Vec<Value> = match &content {
+        Content::Scene(scene, _) => scene.materials.iter().map(|m| json!({ "name": m.name })).collect(),
+        Content::Surface(surface) => surface.materials.iter().map(|m| json!({ "name": m.name })).collect(),
+        Content::Spectra(libraries) => {
+            let columns = |l: &mmxrt::spectral::SpectralLibrary| -> Vec<String> {
+                l.columns.iter().map(|column| column.name.clone()).collect()
+            };
+            let points = |l: &mmxrt::spectral::SpectralLibrary| l.wavelength_um.len();
+            libraries.iter().map(|l| json!({ "name": l.name, "points": points(l), "columns": columns(l) })).collect()
+        }
+    };
+    Ok(vec![
+        ("kind", json!(format.about().name)),
+        ("size", json!(content.size())),
+        ("materials", names.into()),
+        ("passed_over", report.notes.iter().map(|note| json!(note.to_string())).collect()),
+    ])
 }
 
 fn surface(path: &Path) -> Result<Facts> {
