@@ -9,8 +9,8 @@ use mmxrt::report::{Note, Report};
 use mmxrt::spectral::Band;
 use serde_json::{Value, json};
 
-use super::Outcome;
 use super::console::Console;
+use super::{Outcome, file_json};
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
@@ -39,12 +39,12 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "VERSION", value_parser = ["5.7.4", "5.11.0"], default_value = "5.7.4")]
     dart_version: String,
     /// Size of DART's cells, m; without it what a pixel of the camera sees
-    #[arg(long, value_name = "M")]
+    #[arg(long, value_name = "M", allow_hyphen_values = true)]
     cell_m: Option<f64>,
     /// Folder of DART's databases, for what is not in the simulation's own folder
     #[arg(long, value_name = "FOLDER")]
     databases: Option<PathBuf>,
-    /// Where the middle of a DART scene is, body-fixed, m
+    /// Where the middle of a DART scene, or the origin of a mesh, is, body-fixed, m
     #[arg(long, value_name = "X,Y,Z", value_parser = numbers::<3>, allow_hyphen_values = true)]
     origin_m: Option<Numbers<3>>,
     /// Take N more of a repeated DART scene on each side: (2 N + 1)^2 scenes
@@ -74,6 +74,9 @@ pub(crate) struct Arguments {
     /// Replace what exists
     #[arg(long)]
     force: bool,
+    /// Add the spectra to a database that exists
+    #[arg(long, conflicts_with = "force")]
+    append: bool,
 }
 
 fn format(name: &str) -> std::result::Result<Format, String> {
@@ -137,6 +140,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         sun_deg: arguments.sun_deg.map(|numbers| numbers.0),
         allow_outside: arguments.allow_outside,
         replace: arguments.force,
+        append: arguments.append,
         strict: arguments.strict,
         models: arguments.model.clone(),
         image_bands: arguments.band.iter().map(|band| *band as usize - 1).collect(),
@@ -157,7 +161,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
             let text = format!("{lines}{}: {errors} errors, {} warnings", input.display(), findings.len() - errors);
             let shown = |f: &Finding| {
                 json!({
-                    "error": is_error(f), "file": f.at.file, "line": f.at.line, "column": f.at.column, "item": f.at.item,
+                    "error": is_error(f), "file": file_json(f.at.file.as_ref()), "line": f.at.line, "column": f.at.column, "item": f.at.item,
                     "what": f.what, "effect": f.effect, "fix": f.fix,
                 })
             };
@@ -206,8 +210,8 @@ fn json(conversion: &Conversion, path: &str) -> Value {
 fn notes(report: &Report) -> Vec<Value> {
     let note = |note: &Note| {
         json!({
-            "fate": note.fate.to_string(), "file": note.at.file, "line": note.at.line, "column": note.at.column,
-            "item": note.at.item, "message": note.message,
+            "fate": note.fate.to_string(), "file": file_json(note.at.file.as_ref()), "line": note.at.line,
+            "column": note.at.column, "item": note.at.item, "message": note.message,
         })
     };
     report.notes.iter().map(note).collect()

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
-use mmxrt::formats::convert::Format;
+use mmxrt::formats::convert::{self, Content, Format};
 use mmxrt::formats::folder::Staged;
 use mmxrt::formats::located::Document;
 use mmxrt::formats::mtl::{self, ObjMaterial};
@@ -21,7 +21,7 @@ use super::console::Console;
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// A product folder, image (ENVI, ILWIS, OpenEXR, NumPy, PNG, CSV), .npz, .json report, scene, recipe, spectrum (.csv), .obj, .mtl, .gltf or .glb
+    /// A product folder, image (ENVI, ILWIS, OpenEXR, NumPy, PNG, CSV), .npz, .json report, scene, recipe, spectrum (.csv), .obj, .mtl, .gltf, .glb, DART simulation or optical database, .sli or .txt
     file: PathBuf,
     /// Write a picture of an image, to look at: grey, or of three bands in colours
     #[arg(long, value_name = "OUT.png")]
@@ -87,21 +87,23 @@ fn line(name: &str, value: &Value) -> String {
 
 fn inspect(path: &Path, console: &Console) -> Result<Facts> {
     if path.is_dir() {
-        return folder(path);
+        let is_convertible = !path.join("report.json").is_file() && Format::of_input(path).is_ok();
+        return if is_convertible { converted(path, console) } else { folder(path) };
     }
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     match extension.as_str() {
-        "hdr" | "sli" => library(path),
         "json" => report(path),
         "obj" => mesh(path),
         "gltf" | "glb" => surface(path),
         "toml" => toml(path, console),
         "csv" => spectrum(path),
+        "db" | "hdr" | "sli" | "txt" => converted(path, console),
         "mtl" => Ok(vec![("kind", json!("MTL materials")), ("materials", materials(&mtl::read(path)?.0))]),
         _ if path.is_file() => {
             let problem = Problem::new(Location::file(path), format!("no format of ours ends in {extension:?}"))
                 .with_help(
-                    "these do: hdr, img, mpr, npy, npz, exr, png, json, toml, csv, obj, mtl, gltf, glb; or name a product folder",
+                    "these do: hdr, img, mpr, npy, npz, exr, png, json, toml, csv, obj, mtl, gltf, glb, db, sli, txt; or name a \
+                     folder of a product or a DART simulation",
                 );
             Err(Error::Invalid(vec![problem]))
         }
@@ -125,6 +127,30 @@ fn mesh(path: &Path) -> Result<Facts> {
 
 fn materials(materials: &[ObjMaterial]) -> Value {
     materials.iter().map(|m| json!({ "name": m.name, "kd": m.kd })).collect()
+}
+
+/// What `convert` makes of a file or folder.
+fn converted(path: &Path, console: &Console) -> Result<Facts> {
+    let options = convert::Options::default();
+    let (format, content, report) = convert::read(path, &options, &|progress| console.watch(progress))?;
+    let names: Vec<Value> = match &content {
+        Content::Scene(scene, _) => scene.materials.iter().map(|m| json!({ "name": m.name })).collect(),
+        Content::Surface(surface) => surface.materials.iter().map(|m| json!({ "name": m.name })).collect(),
+        Content::Spectra(libraries) => {
+            let columns = |l: &mmxrt::spectral::SpectralLibrary| -> Vec<String> {
+                l.columns.iter().map(|column| column.name.clone()).collect()
+            };
+            let points = |l: &mmxrt::spectral::SpectralLibrary| l.wavelength_um.len();
+            libraries.iter().map(|l| json!({ "name": l.name, "points": points(l), "columns": columns(l) })).collect()
+        }
+        Content::Raster(_) => vec![],
+    };
+    Ok(vec![
+        ("kind", json!(format.about().name)),
+        ("size", json!(content.size())),
+        ("materials", names.into()),
+        ("passed_over", report.notes.iter().map(|note| json!(note.to_string())).collect()),
+    ])
 }
 
 fn surface(path: &Path) -> Result<Facts> {
@@ -279,33 +305,6 @@ fn report(path: &Path) -> Result<Facts> {
         ("defaults", json!(report.defaults)),
         ("warnings", json!(report.warnings)),
         ("statistics", value["statistics"].clone()),
-    ])
-}
-
-fn library(path: &Path) -> Result<Facts> {
-    let (header_path, data) = envi::pair(path)?;
-    let header = envi::read_header(&header_path)?;
-    let statistics = envi::statistics(&header, &data)?;
-    let bands: Vec<Value> = statistics
-        .iter()
-        .enumerate()
-        .map(|(i, s)| {
-            let name = header.band_names.get(i).cloned();
-            let name = name.or_else(|| Some(format!("{} um", header.wavelength.get(i)?)));
-            let name = name.unwrap_or_else(|| format!("band {}", i + 1));
-            json!({ "band": name, "count": s.count, "min": s.min, "max": s.max, "mean": s.mean })
-        })
-        .collect();
-    Ok(vec![
-        ("kind", json!("ENVI image")),
-        ("description", json!(header.field("description").unwrap_or(""))),
-        ("samples", json!(header.samples)),
-        ("lines", json!(header.lines)),
-        ("bands", json!(header.bands)),
-        ("data_type", json!(format!("{:?}", header.data_type).to_lowercase())),
-        ("interleave", json!(header.interleave.name())),
-        ("data_units", json!(header.field("data units"))),
-        ("statistics", json!(bands)),
     ])
 }
 

@@ -12,6 +12,7 @@ mod solve;
 mod validate;
 
 use std::io::IsTerminal;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -127,12 +128,17 @@ fn dispatch(command: Command, console: &Console) -> mmxrt::Result<Outcome> {
     }
 }
 
+/// A place's file as JSON: a name that is not UTF-8, which JSON cannot hold, as nearly as it can be shown.
+fn file_json(file: Option<&PathBuf>) -> serde_json::Value {
+    file.map(|path| path.display().to_string()).into()
+}
+
 /// An error as the JSON object that `--json` prints.
 fn error_json(error: &Error) -> serde_json::Value {
     use serde_json::json;
     let problem = |p: &Problem| {
         json!({
-            "file": p.at.file, "line": p.at.line, "column": p.at.column, "item": p.at.item,
+            "file": file_json(p.at.file.as_ref()), "line": p.at.line, "column": p.at.column, "item": p.at.item,
             "message": p.message, "help": p.help,
         })
     };

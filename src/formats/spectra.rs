@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use crate::error::{Error, Location, Result};
+use crate::error::{Error, Location, Problem, Result};
 use crate::report::{Fate, Report};
 use crate::spectral::{Band, SpectralLibrary};
 
@@ -120,7 +120,8 @@ pub fn write(path: &Path, format: Format, spectra: &[SpectralLibrary], replace: 
         (Format::DartText, [one]) if as_file => named_by_file(path, one, text_spectra::write(path, one, replace)?),
         (Format::DartText, _) if as_file => {
             let message = format!("cannot hold {} materials: name a folder", spectra.len());
-            Err(Error::invalid(Location::file(path), message))
+            let help = "a name without an ending, and --to dart-text; or take one of them with --model";
+            Err(Error::Invalid(vec![Problem::new(Location::file(path), message).with_help(help)]))
         }
         (Format::Csv | Format::DartText, _) => write_folder(path, format, spectra, replace),
     }

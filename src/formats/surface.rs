@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glam::{DMat3, DVec3};
 
-use crate::error::{Location, Result};
+use crate::error::{Error, Location, Result};
 use crate::geometry::{Direction, MaterialId, Mesh, Pose};
 use crate::physics::reflectance::kirchhoff_emissivity;
 use crate::report::{Fate, Report};
@@ -72,13 +72,13 @@ impl Surface {
     /// A scene to begin with: all that a mesh does not say is taken to be something, and noted.
     ///
     /// # Errors
-    /// [`Error::Invalid`](crate::Error::Invalid) if the mesh makes no scene, as [`Scene::check`] says.
+    /// [`Error::Invalid`] if the mesh has no area, or makes no scene, as [`Scene::check`] says.
     pub fn into_scene(self, path: &Path, report: &mut Report) -> Result<Scene> {
         let mut taken = |item: &str, what: String| {
             report.note(Fate::Defaulted, Location::file(path).with_item(item), what);
         };
         let origin_m = self.origin_m.unwrap_or_else(|| {
-            taken("origin_m", "[0, 0, 0]: the mesh's coordinates are those of the body".into());
+            taken("origin_m", "[0, 0, 0]: the mesh's coordinates are those of the body, z is north".into());
             DVec3::ZERO
         });
         let mut names = BTreeSet::new();
@@ -113,6 +113,11 @@ impl Surface {
                 }
             })
             .collect();
+        let has_area = |facet: usize| self.mesh.facet(facet).cross_m2() != DVec3::ZERO;
+        if !(0..self.mesh.facets.len()).any(has_area) {
+            let message = "no triangle of the mesh has an area: are its corners in one place, or its scale 0?";
+            return Err(Error::invalid(Location::file(path), message));
+        }
         let outward = outward(&self.mesh, origin_m);
         let e490 = solar_e490();
         let (first, last) = e490.coverage_um();

@@ -382,3 +382,166 @@ fn spectra_go_through_every_format() {
     let (code, _, err) = run(&["convert", &argument("all.db"), &argument("no.csv"), "--model", "green"]);
     assert!(code == 1 && err.contains("no spectra \"green\" in it; there are "), "{err}");
 }
+
+#[test]
+fn any_name_of_a_material_comes_back() {
+    let scratch = Scratch::new();
+    let name = "q&<>\"' \\ \u{fc} end";
+    let corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    scratch.write("a.obj", format!("mtllib a.mtl\n{corners}usemtl {name}\nf 1 2 3\n"));
+    scratch.write("a.mtl", format!("newmtl {name}\nKd 1 1 1\n"));
+    let argument = |name: &str| scratch.argument(name);
+    for (from, to) in [("a.obj", "scene/a.toml"), ("scene/a.toml", "again/a.toml"), ("again/a.toml", "dart")] {
+        let (code, _, err) = run(&["convert", &argument(from), &argument(to)]);
+        assert_eq!(code, 0, "{to}: {err}");
+    }
+    assert_eq!(scene_of(&scratch.join("again/a.toml")).materials[0].name, name);
+    let (code, _, err) = run(&["convert", &argument("dart"), &argument("back/a.toml")]);
+    assert_eq!(code, 0, "{err}");
+    assert_eq!(scene_of(&scratch.join("back/a.toml")).materials[0].name, name);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_file_whose_name_is_not_utf_8_is_converted() {
+    use std::os::unix::ffi::OsStrExt;
+    let scratch = Scratch::new();
+    let path = scratch.path().join(std::ffi::OsStr::from_bytes(b"a\xff.obj"));
+    std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let command = |output: &str| {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_mmxrt"));
+        command.args(["convert", "--json"]).arg(&path).arg(scratch.join(output)).output().unwrap()
+    };
+    let out = command("a/scene.toml");
+    assert_eq!(out.status.code(), Some(0), "{}", String::from_utf8_lossy(&out.stderr));
+    let json: Value = serde_json::from_slice(&out.stdout).unwrap();
+    assert!(json["notes"][0]["file"].as_str().unwrap().ends_with("a\u{fffd}.obj"));
+    let out = command("a.csv");
+    let json: Value = serde_json::from_slice(&out.stderr).unwrap();
+    assert_eq!((out.status.code(), &json["error"]["kind"]), (Some(1), &Value::from("invalid")));
+}
+
+#[test]
+fn a_format_that_is_said_overrules_the_name() {
+    let scratch = Scratch::new();
+    let argument = |name: &str| scratch.argument(name);
+    scratch.write("a.dat", "wavelength_um,reflectance\n1,0.25\n2,0.5\n");
+    let (code, out, err) = run(&["convert", "--list", "--from", "csv", &argument("a.dat")]);
+    assert!(code == 0 && out == "a: reflectance at 2 wavelengths, 1 to 2 um\n", "{out}{err}");
+    // A spectral library by its header.
+    assert_eq!(run(&["convert", "--from", "csv", &argument("a.dat"), &argument("b.sli")]).0, 0);
+    let (code, out, err) = run(&["convert", "--list", &argument("b.hdr")]);
+    assert!(code == 0 && out.starts_with("a: reflectance at 2"), "{out}{err}");
+    // Of a folder all tables.
+    std::fs::create_dir(scratch.join("all")).unwrap();
+    for name in ["all/c.csv", "all/d.csv"] {
+        std::fs::copy(scratch.join("a.dat"), scratch.join(name)).unwrap();
+    }
+    let (code, out, err) = run(&["convert", &argument("all"), &argument("all.db"), "--from", "csv"]);
+    assert!(code == 0 && out.ends_with("all.db: 2 spectra, csv to db\n"), "{out}{err}");
+}
+
+#[test]
+fn a_database_grows() {
+    let scratch = Scratch::new();
+    let argument = |name: &str| scratch.argument(name);
+    for (name, value) in [("a.csv", 0.25), ("b.csv", 0.5)] {
+        scratch.write(name, format!("wavelength_um,reflectance\n1,{value}\n2,{value}\n"));
+    }
+    let (code, _, err) = run(&["convert", &argument("b.csv"), &argument("x.db"), "--append"]);
+    assert!(code == 1 && err.contains("x.db: reading"), "{err}");
+    assert_eq!(run(&["convert", &argument("a.csv"), &argument("x.db")]).0, 0);
+    let (code, out, err) = run(&["convert", &argument("b.csv"), &argument("x.db"), "--append"]);
+    assert!(code == 0 && out.ends_with("x.db: 1 spectra, csv to db\n"), "{out}{err}");
+    let (_, out, _) = run(&["convert", "--list", &argument("x.db")]);
+    assert_eq!(out.lines().map(|l| &l[..2]).collect::<Vec<_>>(), ["a:", "b:"], "{out}");
+    let (code, _, err) = run(&["convert", &argument("b.csv"), &argument("x.db"), "--append"]);
+    assert!(code == 1 && err.contains("table b: is there already"), "{err}");
+    assert_eq!(run(&["convert", &argument("b.csv"), &argument("x.db"), "--append", "--force"]).0, 2);
+}
+
+#[test]
+fn what_would_change_nothing_is_refused() {
+    let scratch = prepared(SCENE);
+    let argument = |name: &str| scratch.argument(name);
+    let (scene, dart) = (argument("scene.toml"), argument("dart"));
+    assert_eq!(run(&["convert", &scene, &dart]).0, 0);
+    for (arguments, told) in [
+        (vec![&*scene, "x.glb", "--bands", "1:2:3", "--model", "mix"], vec!["--model: changes", "--bands: changes"]),
+        (vec![&scene, "x.glb", "--cell-m", "1", "--append"], vec!["--cell-m: ", "--append: "]),
+        (vec![&scene, "x", "--sun-deg", "10,20", "--databases", "."], vec!["--sun-deg: ", "--databases: "]),
+        (vec![&scene, "x", "--origin-m", "1,2,3"], vec!["--origin-m: changes nothing from scene to dart"]),
+        (vec![&dart, "x.toml", "--sun-deg", "90,0"], vec!["--sun-deg: a zenith angle of 90 deg"]),
+        (vec![&dart, "x.toml", "--databases", "no-such"], vec!["no-such --databases: is no folder"]),
+        (vec![&scene, "x", "--cell-m", "-1"], vec!["cell: -1 m is no positive length"]),
+    ] {
+        let (code, out, err) = run(&[&["convert"], &arguments[..]].concat());
+        assert!(code == 1 && told.iter().all(|told| err.contains(told)), "{arguments:?}: {out}{err}");
+    }
+    // The materials of a scene are taken, and resampled, as those of a file are.
+    let (code, out, err) = run(&["convert", &scene, &argument("x.csv"), "--model", "blue unit", "--bands", "1:1.2:3"]);
+    assert!(code == 0 && out.ends_with("x.csv: 1 spectra, scene to csv\n"), "{out}{err}");
+    // Linear between 5 % at 0.9 um and 7.7 % at 1.3333 um.
+    let text = std::fs::read_to_string(scratch.join("x.csv")).unwrap();
+    let row = text.lines().find_map(|l| l.strip_prefix("1.1,")).unwrap();
+    let value: f64 = row.split(',').next().unwrap().parse().unwrap();
+    assert!((value - (0.05 + 0.027 * 0.2 / 0.4333)).abs() < 1e-12, "{text}");
+}
+
+#[test]
+fn a_mesh_is_put_where_it_is_said() {
+    let scratch = prepared(SCENE);
+    let argument = |name: &str| scratch.argument(name);
+    let placed = argument("placed/a.toml");
+    let (code, out, err) = run(&["convert", &argument("ground.obj"), &placed, "--origin-m", "-100,2,3.5"]);
+    assert!(code == 0 && !out.contains("origin_m"), "{out}{err}");
+    let scene = scene_of(std::path::Path::new(&placed));
+    assert_eq!(scene.origin_m.to_array(), [-100.0, 2.0, 3.5]);
+    assert!((scene.mesh.vertices_m[0] - glam::DVec3::new(-9.1, 0.3, 8.0)).length() < 1e-12);
+}
+
+#[test]
+fn a_mesh_without_area_makes_no_scene() {
+    let scratch = Scratch::new();
+    scratch.write("a.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\nf 1 1 2\n");
+    for output in ["a.toml", "dart"] {
+        let (code, _, err) = run(&["convert", &scratch.argument("a.obj"), &scratch.argument(output)]);
+        assert!(code == 1 && err.contains("no triangle of the mesh has an area"), "{err}");
+    }
+}
+
+#[test]
+fn a_mesh_does_not_take_the_name_of_its_own_part() {
+    let scratch = prepared(SCENE);
+    for (name, format) in [("ground.mtl", "obj"), ("ground.bin", "gltf")] {
+        let (code, _, err) =
+            run(&["convert", &scratch.argument("ground.obj"), &scratch.argument(name), "--to", format, "--force"]);
+        assert!(code == 1 && err.contains("a file of this name goes with the mesh"), "{err}");
+        assert!(!scratch.join(name).exists());
+    }
+}
+
+#[test]
+fn objects_that_become_one_are_told() {
+    let scratch = Scratch::new();
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\no one\nf 1 2 3\n";
+    scratch.write("a.obj", text);
+    let (code, out, _) = run(&["convert", &scratch.argument("a.obj"), &scratch.argument("a.glb")]);
+    assert!(code == 0 && !out.contains("Dropped"), "{out}");
+    scratch.write("b.obj", format!("{text}o two\nf 1 3 2\n"));
+    let (code, out, _) = run(&["convert", &scratch.argument("b.obj"), &scratch.argument("b.glb")]);
+    assert!(code == 0 && out.contains("which of 2 objects or groups a face belongs to"), "{out}");
+}
+
+#[test]
+fn inspect_knows_what_convert_reads() {
+    let scratch = prepared(SCENE);
+    let argument = |name: &str| scratch.argument(name);
+    assert_eq!(run(&["convert", &argument("scene.toml"), &argument("dart")]).0, 0);
+    assert_eq!(run(&["convert", &argument("scene.toml"), &argument("a.db")]).0, 0);
+    let (code, out, err) = run(&["inspect", &argument("dart")]);
+    assert!(code == 0 && out.starts_with("kind: dart\nsize: 15 facets\nmaterials:\n  name blue unit\n"), "{out}{err}");
+    let (code, out, err) = run(&["inspect", &argument("a.db"), "--json"]);
+    let json: Value = serde_json::from_str(&out).unwrap_or_else(|_| panic!("{out}{err}"));
+    assert_eq!((code, &json["kind"], &json["materials"][0]["name"]), (0, &"db".into(), &"blue_unit".into()));
+}

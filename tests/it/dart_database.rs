@@ -7,7 +7,7 @@ use mmxrt::Error;
 use mmxrt::formats::dart::database::{self, Database, Kind, model_name};
 use mmxrt::formats::spectra::{self, Format};
 use mmxrt::report::Fate;
-use mmxrt::spectral::SpectralLibrary;
+use mmxrt::spectral::{Column, SpectralLibrary};
 use rusqlite::Connection;
 
 use crate::scratch::Scratch;
@@ -401,4 +401,37 @@ fn a_hundred_spectra_of_300_bands_take_less_than_a_second() {
     if std::env::var("MMXRT_HEAVY").is_ok_and(|v| v == "1") {
         assert!(written.as_secs_f64() < 1.0 && read.as_secs_f64() < 1.0, "{written:?} {read:?}");
     }
+}
+
+#[test]
+fn columns_that_are_not_darts_do_not_take_the_place_of_its_own() {
+    let scratch = Scratch::new();
+    let path = scratch.join("a.db");
+    let column = |name: &str, values: [f64; 2]| Column { name: name.into(), values: values.to_vec() };
+    let library = |columns: Vec<Column>| SpectralLibrary {
+        name: "rock".into(),
+        comment: String::new(),
+        wavelength_um: vec![1.0, 2.0],
+        columns,
+    };
+    // DART would read the standard deviation as a transmittance: the third column.
+    let measured = library(vec![column("reflectance", [0.1, 0.2]), column("sigma", [0.01, 0.02])]);
+    let report = database::create(&path, &[measured], false).unwrap();
+    assert!(report.notes.iter().any(|n| n.fate == Fate::Dropped && n.message.starts_with("sigma: ")), "{report:#?}");
+    let (back, _) = Database::open(&path).unwrap().read("rock").unwrap();
+    assert_eq!(
+        back.columns,
+        [
+            column("reflectance", [0.1, 0.2]),
+            column("direct_transmittance", [0.0; 2]),
+            column("diffuse_transmittance", [0.0; 2])
+        ]
+    );
+    // A reflectance with some of RPV's parameters is no Lambert surface.
+    let half = library(vec![column("reflectance", [0.1, 0.2]), column("k", [0.8, 0.8])]);
+    let report = database::create(&path, &[half], true).unwrap();
+    assert!(
+        report.notes.iter().any(|n| n.message.contains("not known to have tables of reflectance, k")),
+        "{report:#?}"
+    );
 }

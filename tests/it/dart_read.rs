@@ -139,7 +139,8 @@ fn a_simulation_of_5_7_is_read_in_full() {
 fn a_simulation_of_5_11_is_read_through_its_wrappers() {
     let path = data("dart/crater_511/input");
     let (simulation, report, _) = dart::read(&path, &ReadOptions::default()).unwrap();
-    assert_eq!(report.notes, []);
+    let told: Vec<&str> = report.notes.iter().map(|n| n.message.as_str()).collect();
+    assert_eq!(told, ["a camera that is switched off: DART ignores it too"]);
     assert!(!simulation.maket.ground_enabled && simulation.maket.boundary == 1);
     assert_eq!(simulation.optical[1].model, "black");
     let links = simulation.objects[0].groups[0].links.as_ref().unwrap();
@@ -628,4 +629,40 @@ fn a_raster_without_a_header_is_refused() {
     std::fs::remove_file(folder.0.join("input/DEM.mpr")).unwrap();
     let error = ilwis::read(&folder.0.join("input/DEM.mp#")).unwrap_err().to_string();
     assert!(error.contains("has no header beside it"), "{error}");
+}
+
+#[test]
+fn what_a_newer_dart_may_add_is_told() {
+    let folder = Folder::copy("newer", "dart/crater_511");
+    let known = folder.read().1.notes.len();
+    folder.replace("input/phase.xml", r#"sensorName="down""#, r#"sensorName="down" shake="2""#);
+    folder.replace(
+        "input/phase.xml",
+        r#"sensorDisabled="0" sensorName="level""#,
+        r#"sensorDisabled="1" sensorName="level""#,
+    );
+    folder.replace("input/phase.xml", "<SensorImageSimulation ", "<DartInputParameters/><SensorImageSimulation ");
+    folder.replace("input/maket.xml", r#"linkEarthScene="""#, r#"linkEarthScene="earth.xml""#);
+    folder.replace("input/maket.xml", "</Maket>", "</Maket><Second/>");
+    let (simulation, report) = folder.read();
+    assert_eq!(simulation.phase.cameras.len(), 1);
+    let told: Vec<&str> = report.notes.iter().map(|n| n.message.as_str()).collect();
+    for expected in [
+        "the attribute `shake` of `<Phase/SensorImageSimulation/Sensor>` is not known",
+        "a camera that is switched off: DART ignores it too",
+        "another `<Phase/DartInputParameters>`: the first is read",
+        "the attribute `linkEarthScene` of `<Maket>` is not known",
+        "`<Second>` is not known here",
+    ] {
+        assert!(told.contains(&expected), "{expected}: {told:#?}");
+    }
+    assert_eq!(told.len(), known + 5, "{told:#?}");
+}
+
+#[test]
+fn an_object_scaled_to_nothing_is_refused() {
+    let folder = Folder::copy("scaled", "dart/boulder_574");
+    folder.replace("input/object_3d.xml", r#"xscale="2.0""#, r#"xscale="0.0""#);
+    let error = dart::read(&folder.0, &ReadOptions::default()).unwrap_err().to_string();
+    assert!(error.contains("object_3d.xml:") && error.contains("a scale of 0"), "{error}");
 }

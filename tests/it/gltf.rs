@@ -385,3 +385,51 @@ fn damaged_containers_are_told() {
     }
     assert!(outcomes[0] > 500 && outcomes[1] > 100, "{outcomes:?}");
 }
+
+#[test]
+fn what_blender_exports_is_where_blender_has_it() {
+    // Written by Blender 5.0: two objects below a parent at (10, 20, 30), turned by 90 deg about z and scaled by (2, 1, 3); the second
+    // one below another parent, turned by 30 deg about x, and mirrored.
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/gltf/blender_5_0.gltf");
+    let (surface, report, _) = read(&path, false).unwrap();
+    let near = |a: DVec3, b: [f64; 3]| (a - DVec3::from_array(b)).length() < 2e-5;
+    // By hand: (4, 0, 1) of the floor is scaled to (8, 0, 3), turned to (0, 8, 3) and moved to (10, 28, 33).
+    let corner = |facet: usize, corner: usize| surface.mesh.facet(facet).corners_m[corner];
+    let floor = [[10.0, 20.0, 33.0], [10.0, 28.0, 33.0], [8.0, 28.0, 33.0]];
+    assert!((0..3).all(|i| near(corner(0, i), floor[i])), "{:?}", surface.mesh.facet(0));
+    // As Blender's own matrix_world has them; the mirrored object faces outward all the same: its volume is positive, 1/3 x 2 x 3.
+    let spike = [[12.5, 22.0, 42.99038], [13.0, 22.0, 45.588455], [13.366025, 22.0, 41.49038], [12.5, 18.0, 42.99038]];
+    let all = || (3..7).flat_map(|f| surface.mesh.facet(f).corners_m);
+    assert!(spike.iter().all(|s| all().any(|c| near(c, *s))) && all().all(|c| spike.iter().any(|s| near(c, *s))));
+    let volume = |f: usize| {
+        let [a, b, c] = surface.mesh.facet(f).corners_m;
+        a.dot(b.cross(c)) / 6.0
+    };
+    assert!(((3..7).map(volume).sum::<f64>() - 2.0).abs() < 1e-5);
+    let names: Vec<&str> = surface.materials.iter().map(|m| m.name.as_str()).collect();
+    assert_eq!(names, ["dust & <rock>", "ice 1"]);
+    assert_eq!(surface.mesh.material, [0, 0, 1, 1, 1, 1, 1].map(MaterialId));
+    let told: Vec<String> =
+        report.notes.iter().map(|n| format!("{} {}", n.at.item.as_deref().unwrap(), n.message)).collect();
+    for expected in [
+        "nodes[0].extras custom properties: albedo_note, x",
+        "materials[0] its back",
+        "materials[1] its back",
+        "nodes which of 2 objects a triangle belongs to",
+    ] {
+        assert!(told.iter().any(|t| t.starts_with(expected)), "{expected}: {told:#?}");
+    }
+    assert_eq!(told.len(), 4, "{told:#?}");
+}
+
+#[test]
+fn attributes_that_have_no_place_are_told() {
+    let folder = Folder::new();
+    let (mut json, binary) = quad();
+    json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = json!(0);
+    json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = json!(0);
+    json["meshes"][0]["extras"] = json!({ "density": 3.5 });
+    let (_, report) = folder.read(&json, &binary).unwrap();
+    let told: Vec<String> = report.notes.iter().map(|n| n.message.clone()).collect();
+    assert_eq!(told, ["custom properties: density", "TEXCOORD_0"]);
+}

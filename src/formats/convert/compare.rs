@@ -32,9 +32,7 @@ pub fn differences(a: &Content, b: &Content) -> Vec<String> {
             let names = |l: &[SpectralLibrary]| l.iter().map(|l| l.name.clone()).collect::<Vec<_>>();
             lines.each("spectra", &names(a), &names(b), |lines, at, i, j| lines.libraries(at, &a[i], &b[j]));
         }
-        _ => {
-            lines.0.push("one holds a scene, a mesh, spectra or an image, and the other holds another of these".into())
-        }
+        _ => lines.0.push(format!("the first holds {}, the second {}: convert one of them", a.kind(), b.kind())),
     }
     lines.0
 }

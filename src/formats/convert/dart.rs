@@ -12,22 +12,29 @@ use crate::progress::Watch;
 use crate::report::{Fate, Report};
 use crate::scene::Scene;
 
-use super::{Content, Format, Options, differences, unsupported};
+use super::{Content, Format, Options, differences, format_of, unsupported};
 
 /// The Sun and cameras of a sequence's simulations, by its name.
 pub(super) type Flights = Vec<(String, Vec<Step>)>;
 
-fn reading(options: &Options) -> dart::ReadOptions {
-    dart::ReadOptions {
+fn reading(options: &Options) -> Result<dart::ReadOptions> {
+    if let Some(folder) = options.dart_databases.as_ref().filter(|folder| !folder.is_dir()) {
+        return Err(Error::invalid(Location::file(folder).with_item("--databases"), "is no folder"));
+    }
+    if let Some([zenith, _]) = options.sun_deg.filter(|[zenith, _]| !(0.0..90.0).contains(zenith)) {
+        let message = format!("a zenith angle of {zenith} deg: the Sun stands above the ground, from 0 to 90 deg");
+        return Err(Error::invalid(Location::item("--sun-deg"), message));
+    }
+    Ok(dart::ReadOptions {
         database: options.dart_databases.clone(),
         allow_outside: options.allow_outside,
         sun_deg: options.sun_deg,
-    }
+    })
 }
 
 /// The scene of a simulation, and what flies over it.
 pub(super) fn read(path: &Path, options: &Options, watch: Watch<'_>) -> Result<(Scene, Flights, Report)> {
-    let reading = reading(options);
+    let reading = reading(options)?;
     let (simulation, mut report, _) = dart::read(path, &reading)?;
     let to_scene = SceneOptions { origin_m: options.origin_m, repeat: options.repeat };
     let converted = dart::to_scene(&simulation, &reading.folder(path), &to_scene, watch)?;
@@ -68,7 +75,7 @@ pub(super) fn package(scene: &Scene, options: &Options, report: &mut Report) -> 
 
 /// What two simulations differ in: in their inputs, then in the meshes and spectra that these name.
 pub(super) fn diff(a: &Path, b: &Path, options: &Options, watch: Watch<'_>) -> Result<Vec<String>> {
-    let reading = reading(options);
+    let reading = reading(options)?;
     let simulation = |path: &Path| Ok(dart::read(path, &reading)?.0);
     let mut lines = dart::diff(&simulation(a)?, &simulation(b)?);
     let content = |path: &Path| -> Result<Content> {
@@ -91,15 +98,12 @@ pub(super) fn diff(a: &Path, b: &Path, options: &Options, watch: Watch<'_>) -> R
 /// # Errors
 /// [`Error::Unsupported`] for other formats; [`Error::Io`] if there is nothing.
 pub fn check(input: &Path, options: &Options) -> Result<Vec<Finding>> {
-    let (format, path) = match options.from {
-        Some(from) => (from, input.to_owned()),
-        None => Format::of_input(input)?,
-    };
+    let (format, path) = format_of(input, options)?;
     match format {
         Format::Dart => {
             let databases = RefCell::new(Databases::default());
             let mut findings =
-                dart::check(&path, &reading(options), &|path, model| databases.borrow_mut().coverage(path, model));
+                dart::check(&path, &reading(options)?, &|path, model| databases.borrow_mut().coverage(path, model));
             for error in databases.into_inner().refused {
                 findings.extend(refused(error)?);
             }

@@ -102,7 +102,9 @@ impl Format {
                 "simulations of DART 5.4 to 5.11",
                 "a simulation of DART 5.7.4, or 5.11.0: a name without an ending",
             ),
-            Format::Database => about("db", &["db"], "DART optical databases", "a new one"),
+            Format::Database => {
+                about("db", &["db"], "DART optical databases", "a new one, or more into one with --append")
+            }
             Format::DartText => about("dart-text", &["txt"], "DART spectra", "the same"),
             Format::Sli => about("sli", &["sli"], "ENVI spectral libraries, with .hdr", "the same"),
             Format::Csv => about("csv", &["csv"], "spectra with a header that states units", "the same"),

@@ -48,7 +48,7 @@ pub struct Options {
     pub cell_m: Option<f64>,
     /// A folder of DART databases and other files that a simulation may name, beside its own.
     pub dart_databases: Option<PathBuf>,
-    /// Where the middle of a DART scene is, body-fixed, m; nowhere if it is not given.
+    /// Where the middle of a DART scene, or the origin of a mesh, is, body-fixed, m; where the input says if it is not given.
     pub origin_m: Option<DVec3>,
     /// Copies of a repeated DART scene that are taken on each side.
     pub repeat: u32,
@@ -58,6 +58,8 @@ pub struct Options {
     pub allow_outside: bool,
     /// What is there may be replaced.
     pub replace: bool,
+    /// Spectra are added to the database that is there.
+    pub append: bool,
     /// Write nothing if anything is lost.
     pub strict: bool,
     /// Of spectra only those of these names; all if there are none.
@@ -110,10 +112,12 @@ pub fn convert(input: &Path, output: &Path, options: &Options, watch: Watch<'_>)
         Some(to) => to,
         None => Format::of_output(output)?,
     };
-    let (from, content, mut report) = read(input, options, watch)?;
+    let (from, _) = format_of(input, options)?;
+    without_effect(options, from, to)?;
+    let (_, content, mut report) = read(input, options, watch)?;
     tell(watch, "converting", 0, 1)?;
-    let size = content.size();
-    let job = Job { input, output, options, report: &mut report, watch };
+    let mut size = content.size();
+    let job = Job { input, output, options, report: &mut report, size: &mut size, watch };
     let written = job.write(content, to).map_err(|e| of_input(e, input))?;
     tell(watch, "converting", 1, 1)?;
     for note in &mut report.notes {
@@ -121,6 +125,35 @@ pub fn convert(input: &Path, output: &Path, options: &Options, watch: Watch<'_>)
         note.at.file.get_or_insert_with(|| input.to_owned());
     }
     Ok(Conversion { from, to, report, written, size })
+}
+
+/// The format of an input, and its main file or folder.
+fn format_of(input: &Path, options: &Options) -> Result<(Format, PathBuf)> {
+    match options.from {
+        Some(from) => Ok((from, input.to_owned())),
+        None => Format::of_input(input),
+    }
+}
+
+/// Refuses what is asked for and would not be done: a Sun that is not moved, spectra that are not resampled.
+fn without_effect(options: &Options, from: Format, to: Format) -> Result<()> {
+    let mut problems = Vec::new();
+    let mut only = |is_given: bool, option: &str, is_of_use: bool, of: &str| {
+        if is_given && !is_of_use {
+            let (from, to) = (from.about().name, to.about().name);
+            let message = format!("changes nothing from {from} to {to}: it is for {of}");
+            problems.push(Problem::new(Location::item(option), message).with_help("leave it out"));
+        }
+    };
+    only(!options.models.is_empty(), "--model", to.is_spectral(), "spectra as output");
+    only(!options.bands.is_empty(), "--bands", to.is_spectral(), "spectra as output");
+    only(options.append, "--append", to == Format::Database, "a database as output");
+    only(options.cell_m.is_some(), "--cell-m", to == Format::Dart, "DART as output");
+    only(options.sun_deg.is_some(), "--sun-deg", from == Format::Dart, "DART as input");
+    only(options.dart_databases.is_some(), "--databases", from == Format::Dart, "DART as input");
+    let has_origin = from == Format::Scene || from.is_spectral();
+    only(options.origin_m.is_some(), "--origin-m", !has_origin, "DART or a mesh as input");
+    if problems.is_empty() { Ok(()) } else { Err(Error::Invalid(problems)) }
 }
 
 /// An error about a scene as it was read, whose items are those of the input.
@@ -143,15 +176,13 @@ fn of_input(error: Error, input: &Path) -> Error {
 /// # Errors
 /// What the format's reader says; [`Error::Invalid`] if there is no telling what it is.
 pub fn read(input: &Path, options: &Options, watch: Watch<'_>) -> Result<(Format, Content, Report)> {
-    let (format, path) = match options.from {
-        Some(from) => (from, input.to_owned()),
-        None => Format::of_input(input)?,
-    };
+    let (format, path) = format_of(input, options)?;
     if options.repeat > 0 && format != Format::Dart {
         let message =
             format!("is {}: only the scene of a DART simulation can be repeated (`--repeat`)", format.about().name);
         return Err(Error::invalid(Location::file(&path), message));
     }
+    let placed = |surface: Surface| Surface { origin_m: options.origin_m.or(surface.origin_m), ..surface };
     let (content, report) = match format {
         Format::Scene => {
             let file = scene_toml::read(&path, watch)?;
@@ -169,25 +200,26 @@ pub fn read(input: &Path, options: &Options, watch: Watch<'_>) -> Result<(Format
                 dropped(format!("{} texture coordinates that no face uses", obj.texture_vertices));
             }
             obj.ignored.iter().for_each(|(word, count)| dropped(format!("{count} x `{word}`")));
-            (Content::Surface(obj.into()), report)
+            let parts = obj.groups.len().max(obj.objects);
+            if parts > 1 {
+                dropped(format!("which of {parts} objects or groups a face belongs to"));
+            }
+            (Content::Surface(placed(obj.into())), report)
         }
         Format::Gltf | Format::Glb => {
             let (surface, report, _) = gltf::read(&path, options.allow_outside)?;
-            (Content::Surface(surface), report)
+            (Content::Surface(placed(surface)), report)
         }
         Format::Dart => {
             let (scene, flights, report) = dart::read(&path, options, watch)?;
             (Content::Scene(Box::new(scene), flights), report)
         }
         Format::Database | Format::DartText | Format::Sli | Format::Csv => {
-            let (mut libraries, report) = spectra::read(&path)?;
-            if !options.models.is_empty() {
-                libraries = chosen(libraries, &options.models, &path)?;
-            }
-            if !options.bands.is_empty() {
-                libraries = spectra::resample(&libraries, &options.bands)?;
-            }
-            (Content::Spectra(libraries), report)
+            let (libraries, report) = match path.is_dir() {
+                true => spectra::read(&path)?,
+                false => spectra::read_as(&path, spectral(format))?,
+            };
+            (Content::Spectra(chosen(libraries, options, &path)?), report)
         }
         Format::Grid => {
             let mut raster = raster::open_csv(&path)?;
@@ -223,6 +255,16 @@ pub fn diff(a: &Path, b: &Path, options: &Options, watch: Watch<'_>) -> Result<V
 }
 
 impl Content {
+    /// What it is, in words.
+    fn kind(&self) -> &'static str {
+        match self {
+            Content::Scene(..) => "a scene",
+            Content::Surface(_) => "a mesh",
+            Content::Spectra(_) => "spectra",
+            Content::Raster(_) => "an image",
+        }
+    }
+
     /// How much it is, in words.
     pub fn size(&self) -> String {
         match self {
@@ -236,8 +278,8 @@ impl Content {
     }
 }
 
-/// The libraries of these names, in their order.
-fn chosen(libraries: Vec<SpectralLibrary>, names: &[String], path: &Path) -> Result<Vec<SpectralLibrary>> {
+/// The libraries of the names that are asked for, in their order, at the wavelengths that are.
+fn chosen(libraries: Vec<SpectralLibrary>, options: &Options, path: &Path) -> Result<Vec<SpectralLibrary>> {
     let find = |name: &String| {
         let found = libraries.iter().find(|library| library.name == *name);
         found.cloned().ok_or_else(|| {
@@ -245,7 +287,21 @@ fn chosen(libraries: Vec<SpectralLibrary>, names: &[String], path: &Path) -> Res
             Error::invalid(Location::file(path), format!("no spectra {name:?} in it; there are {}", known.join(", ")))
         })
     };
-    names.iter().map(find).collect()
+    let libraries = match options.models.is_empty() {
+        true => libraries,
+        false => options.models.iter().map(find).collect::<Result<_>>()?,
+    };
+    if options.bands.is_empty() { Ok(libraries) } else { spectra::resample(&libraries, &options.bands) }
+}
+
+/// A format of spectra; CSV for one that is none.
+fn spectral(format: Format) -> spectra::Format {
+    match format {
+        Format::Database => spectra::Format::Database,
+        Format::DartText => spectra::Format::DartText,
+        Format::Sli => spectra::Format::Sli,
+        _ => spectra::Format::Csv,
+    }
 }
 
 fn unsupported(path: &Path, feature: &str) -> Error {
@@ -258,6 +314,8 @@ struct Job<'a> {
     output: &'a Path,
     options: &'a Options,
     report: &'a mut Report,
+    /// How much is converted, in words.
+    size: &'a mut String,
     watch: Watch<'a>,
 }
 
@@ -281,7 +339,9 @@ impl Job<'_> {
             }
             (Content::Spectra(libraries), _) if to.is_spectral() => self.spectra(&libraries, to),
             (Content::Spectra(_), _) => {
-                Err(unsupported(self.input, &format!("spectra alone as {}: they make no scene", to.about().name)))
+                let message = format!("holds spectra alone: they make no scene, and so no {}", to.about().name);
+                let help = "end the output's name in .db, .txt, .sli or .csv, or say which with --to";
+                Err(Error::Invalid(vec![Problem::new(Location::file(self.input), message).with_help(help)]))
             }
             (Content::Scene(scene, flights), Format::Scene) => self.scene(&scene, &flights),
             (Content::Scene(scene, _), Format::Dart) => self.dart(&scene),
@@ -289,7 +349,7 @@ impl Job<'_> {
                 let message = "mesh, Sun, camera and heat: only the spectra of its materials are written";
                 self.report.note(Fate::Dropped, Location::file(self.input), message);
                 self.forget_defaults();
-                let libraries = libraries(&scene, self.report);
+                let libraries = chosen(libraries(&scene, self.report), self.options, self.input)?;
                 self.spectra(&libraries, to)
             }
             (Content::Scene(scene, _), _) => {
@@ -306,7 +366,9 @@ impl Job<'_> {
                 self.dart(&scene)
             }
             (Content::Surface(_), _) if to.is_spectral() => {
-                Err(unsupported(self.input, &format!("a mesh as {}: it has no spectra", to.about().name)))
+                let message = format!("holds a mesh: it has no spectra for {}", to.about().name);
+                let help = "convert it to a scene, and give its materials spectra there";
+                Err(Error::Invalid(vec![Problem::new(Location::file(self.input), message).with_help(help)]))
             }
             (Content::Surface(surface), _) => self.surface(&surface, to),
         }
@@ -367,7 +429,7 @@ impl Job<'_> {
             if self.refused() {
                 return Ok(false);
             }
-            let materials = output.with_extension("mtl");
+            let materials = companion(output, "mtl")?;
             let name = file_name(&materials);
             let write_mtl = |out: &mut BufWriter<File>| mtl::write(out, &surface.materials);
             let write_obj = |out: &mut BufWriter<File>| obj::write(out, &surface.mesh, &surface.materials, Some(&name));
@@ -401,7 +463,7 @@ impl Job<'_> {
         if to == Format::Glb {
             put(output, options.replace, |out| out.write_all(&encoded.glb()))?.commit()?;
         } else {
-            let buffer = output.with_extension("bin");
+            let buffer = companion(output, "bin")?;
             let (text, bytes) = encoded.gltf(&file_name(&buffer));
             let first = put(&buffer, options.replace, |out| out.write_all(bytes))?;
             let second = put(output, options.replace, |out| out.write_all(text.as_bytes()))?;
@@ -452,11 +514,14 @@ impl Job<'_> {
     }
 
     fn spectra(self, libraries: &[SpectralLibrary], to: Format) -> Result<bool> {
-        let format = match to {
-            Format::Database => spectra::Format::Database,
-            Format::DartText => spectra::Format::DartText,
-            Format::Sli => spectra::Format::Sli,
-            _ => spectra::Format::Csv,
+        let format = spectral(to);
+        if libraries.is_empty() {
+            return Err(Error::invalid(Location::file(self.input), "holds no spectra"));
+        }
+        *self.size = format!("{} spectra", libraries.len());
+        let write = || match self.options.append {
+            true => super::dart::database::append(self.output, libraries),
+            false => spectra::write(self.output, format, libraries, self.options.replace),
         };
         tell(self.watch, "writing the spectra", 0, 1)?;
         if self.options.strict {
@@ -469,13 +534,23 @@ impl Job<'_> {
             if self.refused() {
                 return Ok(false);
             }
-            spectra::write(self.output, format, libraries, self.options.replace)?;
+            write()?;
         } else {
-            let report = spectra::write(self.output, format, libraries, self.options.replace)?;
-            self.report.notes.extend(report.notes);
+            self.report.notes.extend(write()?.notes);
         }
         Ok(true)
     }
+}
+
+/// The file of this ending that goes with an output.
+fn companion(output: &Path, extension: &str) -> Result<PathBuf> {
+    let path = output.with_extension(extension);
+    if path == output {
+        let message =
+            format!("a file of this name goes with the mesh: end the mesh's name in something else than .{extension}");
+        return Err(Error::invalid(Location::file(output), message));
+    }
+    Ok(path)
 }
 
 fn file_name(path: &Path) -> String {

@@ -4,6 +4,9 @@ use std::fmt::Debug;
 
 use glam::DVec3;
 
+use crate::geometry::angle_rad;
+
+use super::frame;
 use super::simulation::{Camera, Links, Object, OpticalProperty, Simulation};
 
 /// Numbers of one meaning that were computed along two ways differ by less: relative, and lengths, angles and temperatures in their unit.
@@ -57,18 +60,13 @@ pub fn diff(a: &Simulation, b: &Simulation) -> Vec<String> {
     );
     lines.each("phase.xml camera", &a.phase.cameras, &b.phase.cameras, Lines::camera);
 
-    lines.numbers(
-        "directions.xml Sun, zenith angle and azimuth, deg",
-        &a.directions.sun_deg,
-        &b.directions.sun_deg,
-        1.0,
-    );
+    lines.directions("directions.xml Sun, zenith angle and azimuth, deg", &a.directions.sun_deg, &b.directions.sun_deg);
     lines.each(
         "directions.xml AddedDirections",
         &a.directions.views_deg,
         &b.directions.views_deg,
         |lines, at, x, y| {
-            lines.numbers(&format!("{at} zenith angle and azimuth, deg"), x, y, 1.0);
+            lines.directions(&format!("{at} zenith angle and azimuth, deg"), x, y);
         },
     );
     lines.each("sequence", &a.sequences, &b.sequences, |lines, at, x, y| {
@@ -100,6 +98,13 @@ impl Lines {
         let same = |(x, y): (&f64, &f64)| x == y || (x - y).abs() <= ROUNDING * x.abs().max(y.abs()).max(scale);
         if a.len() != b.len() || !a.iter().zip(b).all(same) {
             self.push(at, &format!("{a:?}"), &format!("{b:?}"));
+        }
+    }
+
+    /// Zenith angles and azimuths: near the zenith an azimuth says little.
+    fn directions(&mut self, at: &str, a_deg: &[f64; 2], b_deg: &[f64; 2]) {
+        if angle_rad(frame::vector(*a_deg), frame::vector(*b_deg)) > ROUNDING {
+            self.push(at, &format!("{a_deg:?}"), &format!("{b_deg:?}"));
         }
     }
 

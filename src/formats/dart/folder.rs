@@ -44,7 +44,7 @@ impl Folder {
     pub fn locate(&self, name: &str, at: &Location) -> Result<Option<PathBuf>, Problem> {
         let outside = |what: String| {
             Problem::new(at.clone(), what)
-                .with_help("copy the file into the simulation's input folder, or allow files outside of it")
+                .with_help("copy the file into the simulation's input folder and name it without its path, or allow files outside of it")
         };
         let name = name.replace('\\', "/");
         let relative = Path::new(&name);

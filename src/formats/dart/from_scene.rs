@@ -102,8 +102,8 @@ const DATABASES: [(OpticalKind, &str); 3] = [
     (OpticalKind::Hapke, "mmxrt_hapke.db"),
     (OpticalKind::Rpv, "mmxrt_rpv.db"),
 ];
-/// The OBJ file.
-const SURFACE_FILE: &str = "obj/surface.obj";
+/// The OBJ file, and the object that it is.
+const SURFACE: &str = "surface";
 /// What stands for the sky where there must be a ground.
 const SKY: &str = "space";
 /// A camera farther away than this many times the scene's extent sees it as a parallel view does.
@@ -117,7 +117,7 @@ const NEGLIGIBLE: f64 = 1e-6;
 /// scene's corner, with a margin of at most half a cell.
 ///
 /// # Errors
-/// [`Error::Unsupported`] for more materials than can be told apart by groups; [`Error::Invalid`] for a cell that is no length.
+/// [`Error::Invalid`] for a cell that is no length.
 pub fn from_scene(scene: &Scene, options: &WriteOptions) -> Result<(Package, Report)> {
     let mut report = Report::default();
     let dart_from_body = frame::dart_from_body(scene.origin_m);
@@ -146,9 +146,9 @@ pub fn from_scene(scene: &Scene, options: &WriteOptions) -> Result<(Package, Rep
     let names = unique_names(scene);
     let links = links(scene, &names);
     let thermal = thermal_functions(scene);
-    let groups = groups(scene)?;
+    let surfaces = surfaces(mesh, scene.materials.len());
     let bands = intervals(scene, &thermal);
-    let irradiance = irradiance(&scene.sun, &scene.sensor.bands).into_iter().map(|e| (e, 0.0)).collect();
+    let irradiance = sunlight(scene).into_iter().map(|e| (e, 0.0)).collect();
     let camera = site.camera();
     let centre_m = 0.5 * extent_m;
     let towards_camera = camera.position_m - centre_m;
@@ -173,17 +173,18 @@ pub fn from_scene(scene: &Scene, options: &WriteOptions) -> Result<(Package, Rep
         sequences: Vec::new(),
         phase: Phase { bands, irradiance_mode: 1, irradiance, radiance_products: true, cameras: vec![camera] },
         directions: Directions {
-            sun_deg: frame::angles_deg(dart_from_body * scene.sun.direction.vec()),
+            // A Sun without light stands in the zenith.
+            sun_deg: sun_deg(scene).unwrap_or_default(),
             views_deg: views_deg.into_iter().collect(),
             at: Location::item("sun"),
         },
     };
-    simulation.objects.push(site.object(&groups, options.target, &links));
-    let size = Size::of(&simulation, mesh.facets.len() as u64, extent_m.z);
+    let object = |(i, surface): (usize, &Surface)| site.object(i, &surface.groups, options.target, &links);
+    simulation.objects = surfaces.iter().enumerate().map(object).collect();
+    let size = Size::of(&simulation, scene.mesh.facets.len() as u64, extent_m.z);
     let sidecar = Sidecar::of(scene, origin_in_dart_m);
     site.notes(&simulation, &size, options, &mut report);
     let mars = site.by_mars(&simulation, &mut report);
-    let surfaces = vec![Surface { mesh, groups }];
     let databases = databases(scene, &names);
     Ok((Package { simulation, surfaces, databases, mars, sidecar: Some(sidecar), size }, report))
 }
@@ -220,6 +221,20 @@ fn band_mean(band: &Band, factors: &[&Spectrum]) -> f64 {
     knots.dedup();
     let product = |um| factors.iter().map(|s| s.at(um).unwrap_or(f64::NAN)).product::<f64>();
     band.quadrature(&knots).iter().map(|(um, weight)| weight * product(*um)).sum()
+}
+
+/// Zenith angle and azimuth of the Sun in DART's frame, deg; `None` below the horizon of the site, where DART has no Sun.
+pub(super) fn sun_deg(scene: &Scene) -> Option<[f64; 2]> {
+    let angles_deg = frame::angles_deg(frame::dart_from_body(scene.origin_m) * scene.sun.direction.vec());
+    Some(angles_deg).filter(|[zenith_deg, _]| *zenith_deg < 90.0)
+}
+
+/// Irradiance of the Sun on a plane normal to its beam, at the body, in each band, W m-2 um-1; none from below the horizon.
+fn sunlight(scene: &Scene) -> Vec<f64> {
+    match sun_deg(scene) {
+        Some(_) => irradiance(&scene.sun, &scene.sensor.bands),
+        None => vec![0.0; scene.sensor.bands.len()],
+    }
 }
 
 /// Irradiance of the Sun on a plane normal to its beam, at the body, in each band, W m-2 um-1.
@@ -365,7 +380,10 @@ fn links(scene: &Scene, names: &[(String, String)]) -> Vec<Links> {
 pub(super) fn thermal_functions(scene: &Scene) -> Vec<ThermalFunction> {
     let towards = scene.sun.direction.vec();
     let facets = 0..scene.mesh.facets.len();
-    let most = facets.map(|f| scene.mesh.facet(f).normal().dot(towards)).fold(0.0, f64::max).min(1.0);
+    let most = match sun_deg(scene) {
+        Some(_) => facets.map(|f| scene.mesh.facet(f).normal().dot(towards)).fold(0.0, f64::max).min(1.0),
+        None => 0.0,
+    };
     let sun_w_m2 = sun::irradiance_at(scene.sun.total_irradiance_1au_w_m2, scene.sun.distance_m);
     let up = Direction::new(scene.origin_m).map_or(DVec3::Z, Direction::vec);
     let from_mars = scene.mars.as_ref().map(|mars| {
@@ -410,7 +428,7 @@ fn on_facet_from_mars(mars: &Mars, normal: DVec3, towards_sun: DVec3) -> f64 {
 
 /// Bands, each with sunlight, heat, or both, as matters at the scene's highest temperature.
 pub(super) fn intervals(scene: &Scene, thermal: &[ThermalFunction]) -> Vec<SpectralInterval> {
-    let sunlight = irradiance(&scene.sun, &scene.sensor.bands);
+    let sunlight = sunlight(scene);
     let one = |(i, band): (usize, &Band)| {
         let um = band.centre_um;
         let (mut is_lit, mut glows) = (false, false);
@@ -437,19 +455,62 @@ pub(super) fn intervals(scene: &Scene, thermal: &[ThermalFunction]) -> Vec<Spect
     scene.sensor.bands.iter().enumerate().map(one).collect()
 }
 
-/// A group for each material that a facet is made of.
-fn groups(scene: &Scene) -> Result<Vec<String>> {
-    let mut is_used = vec![false; scene.materials.len()];
-    scene.mesh.material.iter().for_each(|m| is_used[m.0 as usize] = true);
-    let count = is_used.iter().filter(|used| **used).count();
-    let Some(names) = group_names(count) else {
-        return Err(Error::Unsupported {
-            at: Location::item("materials"),
-            feature: format!("a mesh of {count} materials (groups of an OBJ file can be told apart up to 676)"),
-        });
+/// How far a Lambert surface's emissivity is from 1 - reflectance, at most, in bands that have heat.
+fn emissivity_off(scene: &Scene, material: &Material, intervals: &[SpectralInterval]) -> f64 {
+    let value = |s: &Spectrum, um: f64| s.at(um).unwrap_or(0.0);
+    let off = |band: &Band| {
+        let um = band.centre_um;
+        (value(&material.emissivity, um) - (1.0 - value(&material.reflectance, um))).abs()
     };
-    let mut names = names.into_iter();
-    Ok(is_used.into_iter().map(|used| if used { names.next().unwrap_or_default() } else { String::new() }).collect())
+    let bands = scene.sensor.bands.iter().zip(intervals);
+    bands
+        .filter(|(_, i)| i.mode != 0 && material.photometry == Photometry::Lambert)
+        .map(|(b, _)| off(b))
+        .fold(0.0, f64::max)
+}
+
+/// As many groups of an OBJ file can be told apart.
+const GROUPS: usize = 676;
+
+/// The surface as OBJ files, each with a group for each of its materials; one file unless there are more than [`GROUPS`].
+fn surfaces(mesh: Mesh, materials: usize) -> Vec<Surface> {
+    let mut is_used = vec![false; materials];
+    mesh.material.iter().for_each(|m| is_used[m.0 as usize] = true);
+    let used: Vec<usize> = (0..materials).filter(|m| is_used[*m]).collect();
+    let groups = |batch: &[usize]| {
+        let mut groups = vec![String::new(); materials];
+        let names = group_names(batch.len()).unwrap_or_default();
+        batch.iter().zip(names).for_each(|(material, name)| groups[*material] = name);
+        groups
+    };
+    if used.len() <= GROUPS {
+        return vec![Surface { groups: groups(&used), mesh }];
+    }
+    let part = |batch: &[usize]| {
+        let groups = groups(batch);
+        Surface { mesh: part(&mesh, |material| !groups[material].is_empty()), groups }
+    };
+    used.chunks(GROUPS).map(part).collect()
+}
+
+/// The facets of some materials, with the vertices that these have.
+fn part(mesh: &Mesh, is_of_it: impl Fn(usize) -> bool) -> Mesh {
+    let mut part = Mesh::default();
+    let mut place = vec![u32::MAX; mesh.vertices_m.len()];
+    for (facet, material) in mesh.facets.iter().zip(&mesh.material).filter(|(_, m)| is_of_it(usize::from(m.0))) {
+        let corner = |v: u32| {
+            let place = &mut place[v as usize];
+            if *place == u32::MAX {
+                *place = part.vertices_m.len() as u32;
+                part.vertices_m.push(mesh.vertices_m[v as usize]);
+            }
+            *place
+        };
+        let corners = facet.map(corner);
+        part.facets.push(corners);
+        part.material.push(*material);
+    }
+    part
 }
 
 /// So many names of groups whose order DART's versions agree about: alphabetical, and that of a Java hash map.
@@ -477,7 +538,9 @@ struct Site<'a> {
 }
 
 impl Site<'_> {
-    fn object(&self, groups: &[String], target: Target, links: &[Links]) -> Object {
+    /// The object of the OBJ file with this number, from 0.
+    fn object(&self, number: usize, groups: &[String], target: Target, links: &[Links]) -> Object {
+        let name = if number == 0 { SURFACE.into() } else { format!("{SURFACE}_{}", number + 1) };
         let used: Vec<usize> = (0..groups.len()).filter(|m| !groups[*m].is_empty()).collect();
         // Of an OBJ with one group 5.7 wants no list; what 5.11 wants is known with a list only.
         let whole = if target == Target::V5_7_4 && used.len() == 1 { Some(links[used[0]].clone()) } else { None };
@@ -492,8 +555,8 @@ impl Site<'_> {
         };
         let groups = if whole.is_some() { Vec::new() } else { used.iter().enumerate().map(group).collect() };
         Object {
-            name: "surface".into(),
-            file: SURFACE_FILE.into(),
+            file: format!("obj/{name}.obj"),
+            name,
             position_m: self.origin_in_dart_m,
             scale: DVec3::ONE,
             rotation_deg: DVec3::ZERO,
@@ -569,11 +632,11 @@ impl Site<'_> {
                 scene.sensor.bands.len()
             ),
         );
-        let [zenith_deg, _] = simulation.directions.sun_deg;
-        if zenith_deg >= 90.0 {
+        if sun_deg(scene).is_none() {
+            let towards = self.dart_from_body * scene.sun.direction.vec();
             let message = format!(
-                "the Sun stands {:.3} deg below the site's horizon: DART takes only what is above",
-                zenith_deg - 90.0
+                "the Sun stands {:.3} deg below the site's horizon, where DART has none: irradiance 0",
+                frame::angles_deg(towards)[0] - 90.0
             );
             report.note(Fate::Approximated, item("sun"), message);
         }
@@ -587,6 +650,17 @@ impl Site<'_> {
             item("materials"),
             "Bond albedo, bolometric emissivity and mixtures; DART's emissivity is 1 - reflectance",
         );
+        for (material, function) in scene.materials.iter().zip(&simulation.thermal) {
+            let off = emissivity_off(scene, material, &simulation.phase.bands);
+            if off > 1e-12 && function.mean_k > 0.0 {
+                let message = format!("in DART it is 1 - reflectance: up to {off:.4} off in the bands with heat");
+                report.note(
+                    Fate::Approximated,
+                    Location::item(format!("materials.{:?}.emissivity", material.name)),
+                    message,
+                );
+            }
+        }
         let monochromatic = scene.sensor.bands.iter().filter(|b| b.fwhm_um.is_none()).count();
         if monochromatic < scene.sensor.bands.len() {
             report.note(
@@ -615,10 +689,15 @@ impl Site<'_> {
             );
             report.note(Fate::Carried, item("observer"), message);
         }
+        let files = simulation.objects.len();
+        if files > 1 {
+            let message = format!("{files} OBJ files: the groups of one are told apart up to {GROUPS} materials");
+            report.note(Fate::Carried, item("mesh"), message);
+        }
         match sidecar::runs_of_faces(&scene.mesh) {
             Some(runs) if runs.is_empty() => {}
-            Some(_) => report.note(Fate::Carried, item("mesh"), "which face each triangle was cut from"),
-            None => report.note(
+            Some(_) if files == 1 => report.note(Fate::Carried, item("mesh"), "which face each triangle was cut from"),
+            _ => report.note(
                 Fate::Dropped,
                 item("mesh"),
                 "which face each triangle was cut from: their order is not the triangles'",

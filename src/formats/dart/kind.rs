@@ -204,18 +204,27 @@ impl DartTable {
         library.check()?;
         let given = || library.columns.iter().map(|c| c.name.as_str());
         let mut kind = Kind::of(given());
-        if kind == Kind::Other && library.column("reflectance").is_some() && given().all(is_percent) {
+        // Columns beside a reflectance would stand where DART looks for transmittances; with those of RPV it is no Lambert surface.
+        let is_of_rpv = |name: &str| Kind::Rpv.columns()[1..].iter().any(|column| same(column, name));
+        let is_lambertian = library.column("reflectance").is_some() && !given().any(is_of_rpv);
+        let foreign = |name: &&str| kind == Kind::Other && is_lambertian && !is_percent(name);
+        let left_out: Vec<&str> = given().filter(foreign).collect();
+        if kind == Kind::Other && is_lambertian {
             kind = Kind::Lambertian;
             let lacking: Vec<&str> = LAMBERTIAN.iter().copied().filter(|n| library.column(n).is_none()).collect();
             let message = format!("no {} given: 0, as of an opaque surface", lacking.join(" or "));
             report.note(Fate::Defaulted, at.clone(), message);
+        }
+        if !left_out.is_empty() {
+            let message = format!("{}: a table of a Lambert surface has no such column", left_out.join(", "));
+            report.note(Fate::Dropped, at.clone(), message);
         }
         if kind == Kind::Other {
             let message = format!("DART is not known to have tables of {}", given().collect::<Vec<_>>().join(", "));
             report.note(Fate::Approximated, at.clone(), message);
         }
         let zeros = vec![0.0; library.wavelength_um.len()];
-        let rest = given().filter(|name| !kind.columns().iter().any(|k| same(k, name)));
+        let rest = given().filter(|name| !kind.columns().iter().any(|k| same(k, name)) && !left_out.contains(name));
         let mut table =
             DartTable { kind, names: vec![kind.wavelength().to_owned()], values: vec![library.wavelength_um.clone()] };
         let mut problems = Vec::new();

@@ -11,9 +11,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Location, Result};
 use crate::formats::input::{self, InputFile};
-use crate::geometry::Mesh;
+use crate::geometry::{Direction, Mesh};
 use crate::scene::{Hapke, Mars, MarsModel, Material, Photometry, Rpv, Scene, Sun, Thermal};
 use crate::spectral::{Band, Extend, Spectrum, solar_e490};
+
+use super::from_scene::sun_deg;
 
 /// Its name in a simulation's folder.
 pub(super) const FILE: &str = "mmxrt.toml";
@@ -63,6 +65,9 @@ struct SensorPart {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SunPart {
+    /// Where it is if it is below the site's horizon, body-fixed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    below_horizon: Option<[f64; 3]>,
     distance_m: f64,
     total_irradiance_1au_w_m2: f64,
     irradiance_1au: SunSpectrum,
@@ -163,6 +168,7 @@ impl Sidecar {
                 fwhm_um: scene.sensor.bands.iter().map(|b| b.fwhm_um.unwrap_or(0.0)).collect(),
             },
             sun: SunPart {
+                below_horizon: sun_deg(scene).is_none().then(|| sun.direction.vec().to_array()),
                 distance_m: sun.distance_m,
                 total_irradiance_1au_w_m2: sun.total_irradiance_1au_w_m2,
                 irradiance_1au: spectrum,
@@ -211,8 +217,13 @@ impl Sidecar {
         )
     }
 
+    /// Where the Sun is, body-fixed, if that is below the site's horizon.
+    pub(super) fn sun_below_horizon(&self) -> Option<Direction> {
+        Direction::new(DVec3::from_array(self.sun.below_horizon?))
+    }
+
     /// The Sun towards `direction`; `None` if its spectrum is no spectrum.
-    pub(super) fn sun(&self, direction: crate::geometry::Direction) -> Option<Sun> {
+    pub(super) fn sun(&self, direction: Direction) -> Option<Sun> {
         let irradiance_1au = match &self.sun.irradiance_1au {
             SunSpectrum::Named(name) => (name == "e490").then(|| solar_e490().clone())?,
             SunSpectrum::Table(table) => table.spectrum()?,

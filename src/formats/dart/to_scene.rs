@@ -47,6 +47,8 @@ pub struct Converted {
 
 /// Reflectance of what cannot be looked up.
 const UNKNOWN_REFLECTANCE: f64 = 0.1;
+/// Rounds that bring the Sun's spectrum to the irradiances of bands; each leaves some hundredths of what is off.
+const ROUNDS: usize = 8;
 /// Bolometric emissivity of what does not say: Phobos and most powders lie between 0.9 and 1.
 const EMISSIVITY_BOLOMETRIC: f64 = 0.95;
 /// Where a simulation has no camera, one looks down from so many times the scene's extent.
@@ -182,11 +184,15 @@ impl Reader<'_> {
         // A vector made of an angle has a length.
         let direction = Direction::new(towards).unwrap_or_else(|| Direction::new(DVec3::Z).expect("z has a direction"));
         let given: Vec<f64> = phase.irradiance.iter().map(|(irradiance, _)| *irradiance).collect();
-        if phase.irradiance.iter().any(|(_, diffuse)| *diffuse != 0.0) {
-            let message = "diffuse light from the sky: there is none without an atmosphere";
-            self.report.note(Fate::Dropped, directions.at.clone().with_item("SpectralIrradianceValue/@Skyl"), message);
-        }
         let is_given = phase.irradiance_mode == 1 && given.len() == bands.len();
+        if let Some(sun) = self.sidecar.as_ref().and_then(|s| s.sun(s.sun_below_horizon()?))
+            && is_given
+            && place.is_kept
+            && directions.sun_deg == [0.0; 2]
+            && given.iter().all(|e| *e == 0.0)
+        {
+            return sun;
+        }
         if let Some(sun) = self.sidecar.as_ref().and_then(|s| s.sun(direction))
             && is_given
             && same_all(&irradiance(&sun, bands), &given)
@@ -203,28 +209,41 @@ impl Reader<'_> {
             self.note(Fate::Defaulted, &item, message);
             return at_1_au;
         }
-        // What E490 would have to be divided by is the square of the distance.
-        let standard =
-            bands.iter().map(|b| b.quadrature(&[]).iter().map(|(um, w)| w * e490.at(*um).unwrap_or(0.0)).sum::<f64>());
-        let mut ratios: Vec<f64> = standard.zip(&given).filter(|(_, e)| **e > 0.0).map(|(s, e)| s / e).collect();
+        // Bands that see sunlight, in ascending order, and how much more than E490 at 1 au they have.
+        let mut lit: Vec<usize> = (0..bands.len()).filter(|&i| phase.bands[i].mode != 2).collect();
+        lit.sort_by(|&i, &j| bands[i].centre_um.total_cmp(&bands[j].centre_um));
+        lit.dedup_by_key(|i| bands[*i].centre_um);
+        let of_e490 = irradiance(&at_1_au, bands);
+        let mut ratios: Vec<f64> =
+            lit.iter().map(|&i| given[i] / of_e490[i]).filter(|r| *r > 0.0 && r.is_finite()).collect();
         ratios.sort_by(f64::total_cmp);
-        let squared = ratios.get(ratios.len() / 2).copied().filter(|r| *r > 0.0).unwrap_or(1.0);
-        let mut points: Vec<(f64, f64)> =
-            bands.iter().map(|b| b.centre_um).zip(given.iter().map(|e| e * squared)).collect();
-        points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        points.dedup_by_key(|p| p.0);
-        let (wavelength_um, value) = points.into_iter().unzip();
+        // The middle of them tells the distance.
+        let middle = ratios.get(ratios.len() / 2).copied().unwrap_or(1.0);
+        let distance_au = middle.sqrt().recip();
         let message = format!(
-            "DART has irradiances of bands only: the distance, {:.4} au, is that where the spectrum ASTM E490-00a has them in the \
-             middle, and the spectrum is linear between the bands",
-            squared.sqrt()
+            "DART has irradiances of bands only: the distance, {distance_au:.4} au, is that where the spectrum ASTM E490-00a has them \
+             in the middle; what they have more or less than it is linear between the bands"
         );
         self.note(Fate::Defaulted, &item, message);
-        Sun {
-            distance_m: squared.sqrt() * AU_M,
-            irradiance_1au: Spectrum::new(wavelength_um, value, Extend::Hold).unwrap_or_else(|| e490.clone()),
-            ..at_1_au
+        let mut sun = Sun { distance_m: distance_au * AU_M, ..at_1_au };
+        let mut factors = vec![1.0; lit.len()];
+        // A band sees what lies around its centre: a few rounds make its mean what is given.
+        for _ in 0..ROUNDS {
+            let now = irradiance(&sun, bands);
+            if lit.iter().all(|&i| same(now[i], given[i])) {
+                break;
+            }
+            for (factor, &i) in factors.iter_mut().zip(&lit) {
+                let more = given[i] / now[i];
+                *factor *= if more.is_finite() { more } else { 0.0 };
+            }
+            let um: Vec<f64> = lit.iter().map(|&i| bands[i].centre_um).collect();
+            sun.irradiance_1au = times(e490, um, factors.clone()).unwrap_or_else(|| e490.clone());
         }
+        let (first, last) = sun.irradiance_1au.coverage_um();
+        // A total of nothing would be no Sun.
+        let all = sun.irradiance_1au.integral(first, last).filter(|all| *all > 0.0);
+        Sun { total_irradiance_1au_w_m2: all.unwrap_or(total), ..sun }
     }
 
     /// Materials, and which of them an optical property is: by its place in the simulation's list.
@@ -513,6 +532,16 @@ impl Reader<'_> {
         scene.thermal = Thermal::Equilibrium;
         scene
     }
+}
+
+/// A spectrum times a factor that is linear between these points, and beyond them that of the first or the last.
+fn times(spectrum: &Spectrum, um: Vec<f64>, factors: Vec<f64>) -> Option<Spectrum> {
+    let factor = Spectrum::new(um, factors, Extend::Hold)?;
+    let mut um = [spectrum.wavelength_um(), factor.wavelength_um()].concat();
+    um.sort_by(f64::total_cmp);
+    um.dedup();
+    let value: Option<Vec<f64>> = um.iter().map(|&um| Some(spectrum.at(um)? * factor.at(um)?)).collect();
+    Spectrum::new(um, value?, spectrum.extend())
 }
 
 /// A material of what DART says of it.

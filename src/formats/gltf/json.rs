@@ -46,12 +46,14 @@ pub(super) struct Node {
     pub(super) translation: Option<[f64; 3]>,
     pub(super) rotation: Option<[f64; 4]>,
     pub(super) scale: Option<[f64; 3]>,
+    pub(super) extras: Value,
 }
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Mesh {
     pub(super) primitives: Vec<Primitive>,
+    pub(super) extras: Value,
 }
 
 #[derive(Debug, Default, Deserialize)]

@@ -58,7 +58,8 @@ pub fn parse(bytes: &[u8], path: &Path, outside: bool) -> Result<(Surface, Repor
     let mut data = Data { path, root, buffers: Vec::new() };
     known(&data)?;
     data.buffers = buffers(&data, binary, outside, &mut inputs)?;
-    let mut reader = Reader { data: &data, mesh: Mesh::default(), materials: Vec::new(), report: Report::default() };
+    let (mesh, report) = (Mesh::default(), Report::default());
+    let mut reader = Reader { data: &data, mesh, objects: 0, materials: Vec::new(), report };
     reader.scene()?;
     let origin_m = reader.origin_m()?;
     let Reader { mesh, materials, report, .. } = reader;
@@ -209,6 +210,8 @@ fn percent_decoded(uri: &str) -> String {
 struct Reader<'a> {
     data: &'a Data<'a>,
     mesh: Mesh,
+    /// Meshes that were taken, instance by instance.
+    objects: usize,
     materials: Vec<ObjMaterial>,
     report: Report,
 }
@@ -220,6 +223,16 @@ impl Reader<'_> {
         let message = message.into();
         if !self.report.notes.iter().any(|note| note.at == at && note.message == message) {
             self.report.note(Fate::Dropped, at, message);
+        }
+    }
+
+    /// Tells properties of one's own that have no place in a mesh, but for the one that is read.
+    fn extras(&mut self, item: &str, extras: &Value, read: &str) {
+        const TOLD: usize = 12;
+        let names: Vec<&str> = extras.as_object().into_iter().flatten().map(|(name, _)| name.as_str()).collect();
+        let names: Vec<&str> = names.into_iter().filter(|name| *name != read).take(TOLD).collect();
+        if !names.is_empty() {
+            self.dropped(format!("{item}.extras"), format!("custom properties: {}", names.join(", ")));
         }
     }
 
@@ -238,6 +251,9 @@ impl Reader<'_> {
                 (0..root.nodes.len()).filter(|i| !children.contains(i)).collect()
             }
         };
+        if let Some(scene) = root.scenes.get(shown) {
+            self.extras(&format!("scenes[{shown}]"), &scene.extras, "origin_m");
+        }
         for other in (0..root.scenes.len()).filter(|i| *i != shown) {
             self.dropped(format!("scenes[{other}]"), "another scene than the default one");
         }
@@ -260,6 +276,7 @@ impl Reader<'_> {
             if std::mem::replace(&mut reached[i], true) {
                 return data.wrong(item, "is reached twice: nodes form trees");
             }
+            self.extras(&item, &node.extras, "");
             let world = parent * local(data, node, &item)?;
             if !world.is_finite() {
                 return data.wrong(item, "its place in the scene is not finite");
@@ -275,6 +292,9 @@ impl Reader<'_> {
             }
             named(&node.children, format!("{item}.children"), world, &mut open);
         }
+        if self.objects > 1 {
+            self.dropped("nodes", format!("which of {} objects a triangle belongs to, and their names", self.objects));
+        }
         Ok(())
     }
 
@@ -282,7 +302,10 @@ impl Reader<'_> {
         let data = self.data;
         // Primitives that share their positions share vertices, so that edges join by index.
         let mut shared: BTreeMap<(usize, Option<usize>), (u32, usize)> = BTreeMap::new();
-        for (i, primitive) in data.element(&data.root.meshes, "meshes", mesh, item)?.primitives.iter().enumerate() {
+        self.objects += 1;
+        let taken = data.element(&data.root.meshes, "meshes", mesh, item)?;
+        self.extras(&format!("meshes[{mesh}]"), &taken.extras, "");
+        for (i, primitive) in taken.primitives.iter().enumerate() {
             let item = format!("meshes[{mesh}].primitives[{i}]");
             let mode = primitive.mode.unwrap_or(4);
             if mode > 6 {
@@ -298,6 +321,11 @@ impl Reader<'_> {
             let Some(&position) = primitive.attributes.get("POSITION") else {
                 return data.wrong(format!("{item}.attributes"), "`POSITION` is missing");
             };
+            let is_read = |name: &str| ["POSITION", "NORMAL", "COLOR_0", RESIDUAL].contains(&name);
+            let others: Vec<&str> = primitive.attributes.keys().map(String::as_str).filter(|n| !is_read(n)).collect();
+            if !others.is_empty() {
+                self.dropped(format!("{item}.attributes"), others.join(", "));
+            }
             let residual = primitive.attributes.get(RESIDUAL).copied();
             let (base, count) = match shared.get(&(position, residual)) {
                 Some(known) => *known,
@@ -383,6 +411,7 @@ impl Reader<'_> {
             let material = data.element(&data.root.materials, "materials", index, &format!("{item}.material"))?;
             let item = format!("materials[{index}]");
             let spectral = material.extras.get("spectral_material").and_then(Value::as_str);
+            self.extras(&item, &material.extras, "spectral_material");
             entry.name = mtl::plain_name(spectral.unwrap_or(&material.name));
             let pbr = &material.pbr_metallic_roughness;
             entry.kd = pbr.base_color_factor.map(|[r, g, b, _]| [r, g, b]);

@@ -62,6 +62,8 @@ pub struct ObjFile {
     pub uv: Vec<[[f64; 2]; 3]>,
     /// Number of texture coordinates (`vt`).
     pub texture_vertices: usize,
+    /// Number of objects (`o`).
+    pub objects: usize,
     /// Statements that were passed over, and how many of each.
     pub ignored: BTreeMap<String, usize>,
     /// The files that were read: the OBJ, then its material files.

@@ -35,6 +35,7 @@ pub(super) struct Parser<'a> {
     texture_vertices: Vec<[f64; 2]>,
     faces: Faces,
     materials: Materials,
+    objects: usize,
     ignored: BTreeMap<String, usize>,
     problems: Problems,
     /// Lines so far.
@@ -64,6 +65,7 @@ impl<'a> Parser<'a> {
             texture_vertices: Vec::new(),
             faces: Faces::default(),
             materials: Materials::default(),
+            objects: 0,
             ignored: BTreeMap::new(),
             problems: Problems::default(),
             line: 0,
@@ -162,7 +164,8 @@ impl<'a> Parser<'a> {
             b"usemtl" => _ = self.use_material(&text(rest), place),
             b"mtllib" => self.libraries(&text(rest), place),
             b"g" => self.group = Some((text(rest), place)),
-            b"" | b"vn" | b"o" | b"s" => {}
+            b"o" => self.objects += 1,
+            b"" | b"vn" | b"s" => {}
             _ if keyword[0] == b'#' => {}
             _ => {
                 let key = if self.ignored.len() < IGNORED { shown(keyword) } else { "...".into() };
@@ -371,6 +374,7 @@ impl<'a> Parser<'a> {
             groups,
             texture_vertices: textures,
             uv,
+            objects: self.objects,
             ignored: self.ignored,
             inputs: Vec::new(),
         })

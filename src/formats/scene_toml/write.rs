@@ -38,6 +38,8 @@ const SAME: f64 = 1e-12;
 /// # Errors
 /// [`Error::Invalid`] if one of the files exists and `replace` is false; [`Error::Io`].
 pub fn write(scene: &Scene, path: &Path, replace: bool) -> Result<(Vec<Staged>, Report)> {
+    // Claimed first, so that what cannot be written is told before the work, and given up last: the folders made for it go with it.
+    let main = Staged::file(path, replace)?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
     let mut writer = Writer {
@@ -50,10 +52,9 @@ pub fn write(scene: &Scene, path: &Path, replace: bool) -> Result<(Vec<Staged>, 
         files: Vec::new(),
         report: Report::default(),
     };
-    // Claimed first, so that what cannot be written is told before the work; committed last, because it refers to the others.
-    let main = Staged::file(path, replace)?;
     let text = writer.scene()?;
     put(&main, |out| out.write_all(text.as_bytes()))?;
+    // Committed last, because it refers to the others.
     writer.files.push(main);
     Ok((writer.files, writer.report))
 }
@@ -99,9 +100,17 @@ fn put(staged: &Staged, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<(
     write(&mut out).and_then(|()| out.flush()).map_err(io)
 }
 
-/// A TOML string, or key.
+/// A TOML string, or key: of its four kinds of strings the one that a key may be whatever stands in it.
 fn quoted(text: &str) -> String {
-    toml::Value::String(text.to_owned()).to_string()
+    let mut quoted = String::from("\"");
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => quoted.extend(['\\', c]),
+            c if c.is_control() => quoted += &format!("\\u{:04X}", u32::from(c)),
+            c => quoted.push(c),
+        }
+    }
+    quoted + "\""
 }
 
 fn list(v: DVec3) -> String {

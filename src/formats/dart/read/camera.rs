@@ -206,6 +206,7 @@ fn inside(element: &Element, reading: &mut Reading) -> Option<Camera> {
 /// A camera from 5.10 on.
 fn sensor(element: &Element, reading: &mut Reading) -> Option<Camera> {
     if reading.flag(element, "sensorDisabled") {
+        reading.note(Fate::Dropped, element.at(), "a camera that is switched off: DART ignores it too");
         return None;
     }
     if reading.integer_or(element, "sensorConfiguration", 0) != 0 {

@@ -1,6 +1,6 @@
 //! What inputs hold that mmxrt has no counterpart for, and what it does not know: told once for each kind.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::error::Location;
 use crate::formats::xml::Element;
@@ -167,7 +167,7 @@ const FEATURES: &[Feature] = &[
 /// What each element of a section is known to hold. `*`: how DART computes, shows or lays out its products, or part of
 /// a feature above; not looked into.
 const KNOWN: &[(&str, &str)] = &[
-    ("Maket", "dartZone exactlyPeriodicScene useRandomGenerationSeed hideRB linkEarthScene"),
+    ("Maket", "dartZone exactlyPeriodicScene useRandomGenerationSeed hideRB"),
     ("Scene", ""),
     ("CellDimensions", "x z roundToExact"),
     ("SceneDimensions", "x y"),
@@ -181,7 +181,7 @@ const KNOWN: &[(&str, &str)] = &[
     ("TopographyProperties", "fileName meshStrategy"),
     ("DEM_properties", "*"),
     ("LatLon", "latitude longitude altitude"),
-    ("Coeff_diff", "fluorescenceFile fluorescenceProducts useCombinedYield linkOpticalTemperatures"),
+    ("Coeff_diff", "fluorescenceFile fluorescenceProducts useCombinedYield"),
     ("FluorescenceProductsProperties", "*"),
     ("Surfaces", ""),
     ("Volumes", "*"),
@@ -256,7 +256,7 @@ const KNOWN: &[(&str, &str)] = &[
     ("ExpertModeZone", "*"),
     ("EngineParameter", "*"),
     ("ExternalScripts", "*"),
-    ("DartInputParameters", "linkPassiveRsRb calculatorMethod"),
+    ("DartInputParameters", "calculatorMethod"),
     ("MonteCarlo", "*"),
     ("Lidar", "*"),
     ("nodefluxtracking", "*"),
@@ -275,8 +275,45 @@ const KNOWN: &[(&str, &str)] = &[
     ("CommonParameters", "commonIrradianceCheckBox commonSkylCheckBox irraDef"),
     ("SpectralIrradianceValue", "Skyl bandNumber irradiance"),
     ("DartProduct", "*"),
-    ("SensorImageSimulation", "*"),
-    ("Directions", "exactDate ifCosWeighted numberOfPropagationDirections linkDirection"),
+    ("SensorImageSimulation", "importMultipleSensors"),
+    ("SensorsImportation", "*"),
+    // Told as a whole.
+    ("Pushbroom", "*"),
+    ("Pinhole", "defCameraOrientation fieldOfViewDefinition ifFishEye setImageSize"),
+    ("OrientationDef", "orientDefType"),
+    ("CameraOrientation", "cameraPhi cameraRotation cameraTheta"),
+    ("CameraOrientYPR", "*"),
+    ("FishEye", "*"),
+    ("FishEyeFOV", "*"),
+    ("Radiometer", "*"),
+    ("CamImageFOV", "defNbPixels definitionFOV"),
+    ("CamImageDim", "sizeImageX sizeImageY"),
+    ("CamImageAOV", "aovX aovY"),
+    ("NbPixels", "nbPixelsX nbPixelsY"),
+    ("InsideSensor", "sensorConfiguration"),
+    ("InsideSensorConfiguration", "nbSceneRepetition"),
+    ("SensorCentralPosition", "sensorPosX sensorPosY sensorPosZ"),
+    ("Image", ""),
+    // Before 5.10 the camera's place, from there on the camera: its name, random seed and crop change nothing that is read.
+    (
+        "Sensor",
+        "autoCropImage autoFOV customImageName defineRandomSeed keepOnlyCentralScene sensorConfiguration sensorDisabled \
+         sensorName sensorPosX sensorPosY sensorPosZ",
+    ),
+    ("SensorCommonConfiguration", "directionDefinition"),
+    ("SensorPosition", "sensorPosX sensorPosY sensorPosZ sensorPositionDefinition"),
+    ("SensorView", "viewDefinition"),
+    ("SensorViewDirection", "sensorDirectionX sensorDirectionY sensorDirectionZ"),
+    ("SensorAngleDirection", "sensorDirectionPhi sensorDirectionTetha sensorDirectionTheta"),
+    ("SensorOrientation", "orientationAngle tethaOrientation"),
+    ("SensorLuxCoreParameters", "*"),
+    ("SensorDimensions", "height width"),
+    ("FocaleDistance", "focaleDistance"),
+    ("FieldOfView", "aovHeight aovWidth"),
+    ("ImageResolution", "nbPixelsHeight nbPixelsWidth"),
+    ("Hemisphere", "*"),
+    ("Orthographic", "*"),
+    ("Directions", "exactDate ifCosWeighted numberOfPropagationDirections"),
     ("AddedDirections", "*"),
     ("Region", "*"),
     ("OversampledPlane", "*"),
@@ -288,13 +325,37 @@ const KNOWN: &[(&str, &str)] = &[
     ("AzimuthalOffset", "directionalAzimuthalOffset sunAzimuthalOffset"),
 ];
 
+/// Elements of which there may be several side by side; of all others the first is read.
+const LISTED: &[&str] = &[
+    "LambertianMulti",
+    "HapkeSpecularMulti",
+    "RPVMulti",
+    "ThermalFunction",
+    "Object",
+    "Group",
+    "Field",
+    "SpectralIntervalsProperties",
+    "SpectralIrradianceValue",
+    "AddedDirections",
+    "Region",
+    "OversampledPlane",
+    "Pinhole",
+    "Pushbroom",
+    "InsideSensor",
+    "Sensor",
+];
+
 /// Names that are not known are told one by one up to this number.
 const UNKNOWN: usize = 50;
 
 /// Notes what of the inputs is not read.
 pub(super) fn tell(inputs: &Inputs, reading: &mut Reading) {
     let known: BTreeMap<&str, &str> = KNOWN.iter().copied().collect();
-    for (_, name, _) in super::FILES {
+    for (root, (_, name, _)) in inputs.roots.iter().zip(super::FILES) {
+        let beside = root.iter().flat_map(|root| &root.children).filter(|child| child.name != name);
+        for other in beside {
+            reading.note(Fate::Dropped, other.at(), format!("`<{}>` is not known here", other.name));
+        }
         let Some(section) = inputs.section(name) else { continue };
         let mut told = Told::default();
         for feature in FEATURES.iter().filter(|f| f.section == name) {
@@ -375,7 +436,14 @@ fn strangers(element: &Element, known: &BTreeMap<&str, &str>, told: &mut Told) {
     if element.has_text {
         told.add(format!("text within `<{}>`", element.path()), || element.at());
     }
+    let mut before = BTreeSet::new();
     for child in &element.children {
+        let name = child.name.as_str();
+        let is_single = known.contains_key(name) && !LISTED.contains(&name);
+        if !before.insert(name) && is_single {
+            told.add(format!("another `<{}>`: the first is read", child.path()), || child.at());
+            continue;
+        }
         strangers(child, known, told);
     }
 }

@@ -4,7 +4,6 @@ use crate::formats::xml::Element;
 use crate::report::Fate;
 
 use super::super::{Links, Maket, Topography};
-use super::object_3d;
 use super::reading::Reading;
 
 pub(super) fn read(maket: &Element, reading: &mut Reading) -> Maket {
@@ -16,7 +15,7 @@ pub(super) fn read(maket: &Element, reading: &mut Reading) -> Maket {
         element.map_or([1.0; 2], |e| names.map(|name| reading.positive(e, name)))
     };
     let ground = soil.and_then(|soil| {
-        let ground = object_3d::links(soil, None, reading);
+        let ground = reading.links(soil, None);
         if ground.is_none() {
             reading.problem(soil.at(), "has no `<OpticalPropertyLink>` within");
         }
@@ -37,23 +36,13 @@ pub(super) fn read(maket: &Element, reading: &mut Reading) -> Maket {
     Maket {
         size_m: two(size, ["x", "y"], reading),
         cell_m: two(cell, ["x", "z"], reading),
-        boundary: code(maket, "exactlyPeriodicScene", 1, 2, reading),
+        boundary: reading.code(maket, "exactlyPeriodicScene", 1, 2),
         ground: ground.unwrap_or_else(nowhere),
         ground_enabled: soil.and_then(|s| s.get("groundEnabled")).is_none_or(|e| e.trim() != "0"),
         topography: soil.and_then(|soil| topography(soil, reading)),
         latitude_longitude_altitude: [latitude, longitude, altitude],
         at: maket.at(),
     }
-}
-
-/// A code from 0 to `last`.
-pub(super) fn code(element: &Element, name: &str, default: u32, last: u32, reading: &mut Reading) -> u32 {
-    let code = reading.integer_or(element, name, default);
-    if code > last {
-        let message = format!("`{name}` is {code}: known are 0 to {last}");
-        reading.problem(element.at_attribute(name), message);
-    }
-    code.min(last)
 }
 
 /// `caseDEM`: what the generator makes a terrain of.

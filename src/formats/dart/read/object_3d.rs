@@ -7,8 +7,7 @@ use crate::formats::xml::Element;
 use crate::report::Fate;
 
 use super::super::{Group, Links, Object, ObjectField, Placement};
-use super::maket::code;
-use super::reading::{Reading, number};
+use super::reading::{Reading, number, wrapped};
 
 /// No text of an object field is longer, bytes.
 const FIELD_TEXT: u64 = 256 << 20;
@@ -37,6 +36,9 @@ fn object(element: &Element, reading: &mut Reading) -> Object {
     let position_m = three(position, ["xpos", "ypos", "zpos"], 0.0);
     let scale = three(geometry.and_then(|g| g.child("ScaleProperties")), ["xscale", "yscale", "zscale"], 1.0);
     let rotation_deg = three(geometry.and_then(|g| g.child("RotationProperties")), ["xrot", "yrot", "zrot"], 0.0);
+    if scale.to_array().contains(&0.0) {
+        reading.problem(element.at(), "a scale of 0 leaves nothing of the object: give it another");
+    }
 
     let has_groups = reading.flag(element, "hasGroups");
     let optics = reading.child(element, "ObjectOpticalProperties");
@@ -49,7 +51,7 @@ fn object(element: &Element, reading: &mut Reading) -> Object {
     let double_face = optics.is_some_and(|o| is_double(o, reading));
     let (mut links_of_all, mut back_of_all) = (None, None);
     if let Some(o) = optics.filter(|_| same_optical && same_thermal) {
-        links_of_all = links(o, None, reading);
+        links_of_all = reading.links(o, None);
         back_of_all = back(o, None, reading).filter(|_| double_face);
         if links_of_all.is_none() {
             reading.note(Fate::Dropped, o.at(), UNKNOWN_MATERIAL);
@@ -72,9 +74,9 @@ fn object(element: &Element, reading: &mut Reading) -> Object {
         position_m,
         scale,
         rotation_deg,
-        dem_mode: code(element, "objectDEMMode", 0, 3, reading),
+        dem_mode: reading.code(element, "objectDEMMode", 0, 3),
         hidden: reading.flag(element, "hidden"),
-        repeated_on_border: code(element, "repeatedOnBorder", 1, 1, reading) == 1,
+        repeated_on_border: reading.code(element, "repeatedOnBorder", 1, 1) == 1,
         double_face,
         links: links_of_all,
         back: back_of_all,
@@ -98,8 +100,8 @@ fn group(element: &Element, shared: &Shared, reading: &mut Reading) -> Group {
     // A group that DART turns into a turbid medium has no surface; that is told elsewhere.
     if let Some(o) = optics.filter(|_| !shared.all) {
         front = match shared.optical {
-            Some(object) => links(object, Some(o), reading),
-            None => links(o, shared.thermal, reading),
+            Some(object) => reading.links(object, Some(o)),
+            None => reading.links(o, shared.thermal),
         };
         behind = back(o, shared.thermal, reading).filter(|_| double_face);
         if front.is_none() {
@@ -123,37 +125,12 @@ fn is_double(optics: &Element, reading: &mut Reading) -> bool {
     reading.flag(optics, "doubleFace") || wrapped.is_some_and(|w| reading.flag(w, "doubleFace"))
 }
 
-/// An element within, or within a wrapper that it has from 5.10 on.
-fn wrapped<'e>(element: &'e Element, wrapper: &str, name: &str) -> Option<&'e Element> {
-    element.child(name).or_else(|| element.child(wrapper)?.child(name))
-}
-
-/// The optical and thermal link in an element, wrapped or not; the thermal one from `thermal` if that is given.
-///
-/// `None` if there is no optical link.
-pub(super) fn links(element: &Element, thermal: Option<&Element>, reading: &mut Reading) -> Option<Links> {
-    let optical = wrapped(element, "SurfaceOpticalProperties", "OpticalPropertyLink")?;
-    let thermal = wrapped(thermal.unwrap_or(element), "SurfaceExitanceProperties", "ThermalPropertyLink");
-    Some(pair(optical, thermal, reading))
-}
-
 /// The links of back faces, if there are any.
 fn back(element: &Element, thermal: Option<&Element>, reading: &mut Reading) -> Option<Links> {
     let optical = wrapped(element, "SurfaceOpticalProperties", "BackFaceOpticalProperty")?;
     let thermal = wrapped(thermal.unwrap_or(element), "SurfaceExitanceProperties", "BackFaceThermalProperty");
     let optical = reading.child(optical, "OpticalPropertyLink")?;
-    Some(pair(optical, thermal.and_then(|t| t.child("ThermalPropertyLink")), reading))
-}
-
-fn pair(optical: &Element, thermal: Option<&Element>, reading: &mut Reading) -> Links {
-    Links {
-        kind: reading.integer_or(optical, "type", 0),
-        index: reading.integer(optical, "indexFctPhase"),
-        ident: optical.get("ident").unwrap_or_default().to_owned(),
-        thermal_index: thermal.map_or(0, |t| reading.integer(t, "indexTemperature")),
-        thermal_ident: thermal.and_then(|t| t.get("idTemperature")).unwrap_or_default().to_owned(),
-        at: optical.at(),
-    }
+    Some(reading.pair(optical, thermal.and_then(|t| t.child("ThermalPropertyLink"))))
 }
 
 pub(super) fn fields(object_3d: &Element, reading: &mut Reading) -> Vec<ObjectField> {

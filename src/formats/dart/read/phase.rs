@@ -5,7 +5,6 @@ use crate::report::Fate;
 
 use super::super::{Maket, Phase, SpectralInterval};
 use super::camera;
-use super::maket::code;
 use super::reading::Reading;
 
 pub(super) fn read(phase: &Element, maket: &Maket, reading: &mut Reading) -> Phase {
@@ -62,7 +61,7 @@ fn bands(phase: &Element, reading: &mut Reading) -> Vec<SpectralInterval> {
             let message = format!("a band {width_um} um wide at {mean_um} um");
             reading.problem(element.at_attribute("deltaLambda"), message);
         }
-        let mode = code(element, "spectralDartMode", 0, 2, reading);
+        let mode = reading.code(element, "spectralDartMode", 0, 2);
         if let Some(law) = element.child("emissionLawNode").filter(|_| mode == 2)
             && reading.integer_or(law, "emissionLaw", 1) == 0
         {
@@ -127,7 +126,11 @@ fn irradiance(phase: &Element, bands: usize, reading: &mut Reading) -> (u32, Vec
         }
     }
     if let Some((_, element)) = values.iter().zip(&elements).find(|(v, _)| v.1 > 0.0) {
-        reading.note(Fate::Dropped, element.at_attribute("Skyl"), "diffuse light from the sky");
+        reading.note(
+            Fate::Dropped,
+            element.at_attribute("Skyl"),
+            "diffuse light from the sky: there is none without an atmosphere",
+        );
     }
     (mode, values)
 }

@@ -8,6 +8,7 @@ use crate::formats::input::{InputFile, Problems};
 use crate::formats::xml::Element;
 use crate::report::{Fate, Report};
 
+use super::super::Links;
 use super::super::folder::Folder;
 use super::Options;
 
@@ -99,6 +100,37 @@ impl<'a> Reading<'a> {
         self.integer_or(element, name, 0)
     }
 
+    /// A code from 0 to `last`, or DART's default where there is none.
+    pub(super) fn code(&mut self, element: &Element, name: &str, default: u32, last: u32) -> u32 {
+        let code = self.integer_or(element, name, default);
+        if code > last {
+            let message = format!("`{name}` is {code}: known are 0 to {last}");
+            self.problem(element.at_attribute(name), message);
+        }
+        code.min(last)
+    }
+
+    /// The optical and thermal link in an element, wrapped or not; the thermal one from `thermal` if that is given.
+    ///
+    /// `None` if there is no optical link.
+    pub(super) fn links(&mut self, element: &Element, thermal: Option<&Element>) -> Option<Links> {
+        let optical = wrapped(element, "SurfaceOpticalProperties", "OpticalPropertyLink")?;
+        let thermal = wrapped(thermal.unwrap_or(element), "SurfaceExitanceProperties", "ThermalPropertyLink");
+        Some(self.pair(optical, thermal))
+    }
+
+    /// What an optical and a thermal link say.
+    pub(super) fn pair(&mut self, optical: &Element, thermal: Option<&Element>) -> Links {
+        Links {
+            kind: self.integer_or(optical, "type", 0),
+            index: self.integer(optical, "indexFctPhase"),
+            ident: optical.get("ident").unwrap_or_default().to_owned(),
+            thermal_index: thermal.map_or(0, |t| self.integer(t, "indexTemperature")),
+            thermal_ident: thermal.and_then(|t| t.get("idTemperature")).unwrap_or_default().to_owned(),
+            at: optical.at(),
+        }
+    }
+
     /// 1 or 0, and 0 where there is nothing: versions differ in the switches they have.
     pub(super) fn flag(&mut self, element: &Element, name: &str) -> bool {
         match element.get(name).map(str::trim) {
@@ -135,6 +167,11 @@ impl<'a> Reading<'a> {
             }),
         }
     }
+}
+
+/// An element within, or within a wrapper that it has from 5.10 on.
+pub(super) fn wrapped<'e>(element: &'e Element, wrapper: &str, name: &str) -> Option<&'e Element> {
+    element.child(name).or_else(|| element.child(wrapper)?.child(name))
 }
 
 /// A whole number from 0 on; old versions write some as `101.0`.
