@@ -110,7 +110,10 @@ pub fn convert(input: &Path, output: &Path, options: &Options, watch: Watch<'_>)
     };
     let (from, content, mut report) = read(input, options, watch)?;
     tell(watch, "converting", 0, 1)?;
-    let size = content.size();
+    let size = match &content {
+        Content::Raster(raster) if !options.image_bands.is_empty() => raster_size(raster, options.image_bands.len()),
+        _ => content.size(),
+    };
     let job = Job { input, output, options, report: &mut report, watch };
     let written = job.write(content, to).map_err(|e| of_input(e, input))?;
     tell(watch, "converting", 1, 1)?;
@@ -222,11 +225,13 @@ impl Content {
             Content::Scene(scene, _) => format!("{} facets", scene.mesh.facets.len()),
             Content::Surface(surface) => format!("{} facets", surface.mesh.facets.len()),
             Content::Spectra(libraries) => format!("{} spectra", libraries.len()),
-            Content::Raster(raster) => {
-                format!("{} rows x {} columns x {} bands", raster.rows, raster.columns, raster.bands.len())
-            }
+            Content::Raster(raster) => raster_size(raster, raster.bands.len()),
         }
     }
+}
+
+fn raster_size(raster: &Raster, bands: usize) -> String {
+    format!("{} rows x {} columns x {bands} bands", raster.rows, raster.columns)
 }
 
 /// The libraries of these names, in their order.
