@@ -1,6 +1,6 @@
 """Opens a product with another program's library and compares what it says: open_products.py numpy|spectral|OpenEXR FOLDER.
 
-Each number is compared with the bytes of the ENVI cube, read here without any library.
+The same with the cube that was converted: `converted.npy`, `converted.bip`, `converted.exr` beside it. Each number is compared with the bytes of the ENVI cube, read here without any library.
 """
 
 import importlib.metadata
@@ -31,6 +31,9 @@ if reader == "numpy":
 
     cube = np.memmap(folder / "cube.img", "<f4", "r", shape=(bands, lines, samples))
     found = [cube[band, line, sample] for line, sample, band in places]
+    array = np.load(folder / "converted.npy", mmap_mode="r")
+    assert array.shape == (lines, samples, bands) and array.dtype == np.dtype("<f4")
+    converted = [array[place] for place in places]
     with np.load(folder / "table.npz") as table:
         header = json.loads(str(table["header"]))
         assert header["format"] == "mmxrt facet table" and set(header["fields"]) <= set(table.files)
@@ -50,17 +53,25 @@ elif reader == "spectral":
     assert cube.shape == (lines, samples, bands) and cube.bands.band_unit == "Micrometers"
     assert cube.bands.centers[0] == report["image"]["first_band_um"]
     found = [cube[line, sample, band].item() for line, sample, band in places]
+    image = spectral.open_image(str(folder / "converted.hdr"))
+    assert image.interleave == spectral.BIP and image.bands.centers == cube.bands.centers
+    converted = [image[place].item() for place in places]
     planes = spectral.open_image(str(folder / "backplanes.hdr"))
     assert planes.metadata["band names"][0] == "COVERAGE" and 0.5 < planes.read_band(0).mean() <= 1.0
 elif reader == "OpenEXR":
     import OpenEXR
 
-    channels = OpenEXR.File(str(folder / "cube.exr"), separate_channels=True).channels()
-    names = sorted(channels)
-    assert len(names) == bands
-    found = [channels[names[band]].pixels[line, sample] for line, sample, band in places]
+
+    def numbers(file):
+        channels = OpenEXR.File(str(folder / file), separate_channels=True).channels()
+        names = sorted(channels)
+        assert len(names) == bands
+        return [channels[names[band]].pixels[line, sample] for line, sample, band in places]
+
+    found, converted = numbers("cube.exr"), numbers("converted.exr")
 else:
     sys.exit(f"no check for {reader}")
 
 assert found == expected, (found, expected)
+assert converted == expected, (converted, expected)
 print(f"{reader}: {len(found)} numbers of the cube are the same")

@@ -84,7 +84,9 @@ fn scene(camera: FrameCamera) -> Result<Scene> {
         rows: 2 * HALF,
         columns: 2 * HALF,
         wavelength_um: vec![],
-        values: (0..4 * HALF * HALF).map(|i| if (i % (2 * HALF) + i / (2 * HALF)) % 2 == 0 { 1.0 } else { 0.0 }).collect(),
+        values: (0..4 * HALF * HALF)
+            .map(|i| if (i % (2 * HALF) + i / (2 * HALF)) % 2 == 0 { 1.0 } else { 0.0 })
+            .collect(),
         texels: Texels::Nearest,
     };
     let grey = Material {

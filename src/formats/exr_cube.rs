@@ -82,7 +82,7 @@ pub(super) struct About<'a> {
 /// [`Error::Invalid`] if the image is larger than OpenEXR can hold.
 pub(super) fn head(path: &Path, names: &[&str], size: [usize; 2], about: &About<'_>) -> Result<Vec<u8>> {
     let [columns, rows] = size;
-    let line_bytes = (4 * columns).checked_mul(names.len()).unwrap_or(usize::MAX);
+    let line_bytes = columns.saturating_mul(4).saturating_mul(names.len());
     let (Ok(last_x), Ok(last_y), Ok(_)) = (i32::try_from(columns), i32::try_from(rows), i32::try_from(line_bytes))
     else {
         return Err(Error::invalid(Location::file(path), "the image is too large for OpenEXR"));

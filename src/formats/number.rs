@@ -79,6 +79,7 @@ impl DataType {
     }
 
     /// The numbers of some bytes. What there are more of than the other has is left as it is.
+    #[expect(clippy::unnecessary_cast, reason = "of ten types one is f64")]
     pub(super) fn decode(self, big_endian: bool, bytes: &[u8], values: &mut [f64]) {
         with_type!(self, T => {
             let (numbers, _) = bytes.as_chunks::<{ size_of::<T>() }>();

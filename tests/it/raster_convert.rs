@@ -231,24 +231,3 @@ fn an_image_is_inspected_and_pictured() {
     let (code, _, err) = run(&["inspect", &input, "--picture", &picture, "--force", "--band", "9"]);
     assert!(code == 1 && err.contains("band 9 is asked for: it has 2"), "{err}");
 }
-
-#[test]
-fn gdal_reads_what_is_written() {
-    let folder = Scratch::new();
-    let input = source(&folder);
-    converted(&folder, &input, "out.bil", &[]);
-    converted(&folder, &input, "m.mpr", &["--band", "1"]);
-    let gdalinfo =
-        |name: &str| std::process::Command::new("gdalinfo").args(["-stats", &folder.argument(name)]).output();
-    let Ok(envi) = gdalinfo("out.bil") else {
-        eprintln!("skipped: no gdalinfo");
-        return;
-    };
-    let text = String::from_utf8_lossy(&envi.stdout).into_owned();
-    for part in ["Size is 3, 2", "STATISTICS_MEAN=106.8", "NoData Value=-9", "Type=Int16"] {
-        assert!(text.contains(part), "{part}: {text}");
-    }
-    let text = String::from_utf8_lossy(&gdalinfo("m.mpr").unwrap().stdout).into_owned();
-    // An old GDAL may come without ILWIS.
-    assert!(!text.contains("Driver: ILWIS") || text.contains("STATISTICS_MEAN=6"), "{text}");
-}

@@ -116,7 +116,10 @@ pub fn convert(input: &Path, output: &Path, options: &Options, watch: Watch<'_>)
     without_effect(options, from, to)?;
     let (_, content, mut report) = read(input, options, watch)?;
     tell(watch, "converting", 0, 1)?;
-    let mut size = content.size();
+    let mut size = match &content {
+        Content::Raster(raster) if !options.image_bands.is_empty() => raster_size(raster, options.image_bands.len()),
+        _ => content.size(),
+    };
     let job = Job { input, output, options, report: &mut report, size: &mut size, watch };
     let written = job.write(content, to).map_err(|e| of_input(e, input))?;
     tell(watch, "converting", 1, 1)?;
@@ -271,11 +274,13 @@ impl Content {
             Content::Scene(scene, _) => format!("{} facets", scene.mesh.facets.len()),
             Content::Surface(surface) => format!("{} facets", surface.mesh.facets.len()),
             Content::Spectra(libraries) => format!("{} spectra", libraries.len()),
-            Content::Raster(raster) => {
-                format!("{} rows x {} columns x {} bands", raster.rows, raster.columns, raster.bands.len())
-            }
+            Content::Raster(raster) => raster_size(raster, raster.bands.len()),
         }
     }
+}
+
+fn raster_size(raster: &Raster, bands: usize) -> String {
+    format!("{} rows x {} columns x {bands} bands", raster.rows, raster.columns)
 }
 
 /// The libraries of the names that are asked for, in their order, at the wavelengths that are.

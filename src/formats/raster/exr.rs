@@ -87,7 +87,7 @@ pub(super) fn open(path: &Path) -> Result<Raster> {
     let attributes = first.own_attributes.other.iter().chain(&first.shared_attributes.other);
     let unit = |wanted: &str| {
         attributes.clone().find_map(|(name, value)| match value {
-            AttributeValue::Text(text) if name.to_string() == wanted => Some(text.to_string()),
+            AttributeValue::Text(text) if *name == *wanted => Some(text.to_string()),
             _ => None,
         })
     };
@@ -155,5 +155,8 @@ fn put<T>(
     samples: impl Iterator<Item = exr::error::Result<T>>,
     number: impl Fn(T) -> f64,
 ) -> exr::error::UnitResult {
-    values.iter_mut().zip(samples).try_for_each(|(value, sample)| Ok(*value = number(sample?)))
+    values.iter_mut().zip(samples).try_for_each(|(value, sample)| {
+        *value = number(sample?);
+        Ok(())
+    })
 }

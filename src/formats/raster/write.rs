@@ -261,7 +261,8 @@ fn tell_places(raster: &Raster, target: Target, bands: &[RasterBand], all_bands:
     if raster.place.is_some() && target != Target::Ilwis {
         dropped("georeference", "where the map lies is not carried over".into());
     }
-    if !raster.extra.is_empty() && !(is_envi && all_bands) {
+    let keeps_header = is_envi && all_bands;
+    if !raster.extra.is_empty() && !keeps_header {
         let names: Vec<&str> = raster.extra.iter().map(|(key, _)| key.as_str()).collect();
         dropped("header", format!("not carried over: {}", names.join(", ")));
     }
