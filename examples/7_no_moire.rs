@@ -85,7 +85,7 @@ fn scene(camera: FrameCamera) -> Result<Scene> {
         columns: 2 * HALF,
         wavelength_um: vec![],
         values: (0..4 * HALF * HALF)
-            .map(|i| if (i % (2 * HALF) + i / (2 * HALF)) % 2 == 0 { 1.0 } else { 0.0 })
+            .map(|i| if (i % (2 * HALF) + i / (2 * HALF)).is_multiple_of(2) { 1.0 } else { 0.0 })
             .collect(),
         texels: Texels::Nearest,
     };

@@ -185,7 +185,7 @@ const RADON: [([f64; 3], f64); 7] = {
     const A: f64 = 0.101_286_507_323_456_34;
     const B: f64 = 0.470_142_064_105_115_1;
     const WA: f64 = 0.125_939_180_544_827_15;
-    const WB: f64 = 0.132_394_152_788_506_18;
+    const WB: f64 = 0.132_394_152_788_506_2;
     [
         ([THIRD, THIRD, THIRD], 0.225),
         ([1.0 - 2.0 * A, A, A], WA),
@@ -204,7 +204,7 @@ fn bilinear(triangle: &[Vertex; 3], corner: Point, divide: u32, weights: &mut [f
     let (least, most) = (w[0].min(w[1]).min(w[2]), w[0].max(w[1]).max(w[2]));
     let d = (most - least) / (most + least);
     let error = 4.0 * 2.0 * 5.0 * d.powi(4) * ((1.0 + d) / (1.0 - d)).powi(2);
-    if !(error <= QUADRATURE) && divide > 0 {
+    if (error.is_nan() || error > QUADRATURE) && divide > 0 {
         let [a, b, c] = triangle;
         let middle = |p: &Vertex, q: &Vertex| Vertex::between(p, 1.0, q, -1.0);
         let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));

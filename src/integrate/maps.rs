@@ -576,7 +576,7 @@ fn shares(views: &[Lookup], angles: &[f64], choice: Choice) -> Vec<f64> {
     let Some(nearest) = (0..views.len()).filter(known).min_by(|a, b| angles[*a].total_cmp(&angles[*b])) else {
         return shares;
     };
-    if choice == Choice::Nearest || !(angles[nearest] > 0.0) {
+    if choice == Choice::Nearest || angles[nearest].is_nan() || angles[nearest] == 0.0 {
         shares[nearest] = 1.0;
         return shares;
     }

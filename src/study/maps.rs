@@ -142,13 +142,16 @@ pub fn observe_maps(
     Ok((observation, account))
 }
 
+/// A band of a map, and its weights in the sensor's bands.
+type Use = (usize, Vec<(usize, f64)>);
+
 /// A map's part that can be read.
 struct Source {
     name: String,
     weight: f64,
     source: Box<dyn TexelSource>,
     /// For each band of the map that is needed, ascending: its weights in the sensor's bands.
-    uses: Vec<(usize, Vec<(usize, f64)>)>,
+    uses: Vec<Use>,
 }
 
 /// Maps whose texels lie at the same places.
@@ -251,7 +254,7 @@ impl Term {
 }
 
 /// For each band of a map that is needed, ascending, its weights in the sensor's bands.
-fn uses(map: &[Band], sensor: &[Band]) -> std::result::Result<Vec<(usize, Vec<(usize, f64)>)>, Vec<String>> {
+fn uses(map: &[Band], sensor: &[Band]) -> std::result::Result<Vec<Use>, Vec<String>> {
     let mixes: Vec<Mix> = mixes(map, sensor)?;
     let of = |band: usize| {
         let weights = mixes

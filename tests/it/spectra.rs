@@ -219,7 +219,7 @@ fn libraries_that_cannot_be_used_are_refused() {
             &bytes,
             "in Wavenumber is not supported",
         ),
-        ("data type = 6\nwavelength = {1, 2, 3}\n", &bytes, "data type 6 is not supported"),
+        ("data type = 6\nwavelength = {1, 2, 3}\n", &bytes, "data type 6 (complex numbers) is not supported"),
         ("data type = 5\nwavelength = {1, 2, 3}\nspectra names = {a}\n", &bytes, "1 names for 2 spectra"),
         ("data type = 5\nwavelength = {1, 2, 3}\nbbl = {1, x, 1}\n", &bytes, "no list of 3 numbers"),
         ("data type = 5\nwavelength = {1, 2, 3}\nreflectance scale factor = 0\n", &bytes, "no positive number"),

@@ -290,7 +290,7 @@ impl TexelSource for Source {
             return Err(Error::invalid(Location::file(path), message));
         }
         let is_nothing = |v: f64| v.is_nan() || v == NOTHING;
-        let is_bad = |v: f64| !is_nothing(v) && !(v >= 0.0 && v.is_finite());
+        let is_bad = |v: f64| !(is_nothing(v) || v >= 0.0 && v.is_finite());
         if let Some(i) = raster.values.iter().position(|v| is_bad(*v)) {
             let count = raster.values.iter().filter(|v| is_bad(**v)).count();
             let at = Location::file(path.with_extension("mp#")).with_item(format!(
