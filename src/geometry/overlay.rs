@@ -96,7 +96,7 @@ impl Overlay {
     ///
     /// A share is P / w^2, P quadratic in the image and w = w0 (1 + e), |e| <= d. In 1 / (1 + e)^2 = 1 - 2 e + 3 e^2 - 4 e^3 + ..
     /// the rule of degree 5 takes all terms to e^3 exactly; the rest is at most 5 d^4 / (1 - d)^2 of (1 + d)^2, for the
-    /// integral and for the rule, whose weights are positive. Pieces are divided until that is below [`QUADRATURE`].
+    /// integral and for the rule, whose weights are positive. Pieces are divided until that is below `QUADRATURE`.
     pub fn centres(
         &mut self,
         chart: &Chart,

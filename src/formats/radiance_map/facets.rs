@@ -1,8 +1,4 @@
-//! Radiance of facets that says all of itself.
-//!
-//! - `.npz`: `radiance_w_m2_sr_um` [facet, band], `wavelength_um` [band], and if bands have a width `fwhm_um` [band];
-//! - `.csv`: a header `facet,radiance_w_m2_sr_um at 0.95 um,..` with a column for each band, then a line for each facet, in order,
-//!   counted from 0.
+//! Radiance of facets that says all of itself: the forms that the [module](super) around this one tells.
 
 use std::path::Path;
 

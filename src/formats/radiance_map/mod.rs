@@ -1,7 +1,11 @@
 //! Radiance maps from elsewhere: a raster or a table of facets, and a map file that says what its numbers are and where they lie.
 //!
 //! A map file is TOML: it is named itself, or lies beside the raster, as `x.map.toml` beside `x.img`. Its JSON Schema is in
-//! `schemas/`. Tables of facets that say all of it themselves need none: see [`facets`].
+//! `schemas/`. Tables of facets that say all of it themselves need none:
+//!
+//! - `.npz`: `radiance_w_m2_sr_um` \[facet, band\], `wavelength_um` \[band\], and if bands have a width `fwhm_um` \[band\];
+//! - `.csv`: a header `facet,radiance_w_m2_sr_um at 0.95 um,..` with a column for each band, then a line for each facet, in order,
+//!   counted from 0.
 
 mod facets;
 mod types;
@@ -45,7 +49,7 @@ pub fn schema() -> schemars::Schema {
 /// | at the path | |
 /// |---|---|
 /// | a map file (`.toml`), or a raster with one beside it | as it says |
-/// | `.npz`, `.csv` with radiance and wavelengths of facets | see [`facets`] |
+/// | `.npz`, `.csv` with radiance and wavelengths of facets | see above |
 /// | a DART simulation, its `output/`, a folder of images, an image | its views: see [`dart::output`](super::dart::output) |
 ///
 /// # Errors
