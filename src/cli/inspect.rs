@@ -10,7 +10,7 @@ use mmxrt::formats::mtl::{self, ObjMaterial};
 use mmxrt::formats::raster::{self, Raster};
 use mmxrt::formats::report_json::{self, Report, Run};
 use mmxrt::formats::spectrum_csv::{self, Quantity};
-use mmxrt::formats::{envi, exr_cube, gltf, npz, obj, quicklook, recipe_toml};
+use mmxrt::formats::{envi, exr_cube, gltf, npz, obj, quicklook, radiance_map, recipe_toml};
 use mmxrt::progress::tell;
 use mmxrt::spectral::Extend;
 use mmxrt::{Error, Location, Problem, Result, study};
@@ -170,7 +170,18 @@ fn surface(path: &Path) -> Result<Facts> {
 
 /// A scene or a recipe: a recipe has a seed.
 fn toml(path: &Path, console: &Console) -> Result<Facts> {
-    if Document::open(path)?.0.has("seed") { recipe(path) } else { scene(path, console) }
+    let (document, _) = Document::open(path)?;
+    match (document.has("seed"), radiance_map::is_map(&document)) {
+        (true, _) => recipe(path),
+        (_, true) => map_file(path),
+        _ => scene(path, console),
+    }
+}
+
+fn map_file(path: &Path) -> Result<Facts> {
+    let keys: serde_json::Map<String, Value> =
+        radiance_map::describe(path)?.into_iter().map(|(key, text)| (key, json!(text))).collect();
+    Ok(vec![("kind", json!("radiance map file")), ("says", Value::Object(keys))])
 }
 
 fn recipe(path: &Path) -> Result<Facts> {

@@ -193,4 +193,16 @@ fn what_is_wrong_with_a_map_is_told_at_its_place() {
     bench.0.write("m.csv", "1,2\n3,4\n");
     bench.map(&format!("{HEAD}placement = \"atlas\"\n"));
     assert!(bench.try_to(&["--radiance", "{}m.csv"]).1.contains("no texture coordinates"));
+    bench.0.write("square.obj", SQUARE.replace("vt 1 1", "vt 1 1.5"));
+    assert!(bench.try_to(&["--radiance", "{}m.csv"]).1.contains("outside 0 to 1: 1.5"));
+}
+
+#[test]
+fn a_map_file_can_be_inspected() {
+    let bench = Bench::new();
+    let (code, out, _) = run(&["inspect", &bench.0.argument("m.map.toml")]);
+    assert!(code == 0 && out.contains("radiance map file") && out.contains("\"W m-2 sr-1 um-1\""), "{out}");
+    bench.map("mmxrt_map = 1\ncolour = 2\n");
+    let (code, _, err) = run(&["inspect", &bench.0.argument("m.map.toml")]);
+    assert!(code == 1 && err.contains("colour") && err.contains("quantity"), "{err}");
 }

@@ -92,6 +92,25 @@ fn map_file(path: &Path) -> Option<PathBuf> {
     [beside(path), PathBuf::from(appended)].into_iter().find(|p| p.is_file())
 }
 
+/// Whether a TOML document is a map file.
+pub fn is_map(document: &Document) -> bool {
+    document.has("mmxrt_map")
+}
+
+/// What a map file says, for people: keys and their texts, in its order.
+///
+/// # Errors
+/// [`Error::Io`]; [`Error::Syntax`]; [`Error::Invalid`] with all keys that are unknown or missing, and values of another kind.
+pub fn describe(path: &Path) -> Result<Vec<(String, String)>> {
+    let (document, _) = Document::open(path)?;
+    document.read::<MapToml>()?;
+    let value = |key: String| {
+        let text = document.at(&key).span.and_then(|(a, b)| document.text().get(a..b)).unwrap_or_default().to_owned();
+        (key, text)
+    };
+    Ok(document.keys("").into_iter().map(value).collect())
+}
+
 /// All views of a DART output.
 fn of_dart(path: &Path, scene: &Scene, weight: f64) -> Result<Opened> {
     let output = dart_output::open(path)?;
@@ -200,6 +219,7 @@ fn placement(
                 );
                 return None;
             }
+            reader.within_image("placement", scene.mesh.uv.iter())?;
             Some(Placement::Atlas(Atlas::of_uv(&scene.mesh.uv, rows, columns)))
         }
         PlacementToml::Camera => {

@@ -175,6 +175,26 @@ impl Reader<'_> {
         Some(texture)
     }
 
+    /// Says if texture coordinates lie beside the image.
+    pub(in crate::formats) fn within_image<'m>(
+        &mut self,
+        item: &str,
+        mut uv: impl Iterator<Item = &'m [[f64; 2]; 3]>,
+    ) -> Option<()> {
+        // A border that rounding moved is still the border; NaN is none at all.
+        let outside = |x: &f64| !(x.is_nan() || (-1e-9..=1.0 + 1e-9).contains(x));
+        let odd = uv.find_map(|uv| uv.iter().flatten().copied().find(outside));
+        if let Some(x) = odd {
+            self.helped(
+                item,
+                format!("facets have texture coordinates outside 0 to 1: {x}"),
+                "images are not repeated: scale the coordinates, or make the image as large as they reach",
+            );
+            return None;
+        }
+        Some(())
+    }
+
     /// Texel coordinates of all facets' corners.
     #[allow(clippy::too_many_arguments)]
     fn texture_corners(
@@ -203,7 +223,7 @@ impl Reader<'_> {
             }
             (TexturePlacementToml::Atlas, None) => {
                 let own = (0..mesh.facets.len()).filter(|f| mesh.material[*f].0 as usize == id);
-                let mut uv = own.clone().map(|f| mesh.uv.get(f));
+                let uv = own.map(|f| mesh.uv.get(f));
                 let help = "an OBJ has them as `vt` lines, and its faces as `f 1/1 2/2 3/3`";
                 if uv.clone().any(|uv| uv.is_none_or(|uv| uv.iter().flatten().any(|x| x.is_nan()))) {
                     self.helped(
@@ -213,17 +233,7 @@ impl Reader<'_> {
                     );
                     return None;
                 }
-                // A border that rounding moved is still the border.
-                let outside = |x: &f64| !(-1e-9..=1.0 + 1e-9).contains(x);
-                let odd = uv.find_map(|uv| uv.and_then(|uv| uv.iter().flatten().copied().find(outside)));
-                if let Some(x) = odd {
-                    self.helped(
-                        &member(item, "placement"),
-                        format!("facets of {material:?} have texture coordinates outside 0 to 1: {x}"),
-                        "images are not repeated: scale the coordinates, or make the image as large as they reach",
-                    );
-                    return None;
-                }
+                self.within_image(&member(item, "placement"), uv.flatten())?;
                 Some(Atlas::of_uv(&mesh.uv, rows, columns).corners)
             }
         }
