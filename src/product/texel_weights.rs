@@ -30,17 +30,56 @@ pub struct TexelWeights {
 
 impl TexelWeights {
     /// For each pixel the weighted sum of the texels' values, and the sum of the weights of texels that are NaN.
-    pub fn apply(&self, values: &[f64]) -> Vec<(f64, f64)> {
+    ///
+    /// # Errors
+    /// A texel with a weight whose value is negative or infinite.
+    pub fn apply(&self, values: &[f64]) -> Result<Vec<(f64, f64)>, u32> {
         let of_line = |line: &TexelLine| {
-            (0..line.row_start.len())
-                .map(|sample| {
-                    line.pixel(sample).fold((0.0, 0.0), |(sum, lost), (texel, weight)| {
-                        let value = values[texel as usize];
-                        if value.is_nan() { (sum, lost + weight) } else { (sum + weight * value, lost) }
-                    })
-                })
-                .collect::<Vec<_>>()
+            let mut sums = Vec::with_capacity(line.row_start.len());
+            let mut odd = false;
+            for sample in 0..line.row_start.len() {
+                let (mut sum, mut lost) = (0.0, 0.0);
+                for (texel, weight) in line.pixel(sample) {
+                    let value = values[texel as usize];
+                    if value.is_nan() {
+                        lost += weight;
+                    } else {
+                        odd |= is_odd(value);
+                        sum += weight * value;
+                    }
+                }
+                sums.push((sum, lost));
+            }
+            match line.texel.iter().find(|texel| odd && is_odd(values[**texel as usize])) {
+                Some(texel) => Err(*texel),
+                None => Ok(sums),
+            }
         };
-        self.lines.par_iter().flat_map_iter(of_line).collect()
+        let lines: Vec<_> = self.lines.par_iter().map(of_line).collect();
+        let mut all = Vec::with_capacity(lines.iter().flatten().map(Vec::len).sum());
+        lines.into_iter().try_for_each(|line| line.map(|sums| all.extend(sums)))?;
+        Ok(all)
+    }
+}
+
+/// Whether a value is no radiance, and not NaN either.
+fn is_odd(value: f64) -> bool {
+    value < 0.0 || value == f64::INFINITY
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_leave_out_what_is_unknown_and_refuse_what_cannot_be() {
+        let line = TexelLine { row_start: vec![0, 2], texel: vec![3, 0, 3], weight: vec![0.5, 0.25, 1.0] };
+        let weights = TexelWeights { lines: vec![line.clone(), line] };
+        let each = [(0.5 * 8.0 + 0.25 * 4.0, 0.0), (8.0, 0.0)];
+        assert_eq!(weights.apply(&[4.0, -1.0, f64::NAN, 8.0]).unwrap(), [each, each].concat());
+        let each = [(1.0, 0.5), (0.0, 1.0)];
+        assert_eq!(weights.apply(&[4.0, 0.0, 0.0, f64::NAN]).unwrap(), [each, each].concat());
+        assert_eq!(weights.apply(&[-4.0, 0.0, 0.0, 1.0]), Err(0));
+        assert_eq!(weights.apply(&[4.0, 0.0, 0.0, f64::INFINITY]), Err(3));
     }
 }

@@ -338,16 +338,16 @@ fn add_up(
                     tell(watch, "maps", done, total as u64)?;
                     done += 1;
                     source.source.read(*band, &mut values)?;
-                    if let Some(texel) = values.iter().position(|v| *v < 0.0 || v.is_infinite()) {
+                    let sums = weights.apply(&values).map_err(|texel| {
+                        let texel = texel as usize;
                         let at = Location::item(format!("{}, band {}", source.name, band + 1));
                         let message =
                             format!("texel {} holds the radiance {}", place(&view.placement, texel), values[texel]);
                         let problem = Problem::new(at, message).with_help(
                             "radiance is a number from 0; mark what is not known by NaN, or by a `no_data` value",
                         );
-                        return Err(Error::Invalid(vec![problem]));
-                    }
-                    let sums = weights.apply(&values);
+                        Error::Invalid(vec![problem])
+                    })?;
                     let lost: f64 = sums.iter().map(|s| s.1).sum();
                     let area: f64 = on_scene.area.iter().sum();
                     let limit = if let Fill::Refuse(limit) = options.fill { limit } else { 0.0 };

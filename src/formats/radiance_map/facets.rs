@@ -36,7 +36,7 @@ pub(super) fn open(path: &Path, weight: f64) -> Result<Option<(RadianceMap, Inpu
         }
         _ => return Ok(None),
     };
-    FacetTexels::check(path, &texels.bands)?;
+    texels.check()?;
     let facets = texels.values.len() / texels.bands.len();
     let map = RadianceMap {
         name: path.display().to_string(),

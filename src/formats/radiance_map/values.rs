@@ -1,6 +1,6 @@
 //! A raster's numbers as spectral radiance.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use super::types::{QuantityToml, UnitToml};
 use crate::error::{Error, Location, Problem, Result};
@@ -107,20 +107,20 @@ impl TexelSource for RasterTexels {
         };
         self.rasters[raster].read(within, values)?;
         let (conversion, no_data) = (self.conversion[band], self.no_data);
-        let mut negative = None;
-        for (i, value) in values.iter_mut().enumerate() {
-            if Some(*value) == no_data {
-                *value = f64::NAN;
-            } else if *value < 0.0 {
-                negative = negative.or(Some((i, *value)));
-            } else {
-                *value = conversion.radiance(*value);
-            }
+        if let Some(no_data) = no_data {
+            values.iter_mut().filter(|v| **v == no_data).for_each(|v| *v = f64::NAN);
         }
-        match negative {
-            Some((i, value)) => Err(self.negative(&self.rasters[raster], within, i, value)),
-            None => Ok(()),
+        // A chunk at a time without a way out of it, so that several values are compared at once.
+        let is_negative = |chunk: &[f64]| chunk.iter().fold(false, |found, v| found | (*v < 0.0));
+        if let Some(chunk) = values.chunks(1024).position(is_negative)
+            && let Some(i) = (1024 * chunk..values.len()).find(|i| values[*i] < 0.0)
+        {
+            return Err(self.negative(&self.rasters[raster], within, i, values[i]));
         }
+        if conversion != Conversion::Times(1.0) {
+            values.iter_mut().for_each(|v| *v = conversion.radiance(*v));
+        }
+        Ok(())
     }
 }
 
@@ -153,12 +153,19 @@ pub(super) struct FacetTexels {
 }
 
 impl FacetTexels {
-    /// What is wrong with the bands, as a sentence.
-    pub(super) fn check(path: &Path, bands: &[Band]) -> Result<()> {
-        match bands.iter().find(|b| !(b.centre_um > 0.0 && b.centre_um.is_finite())) {
-            Some(band) => Err(Error::invalid(Location::file(path), format!("{} um is no wavelength", band.centre_um))),
-            None => Ok(()),
+    /// Whether bands and values can be what they are said to be.
+    pub(super) fn check(&self) -> Result<()> {
+        if let Some(band) = self.bands.iter().find(|b| !(b.centre_um > 0.0 && b.centre_um.is_finite())) {
+            return Err(Error::invalid(Location::file(&self.path), format!("{} um is no wavelength", band.centre_um)));
         }
+        if let Some(i) = self.values.iter().position(|v| *v < 0.0 || v.is_infinite()) {
+            let (facet, band) = (i / self.bands.len(), i % self.bands.len());
+            let at = Location::file(&self.path).with_item(format!("facet {facet}, band {}", band + 1));
+            let problem = Problem::new(at, format!("the radiance {}", self.values[i]))
+                .with_help("radiance is a number from 0; mark what is not known by NaN");
+            return Err(Error::Invalid(vec![problem]));
+        }
+        Ok(())
     }
 }
 
