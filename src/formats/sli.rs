@@ -18,6 +18,8 @@ use super::table::{flat, gathered, parts};
 
 /// Longer files of numbers are refused, bytes.
 const LIMIT: u64 = 512 << 20;
+/// More spectra are refused: each takes far more memory than a number or two of a file.
+const MOST_SPECTRA: usize = 1 << 20;
 /// Numbers below this are not there: the library of the US Geological Survey has -1.23e34 in deleted channels.
 const DELETED_BELOW: f64 = -1e30;
 
@@ -45,6 +47,9 @@ pub fn parse(header: &Header, bytes: &[u8], path: &Path) -> Result<(Vec<Spectral
     if header.bands != 1 {
         let message = format!("{} bands: a spectral library has 1, and a spectrum in each line", header.bands);
         return Err(Error::invalid(at("bands"), message));
+    }
+    if spectra > MOST_SPECTRA {
+        return Err(Error::invalid(at("lines"), format!("{spectra} spectra: at most {MOST_SPECTRA} are read")));
     }
     let start = usize::try_from(header.header_offset).ok();
     let wanted = header.data_bytes().and_then(|n| usize::try_from(n).ok());

@@ -314,6 +314,14 @@ fn damaged_files_are_told_where() {
         ("/accessors/0/byteOffset", json!(u64::MAX), "accessors[0]: 4 elements"),
         ("/accessors/0/bufferView", Value::Null, "accessors[0]: has neither `bufferView` nor `sparse`"),
         ("/accessors/0/sparse", json!({ "count": 9 }), "accessors[0].sparse: replaces 9 of 4"),
+        (
+            // 3 GB of zeros, of which the file holds none.
+            "/accessors/0",
+            json!({ "componentType": 5126, "type": "VEC3", "count": 1 << 27, "sparse": {
+                "count": 0, "indices": { "bufferView": 0, "componentType": 5123 }, "values": { "bufferView": 0 },
+            } }),
+            "accessors[0]: 134217728 elements without a `bufferView`: all buffers have 60 bytes",
+        ),
         ("/bufferViews/0/byteOffset", json!(u64::MAX), "bufferViews[0]: 48 bytes from byte 18446744073709551615"),
         ("/bufferViews/0/byteLength", json!(61), "bufferViews[0]: 61 bytes from byte 0: the buffer has 60"),
         ("/bufferViews/0/byteStride", json!(4), "bufferViews[0]: a `byteStride` of 4 for elements of 12 bytes"),

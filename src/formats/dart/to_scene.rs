@@ -1,5 +1,6 @@
 //! A DART simulation as a scene, and what of it has no counterpart.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
@@ -48,6 +49,8 @@ const SAME: f64 = 1e-12;
 const UNKNOWN_REFLECTANCE: f64 = 0.1;
 /// Bolometric emissivity of what does not say: Phobos and most powders lie between 0.9 and 1.
 const EMISSIVITY_BOLOMETRIC: f64 = 0.95;
+/// More vertices, or more facets, of all objects are refused.
+const MOST: usize = 1 << 27;
 /// Where a simulation has no camera, one looks down from so many times the scene's extent.
 const CAMERA_DISTANCE: f64 = 10.0;
 
@@ -483,17 +486,32 @@ impl Reader<'_> {
     /// All objects in one mesh, in the scene's frame, and the ground if it is something.
     fn mesh(&mut self, place: &Place, material_of: &[Option<usize>]) -> Result<Mesh> {
         let simulation = self.simulation;
-        let mut all = Mesh::default();
-        let fields: Vec<Object> = simulation.fields.iter().flat_map(|f| f.objects()).collect();
-        for object in simulation.objects.iter().chain(&fields) {
+        let placed = || {
+            let of_fields = simulation.fields.iter().flat_map(|f| f.objects()).map(Cow::Owned);
+            simulation.objects.iter().map(Cow::Borrowed).chain(of_fields)
+        };
+        // A field of a few lines can ask for more than any memory holds.
+        let (mut vertices, mut facets) = (0, 0);
+        for object in placed().filter(|object| !object.hidden) {
+            let read = self.obj(&object)?;
+            (vertices, facets) = (vertices + read.vertices.len(), facets + read.facets.len());
+            if vertices.max(facets) > MOST {
+                let message = format!("with {:?} there are more than {MOST} vertices or facets", object.name);
+                return Err(Error::invalid(object.at.clone(), message));
+            }
+        }
+        let mut meshes = Vec::new();
+        for object in placed() {
             if object.hidden {
                 self.note(Fate::Dropped, &object.at, format!("{:?} is hidden: DART ignores it too", object.name));
                 continue;
             }
             tell(self.watch, "reading meshes", 0, 1)?;
-            let mesh = self.object(object, place, material_of)?;
-            if all.facets.is_empty() { all = mesh } else { all.append(mesh) }
+            meshes.push(self.object(&object, place, material_of)?);
         }
+        let mut meshes = meshes.into_iter();
+        let mut all = meshes.next().unwrap_or_default();
+        all.append_all(meshes);
         self.ground(place, material_of, &mut all)?;
         if all.facets.is_empty() {
             let problem = Problem::new(
