@@ -48,9 +48,6 @@ pub fn parse(header: &Header, bytes: &[u8], path: &Path) -> Result<(Vec<Spectral
         let message = format!("{} bands: a spectral library has 1, and a spectrum in each line", header.bands);
         return Err(Error::invalid(at("bands"), message));
     }
-    if spectra > MOST_SPECTRA {
-        return Err(Error::invalid(at("lines"), format!("{spectra} spectra: at most {MOST_SPECTRA} are read")));
-    }
     let start = usize::try_from(header.header_offset).ok();
     let wanted = header.data_bytes().and_then(|n| usize::try_from(n).ok());
     let numbers = start.zip(wanted).and_then(|(start, n)| bytes.get(start..start.checked_add(n)?));
@@ -63,6 +60,9 @@ pub fn parse(header: &Header, bytes: &[u8], path: &Path) -> Result<(Vec<Spectral
         );
         return Err(Error::invalid(Location::file(path), message));
     };
+    if spectra > MOST_SPECTRA {
+        return Err(Error::invalid(at("lines"), format!("{spectra} spectra: at most {MOST_SPECTRA} are read")));
+    }
     let mut wavelength_um = wavelengths(header, &mut report)?;
     let reversed = wavelength_um.len() > 1 && wavelength_um.windows(2).all(|w| w[0] > w[1]);
     if reversed {

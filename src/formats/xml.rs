@@ -249,13 +249,13 @@ pub fn read(path: &Path) -> Result<(Element, InputFile)> {
     Ok((parse(&text, path)?, input))
 }
 
-/// Reads a text: its root element. `path` is for messages. Places are counted from behind a byte order mark.
+/// Reads a text: its root element. `path` is for messages.
+///
+/// A byte order mark, which [`read`] passes over, does not belong to the text.
 ///
 /// # Errors
 /// [`Error::Syntax`] at the first place that is not well-formed XML, and where a limit of this module is passed.
 pub fn parse(text: &str, path: &Path) -> Result<Element> {
-    // The reader of events passes over a mark as well, but does not count it: with one left, its places would be others.
-    let text = text.strip_prefix(MARK).unwrap_or(text);
     let mut reader = Reader::from_str(text);
     reader.config_mut().check_comments = true;
     let mut tree =
@@ -264,11 +264,9 @@ pub fn parse(text: &str, path: &Path) -> Result<Element> {
         return Err(tree.error(0, 0, format!("longer than the {LONGEST} bytes that are read of an XML text")));
     }
     if text.starts_with(MARK) {
-        return Err(tree.error(
-            0,
-            MARK.len_utf8(),
-            "a second byte order mark: there is one at most, at the very beginning",
-        ));
+        // The reader of events would pass over it without counting it: its places would be others.
+        let message = "a byte order mark: a file has one at most, at its very beginning";
+        return Err(tree.error(0, MARK.len_utf8(), message));
     }
     if let Some((at, c)) = text.char_indices().find(|(_, c)| !is_char(*c)) {
         return Err(tree.error(at, at + c.len_utf8(), format!("the character U+{:04X} cannot stand in XML", c as u32)));
@@ -537,8 +535,9 @@ mod tests {
             ("<1/>", ":1:1", "no name"),
             ("<a 1='2'/>", ":1:4", "no name of an attribute"),
             ("<a><!-- b", ":1:4", "comment"),
-            ("\u{feff}<a/>\u{feff}", ":1:5", "text outside"),
-            ("\u{feff}\u{feff}<a/>", ":1:1", "second byte order mark"),
+            ("<a/>\u{feff}", ":1:5", "text outside"),
+            ("\u{feff}<a/>", ":1:1", "byte order mark"),
+            ("\u{feff}?<?xml a?>", ":1:1", "byte order mark"),
             (&many, ":1:", "more than 1000 attributes"),
             (&deep, ":1:193", "64 deep"),
         ] {

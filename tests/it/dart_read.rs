@@ -651,3 +651,25 @@ fn a_field_of_many_comments_is_read_in_one_pass() {
     assert!(error.contains("pebbles.txt:1000001:1: a line of `index x y` belongs here"), "{error}");
     assert!(error.ends_with("and 99981 more problems"), "{error}");
 }
+
+#[test]
+fn factors_that_one_element_gives_for_all_bands_are_bounded() {
+    let folder = Folder::copy("factors", "dart/boulder_574");
+    let edit = |name: &str, from: &str, to: &str, count: usize| {
+        let path = folder.0.join("input").join(name);
+        let text = std::fs::read_to_string(&path).unwrap();
+        let (start, end) = (text.find(from).unwrap(), text.find(to).unwrap());
+        let (before, repeated, after) = (&text[..start], text[start..end].repeat(count), &text[end..]);
+        std::fs::write(path, format!("{before}{repeated}{after}")).unwrap();
+    };
+    edit("coeff_diff.xml", "<RPVMulti ", "</RPVMultiFunctions>", 300);
+    let phase = folder.0.join("input/phase.xml");
+    let unnumbered = std::fs::read_to_string(&phase)
+        .unwrap()
+        .replace("SpectralIntervalsProperties bandNumber=", "SpectralIntervalsProperties was=");
+    std::fs::write(&phase, unnumbered).unwrap();
+    edit("phase.xml", "<SpectralIntervalsProperties ", "</SpectralIntervals>", 1200);
+    let error = dart::read(&folder.0, &ReadOptions::default()).unwrap_err().to_string();
+    assert!(error.contains("coeff_diff.xml:"), "{error}");
+    assert!(error.contains("with this property there are factors for more than 1048576 bands in all"), "{error}");
+}

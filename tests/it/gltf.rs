@@ -393,3 +393,15 @@ fn damaged_containers_are_told() {
     }
     assert!(outcomes[0] > 500 && outcomes[1] > 100, "{outcomes:?}");
 }
+
+#[test]
+fn what_is_dropped_at_many_nodes_is_told_at_each_in_little_time() {
+    let folder = Folder::new();
+    let (mut json, binary) = quad();
+    let nodes = json["nodes"].as_array_mut().unwrap();
+    nodes.extend((0..100_000).map(|_| json!({ "camera": 0 })));
+    json["scenes"] = json!([{ "nodes": (0..=100_000).collect::<Vec<_>>() }]);
+    json["scene"] = json!(0);
+    let (_, report) = folder.read(&json, &binary).unwrap();
+    assert_eq!(report.notes.iter().filter(|note| note.message == "a camera").count(), 100_000);
+}
