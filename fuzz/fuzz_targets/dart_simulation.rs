@@ -1,52 +1,66 @@
-//! One input of a good simulation is replaced by any bytes: reading, checking and expanding it never panics.
+//! Some files of a good simulation are replaced by any bytes: nothing that reads, checks, converts or writes it panics.
+//!
+//! The first byte chooses between two simulations; the pieces that follow, of `files`, are their files.
 #![no_main]
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::LazyLock;
 
+use files::{Folder, told};
+use glam::DVec3;
 use libfuzzer_sys::fuzz_target;
-use mmxrt::formats::dart;
+use mmxrt::formats::{convert, dart, xml};
+use mmxrt::progress::unwatched;
 
-/// What may be replaced: where it lies, and its good text.
-const FILES: [(&str, &[u8]); 10] = [
-    ("input/maket.xml", include_bytes!("../../tests/data/dart/boulder_574/input/maket.xml")),
-    ("input/coeff_diff.xml", include_bytes!("../../tests/data/dart/boulder_574/input/coeff_diff.xml")),
-    ("input/object_3d.xml", include_bytes!("../../tests/data/dart/boulder_574/input/object_3d.xml")),
-    ("input/phase.xml", include_bytes!("../../tests/data/dart/boulder_574/input/phase.xml")),
-    ("input/directions.xml", include_bytes!("../../tests/data/dart/boulder_574/input/directions.xml")),
-    ("input/pebbles.txt", include_bytes!("../../tests/data/dart/boulder_574/input/pebbles.txt")),
-    ("input/obj/boulder.obj", include_bytes!("../../tests/data/dart/boulder_574/input/obj/boulder.obj")),
-    ("input/DEM.mpr", include_bytes!("../../tests/data/dart/boulder_574/input/DEM.mpr")),
-    ("input/DEM.mp#", include_bytes!("../../tests/data/dart/boulder_574/input/DEM.mp#")),
-    ("flyby.xml", include_bytes!("../../tests/data/dart/boulder_574/flyby.xml")),
-];
+mod files;
 
-static FOLDER: LazyLock<PathBuf> = LazyLock::new(|| {
-    let folder = std::env::temp_dir().join(format!("mmxrt-fuzz-{}", std::process::id()));
-    std::fs::create_dir_all(folder.join("input/obj")).unwrap();
-    for (path, good) in FILES {
-        std::fs::write(folder.join(path), good).unwrap();
+/// One that DART's user made, and one that was made here, with databases and `mmxrt.toml`.
+static FOLDERS: LazyLock<[Folder; 2]> = LazyLock::new(|| {
+    let theirs = Folder::holding("theirs", &include!("boulder_574.in"));
+    let scene = Folder::holding("scene", &include!("scene.in"));
+    let ours = files::scratch("ours").join("simulation");
+    let _ = std::fs::remove_dir_all(&ours);
+    convert::convert(&scene.path.join("scene.toml"), &ours, &convert::Options::default(), &unwatched).unwrap();
+    // Simulations of their own, which the first one does not need.
+    for other in ["check", "mars"] {
+        let _ = std::fs::remove_dir_all(ours.join(other));
     }
-    folder
+    [theirs, Folder::of(ours)]
 });
 
 fuzz_target!(|data: &[u8]| {
-    let Some((which, bytes)) = data.split_first() else { return };
-    let folder: &Path = &FOLDER;
-    let (path, good) = FILES[*which as usize % FILES.len()];
-    std::fs::write(folder.join(path), bytes).unwrap();
-    let options = dart::ReadOptions::default();
-    if let Ok((simulation, _, _)) = dart::read(folder, &options) {
-        for field in &simulation.fields {
-            field.objects().for_each(drop);
+    let Some((which, pieces)) = data.split_first() else { return };
+    FOLDERS[usize::from(*which) % FOLDERS.len()].with(pieces, |folder| {
+        let options = dart::ReadOptions { sun_deg: Some([30.0, 100.0]), ..Default::default() };
+        if let Some((simulation, _, _)) = told(dart::read(folder, &options)) {
+            taken(folder, &simulation, &options);
         }
-        for sequence in &simulation.sequences {
-            // A long one takes its time; what it holds is no other than in a short one.
-            if dart::rows(sequence).is_ok_and(|rows| rows.len() < 20) {
-                let _ = dart::flight(folder, sequence, &options);
-            }
+        let options = convert::Options { from: Some(convert::Format::Dart), ..Default::default() };
+        told(convert::check(folder, &options));
+    });
+});
+
+fn taken(folder: &Path, simulation: &dart::Simulation, options: &dart::ReadOptions) {
+    assert!(dart::diff(simulation, simulation).is_empty());
+    for field in &simulation.fields {
+        field.objects().for_each(drop);
+    }
+    for sequence in &simulation.sequences {
+        // A long one takes its time; what it holds is no other than in a short one.
+        if dart::rows(sequence).is_ok_and(|rows| rows.len() < 20) {
+            told(dart::flight(folder, sequence, options));
         }
     }
-    dart::check(folder, &options, &dart::no_coverage);
-    std::fs::write(folder.join(path), good).unwrap();
-});
+    let boxes_m = vec![(DVec3::ZERO, DVec3::ONE); simulation.objects.len()];
+    for (name, root) in told(dart::inputs(simulation, &boxes_m)).unwrap_or_default() {
+        xml::parse(&root.write(), Path::new(name)).unwrap();
+    }
+    let folder = options.folder(folder);
+    told(dart::terrain(simulation, &folder));
+    let options = dart::SceneOptions::default();
+    if let Some(converted) = told(dart::to_scene(simulation, &folder, &options, &unwatched)) {
+        for target in [dart::Target::V5_7_4, dart::Target::V5_11_0] {
+            told(dart::from_scene(&converted.scene, &dart::WriteOptions { target, ..Default::default() }));
+        }
+    }
+}

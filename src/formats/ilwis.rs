@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Location, Problem, Result};
 
-use super::input::{self, InputFile};
+use super::input::{self, InputFile, Problems};
 use super::number::DataType;
 
 /// No header is longer, bytes.
@@ -301,7 +301,7 @@ fn six_digits(x: f64) -> String {
 /// # Errors
 /// As [`read`].
 pub fn parse_header(text: &str, path: &Path) -> Result<Header> {
-    let mut problems = Vec::new();
+    let mut problems = Problems::default();
     let mut section = "";
     let (mut size, mut bounds, mut row_length) = (None, None, None);
     let (_, mut data_type, mut undefined) = TYPES[4];
@@ -325,18 +325,18 @@ pub fn parse_header(text: &str, path: &Path) -> Result<Header> {
                 Some([rows, columns]) if (rows as u64).saturating_mul(columns as u64) <= VALUES => {
                     size = Some((rows, columns));
                 }
-                Some(_) => problems.push(expected(&format!("a size of at most {VALUES} values"))),
-                None => problems.push(expected("a number of rows and a number of columns")),
+                Some(_) => problems.push(|| expected(&format!("a size of at most {VALUES} values"))),
+                None => problems.push(|| expected("a number of rows and a number of columns")),
             },
             ("BaseMap", "CoordBounds") if value.starts_with("undef") => {}
             ("BaseMap", "CoordBounds") => match numbers::<f64, 4>(value) {
                 Some(n) if n.iter().all(|n| n.is_finite()) && n[0] != n[2] && n[1] != n[3] => bounds = Some(n),
-                _ => problems.push(expected("a box of four numbers")),
+                _ => problems.push(|| expected("a box of four numbers")),
             },
             ("BaseMap", "Domain") => domain = value.to_lowercase(),
             ("BaseMap", "Range") => match range(value) {
                 Some(found) => step_offset = found,
-                None => problems.push(expected("least:largest:step:offset=number")),
+                None => problems.push(|| expected("least:largest:step:offset=number")),
             },
             ("MapStore", "Type") => match TYPES.iter().find(|t| t.0 == value) {
                 Some(found) => (_, data_type, undefined) = *found,
@@ -347,8 +347,8 @@ pub fn parse_header(text: &str, path: &Path) -> Result<Header> {
                 return Err(unsupported(format!("values that begin at byte {value}")));
             }
             ("MapStore", "RowLength") => match value.parse::<usize>() {
-                Ok(n) => row_length = Some((n, here().with_item(key))),
-                Err(_) => problems.push(expected("a number of columns")),
+                Ok(n) => row_length = Some((n, start..start + raw.trim_end().len())),
+                Err(_) => problems.push(|| expected("a number of columns")),
             },
             _ => {}
         }
@@ -356,18 +356,19 @@ pub fn parse_header(text: &str, path: &Path) -> Result<Header> {
     }
     if !is_map {
         let message = "has no section [MapStore]: it is not the header of a raster map";
-        problems.push(Problem::new(Location::file(path), message));
+        problems.push(|| Problem::new(Location::file(path), message));
     } else if size.is_none() && problems.is_empty() {
-        problems.push(Problem::new(Location::file(path), "says no `Size=` (rows columns) in its section [Map]"));
+        problems.push(|| Problem::new(Location::file(path), "says no `Size=` (rows columns) in its section [Map]"));
     }
     if let (Some((length, at)), Some((_, columns))) = (row_length, size)
         && length != columns
     {
         let message = format!("rows of {length} values, but `Size=` says {columns} columns");
-        problems.push(Problem::new(at, message));
+        problems.push(|| Problem::new(Location::span(path, text, at.start, at.end).with_item("RowLength"), message));
     }
+    problems.finish(path)?;
     match size {
-        Some((rows, columns)) if problems.is_empty() => {
+        Some((rows, columns)) => {
             // The second coordinate runs along lines, the first from line to line.
             let pixel_m =
                 bounds.map(|[x0, y0, x1, y1]| [(x1 - x0).abs() / rows as f64, (y1 - y0).abs() / columns as f64]);
@@ -386,7 +387,7 @@ pub fn parse_header(text: &str, path: &Path) -> Result<Header> {
             };
             Ok(Header { rows, columns, pixel_m, bounds, store, path: path.to_owned() })
         }
-        _ => Err(Error::Invalid(problems)),
+        None => Err(Error::invalid(Location::file(path), "says no `Size=`")),
     }
 }
 

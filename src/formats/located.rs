@@ -20,6 +20,10 @@ use crate::error::{Error, Location, Problem, Result, number};
 
 /// Longer files are refused, bytes: nobody writes them.
 const LIMIT: u64 = 16 << 20;
+/// As many problems are told: the place of each is counted from the beginning of the text.
+const TOLD: usize = 100;
+/// Longer names of items are refused, bytes: each item of a table or list carries the names of all around it.
+const LONGEST_NAME: usize = 400;
 
 /// A TOML text as a tree whose items know their places.
 ///
@@ -30,6 +34,7 @@ pub struct Document {
     text: String,
     tree: Value,
     places: BTreeMap<String, Place>,
+    /// What cannot be used of the text itself; the first of it, and one more if there is more.
     problems: Vec<Problem>,
 }
 
@@ -76,6 +81,11 @@ impl Document {
         let mut map = Map::new();
         for (key, value) in table.iter() {
             let item = member(path, key.get_ref());
+            if item.len() > LONGEST_NAME {
+                let at = key.span();
+                self.refuse(text, at, path, || format!("a name of {} bytes, with those around it", item.len()));
+                continue;
+            }
             self.places.insert(item.clone(), Place { key: key.span(), value: value.span() });
             map.insert(key.get_ref().to_string(), self.value(value, &item, text));
         }
@@ -106,10 +116,15 @@ impl Document {
             },
             DeValue::Datetime(d) => format!("{d} is a date: nothing here is"),
         };
-        let span = value.span();
-        let at = Location::span(&self.path, text, span.start, span.end).with_item(item);
-        self.problems.push(Problem::new(at, refused));
+        self.refuse(text, value.span(), item, || refused);
         Value::Null
+    }
+
+    fn refuse(&mut self, text: &str, span: Range<usize>, item: &str, message: impl FnOnce() -> String) {
+        if self.problems.len() <= TOLD {
+            let at = Location::span(&self.path, text, span.start, span.end).with_item(item);
+            self.problems.push(Problem::new(at, message()));
+        }
     }
 
     /// The text.
@@ -155,6 +170,10 @@ impl Document {
         self.compare(&schema, &schema, &self.tree, "", &mut problems);
         if !problems.is_empty() {
             problems.sort_by_key(|p| p.at.span);
+            if problems.len() > TOLD {
+                problems.truncate(TOLD);
+                problems.push(Problem::new(Location::file(&self.path), "and more problems"));
+            }
             return Err(Error::Invalid(problems));
         }
         serde_json::from_value(self.tree.clone()).map_err(|e| Error::invalid(Location::file(&self.path), e.to_string()))
@@ -163,8 +182,8 @@ impl Document {
     /// Adds what is wrong with a value by its schema; `root` holds the definitions that schemas refer to.
     fn compare(&self, root: &Value, schema: &Value, value: &Value, item: &str, problems: &mut Vec<Problem>) {
         let schema = resolved(root, schema);
-        if value.is_null() {
-            // Told when the text was read.
+        // Told when the text was read; or enough has been told.
+        if value.is_null() || problems.len() > TOLD {
             return;
         }
         let choices = choices(root, schema);
@@ -251,6 +270,9 @@ impl Document {
         let known = schema.get("properties").and_then(Value::as_object).unwrap_or(&empty);
         let others = schema.get("additionalProperties");
         for (key, value) in map {
+            if problems.len() > TOLD {
+                return;
+            }
             let member = member(item, key);
             match (known.get(key), others) {
                 (Some(schema), _) => self.compare(root, schema, value, &member, problems),
@@ -482,6 +504,22 @@ mod tests {
 
     fn read(text: &str) -> Result<Outer> {
         Document::parse(text.to_owned(), Path::new("a.toml"))?.read()
+    }
+
+    #[test]
+    fn what_is_told_is_bounded() {
+        let list = format!("position_m = [{}]\n", "nan,".repeat(300_000));
+        for text in [list.clone(), list.replace("nan", "''")] {
+            let document = Document::parse(text, Path::new("a.toml")).unwrap();
+            let told = document.read::<Outer>().unwrap_err().to_string();
+            assert_eq!(told.lines().count(), TOLD + 1);
+            assert!(told.ends_with("a.toml: and more problems"), "{told}");
+        }
+        let name = "n".repeat(LONGEST_NAME + 1);
+        let document = Document::parse(format!("{name} = {{ a = 1 }}"), Path::new("a.toml")).unwrap();
+        assert!(!document.has(&name));
+        let told = document.read::<Outer>().unwrap_err().to_string();
+        assert!(told.contains("a.toml:1:1: a name of 401 bytes"), "{told}");
     }
 
     #[test]

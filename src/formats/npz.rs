@@ -435,6 +435,8 @@ fn check(
 struct Npz {
     path: PathBuf,
     file_bytes: u64,
+    /// Of all arrays so far.
+    array_bytes: u64,
     zip: ZipArchive<BufReader<File>>,
 }
 
@@ -463,7 +465,7 @@ impl Npz {
             zip::result::ZipError::Io(e) if e.kind() != std::io::ErrorKind::UnexpectedEof => io(e),
             e => Error::syntax(Location::file(path), format!("not a complete .npz file: {e}")),
         })?;
-        Ok(Npz { path: path.to_owned(), file_bytes, zip })
+        Ok(Npz { path: path.to_owned(), file_bytes, array_bytes: 0, zip })
     }
 
     fn at(&self, name: &str) -> Location {
@@ -489,7 +491,8 @@ impl Npz {
         Ok(header)
     }
 
-    /// An array; `None` if there is none of this name. Never holds more than the file does.
+    /// An array; `None` if there is none of this name. Never holds more than the file does; nor do all arrays together, which
+    /// could be the same bytes over and over.
     fn array(&mut self, name: &str) -> Result<Option<Array>> {
         let at = self.at(name);
         let damaged = |message: String| Error::syntax(at.clone(), message);
@@ -503,8 +506,12 @@ impl Npz {
         if member.compression() != CompressionMethod::Stored {
             return Err(compressed());
         }
-        if member.size() > self.file_bytes {
-            return Err(damaged(format!("claims {} bytes in a file of {}", member.size(), self.file_bytes)));
+        self.array_bytes = self.array_bytes.saturating_add(member.size());
+        if self.array_bytes > self.file_bytes {
+            let (size, all, file) = (member.size(), self.array_bytes, self.file_bytes);
+            return Err(damaged(format!(
+                "claims {size} bytes, and with the arrays before it {all}, in a file of {file}"
+            )));
         }
         let mut bytes = Vec::with_capacity(member.size() as usize);
         member.read_to_end(&mut bytes).map_err(|e| damaged(e.to_string()))?;

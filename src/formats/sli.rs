@@ -17,6 +17,8 @@ use super::table::{flat, gathered, parts};
 
 /// Longer files of numbers are refused, bytes.
 const LIMIT: u64 = 512 << 20;
+/// More spectra are refused: each takes far more memory than a number or two of a file.
+const MOST_SPECTRA: usize = 1 << 20;
 /// Numbers below this are not there: the library of the US Geological Survey has -1.23e34 in deleted channels.
 const DELETED_BELOW: f64 = -1e30;
 
@@ -57,6 +59,9 @@ pub fn parse(header: &Header, bytes: &[u8], path: &Path) -> Result<(Vec<Spectral
         );
         return Err(Error::invalid(Location::file(path), message));
     };
+    if spectra > MOST_SPECTRA {
+        return Err(Error::invalid(at("lines"), format!("{spectra} spectra: at most {MOST_SPECTRA} are read")));
+    }
     let mut wavelength_um = wavelengths(header, &mut report)?;
     let reversed = wavelength_um.len() > 1 && wavelength_um.windows(2).all(|w| w[0] > w[1]);
     if reversed {

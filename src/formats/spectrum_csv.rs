@@ -8,6 +8,7 @@
 //! [`read_all`] takes every column, as a spectrum of that name: several quantities of one material (`reflectance,k,g,h`), or
 //! of several (`basalt,olivine:reflectance_percent,olivine:emissivity`; a name alone stands for reflectance).
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -16,7 +17,7 @@ use crate::report::{Fate, Report};
 use crate::spectral::{Column, Extend, SpectralLibrary, Spectrum};
 use crate::units::{fraction_from_percent, um_from_nm};
 
-use super::dart::kind::{Kind, same};
+use super::dart::kind::Kind;
 use super::folder::Staged;
 use super::input::{self, InputFile, Problems};
 use super::table::{self, Reading, Row, flat, gathered, is_plain, parts, place};
@@ -240,8 +241,9 @@ pub fn parse_all(text: &str, path: &Path) -> Result<Vec<SpectralLibrary>> {
             "one column: a wavelength and values, parted by commas, are needed",
         ));
     }
+    let mut known = BTreeSet::new();
     for (i, (label, _)) in labelled.iter().enumerate() {
-        if label.is_empty() || labelled[..i].iter().any(|other| same(other.0, label)) {
+        if label.is_empty() || !known.insert(label.to_ascii_lowercase()) {
             let message =
                 if label.is_empty() { "a column has no name".into() } else { format!("`{label}` is there twice") };
             return Err(Error::invalid(place(path, text, header.cells[i + 1]), message));

@@ -24,6 +24,8 @@ pub const DEEPEST: usize = 64;
 pub const ELEMENTS: usize = 1_000_000;
 /// No element has more attributes.
 pub const ATTRIBUTES: usize = 1_000;
+/// What some editors put before UTF-8 text.
+const MARK: char = '\u{feff}';
 
 /// An element.
 #[derive(Debug, Clone, Default)]
@@ -249,6 +251,8 @@ pub fn read(path: &Path) -> Result<(Element, InputFile)> {
 
 /// Reads a text: its root element. `path` is for messages.
 ///
+/// A byte order mark, which [`read`] passes over, does not belong to the text.
+///
 /// # Errors
 /// [`Error::Syntax`] at the first place that is not well-formed XML, and where a limit of this module is passed.
 pub fn parse(text: &str, path: &Path) -> Result<Element> {
@@ -258,6 +262,11 @@ pub fn parse(text: &str, path: &Path) -> Result<Element> {
         Tree { text, path, file: path.into(), cursor: Cursor::new(), open: Vec::new(), root: None, count: 0 };
     if text.len() as u64 > LONGEST {
         return Err(tree.error(0, 0, format!("longer than the {LONGEST} bytes that are read of an XML text")));
+    }
+    if text.starts_with(MARK) {
+        // The reader of events would pass over it without counting it: its places would be others.
+        let message = "a byte order mark: a file has one at most, at its very beginning";
+        return Err(tree.error(0, MARK.len_utf8(), message));
     }
     if let Some((at, c)) = text.char_indices().find(|(_, c)| !is_char(*c)) {
         return Err(tree.error(at, at + c.len_utf8(), format!("the character U+{:04X} cannot stand in XML", c as u32)));
@@ -526,6 +535,9 @@ mod tests {
             ("<1/>", ":1:1", "no name"),
             ("<a 1='2'/>", ":1:4", "no name of an attribute"),
             ("<a><!-- b", ":1:4", "comment"),
+            ("<a/>\u{feff}", ":1:5", "text outside"),
+            ("\u{feff}<a/>", ":1:1", "byte order mark"),
+            ("\u{feff}?<?xml a?>", ":1:1", "byte order mark"),
             (&many, ":1:", "more than 1000 attributes"),
             (&deep, ":1:193", "64 deep"),
         ] {

@@ -87,23 +87,33 @@ impl Mesh {
 
     /// Appends another mesh, whose material ids already mean the same.
     pub fn append(&mut self, other: Mesh) {
-        let base = self.vertices_m.len() as u32;
-        if !self.face_of_facet.is_empty() || !other.face_of_facet.is_empty() {
-            let mine = self.facets.len();
-            if self.face_of_facet.is_empty() {
-                self.face_of_facet.extend(0..mine as u32);
+        self.append_all([other]);
+    }
+
+    /// Appends other meshes, whose material ids already mean the same.
+    pub fn append_all(&mut self, others: impl IntoIterator<Item = Mesh>) {
+        // Faces so far, once they are counted: not anew for each of many small meshes.
+        let mut faces: Option<u32> = None;
+        for other in others {
+            let base = self.vertices_m.len() as u32;
+            if !self.face_of_facet.is_empty() || !other.face_of_facet.is_empty() {
+                if self.face_of_facet.is_empty() {
+                    self.face_of_facet.extend(0..self.facets.len() as u32);
+                }
+                let before = faces.unwrap_or_else(|| self.face_of_facet.iter().max().map_or(0, |f| f + 1));
+                self.face_of_facet.extend((0..other.facets.len()).map(|i| before + other.face(i)));
+                let more = (0..other.facets.len()).map(|i| other.face(i) + 1).max();
+                faces = Some(before + more.unwrap_or(0));
             }
-            let faces = self.face_of_facet.iter().max().map_or(0, |f| f + 1);
-            self.face_of_facet.extend((0..other.facets.len()).map(|i| faces + other.face(i)));
+            if !self.uv.is_empty() || !other.uv.is_empty() {
+                self.uv.resize(self.facets.len(), NO_UV);
+                self.uv.extend(&other.uv);
+                self.uv.resize(self.facets.len() + other.facets.len(), NO_UV);
+            }
+            self.vertices_m.extend(other.vertices_m);
+            self.facets.extend(other.facets.iter().map(|f| f.map(|v| v + base)));
+            self.material.extend(other.material);
         }
-        if !self.uv.is_empty() || !other.uv.is_empty() {
-            self.uv.resize(self.facets.len(), NO_UV);
-            self.uv.extend(&other.uv);
-            self.uv.resize(self.facets.len() + other.facets.len(), NO_UV);
-        }
-        self.vertices_m.extend(other.vertices_m);
-        self.facets.extend(other.facets.iter().map(|f| f.map(|v| v + base)));
-        self.material.extend(other.material);
     }
 
     /// The vertices that facets use, m, each once.
@@ -158,8 +168,14 @@ mod tests {
             uv: vec![],
         };
         let mut both = quad.clone();
-        both.append(quad);
+        both.append(quad.clone());
         assert_eq!(both.face_of_facet, [0, 0, 1, 1]);
         assert_eq!(both.facets[3], [4, 6, 7]);
+        let triangle =
+            Mesh { facets: vec![[0, 1, 2]], material: vec![MaterialId(0)], face_of_facet: vec![], ..quad.clone() };
+        let mut all = triangle.clone();
+        all.append_all([triangle.clone(), quad.clone(), triangle, quad]);
+        assert_eq!(all.face_of_facet, [0, 1, 2, 2, 3, 4, 4]);
+        assert_eq!(all.facets[6], [16, 18, 19]);
     }
 }

@@ -9,6 +9,7 @@ use mmxrt::formats::dart::{
     no_coverage, rows,
 };
 use mmxrt::formats::ilwis;
+use mmxrt::progress::unwatched;
 use mmxrt::report::{Fate, Report};
 
 fn data(name: &str) -> PathBuf {
@@ -665,4 +666,50 @@ fn an_object_scaled_to_nothing_is_refused() {
     folder.replace("input/object_3d.xml", r#"xscale="2.0""#, r#"xscale="0.0""#);
     let error = dart::read(&folder.0, &ReadOptions::default()).unwrap_err().to_string();
     assert!(error.contains("object_3d.xml:") && error.contains("a scale of 0"), "{error}");
+}
+
+#[test]
+fn a_field_of_more_than_any_memory_holds_is_refused() {
+    let folder = Folder::copy("large-field", "dart/boulder_574");
+    let obj = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\ng top\n{}g foot\nf 1 2 3\n", "f 1 2 3\n".repeat(5000));
+    std::fs::write(folder.0.join("input/obj/boulder.obj"), obj).unwrap();
+    std::fs::write(folder.0.join("input/pebbles.txt"), "0 1 1\n".repeat(30_000)).unwrap();
+    let options = ReadOptions::default();
+    let (simulation, _, _) = dart::read(&folder.0, &options).unwrap();
+    let outcome = dart::to_scene(&simulation, &options.folder(&folder.0), &dart::SceneOptions::default(), &unwatched);
+    let error = outcome.unwrap_err().to_string();
+    assert!(error.contains("object_3d.xml:55:"), "{error}");
+    assert!(error.contains("with \"pebble\" there are more than 134217728 vertices or facets"), "{error}");
+}
+
+#[test]
+fn a_field_of_many_comments_is_read_in_one_pass() {
+    let folder = Folder::copy("comments", "dart/boulder_574");
+    let text = format!("{}0 1 / 1\n{}", "// said\n".repeat(1_000_000), "0 1 nowhere\n".repeat(100_000));
+    std::fs::write(folder.0.join("input/pebbles.txt"), text).unwrap();
+    let error = dart::read(&folder.0, &ReadOptions::default()).unwrap_err().to_string();
+    assert!(error.contains("pebbles.txt:1000001:1: a line of `index x y` belongs here"), "{error}");
+    assert!(error.ends_with("and 99981 more problems"), "{error}");
+}
+
+#[test]
+fn factors_that_one_element_gives_for_all_bands_are_bounded() {
+    let folder = Folder::copy("factors", "dart/boulder_574");
+    let edit = |name: &str, from: &str, to: &str, count: usize| {
+        let path = folder.0.join("input").join(name);
+        let text = std::fs::read_to_string(&path).unwrap();
+        let (start, end) = (text.find(from).unwrap(), text.find(to).unwrap());
+        let (before, repeated, after) = (&text[..start], text[start..end].repeat(count), &text[end..]);
+        std::fs::write(path, format!("{before}{repeated}{after}")).unwrap();
+    };
+    edit("coeff_diff.xml", "<RPVMulti ", "</RPVMultiFunctions>", 300);
+    let phase = folder.0.join("input/phase.xml");
+    let unnumbered = std::fs::read_to_string(&phase)
+        .unwrap()
+        .replace("SpectralIntervalsProperties bandNumber=", "SpectralIntervalsProperties was=");
+    std::fs::write(&phase, unnumbered).unwrap();
+    edit("phase.xml", "<SpectralIntervalsProperties ", "</SpectralIntervals>", 1200);
+    let error = dart::read(&folder.0, &ReadOptions::default()).unwrap_err().to_string();
+    assert!(error.contains("coeff_diff.xml:"), "{error}");
+    assert!(error.contains("with this property there are factors for more than 1048576 bands in all"), "{error}");
 }

@@ -314,6 +314,14 @@ fn damaged_files_are_told_where() {
         ("/accessors/0/byteOffset", json!(u64::MAX), "accessors[0]: 4 elements"),
         ("/accessors/0/bufferView", Value::Null, "accessors[0]: has neither `bufferView` nor `sparse`"),
         ("/accessors/0/sparse", json!({ "count": 9 }), "accessors[0].sparse: replaces 9 of 4"),
+        (
+            // 3 GB of zeros, of which the file holds none.
+            "/accessors/0",
+            json!({ "componentType": 5126, "type": "VEC3", "count": 1 << 27, "sparse": {
+                "count": 0, "indices": { "bufferView": 0, "componentType": 5123 }, "values": { "bufferView": 0 },
+            } }),
+            "accessors[0]: 134217728 elements without a `bufferView`: all buffers have 60 bytes",
+        ),
         ("/bufferViews/0/byteOffset", json!(u64::MAX), "bufferViews[0]: 48 bytes from byte 18446744073709551615"),
         ("/bufferViews/0/byteLength", json!(61), "bufferViews[0]: 61 bytes from byte 0: the buffer has 60"),
         ("/bufferViews/0/byteStride", json!(4), "bufferViews[0]: a `byteStride` of 4 for elements of 12 bytes"),
@@ -432,4 +440,16 @@ fn attributes_that_have_no_place_are_told() {
     let (_, report) = folder.read(&json, &binary).unwrap();
     let told: Vec<String> = report.notes.iter().map(|n| n.message.clone()).collect();
     assert_eq!(told, ["custom properties: density", "TEXCOORD_0"]);
+}
+
+#[test]
+fn what_is_dropped_at_many_nodes_is_told_at_each_in_little_time() {
+    let folder = Folder::new();
+    let (mut json, binary) = quad();
+    let nodes = json["nodes"].as_array_mut().unwrap();
+    nodes.extend((0..100_000).map(|_| json!({ "camera": 0 })));
+    json["scenes"] = json!([{ "nodes": (0..=100_000).collect::<Vec<_>>() }]);
+    json["scene"] = json!(0);
+    let (_, report) = folder.read(&json, &binary).unwrap();
+    assert_eq!(report.notes.iter().filter(|note| note.message == "a camera").count(), 100_000);
 }

@@ -384,6 +384,16 @@ fn how_many_more_problems_there_are_is_told_at_the_end() {
 }
 
 #[test]
+fn many_problems_do_not_each_tell_of_all_entries() {
+    let folder = prepared();
+    let many: String = (0..2000).map(|i| format!("m{i} = {{ mixture = {{ nowhere_{i} = 1.0 }} }}\n")).collect();
+    let path = folder.write("scene.toml", GOOD.replace("[sun]", &format!("{many}[sun]")));
+    let error = scene_toml::read(&path, &unwatched).unwrap_err();
+    assert!(error.problems().len() >= 2000);
+    assert!(error.to_string().len() < 1_000_000);
+}
+
+#[test]
 fn no_cut_of_a_scene_makes_the_reader_panic() {
     let folder = prepared();
     let mut refused = 0;

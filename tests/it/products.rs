@@ -477,3 +477,33 @@ fn reports_come_back_and_their_errors_are_located() {
     assert!(error.contains("run.json:6:") && error.contains("expected u64"), "{error}");
     assert!(!error.contains("at line"), "{error}");
 }
+
+#[test]
+fn arrays_that_are_the_same_bytes_over_and_over_are_refused() {
+    let scratch = Scratch::new();
+    let path = scratch.join("table.npz");
+    let table = FacetTable {
+        sun_irradiance: vec![0.5; 1000],
+        sunlit: Sunlit { lit: vec![Lit::Full; 1000], polygon_start: vec![0], ..Default::default() },
+        ..table()
+    };
+    npz::write_table(&path, &table, "s").unwrap();
+    let mut bytes = std::fs::read(&path).unwrap();
+    let u16_at = |bytes: &[u8], at: usize| usize::from(u16::from_le_bytes([bytes[at], bytes[at + 1]]));
+    let end = bytes.len() - 22;
+    let directory = u16_at(&bytes, end + 16) + (u16_at(&bytes, end + 18) << 16);
+    let mut entries = vec![directory];
+    for i in 1..u16_at(&bytes, end + 10) {
+        let at = entries[i - 1];
+        entries.push(at + 46 + u16_at(&bytes, at + 28) + u16_at(&bytes, at + 30) + u16_at(&bytes, at + 32));
+    }
+    // Sum, sizes and offset of all members become those of the largest.
+    let largest = entries.iter().copied().max_by_key(|at| u16_at(&bytes, at + 24)).unwrap();
+    for at in entries {
+        bytes.copy_within(largest + 16..largest + 28, at + 16);
+        bytes.copy_within(largest + 42..largest + 46, at + 42);
+    }
+    std::fs::write(&path, &bytes).unwrap();
+    let error = npz::list(&path).unwrap_err().to_string();
+    assert!(error.contains("claims 8128 bytes, and with the arrays before it"), "{error}");
+}

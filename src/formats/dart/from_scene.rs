@@ -69,10 +69,15 @@ impl Size {
         let bands = simulation.phase.bands.len() as u64;
         let of_camera = |c: &Camera| u64::from(c.pixels[0]) * u64::from(c.pixels[1]);
         let views = 1 + simulation.directions.views_deg.len() as u64;
-        let pixels = simulation.phase.cameras.iter().map(of_camera).sum::<u64>() + views * x * y;
-        let all_cells = cells.iter().fold(1u64, |n, c| n.saturating_mul(*c));
-        let bytes =
-            all_cells.saturating_mul(64).saturating_add(facets * (256 + 80 * bands)).saturating_add(pixels * bands * 8);
+        let product = |factors: &[u64]| factors.iter().fold(1_u64, |n, factor| n.saturating_mul(*factor));
+        let pixels =
+            simulation.phase.cameras.iter().map(of_camera).fold(product(&[views, x, y]), |n, of| n.saturating_add(of));
+        let bytes = [
+            product(&[64, cells[0], cells[1], cells[2]]),
+            product(&[facets, 256 + 80 * bands]),
+            product(&[pixels, bands, 8]),
+        ];
+        let bytes = bytes.iter().fold(0_u64, |n, of| n.saturating_add(*of));
         Size { facets, cells, bytes }
     }
 }

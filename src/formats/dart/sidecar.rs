@@ -301,8 +301,9 @@ impl Sidecar {
 
     /// The face that each of so many facets was cut from; empty if each is its own, or if the runs are of other facets.
     pub(super) fn faces(&self, facets: usize) -> Vec<u32> {
-        let count: u64 = self.faces.iter().map(|(size, faces)| u64::from(*size) * u64::from(*faces)).sum();
-        if count != facets as u64 || self.faces.iter().any(|(size, _)| *size == 0) {
+        let facets_of = |(size, faces): &(u32, u32)| u64::from(*size) * u64::from(*faces);
+        let count = self.faces.iter().try_fold(0_u64, |sum, run| sum.checked_add(facets_of(run)));
+        if count != Some(facets as u64) || self.faces.iter().any(|(size, _)| *size == 0) {
             return Vec::new();
         }
         let sizes = self.faces.iter().flat_map(|(size, faces)| std::iter::repeat_n(*size, *faces as usize));

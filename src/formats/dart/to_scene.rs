@@ -51,6 +51,8 @@ const UNKNOWN_REFLECTANCE: f64 = 0.1;
 const ROUNDS: usize = 8;
 /// Bolometric emissivity of what does not say: Phobos and most powders lie between 0.9 and 1.
 const EMISSIVITY_BOLOMETRIC: f64 = 0.95;
+/// More vertices, or more facets, of all objects are refused.
+const MOST: usize = 1 << 27;
 /// Where a simulation has no camera, one looks down from so many times the scene's extent.
 const CAMERA_DISTANCE: f64 = 10.0;
 

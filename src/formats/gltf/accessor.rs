@@ -98,7 +98,16 @@ impl Data<'_> {
         }
         let mut numbers = match accessor.buffer_view {
             Some(view) => self.packed(accessor, view, accessor.byte_offset, accessor.count, width, &item)?,
-            None if accessor.sparse.is_some() => vec![0.0; width * accessor.count],
+            None if accessor.sparse.is_some() => {
+                // Zeros take no bytes of the file: their number is bounded by what else it holds.
+                let held: usize = self.buffers.iter().map(Vec::len).sum();
+                if accessor.count > held {
+                    let message =
+                        format!("{} elements without a `bufferView`: all buffers have {held} bytes", accessor.count);
+                    return self.wrong(item, message);
+                }
+                vec![0.0; width * accessor.count]
+            }
             None => return self.wrong(item, "has neither `bufferView` nor `sparse`"),
         };
         if let Some(sparse) = &accessor.sparse {

@@ -58,8 +58,14 @@ pub fn parse(bytes: &[u8], path: &Path, outside: bool) -> Result<(Surface, Repor
     let mut data = Data { path, root, buffers: Vec::new() };
     known(&data)?;
     data.buffers = buffers(&data, binary, outside, &mut inputs)?;
-    let (mesh, report) = (Mesh::default(), Report::default());
-    let mut reader = Reader { data: &data, mesh, objects: 0, materials: Vec::new(), report };
+    let mut reader = Reader {
+        data: &data,
+        mesh: Mesh::default(),
+        objects: 0,
+        materials: Vec::new(),
+        report: Report::default(),
+        dropped: BTreeSet::new(),
+    };
     reader.scene()?;
     let origin_m = reader.origin_m()?;
     let Reader { mesh, materials, report, .. } = reader;
@@ -214,15 +220,16 @@ struct Reader<'a> {
     objects: usize,
     materials: Vec<ObjMaterial>,
     report: Report,
+    /// Items and messages of what has been told to be dropped.
+    dropped: BTreeSet<(String, String)>,
 }
 
 impl Reader<'_> {
     fn dropped(&mut self, item: impl Into<String>, message: impl Into<String>) {
-        let at = self.data.at(item);
         // An instance of a mesh loses what the mesh loses: told once.
-        let message = message.into();
-        if !self.report.notes.iter().any(|note| note.at == at && note.message == message) {
-            self.report.note(Fate::Dropped, at, message);
+        let (item, message) = (item.into(), message.into());
+        if self.dropped.insert((item.clone(), message.clone())) {
+            self.report.note(Fate::Dropped, self.data.at(item), message);
         }
     }
 

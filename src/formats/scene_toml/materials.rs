@@ -356,8 +356,11 @@ fn help_for(name: &str, entries: &[String]) -> String {
     }
 }
 
+/// The first names of a list that may be long.
 fn quoted(names: &[String]) -> String {
-    names.iter().map(|n| format!("{n:?}")).collect::<Vec<_>>().join(", ")
+    const TOLD: usize = 20;
+    let more = if names.len() > TOLD { ", ..." } else { "" };
+    names.iter().take(TOLD).map(|n| format!("{n:?}")).collect::<Vec<_>>().join(", ") + more
 }
 
 /// Whether following a mixture's parts leads back to it.

@@ -75,6 +75,8 @@ pub struct Stated {
     pub value: String,
 }
 
+/// As many problems are told with their lines.
+const PLACED: usize = 1000;
 /// Lambert reflectance of Mars, if none is given.
 const MARS_ALBEDO: f64 = 0.25;
 /// Bond albedo of Mars, if none is given.
@@ -218,8 +220,12 @@ impl Reader<'_> {
     }
 
     pub(super) fn problem(&mut self, item: &str, message: impl Into<String>) -> &mut Problem {
-        let problem = Problem::new(self.document.at(item), message);
-        self.problems.push(problem);
+        // Lines are counted from the beginning of the text: of more problems only the item is told.
+        let at = match self.problems.len() {
+            0..PLACED => self.document.at(item),
+            _ => Location::file(&self.inputs[0].path).with_item(item),
+        };
+        self.problems.push(Problem::new(at, message));
         self.problems.last_mut().expect("one was pushed")
     }
 

@@ -6,6 +6,8 @@ use crate::report::Fate;
 use super::super::{OpticalKind, OpticalProperty, ThermalFunction};
 use super::reading::{Reading, number};
 
+/// More factors, those of all properties in all bands, are refused: one element can stand for those of every band.
+const SETS: usize = 1 << 20;
 /// The elements of the lists, in the order of the file.
 const LISTS: [(OpticalKind, &str, &str); 3] = [
     (OpticalKind::Lambertian, "LambertianMultiFunctions", "LambertianMulti"),
@@ -14,7 +16,7 @@ const LISTS: [(OpticalKind, &str, &str); 3] = [
 ];
 
 pub(super) fn optical(coeff_diff: &Element, bands: usize, reading: &mut Reading) -> Vec<OpticalProperty> {
-    let mut properties = Vec::new();
+    let (mut properties, mut sets) = (Vec::new(), 0);
     for (kind, list, entry) in LISTS {
         // From 5.10 lists are wrapped in `Surfaces`.
         for element in coeff_diff.descendant(list).iter().flat_map(|l| l.all(entry)) {
@@ -30,13 +32,20 @@ pub(super) fn optical(coeff_diff: &Element, bands: usize, reading: &mut Reading)
             if kind != OpticalKind::Lambertian && transmittance.is_none() {
                 reading.note(Fate::Defaulted, element.at(), "names no table of transmittance: taken is none");
             }
+            let factors = factors(element, bands, reading);
+            sets += factors.len();
+            if sets > SETS {
+                let message = format!("with this property there are factors for more than {SETS} bands in all");
+                reading.problem(element.at(), message);
+                return properties;
+            }
             properties.push(OpticalProperty {
                 kind,
                 ident: reading.text(element, "ident"),
                 database,
                 model,
                 transmittance,
-                factors: factors(element, bands, reading),
+                factors,
                 at: element.at(),
             });
         }

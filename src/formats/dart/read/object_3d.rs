@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use crate::error::Problem;
 use crate::formats::input;
 use crate::formats::xml::Element;
 use crate::report::Fate;
@@ -198,12 +199,12 @@ fn places(text: &str, path: &std::path::Path, models: &[Object], reading: &mut R
                     places.push(Placement { model, position_m: DVec3::new(x, y, position_m.z), scale, rotation_deg });
                 }
                 (None, Some([index, ..])) => {
-                    reading
-                        .problem(at(), format!("model {index}: the field has {} models, counted from 0", models.len()));
+                    let message = format!("model {index}: the field has {} models, counted from 0", models.len());
+                    reading.problems.push(|| Problem::new(at(), message));
                 }
                 _ => {
                     let wanted = if complete { "index x y z sx sy sz xrot yrot zrot" } else { "index x y" };
-                    reading.problem(at(), format!("a line of `{wanted}` belongs here"));
+                    reading.problems.push(|| Problem::new(at(), format!("a line of `{wanted}` belongs here")));
                 }
             }
             if places.len() > PLACES {
@@ -224,12 +225,17 @@ fn places(text: &str, path: &std::path::Path, models: &[Object], reading: &mut R
 fn without_comments(text: &str) -> String {
     let mut clean = String::with_capacity(text.len());
     let mut rest = text;
-    while let Some(i) = rest.find("/*").into_iter().chain(rest.find("//")).min() {
+    while let Some(i) = rest.find('/') {
         clean.push_str(&rest[..i]);
         let comment = &rest[i..];
         let length = match comment.as_bytes().get(1) {
             Some(b'*') => comment[2..].find("*/").map_or(comment.len(), |end| end + 4),
-            _ => comment.find('\n').unwrap_or(comment.len()),
+            Some(b'/') => comment.find('\n').unwrap_or(comment.len()),
+            _ => {
+                clean.push('/');
+                rest = &comment[1..];
+                continue;
+            }
         };
         clean.extend(comment[..length].bytes().map(|b| if b == b'\n' { '\n' } else { ' ' }));
         rest = &comment[length..];

@@ -1,5 +1,6 @@
 //! The surface of a simulation: its objects, its ground, and copies of both.
 
+use std::borrow::Cow;
 use std::rc::Rc;
 
 use glam::{DMat3, DVec3};
@@ -10,12 +11,11 @@ use crate::formats::obj::{self, ObjFile};
 use crate::geometry::{MaterialId, Mesh};
 use crate::progress::tell;
 use crate::report::Fate;
-use crate::scene::MOST_FACETS;
 
 use super::super::ground::{Ground, Standing};
 use super::super::simulation::Object;
 use super::super::{frame, groups};
-use super::{Place, Reader};
+use super::{MOST, Place, Reader};
 
 impl Reader<'_> {
     /// The OBJ file that an object names.
@@ -42,10 +42,24 @@ impl Reader<'_> {
         let (ground, report, files) = Ground::of(simulation, self.folder, self.options.repeat)?;
         self.report.notes.extend(report.notes);
         self.inputs.extend(files);
-        let mut all = Mesh::default();
         let mut standing = Standing::default();
-        let fields: Vec<Object> = simulation.fields.iter().flat_map(|f| f.objects()).collect();
-        for object in simulation.objects.iter().chain(&fields) {
+        let placed = || {
+            let of_fields = simulation.fields.iter().flat_map(|f| f.objects()).map(Cow::Owned);
+            simulation.objects.iter().map(Cow::Borrowed).chain(of_fields)
+        };
+        // A field of a few lines can ask for more than any memory holds.
+        let (mut vertices, mut facets) = (0, 0);
+        for object in placed().filter(|object| !object.hidden) {
+            let read = self.obj(&object)?;
+            (vertices, facets) = (vertices + read.vertices.len(), facets + read.facets.len());
+            if vertices.max(facets) > MOST {
+                let message = format!("with {:?} there are more than {MOST} vertices or facets", object.name);
+                return Err(Error::invalid(object.at.clone(), message));
+            }
+        }
+        let mut meshes = Vec::new();
+        for object in placed() {
+            let object = object.as_ref();
             if object.hidden {
                 self.note(Fate::Dropped, &object.at, format!("{:?} is hidden: DART ignores it too", object.name));
                 continue;
@@ -54,16 +68,11 @@ impl Reader<'_> {
             let mut mesh = self.object(object, material_of)?;
             standing.settle(object, &mut mesh, &ground, &mut self.report);
             self.beyond(object, &mesh);
-            // A field may hold millions of places.
-            if all.vertices_m.len().max(all.facets.len()) + mesh.vertices_m.len().max(mesh.facets.len()) > MOST_FACETS {
-                let message = format!(
-                    "with {:?} there are more than the {MOST_FACETS} facets or vertices there may be",
-                    object.name
-                );
-                return Err(Error::invalid(object.at.clone(), message));
-            }
-            if all.facets.is_empty() { all = mesh } else { all.append(mesh) }
+            meshes.push(mesh);
         }
+        let mut meshes = meshes.into_iter();
+        let mut all = meshes.next().unwrap_or_default();
+        all.append_all(meshes);
         standing.tell(&mut self.report);
         if let Some(sidecar) = self.sidecar.as_ref().filter(|_| simulation.objects.len() == 1) {
             all.face_of_facet = match sidecar.faces(all.facets.len()) {

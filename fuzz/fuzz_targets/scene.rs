@@ -1,0 +1,34 @@
+//! Some files of a good scene are replaced by any bytes: nothing that reads, converts or writes it panics.
+//!
+//! Pieces of `files`; recipes are read, but no landscape is made of them.
+#![no_main]
+
+use std::sync::LazyLock;
+
+use files::{Folder, told};
+use libfuzzer_sys::fuzz_target;
+use mmxrt::formats::surface::Surface;
+use mmxrt::formats::{dart, recipe_toml, scene_toml};
+use mmxrt::progress::Progress;
+use mmxrt::report::Report;
+use mmxrt::study;
+
+mod files;
+
+static FOLDER: LazyLock<Folder> = LazyLock::new(|| Folder::holding("scene", &include!("scene.in")));
+
+fuzz_target!(|data: &[u8]| {
+    FOLDER.with(data, |folder| {
+        let path = folder.join("scene.toml");
+        told(recipe_toml::read(&path));
+        let only_reading = |progress: Progress| progress.stage.starts_with("reading");
+        let Some(file) = told(scene_toml::read(&path, &only_reading)) else { return };
+        told(file.simulable());
+        // A camera may have any number of pixels and bands; none is looked through here.
+        let _ = study::summary(&file.scene);
+        Surface::of_scene(&file.scene, &path, &mut Report::default());
+        if file.scene.sensor.bands.len() < 1000 {
+            told(dart::from_scene(&file.scene, &dart::WriteOptions::default()));
+        }
+    });
+});
