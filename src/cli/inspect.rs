@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use mmxrt::formats::convert::{self, Content, Format};
+use mmxrt::formats::dart::output;
 use mmxrt::formats::folder::Staged;
 use mmxrt::formats::located::Document;
 use mmxrt::formats::mtl::{self, ObjMaterial};
@@ -21,7 +22,7 @@ use super::console::Console;
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// A product folder, image (ENVI, ILWIS, OpenEXR, NumPy, PNG, CSV), .npz, .json report, scene, recipe, spectrum (.csv), .obj, .mtl, .gltf, .glb, DART simulation or optical database, .sli or .txt
+    /// A product folder, image (ENVI, ILWIS, OpenEXR, NumPy, PNG, CSV), .npz, .json report, scene, recipe, spectrum (.csv), .obj, .mtl, .gltf, .glb, DART simulation, output or optical database, .sli or .txt
     file: PathBuf,
     /// Write a picture of an image, to look at: grey, or of three bands in colours
     #[arg(long, value_name = "OUT.png")]
@@ -265,8 +266,14 @@ fn spectrum(path: &Path) -> Result<Facts> {
 }
 
 fn folder(path: &Path) -> Result<Facts> {
+    if path.join("simulation.properties.txt").is_file() || path.join("output/simulation.properties.txt").is_file() {
+        return dart_output(path);
+    }
     if !path.join("report.json").is_file() {
-        return Err(Error::invalid(Location::file(path), "is not a product folder: it has no report.json"));
+        return Err(Error::invalid(
+            Location::file(path),
+            "is not a product folder, which has a report.json, nor an output of DART, which has a simulation.properties.txt",
+        ));
     }
     let io = |e| Error::io(path, "reading", e);
     let mut files = Vec::new();
@@ -280,6 +287,31 @@ fn folder(path: &Path) -> Result<Facts> {
     facts.push(("files", files.collect()));
     facts.extend(report(&path.join("report.json"))?.into_iter().filter(|(name, _)| *name != "kind"));
     Ok(facts)
+}
+
+/// What a DART simulation computed.
+fn dart_output(path: &Path) -> Result<Facts> {
+    let output = output::open(path)?;
+    let band = |b: &output::OutputBand| json!({ "band": b.number, "um": b.band.centre_um, "fwhm_um": b.band.fwhm_um });
+    let views = output.views().iter().enumerate().map(|(i, view)| {
+        let [zenith_deg, azimuth_deg] = view.towards_deg;
+        json!({
+            "view": i, "name": view.name, "quantity": view.quantity.name(), "iteration": view.iteration,
+            "zenith_deg": zenith_deg, "azimuth_deg": azimuth_deg,
+            "bands": view.bands.iter().map(|b| b.number).collect::<Vec<_>>(),
+        })
+    });
+    let mut bands: Vec<&output::OutputBand> =
+        output.views().iter().flat_map(|v| &v.bands).chain(output.budget()).collect();
+    bands.sort_by_key(|b| b.number);
+    bands.dedup_by_key(|b| b.number);
+    Ok(vec![
+        ("kind", json!("DART output")),
+        ("views", views.collect()),
+        ("bands", bands.into_iter().map(band).collect()),
+        ("budget_of_triangles_bands", output.budget().iter().map(|b| json!(b.number)).collect()),
+        ("passed_over", json!(output.passed_over())),
+    ])
 }
 
 fn report(path: &Path) -> Result<Facts> {

@@ -1,4 +1,5 @@
-//! DART's outputs as radiance maps: where texels lie and what they hold, against numbers worked out by hand, and damaged outputs.
+//! DART's outputs as radiance maps: where texels lie and what they hold, against numbers worked out by hand, and damaged
+//! outputs.
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
@@ -115,8 +116,9 @@ impl Image<'_> {
 
 const NAME: &str = "ima02_VZ=036_9_VA=090_0";
 
-/// The box seen from the East, 36.87 deg from the zenith: sine 0.6, cosine 0.8. Its height displaces its top by 4 x 0.75 = 3 m, so that the image
-/// begins at y = -3 m and has, with 16 rows of 1 m / 0.8, 20 m on the ground; columns run from x = 12 m to 0. The value of row r, column c is r + c / 100.
+/// The box seen from the East, 36.87 deg from the zenith: sine 0.6, cosine 0.8. Its height displaces its top by 4 x 0.75 = 3 m,
+/// so that the image begins at y = -3 m and has, with 16 rows of 1 m / 0.8, 20 m on the ground; columns run from x = 12 m to 0.
+/// The value of row r, column c is r + c / 100.
 fn oblique(folder: &str) -> Image<'_> {
     Image {
         folder,
@@ -204,12 +206,13 @@ fn an_oblique_image_lands_on_the_faces_that_it_shows() {
         image.projection.texel(pose().point(DVec3::new(4.0, 8.0, 4.0))).map(|x| (x + 1e-6).floor() as usize);
     assert_eq!((row, column), (6, 8));
     assert!((values[row * 12 + column] - 6.08 * 852.0 / PI).abs() < 1e-12);
-    assert!((values[row * 12 + column] - 1648.896_140_013_8).abs() < 1e-6);
+    assert!((values[row * 12 + column] - 1_648.896_140_013_8).abs() < 1e-6);
 }
 
 #[test]
 fn a_scene_11_m_high_is_displaced_by_4_53_m() {
-    // 30 m by 33 m, 11 m high, seen at 22.404906 deg from azimuth 90 deg: 11 tan = 4.534975; 36 / cos = 38.939403 m of ground in 36 rows.
+    // 30 m by 33 m, 11 m high, seen at 22.404906 deg from azimuth 90 deg: 11 tan = 4.534975; 36 / cos = 38.939403 m of ground
+    // in 36 rows.
     let scratch = Scratch::new();
     let image = Image {
         folder: "BAND0/BRF/ITERX",
@@ -225,12 +228,11 @@ fn a_scene_11_m_high_is_displaced_by_4_53_m() {
     replace(&properties, "36.869898", "22.404906");
     replace(&properties, "products.image0", "product.image17");
     replace(&properties, "ima02", "ima002");
-    let scene_from_dart = Some(Pose { translation_m: DVec3::ZERO, ..pose() });
+    let pose = Pose { translation_m: DVec3::ZERO, ..pose() };
     let scene = scene(cuboid([4.0, -16.0, 0.0], [29.0, -2.0, 10.0]), DVec3::ZERO);
     let map = output::open(&output).unwrap();
-    let map = map.view_map(0, &scene, &MapOptions { scene_from_dart, ..MapOptions::default() }).unwrap();
-    let texel =
-        |dart_m: [f64; 3]| view_of(&map).projection.texel(scene_from_dart.unwrap().point(DVec3::from_array(dart_m)));
+    let map = map.view_map(0, &scene, &MapOptions { scene_from_dart: Some(pose), ..MapOptions::default() }).unwrap();
+    let texel = |dart_m: [f64; 3]| view_of(&map).projection.texel(pose.point(DVec3::from_array(dart_m)));
     assert!(near(texel([30.0, 0.0, 11.0]), [0.0, 0.0]), "{:?}", texel([30.0, 0.0, 11.0]));
     assert!(near(texel([30.0, -4.534_975, 0.0]), [0.0, 0.0]));
     assert!(near(texel([-1.0, 34.404_428, 0.0]), [31.0, 36.0]));
@@ -444,8 +446,9 @@ fn a_map_that_is_elsewhere_is_refused() {
     assert!((values[13] - 1.01).abs() < 1e-15);
 }
 
-/// A box of 11 m (South), 7 m (East) and 4 m (up), at longitude 90 deg on the equator: South is -z, East -x, up +y. In whole cells of 1 m that is 12 m by
-/// 8 m by 5 m: half a metre of margin, so that the box's corner (4, 4, 6) is at (0.5, 0.5, 4.5) in DART's frame.
+/// A box of 11 m (South), 7 m (East) and 4 m (up), at longitude 90 deg on the equator: South is -z, East -x, up +y. In whole
+/// cells of 1 m that is 12 m by 8 m by 5 m: half a metre of margin, so that the box's corner (4, 4, 6) is at (0.5, 0.5, 4.5) in
+/// DART's frame.
 fn made() -> Scene {
     scene(cuboid([-3.0, 0.0, -5.0], [4.0, 4.0, 6.0]), DVec3::new(0.0, 11e3, 0.0))
 }
@@ -464,7 +467,8 @@ fn a_scene_that_was_made_of_the_simulation_lies_where_it_was_read() {
     std::fs::remove_file(folder.join("mmxrt.toml")).unwrap();
     let reading = ReadOptions::default();
     let (simulation, _, _) = dart::read(&folder, &reading).unwrap();
-    // The middle of the ground, (6, 4, 0), is the origin: at the body's centre x is East, y North; at longitude 90 deg as above.
+    // The middle of the ground, (6, 4, 0), is the origin: at the body's centre x is East, y North; at longitude 90 deg as
+    // above.
     for (origin_m, corner_m) in
         [(None, DVec3::new(-3.5, 5.5, 4.5)), (Some(DVec3::new(0.0, 11e3, 0.0)), DVec3::new(3.5, 4.5, 5.5))]
     {
@@ -508,4 +512,153 @@ fn a_simulation_that_was_made_of_the_scene_lies_where_it_was_written() {
     let map = output::open(&folder).unwrap().view_map(0, &made, &MapOptions::default()).unwrap();
     assert!(near(view_of(&map).projection.texel(DVec3::new(4.0, 4.0, 6.0)), [0.5, 0.5]));
     assert!(near(view_of(&map).projection.texel(DVec3::new(-3.0, 0.0, -5.0)), [7.5, 11.5]));
+}
+
+/// A triangle, or a parallelogram, of DART's, by three corners.
+fn record(is_quad: bool, corners_m: [[f64; 3]; 3]) -> Vec<u8> {
+    let mut bytes = vec![u8::from(is_quad)];
+    bytes.extend(corners_m.iter().flatten().flat_map(|x| x.to_le_bytes()));
+    bytes.resize(102, 0);
+    bytes
+}
+
+/// DART's surfaces: the ground, the western and the eastern half of the box's top, and a triangle of 2 m2 in the air.
+fn records() -> [Vec<u8>; 4] {
+    [
+        record(true, [[0.0, 16.0, 0.0], [0.0, 0.0, 0.0], [12.0, 0.0, 0.0]]),
+        record(true, [[2.0, 8.0, 4.0], [2.0, 4.0, 4.0], [6.0, 4.0, 4.0]]),
+        record(true, [[2.0, 12.0, 4.0], [2.0, 8.0, 4.0], [6.0, 8.0, 4.0]]),
+        record(false, [[0.0, 2.0, 9.0], [0.0, 0.0, 9.0], [2.0, 0.0, 9.0]]),
+    ]
+}
+
+const FIGURES: &str =
+    "* Intercepted\tScattered\tEmitted\tAbsorbed\n10\t3\t0.5\t7\n10\t2\t0\t8\n20\t4\t0\t16\n1\t0.5\t0\t0.5\n";
+
+fn output_with_budget(scratch: &Scratch, units: &str) -> PathBuf {
+    let output = scratch.join("output");
+    let folder = output.join("BAND0/RADIATIVE_BUDGET/ITERX");
+    std::fs::create_dir_all(&folder).unwrap();
+    let properties = format!("{PROPERTIES}maket.nbOfTriangles:4\ndart.products.RadiativeBudget.units:{units}\n");
+    std::fs::write(output.join("simulation.properties.txt"), properties).unwrap();
+    std::fs::write(output.join("triangles.txt"), records().concat()).unwrap();
+    std::fs::write(folder.join("RadiativeBudgetFigures.txt"), FIGURES).unwrap();
+    output
+}
+
+#[test]
+fn the_budget_of_triangles_is_on_the_facets_they_lie_on() {
+    let scene = box_on_ground();
+    // Exitances 3.5, 2, 4, 0.5, over pi: as they are, times the irradiance, or over areas of 192, 16, 16 and 2 m2.
+    for (units, factor) in [("0", [852.0; 4]), ("1", [1.0; 4]), ("2", [1.0 / 192.0, 1.0 / 16.0, 1.0 / 16.0, 0.5])] {
+        let scratch = Scratch::new();
+        let output = output::open(&output_with_budget(&scratch, units)).unwrap();
+        assert!(output.views().is_empty() && output.budget()[0].number == 0);
+        let (mut map, mismatch) = output.budget_map(&scene, &options()).unwrap();
+        let mut values = Vec::new();
+        map.source.read(0, &mut values).unwrap();
+        let expected: Vec<f64> = [3.5, 2.0, 4.0, 0.5].iter().zip(factor).map(|(m, f)| m * f / PI).collect();
+        assert!(values.iter().zip(&expected).all(|(a, b)| (a / b - 1.0).abs() < 1e-15), "{values:?} {expected:?}");
+        // Ground 192, top 32, sides 96, bottom 32 m2, of which DART has ground and top.
+        let found = [mismatch.facets_m2, mismatch.all_facets_m2, mismatch.triangles_m2, mismatch.all_triangles_m2];
+        assert!(found.iter().zip([128.0, 352.0, 2.0, 226.0]).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?}");
+        let Placement::Patches(patches) = &map.placement else { panic!("{:?}", map.placement) };
+        let mut area_m2 = [0.0; 4];
+        for (i, polygon) in patches.polygon_start.windows(2).enumerate() {
+            let facet = scene.mesh.facet(patches.polygon_facet[i] as usize);
+            let uv = &patches.uv[polygon[0] as usize..polygon[1] as usize];
+            let twice: f64 =
+                (0..uv.len()).map(|k| (uv[k], uv[(k + 1) % uv.len()])).map(|(p, q)| p[0] * q[1] - p[1] * q[0]).sum();
+            area_m2[patches.polygon_texel[i] as usize] += twice * facet.area_m2();
+            // West of the box's middle, x = 0 of the scene, is texel 1.
+            let middle: f64 = uv.iter().map(|[u, v]| facet.point_m(*u, *v).x).sum();
+            assert!(facet.centroid_m().z < 4.0 || (middle < 0.0) == (patches.polygon_texel[i] == 1));
+        }
+        assert_eq!(patches.texels, 4);
+        assert!(area_m2.iter().zip([192.0, 16.0, 16.0, 0.0]).all(|(a, b)| (a - b).abs() < 1e-9), "{area_m2:?}");
+    }
+}
+
+#[test]
+fn damaged_budgets_are_told_at_their_place() {
+    let scene = box_on_ground();
+    let error = |damage: &dyn Fn(&Path, &Path)| {
+        let scratch = Scratch::new();
+        let output = output_with_budget(&scratch, "1");
+        damage(&output, &output.join("BAND0/RADIATIVE_BUDGET/ITERX/RadiativeBudgetFigures.txt"));
+        match output::open(&output).unwrap().budget_map(&scene, &options()) {
+            Err(error) => error.to_string(),
+            Ok((mut map, _)) => map.source.read(0, &mut Vec::new()).unwrap_err().to_string(),
+        }
+    };
+    let triangles = |output: &Path, bytes: Vec<u8>| std::fs::write(output.join("triangles.txt"), bytes).unwrap();
+    let says = |error: String, wanted: &str| assert!(error.contains(wanted), "{error}");
+    says(error(&|output, _| triangles(output, vec![0; 103])), "triangles.txt: holds 103 bytes, no whole number");
+    says(error(&|output, _| triangles(output, records()[..3].concat())), "triangles.txt: holds 3 triangles");
+    says(
+        error(&|output, _| {
+            let mut nan = records();
+            nan[2][9..17].fill(0xff);
+            triangles(output, nan.concat());
+        }),
+        "triangle 2 (from 0): no corners",
+    );
+    says(
+        error(&|output, _| {
+            let [a, b, c, _] = records();
+            triangles(output, [a, b.clone(), b, c].concat());
+        }),
+        "facets of the scene are covered more often than once",
+    );
+    says(
+        error(&|_, figures| replace(figures, "\n20\t4\t0\t16", "")),
+        "Figures.txt: holds 3 triangles, triangles.txt has 4",
+    );
+    says(error(&|_, figures| replace(figures, "20\t4", "20\t-4")), "Figures.txt:4: 4 numbers, not negative");
+    says(error(&|_, figures| replace(figures, "10\t2\t0\t8", "10\t2\t0")), "Figures.txt:3: 4 numbers");
+    says(error(&|_, figures| replace(figures, "Emitted", "Sent")), "Figures.txt:2: no column Emitted");
+    says(error(&|_, figures| replace(figures, "* Inter", "Inter")), "Figures.txt:1: no line `* ... Scattered");
+    says(
+        error(&|_, figures| replace(figures, "10\t2", "ObjectName object0_0_0\n10\t2")),
+        "grouped by objects (DART-Lux)",
+    );
+    let properties = "simulation.properties.txt";
+    says(error(&|output, _| replace(&output.join(properties), "units:1", "units:7")), "`7` is no unit");
+    says(
+        error(&|output, _| replace(&output.join(properties), "units:", "unit:")),
+        "unit of the radiative budget is not said",
+    );
+    says(
+        error(&|output, _| {
+            replace(&output.join(properties), "units:1", "units:0");
+            replace(&output.join(properties), "BOA", "BOB");
+        }),
+        "has no `dart.band0.BOA.irradiance`",
+    );
+    // Sunlight only: there is no emission to miss.
+    let scratch = Scratch::new();
+    let output = output_with_budget(&scratch, "1");
+    replace(&output.join(properties), "units:1", "units:1\ndart.band0.mode:R");
+    replace(&output.join("BAND0/RADIATIVE_BUDGET/ITERX/RadiativeBudgetFigures.txt"), "Emitted", "Sent");
+    let opened = output::open(&output).unwrap();
+    let mut values = Vec::new();
+    opened.budget_map(&scene, &options()).unwrap().0.source.read(0, &mut values).unwrap();
+    assert_eq!(values[0], 3.0 / PI);
+    let mut far = options();
+    far.scene_from_dart.as_mut().unwrap().translation_m.z += 1.0;
+    says(opened.budget_map(&scene, &far).unwrap_err().to_string(), "do not overlap");
+    let scratch = Scratch::new();
+    let images = output::open(&output_with(&scratch, &oblique("BAND0/BRF/ITER3"))).unwrap();
+    says(images.budget_map(&scene, &options()).unwrap_err().to_string(), "holds no radiative budget");
+}
+
+#[test]
+fn inspecting_an_output_lists_views_and_bands() {
+    let scratch = Scratch::new();
+    output_with(&scratch, &oblique("BAND0/BRF/ITER3"));
+    let (code, out, err) = crate::cli::run(&["inspect", scratch.path().to_str().unwrap()]);
+    assert_eq!(code, 0, "{err}");
+    for wanted in ["kind: DART output", NAME, "bands [0]", "iteration ITER3", "quantity BRF", "um 0.685"] {
+        assert!(out.contains(wanted), "{wanted}: {out}");
+    }
 }

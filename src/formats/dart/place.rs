@@ -33,8 +33,8 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// As `mmxrt.toml` has it, unless an origin is given, or DART's scene is now elsewhere; else the origin, or the body's centre, is the
-    /// middle of the scene's ground.
+    /// As `mmxrt.toml` has it, unless an origin is given, or DART's scene is now elsewhere; else the origin, or the body's
+    /// centre, is the middle of the scene's ground.
     pub(super) fn of(maket: &Maket, sidecar: Option<&Sidecar>, origin_m: Option<DVec3>) -> Self {
         if let (Some(sidecar), None) = (sidecar, origin_m) {
             let origin_m = DVec3::from_array(sidecar.origin_m);
@@ -64,9 +64,9 @@ impl Place {
     }
 }
 
-/// DART's frame (x down the image, y to its right, z up, m, from the scene's corner) in that of `scene`, if one of the two was made of the
-/// other: the scene of the simulation by [`to_scene`](super::to_scene()), or the simulation, with `mmxrt.toml` beside it, of the scene by
-/// [`from_scene`](super::from_scene()).
+/// DART's frame (x down the image, y to its right, z up, m, from the scene's corner) in that of `scene`, if one of the two was
+/// made of the other: the scene of the simulation by [`to_scene`](super::to_scene()), or the simulation, with `mmxrt.toml`
+/// beside it, of the scene by [`from_scene`](super::from_scene()).
 ///
 /// # Errors
 /// [`Error::Invalid`] if `mmxrt.toml` tells of a scene with another `origin_m`; as [`Sidecar::read`].

@@ -50,7 +50,7 @@ pub fn schema() -> schemars::Schema {
 /// |---|---|
 /// | a map file (`.toml`), or a raster with one beside it | as it says |
 /// | `.npz`, `.csv` with radiance and wavelengths of facets | see above |
-/// | a DART simulation, its `output/`, a folder of images, an image | its views: see [`dart::output`](super::dart::output) |
+/// | a DART simulation, its `output/`, a folder of images, an image, `RADIATIVE_BUDGET` | its views, or triangles: see [`dart::output`](super::dart::output) |
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::Syntax`]; [`Error::Invalid`] with all that is wrong in the map file, with the rasters it names, and
@@ -111,16 +111,39 @@ pub fn describe(path: &Path) -> Result<Vec<(String, String)>> {
     Ok(document.keys("").into_iter().map(value).collect())
 }
 
-/// All views of a DART output.
+/// All views of a DART output, in one quantity; without any, the radiative budget of its triangles.
 fn of_dart(path: &Path, scene: &Scene, weight: f64) -> Result<Opened> {
+    use dart_output::Quantity::{Brf, Radiance, Tapp};
     let output = dart_output::open(path)?;
+    let options = dart_output::MapOptions::default();
+    let mut notes = Vec::new();
     let mut maps = Vec::new();
-    for view in 0..output.views().len() {
-        let mut map = output.view_map(view, scene, &dart_output::MapOptions::default())?;
-        map.weight *= weight;
-        maps.push(map);
+    let has = |quantity| output.views().iter().any(|view| view.quantity == quantity);
+    // The same images in several quantities are one map: that which is nearest to radiance.
+    let Some(taken) = [Radiance, Brf, Tapp].into_iter().find(|quantity| has(*quantity)) else {
+        let (map, mismatch) = output.budget_map(scene, &options)?;
+        notes.push(format!(
+            "{}: {:.6} of {:.6} m2 of the scene's facets have no triangle, {:.6} of {:.6} m2 of the triangles no facet",
+            map.name, mismatch.facets_m2, mismatch.all_facets_m2, mismatch.triangles_m2, mismatch.all_triangles_m2
+        ));
+        return Ok(Opened { maps: vec![RadianceMap { weight: map.weight * weight, ..map }], inputs: vec![], notes });
+    };
+    for (i, view) in output.views().iter().enumerate() {
+        if view.quantity == taken {
+            let map = output.view_map(i, scene, &options)?;
+            maps.push(RadianceMap { weight: map.weight * weight, ..map });
+        }
     }
-    Ok(Opened { maps, inputs: vec![], notes: vec![] })
+    let others = [Brf, Tapp].into_iter().filter(|other| *other != taken && has(*other));
+    for other in others {
+        notes.push(format!(
+            "{}: images of {} are passed over: those of {} are taken",
+            path.display(),
+            other.name(),
+            taken.name()
+        ));
+    }
+    Ok(Opened { maps, inputs: vec![], notes })
 }
 
 /// Reads a map file; `asked` is the path that it was found by.

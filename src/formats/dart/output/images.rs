@@ -1,8 +1,9 @@
 //! Images of parallel views: where their texels lie, and the radiance that they hold.
 //!
-//! Rows run along the azimuth of the direction to the viewer, columns along that plus 90 deg, as one sees it from above: the image lies in the plane
-//! that faces the viewer, so that on the ground a row is pixel / cos(zenith angle) and a column is a pixel. A point at height z above the scene's bottom
-//! appears where its line of sight meets the ground: z tan(zenith angle) away from the viewer.
+//! Rows run along the azimuth of the direction to the viewer, columns along that plus 90 deg, as one sees it from above: the
+//! image lies in the plane that faces the viewer, so that on the ground a row is pixel / cos(zenith angle) and a column is a
+//! pixel. A point at height z above the scene's bottom appears where its line of sight meets the ground: z tan(zenith angle)
+//! away from the viewer.
 
 use std::path::{Path, PathBuf};
 
@@ -23,7 +24,8 @@ use super::{MapOptions, OutputView, Quantity, frame};
 /// Angles have six digits behind the point in `simulation.properties.txt`, one in names, deg.
 pub(super) const PROPERTY_ROUNDING_DEG: f64 = 0.5e-6;
 pub(super) const NAME_ROUNDING_DEG: f64 = 0.05;
-/// Corners that are farther than this share of a pixel from where size and direction put them, beyond rounding, are not those of the image.
+/// Corners that are farther than this share of a pixel from where size and direction put them, beyond rounding, are not those
+/// of the image.
 const CORNER_TOLERANCE: f64 = 0.01;
 /// What stands for "no value".
 const NOTHING: f64 = -1.0;
@@ -290,7 +292,8 @@ impl TexelSource for Source {
             return Err(Error::invalid(Location::file(path), message));
         }
         let is_nothing = |v: f64| v.is_nan() || v == NOTHING;
-        let is_bad = |v: f64| !(is_nothing(v) || v >= 0.0 && v.is_finite());
+        let is_value = |v: f64| v >= 0.0 && v.is_finite();
+        let is_bad = |v: f64| !(is_value(v) || is_nothing(v));
         if let Some(i) = raster.values.iter().position(|v| is_bad(*v)) {
             let count = raster.values.iter().filter(|v| is_bad(**v)).count();
             let at = Location::file(path.with_extension("mp#")).with_item(format!(

@@ -1,8 +1,10 @@
-//! What a DART simulation computed, as radiance maps of a scene: images of parallel views, and the radiative budget of triangles.
+//! What a DART simulation computed, as radiance maps of a scene: images of parallel views, and the radiative budget of
+//! triangles.
 //!
-//! `output/BANDn/{BRF,Tapp,Radiance}/ITERn/IMAGES_DART/*.mpr` are the images; `simulation.properties.txt` tells their directions, bands and
-//! irradiances. Axes and angles of DART end here: maps lie in the scene's local frame.
+//! `output/BANDn/{BRF,Tapp,Radiance}/ITERn/IMAGES_DART/*.mpr` are the images; `simulation.properties.txt` tells their
+//! directions, bands and irradiances. Axes and angles of DART end here: maps lie in the scene's local frame.
 
+mod budget;
 mod georef;
 mod images;
 mod properties;
@@ -20,6 +22,7 @@ use crate::spectral::Band;
 use super::frame;
 use super::place::scene_from_dart;
 use super::read::{self, Options};
+pub use budget::Mismatch;
 use properties::{Properties, Told};
 
 /// What DART's images hold.
@@ -66,8 +69,8 @@ pub struct OutputView {
     pub quantity: Quantity,
     /// The folder of the iteration that they are of, as in `ITER3`; `ITERX` is extrapolated to all iterations.
     pub iteration: String,
-    /// Zenith angle and azimuth of the direction from the scene to the viewer, deg, in DART's frame: azimuths from x (down the image, South) to
-    /// y (right, East).
+    /// Zenith angle and azimuth of the direction from the scene to the viewer, deg, in DART's frame: azimuths from x (down the
+    /// image, South) to y (right, East).
     pub towards_deg: [f64; 2],
     /// To what these angles are known, deg.
     rounding_deg: f64,
@@ -93,6 +96,7 @@ pub struct Output {
     folder: PathBuf,
     properties: Properties,
     views: Vec<OutputView>,
+    budget: Vec<OutputBand>,
     passed_over: Vec<String>,
 }
 
@@ -101,30 +105,30 @@ pub struct Output {
 pub struct MapOptions {
     /// DART's frame in that of the scene; `None`: by the simulation's inputs, which the scene was made of or into.
     pub scene_from_dart: Option<Pose>,
-    /// Irradiance of a horizontal plane under the atmosphere that reflectance factors refer to, W m-2 um-1, for each band of the view; `None`: as in
-    /// `simulation.properties.txt`.
+    /// Irradiance of a horizontal plane under the atmosphere that reflectance factors refer to, W m-2 um-1, for each band of
+    /// the map; `None`: as in `simulation.properties.txt`.
     pub irradiance_w_m2_um: Option<Vec<f64>>,
-    /// Columns and rows by which what an image shows lies beyond where its corners put it. 0 is as DART says; adapters/dart/README.md tells of an image
-    /// that is off.
+    /// Columns and rows by which what an image shows lies beyond where its corners put it. 0 is as DART says;
+    /// adapters/dart/README.md tells of an image that is off.
     pub shift_texels: [f64; 2],
 }
 
-/// Finds what a simulation computed, at the path of its folder, of its `output/`, of a folder therein (a band, an iteration, `IMAGES_DART`), or of one
-/// image: what lies there.
+/// Finds what a simulation computed, at the path of its folder, of its `output/`, of a folder therein (a band, an iteration,
+/// `IMAGES_DART`), or of one image: what lies there.
 ///
 /// Of several iterations that lie there `ITERX` is taken, or that with the highest number. Values are not read.
 ///
 /// # Errors
-/// [`Error::Io`]; [`Error::Invalid`] with all that is wrong: nothing there, a band that lacks the iteration that others have, names and properties that do
-/// not say a direction or a band.
+/// [`Error::Io`]; [`Error::Invalid`] with all that is wrong: nothing there, a band that lacks the iteration that others have,
+/// names and properties that do not say a direction or a band.
 pub fn open(path: &Path) -> Result<Output> {
     if !path.exists() {
         return Err(Error::io(path, "reading", std::io::ErrorKind::NotFound.into()));
     }
     let folder = root(path)?;
     let properties = Properties::read(&folder.join(properties::FILE))?;
-    let mut output = Output { folder, properties, views: Vec::new(), passed_over: Vec::new() };
-    output.find_views(path)?;
+    let mut output = Output { folder, properties, views: Vec::new(), budget: Vec::new(), passed_over: Vec::new() };
+    output.find(path)?;
     Ok(output)
 }
 
@@ -176,6 +180,41 @@ fn iteration_rank(name: &str) -> Option<u32> {
     if number == "X" { Some(u32::MAX) } else { number.parse().ok().filter(|n| *n < u32::MAX) }
 }
 
+/// The last iteration that any band has of a quantity: its name, and for each band that has it the band's number and the path
+/// of `item` therein.
+fn last_iteration(
+    bands: &[(usize, PathBuf)],
+    quantity: &str,
+    item: &str,
+    is_wanted: &dyn Fn(&Path) -> bool,
+    problems: &mut Vec<Problem>,
+) -> Result<Vec<(String, usize, PathBuf)>> {
+    let mut found = Vec::new();
+    for (number, folder) in bands {
+        let folder = folder.join(quantity);
+        let mut iterations = names(&folder)?;
+        iterations.retain(|name| {
+            let path = folder.join(name).join(item);
+            iteration_rank(name).is_some() && is_wanted(&path) && path.exists()
+        });
+        if !iterations.is_empty() {
+            found.push((*number, folder, iterations));
+        }
+    }
+    let last = found.iter().flat_map(|(.., iterations)| iterations).max_by_key(|name| iteration_rank(name)).cloned();
+    let Some(last) = last else { return Ok(Vec::new()) };
+    let (mut paths, mut missing) = (Vec::new(), Vec::new());
+    for (number, folder, iterations) in found {
+        match iterations.contains(&last) {
+            true => paths.push((last.clone(), number, folder.join(&last).join(item))),
+            false => missing.push(folder),
+        }
+    }
+    let message = format!("has no {last}, which other bands have: was the simulation interrupted?");
+    problems.extend(missing.into_iter().map(|folder| Problem::new(Location::file(folder), message.clone())));
+    Ok(paths)
+}
+
 /// A path without what names the same place twice.
 fn plain(path: &Path) -> PathBuf {
     path.components().filter(|c| !matches!(c, Component::CurDir)).collect()
@@ -195,9 +234,9 @@ impl Output {
     /// A view as a map of a scene: an image of it, each texel at what is seen there.
     ///
     /// # Errors
-    /// [`Error::Io`]; [`Error::Invalid`] with all that is wrong: images that are cut short, of different sizes or without corners; corners that do not
-    /// go with the size, the pixel and the direction; irradiances that are missing; a placement that is not known; a map that does not
-    /// overlap the scene.
+    /// [`Error::Io`]; [`Error::Invalid`] with all that is wrong: images that are cut short, of different sizes or without
+    /// corners; corners that do not go with the size, the pixel and the direction; irradiances that are missing; a placement
+    /// that is not known; a map that does not overlap the scene.
     pub fn view_map(&self, view: usize, scene: &Scene, options: &MapOptions) -> Result<RadianceMap> {
         let Some(view) = self.views.get(view) else {
             let message = format!("there is no view {view}: there are {}, counted from 0", self.views.len());
@@ -205,6 +244,30 @@ impl Output {
         };
         let pose = self.scene_from_dart(scene, options);
         images::map(view, &self.properties, pose, scene, options)
+    }
+
+    /// Bands whose radiative budget is told for each triangle, ascending.
+    pub fn budget(&self) -> &[OutputBand] {
+        &self.budget
+    }
+
+    /// The radiative budget of triangles as a map of a scene: what they scatter and emit, over pi, as Lambert surfaces send it
+    /// out. A texel is a triangle; it is on all facets that it lies on, in their plane.
+    ///
+    /// # Errors
+    /// [`Error::Io`]; [`Error::Invalid`] with all that is wrong: no budget, a number of triangles that is not the same
+    /// everywhere, a unit or irradiance that is not known; a placement that is not known; triangles that do not overlap the
+    /// scene, or one another.
+    pub fn budget_map(&self, scene: &Scene, options: &MapOptions) -> Result<(RadianceMap, Mismatch)> {
+        if self.budget.is_empty() {
+            let message = format!(
+                "holds no radiative budget of triangles: that is BANDn/RADIATIVE_BUDGET/ITERn/{}",
+                budget::FIGURES
+            );
+            return Err(Error::invalid(Location::file(&self.folder), message));
+        }
+        let pose = self.scene_from_dart(scene, options)?;
+        budget::map(&self.folder, &self.budget, &self.properties, pose, scene, options)
     }
 
     /// DART's frame in the scene's.
@@ -229,7 +292,7 @@ impl Output {
         scene_from_dart(&simulation, &folder, scene)
     }
 
-    fn find_views(&mut self, path: &Path) -> Result<()> {
+    fn find(&mut self, path: &Path) -> Result<()> {
         let wanted = plain(path);
         // What is asked for lies in, or around, a folder or file.
         let is_wanted = |at: &Path| {
@@ -244,55 +307,43 @@ impl Output {
             .collect();
         bands.sort();
         for quantity in Quantity::ALL {
-            let mut found: Vec<(&(usize, PathBuf), Vec<String>)> = Vec::new();
-            for band in &bands {
-                let folder = band.1.join(quantity.name());
-                let mut iterations = names(&folder)?;
-                iterations
-                    .retain(|name| iteration_rank(name).is_some() && is_wanted(&folder.join(name).join("IMAGES_DART")));
-                if !iterations.is_empty() {
-                    found.push((band, iterations));
-                }
-            }
-            let last =
-                found.iter().flat_map(|(_, iterations)| iterations).max_by_key(|name| iteration_rank(name)).cloned();
-            let Some(last) = last else { continue };
-            for ((number, folder), iterations) in found {
-                let folder = folder.join(quantity.name());
-                if !iterations.contains(&last) {
-                    let message = format!("has no {last}, which other bands have: was the simulation interrupted?");
-                    problems.push(Problem::new(Location::file(&folder), message));
-                    continue;
-                }
-                let band = match self.properties.band(*number) {
-                    Ok(band) => band,
-                    Err(problem) => {
-                        if !problems.contains(&problem) {
-                            problems.push(problem);
-                        }
-                        continue;
-                    }
-                };
-                let images = folder.join(&last).join("IMAGES_DART");
+            let last = last_iteration(&bands, quantity.name(), "IMAGES_DART", &is_wanted, &mut problems)?;
+            for (iteration, number, images) in last {
+                let Some(band) = self.band(number, &mut problems) else { continue };
                 for name in names(&images)? {
                     let path = images.join(&name);
                     // An image's values stand for it as well.
                     let is_asked = is_wanted(&path) || is_wanted(&path.with_extension("mp#"));
                     if let Some(name) = name.strip_suffix(".mpr").filter(|_| is_asked) {
-                        let band = OutputBand { number: *number, band, path };
-                        if let Err(problem) = self.add(name, quantity, &last, band) {
+                        let band = OutputBand { number, band, path };
+                        if let Err(problem) = self.add(name, quantity, &iteration, band) {
                             problems.push(problem);
                         }
                     }
                 }
             }
         }
+        for (_, number, path) in last_iteration(&bands, "RADIATIVE_BUDGET", budget::FIGURES, &is_wanted, &mut problems)?
+        {
+            let Some(band) = self.band(number, &mut problems) else { continue };
+            self.budget.push(OutputBand { number, band, path });
+        }
         let is_part = !plain(&self.folder).starts_with(&wanted);
-        if problems.is_empty() && is_part && self.views.is_empty() && self.passed_over.is_empty() {
+        let is_empty = self.views.is_empty() && self.passed_over.is_empty() && self.budget.is_empty();
+        if problems.is_empty() && is_part && is_empty {
             let message = "holds no images: they are BANDn/{BRF,Tapp,Radiance}/ITERn/IMAGES_DART/*.mpr of the simulation's `output`";
             problems.push(Problem::new(Location::file(path), message));
         }
         if problems.is_empty() { Ok(()) } else { Err(Error::Invalid(problems)) }
+    }
+
+    fn band(&self, number: usize, problems: &mut Vec<Problem>) -> Option<Band> {
+        match self.properties.band(number) {
+            Ok(band) => return Some(band),
+            Err(problem) if problems.contains(&problem) => {}
+            Err(problem) => problems.push(problem),
+        }
+        None
     }
 
     /// Adds a band's image to its view, or passes it over.
