@@ -25,15 +25,21 @@ cat > "$out/synthetic_dart/scene.toml" <<'SCENE'
 mmxrt_scene = 1
 origin_m = [0.0, 0.0, 0.0]
 mesh = [{ obj = "box.obj" }]
-materials.default.reflectance = 0.3
-sun = { direction = [0.0, 0.0, 1.0], distance_au = 1.0 }
+materials = { ground = { reflectance = 0.2 }, box = { reflectance = 0.4 } }
+sun = { direction = [-0.35355339, 0.35355339, 0.8660254], distance_au = 1.0 }
 thermal = { model = "off" }
 observer = { position_m = [60.0, -20.0, 90.0], target_m = [0.0, 0.0, 1.0], up = [0.0, 1.0, 0.0] }
-sensor = { samples = 128, lines = 128, fov_deg = 11.0, bands = { centres_um = [0.7] } }
+sensor = { samples = 128, lines = 128, fov_deg = 11.0, bands = { centres_um = [0.65, 1.05] } }
 SCENE
+# Its inputs are not there, so that a map file says where the scene lies in DART's frame: its origin in the middle of 12 x 16 m.
+cat > "$out/synthetic_dart/dart.toml" <<'MAP'
+mmxrt_map = 1
+dart = "output"
+origin_in_dart_m = [6.0, 8.0, 0.0]
+MAP
 mmxrt inspect "$out/synthetic_dart/output"
 # The camera sees walls that no image shows: it must be said what to do there. Here the scene's own light fills them.
-mmxrt integrate "$out/synthetic_dart/scene.toml" --radiance "$out/synthetic_dart" --unknown solve -o "$out/box" --force
+mmxrt integrate "$out/synthetic_dart/scene.toml" --radiance "$out/synthetic_dart/dart.toml" --unknown solve -o "$out/box" --force
 
 # (c) Terrain with a texture: factors of the reflectance on a plane, their mean made 1. Texels of 1 m, facets of some 10 m, pixels of 8 m.
 mmxrt landscape benches/landscape_2e5.toml -o "$out/hills.obj" --force

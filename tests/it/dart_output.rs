@@ -431,7 +431,7 @@ fn a_map_that_is_elsewhere_is_refused() {
     assert!(error.contains("does not overlap the scene") && error.contains("scene_from_dart"), "{error}");
     // Without inputs beside it, where it lies must be said.
     let error = output.view_map(0, &scene, &MapOptions::default()).unwrap_err().to_string();
-    assert!(error.contains("is not beside its `output`") && error.contains("scene_from_dart"), "{error}");
+    assert!(error.contains("is not beside its `output`") && error.contains("origin_in_dart_m"), "{error}");
     assert!(output.view_map(1, &scene, &options()).unwrap_err().to_string().contains("no view 1"));
     for wrong in [vec![], vec![1.0, 2.0], vec![-1.0], vec![f64::NAN]] {
         let options = MapOptions { irradiance_w_m2_um: Some(wrong), ..options() };

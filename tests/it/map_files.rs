@@ -206,3 +206,27 @@ fn a_map_file_can_be_inspected() {
     let (code, _, err) = run(&["inspect", &bench.0.argument("m.map.toml")]);
     assert!(code == 1 && err.contains("colour") && err.contains("quantity"), "{err}");
 }
+
+#[test]
+fn an_output_of_dart_without_inputs_lies_where_the_map_file_says() {
+    let bench = Bench::new();
+    // A scene of 8 x 8 m, whose origin is in the middle, 2 x 2 pixels of 4 m from the zenith: rows run South, columns East.
+    let images = "output/BAND0/Radiance/ITERX/IMAGES_DART";
+    std::fs::create_dir_all(bench.0.join(images)).unwrap();
+    bench.0.write(
+        "output/simulation.properties.txt",
+        "phase.nbSpectralBands:1\nphase.band0.lambdamin:0.9\nphase.band0.lambdamax:1.1\ndart.band0.lambdaMin:0.9\ndart.band0.lambdaMax:1.1\n\
+         maket.lowerCorner.z:0\ndart.products.image0.teta:0\ndart.products.image0.phi:0\ndart.products.image0.imageNamePrefix:ima01\n",
+    );
+    let name = format!("{images}/ima01_VZ=000_0_VA=000_0");
+    bench.0.write(
+        &format!("{name}.mpr"),
+        "[Ilwis]\nType=BaseMap\n[BaseMap]\nCoordBounds=0 -8 8 0\nType=Map\n[Map]\nSize=2 2\n[MapStore]\nType=Real\nStructure=Line\nStartOffset=0\nRowLength=2\n",
+    );
+    bench.0.write(&format!("{name}.mp#"), [1.0_f64, 2.0, 3.0, 4.0].map(f64::to_le_bytes).concat());
+    bench.0.write(&format!("{images}/georef"), "a\nb\n1 0 0 8 0 8 8 0 8\n");
+    bench.0.write("dart.toml", "mmxrt_map = 1\ndart = \"output\"\norigin_in_dart_m = [4, 4, 0]\n");
+    assert_near(&bench.integrate(&["--radiance", "{}dart.toml"]), &[1.0, 2.0, 3.0, 4.0]);
+    let (code, err) = bench.try_to(&["--radiance", "{}output"]);
+    assert!(code == 1 && err.contains("origin_in_dart_m"), "{err}");
+}

@@ -8,6 +8,7 @@ use mmxrt::formats::{radiance_map, report_json, scene_toml};
 fn schemas_are_those_of_the_types() {
     let generated = [
         ("map.schema.json", radiance_map::schema()),
+        ("dart_map.schema.json", radiance_map::dart_schema()),
         ("report.schema.json", report_json::report_schema()),
         ("run.schema.json", report_json::run_schema()),
         ("scene.schema.json", scene_toml::schema()),

@@ -30,7 +30,7 @@ pub use diff::diff;
 pub use folder::Folder;
 pub use from_scene::{Package, Size, Surface, WriteOptions, from_scene, group_names};
 pub use inputs::{Target, inputs};
-pub use place::scene_from_dart;
+pub use place::{placed, scene_from_dart};
 pub use read::sequence::{Step, flight, rows};
 pub use read::{Options as ReadOptions, read, terrain};
 pub use sidecar::Sidecar;

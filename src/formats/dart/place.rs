@@ -59,9 +59,14 @@ impl Place {
     }
 
     fn scene_from_dart(&self) -> Pose {
-        let rotation = self.dart_from_body.transpose();
-        Pose { rotation, translation_m: -(rotation * self.origin_in_dart_m) }
+        placed(self.origin_m, self.origin_in_dart_m)
     }
+}
+
+/// DART's frame in that of a scene whose origin, `origin_m` in the body-fixed frame, is at `origin_in_dart_m` there: x South, y East, z up.
+pub fn placed(origin_m: DVec3, origin_in_dart_m: DVec3) -> Pose {
+    let rotation = frame::dart_from_body(origin_m).transpose();
+    Pose { rotation, translation_m: -(rotation * origin_in_dart_m) }
 }
 
 /// DART's frame (x down the image, y to its right, z up, m, from the scene's corner) in that of `scene`, if one of the two was

@@ -13,8 +13,10 @@ mod values;
 
 use std::path::{Path, PathBuf};
 
+use glam::DVec3;
+
 use super::InputFile;
-use super::dart::output as dart_output;
+use super::dart::{self, output as dart_output};
 use super::located::Document;
 use super::raster::{self, Raster};
 use super::scene_toml::{self, Reader};
@@ -25,7 +27,7 @@ use crate::progress::Watch;
 use crate::scene::{FrameCamera, Scene};
 use crate::spectral::Band;
 
-use types::{MapToml, NumbersToml, PlacementToml};
+use types::{DartMapToml, MapToml, NumbersToml, PlacementToml};
 use values::{Conversion, RasterTexels};
 
 /// The maps that were found at a path: one, or one for each direction of view.
@@ -42,6 +44,11 @@ pub struct Opened {
 /// The JSON Schema of a map file.
 pub fn schema() -> schemars::Schema {
     schemars::schema_for!(MapToml)
+}
+
+/// The JSON Schema of a map file that names an output of DART.
+pub fn dart_schema() -> schemars::Schema {
+    schemars::schema_for!(DartMapToml)
 }
 
 /// Opens what is at a path as maps of a scene; `weight` is what their radiance is multiplied by.
@@ -63,7 +70,7 @@ pub fn open(path: &Path, scene: &Scene, weight: f64, watch: Watch<'_>) -> Result
         return Ok(Opened { maps: vec![map], inputs: vec![input], notes: vec![] });
     }
     if path.is_dir() || path.extension().is_some_and(|e| e == "mpr" || e == "mp#") {
-        return of_dart(path, scene, weight);
+        return of_dart(path, scene, weight, &dart_output::MapOptions::default());
     }
     // What is no raster either is told as that.
     let raster = raster::open(path)?;
@@ -103,7 +110,11 @@ pub fn is_map(document: &Document) -> bool {
 /// [`Error::Io`]; [`Error::Syntax`]; [`Error::Invalid`] with all keys that are unknown or missing, and values of another kind.
 pub fn describe(path: &Path) -> Result<Vec<(String, String)>> {
     let (document, _) = Document::open(path)?;
-    document.read::<MapToml>()?;
+    if document.has("dart") {
+        document.read::<DartMapToml>()?;
+    } else {
+        document.read::<MapToml>()?;
+    }
     let value = |key: String| {
         let text = document.at(&key).span.and_then(|(a, b)| document.text().get(a..b)).unwrap_or_default().to_owned();
         (key, text)
@@ -112,16 +123,15 @@ pub fn describe(path: &Path) -> Result<Vec<(String, String)>> {
 }
 
 /// All views of a DART output, in one quantity; without any, the radiative budget of its triangles.
-fn of_dart(path: &Path, scene: &Scene, weight: f64) -> Result<Opened> {
+fn of_dart(path: &Path, scene: &Scene, weight: f64, options: &dart_output::MapOptions) -> Result<Opened> {
     use dart_output::Quantity::{Brf, Radiance, Tapp};
     let output = dart_output::open(path)?;
-    let options = dart_output::MapOptions::default();
     let mut notes = Vec::new();
     let mut maps = Vec::new();
     let has = |quantity| output.views().iter().any(|view| view.quantity == quantity);
     // The same images in several quantities are one map: that which is nearest to radiance.
     let Some(taken) = [Radiance, Brf, Tapp].into_iter().find(|quantity| has(*quantity)) else {
-        let (map, mismatch) = output.budget_map(scene, &options)?;
+        let (map, mismatch) = output.budget_map(scene, options)?;
         notes.push(format!(
             "{}: {:.6} of {:.6} m2 of the scene's facets have no triangle, {:.6} of {:.6} m2 of the triangles no facet",
             map.name, mismatch.facets_m2, mismatch.all_facets_m2, mismatch.triangles_m2, mismatch.all_triangles_m2
@@ -130,7 +140,7 @@ fn of_dart(path: &Path, scene: &Scene, weight: f64) -> Result<Opened> {
     };
     for (i, view) in output.views().iter().enumerate() {
         if view.quantity == taken {
-            let map = output.view_map(i, scene, &options)?;
+            let map = output.view_map(i, scene, options)?;
             maps.push(RadianceMap { weight: map.weight * weight, ..map });
         }
     }
@@ -149,6 +159,18 @@ fn of_dart(path: &Path, scene: &Scene, weight: f64) -> Result<Opened> {
 /// Reads a map file; `asked` is the path that it was found by.
 fn read(file: &Path, asked: &Path, scene: &Scene, weight: f64, watch: Watch<'_>) -> Result<Opened> {
     let (document, input) = Document::open(file)?;
+    if document.has("dart") {
+        let toml: DartMapToml = document.read()?;
+        let scene_from_dart =
+            toml.origin_in_dart_m.map(|origin| dart::placed(scene.origin_m, DVec3::from_array(origin)));
+        let irradiance_w_m2_um = toml.irradiance_w_m2_um;
+        let shift_texels = toml.shift_texels.unwrap_or_default();
+        let options = dart_output::MapOptions { scene_from_dart, irradiance_w_m2_um, shift_texels };
+        let path = file.parent().unwrap_or(Path::new("")).join(toml.dart);
+        let mut opened = of_dart(&path, scene, weight, &options)?;
+        opened.inputs.push(input);
+        return Ok(opened);
+    }
     let toml: MapToml = document.read()?;
     let mut reader = Reader::new(file, document, scene.origin_m, input, watch);
     let rasters = match &toml.raster {

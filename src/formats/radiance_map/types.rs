@@ -41,6 +41,25 @@ pub(super) struct MapToml {
     pub(super) occlusion: Option<bool>,
 }
 
+/// What DART computed, where its folder does not say how it lies in the scene, or under which light.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DartMapToml {
+    /// Version of this format: 1.
+    #[schemars(range(min = 1, max = 1))]
+    #[allow(dead_code, reason = "the schema checks it")]
+    pub(super) mmxrt_map: u32,
+    /// A DART simulation, its `output`, a folder of images therein, or an image.
+    pub(super) dart: String,
+    /// Where the scene's `origin_m` is in DART's frame (x down the image, y to its right, z up, from the scene's corner), m. There, x is
+    /// South and y East, as `convert` has them; above the body's centre, and at its poles, x is -y and y is x of the body.
+    pub(super) origin_in_dart_m: Option<[f64; 3]>,
+    /// Columns and rows by which what an image shows lies beyond where its corners put it. Default 0: as DART says.
+    pub(super) shift_texels: Option<[f64; 2]>,
+    /// Irradiance of a horizontal plane that reflectance factors refer to, W m-2 um-1, one for each band. Default: as the output says.
+    pub(super) irradiance_w_m2_um: Option<Vec<f64>>,
+}
+
 /// One number for all bands, or one for each.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]

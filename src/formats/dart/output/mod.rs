@@ -284,7 +284,7 @@ impl Output {
         if !folder.input.join("maket.xml").is_file() {
             let message =
                 "where DART's scene lies in this one is not known: the simulation's `input` is not beside its `output`";
-            let help = "copy it there, or give the placement `scene_from_dart`";
+            let help = "copy it there, or say in a map file where the scene's origin is: `dart = \"output\"`, `origin_in_dart_m = [6, 8, 0]`";
             return Err(Error::Invalid(vec![Problem::new(Location::file(&self.folder), message).with_help(help)]));
         }
         // Files that inputs name are not opened, so that it does not matter where they are.
