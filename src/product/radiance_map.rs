@@ -163,6 +163,8 @@ pub struct RadianceMap {
     pub source: Box<dyn TexelSource>,
     /// What the map's radiance is multiplied by.
     pub weight: f64,
+    /// Whether it is known to hold thermal emission, which must not count twice in a sum.
+    pub has_heat: bool,
 }
 
 impl std::fmt::Debug for RadianceMap {

@@ -9,7 +9,7 @@ use crate::geometry::Texels;
 use crate::integrate::{self, Choice, MapImage, MapView, Maps, Unknown};
 use crate::product::{Cube, FacetTable, Placement, RadianceMap, TexelSource};
 use crate::progress::{Watch, tell};
-use crate::scene::Scene;
+use crate::scene::{Scene, Thermal};
 use crate::spectral::{Band, Mix, mixes};
 use crate::visibility::Topology;
 
@@ -93,6 +93,7 @@ pub fn observe_maps(
     super::simulate::fits(scene, table)?;
     has_room(scene)?;
     fit(scene, &terms)?;
+    heat_counts_once(scene, &terms, options)?;
     let mut terms = Term::of(scene, terms)?;
     let mut problems = Vec::new();
     for term in terms.iter_mut().flat_map(|t| &mut t.views) {
@@ -204,6 +205,23 @@ fn fit(scene: &Scene, terms: &[Vec<RadianceMap>]) -> Result<()> {
     if problems.is_empty() { Ok(()) } else { Err(Error::Invalid(problems)) }
 }
 
+/// Says if thermal emission would be added to itself.
+fn heat_counts_once(scene: &Scene, terms: &[Vec<RadianceMap>], options: &MapOptions) -> Result<()> {
+    let with_heat = terms.iter().filter_map(|views| views.iter().find(|map| map.has_heat));
+    let mut names: Vec<&str> = with_heat.map(|map| map.name.as_str()).collect();
+    if options.add_solved && scene.thermal != Thermal::Off {
+        names.push("the scene's own table");
+    }
+    if names.len() < 2 {
+        return Ok(());
+    }
+    let message = format!("thermal emission would count {} times: it is in {}", names.len(), names.join(", "));
+    let problem = Problem::new(Location::item("--radiance"), message).with_help(
+        "let one simulation emit, and set the bands of the others to reflection alone (mode R), or the scene's thermal model to \"off\"",
+    );
+    Err(Error::Invalid(vec![problem]))
+}
+
 impl Term {
     /// Terms with the same placements become one, whose texels are looked up once.
     fn of(scene: &Scene, terms: Vec<Vec<RadianceMap>>) -> Result<Vec<Term>> {
@@ -216,7 +234,7 @@ impl Term {
                     problems.extend(wrong.into_iter().map(|w| Problem::new(Location::item(&map.name), w)));
                     vec![]
                 });
-                let RadianceMap { name, placement, source, weight } = map;
+                let RadianceMap { name, placement, source, weight, .. } = map;
                 views.push(View {
                     placement,
                     sources: vec![Source { name, weight, source, uses }],

@@ -229,4 +229,11 @@ fn an_output_of_dart_without_inputs_lies_where_the_map_file_says() {
     assert_near(&bench.integrate(&["--radiance", "{}dart.toml"]), &[1.0, 2.0, 3.0, 4.0]);
     let (code, err) = bench.try_to(&["--radiance", "{}output"]);
     assert!(code == 1 && err.contains("origin_in_dart_m"), "{err}");
+    // With thermal emission in it, it must not be added to another that has it.
+    let twice = bench.integrate(&["--radiance", "{}dart.toml+{}dart.toml"]);
+    assert_near(&twice, &[2.0, 4.0, 6.0, 8.0]);
+    let properties = std::fs::read_to_string(bench.0.join("output/simulation.properties.txt")).unwrap();
+    bench.0.write("output/simulation.properties.txt", format!("{properties}dart.band0.mode:R+T\n"));
+    let (code, err) = bench.try_to(&["--radiance", "{}dart.toml+{}dart.toml"]);
+    assert!(code == 1 && err.contains("thermal emission would count 2 times"), "{err}");
 }

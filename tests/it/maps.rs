@@ -33,7 +33,13 @@ pub(crate) fn at_1_um() -> Vec<Band> {
 }
 
 pub(crate) fn map(placement: Placement, values: Vec<f64>) -> RadianceMap {
-    RadianceMap { name: "map".into(), placement, source: Box::new(Texels(at_1_um(), vec![values])), weight: 1.0 }
+    RadianceMap {
+        name: "map".into(),
+        placement,
+        source: Box::new(Texels(at_1_um(), vec![values])),
+        weight: 1.0,
+        has_heat: false,
+    }
 }
 
 pub(crate) fn scene(mesh: Mesh, camera: FrameCamera, sun_direction: [f64; 3]) -> Scene {

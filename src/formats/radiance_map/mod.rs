@@ -184,7 +184,7 @@ fn read(file: &Path, asked: &Path, scene: &Scene, weight: f64, watch: Watch<'_>)
     let map = rasters.and_then(|rasters| {
         let name = rasters[0].path.display().to_string();
         let (placement, texels) = map(&mut reader, &toml, rasters, scene, watch)?;
-        Some(RadianceMap { name, placement, source: Box::new(texels), weight })
+        Some(RadianceMap { name, placement, source: Box::new(texels), weight, has_heat: false })
     });
     let (inputs, notes) = reader.finish()?;
     match map {

@@ -69,7 +69,7 @@ pub(super) fn map(
     let mut columns = Vec::new();
     for (i, band) in bands.iter().enumerate() {
         match unit(band.number, i, bands.len(), properties, options) {
-            Ok(unit) => columns.push((band.path.clone(), unit, emits(band.number, properties))),
+            Ok(unit) => columns.push((band.path.clone(), unit, properties.emits(band.number))),
             Err(problem) if problems.contains(&problem) => {}
             Err(problem) => problems.push(problem),
         }
@@ -94,6 +94,7 @@ pub(super) fn map(
         placement: Placement::Patches(patches),
         source: Box::new(source),
         weight: 1.0,
+        has_heat: bands.iter().any(|band| properties.is_told_to_emit(band.number)),
     };
     Ok((map, mismatch))
 }
@@ -128,11 +129,6 @@ fn unit(
         }
         None => Err(Problem::new(properties.at(key), "the unit of the radiative budget is not said")),
     }
-}
-
-/// Whether a band's triangles glow: unless DART says that there is sunlight only.
-fn emits(number: usize, properties: &Properties) -> bool {
-    properties.text(&format!("dart.band{number}.mode")) != Some("R")
 }
 
 /// DART's triangles, in its own frame.

@@ -67,6 +67,8 @@ pub(super) fn map(
         placement: Placement::View(Box::new(view_image)),
         source: Box::new(source),
         weight: 1.0,
+        has_heat: view.quantity == Quantity::Tapp
+            || view.bands.iter().any(|band| properties.is_told_to_emit(band.number)),
     })
 }
 

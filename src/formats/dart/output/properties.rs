@@ -102,6 +102,20 @@ impl Properties {
         }
     }
 
+    fn mode(&self, number: usize) -> Option<&str> {
+        self.text(&format!("dart.band{number}.mode"))
+    }
+
+    /// Whether a band's surfaces glow: unless DART says that there is sunlight only.
+    pub(super) fn emits(&self, number: usize) -> bool {
+        self.mode(number) != Some("R")
+    }
+
+    /// Whether DART says that a band has thermal emission.
+    pub(super) fn is_told_to_emit(&self, number: usize) -> bool {
+        self.mode(number).is_some_and(|mode| mode.contains('T'))
+    }
+
     /// What is known of an image by the first part of its name.
     pub(super) fn image(&self, prefix: &str) -> Told<Option<Image>> {
         let named = |(key, (value, _)): (&String, &(String, usize))| {
