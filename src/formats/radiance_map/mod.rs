@@ -57,7 +57,7 @@ pub fn dart_schema() -> schemars::Schema {
 /// |---|---|
 /// | a map file (`.toml`), or a raster with one beside it | as it says |
 /// | `.npz`, `.csv` with radiance and wavelengths of facets | see above |
-/// | a DART simulation, its `output/`, a folder of images, an image, `RADIATIVE_BUDGET` | its views, or triangles: see [`dart::output`](super::dart::output) |
+/// | a DART simulation, its `output/`, a folder of images, an image, `RADIATIVE_BUDGET` | its views, or triangles: see [`dart::output`] |
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::Syntax`]; [`Error::Invalid`] with all that is wrong in the map file, with the rasters it names, and
