@@ -90,6 +90,8 @@ pub struct Header {
     pixel_m: Option<[f64; 2]>,
     bounds: Option<[f64; 4]>,
     store: Store,
+    /// Where it says of which type.
+    type_at: Location,
     path: PathBuf,
 }
 
@@ -158,8 +160,9 @@ impl Header {
             return Err(Error::Unsupported { at: Location::file(path), feature });
         }
         if self.store.data_type != DataType::F64 {
-            let feature = "a map of another type than Real, which DART's are,".to_owned();
-            return Err(Error::Unsupported { at: Location::file(&self.path).with_item("Type"), feature });
+            let name = TYPES.iter().find(|t| t.1 == self.store.data_type).map_or("?", |t| t.0);
+            let feature = format!("a map of type {name} (DART's are Real: f64)");
+            return Err(Error::Unsupported { at: self.type_at.clone(), feature });
         }
         self.fits(bytes.len() as u64, path)?;
         let values = bytes.as_chunks::<8>().0.iter().map(|b| f64::from_le_bytes(*b)).collect();
@@ -306,6 +309,7 @@ pub fn parse_header(text: &str, path: &Path) -> Result<Header> {
     let (mut size, mut bounds, mut row_length) = (None, None, None);
     let (_, mut data_type, mut undefined) = TYPES[4];
     let (mut domain, mut step_offset) = ("value.dom".to_owned(), [1.0, 0.0]);
+    let mut type_at = Location::file(path);
     let mut is_map = false;
     let mut start = 0;
     for raw in text.split_inclusive('\n') {
@@ -339,7 +343,10 @@ pub fn parse_header(text: &str, path: &Path) -> Result<Header> {
                 None => problems.push(|| expected("least:largest:step:offset=number")),
             },
             ("MapStore", "Type") => match TYPES.iter().find(|t| t.0 == value) {
-                Some(found) => (_, data_type, undefined) = *found,
+                Some(found) => {
+                    (_, data_type, undefined) = *found;
+                    type_at = here().with_item(key);
+                }
                 None => return Err(unsupported(format!("a map of type {value}"))),
             },
             ("MapStore", "Structure") if value != "Line" => return Err(unsupported(format!("the structure {value}"))),
@@ -385,7 +392,7 @@ pub fn parse_header(text: &str, path: &Path) -> Result<Header> {
                     return Err(Error::Unsupported { at, feature });
                 }
             };
-            Ok(Header { rows, columns, pixel_m, bounds, store, path: path.to_owned() })
+            Ok(Header { rows, columns, pixel_m, bounds, store, type_at, path: path.to_owned() })
         }
         None => Err(Error::invalid(Location::file(path), "says no `Size=`")),
     }

@@ -144,7 +144,7 @@ fn wavelengths(header: &Header, report: &mut Report) -> Result<Vec<f64>> {
             Ok(um)
         }
         None => {
-            let unit = header.field("wavelength units").unwrap_or_default();
+            let unit = header.field("wavelength units").unwrap_or_default().to_lowercase();
             Err(Error::Unsupported { at: at("wavelength units"), feature: format!("a spectral library in {unit}") })
         }
     }

@@ -213,11 +213,11 @@ fn libraries_that_cannot_be_used_are_refused() {
         ("data type = 5\nwavelength = {1, 2}\n", &bytes, "2 values for 3 samples"),
         ("data type = 5\nwavelength = {1, 3, 2}\n", &bytes, "must be positive and ascend"),
         ("data type = 5\nwavelength = {0, 1, 2}\n", &bytes, "must be positive and ascend"),
-        ("data type = 5\nwavelength = {1, 2, nan}\n", &bytes, "are not finite numbers"),
+        ("data type = 5\nwavelength = {1, 2, nan}\n", &bytes, "items that are not finite numbers"),
         (
             "data type = 5\nwavelength = {1, 2, 3}\nwavelength units = Wavenumber\n",
             &bytes,
-            "in Wavenumber is not supported",
+            "wavenumber is not supported",
         ),
         ("data type = 6\nwavelength = {1, 2, 3}\n", &bytes, "data type 6 (complex numbers) is not supported"),
         ("data type = 5\nwavelength = {1, 2, 3}\nspectra names = {a}\n", &bytes, "1 names for 2 spectra"),

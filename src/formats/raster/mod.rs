@@ -1,7 +1,7 @@
 //! Rasters: images of one or many bands in the formats of other programs, read band by band.
 //!
 //! A band is f64, row by row, whatever the file stores; what the file says is no data is NaN. Of a file that interleaves its
-//! bands, as many are read in one pass as `PASS_BYTES` holds; no more of any file is in memory.
+//! bands, as many are read in one pass as 256 MiB hold; no more of any file is in memory.
 
 mod compare;
 mod exr;
