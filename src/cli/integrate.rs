@@ -119,7 +119,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     terms.retain(|term| !term.is_empty());
     let table = match tables {
         Some(table) => table,
-        None => solve::solve(&opened.scene, &topology, &watch)?,
+        None if options.fill == Fill::Solved => solve::solve(&opened.scene, &topology, &watch)?,
+        None => solve::lit(&opened.scene, &topology, &watch)?,
     };
     let (observation, maps) = study::observe_maps(&opened.scene, &topology, &table, terms, &options, &watch)?;
     let made = Made { opened, table, observation, maps: Some(maps) };

@@ -53,6 +53,26 @@ pub fn solve(scene: &Scene, topology: &Topology, watch: Watch<'_>) -> Result<Fac
     })
 }
 
+/// Where every facet is lit, and nothing else: irradiances and temperatures are 0. That is what radiance from elsewhere leaves to
+/// be asked.
+///
+/// # Errors
+/// As [`solve`].
+pub fn lit(scene: &Scene, topology: &Topology, watch: Watch<'_>) -> Result<FacetTable> {
+    scene.simulable()?;
+    let nothing = |is_wanted: bool| vec![0.0; if is_wanted { scene.mesh.facets.len() } else { 0 }];
+    let has_heat = scene.thermal != Thermal::Off;
+    Ok(FacetTable {
+        sun_direction: scene.sun.direction,
+        sun_irradiance: nothing(true),
+        sunlit: sunlit(&scene.mesh, topology, scene.sun.direction, watch)?,
+        mars_direction: scene.mars.as_ref().and_then(|m| Direction::new(m.centre_m)),
+        mars_irradiance: nothing(scene.mars.is_some()),
+        temperature_lit_k: nothing(has_heat),
+        temperature_shaded_k: nothing(has_heat),
+    })
+}
+
 /// What the sources of a scene send to a facet.
 struct FacetLight<'a> {
     scene: &'a Scene,

@@ -153,6 +153,8 @@ struct Source {
     source: Box<dyn TexelSource>,
     /// For each band of the map that is needed, ascending: its weights in the sensor's bands.
     uses: Vec<Use>,
+    /// The first of these bands, until it has been used: it tells which texels have a value.
+    first: Vec<f64>,
 }
 
 /// Maps whose texels lie at the same places.
@@ -237,7 +239,7 @@ impl Term {
                 let RadianceMap { name, placement, source, weight, .. } = map;
                 views.push(View {
                     placement,
-                    sources: vec![Source { name, weight, source, uses }],
+                    sources: vec![Source { name, weight, source, uses, first: vec![] }],
                     known: vec![],
                     undefined: vec![],
                 });
@@ -293,17 +295,17 @@ impl View {
     fn find_known(&mut self, problems: &mut Vec<Problem>) -> Result<()> {
         let texels = self.placement.texels();
         self.known = vec![true; texels];
-        let mut values = Vec::new();
         for source in &mut self.sources {
             let Some((band, _)) = source.uses.first() else { continue };
-            source.source.read(*band, &mut values)?;
+            source.source.read(*band, &mut source.first)?;
+            let values = &source.first;
             if values.len() != texels {
                 let message = format!("has {} values in a band, but its placement has {texels} texels", values.len());
                 problems.push(Problem::new(Location::item(&source.name), message));
                 continue;
             }
             let mut undefined = 0;
-            for (known, value) in self.known.iter_mut().zip(&values) {
+            for (known, value) in self.known.iter_mut().zip(values) {
                 undefined += u64::from(value.is_nan());
                 *known &= !value.is_nan();
             }
@@ -355,7 +357,11 @@ fn add_up(
                 for (band, shares) in &source.uses {
                     tell(watch, "maps", done, total as u64)?;
                     done += 1;
-                    source.source.read(*band, &mut values)?;
+                    if source.first.is_empty() {
+                        source.source.read(*band, &mut values)?;
+                    } else {
+                        values = std::mem::take(&mut source.first);
+                    }
                     let sums = weights.apply(&values).map_err(|texel| {
                         let texel = texel as usize;
                         let at = Location::item(format!("{}, band {}", source.name, band + 1));
