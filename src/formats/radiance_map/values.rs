@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::types::{QuantityToml, UnitToml};
-use crate::error::{Error, Location, Problem, Result};
+use crate::error::{Error, Location, Problem, Result, number};
 use crate::formats::raster::Raster;
 use crate::physics::{blackbody, reflectance};
 use crate::product::TexelSource;
@@ -138,7 +138,8 @@ impl RasterTexels {
             "say which number stands for what is not known: `no_data`"
         };
         Error::Invalid(vec![
-            Problem::new(at, format!("{value} is negative, which nothing that a map holds can be")).with_help(help),
+            Problem::new(at, format!("{} is negative, which nothing that a map holds can be", number(value)))
+                .with_help(help),
         ])
     }
 }
@@ -157,6 +158,17 @@ impl FacetTexels {
     pub(super) fn check(path: &Path, bands: &[Band]) -> Result<()> {
         match bands.iter().find(|b| !(b.centre_um > 0.0 && b.centre_um.is_finite())) {
             Some(band) => Err(Error::invalid(Location::file(path), format!("{} um is no wavelength", band.centre_um))),
+            None => Ok(()),
+        }?;
+        match bands.iter().find(|b| b.fwhm_um.is_some_and(|w| !(w > 0.0 && w < b.centre_um))) {
+            Some(Band { centre_um, fwhm_um }) => {
+                let message =
+                    format!("a width of {} um for a band at {centre_um} um", fwhm_um.map_or_else(String::new, number));
+                let help = "widths are in um, from 0 (monochromatic) and less than the centre";
+                Err(Error::Invalid(vec![
+                    Problem::new(Location::file(path).with_item("fwhm_um"), message).with_help(help),
+                ]))
+            }
             None => Ok(()),
         }
     }
