@@ -18,11 +18,13 @@ use super::scene::Opened;
 use super::{Outcome, scene};
 
 #[derive(clap::Args)]
+#[group(skip)]
+#[command(group = clap::ArgGroup::new("source").args(["table", "radiance"]).required(true).multiple(true))]
 pub(crate) struct Arguments {
     /// The scene file
     scene: PathBuf,
     /// What its facets receive, from `mmxrt solve`; one table serves all cameras and bands
-    #[arg(long, value_name = "TABLE.npz", required_unless_present = "radiance")]
+    #[arg(long, value_name = "TABLE.npz")]
     table: Option<PathBuf>,
     /// Radiance from elsewhere: a raster with its `.map.toml`, a table of facets, an output of DART. Maps joined by `+` add up, each
     /// times a number after `*`; given several times, they are maps of other views of the same
@@ -96,7 +98,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let mut terms: Vec<Vec<RadianceMap>> = Vec::new();
     let mut tables = table;
     for text in &arguments.radiance {
-        for (i, (path, weight)) in summands(text).into_iter().enumerate() {
+        for (i, (path, weight)) in summands(text)?.into_iter().enumerate() {
             if is_table(&path) {
                 if weight != 1.0 || options.add_solved {
                     let problem = Problem::new(Location::file(&path), "a facet table counts once, and whole")
@@ -152,16 +154,24 @@ fn is_table(path: &Path) -> bool {
 }
 
 /// `A+B*0.5`: paths and what they are multiplied by. A path that is there is taken as it stands.
-fn summands(text: &str) -> Vec<(PathBuf, f64)> {
+fn summands(text: &str) -> Result<Vec<(PathBuf, f64)>> {
     if Path::new(text).exists() {
-        return vec![(text.into(), 1.0)];
+        return Ok(vec![(text.into(), 1.0)]);
     }
     let summand = |part: &str| {
-        let weighted = part.rsplit_once('*').and_then(|(path, w)| Some((path.trim(), w.trim().parse::<f64>().ok()?)));
-        match weighted {
-            Some((path, weight)) if !Path::new(part).exists() => (path.into(), weight),
-            _ => (part.trim().into(), 1.0),
-        }
+        let (path, weight) = match part.rsplit_once('*') {
+            Some((path, weight)) if !Path::new(part.trim()).exists() => {
+                (path, weight.trim().parse().map_err(|_| format!("{:?} is no weight", weight.trim())))
+            }
+            _ => (part, Ok(1.0)),
+        };
+        let path = path.trim();
+        let weight = if path.is_empty() { Err("a map has no name".to_owned()) } else { weight };
+        weight.map(|weight| (path.into(), weight)).map_err(|message| {
+            let at = Location::item(format!("--radiance {text:?}"));
+            let help = "maps are joined as A.img+B.img*0.5; those with + or * in their names are named in map files, as `raster`";
+            Error::Invalid(vec![Problem::new(at, message).with_help(help)])
+        })
     };
     text.split('+').map(summand).collect()
 }
@@ -172,9 +182,20 @@ mod tests {
 
     #[test]
     fn maps_add_up_with_weights() {
-        let of = |text: &str| summands(text).into_iter().map(|(p, w)| (p.display().to_string(), w)).collect::<Vec<_>>();
+        let of = |text: &str| {
+            summands(text).unwrap().into_iter().map(|(p, w)| (p.display().to_string(), w)).collect::<Vec<_>>()
+        };
         assert_eq!(of("a.img"), [("a.img".into(), 1.0)]);
         assert_eq!(of("a.img + b/c.img*0.5"), [("a.img".into(), 1.0), ("b/c.img".into(), 0.5)]);
-        assert_eq!(of("a*b.img"), [("a*b.img".into(), 1.0)]);
+        let wrong = |text: &str| summands(text).unwrap_err().to_string();
+        for (text, message) in [
+            ("", "--radiance \"\": a map has no name"),
+            ("a.img+", "a map has no name"),
+            ("*2", "a map has no name"),
+            ("a*b.img", "\"b.img\" is no weight"),
+            ("a.img*", "\"\" is no weight"),
+        ] {
+            assert!(wrong(text).contains(message), "{}", wrong(text));
+        }
     }
 }

@@ -355,7 +355,14 @@ pub fn parse_header(path: &Path, text: &str) -> Result<Header> {
     let bands = fields.whole("bands", None, 1, &mut problems);
     let header_offset = fields.whole("header offset", Some(0), 0, &mut problems);
     let code = fields.whole("data type", None, 1, &mut problems);
-    let big_endian = fields.whole("byte order", Some(0), 0, &mut problems) == 1;
+    let order = fields.whole("byte order", Some(0), 0, &mut problems);
+    if order > 1 {
+        problems.push(Problem::new(
+            fields.at("byte order"),
+            format!("{order} is neither 0, the least significant byte first, nor 1, the most significant"),
+        ));
+    }
+    let big_endian = order == 1;
     let interleave = match fields.get("interleave").map(str::to_lowercase).as_deref() {
         Some("bsq") | None => Interleave::Bsq,
         Some("bil") => Interleave::Bil,

@@ -32,8 +32,9 @@ impl TexelWeights {
     /// For each pixel the weighted sum of the texels' values, and the sum of the weights of texels that are NaN.
     ///
     /// # Errors
-    /// A texel with a weight whose value is negative or infinite.
-    pub fn apply(&self, values: &[f64]) -> Result<Vec<(f64, f64)>, u32> {
+    /// A texel with a weight whose value is negative, or above `largest`.
+    pub fn apply(&self, values: &[f64], largest: f64) -> Result<Vec<(f64, f64)>, u32> {
+        let is_odd = |value: f64| value < 0.0 || value > largest;
         let of_line = |line: &TexelLine| {
             let mut sums = Vec::with_capacity(line.row_start.len());
             let mut odd = false;
@@ -62,11 +63,6 @@ impl TexelWeights {
     }
 }
 
-/// Whether a value is no radiance, and not NaN either.
-fn is_odd(value: f64) -> bool {
-    value < 0.0 || value == f64::INFINITY
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -76,10 +72,10 @@ mod tests {
         let line = TexelLine { row_start: vec![0, 2], texel: vec![3, 0, 3], weight: vec![0.5, 0.25, 1.0] };
         let weights = TexelWeights { lines: vec![line.clone(), line] };
         let each = [(0.5 * 8.0 + 0.25 * 4.0, 0.0), (8.0, 0.0)];
-        assert_eq!(weights.apply(&[4.0, -1.0, f64::NAN, 8.0]).unwrap(), [each, each].concat());
+        assert_eq!(weights.apply(&[4.0, -1.0, f64::NAN, 8.0], 9.0).unwrap(), [each, each].concat());
         let each = [(1.0, 0.5), (0.0, 1.0)];
-        assert_eq!(weights.apply(&[4.0, 0.0, 0.0, f64::NAN]).unwrap(), [each, each].concat());
-        assert_eq!(weights.apply(&[-4.0, 0.0, 0.0, 1.0]), Err(0));
-        assert_eq!(weights.apply(&[4.0, 0.0, 0.0, f64::INFINITY]), Err(3));
+        assert_eq!(weights.apply(&[4.0, 0.0, 0.0, f64::NAN], 9.0).unwrap(), [each, each].concat());
+        assert_eq!(weights.apply(&[-4.0, 0.0, 0.0, 1.0], 9.0), Err(0));
+        assert_eq!(weights.apply(&[4.0, 0.0, 0.0, 9.5], 9.0), Err(3));
     }
 }

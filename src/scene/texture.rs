@@ -1,5 +1,6 @@
 //! Variation of reflectance inside facets.
 
+use crate::error::number;
 use crate::geometry::{Chart, MaterialId, Mesh, Overlay, Texels};
 use crate::spectral::Band;
 
@@ -85,6 +86,11 @@ impl Texture {
         sums
     }
 
+    /// Where its first value is that no texel may have.
+    pub(crate) fn odd_texel(&self) -> Option<usize> {
+        self.values.iter().position(|v| !(*v >= 0.0 && v.is_finite()))
+    }
+
     /// What is wrong with it, a sentence for each.
     pub(super) fn check(&self, mesh: &Mesh, materials: &[Material], bands: &[Band], mut problem: impl FnMut(String)) {
         if self.rows == 0 || self.columns == 0 || self.values.len() != self.rows * self.columns * self.layers() {
@@ -99,10 +105,13 @@ impl Texture {
         if self.corners.len() != mesh.facets.len() {
             return problem(format!("places {} facets of {}", self.corners.len(), mesh.facets.len()));
         }
-        if let Some(i) = self.values.iter().position(|v| !(*v >= 0.0 && v.is_finite())) {
+        if let Some(i) = self.odd_texel() {
             let texel = i / self.layers();
             let (row, column) = (texel / self.columns, texel % self.columns);
-            problem(format!("texel (row {row}, column {column}) is {}: a number from 0 is wanted", self.values[i]));
+            return problem(format!(
+                "texel (row {row}, column {column}) is {}: a number from 0 is wanted",
+                number(self.values[i])
+            ));
         }
         let ascends = self.wavelength_um.windows(2).all(|w| w[0] < w[1]);
         if !(ascends && self.wavelength_um.iter().all(|w| *w > 0.0 && w.is_finite())) {
@@ -117,7 +126,7 @@ impl Texture {
             TextureKind::Reflectance => 1.0,
         };
         if most * base > 1.0 + 1e-9 {
-            problem(format!("makes a reflectance of {:.4}, which is above 1", most * base));
+            problem(format!("makes a reflectance of {}, which is above 1", number(most * base)));
         }
         let reach = |b: &Band| b.support_um();
         if let (Some(first), Some(last)) = (self.wavelength_um.first(), self.wavelength_um.last())

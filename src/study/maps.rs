@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::simulate::{Observation, account_for, has_room};
-use crate::error::{Error, Location, Problem, Result};
+use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::Texels;
 use crate::integrate::{self, Choice, MapImage, MapView, Maps, Unknown};
 use crate::product::{Cube, FacetTable, Placement, RadianceMap, TexelSource};
@@ -12,6 +12,10 @@ use crate::progress::{Watch, tell};
 use crate::scene::{Scene, Thermal};
 use crate::spectral::{Band, Mix, mixes};
 use crate::visibility::Topology;
+
+/// No radiance is larger, W m-2 sr-1 um-1: a solar surface at all wavelengths sends less than 1e8. Products in single precision hold
+/// sums of many such, and bytes in the wrong order, which make numbers of any size, are found.
+const LARGEST: f64 = 1e30;
 
 /// What is shown where maps know nothing.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,6 +98,12 @@ pub fn observe_maps(
     has_room(scene)?;
     fit(scene, &terms)?;
     heat_counts_once(scene, &terms, options)?;
+    if let Fill::Value(value) = options.fill
+        && !(0.0..=LARGEST).contains(&value)
+    {
+        let message = format!("{} is no radiance: give one from 0 to {LARGEST:e} W m-2 sr-1 um-1", number(value));
+        return Err(Error::invalid(Location::item("unknown"), message));
+    }
     let mut terms = Term::of(scene, terms)?;
     let mut problems = Vec::new();
     for term in terms.iter_mut().flat_map(|t| &mut t.views) {
@@ -362,15 +372,18 @@ fn add_up(
                     } else {
                         values = std::mem::take(&mut source.first);
                     }
-                    let sums = weights.apply(&values).map_err(|texel| {
+                    let most = LARGEST / source.weight.abs().max(1.0);
+                    let sums = weights.apply(&values, most).map_err(|texel| {
                         let texel = texel as usize;
                         let at = Location::item(format!("{}, band {}", source.name, band + 1));
-                        let message =
-                            format!("texel {} holds the radiance {}", place(&view.placement, texel), values[texel]);
-                        let problem = Problem::new(at, message).with_help(
-                            "radiance is a number from 0; mark what is not known by NaN, or by a `no_data` value",
-                        );
-                        Error::Invalid(vec![problem])
+                        let (place, value) = (place(&view.placement, texel), values[texel]);
+                        let message = format!("texel {place} holds the radiance {}", number(value));
+                        let help = if value > most {
+                            "no surface sends so much: are its unit, its weight and the order of its bytes right?"
+                        } else {
+                            "radiance is a number from 0; mark what is not known by NaN, or by a `no_data` value"
+                        };
+                        Error::Invalid(vec![Problem::new(at, message).with_help(help)])
                     })?;
                     let lost: f64 = sums.iter().map(|s| s.1).sum();
                     let area: f64 = on_scene.area.iter().sum();

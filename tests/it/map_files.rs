@@ -237,3 +237,132 @@ fn an_output_of_dart_without_inputs_lies_where_the_map_file_says() {
     let (code, err) = bench.try_to(&["--radiance", "{}dart.toml+{}dart.toml"]);
     assert!(code == 1 && err.contains("thermal emission would count 2 times"), "{err}");
 }
+
+#[test]
+fn what_does_not_go_together_is_told_at_its_key() {
+    let bench = Bench::new();
+    let told = |map: &str, parts: &[&str]| {
+        bench.map(map);
+        let (code, err) = bench.try_to(&["--radiance", "{}m.csv"]);
+        assert!(code == 1 && parts.iter().all(|part| err.contains(part)), "{map}{err}");
+        assert!(!bench.0.join("out").exists());
+    };
+    told(
+        &format!("irradiance_w_m2_um = 3\n{HEAD}{PLANE}"),
+        &["m.map.toml:1:22", "irradiance_w_m2_um: does not go with this quantity"],
+    );
+    let factor = HEAD.replace("\"radiance\"", "\"reflectance_factor\"").replace("W m-2 sr-1 um-1", "1");
+    told(
+        &format!("irradiance_w_m2_um = -2\n{factor}{PLANE}"),
+        &["m.map.toml:1:22", "irradiance_w_m2_um: -2 is negative"],
+    );
+    told(&format!("irradiance_w_m2_um = [-2]\n{factor}{PLANE}"), &["irradiance_w_m2_um: -2 is negative"]);
+    told(
+        &format!("occlusion = false\n{HEAD}placement = \"atlas\"\n"),
+        &["m.map.toml:1:13", "occlusion: does not go with this placement"],
+    );
+    told(
+        &format!("{HEAD}{PLANE}").replace("[1.0]", "[1.0, 1.1]"),
+        &["bands: 2 bands, but the raster has 1, each of 2 rows x 2 columns"],
+    );
+    for (step, told_as) in [("[0, 0, 0]", "0"), ("[1e200, 0, 0]", "1e200")] {
+        told(
+            &format!("{HEAD}{}", PLANE.replace("along_line_m = [4, 0, 0]", &format!("along_line_m = {step}"))),
+            &[&format!("plane.along_line_m: is a step of {told_as} m")],
+        );
+    }
+    let observer = "observer = { position_m = [0, 0, 12000], target_m = [0, 0, 11000], up = [0, 1, 0] }\n";
+    told(
+        &format!("{HEAD}placement = \"camera\"\n{observer}sensor = {{ ifov_mrad = 4000 }}\n"),
+        &["sensor.ifov_mrad: 4000 is more than 1000"],
+    );
+}
+
+#[test]
+fn no_radiance_is_beyond_what_a_product_can_hold() {
+    let bench = Bench::new();
+    // As of bytes in the wrong order; 1e200 is infinite in single precision.
+    bench.0.write("m.csv", "1,2\n1e200,4\n");
+    let (code, err) = bench.try_to(&["--radiance", "{}m.csv"]);
+    assert!(code == 1 && err.contains("texel (row 1, column 0) holds the radiance 1e200"), "{err}");
+    assert!(err.contains("the order of its bytes"), "{err}");
+    bench.0.write("m.csv", "1,2\n3,4\n");
+    let (code, err) = bench.try_to(&["--radiance", "{}m.csv*1e308"]);
+    assert!(code == 1 && err.contains("holds the radiance 1") && err.contains("its weight"), "{err}");
+    let (code, err) = bench.try_to(&["--radiance", "{}m.csv", "--unknown", "1e39"]);
+    assert!(code == 1 && err.contains("1e39 is no radiance"), "{err}");
+    assert!(!bench.0.join("out").exists());
+    assert_near(&bench.integrate(&["--radiance", "{}m.csv*1e-3"]), &[0.001, 0.002, 0.003, 0.004]);
+}
+
+#[test]
+fn sums_say_what_is_wrong_in_them() {
+    let bench = Bench::new();
+    for (text, message) in [
+        ("", "a map has no name"),
+        ("{}m.csv+", "a map has no name"),
+        ("{}m.csv*two", "\"two\" is no weight"),
+        ("{}m.csv*2*3", "m.csv*2: "),
+    ] {
+        let (code, err) = bench.try_to(&["--radiance", text]);
+        assert!(code == 1 && err.contains(message), "{text}: {err}");
+    }
+    let (code, err) = bench.try_to(&[]);
+    assert!(code == 2 && err.contains("--table <TABLE.npz>|--radiance <"), "{err}");
+}
+
+#[test]
+fn widths_of_a_table_are_widths() {
+    let bench = Bench::new();
+    let array = |values: &[f64], shape: &str| {
+        let mut header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}");
+        header += &" ".repeat(117 - header.len());
+        let mut bytes = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
+        bytes.extend(header.bytes().chain([b'\n']).chain(values.iter().flat_map(|v| v.to_le_bytes())));
+        bytes
+    };
+    for (width, is_good) in
+        [(0.0, true), (0.1, true), (-0.1, false), (f64::NAN, false), (f64::INFINITY, false), (1.0, false)]
+    {
+        let file = std::fs::File::create(bench.0.join("t.npz")).unwrap();
+        let mut zip = zip::ZipWriter::new(file);
+        let stored = zip::write::SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
+        for (name, bytes) in [
+            ("radiance_w_m2_sr_um.npy", array(&[2.0, 6.0], "(2, 1)")),
+            ("wavelength_um.npy", array(&[1.0], "(1,)")),
+            ("fwhm_um.npy", array(&[width], "(1,)")),
+        ] {
+            zip.start_file(name, stored).unwrap();
+            std::io::Write::write_all(&mut zip, &bytes).unwrap();
+        }
+        zip.finish().unwrap();
+        let (code, err) = bench.try_to(&["--radiance", "{}t.npz"]);
+        let told = err.contains("t.npz fwhm_um: a width of ") && err.contains("um for a band at 1 um");
+        assert!(if is_good { code == 0 } else { code == 1 && told }, "{width}: {err}");
+    }
+}
+
+#[test]
+fn a_texture_that_serves_no_facet_says_why() {
+    let bench = Bench::new();
+    let told = |grid: &str, materials: &str, part: &str| {
+        bench.0.write("t.csv", grid);
+        bench.0.write("scene.toml", SCENE.replace("[materials.default]\nreflectance = 0.1\n", materials));
+        let (code, err) = bench.try_to(&["--radiance", "{}m.csv"]);
+        assert!(code == 1 && err.contains(part), "{err}");
+    };
+    let texture = "texture = { raster = \"t.csv\", quantity = \"factor\", placement = \"atlas\" }";
+    let plain = format!("[materials.default]\nreflectance = 0.1\n{texture}\n");
+    told("1,nan\n1,1\n", &plain, "texel (row 0, column 1) is NaN: a number from 0 is wanted");
+    told("1,1\ninf,1\n", &plain, "texel (row 1, column 0) is inf: a number from 0 is wanted");
+    told("0,0\n0,0\n", &plain, "cannot be made 1: it is 0 over the material's facets");
+    let mixed = format!(
+        "[materials]\na = {{ reflectance = 0.1, {texture} }}\nb = {{ reflectance = 0.2 }}\ndefault = {{ mixture = {{ a = 0.5, b = 0.5 }} }}\n"
+    );
+    told("1,2\n3,4\n", &mixed, "materials.a.texture.mean: cannot be made 1: no facet is of this material");
+    let beside = plain.replace(
+        "placement = \"atlas\"",
+        "placement = \"plane\", plane = { corner_m = [400, 4, 0], along_line_m = [4, 0, 0], line_to_line_m = [0, -4, 0] }",
+    );
+    told("1,2\n3,4\n", &beside, "the texture covers none of the material's facets");
+}

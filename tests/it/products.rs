@@ -190,6 +190,10 @@ fn damaged_envi_files_are_located() {
         ("ENVY\n", "x.hdr:1: an ENVI header begins"),
         ("ENVI\nsamples 2\n", "x.hdr:2: expected `key = value`"),
         ("ENVI\nsamples = 2\nband names = {a,\nb\n", "x.hdr:3 band names: the list that begins here"),
+        (
+            &good.replace("order = 0", "order = 2"),
+            "x.hdr:7 byte order: 2 is neither 0, the least significant byte first, nor 1",
+        ),
         ("ENVI\nsamples = -2\nbands = 2\ninterleave = bsr\n", "x.hdr:2 samples: \"-2\" is not a whole number from 1"),
         ("ENVI\nsamples = -2\nbands = 2\ninterleave = bsr\n", "x.hdr lines: is missing"),
         ("ENVI\nsamples = -2\nbands = 2\ninterleave = bsr\n", "x.hdr:4 interleave: \"bsr\" is none of"),

@@ -67,7 +67,7 @@ fn of_npz(path: &Path) -> Result<(FacetTexels, InputFile)> {
     {
         return Err(Error::invalid(at("fwhm_um"), format!("{} widths for {bands} bands", widths.len())));
     }
-    let width = |i: usize| fwhm.as_ref().map(|(_, w)| w[i]).filter(|w| *w > 0.0);
+    let width = |i: usize| fwhm.as_ref().map(|(_, w)| w[i]).filter(|w| *w != 0.0);
     let bands = wavelength_um.iter().enumerate().map(|(i, um)| Band { centre_um: *um, fwhm_um: width(i) }).collect();
     let length = std::fs::metadata(path).map_err(|e| Error::io(path, "reading", e))?.len();
     let input = InputFile::of(path, &input::bytes(path, length)?);

@@ -20,14 +20,14 @@ use super::dart::{self, output as dart_output};
 use super::located::Document;
 use super::raster::{self, Raster};
 use super::scene_toml::{self, Reader};
-use crate::error::{Error, Location, Problem, Result};
+use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::Pose;
 use crate::product::{Atlas, Eye, Placement, Projection, RadianceMap, ViewImage};
 use crate::progress::Watch;
 use crate::scene::{FrameCamera, Scene};
 use crate::spectral::Band;
 
-use types::{DartMapToml, MapToml, NumbersToml, PlacementToml};
+use types::{DartMapToml, MapToml, NumbersToml, PlacementToml, QuantityToml};
 use values::{Conversion, RasterTexels};
 
 /// The maps that were found at a path: one, or one for each direction of view.
@@ -220,6 +220,22 @@ fn map(
         reader.problem("irradiance_w_m2_um", format!("{} numbers for {} bands", values.len(), bands.len()));
         return None;
     }
+    match &toml.irradiance_w_m2_um {
+        Some(_) if toml.quantity != QuantityToml::ReflectanceFactor => {
+            reader
+                .problem("irradiance_w_m2_um", "does not go with this quantity: only reflectance factors refer to one");
+        }
+        Some(given) => {
+            let values = match given {
+                NumbersToml::All(value) => std::slice::from_ref(value),
+                NumbersToml::Each(values) => values,
+            };
+            if let Some(value) = values.iter().find(|v| **v < 0.0) {
+                reader.problem("irradiance_w_m2_um", format!("{} is negative", number(*value)));
+            }
+        }
+        None => {}
+    }
     let convert = |(i, band): (usize, &Band)| Conversion::new(toml.quantity, toml.unit, band, irradiance(i));
     match bands.iter().enumerate().map(convert).collect() {
         Ok(conversion) => Some((placement?, RasterTexels { rasters, bands, conversion, no_data: toml.no_data })),
@@ -240,8 +256,8 @@ fn placement(
 ) -> Option<Placement> {
     let occlusion = toml.occlusion.unwrap_or(true);
     let wanted = match toml.placement {
-        PlacementToml::Camera => ["observer", "sensor", "scene"].as_slice(),
-        PlacementToml::Plane => &["plane"],
+        PlacementToml::Camera => ["observer", "sensor", "scene", "occlusion"].as_slice(),
+        PlacementToml::Plane => &["plane", "occlusion"],
         PlacementToml::Facets | PlacementToml::Atlas => &[],
     };
     let given = [
@@ -249,6 +265,7 @@ fn placement(
         ("sensor", toml.sensor.is_some()),
         ("scene", toml.scene.is_some()),
         ("plane", toml.plane.is_some()),
+        ("occlusion", toml.occlusion.is_some()),
     ];
     for (key, _) in given.into_iter().filter(|(key, is_given)| *is_given && !wanted.contains(key)) {
         reader.problem(key, "does not go with this placement");

@@ -132,7 +132,7 @@ pub(super) enum PlacementToml {
 #[serde(deny_unknown_fields)]
 pub(super) struct MapSensorToml {
     /// Angle that the central pixel subtends, mrad.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1000))]
     pub(super) ifov_mrad: Option<f64>,
     /// Angle that a line of pixels subtends, deg.
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 180))]

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::types::{QuantityToml, UnitToml};
-use crate::error::{Error, Location, Problem, Result};
+use crate::error::{Error, Location, Problem, Result, number};
 use crate::formats::raster::Raster;
 use crate::physics::{blackbody, reflectance};
 use crate::product::TexelSource;
@@ -138,7 +138,8 @@ impl RasterTexels {
             "say which number stands for what is not known: `no_data`"
         };
         Error::Invalid(vec![
-            Problem::new(at, format!("{value} is negative, which nothing that a map holds can be")).with_help(help),
+            Problem::new(at, format!("{} is negative, which nothing that a map holds can be", number(value)))
+                .with_help(help),
         ])
     }
 }
@@ -157,6 +158,14 @@ impl FacetTexels {
     pub(super) fn check(&self) -> Result<()> {
         if let Some(band) = self.bands.iter().find(|b| !(b.centre_um > 0.0 && b.centre_um.is_finite())) {
             return Err(Error::invalid(Location::file(&self.path), format!("{} um is no wavelength", band.centre_um)));
+        }
+        let has_width = |b: &&Band| b.fwhm_um.is_some_and(|w| !(w > 0.0 && w < b.centre_um));
+        if let Some(Band { centre_um, fwhm_um }) = self.bands.iter().find(has_width) {
+            let width = fwhm_um.map_or_else(String::new, number);
+            let at = Location::file(&self.path).with_item("fwhm_um");
+            let problem = Problem::new(at, format!("a width of {width} um for a band at {centre_um} um"))
+                .with_help("widths are in um, from 0 (monochromatic) and less than the centre");
+            return Err(Error::Invalid(vec![problem]));
         }
         if let Some(i) = self.values.iter().position(|v| *v < 0.0 || v.is_infinite()) {
             let (facet, band) = (i / self.bands.len(), i % self.bands.len());

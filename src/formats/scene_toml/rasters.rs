@@ -11,6 +11,7 @@ use super::types::{
     BandsToml, Coordinates, FactorUnitToml, MeanToml, PlaneToml, RasterToml, TexelsToml, TexturePlacementToml,
     TextureQuantityToml, TextureToml,
 };
+use crate::error::number;
 use crate::geometry::{Direction, MaterialId, Mesh, Texels};
 use crate::product::{Atlas, Projection};
 use crate::scene::{Texture, TextureKind};
@@ -64,7 +65,14 @@ impl Reader<'_> {
         if let Some(given) = given {
             let bands = self.bands(item, given)?;
             if bands.len() != of_raster.len() {
-                self.problem(item, format!("{} bands, but the raster has {}", bands.len(), of_raster.len()));
+                let message = format!(
+                    "{} bands, but the raster has {}, each of {} rows x {} columns",
+                    bands.len(),
+                    of_raster.len(),
+                    rasters[0].rows,
+                    rasters[0].columns
+                );
+                self.problem(item, message);
                 return None;
             }
             return Some(bands);
@@ -86,6 +94,15 @@ impl Reader<'_> {
     /// How points come onto a plane's raster, local to the scene, and the direction towards the viewer along which they do.
     pub(in crate::formats) fn plane(&mut self, item: &str, toml: &PlaneToml) -> Option<(Projection, Direction)> {
         let [along, across] = [toml.along_line_m, toml.line_to_line_m].map(DVec3::from_array);
+        for (key, step) in [("along_line_m", along), ("line_to_line_m", across)] {
+            // Beyond this, products of steps leave the range of f64.
+            let largest = step.abs().max_element();
+            if !(1e-18..=1e18).contains(&largest) {
+                let message = format!("is a step of {} m: give that from a pixel to the next", number(largest));
+                self.problem(&member(item, key), message);
+                return None;
+            }
+        }
         // Seen from there, lines run to the right and follow one another downwards.
         let normal = Direction::new(across.cross(along));
         let Some(normal) =
@@ -155,14 +172,27 @@ impl Reader<'_> {
         let material = MaterialId(id as u16);
         let mut texture = Texture { material, kind, corners, rows, columns, wavelength_um, values, texels };
         let to_one = toml.mean.map_or(kind == TextureKind::Factor, |mean| mean == MeanToml::One);
-        if to_one {
+        // A texel that is no number is told as that, not as its mean.
+        if to_one && texture.odd_texel().is_none() {
             let means = texture.means(mesh);
             if let Some(mean) = means.iter().find(|m| !(**m > 0.0 && m.is_finite())) {
-                self.helped(
-                    &at("mean"),
-                    format!("cannot be made 1: it is {mean} over the material's facets"),
-                    "the texture covers none of them, or is 0 or undefined there; `mean = \"kept\"` leaves factors as they are",
-                );
+                let (message, help) = if !mesh.material.contains(&material) {
+                    (
+                        "cannot be made 1: no facet is of this material".to_owned(),
+                        "facets of a mixture have the mixture's own texture, not those of what it is mixed of: put the texture there",
+                    )
+                } else if mean.is_nan() {
+                    (
+                        "cannot be made 1: the texture covers none of the material's facets".to_owned(),
+                        "check its placement: the frame (local or body), metres, and which axis runs along lines",
+                    )
+                } else {
+                    (
+                        format!("cannot be made 1: it is {} over the material's facets", number(*mean)),
+                        "`mean = \"kept\"` leaves factors as they are",
+                    )
+                };
+                self.helped(&at("mean"), message, help);
                 return None;
             }
             texture.values.chunks_exact_mut(layers).for_each(|v| v.iter_mut().zip(&means).for_each(|(v, m)| *v /= m));
@@ -187,7 +217,7 @@ impl Reader<'_> {
         if let Some(x) = odd {
             self.helped(
                 item,
-                format!("facets have texture coordinates outside 0 to 1: {x}"),
+                format!("facets have texture coordinates outside 0 to 1: {}", number(x)),
                 "images are not repeated: scale the coordinates, or make the image as large as they reach",
             );
             return None;
