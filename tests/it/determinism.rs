@@ -80,3 +80,45 @@ fn threads_and_steps_change_no_byte() {
     run(folder, "1", &["integrate", "scene.toml", "--table", "table.npz", "-o", "out", "--exr", "--footprints"]);
     assert_same("solve and integrate", &one, &files(&folder.join("out")), &[]);
 }
+
+#[test]
+fn threads_change_no_byte_of_maps_and_textures() {
+    let scratch = Scratch::new();
+    let folder = scratch.path();
+    // A texture of 40 x 40 texels of 6 m over the site, whose local axes stand radially; two maps, one of them hardly knows the site.
+    let rows = |k: usize| -> String {
+        let row = |r: usize| (0..40).map(|c| (1 + (r * 7 + c * 13 + k) % 11).to_string()).collect::<Vec<_>>().join(",");
+        (0..40).map(|r| row(r) + "\n").collect()
+    };
+    scratch.write("texture.csv", rows(0));
+    let outward = "[0.9397, 0.342, 0.0]";
+    let plane = format!(
+        "plane = {{ corner_m = [41.04, -112.76, 120.0], along_line_m = [-2.052, 5.638, 0.0], line_to_line_m = [0.0, 0.0, -6.0], towards = {outward} }}"
+    );
+    let texture =
+        format!("texture = {{ raster = \"texture.csv\", quantity = \"factor\", placement = \"plane\", {plane} }}");
+    scratch.write("scene.toml", SCENE.replace("reflectance = 0.06", &format!("reflectance = 0.06, {texture}")));
+    for (name, towards) in [("a", outward), ("b", "[0.5, 0.6, 0.3]")] {
+        scratch.write(&format!("{name}.csv"), rows(5));
+        let plane = plane.replace(outward, towards);
+        let head = "mmxrt_map = 1\nno_data = 7\nquantity = \"radiance\"\nunit = \"W m-2 sr-1 um-1\"\nbands = { centres_um = [0.9, 3.7], fwhm_um = 0.1 }\nraster = [\"a.csv\", \"b.csv\"]\n";
+        scratch.write(&format!("{name}.map.toml"), format!("{head}placement = \"plane\"\n{plane}\n"));
+    }
+    let maps = ["--radiance", "a.csv", "--radiance", "b.csv", "--views", "interpolated", "--texels", "bilinear"];
+    let made = |threads: &str| {
+        let [textured, mapped] = ["textured", "mapped"].map(|name| format!("{name}{threads}"));
+        run(folder, threads, &["simulate", "scene.toml", "-o", &textured]);
+        let integrate = ["integrate", "scene.toml", "--unknown", "solve", "-o", &mapped];
+        run(folder, threads, &[&integrate[..], &maps].concat());
+        [textured, mapped].map(|name| files(&folder.join(name)))
+    };
+    let [one, two, four] = ["1", "2", "4"].map(made);
+    for (k, what) in ["textures", "maps"].into_iter().enumerate() {
+        assert_same(&format!("{what}, 2 threads"), &one[k], &two[k], &[]);
+        assert_same(&format!("{what}, 4 threads"), &one[k], &four[k], &[]);
+    }
+    // The maps are seen, and not all is known.
+    let report: serde_json::Value = serde_json::from_slice(&one[1]["report.json"]).unwrap();
+    let unknown = report["maps"]["unknown_share"].as_f64().unwrap();
+    assert!((0.001..0.9).contains(&unknown), "{unknown}");
+}
