@@ -97,10 +97,12 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     };
     let mut terms: Vec<Vec<RadianceMap>> = Vec::new();
     let mut tables = table;
+    let mut summed = None;
     for text in &arguments.radiance {
-        for (i, (path, weight)) in summands(text)?.into_iter().enumerate() {
+        let mut count = 0;
+        for (path, weight) in summands(text)? {
             if is_table(&path) {
-                if weight != 1.0 || options.add_solved {
+                if weight != 1.0 || options.add_solved || arguments.table.is_some() {
                     let problem = Problem::new(Location::file(&path), "a facet table counts once, and whole")
                         .with_help("its light and heat are of this scene: other maps may have weights");
                     return Err(Error::Invalid(vec![problem]));
@@ -112,10 +114,18 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
             let found = radiance_map::open(&path, &opened.scene, weight, &watch)?;
             opened.inputs.extend(found.inputs.iter().map(Input::from));
             opened.warnings.extend(found.notes);
-            if terms.len() <= i {
-                terms.resize_with(i + 1, Vec::new);
+            if terms.len() <= count {
+                terms.resize_with(count + 1, Vec::new);
             }
-            terms[i].extend(found.maps);
+            terms[count].extend(found.maps);
+            count += 1;
+        }
+        let first = *summed.get_or_insert(count);
+        if count != first {
+            let at = Location::item(format!("--radiance {text:?}"));
+            let problem = Problem::new(at, format!("maps that add up: {count}, but {first} of the first view"))
+                .with_help("every view is the same sum: as in --radiance a1+b1 --radiance a2+b2");
+            return Err(Error::Invalid(vec![problem]));
         }
     }
     terms.retain(|term| !term.is_empty());

@@ -108,6 +108,9 @@ fn the_scenes_own_table_is_a_map_too() {
     let both = bench.integrate(&["--radiance", "{}m.csv+{}table.npz"]);
     assert_near(&both, &[1.0, 2.0, 3.0, 4.0].map(|l| l + own[0]));
     assert!(bench.try_to(&["--radiance", "{}table.npz*2"]).1.contains("counts once"));
+    assert!(bench.try_to(&["--table", "{}table.npz", "--radiance", "{}table.npz"]).1.contains("counts once"));
+    let told = bench.try_to(&["--radiance", "{}m.csv+{}m.csv", "--radiance", "{}m.csv"]).1;
+    assert!(told.contains("maps that add up: 1, but 2 of the first view"), "{told}");
 }
 
 #[test]
