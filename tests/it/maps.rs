@@ -397,3 +397,43 @@ fn maps_that_cannot_be_are_refused() {
         assert!(error.contains(message), "{error}");
     }
 }
+
+#[test]
+fn facets_that_reach_behind_the_camera_are_mapped_as_they_are_textured() {
+    // A camera 5 m above a ground of two facets of 300 m, which pass below and behind it, and a box on it; the map sees all from above,
+    // but for what lies under the box. The texture has the same values: radiance per factor is that of the plain scene.
+    let half = 150.0;
+    let mesh = joined(&[plane(half, 0.0), of_material(cuboid([-4.0, -100.0, 0.0], [4.0, -92.0, 6.0]), 1)]);
+    let camera = camera([0.3, -140.0, 5.0], [0.0, -95.0, 0.0], [0.0, 0.0, 1.0], 24, 0.04);
+    let values: Vec<f64> = (0..300 * 300).map(|i| 0.2 + 0.8 * ((i * 7919) % 101) as f64 / 101.0).collect();
+    let mut plain = scene(of_material(mesh.clone(), 0), camera, [0.0, 0.0, 1.0]);
+    plain.materials.push(Material { name: "box".into(), mixture: vec![(1, 1.0)], ..plain.materials[0].clone() });
+    plain.mesh = mesh;
+    let plain = plain.check().unwrap();
+    let mut textured = plain.clone();
+    let texel = |p: DVec3| [p.x + half, half - p.y];
+    textured.textures = vec![mmxrt::scene::Texture {
+        material: mmxrt::geometry::MaterialId(0),
+        kind: mmxrt::scene::TextureKind::Factor,
+        corners: (0..plain.mesh.facets.len()).map(|f| plain.mesh.facet(f).corners_m.map(texel)).collect(),
+        rows: 300,
+        columns: 300,
+        wavelength_um: vec![],
+        values: values.clone(),
+        texels: Between::Nearest,
+    }];
+    let by_texture = study::simulate(&textured.check().unwrap(), &unwatched).unwrap().1.cube.band(0);
+    let alone = study::simulate(&plain, &unwatched).unwrap().1;
+    let image = parallel_image([0.0, 0.0, 1.0], [-half, half], 1.0, 300, 300, true);
+    let options = MapOptions { fill: Fill::Refuse(0.5), ..MapOptions::default() };
+    let (seen, _) = observe(&plain, vec![vec![map(image, values)]], &options).unwrap();
+    let (by_map, material) = (seen.cube.band(0), &alone.backplanes.plane("ABUNDANCE grey").unwrap().values);
+    let white = 0.07 / std::f64::consts::PI * 700.0 / 2.25;
+    let mut compared = 0;
+    for pixel in (0..by_map.len()).filter(|p| material[*p] > 1.0 - 1e-9) {
+        let (a, b) = (by_map[pixel], by_texture[pixel] / white);
+        assert!((a - b).abs() < 1e-9, "pixel {pixel}: {a} {b}");
+        compared += 1;
+    }
+    assert!(compared > 150, "{compared}");
+}
