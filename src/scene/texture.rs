@@ -2,7 +2,7 @@
 
 use crate::error::number;
 use crate::geometry::{Chart, MaterialId, Mesh, Overlay, Texels};
-use crate::spectral::Band;
+use crate::spectral::{Band, between};
 
 use super::Material;
 
@@ -46,14 +46,10 @@ impl Texture {
     /// How much of a value at a wavelength, um, is each layer's: they sum to 1.
     pub fn shares(&self, um: f64) -> Vec<f64> {
         let mut shares = vec![0.0; self.layers()];
-        let after = self.wavelength_um.partition_point(|w| *w <= um);
-        if after == 0 || after == self.wavelength_um.len() {
-            shares[after.saturating_sub(1)] = 1.0;
-        } else {
-            let (a, b) = (self.wavelength_um[after - 1], self.wavelength_um[after]);
-            let share = (um - a) / (b - a);
-            shares[after - 1] = 1.0 - share;
-            shares[after] = share;
+        let (before, share) = between(&self.wavelength_um, um);
+        shares[before] = 1.0 - share;
+        if share > 0.0 {
+            shares[before + 1] = share;
         }
         shares
     }

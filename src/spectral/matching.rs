@@ -1,6 +1,6 @@
 //! The bands of a sensor out of the bands of a map.
 
-use super::Band;
+use super::{Band, between};
 
 /// Two bands are one and the same within this share of their width, or of their wavelength if they have none.
 const SAME_WIDTH: f64 = 0.01;
@@ -11,7 +11,7 @@ pub type Mix = Vec<(usize, f64)>;
 
 /// For each band of a sensor its mix of the bands of a map.
 ///
-/// A band that the map has too is taken as it is. Others are means, over the sensor's response, of what is linear between the
+/// A band that the map has too is taken as it is: of several the nearest. Others are means, over the sensor's response, of what is linear between the
 /// centres of the map's bands; beyond the first and last centre, but within these bands, it is held.
 ///
 /// # Errors
@@ -59,8 +59,10 @@ fn mix(map: &[Band], order: &[usize], band: &Band) -> Option<Mix> {
         (other.centre_um - band.centre_um).abs() <= tolerance_um
             && (other.fwhm_um.unwrap_or(0.0) - band.fwhm_um.unwrap_or(0.0)).abs() <= tolerance_um
     };
-    if let Some(same) = order.iter().find(|i| is_same(&map[**i])) {
-        return Some(vec![(*same, 1.0)]);
+    let off_um = |i: usize| (map[i].centre_um - band.centre_um).abs();
+    let same = order.iter().copied().filter(|i| is_same(&map[*i])).min_by(|a, b| off_um(*a).total_cmp(&off_um(*b)));
+    if let Some(same) = same {
+        return Some(vec![(same, 1.0)]);
     }
     let (low, high) = reach(map, order)?;
     let slack = SAME_WAVELENGTH * band.centre_um;
@@ -71,13 +73,10 @@ fn mix(map: &[Band], order: &[usize], band: &Band) -> Option<Mix> {
     let centres: Vec<f64> = order.iter().map(|i| map[*i].centre_um).collect();
     let mut weights = vec![0.0; map.len()];
     for (um, weight) in band.quadrature(&centres) {
-        let after = centres.partition_point(|c| *c <= um);
-        if after == 0 || after == centres.len() {
-            weights[order[after.saturating_sub(1)]] += weight;
-        } else {
-            let share = (um - centres[after - 1]) / (centres[after] - centres[after - 1]);
-            weights[order[after - 1]] += weight * (1.0 - share);
-            weights[order[after]] += weight * share;
+        let (before, share) = between(&centres, um);
+        weights[order[before]] += weight * (1.0 - share);
+        if share > 0.0 {
+            weights[order[before + 1]] += weight * share;
         }
     }
     // A quadrature's weights sum to 1 but for rounding.
@@ -97,6 +96,14 @@ mod tests {
     fn a_band_that_is_there_is_taken() {
         let map = [band(2.0, Some(0.1)), band(1.0, Some(0.1))];
         assert_eq!(mixes(&map, &[band(1.0005, Some(0.1))]).unwrap(), [vec![(1, 1.0)]]);
+    }
+
+    #[test]
+    fn of_several_that_could_be_it_the_nearest_is_taken() {
+        // Steps of half a percent of the width, in descending order.
+        let map: Vec<Band> = [1.0001, 1.0, 0.9999].map(|c| band(c, Some(0.02))).to_vec();
+        assert_eq!(mixes(&map, &[band(1.0, Some(0.02))]).unwrap(), [vec![(1, 1.0)]]);
+        assert_eq!(mixes(&map, &[band(1.000_08, Some(0.02))]).unwrap(), [vec![(0, 1.0)]]);
     }
 
     #[test]

@@ -10,4 +10,4 @@ pub use band::Band;
 pub use library::{Column, SpectralLibrary};
 pub use matching::{Mix, mixes};
 pub use solar::{solar_e490, solar_mean};
-pub use spectrum::{Extend, Spectrum};
+pub use spectrum::{Extend, Spectrum, between};

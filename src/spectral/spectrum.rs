@@ -10,6 +10,17 @@ pub enum Extend {
     Hold,
 }
 
+/// Where a wavelength lies among some (um, ascending): the last that is not above it, and which share of the way to the next one lies
+/// behind it, 0 to below 1. What is linear between points and held beyond them has so much of the next one's value.
+pub fn between(points_um: &[f64], um: f64) -> (usize, f64) {
+    let after = points_um.partition_point(|point| *point <= um);
+    if after == 0 || after == points_um.len() {
+        return (after.saturating_sub(1), 0.0);
+    }
+    let (before, next) = (points_um[after - 1], points_um[after]);
+    (after - 1, (um - before) / (next - before))
+}
+
 /// A table of values over wavelength (um), linear between the points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spectrum {
@@ -63,16 +74,9 @@ impl Spectrum {
         if !(first <= um && um <= last) {
             return None;
         }
-        let after = self.wavelength_um.partition_point(|&w| w <= um);
-        if after == 0 {
-            return Some(self.value[0]);
-        }
-        if after == self.wavelength_um.len() {
-            return Some(self.value[after - 1]);
-        }
-        let (w0, w1) = (self.wavelength_um[after - 1], self.wavelength_um[after]);
-        let t = (um - w0) / (w1 - w0);
-        Some(self.value[after - 1] + t * (self.value[after] - self.value[after - 1]))
+        let (before, share) = between(&self.wavelength_um, um);
+        let value = self.value[before];
+        Some(if share > 0.0 { value + share * (self.value[before + 1] - value) } else { value })
     }
 
     /// Integral over wavelength from `a_um` to `b_um` (trapezoids on the table's points and the two ends): value unit x um.
