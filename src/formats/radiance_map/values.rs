@@ -106,9 +106,10 @@ impl TexelSource for RasterTexels {
             return Err(Error::invalid(Location::item("band"), format!("there is no band {}", band + 1)));
         };
         self.rasters[raster].read(within, values)?;
-        let (conversion, no_data) = (self.conversion[band], self.no_data);
-        if let Some(no_data) = no_data {
-            values.iter_mut().filter(|v| **v == no_data).for_each(|v| *v = f64::NAN);
+        let conversion = self.conversion[band];
+        if let Some(no_data) = self.no_data {
+            let no_data = [no_data, self.rasters[raster].as_stored(no_data)];
+            values.iter_mut().filter(|v| no_data.contains(v)).for_each(|v| *v = f64::NAN);
         }
         // A chunk at a time without a way out of it, so that several values are compared at once.
         let is_negative = |chunk: &[f64]| chunk.iter().fold(false, |found, v| found | (*v < 0.0));

@@ -237,8 +237,7 @@ impl Raster {
             Reader::Png => picture::read(&self.path, bands.clone(), values)?,
             Reader::Held(held) => values.copy_from_slice(held),
         }
-        // A header's decimals are those of f64.
-        let ignore = self.ignore.map(|v| if self.reader.stores_f32() { f64::from(v as f32) } else { v });
+        let ignore = self.ignore.map(|v| self.as_stored(v));
         for (band, values) in bands.zip(values.chunks_exact_mut(self.pixels())) {
             if let Some(ignore) = ignore {
                 values.iter_mut().filter(|v| **v == ignore).for_each(|v| *v = f64::NAN);
@@ -248,6 +247,11 @@ impl Raster {
             }
         }
         Ok(())
+    }
+
+    /// A number that was written in decimals, as it is among the file's numbers: those may be f32.
+    pub fn as_stored(&self, number: f64) -> f64 {
+        if self.reader.stores_f32() { f64::from(number as f32) } else { number }
     }
 
     /// The bands of a picture: three for colours where all wavelengths are known or there are three, else the middle one.
