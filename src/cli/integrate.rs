@@ -95,11 +95,13 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         fill: arguments.unknown,
         add_solved: false,
     };
+    // Term by term, the maps of all views.
     let mut terms: Vec<Vec<RadianceMap>> = Vec::new();
+    // How many terms each view has.
+    let mut counts: Vec<usize> = Vec::new();
     let mut tables = table;
-    let mut summed = None;
     for text in &arguments.radiance {
-        let mut count = 0;
+        let mut term = 0;
         for (path, weight) in summands(text)? {
             if is_table(&path) {
                 if weight != 1.0 || options.add_solved || arguments.table.is_some() {
@@ -114,19 +116,18 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
             let found = radiance_map::open(&path, &opened.scene, weight, &watch)?;
             opened.inputs.extend(found.inputs.iter().map(Input::from));
             opened.warnings.extend(found.notes);
-            if terms.len() <= count {
-                terms.resize_with(count + 1, Vec::new);
+            if terms.len() <= term {
+                terms.push(Vec::new());
             }
-            terms[count].extend(found.maps);
-            count += 1;
+            terms[term].extend(found.maps);
+            term += 1;
         }
-        let first = *summed.get_or_insert(count);
-        if count != first {
-            let at = Location::item(format!("--radiance {text:?}"));
-            let problem = Problem::new(at, format!("maps that add up: {count}, but {first} of the first view"))
-                .with_help("every view is the same sum: as in --radiance a1+b1 --radiance a2+b2");
-            return Err(Error::Invalid(vec![problem]));
-        }
+        counts.extend((term > 0).then_some(term));
+    }
+    if counts.iter().any(|count| *count != counts[0]) {
+        let problem = Problem::new(Location::item("--radiance"), format!("names {counts:?} maps: each time as many"))
+            .with_help("given several times, it names views of the same sum, its terms in the same order");
+        return Err(Error::Invalid(vec![problem]));
     }
     terms.retain(|term| !term.is_empty());
     let table = match tables {

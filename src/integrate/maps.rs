@@ -18,7 +18,7 @@ use crate::visibility::{Drawing, Topology};
 /// Which of several maps of one scene serve a facet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Choice {
-    /// The one seen from the nearest direction that knows the facet.
+    /// Of those that know the facet the one seen from the nearest direction.
     #[default]
     Nearest,
     /// All that know the facet, weighted by one over the squared angle to the direction of view.
@@ -523,7 +523,7 @@ impl<'a> Looker<'a> {
                     let scale = share * target / known;
                     let Lookup { seen, sums, .. } = lookup;
                     seen.texels.iter().for_each(|(texel, weight)| sums.add(*texel, scale * weight));
-                    if t == 0 && angle.is_finite() {
+                    if angle.is_finite() {
                         angle_sum += scale * lookup.seen.area * angle;
                         angle_area += scale * lookup.seen.area;
                     }
@@ -569,9 +569,11 @@ impl<'a> Looker<'a> {
     }
 }
 
-/// How much each map counts for a facet, relative to each other.
+/// How much each map counts for a facet, relative to each other. One that knows less than [`LEAST_KNOWN`] of what the best one
+/// knows does not count; one without a direction only if no other does.
 fn shares(views: &[Lookup], angles: &[f64], choice: Choice) -> Vec<f64> {
-    let known = |i: &usize| views[*i].seen.area > 0.0;
+    let most = views.iter().map(|view| view.seen.area).fold(0.0, f64::max);
+    let known = |i: &usize| views[*i].seen.area > 0.0 && views[*i].seen.area >= LEAST_KNOWN * most;
     let mut shares = vec![0.0; views.len()];
     let Some(nearest) = (0..views.len()).filter(known).min_by(|a, b| angles[*a].total_cmp(&angles[*b])) else {
         return shares;
@@ -581,7 +583,8 @@ fn shares(views: &[Lookup], angles: &[f64], choice: Choice) -> Vec<f64> {
         return shares;
     }
     // Relative to the nearest, so that small angles do not overflow.
-    (0..views.len()).filter(known).for_each(|i| shares[i] = (angles[nearest] / angles[i]).powi(2));
+    let directed = (0..views.len()).filter(known).filter(|i| angles[*i].is_finite());
+    directed.for_each(|i| shares[i] = (angles[nearest] / angles[i]).powi(2));
     shares
 }
 

@@ -210,6 +210,9 @@ fn fit(scene: &Scene, terms: &[Vec<RadianceMap>]) -> Result<()> {
             ),
             _ => {}
         }
+        if u32::try_from(map.placement.texels()).is_err() {
+            problem(format!("has {} texels", map.placement.texels()), "a map has less than 2^32: cut it into several");
+        }
         if !map.weight.is_finite() {
             problem(format!("cannot be multiplied by {}", map.weight), "the weight is a number");
         }

@@ -359,6 +359,134 @@ fn behind_a_wall_a_map_knows_nothing() {
 }
 
 #[test]
+fn a_view_that_knows_next_to_nothing_of_a_facet_does_not_stand_for_it() {
+    // The camera's own direction knows one texel of 1 cm in the middle of pixels of 1 m; 45 deg off all is known.
+    let scene = scene(plane(5.0, 0.0), nadir(1000.0, 1.0, 1), [0.0, 0.3, 1.0]);
+    let values: Vec<f64> = (0..10_000).map(|i| if i == 5050 { 7.0 } else { f64::NAN }).collect();
+    let near = map(parallel_image([0.0, 0.0, 1.0], [-0.5, 0.5], 0.01, 100, 100, true), values);
+    let far = map(parallel_image([1.0, 0.0, 1.0], [-8.0, 8.0], 1.0, 16, 16, true), vec![1.0; 256]);
+    let (seen, account) = observe(&scene, vec![vec![near, far]], &MapOptions::default()).unwrap();
+    assert!((seen.cube.band(0)[0] - 1.0).abs() < 1e-12, "{:?}", seen.cube.band(0));
+    assert!((account.largest_angle_deg - 45.0).abs() < 0.1 && account.unknown_share < 1e-9, "{account:?}");
+}
+
+#[test]
+fn maps_without_a_direction_serve_what_no_view_knows() {
+    let scene = scene(plane(5.0, 0.0), nadir(1000.0, 4.0, 2), [0.0, 0.3, 1.0]);
+    let facets = || map(Placement::Facets(2), vec![3.0; 2]);
+    // Only the western half.
+    let view = || map(parallel_image([1.0, 0.0, 1.0], [-8.0, 8.0], 1.0, 8, 16, true), vec![1.0; 128]);
+    for choice in [Choice::Nearest, Choice::Interpolated] {
+        let options = MapOptions { choice, ..MapOptions::default() };
+        for views in [vec![facets(), view()], vec![view(), facets()]] {
+            let image = observe(&scene, vec![views], &options).unwrap().0.cube.band(0);
+            assert!(worst(&image, &[1.0, 3.0, 1.0, 3.0]) < 1e-9, "{choice:?}: {image:?}");
+        }
+    }
+}
+
+#[test]
+fn the_angle_is_that_of_all_terms_with_a_direction() {
+    let scene = scene(plane(5.0, 0.0), nadir(1e5, 4.0, 2), [0.0, 0.3, 1.0]);
+    let facets = map(Placement::Facets(2), vec![3.0; 2]);
+    let view = map(parallel_image([1.0, 0.0, 1.0], [-8.0, 8.0], 1.0, 16, 16, true), vec![1.0; 256]);
+    let (seen, account) = observe(&scene, vec![vec![facets], vec![view]], &MapOptions::default()).unwrap();
+    for angle in &seen.backplanes.plane("MAP_ANGLE").unwrap().values {
+        assert!((angle - 45.0).abs() < 1e-3, "{angle}");
+    }
+    assert!((account.largest_angle_deg - 45.0).abs() < 1e-3, "{account:?}");
+}
+
+/// What a level camera 1.5 m above a plane sees of it, pixels of 0.02: line j ends 1.5 / (0.02 (j + 1)) m ahead.
+const EYE_M: f64 = 1.5;
+const PITCH: f64 = 0.02;
+
+fn level_camera(samples: u32, lines: u32) -> FrameCamera {
+    FrameCamera { samples, lines, ..camera([0.0, 0.0, EYE_M], [0.0, 1.0, EYE_M], [0.0, 0.0, 1.0], 1, PITCH) }
+}
+
+/// Mean over y0 to y1 of values that hold between ascending borders; 0 beyond them.
+fn mean_of_steps(borders: &[f64], values: &[f64], y0: f64, y1: f64) -> f64 {
+    let common = |k: usize| (borders[k + 1].min(y1) - borders[k].max(y0)).max(0.0);
+    (0..values.len()).map(|k| values[k] * common(k)).sum::<f64>() / (y1 - y0)
+}
+
+#[test]
+fn a_camera_close_to_the_ground_sees_texels_of_facets_behind_it() {
+    // Two facets of 60 m that reach behind the camera, under lines of 0.7 m.
+    let camera = level_camera(6, 80);
+    let scene = scene(plane(30.0, 0.0), camera, [0.0, 0.3, 1.0]);
+    let line_value = |row: usize| 1.0 + ((row * 37) % 11) as f64;
+    let values: Vec<f64> = (0..80 * 80).map(|i| line_value(i / 80)).collect();
+    let placement = parallel_image([0.2, -0.3, 1.0], [-28.0, 28.0], 0.7, 80, 80, true);
+    let (seen, account) = observe(
+        &scene,
+        vec![vec![map(placement, values)]],
+        &MapOptions { fill: Fill::Value(0.0), ..MapOptions::default() },
+    )
+    .unwrap();
+    let image = seen.cube.band(0);
+    // Row r lies from y = 28 - 0.7 (r + 1) to 28 - 0.7 r, and appears at the line 40 + 1.5 / (0.02 y): nearer is lower.
+    let rows: Vec<usize> = (0..40).collect();
+    let line_of = |y: f64| 40.0 + EYE_M / (PITCH * y);
+    let borders: Vec<f64> = (0..40).map(|r| line_of(28.0 - 0.7 * r as f64)).chain([f64::INFINITY]).collect();
+    let values: Vec<f64> = rows.iter().map(|r| line_value(*r)).collect();
+    for line in 0..80_usize {
+        let expected = mean_of_steps(&borders, &values, line as f64, line as f64 + 1.0);
+        for sample in 0..6 {
+            let value = image[line * 6 + sample];
+            assert!((value - expected).abs() < 1e-11, "line {line}: {value} {expected}");
+        }
+    }
+    assert!(image.iter().filter(|v| **v > 0.0).count() > 200 && account.unknown_share < 0.01, "{account:?}");
+}
+
+#[test]
+fn an_image_from_close_to_the_ground_lies_where_it_was_seen() {
+    // The same camera, its image put onto the ground and seen from above: 2 m wide, lines from y = 2 to 6.
+    let map_camera = level_camera(80, 80);
+    let mut camera = nadir(1000.0, 4.0, 8);
+    camera.world_from_sensor.translation_m.y = 4.0;
+    camera.samples = 2;
+    let scene = scene(plane(30.0, 0.0), camera, [0.0, 0.3, 1.0]);
+    let line_value = |line: usize| 1.0 + ((line * 37) % 11) as f64;
+    let values: Vec<f64> = (0..6400).map(|i| line_value(i / 80)).collect();
+    let image = radiance(
+        &scene,
+        map(camera_image(&map_camera, true), values),
+        &MapOptions { fill: Fill::Value(0.0), ..MapOptions::default() },
+    );
+    // Line 40 + j lies from 1.5 / (0.02 (j + 1)) to 1.5 / (0.02 j); the last ends at 1.875.
+    let border = |j: usize| EYE_M / (PITCH * j as f64);
+    let borders: Vec<f64> = (0..40).rev().map(|j| border(j + 1)).chain([f64::INFINITY]).collect();
+    let values: Vec<f64> = (0..40).rev().map(|j| line_value(40 + j)).collect();
+    for line in 0..8 {
+        let y1 = 6.0 - 0.5 * line as f64;
+        let expected = mean_of_steps(&borders, &values, y1 - 0.5, y1);
+        for sample in 0..2 {
+            let value = image[line * 2 + sample];
+            assert!((value - expected).abs() < 1e-9, "line {line}: {value} {expected}");
+        }
+    }
+}
+
+#[test]
+fn from_very_far_texels_are_where_they_are() {
+    // Pixels of 0.7 m from 1e7 m, whose ulp is 2e-9 m, over texels of 0.1 m; and the same by a camera's image from there.
+    let n = 12 * 7;
+    let scene = scene(plane(5.0, 0.0), nadir(1e7, 8.4, 12), [0.0, 0.3, 1.0]);
+    let values: Vec<f64> = (0..n * n).map(|i| if (i % n + i / n) % 2 == 0 { 49.0 } else { 0.0 }).collect();
+    let far = camera_image(&nadir(1e7, 8.4, n as u32), true);
+    for placement in [parallel_image([0.0, 0.0, 1.0], [-4.2, 4.2], 0.1, n, n, true), far] {
+        let image = radiance(&scene, map(placement, values.clone()), &MapOptions::default());
+        for (pixel, value) in image.iter().enumerate() {
+            let white = if (pixel % 12 + pixel / 12) % 2 == 0 { 25.0 } else { 24.0 };
+            assert!((value - white).abs() < 2e-6, "pixel {pixel}: {value}");
+        }
+    }
+}
+
+#[test]
 fn maps_add_with_their_weights() {
     let scene = scene(plane(5.0, 0.0), nadir(1000.0, 4.0, 4), [0.0, 0.3, 1.0]);
     let placement = parallel_image([0.0, 0.0, 1.0], [-4.0, 4.0], 1.0, 8, 8, true);
