@@ -60,7 +60,7 @@ impl<'a> Textures<'a> {
         }
         mean(&lookup.seen.texels, texture, &mut self.seen);
         mean(&lookup.lit.texels, texture, &mut self.lit);
-        emission.textured(entry.facet, number, area, lit, &self.seen, &self.lit, &mut add);
+        emission.textured(entry.facet, number, (area, &self.seen), (lit, &self.lit), &mut add);
         emission.reflected(entry.facet, entry.area - area, entry.lit - lit, &mut add);
         emission.heat(entry.facet, entry.area, entry.lit, &mut add);
     }

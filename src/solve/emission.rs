@@ -76,16 +76,13 @@ impl<'a> Emission<'a> {
         }
     }
 
-    /// Adds what a facet reflects by a texture, whose layers have these means over what is seen and over what is lit.
-    #[allow(clippy::too_many_arguments)]
+    /// Adds what a facet reflects by a texture: the area that is seen, and that of it that is lit, each with the layers' means over it.
     pub fn textured(
         &self,
         facet: u32,
         texture: usize,
-        area: f64,
-        lit: f64,
-        mean_seen: &[f64],
-        mean_lit: &[f64],
+        (area, mean_seen): (f64, &[f64]),
+        (lit, mean_lit): (f64, &[f64]),
         add: &mut impl FnMut(u32, f64),
     ) {
         let f = facet as usize;

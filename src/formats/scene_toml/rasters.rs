@@ -144,7 +144,7 @@ impl Reader<'_> {
             let bands = self.raster_bands(&at("bands"), toml.bands.as_ref(), &rasters)?;
             bands.iter().map(|b| b.centre_um).collect()
         };
-        let corners = self.texture_corners(&item, material, id, toml, mesh, rows, columns)?;
+        let corners = self.texture_corners(&item, material, id, toml, mesh, [rows, columns])?;
         if (rows * columns).saturating_mul(layers) > MOST_VALUES {
             let message = format!("{columns} x {rows} texels of {layers} layers are more than can be held in memory");
             self.problem(&at("raster"), message);
@@ -226,7 +226,6 @@ impl Reader<'_> {
     }
 
     /// Texel coordinates of all facets' corners.
-    #[allow(clippy::too_many_arguments)]
     fn texture_corners(
         &mut self,
         item: &str,
@@ -234,8 +233,7 @@ impl Reader<'_> {
         id: usize,
         toml: &TextureToml,
         mesh: &Mesh,
-        rows: usize,
-        columns: usize,
+        [rows, columns]: [usize; 2],
     ) -> Option<Vec<[[f64; 2]; 3]>> {
         match (toml.placement, &toml.plane) {
             (TexturePlacementToml::Plane, Some(plane)) => {
