@@ -96,14 +96,23 @@ pub struct Patches {
 }
 
 /// Texture coordinates of a mesh's facets, for an image of `rows` x `columns` texels.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Atlas {
-    /// Texel coordinates (column, row) of each facet's corners.
+    /// Texel coordinates (column, row) of each facet's corners; NaN where the mesh has none.
     pub corners: Vec<[[f64; 2]; 3]>,
     /// Lines of texels.
     pub rows: usize,
     /// Texels in a line.
     pub columns: usize,
+}
+
+impl PartialEq for Atlas {
+    /// Corners without coordinates are alike.
+    fn eq(&self, other: &Self) -> bool {
+        let [ours, theirs] = [self, other].map(|atlas| atlas.corners.as_flattened().as_flattened());
+        (self.rows, self.columns, ours.len()) == (other.rows, other.columns, theirs.len())
+            && ours.iter().zip(theirs).all(|(a, b)| a.to_bits() == b.to_bits())
+    }
 }
 
 impl Atlas {
@@ -187,6 +196,16 @@ mod tests {
         let projection = Projection::of_camera(&camera);
         assert_eq!(projection.texel(DVec3::new(7.0, 5.0, 7.0)), [6.0, 4.0]);
         assert!(projection.homogeneous(DVec3::new(7.0, 5.0, 108.0)).z < 0.0);
+    }
+
+    #[test]
+    fn the_same_texture_coordinates_are_the_same_also_where_there_are_none() {
+        let uv = [[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], [[f64::NAN; 2]; 3]];
+        let atlas = || Atlas::of_uv(&uv, 2, 3);
+        assert_eq!(atlas(), atlas());
+        assert_eq!(atlas().corners[0], [[0.0, 2.0], [3.0, 2.0], [0.0, 0.0]]);
+        assert_ne!(atlas(), Atlas::of_uv(&uv, 3, 2));
+        assert_ne!(atlas(), Atlas::of_uv(&uv[..1], 2, 3));
     }
 
     #[test]

@@ -69,6 +69,23 @@ fn a_texture_of_ones_changes_nothing() {
 }
 
 #[test]
+fn what_an_image_receives_of_a_texture_is_its_mean() {
+    // All of the square is in the image; texels count alike, also bilinearly: the half of an outer texel that has no neighbour is held.
+    let mesh = plane(5.0, 0.0);
+    let values: Vec<f64> = (0..37 * 23).map(|i| ((i * 7919) % 101) as f64 / 40.0).collect();
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let plain = scene(mesh.clone(), nadir(1000.0, 12.0, 11), [0.4, 0.3, 1.0]);
+    let sent: f64 = radiance(&plain, 0).iter().sum();
+    for texels in [Texels::Nearest, Texels::Bilinear] {
+        let texture = Texture { texels, ..on_plane(&mesh, 5.0, 37, 23, values.clone()) };
+        assert!((texture.means(&mesh)[0] / mean - 1.0).abs() < 1e-13, "{texels:?}: {:?} {mean}", texture.means(&mesh));
+        let textured = Scene { textures: vec![texture], ..plain.clone() }.check().unwrap();
+        let received: f64 = radiance(&textured, 0).iter().sum();
+        assert!((received / sent / mean - 1.0).abs() < 1e-11, "{texels:?}: {:e}", received / sent / mean - 1.0);
+    }
+}
+
+#[test]
 fn a_checkerboard_halves_what_it_halves() {
     // Pixels of 0.7 m on texels of 0.1 m, factors 2 and 0: 50 or 48 of 49 of the light.
     let mesh = plane(4.2, 0.0);
