@@ -388,10 +388,7 @@ fn add_up(
                         };
                         Error::Invalid(vec![Problem::new(at, message).with_help(help)])
                     })?;
-                    let lost: f64 = sums.iter().map(|s| s.1).sum();
-                    let area: f64 = on_scene.area.iter().sum();
-                    let limit = if let Fill::Refuse(limit) = options.fill { limit } else { 0.0 };
-                    if lost > limit * area {
+                    if sums.iter().any(|(_, lost)| *lost > 0.0) {
                         let at = Location::item(format!("{}, band {}", source.name, band + 1));
                         let message = "has texels without a value where the map's first band has one";
                         let help = "what a map knows must be the same in all of its bands";
@@ -399,11 +396,11 @@ fn add_up(
                     }
                     for (sensor_band, share) in shares {
                         let out = &mut added[sensor_band * pixels..(sensor_band + 1) * pixels];
-                        for (pixel, (out, (sum, lost))) in out.iter_mut().zip(&sums).enumerate() {
+                        for (pixel, (out, (sum, _))) in out.iter_mut().zip(&sums).enumerate() {
                             let mut value = source.weight * share * sum;
                             let filled = on_scene.area[pixel] - unfilled[pixel];
-                            if options.fill.is_by_mean() && filled > *lost && unfilled[pixel] + lost > 0.0 {
-                                value *= on_scene.area[pixel] / (filled - lost);
+                            if options.fill.is_by_mean() && filled > 0.0 && unfilled[pixel] > 0.0 {
+                                value *= on_scene.area[pixel] / filled;
                             }
                             *out += value;
                         }

@@ -505,6 +505,19 @@ fn maps_add_with_their_weights() {
 }
 
 #[test]
+fn what_one_band_alone_does_not_know_is_told() {
+    // One texel of 3600, as large as a pixel: below what may be unknown, but that pixel would be 0 and called known.
+    let mut scene = scene(plane(5.0, 0.0), nadir(1000.0, 6.0, 60), [0.0, 0.3, 1.0]);
+    scene.sensor.bands.push(Band { centre_um: 2.0, fwhm_um: None });
+    let second: Vec<f64> = (0..3600).map(|i| if i == 1000 { f64::NAN } else { 1.0 }).collect();
+    let source = Texels(scene.sensor.bands.clone(), vec![vec![1.0; 3600], second]);
+    let placement = parallel_image([0.0, 0.0, 1.0], [-3.0, 3.0], 0.1, 60, 60, true);
+    let map = RadianceMap { source: Box::new(source), ..map(placement, vec![]) };
+    let error = observe(&scene, vec![vec![map]], &MapOptions::default()).unwrap_err().to_string();
+    assert!(error.contains("map, band 2: has texels without a value where the map's first band has one"), "{error}");
+}
+
+#[test]
 fn maps_that_cannot_be_are_refused() {
     let scene = scene(plane(5.0, 0.0), nadir(1000.0, 4.0, 4), [0.0, 0.3, 1.0]);
     let placement = || parallel_image([0.0, 0.0, 1.0], [-4.0, 4.0], 1.0, 8, 8, true);
