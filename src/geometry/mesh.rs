@@ -53,6 +53,12 @@ impl Facet {
         (a + b + c) / 3.0
     }
 
+    /// Where a ray from `from_m` meets the facet's plane, in lengths of `ray`.
+    pub fn met_by(&self, from_m: DVec3, ray: DVec3) -> f64 {
+        let normal = self.cross_m2();
+        normal.dot(self.corners_m[0] - from_m) / normal.dot(ray)
+    }
+
     /// The point with barycentric coordinates (1 - u - v, u, v), m.
     pub fn point_m(&self, u: f64, v: f64) -> DVec3 {
         let [a, b, c] = self.corners_m;
@@ -142,6 +148,7 @@ mod tests {
         assert_eq!(facet.normal(), DVec3::Z);
         assert_eq!(facet.centroid_m(), DVec3::new(1.0, 4.0 / 3.0, 0.0));
         assert_eq!(facet.point_m(0.5, 0.25), DVec3::new(1.5, 1.0, 0.0));
+        assert_eq!(facet.met_by(DVec3::new(9.0, 9.0, 6.0), DVec3::new(1.0, 0.0, -2.0)), 3.0);
     }
 
     #[test]

@@ -195,10 +195,9 @@ impl<'a> Planes<'a> {
         let camera = &self.scene.sensor.camera;
         let facet = self.scene.mesh.facet(facet as usize);
         let ray = camera.ray(x_px, y_px);
-        let normal = facet.cross_m2();
-        let away = normal.dot(facet.corners_m[0] - camera.centre_m()) / normal.dot(ray);
+        let away = facet.met_by(camera.centre_m(), ray);
         let point_m = camera.centre_m() + away * ray;
-        Hit { point_m, range_m: away * ray.length(), ray, normal }
+        Hit { point_m, range_m: away * ray.length(), ray, normal: facet.cross_m2() }
     }
 
     /// Puts names to the planes.

@@ -57,6 +57,8 @@ pub struct Maps<'a> {
     pub texels: Texels,
     /// What is shown where nothing is known.
     pub unknown: Unknown,
+    /// The scene's own light and heat are added, everywhere.
+    pub adds_solved: bool,
 }
 
 /// How much of the pixels the texels of maps fill.
@@ -476,12 +478,11 @@ impl<'a> Looker<'a> {
         }
     }
 
-    /// Adds what a pixel sees. `solved(entry, area, lit)` is called with what is left for the scene's own sources.
+    /// Adds what a pixel sees, whose fragments have been sorted. `solved(entry, area, lit)` is called with what is left for the scene's own sources.
     pub(super) fn look(&mut self, pixel: &mut Pixel, line: &mut MapLine, mut solved: impl FnMut(&Entry, f64, f64)) {
         let mut front = 0.0;
         let (mut angle_sum, mut angle_area) = (0.0, 0.0);
         let (mut unknown, mut unfilled) = (vec![0.0; self.terms.len()], vec![0.0; self.terms.len()]);
-        pixel.sort_fragments();
         for index in 0..pixel.entries.len() {
             let entry = pixel.entries[index];
             if !entry.front {
@@ -556,8 +557,7 @@ impl<'a> Looker<'a> {
         let camera = &self.scene.sensor.camera;
         let ray = camera.ray(x, y);
         let facet = self.scene.mesh.facet(entry.facet as usize);
-        let normal = facet.cross_m2();
-        let point_m = camera.centre_m() + ray * (normal.dot(facet.corners_m[0] - camera.centre_m()) / normal.dot(ray));
+        let point_m = camera.centre_m() + facet.met_by(camera.centre_m(), ray) * ray;
         let of = |lookup: &Lookup| match lookup.kind {
             Kind::View(image, _) => match image.eye {
                 Eye::At(eye_m) => angle_rad(eye_m - point_m, -ray),

@@ -72,8 +72,8 @@ pub fn integrate(scene: &Scene, topology: &Topology, table: &FacetTable, watch: 
     look(scene, topology, table, None, watch)
 }
 
-/// Looks at a scene whose radiance maps give. The cube holds what is solved where they know nothing, if that is asked for; their
-/// own radiance is to be added band by band, by the weights of their texels.
+/// Looks at a scene whose radiance maps give. The cube holds what is solved, where they know nothing or everywhere, if that is asked
+/// for; their own radiance is to be added band by band, by the weights of their texels.
 ///
 /// # Errors
 /// As [`integrate`].
@@ -146,10 +146,11 @@ fn look(
                         let add = |row, weight| weights.add(row, weight);
                         emission.towards(e.facet, -camera.ray(x, y), area, lit, add);
                     };
+                    pixel.sort_fragments();
                     if let Some(looker) = looker {
                         looker.look(pixel, &mut line.maps, |e, area, lit| send(e, area, lit, weights));
-                    } else {
-                        pixel.sort_fragments();
+                    }
+                    if maps.is_none_or(|maps| maps.adds_solved) {
                         for index in 0..pixel.entries.len() {
                             let e = pixel.entries[index];
                             let material = scene.mesh.material[e.facet as usize].0 as usize;

@@ -29,29 +29,23 @@ pub struct TexelWeights {
 }
 
 impl TexelWeights {
-    /// For each pixel the weighted sum of the texels' values, and the sum of the weights of texels that are NaN.
+    /// For each pixel the weighted sum of the texels' values.
     ///
     /// # Errors
-    /// A texel with a weight whose value is negative, or above `largest`.
-    pub fn apply(&self, values: &[f64], largest: f64) -> Result<Vec<(f64, f64)>, u32> {
-        let is_odd = |value: f64| value < 0.0 || value > largest;
+    /// A texel with a weight whose value is not from 0 to `largest`.
+    pub fn apply(&self, values: &[f64], largest: f64) -> Result<Vec<f64>, u32> {
+        let is_good = |value: f64| 0.0 <= value && value <= largest;
         let of_line = |line: &TexelLine| {
-            let mut sums = Vec::with_capacity(line.row_start.len());
-            let mut odd = false;
-            for sample in 0..line.row_start.len() {
-                let (mut sum, mut lost) = (0.0, 0.0);
-                for (texel, weight) in line.pixel(sample) {
+            let mut all_good = true;
+            let sum = |sample: usize| {
+                line.pixel(sample).fold(0.0, |sum, (texel, weight)| {
                     let value = values[texel as usize];
-                    if value.is_nan() {
-                        lost += weight;
-                    } else {
-                        odd |= is_odd(value);
-                        sum += weight * value;
-                    }
-                }
-                sums.push((sum, lost));
-            }
-            match line.texel.iter().find(|texel| odd && is_odd(values[**texel as usize])) {
+                    all_good &= is_good(value);
+                    sum + weight * value
+                })
+            };
+            let sums: Vec<f64> = (0..line.row_start.len()).map(sum).collect();
+            match line.texel.iter().find(|texel| !all_good && !is_good(values[**texel as usize])) {
                 Some(texel) => Err(*texel),
                 None => Ok(sums),
             }
@@ -68,13 +62,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sums_leave_out_what_is_unknown_and_refuse_what_cannot_be() {
+    fn pixels_are_sums_and_what_cannot_be_is_refused() {
         let line = TexelLine { row_start: vec![0, 2], texel: vec![3, 0, 3], weight: vec![0.5, 0.25, 1.0] };
         let weights = TexelWeights { lines: vec![line.clone(), line] };
-        let each = [(0.5 * 8.0 + 0.25 * 4.0, 0.0), (8.0, 0.0)];
+        // The values of texels without a weight do not matter.
+        let each = [0.5 * 8.0 + 0.25 * 4.0, 8.0];
         assert_eq!(weights.apply(&[4.0, -1.0, f64::NAN, 8.0], 9.0).unwrap(), [each, each].concat());
-        let each = [(1.0, 0.5), (0.0, 1.0)];
-        assert_eq!(weights.apply(&[4.0, 0.0, 0.0, f64::NAN], 9.0).unwrap(), [each, each].concat());
+        assert_eq!(weights.apply(&[4.0, 0.0, 0.0, f64::NAN], 9.0), Err(3));
         assert_eq!(weights.apply(&[-4.0, 0.0, 0.0, 1.0], 9.0), Err(0));
         assert_eq!(weights.apply(&[4.0, 0.0, 0.0, 9.5], 9.0), Err(3));
     }

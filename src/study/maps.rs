@@ -7,7 +7,7 @@ use super::simulate::{Observation, account_for, has_room};
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::Texels;
 use crate::integrate::{self, Choice, MapImage, MapView, Maps, Unknown};
-use crate::product::{Cube, FacetTable, Placement, RadianceMap, TexelSource};
+use crate::product::{FacetTable, Placement, RadianceMap, TexelSource};
 use crate::progress::{Watch, tell};
 use crate::scene::{Scene, Thermal};
 use crate::spectral::{Band, Mix, mixes};
@@ -95,7 +95,7 @@ pub fn observe_maps(
     watch: Watch<'_>,
 ) -> Result<(Observation, MapAccount)> {
     super::simulate::fits(scene, table)?;
-    has_room(scene)?;
+    has_room(scene, true)?;
     fit(scene, &terms)?;
     heat_counts_once(scene, &terms, options)?;
     if let Fill::Value(value) = options.fill
@@ -121,7 +121,12 @@ pub fn observe_maps(
             Fill::Solved => Unknown::Solved,
             Fill::Value(_) => Unknown::Left,
         },
+        adds_solved: options.add_solved,
     };
+    if options.fill == Fill::Solved && options.add_solved {
+        let message = "what is solved for the scene is added everywhere: it cannot fill gaps besides";
+        return Err(Error::invalid(Location::item("unknown"), message));
+    }
     if options.fill == Fill::Solved && maps.terms.len() > 1 {
         let message =
             "gaps can be filled from the scene's own sources only if all maps have their texels at the same places";
@@ -131,13 +136,7 @@ pub fn observe_maps(
     let on_scene = image.maps.take().unwrap_or_default();
     drop(maps);
     let unknown_share = refuse(&on_scene, options)?;
-    let added = add_up(scene, &mut terms, &on_scene, options, watch)?;
-    if options.add_solved {
-        let solved = integrate::integrate(scene, topology, table, watch)?;
-        image.cube = Cube { added, ..solved.cube };
-    } else {
-        image.cube.added = added;
-    }
+    image.cube.added = add_up(scene, &mut terms, &on_scene, options, watch)?;
     let account = MapAccount {
         maps: terms.iter().enumerate().flat_map(|(t, term)| term.entries(t)).collect(),
         unknown_share,
@@ -380,23 +379,22 @@ fn add_up(
                         let texel = texel as usize;
                         let at = Location::item(format!("{}, band {}", source.name, band + 1));
                         let (place, value) = (place(&view.placement, texel), values[texel]);
-                        let message = format!("texel {place} holds the radiance {}", number(value));
-                        let help = if value > most {
+                        let message = match value.is_nan() {
+                            true => format!("texel {place} has no value"),
+                            false => format!("texel {place} holds the radiance {}", number(value)),
+                        };
+                        let help = if value.is_nan() {
+                            "what a map knows must be the same in all of its bands: its first one has a value there"
+                        } else if value > most {
                             "no surface sends so much: are its unit, its weight and the order of its bytes right?"
                         } else {
                             "radiance is a number from 0; mark what is not known by NaN, or by a `no_data` value"
                         };
                         Error::Invalid(vec![Problem::new(at, message).with_help(help)])
                     })?;
-                    if sums.iter().any(|(_, lost)| *lost > 0.0) {
-                        let at = Location::item(format!("{}, band {}", source.name, band + 1));
-                        let message = "has texels without a value where the map's first band has one";
-                        let help = "what a map knows must be the same in all of its bands";
-                        return Err(Error::Invalid(vec![Problem::new(at, message).with_help(help)]));
-                    }
                     for (sensor_band, share) in shares {
                         let out = &mut added[sensor_band * pixels..(sensor_band + 1) * pixels];
-                        for (pixel, (out, (sum, _))) in out.iter_mut().zip(&sums).enumerate() {
+                        for (pixel, (out, sum)) in out.iter_mut().zip(&sums).enumerate() {
                             let mut value = source.weight * share * sum;
                             let filled = on_scene.area[pixel] - unfilled[pixel];
                             if options.fill.is_by_mean() && filled > 0.0 && unfilled[pixel] > 0.0 {

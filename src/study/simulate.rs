@@ -93,7 +93,7 @@ pub fn simulate(scene: &Scene, watch: Watch<'_>) -> Result<(FacetTable, Observat
 /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
 pub fn observe(scene: &Scene, topology: &Topology, table: &FacetTable, watch: Watch<'_>) -> Result<Observation> {
     fits(scene, table)?;
-    has_room(scene)?;
+    has_room(scene, false)?;
     let image = integrate::integrate(scene, topology, table, watch)?;
     account_for(scene, topology, table, image, watch)
 }
@@ -160,10 +160,11 @@ pub(super) fn fits(scene: &Scene, table: &FacetTable) -> Result<()> {
 }
 
 /// Says if the machine cannot hold the image: asked for in vain later, memory would end the program where it stands.
-pub(super) fn has_room(scene: &Scene) -> Result<()> {
+pub(super) fn has_room(scene: &Scene, has_maps: bool) -> Result<()> {
     let (samples, lines) = (scene.sensor.camera.samples, scene.sensor.camera.lines);
-    // Every plane is there twice while lines become an image: some 30, and two for each material.
-    let pixel_bytes = 2 * 8 * (30 + 2 * scene.materials.len());
+    // Every plane is there twice while lines become an image: some 30, and two for each material. What maps add is kept as it is.
+    let of_maps = if has_maps { 8 * scene.sensor.bands.len() } else { 0 };
+    let pixel_bytes = 2 * 8 * (30 + 2 * scene.materials.len()) + of_maps;
     let bytes = u64::from(samples) * u64::from(lines) * pixel_bytes as u64;
     let mut room: Vec<u8> = Vec::new();
     let asked = usize::try_from(bytes).is_ok_and(|bytes| room.try_reserve_exact(bytes).is_ok());

@@ -109,6 +109,8 @@ fn the_scenes_own_table_is_a_map_too() {
     assert_near(&both, &[1.0, 2.0, 3.0, 4.0].map(|l| l + own[0]));
     assert!(bench.try_to(&["--radiance", "{}table.npz*2"]).1.contains("counts once"));
     assert!(bench.try_to(&["--table", "{}table.npz", "--radiance", "{}table.npz"]).1.contains("counts once"));
+    let gaps = bench.try_to(&["--radiance", "{}m.csv+{}table.npz", "--unknown", "solve"]);
+    assert!(gaps.0 == 1 && gaps.1.contains("cannot fill gaps besides"), "{}", gaps.1);
     // A second view is another view of the first term, wherever the table stands.
     let views = bench.integrate(&["--radiance", "{}table.npz+{}m.csv", "--radiance", "{}m.csv"]);
     assert_near(&views, &both);
