@@ -1,25 +1,27 @@
 //! A scene as a DART simulation, with all the files it names.
 
-use std::collections::BTreeSet;
-use std::f64::consts::PI;
+mod optics;
+mod surfaces;
 
 use glam::{DMat3, DVec3};
 
 use crate::error::{Error, Location, Result};
 use crate::geometry::{Direction, Mesh};
-use crate::physics::{blackbody, heat, mars, sun};
+use crate::physics::sun;
 use crate::report::{Fate, Report};
-use crate::scene::{Mars, MarsModel, Material, Photometry, Scene, Sun, Thermal};
-use crate::spectral::{Band, Column, SpectralLibrary, Spectrum};
+use crate::scene::{Scene, Thermal};
+use crate::spectral::SpectralLibrary;
 
-use super::database::Kind;
 use super::frame;
 use super::inputs::Target;
 use super::sidecar::{self, Sidecar};
-use super::simulation::{
-    Camera, Directions, Group, Links, Maket, Object, OpticalKind, OpticalProperty, Phase, Simulation, SpectralInterval,
-    ThermalFunction,
+use super::simulation::{Camera, Directions, Group, Links, Maket, Object, Phase, Simulation};
+use optics::{
+    MONOCHROMATIC_UM, band_mean, databases, emissivity_off, links, on_facet_from_mars, optical, sunlight, unique_names,
 };
+pub(super) use optics::{intervals, irradiance, spectra, sun_deg, tabulated, thermal_functions, width_um};
+pub use surfaces::group_names;
+use surfaces::{GROUPS, surfaces};
 
 /// What a simulation's folder holds.
 #[derive(Debug, Clone)]
@@ -99,22 +101,10 @@ impl Default for WriteOptions {
     }
 }
 
-/// Width of a band that has none, um: narrow beside what spectra do, wide beside the digits of a number.
-pub(super) const MONOCHROMATIC_UM: f64 = 1e-3;
-/// Databases, in the simulation's own folder.
-const DATABASES: [(OpticalKind, &str); 3] = [
-    (OpticalKind::Lambertian, "mmxrt_lambertian.db"),
-    (OpticalKind::Hapke, "mmxrt_hapke.db"),
-    (OpticalKind::Rpv, "mmxrt_rpv.db"),
-];
 /// The OBJ file, and the object that it is.
 const SURFACE: &str = "surface";
-/// What stands for the sky where there must be a ground.
-const SKY: &str = "space";
 /// A camera farther away than this many times the scene's extent sees it as a parallel view does.
 const DISTANT: f64 = 5.0;
-/// Heat below this share of reflected sunlight is left out of a band, and sunlight below this share of heat.
-const NEGLIGIBLE: f64 = 1e-6;
 
 /// The simulation of a scene, and what became of what DART has no exact counterpart for.
 ///
@@ -217,322 +207,6 @@ pub(super) fn camera_deg(dart_from_sensor: DMat3, pitch: f64) -> ([f64; 2], f64)
 pub(super) fn latitude_longitude_altitude(origin_m: DVec3) -> [f64; 3] {
     let latitude = origin_m.z.atan2(origin_m.x.hypot(origin_m.y)).to_degrees();
     [latitude, origin_m.y.atan2(origin_m.x).to_degrees(), 0.0]
-}
-
-/// Mean over a band of a product of spectra.
-fn band_mean(band: &Band, factors: &[&Spectrum]) -> f64 {
-    let mut knots: Vec<f64> = factors.iter().flat_map(|s| s.wavelength_um()).copied().collect();
-    knots.sort_by(f64::total_cmp);
-    knots.dedup();
-    let product = |um| factors.iter().map(|s| s.at(um).unwrap_or(f64::NAN)).product::<f64>();
-    band.quadrature(&knots).iter().map(|(um, weight)| weight * product(*um)).sum()
-}
-
-/// Zenith angle and azimuth of the Sun in DART's frame, deg; `None` below the horizon of the site, where DART has no Sun.
-pub(super) fn sun_deg(scene: &Scene) -> Option<[f64; 2]> {
-    let angles_deg = frame::angles_deg(frame::dart_from_body(scene.origin_m) * scene.sun.direction.vec());
-    Some(angles_deg).filter(|[zenith_deg, _]| *zenith_deg < 90.0)
-}
-
-/// Irradiance of the Sun on a plane normal to its beam, at the body, in each band, W m-2 um-1; none from below the horizon.
-fn sunlight(scene: &Scene) -> Vec<f64> {
-    match sun_deg(scene) {
-        Some(_) => irradiance(&scene.sun, &scene.sensor.bands),
-        None => vec![0.0; scene.sensor.bands.len()],
-    }
-}
-
-/// Irradiance of the Sun on a plane normal to its beam, at the body, in each band, W m-2 um-1.
-pub(super) fn irradiance(sun: &Sun, bands: &[Band]) -> Vec<f64> {
-    let at_the_body = |e| sun::irradiance_at(e, sun.distance_m);
-    bands.iter().map(|band| at_the_body(band_mean(band, &[&sun.irradiance_1au]))).collect()
-}
-
-/// A band's full width as DART has it, um.
-pub(super) fn width_um(band: &Band) -> f64 {
-    band.fwhm_um.unwrap_or(MONOCHROMATIC_UM)
-}
-
-/// First and last wavelength that DART looks at, um.
-fn reach_um(bands: &[Band]) -> (f64, f64) {
-    let ends = bands.iter().map(|band| {
-        let ((lo, hi), half) = (band.support_um(), 0.5 * width_um(band));
-        (lo.min(band.centre_um - half), hi.max(band.centre_um + half))
-    });
-    ends.fold((f64::INFINITY, 0.0), |(lo, hi), (a, b)| (lo.min(a), hi.max(b)))
-}
-
-/// A table of spectra that covers what the bands reach: all their points, and their end values beyond them.
-pub(super) fn tabulated(spectra: &[&Spectrum], (first_um, last_um): (f64, f64)) -> (Vec<f64>, Vec<Vec<f64>>) {
-    let mut points: Vec<f64> = spectra.iter().flat_map(|s| s.wavelength_um()).copied().collect();
-    points.sort_by(f64::total_cmp);
-    points.dedup();
-    if points.first().is_some_and(|first| first_um < *first) {
-        points.insert(0, first_um);
-    }
-    if points.last().is_some_and(|last| last_um > *last) {
-        points.push(last_um);
-    }
-    let column = |s: &&Spectrum| {
-        let (um, value) = (s.wavelength_um(), s.value());
-        points.iter().map(|x| s.at(x.clamp(um[0], um[um.len() - 1])).unwrap_or(value[0])).collect()
-    };
-    (points.clone(), spectra.iter().map(column).collect())
-}
-
-/// Names of the materials, then of the ground: for people, and of a table. No two are the same, whatever their case; the prefix keeps
-/// tables apart from words of SQL.
-fn unique_names(scene: &Scene) -> Vec<(String, String)> {
-    let (mut idents, mut models) = (BTreeSet::new(), BTreeSet::new());
-    let unused = |taken: &mut BTreeSet<String>, wanted: String| {
-        let numbered = (2..).map(|i: u64| format!("{wanted}_{i}"));
-        let mut names = std::iter::once(wanted.clone()).chain(numbered);
-        names.find(|name| taken.insert(name.clone())).unwrap_or(wanted)
-    };
-    let names = scene.materials.iter().map(|m| m.name.as_str()).chain([SKY]);
-    let both = names.map(|name| {
-        let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' };
-        let model = format!("mmxrt_{}", name.chars().map(plain).collect::<String>());
-        (unused(&mut idents, name.to_owned()), unused(&mut models, model))
-    });
-    both.collect()
-}
-
-/// The list that a material stands in, and what its table holds.
-pub(super) fn spectra(material: &Material) -> (OpticalKind, Vec<&Spectrum>) {
-    let kind = match material.photometry {
-        Photometry::Lambert => return (OpticalKind::Lambertian, vec![&material.reflectance]),
-        Photometry::Hapke(_) => OpticalKind::Hapke,
-        Photometry::Rpv(_) => OpticalKind::Rpv,
-    };
-    (kind, material.photometry.parameters().into_iter().map(|(_, spectrum)| spectrum).collect())
-}
-
-/// The database of a kind, and what its columns are called here.
-fn database(kind: OpticalKind) -> (&'static str, &'static [&'static str]) {
-    let columns = match kind {
-        OpticalKind::Lambertian => Kind::Lambertian,
-        OpticalKind::Hapke => Kind::Hapke,
-        OpticalKind::Rpv => Kind::Rpv,
-    };
-    (DATABASES.iter().find(|(k, _)| *k == kind).map_or("", |(_, file)| file), columns.columns())
-}
-
-/// Optical properties: the materials in the dictionary's order, then the ground's.
-fn optical(scene: &Scene, names: &[(String, String)]) -> Vec<OpticalProperty> {
-    // Only its transmittances count, which are 0.
-    let opaque = (DATABASES[0].1.to_owned(), names[scene.materials.len()].1.clone());
-    let entry = |(i, (ident, model)): (usize, &(String, String))| {
-        let material = scene.materials.get(i);
-        let kind = material.map_or(OpticalKind::Lambertian, |m| spectra(m).0);
-        OpticalProperty {
-            kind,
-            ident: ident.clone(),
-            database: database(kind).0.into(),
-            model: model.clone(),
-            transmittance: (kind != OpticalKind::Lambertian).then(|| opaque.clone()),
-            factors: Vec::new(),
-            at: Location::item(material.map_or("ground".into(), |m| format!("materials.{:?}", m.name))),
-        }
-    };
-    names.iter().enumerate().map(entry).collect()
-}
-
-fn databases(scene: &Scene, names: &[(String, String)]) -> Vec<(String, Vec<SpectralLibrary>)> {
-    let reach_um = reach_um(&scene.sensor.bands);
-    let black = Spectrum::constant(0.0);
-    let sky = (OpticalKind::Lambertian, vec![&black]);
-    let all: Vec<_> = scene.materials.iter().map(spectra).chain([sky]).collect();
-    let table = |i: usize| {
-        let (kind, spectra) = &all[i];
-        let (wavelength_um, mut columns) = tabulated(spectra, reach_um);
-        let names_of_columns = database(*kind).1;
-        // A Lambert surface's transmittances.
-        columns.resize(names_of_columns.len(), vec![0.0; wavelength_um.len()]);
-        let columns = names_of_columns.iter().zip(columns);
-        SpectralLibrary {
-            name: names[i].1.clone(),
-            comment: match scene.materials.get(i) {
-                Some(material) => format!("{}: written by mmxrt, reflectance in percent", material.name),
-                None => "a black ground that stands for the sky: written by mmxrt".into(),
-            },
-            columns: columns.map(|(name, values)| Column { name: (*name).into(), values }).collect(),
-            wavelength_um,
-        }
-    };
-    let of_kind = |kind| (0..all.len()).filter(|i| all[*i].0 == kind).map(table).collect::<Vec<_>>();
-    let files = DATABASES.iter().map(|(kind, file)| ((*file).to_owned(), of_kind(*kind)));
-    files.filter(|(_, tables)| !tables.is_empty()).collect()
-}
-
-/// The links of each material, then of the ground, which neither reflects nor glows.
-fn links(scene: &Scene, names: &[(String, String)]) -> Vec<Links> {
-    let kinds: Vec<OpticalKind> =
-        scene.materials.iter().map(|m| spectra(m).0).chain([OpticalKind::Lambertian]).collect();
-    let one = |(i, (ident, _)): (usize, &(String, String))| Links {
-        kind: kinds[i] as u32,
-        index: kinds[..i].iter().filter(|k| **k == kinds[i]).count() as u32,
-        ident: ident.clone(),
-        thermal_index: i as u32,
-        thermal_ident: format!("T_{ident}"),
-        at: Location::item(if i < scene.materials.len() { "mesh" } else { "ground" }),
-    };
-    names.iter().enumerate().map(one).collect()
-}
-
-/// Temperatures, one for each material and one for the ground: DART makes T^4 linear in sunlight between the two ends, as the
-/// equilibrium is. The cold end is a surface without sunlight (that faces up, under Mars), the hot one the facet that faces the Sun most.
-pub(super) fn thermal_functions(scene: &Scene) -> Vec<ThermalFunction> {
-    let towards = scene.sun.direction.vec();
-    let facets = 0..scene.mesh.facets.len();
-    let most = match sun_deg(scene) {
-        Some(_) => facets.map(|f| scene.mesh.facet(f).normal().dot(towards)).fold(0.0, f64::max).min(1.0),
-        None => 0.0,
-    };
-    let sun_w_m2 = sun::irradiance_at(scene.sun.total_irradiance_1au_w_m2, scene.sun.distance_m);
-    let up = Direction::new(scene.origin_m).map_or(DVec3::Z, Direction::vec);
-    let from_mars = scene.mars.as_ref().map(|mars| {
-        let (distance_m, cos_tilt) = (mars.centre_m.length(), up.dot(mars.centre_m) / mars.centre_m.length());
-        let heat = mars.thermal_exitance_w_m2 * mars::uniform_sphere_form_factor(mars.radius_m / distance_m, cos_tilt);
-        (mars.bond_albedo * on_facet_from_mars(mars, up, towards) * sun_w_m2, heat)
-    });
-    let (reflected_w_m2, heat_w_m2) = from_mars.unwrap_or_default();
-    let ends_k = |bond_albedo: f64, emissivity: f64| match scene.thermal {
-        Thermal::Off => (0.0, 0.0),
-        Thermal::Thesis => (heat::thesis_temperature_k(0.0), heat::thesis_temperature_k(most)),
-        Thermal::Equilibrium => {
-            let shaded = (1.0 - bond_albedo) * reflected_w_m2 + emissivity * heat_w_m2;
-            let lit = (1.0 - bond_albedo) * sun_w_m2 * most + shaded;
-            (heat::equilibrium_temperature_k(shaded, emissivity), heat::equilibrium_temperature_k(lit, emissivity))
-        }
-    };
-    let function = |ident: String, (cold_k, hot_k): (f64, f64), place: &str| ThermalFunction {
-        ident,
-        mean_k: 0.5 * (cold_k + hot_k),
-        range_k: hot_k - cold_k,
-        at: Location::item(place),
-    };
-    let names = unique_names(scene);
-    let of_material = |(m, (ident, _)): (&Material, &(String, String))| {
-        function(format!("T_{ident}"), ends_k(m.bond_albedo, m.emissivity_bolometric), "thermal")
-    };
-    let ground = function(format!("T_{}", names[scene.materials.len()].0), (0.0, 0.0), "ground");
-    scene.materials.iter().zip(&names).map(of_material).chain([ground]).collect()
-}
-
-/// Mars-light on a facet at the origin: E / (reflectance of Mars x solar irradiance normal to the beam).
-fn on_facet_from_mars(mars: &Mars, normal: DVec3, towards_sun: DVec3) -> f64 {
-    match mars.model {
-        MarsModel::NearField => mars::irradiance(mars.centre_m, mars.radius_m, normal, towards_sun),
-        MarsModel::Thesis => {
-            let distance_m = mars.centre_m.length();
-            mars::thesis_irradiance(1.0, 1.0, mars.radius_m / distance_m, normal.dot(mars.centre_m) / distance_m)
-        }
-    }
-}
-
-/// Bands, each with sunlight, heat, or both, as matters at the scene's highest temperature.
-pub(super) fn intervals(scene: &Scene, thermal: &[ThermalFunction]) -> Vec<SpectralInterval> {
-    let sunlight = sunlight(scene);
-    let one = |(i, band): (usize, &Band)| {
-        let um = band.centre_um;
-        let (mut is_lit, mut glows) = (false, false);
-        for (material, function) in scene.materials.iter().zip(thermal) {
-            let value = |s: &Spectrum| s.at(um).unwrap_or(0.0);
-            let hot_k = function.mean_k + 0.5 * function.range_k;
-            let heat = value(&material.emissivity) * blackbody::radiance_w_m2_sr_um(um, hot_k);
-            let light = value(&material.reflectance) / PI * sunlight[i];
-            is_lit |= light >= NEGLIGIBLE * heat;
-            glows |= heat > NEGLIGIBLE * light;
-        }
-        let mode = match (is_lit, glows) {
-            (_, false) => 0,
-            (true, true) => 1,
-            (false, true) => 2,
-        };
-        SpectralInterval {
-            mean_um: um,
-            width_um: width_um(band),
-            mode,
-            at: Location::item(format!("sensor.bands[{i}]")),
-        }
-    };
-    scene.sensor.bands.iter().enumerate().map(one).collect()
-}
-
-/// How far a Lambert surface's emissivity is from 1 - reflectance, at most, in bands that have heat.
-fn emissivity_off(scene: &Scene, material: &Material, intervals: &[SpectralInterval]) -> f64 {
-    let value = |s: &Spectrum, um: f64| s.at(um).unwrap_or(0.0);
-    let off = |band: &Band| {
-        let um = band.centre_um;
-        (value(&material.emissivity, um) - (1.0 - value(&material.reflectance, um))).abs()
-    };
-    let bands = scene.sensor.bands.iter().zip(intervals);
-    bands
-        .filter(|(_, i)| i.mode != 0 && material.photometry == Photometry::Lambert)
-        .map(|(b, _)| off(b))
-        .fold(0.0, f64::max)
-}
-
-/// As many groups of an OBJ file can be told apart.
-const GROUPS: usize = 676;
-
-/// The surface as OBJ files, each with a group for each of its materials; one file unless there are more than [`GROUPS`].
-fn surfaces(mesh: Mesh, materials: usize) -> Vec<Surface> {
-    let mut is_used = vec![false; materials];
-    mesh.material.iter().for_each(|m| is_used[m.0 as usize] = true);
-    let used: Vec<usize> = (0..materials).filter(|m| is_used[*m]).collect();
-    let groups = |batch: &[usize]| {
-        let mut groups = vec![String::new(); materials];
-        let names = group_names(batch.len()).unwrap_or_default();
-        batch.iter().zip(names).for_each(|(material, name)| groups[*material] = name);
-        groups
-    };
-    if used.len() <= GROUPS {
-        return vec![Surface { groups: groups(&used), mesh }];
-    }
-    let part = |batch: &[usize]| {
-        let groups = groups(batch);
-        Surface { mesh: part(&mesh, |material| !groups[material].is_empty()), groups }
-    };
-    used.chunks(GROUPS).map(part).collect()
-}
-
-/// The facets of some materials, with the vertices that these have.
-fn part(mesh: &Mesh, is_of_it: impl Fn(usize) -> bool) -> Mesh {
-    let mut part = Mesh::default();
-    let mut place = vec![u32::MAX; mesh.vertices_m.len()];
-    for (facet, material) in mesh.facets.iter().zip(&mesh.material).filter(|(_, m)| is_of_it(usize::from(m.0))) {
-        let corner = |v: u32| {
-            let place = &mut place[v as usize];
-            if *place == u32::MAX {
-                *place = part.vertices_m.len() as u32;
-                part.vertices_m.push(mesh.vertices_m[v as usize]);
-            }
-            *place
-        };
-        let corners = facet.map(corner);
-        part.facets.push(corners);
-        part.material.push(*material);
-    }
-    part
-}
-
-/// So many names of groups whose order DART's versions agree about: alphabetical, and that of a Java hash map.
-///
-/// A map of n names has a table of 16 places, doubled until n fills at most three quarters, and goes through the places h mod size.
-/// The hash of two letters, 31 a + b, grows in alphabetical order and stays below 2^16; so names whose hashes lie between
-/// two multiples of the table's size are in the same order both ways. `None` where there are not so many.
-pub fn group_names(count: usize) -> Option<Vec<String>> {
-    let mut places = 16;
-    while 4 * count > 3 * places {
-        places *= 2;
-    }
-    let letters = || b'a'..=b'z';
-    let pairs: Vec<[u8; 2]> = letters().flat_map(|a| letters().map(move |b| [a, b])).collect();
-    let block = |[a, b]: &[u8; 2]| (31 * usize::from(*a) + usize::from(*b)) / places;
-    let run = pairs.chunk_by(|x, y| block(x) == block(y)).find(|run| run.len() >= count)?;
-    Some(run[..count].iter().map(|[a, b]| [*a as char, *b as char].iter().collect()).collect())
 }
 
 /// A scene and its place in DART's frame.
@@ -750,31 +424,5 @@ fn coarser(simulation: &Simulation, size: &Size, memory_bytes: u64) -> Option<f6
         if coarser.cells == [1; 3] {
             return None;
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// `String.hashCode` and the place in a `HashMap` of Java, written from their documentation.
-    fn place(name: &str, places: u32) -> u32 {
-        let hash = name.encode_utf16().fold(0u32, |h, c| h.wrapping_mul(31).wrapping_add(u32::from(c)));
-        (hash ^ (hash >> 16)) & (places - 1)
-    }
-
-    #[test]
-    fn groups_are_in_the_same_order_both_ways() {
-        for count in 0..=676 {
-            let names = group_names(count).unwrap_or_else(|| panic!("{count}"));
-            assert_eq!(names.len(), count);
-            assert!(names.is_sorted());
-            let mut places = 16;
-            while f64::from(places) * 0.75 < count as f64 {
-                places *= 2;
-            }
-            assert!(names.windows(2).all(|w| place(&w[0], places) < place(&w[1], places)), "{count}");
-        }
-        assert!(group_names(677).is_none());
     }
 }
