@@ -160,6 +160,15 @@ pub trait TexelSource: Send {
     /// # Errors
     /// [`Error::Io`](crate::Error::Io), or [`Error::Invalid`](crate::Error::Invalid) for a value that no radiance has.
     fn read(&mut self, band: usize, values: &mut Vec<f64>) -> Result<()>;
+
+    /// The share of each texel that shows the surface and no sky, line by line, where the source knows it: a coverage plane, or
+    /// alpha. What [`read`](Self::read) gives is then the mean over that share; NaN where it is 0.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    fn coverage(&mut self) -> Result<Option<Vec<f64>>> {
+        Ok(None)
+    }
 }
 
 /// A radiance map: texels, and where they lie.
