@@ -2,10 +2,10 @@
 
 use std::f64::consts::PI;
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 use super::closed_forms::lambert_sphere_phase;
-use super::{Row, Verdict};
+use super::{By, Row, Verdict, patch};
 use crate::error::{Error, Location, Result};
 use crate::geometry::{Direction, MaterialId, Mesh, Pose};
 use crate::integrate;
@@ -43,6 +43,7 @@ fn row(name: String, unit: &str, expected: f64, got: f64, tolerance: f64, source
         expected: Some(expected),
         got: Some(got),
         tolerance: format!("{tolerance:e} rel"),
+        by: Some(By::Simulate),
         verdict: if passes { Verdict::Pass } else { Verdict::Fail },
         unit: unit.to_owned(),
         source: source.to_owned(),
@@ -154,17 +155,8 @@ fn direction(v: DVec3) -> Result<Direction> {
     Direction::new(v).ok_or_else(|| Error::invalid(Location::item("direction"), "has no length"))
 }
 
-/// A camera that looks at the origin.
 fn camera(from_m: DVec3, pixels: u32, pitch: f64) -> Result<FrameCamera> {
-    let boresight = direction(-from_m)?;
-    let (h, v) = boresight.frame();
-    let rotation = DMat3::from_cols(h, v, boresight.vec());
-    Ok(FrameCamera {
-        world_from_sensor: Pose { rotation, translation_m: from_m },
-        samples: pixels,
-        lines: pixels,
-        pitch,
-    })
+    patch::camera(from_m, pixels, pitch).ok_or_else(|| Error::invalid(Location::item("camera"), "is at the origin"))
 }
 
 fn mesh(vertices_m: &[DVec3], facets: &[[u32; 3]]) -> Mesh {
