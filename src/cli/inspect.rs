@@ -11,9 +11,9 @@ use mmxrt::formats::mtl::{self, ObjMaterial};
 use mmxrt::formats::raster::{self, Raster};
 use mmxrt::formats::report_json::{self, Report, Run};
 use mmxrt::formats::spectrum_csv::{self, Quantity};
-use mmxrt::formats::{envi, exr_cube, gltf, npz, obj, quicklook, radiance_map, recipe_toml};
+use mmxrt::formats::{envi, exr_cube, gltf, npz, obj, pixel, quicklook, radiance_map, recipe_toml, spectrum_svg};
 use mmxrt::progress::tell;
-use mmxrt::spectral::Extend;
+use mmxrt::spectral::{Extend, solar_e490};
 use mmxrt::{Error, Location, Problem, Result, study};
 use serde_json::{Value, json};
 
@@ -21,18 +21,34 @@ use super::Outcome;
 use super::console::Console;
 
 #[derive(clap::Args)]
+#[command(group(clap::ArgGroup::new("written").args(["csv", "picture"]).multiple(true)))]
 pub(crate) struct Arguments {
-    /// A product folder, image (ENVI, ILWIS, OpenEXR, NumPy, PNG, CSV), .npz, .json report, scene, recipe, spectrum (.csv), .obj, .mtl, .gltf, .glb, DART simulation, output or optical database, .sli or .txt
+    /// A product folder, image (ENVI, ILWIS, OpenEXR, NumPy, PNG, CSV), .npz, .json report, scene, recipe, spectrum (.csv), .obj, .mtl, .gltf, .glb, DART simulation, output or optical database, .sli or .txt; or `e490`, the built-in spectrum of the Sun
     file: PathBuf,
-    /// Write a picture of an image, to look at: grey, or of three bands in colours
-    #[arg(long, value_name = "OUT.png")]
+    /// Of a product folder: spectrum and planes of this pixel, counted from 0
+    #[arg(long, value_name = "SAMPLE,LINE", value_parser = pixel)]
+    pixel: Option<(usize, usize)>,
+    /// Write the spectrum of the pixel, or of the Sun, as a table
+    #[arg(long, value_name = "OUT.csv")]
+    csv: Option<PathBuf>,
+    /// Write a picture of an image (.png: grey, or of three bands in colours), or of the spectrum of a pixel or of the Sun (.svg)
+    #[arg(long, value_name = "OUT")]
     picture: Option<PathBuf>,
     /// The band of the picture, from 1; given three times, those of red, green and blue
     #[arg(long, value_name = "N", requires = "picture", value_parser = clap::value_parser!(u32).range(1..))]
     band: Vec<u32>,
-    /// Replace a picture that exists
-    #[arg(long, requires = "picture")]
+    /// Replace a picture or table that exists
+    #[arg(long, requires = "written")]
     force: bool,
+}
+
+/// The name of the built-in spectrum of the Sun, where no file is called so.
+const BUILT_IN_SUN: &str = "e490";
+
+fn pixel(text: &str) -> std::result::Result<(usize, usize), String> {
+    let number = |text: &str| text.trim().parse().map_err(|_| "two whole numbers, as in 128,64".to_owned());
+    let (sample, line) = text.split_once(',').ok_or("two whole numbers, as in 128,64")?;
+    Ok((number(sample)?, number(line)?))
 }
 
 /// What a file holds: names and values, in the order they are said.
@@ -40,6 +56,13 @@ type Facts = Vec<(&'static str, Value)>;
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let path = &arguments.file;
+    if arguments.pixel.is_some() || (path == Path::new(BUILT_IN_SUN) && !path.exists()) {
+        return spectrum_of(arguments, console);
+    }
+    if arguments.csv.is_some() {
+        let message = "has no one spectrum that could be written: --csv goes with --pixel, or with `e490`";
+        return Err(Error::invalid(Location::file(path), message));
+    }
     let found = if path.is_file() { Format::of_input(path).ok() } else { None };
     let facts = match found {
         Some((format, _)) if format.is_raster() => image(format, arguments, console)?,
@@ -52,6 +75,57 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let json: serde_json::Map<String, Value> =
         facts.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
     console.result(&text, &Value::Object(json))?;
+    Ok(Outcome::Done)
+}
+
+/// The spectrum of a pixel, or of the Sun: said, and on request written and drawn.
+fn spectrum_of(arguments: &Arguments, console: &Console) -> Result<Outcome> {
+    let path = &arguments.file;
+    let (text, json, csv, picture) = match arguments.pixel {
+        Some((sample, line)) => {
+            let found = pixel::read(path, sample, line)?;
+            let columns = found.columns();
+            let planes: serde_json::Map<String, Value> =
+                found.planes.iter().map(|(name, value)| (name.clone(), json!(value))).collect();
+            let mut json = json!({ "sample": sample, "line": line, "planes": planes });
+            json["wavelength_um"] = json!(found.wavelength_um);
+            for (name, values) in &columns {
+                json[*name] = json!(values);
+            }
+            let title = format!("{}, sample {sample}, line {line}", path.display());
+            let curves: Vec<_> = columns.into_iter().map(|(n, v)| (n.trim_end_matches("_w_m2_sr_um"), v)).collect();
+            let y = "radiance, W m-2 sr-1 um-1";
+            (found.csv(), json, found.csv(), spectrum_svg::draw(&title, "um", y, &found.wavelength_um, &curves))
+        }
+        None => {
+            let sun = solar_e490();
+            let (um, irradiance) = (sun.wavelength_um(), sun.value());
+            let total = sun.integral(um[0], um[um.len() - 1]);
+            let json = json!({
+                "kind": "the Sun, ASTM E490-00a (2000), at 1 au", "points": um.len(), "total_w_m2": total,
+                "wavelength_um": um, "irradiance_w_m2_um": irradiance,
+            });
+            let mut csv = String::from("# the Sun at 1 au, ASTM E490-00a (2000)\nwavelength_um,irradiance_w_m2_um\n");
+            um.iter().zip(irradiance).for_each(|(um, value)| csv.push_str(&format!("{um},{value}\n")));
+            let shown = um.partition_point(|um| *um <= 4.0);
+            let curves = [("E490", irradiance[..shown].to_vec())];
+            let svg = spectrum_svg::draw("The Sun at 1 au, ASTM E490-00a", "um", "W m-2 um-1", &um[..shown], &curves);
+            (csv.clone(), json, csv, svg)
+        }
+    };
+    if let Some(picture) = arguments.picture.as_ref().filter(|p| p.extension().is_none_or(|e| e != "svg")) {
+        return Err(Error::invalid(
+            Location::file(picture),
+            "a spectrum is drawn as SVG: give it a name that ends in .svg",
+        ));
+    }
+    let written = [(&arguments.csv, csv), (&arguments.picture, picture)];
+    for (target, content) in written.iter().filter_map(|(target, content)| Some((target.as_ref()?, content))) {
+        let staged = Staged::file(target, arguments.force)?;
+        std::fs::write(staged.path(), content).map_err(|e| staged.named(Error::io(staged.path(), "writing", e)))?;
+        staged.commit()?;
+    }
+    console.result(&text, &json)?;
     Ok(Outcome::Done)
 }
 

@@ -13,7 +13,7 @@ use mmxrt::visibility::Topology;
 use mmxrt::{Error, Location, Problem, Result, solve, study};
 
 use super::console::Console;
-use super::product::{self, Made, ProductOptions};
+use super::product::{self, Extras, Made, ProductOptions};
 use super::scene::Opened;
 use super::{Outcome, scene};
 
@@ -81,7 +81,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         let Some(table) = table else { return Err(no_radiance()) };
         let observation = study::observe(&opened.scene, &topology, &table, &watch)?;
         let made = Made { opened, table, observation, maps: None };
-        return product::write("integrate", &arguments.product, staged, &made, false, console);
+        return product::write("integrate", &arguments.product, staged, &made, Extras::default(), console);
     }
     let mut options = MapOptions {
         choice: match arguments.views {
@@ -137,7 +137,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     };
     let (observation, maps) = study::observe_maps(&opened.scene, &topology, &table, terms, &options, &watch)?;
     let made = Made { opened, table, observation, maps: Some(maps) };
-    product::write("integrate", &arguments.product, staged, &made, false, console)
+    product::write("integrate", &arguments.product, staged, &made, Extras::default(), console)
 }
 
 fn no_radiance() -> Error {

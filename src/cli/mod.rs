@@ -22,8 +22,8 @@ use console::Console;
 
 /// What a space camera sees of a small body: exact facet-to-pixel hyperspectral image simulation.
 ///
-/// Exit codes: 0 done; 1 bad input, failed I/O, a failed case of `validate` or Ctrl-C; 2 usage. Unless the code is 0, nothing
-/// new is left under the name of the output.
+/// Exit codes: 0 done; 1 bad input, failed I/O, a failed case of `validate`, a finding of `convert --check` or `--diff`, or Ctrl-C;
+/// 2 usage; 3 a loss under `convert --strict`. Unless the code is 0, nothing new is left under the name of the output.
 #[derive(Parser)]
 #[command(name = "mmxrt", version)]
 struct Cli {
@@ -60,7 +60,7 @@ enum Command {
     Integrate(integrate::Arguments),
     /// A recipe becomes a landscape
     Landscape(landscape::Arguments),
-    /// One format becomes another: scenes, meshes, spectra, and inputs of DART
+    /// One format becomes another: scenes, meshes, spectra, images, and inputs of DART
     Convert(convert::Arguments),
     /// Says what a file holds
     Inspect(inspect::Arguments),

@@ -74,6 +74,15 @@ pub(super) struct Made {
     pub(super) maps: Option<MapAccount>,
 }
 
+/// What only `simulate` can write.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Extras {
+    /// The facet table.
+    pub(super) with_table: bool,
+    /// The thermal part of the cube.
+    pub(super) with_split: bool,
+}
+
 /// Writes everything into the staged folder, gives it its name, and says so.
 ///
 /// A product of which a check does not hold is kept, for whoever looks for the reason, but the command has failed.
@@ -82,10 +91,11 @@ pub(super) fn write(
     options: &ProductOptions,
     staged: Staged,
     made: &Made,
-    with_table: bool,
+    Extras { with_table, with_split }: Extras,
     console: &Console,
 ) -> Result<Outcome> {
-    let report = write_files(command, options, &staged, made, with_table, console).map_err(|e| staged.named(e))?;
+    let report = write_files(command, options, &staged, made, Extras { with_table, with_split }, console)
+        .map_err(|e| staged.named(e))?;
     staged.commit()?;
     made.opened.say_defaults(console);
     report.warnings.iter().for_each(|warning| console.note(&format!("warning: {warning}")));
@@ -115,7 +125,7 @@ fn write_files(
     options: &ProductOptions,
     staged: &Staged,
     made: &Made,
-    with_table: bool,
+    Extras { with_table, with_split }: Extras,
     console: &Console,
 ) -> Result<Report> {
     let watch = |progress| console.watch(progress);
@@ -135,6 +145,10 @@ fn write_files(
         PrecisionName::F64 => Precision::F64,
     };
     envi::write_cube(&file("cube.img"), cube, interleave, precision, &title("Radiance"), &watch)?;
+    if with_split {
+        let title = title("Thermal part of the radiance");
+        envi::write_cube(&file("thermal.img"), &cube.thermal(), interleave, precision, &title, &watch)?;
+    }
     if options.exr {
         exr_cube::write(&file("cube.exr"), cube, &title("Radiance"), &watch)?;
     }
@@ -175,6 +189,8 @@ fn report(opened: &Opened, observation: &Observation, maps: Option<MapAccount>, 
             bands: cube.bands.len() as u64,
             first_band_um: band_um(cube.bands.first()),
             last_band_um: band_um(cube.bands.last()),
+            quicklook_band: quicklook::grey_band(&cube.bands) as u64 + 1,
+            quicklook_rgb_bands: quicklook::colour_bands(&cube.bands).map(|band| band as u64 + 1),
         },
         effects: observation.effects.clone(),
         checks: observation.checks.clone(),

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use mmxrt::{Result, study};
 
 use super::console::Console;
-use super::product::{self, Made, ProductOptions};
+use super::product::{self, Extras, Made, ProductOptions};
 use super::{Outcome, scene};
 
 #[derive(clap::Args)]
@@ -17,6 +17,9 @@ pub(crate) struct Arguments {
     /// Write the facet table as well
     #[arg(long)]
     table: bool,
+    /// Write the thermal part of the cube as well (thermal.img): the rest of the cube is reflected
+    #[arg(long)]
+    split: bool,
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
@@ -25,5 +28,6 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let opened = scene::open(&arguments.scene, &watch)?;
     let (table, observation) = study::simulate(&opened.scene, &watch)?;
     let made = Made { opened, table, observation, maps: None };
-    product::write("simulate", &arguments.product, staged, &made, arguments.table, console)
+    let extras = Extras { with_table: arguments.table, with_split: arguments.split };
+    product::write("simulate", &arguments.product, staged, &made, extras, console)
 }

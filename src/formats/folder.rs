@@ -37,6 +37,8 @@ const PRODUCT: FolderKind = FolderKind {
         "cube.img",
         "cube.hdr",
         "cube.exr",
+        "thermal.img",
+        "thermal.hdr",
         "backplanes.img",
         "backplanes.hdr",
         "quicklook.png",

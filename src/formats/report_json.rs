@@ -82,6 +82,10 @@ pub struct Image {
     pub first_band_um: f64,
     /// Centre of the last band, um.
     pub last_band_um: f64,
+    /// The band that `quicklook.png` shows, from 1.
+    pub quicklook_band: u64,
+    /// The bands that `quicklook_rgb.png` shows as red, green and blue, from 1.
+    pub quicklook_rgb_bands: [u64; 3],
 }
 
 /// What the numbers of an image are like.

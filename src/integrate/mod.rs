@@ -264,6 +264,7 @@ fn assemble(scene: &Scene, emission: &Emission, lines: Vec<Line>) -> Cube {
         row: Vec::with_capacity(entries),
         weight: Vec::with_capacity(entries),
         spectra: emission.spectra(),
+        first_thermal_row: emission.first_thermal_row() as u32,
         added: vec![],
     };
     for line in lines {

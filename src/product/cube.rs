@@ -26,11 +26,28 @@ pub struct Cube {
     pub weight: Vec<f64>,
     /// Spectra, one row after the other: [row, band].
     pub spectra: Vec<f64>,
+    /// Rows from this one on are what the surface emits; those before it are what it reflects.
+    pub first_thermal_row: u32,
     /// Radiance from maps, added to that: [band, pixel]. Empty without maps.
     pub added: Vec<f64>,
 }
 
 impl Cube {
+    /// The part of it that the surface emits; what maps add is not in it.
+    pub fn thermal(&self) -> Cube {
+        let mut part = Cube { row_start: vec![0], row: vec![], weight: vec![], added: vec![], ..self.clone() };
+        for entries in self.row_start.windows(2) {
+            for i in entries[0] as usize..entries[1] as usize {
+                if self.row[i] >= self.first_thermal_row {
+                    part.row.push(self.row[i]);
+                    part.weight.push(self.weight[i]);
+                }
+            }
+            part.row_start.push(part.row.len() as u32);
+        }
+        part
+    }
+
     /// Radiance of some pixels in some bands, W m-2 sr-1 um-1: `put(pixel, first_band, values)` gets a few bands of
     /// one pixel at a time, all pixels before the next bands.
     ///
@@ -112,6 +129,7 @@ mod tests {
             row: vec![0, 1],
             weight: vec![2.0, 3.0],
             spectra: a.chain(b).collect(),
+            first_thermal_row: 1,
             added: vec![],
         }
     }
@@ -124,6 +142,19 @@ mod tests {
             assert_eq!(*value, 302.0 * i as f64);
         }
         cube().pixel(1, &mut radiance);
+        assert_eq!(radiance, [0.0; 21]);
+    }
+
+    #[test]
+    fn what_is_emitted_is_the_rows_from_the_first_thermal_one_on() {
+        let mut radiance = [f64::NAN; 21];
+        let mut cube = cube();
+        cube.added = vec![1.0; 42];
+        cube.thermal().pixel(0, &mut radiance);
+        for (i, value) in radiance.iter().enumerate() {
+            assert_eq!(*value, 300.0 * i as f64);
+        }
+        cube.thermal().pixel(1, &mut radiance);
         assert_eq!(radiance, [0.0; 21]);
     }
 

@@ -45,8 +45,8 @@ impl<'a> Emission<'a> {
             }
     }
 
-    /// Each material under the Sun and under Mars comes first, then each layer of the textures.
-    fn first_thermal_row(&self) -> usize {
+    /// The first row of what is emitted: each material under the Sun and under Mars comes first, then each layer of the textures.
+    pub fn first_thermal_row(&self) -> usize {
         self.texture_row(self.scene.textures.len())
     }
 

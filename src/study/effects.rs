@@ -31,6 +31,17 @@ pub struct Effect {
     pub note: String,
 }
 
+/// A bound of as much as all the sunlight, or more, tells nothing apart.
+const USELESS: f64 = 1.0;
+
+/// Says so of an effect whose bound is useless.
+fn ranked(effect: Effect) -> Effect {
+    match effect.bound {
+        Some(bound) if bound >= USELESS => Effect { note: format!("not bounded usefully: {}", effect.note), ..effect },
+        _ => effect,
+    }
+}
+
 /// Shadows and fractions are exact to this, relative: what the tests hold them to.
 const ROUNDING: f64 = 1e-9;
 /// Largest error of the fast Mars-light, relative to that on a facet that faces a full Mars (see [`MarsLight`](crate::physics::mars_light::MarsLight)).
@@ -98,7 +109,7 @@ impl<'a> Account<'a> {
     }
 
     pub(super) fn effects(&self) -> Vec<Effect> {
-        vec![
+        let effects = vec![
             self.sunlight(),
             self.photometry(),
             self.mars_light(),
@@ -116,7 +127,8 @@ impl<'a> Account<'a> {
                 None,
                 "the cube is radiance at the aperture: no PSF, distortion, smear, stray light or noise",
             ),
-        ]
+        ];
+        effects.into_iter().map(ranked).collect()
     }
 
     fn sunlight(&self) -> Effect {

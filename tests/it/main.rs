@@ -14,6 +14,7 @@ mod exact;
 mod flat_plane;
 mod gltf;
 mod hazards;
+mod inspect_pixel;
 mod invariance;
 mod layers;
 mod malformed_scene;

@@ -23,6 +23,7 @@ fn small_cube() -> Cube {
         row: vec![0; 4],
         weight: vec![1.0, 2.0, 3.0, 4.0],
         spectra: vec![1.0, 10.0],
+        first_thermal_row: 0,
         added: vec![],
     }
 }
@@ -39,6 +40,7 @@ fn random_cube(samples: usize, lines: usize, bands: usize, rows: usize, rows_per
         row: (0..pixels * rows_per_pixel).map(|_| (random.share() * rows as f64) as u32).collect(),
         weight: (0..pixels * rows_per_pixel).map(|_| random.share()).collect(),
         spectra: (0..rows * bands).map(|_| random.share()).collect(),
+        first_thermal_row: 0,
         added: vec![],
     }
 }
@@ -242,7 +244,15 @@ fn a_full_disk_is_an_error_that_names_the_file() {
         lines: 1,
         planes: vec![Plane { name: "X".into(), unit: "m".into(), values: vec![1.0] }],
     };
-    let image = report_json::Image { samples: 1, lines: 1, bands: 1, first_band_um: 1.0, last_band_um: 1.0 };
+    let image = report_json::Image {
+        samples: 1,
+        lines: 1,
+        bands: 1,
+        first_band_um: 1.0,
+        last_band_um: 1.0,
+        quicklook_band: 1,
+        quicklook_rgb_bands: [1, 1, 1],
+    };
     let results = [
         envi::write_cube(&path, &cube, Interleave::Bsq, Precision::F32, "", &unwatched),
         envi::write_cube(&path, &cube, Interleave::Bil, Precision::F32, "", &unwatched),

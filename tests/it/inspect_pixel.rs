@@ -1,0 +1,125 @@
+//! A pixel of a product, reflected light and heat apart, and the built-in Sun: said, written as a table, and drawn.
+
+use serde_json::Value;
+
+use crate::cli::run;
+use crate::scratch::Scratch;
+
+/// A square of 10 m, reflectance 0.2, 330 K warm, under a Sun of 40 pi W m-2 um-1 at its zenith: 8 W m-2 sr-1 um-1 are reflected.
+const SCENE: &str = r#"
+mmxrt_scene = 1
+origin_m = [0, 0, 0]
+[[mesh]]
+obj = "square.obj"
+material = "ground"
+[materials]
+ground = { reflectance = 0.2, emissivity = 0.8 }
+[thermal]
+model = "thesis"
+[sun]
+direction = [0, 0, 1]
+distance_au = 1
+spectrum = "sun.csv"
+[observer]
+position_m = [0, 0, 1000]
+target_m = [0, 0, 0]
+up = [0, 1, 0]
+[sensor]
+samples = 4
+lines = 3
+ifov_mrad = 1.0
+bands = { centres_um = [1.0, 3.0] }
+"#;
+
+fn product(scratch: &Scratch, split: bool) -> String {
+    scratch.write("square.obj", "v -5 -5 0\nv 5 -5 0\nv 5 5 0\nv -5 5 0\nf 1 2 3 4\n");
+    let sun = 40.0 * std::f64::consts::PI;
+    scratch.write("sun.csv", format!("wavelength_um,irradiance_w_m2_um\n0.3,{sun}\n10,{sun}\n"));
+    scratch.write("scene.toml", SCENE);
+    let (scene, out) = (scratch.argument("scene.toml"), scratch.argument("out"));
+    let mut arguments = vec!["simulate", &scene, "-o", &out, "--dtype", "f64", "--force"];
+    arguments.extend(split.then_some("--split"));
+    let (code, _, err) = run(&arguments);
+    assert_eq!(code, 0, "{err}");
+    out
+}
+
+#[test]
+fn a_pixel_is_its_spectrum_its_planes_and_on_request_light_and_heat_apart() {
+    let scratch = Scratch::new();
+    let out = product(&scratch, true);
+    let (code, text, err) = run(&["--json", "inspect", &out, "--pixel", "2,1"]);
+    assert_eq!(code, 0, "{err}");
+    let pixel: Value = serde_json::from_str(&text).unwrap();
+    let number = |name: &str, band: usize| pixel[name][band].as_f64().unwrap();
+    // The thesis's law, 150 K + 180 K cos i.
+    let t_k = 330.0;
+    let planck = |um: f64| 1.191_042_972e8 / um.powi(5) / ((14_387.768_775 / (um * t_k)).exp() - 1.0);
+    for (band, um) in [1.0, 3.0].into_iter().enumerate() {
+        assert_eq!(pixel["wavelength_um"][band].as_f64(), Some(um));
+        let (reflected, thermal) = (number("reflected_w_m2_sr_um", band), number("thermal_w_m2_sr_um", band));
+        assert!((reflected - 8.0).abs() < 1e-11, "{reflected}");
+        let expected = 0.8 * planck(um);
+        assert!((thermal - expected).abs() <= 1e-6 * expected, "{um} um: {thermal} {expected}");
+        assert!((number("radiance_w_m2_sr_um", band) - reflected - thermal).abs() < 1e-14);
+    }
+    assert_eq!(pixel["planes"]["COVERAGE"].as_f64(), Some(1.0));
+    // Sample 2, line 1 of 4 x 3 looks half a pixel right of the middle, and at the middle line: 0.5 m east of it.
+    let [x, y] = ["BODYFIXEDX (m)", "BODYFIXEDY (m)"].map(|name| pixel["planes"][name].as_f64().unwrap());
+    assert!((x - 0.5).abs() < 1e-6 && y.abs() < 1e-6, "{x} {y}");
+
+    let (csv, svg) = (scratch.argument("p.csv"), scratch.argument("p.svg"));
+    let (code, text, err) = run(&["inspect", &out, "--pixel", "2,1", "--csv", &csv, "--picture", &svg]);
+    assert_eq!(code, 0, "{err}");
+    let table = std::fs::read_to_string(&csv).unwrap();
+    assert_eq!(text.trim_end(), table.trim_end());
+    let header = "wavelength_um,radiance_w_m2_sr_um,reflected_w_m2_sr_um,thermal_w_m2_sr_um";
+    assert!(
+        table.starts_with("# sample 2, line 1, counted from 0\n# COVERAGE 1\n") && table.contains(header),
+        "{table}"
+    );
+    assert_eq!(table.lines().filter(|line| !line.starts_with('#')).count(), 3);
+    let svg_text = std::fs::read_to_string(&svg).unwrap();
+    assert!(svg_text.starts_with("<svg") && ["radiance", "reflected", "thermal"].iter().all(|n| svg_text.contains(n)));
+    let (code, _, err) = run(&["inspect", &out, "--pixel", "2,1", "--csv", &csv]);
+    assert!(code == 1 && err.contains("--force"), "{err}");
+}
+
+#[test]
+fn what_is_no_pixel_is_told() {
+    let scratch = Scratch::new();
+    let out = product(&scratch, false);
+    let (_, text, _) = run(&["inspect", &out, "--pixel", "0,0"]);
+    assert!(text.contains("wavelength_um,radiance_w_m2_sr_um\n"), "{text}");
+    for (arguments, code, told) in [
+        (vec!["--pixel", "4,0"], 1, "pixel 4,0 is beyond its 4 samples and 3 lines"),
+        (vec!["--pixel", "0,3"], 1, "beyond"),
+        (vec!["--pixel", "1"], 2, "two whole numbers"),
+        (vec!["--pixel", "-1,2"], 2, ""),
+        (vec!["--pixel", "1,2,3"], 2, "two whole numbers"),
+        (vec!["--csv", "x.csv"], 1, "--csv goes with --pixel"),
+        (vec!["--pixel", "0,0", "--picture", "x.png"], 1, ".svg"),
+    ] {
+        let (got, _, err) = run(&[&["inspect", &out][..], &arguments].concat());
+        assert!(got == code && err.contains(told), "{arguments:?}: {got} {err}");
+    }
+    let (code, _, err) = run(&["inspect", scratch.path().to_str().unwrap(), "--pixel", "0,0"]);
+    assert!(code == 1 && err.contains("cube.img"), "{err}");
+}
+
+#[test]
+fn the_built_in_sun_can_be_had() {
+    // ASTM E490-00a: 1366.1 W m-2 in all, 747.9 W m-2 um-1 at 1 um.
+    let (code, text, _) = run(&["--json", "inspect", "e490"]);
+    let sun: Value = serde_json::from_str(&text).unwrap();
+    assert!(code == 0 && (sun["total_w_m2"].as_f64().unwrap() - 1366.1).abs() < 0.05, "{}", sun["total_w_m2"]);
+    let um = sun["wavelength_um"].as_array().unwrap();
+    let at = um.iter().position(|um| um.as_f64() == Some(1.0)).unwrap();
+    assert_eq!(sun["irradiance_w_m2_um"][at].as_f64(), Some(747.9));
+    // What it writes is a Sun that a scene reads.
+    let scratch = Scratch::new();
+    let csv = scratch.argument("sun.csv");
+    assert_eq!(run(&["inspect", "e490", "--csv", &csv, "--quiet"]).0, 0);
+    let (code, text, err) = run(&["inspect", &csv]);
+    assert!(code == 0 && text.contains("W m-2 um-1"), "{text} {err}");
+}
