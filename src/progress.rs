@@ -1,5 +1,7 @@
 //! How long work tells its caller how far it is, and learns that it should stop.
 
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
 use crate::error::{Error, Result};
 
 /// How far a stage is.
@@ -37,4 +39,43 @@ pub fn tell(watch: Watch<'_>, stage: &'static str, done: u64, total: u64) -> Res
         tracing::debug!(done, total, "{stage}");
     }
     if watch(Progress { stage, done, total }) { Ok(()) } else { Err(Error::Interrupted) }
+}
+
+/// Asks a [`Watch`] in the middle of a step too, so that it is heard however long a step takes.
+pub struct Pulse<'a> {
+    watch: Watch<'a>,
+    stage: &'static str,
+    done: &'a AtomicU64,
+    total: u64,
+    work: usize,
+}
+
+/// So many pieces of work, of some 100 ns, are done between two questions.
+const WORK: usize = 1 << 14;
+
+impl<'a> Pulse<'a> {
+    /// Of a stage of which others count in `done` how many of `total` steps are done.
+    pub fn new(watch: Watch<'a>, stage: &'static str, done: &'a AtomicU64, total: u64) -> Self {
+        Pulse { watch, stage, done, total, work: 0 }
+    }
+
+    /// Says that some pieces of work have been done.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`] if the watch asks to stop.
+    #[inline]
+    pub fn beat(&mut self, work: usize) -> Result<()> {
+        self.work += work;
+        if self.work < WORK {
+            return Ok(());
+        }
+        self.work = 0;
+        tell(self.watch, self.stage, self.done.load(Relaxed), self.total)
+    }
+}
+
+impl std::fmt::Debug for Pulse<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Pulse").field("stage", &self.stage).finish_non_exhaustive()
+    }
 }

@@ -1,6 +1,10 @@
 //! Convex polygons in the plane: areas, clipping, splitting.
 //!
-//! Polygons are lists of points, convex up to rounding. Orientation is kept by every function here.
+//! Polygons are lists of points, convex up to rounding. Orientation is kept by every function here. What is cut may have corners
+//! that rounding has put anywhere within its error; what cuts may not, since the line along a side as short as that points
+//! anywhere: it is cut by [`Line`]s given by exact corners, or by the sides of an exact convex hull.
+
+use robust::{Coord, orient2d};
 
 /// A point in the plane.
 pub type Point = [f64; 2];
@@ -237,9 +241,82 @@ pub fn side(a: Point, b: Point, p: Point) -> f64 {
 
 /// Whether a counter-clockwise polygon holds a point, its border included.
 pub fn holds(polygon: &[Point], p: Point) -> bool {
-    !polygon.is_empty()
-        && (0..polygon.len())
-            .all(|i| side(polygon[i], polygon[if i + 1 == polygon.len() { 0 } else { i + 1 }], p) >= 0.0)
+    Rect::of(polygon).holds(p) && lies_left_of_all_sides(polygon, |line| line.side(p) >= 0.0)
+}
+
+/// Whether a counter-clockwise polygon may have something in common with a rectangle; errs on the side of yes.
+pub fn may_touch(polygon: &[Point], rect: &Rect) -> bool {
+    Rect::of(polygon).overlaps(rect) && lies_left_of_all_sides(polygon, |line| !line.has_on_its_right(rect))
+}
+
+/// Whether something lies to the left of all sides of a polygon.
+fn lies_left_of_all_sides(polygon: &[Point], left: impl Fn(&Line) -> bool) -> bool {
+    let mut all = true;
+    if each_side(polygon, |line| all &= left(line)) {
+        return all;
+    }
+    let outline = convex_outline(polygon);
+    !outline.is_empty() && sides(&outline).all(|line| left(&line))
+}
+
+/// The lines along the sides of a polygon.
+fn sides(polygon: &[Point]) -> impl Iterator<Item = Line> {
+    (0..polygon.len()).map(|i| Line::through(polygon[i], polygon[if i + 1 == polygon.len() { 0 } else { i + 1 }]))
+}
+
+/// Calls `put` with the line along each side of a polygon. Whether the polygon is counter-clockwise and convex for certain; if not,
+/// nothing may be taken from these lines, since a side as short as rounding points anywhere.
+///
+/// Where each corner turns left, the sides turn once around if they change between up and down, in the order of coordinates, twice.
+#[inline]
+fn each_side(polygon: &[Point], mut put: impl FnMut(&Line)) -> bool {
+    let n = polygon.len();
+    let next = |i: usize| if i + 1 == n { 0 } else { i + 1 };
+    let mut changes = 0;
+    let mut before = if n == 0 { 0.0 } else { Line::through(polygon[n - 1], polygon[0]).sign };
+    for i in 0..n {
+        let j = next(i);
+        let line = Line::through(polygon[i], polygon[j]);
+        if line.side(polygon[next(j)]) <= 0.0 {
+            return false;
+        }
+        changes += u32::from(line.sign != before);
+        before = line.sign;
+        put(&line);
+    }
+    changes == 2
+}
+
+/// The convex hull of a polygon that is convex up to rounding, counter-clockwise and strictly convex, in exact arithmetic; empty if
+/// all corners lie on a line.
+///
+/// It differs from the polygon by no more than the rounding of the corners, and each of its sides, however short, has the polygon
+/// on its left: Andrew (1979), by an exact predicate.
+#[cold]
+fn convex_outline(polygon: &[Point]) -> Vec<Point> {
+    let coord = |p: Point| Coord { x: p[0], y: p[1] };
+    // + 0.0 makes -0.0 and 0.0 one number.
+    let mut corners: Vec<Point> = polygon.iter().map(|p| p.map(|x| x + 0.0)).collect();
+    corners.sort_unstable_by(|p, q| p[0].total_cmp(&q[0]).then(p[1].total_cmp(&q[1])));
+    corners.dedup();
+    let mut outline: Vec<Point> = Vec::with_capacity(corners.len() + 1);
+    for half in [corners.clone(), corners.into_iter().rev().collect()] {
+        let base = outline.len();
+        for p in half {
+            while let [.., a, b] = outline[base..]
+                && orient2d(coord(a), coord(b), coord(p)) <= 0.0
+            {
+                outline.pop();
+            }
+            outline.push(p);
+        }
+        // The last of one half is the first of the other.
+        outline.pop();
+    }
+    if outline.len() < 3 {
+        outline.clear();
+    }
+    outline
 }
 
 /// The part of a convex polygon inside a rectangle, appended to nothing: `out` is cleared first.
@@ -310,46 +387,24 @@ fn cut_by(distance: impl Fn(Point) -> f64, polygon: &mut Vec<Point>, spare: &mut
 }
 
 /// The common part of two convex polygons that are both counter-clockwise (x right, y up). `out` is cleared first.
+///
+/// Either may be convex up to rounding only: it is as if `b` were its convex hull. What is computed differs from the common part by no
+/// more than the rounding of corners, times the outlines.
 pub fn intersect(a: &[Point], b: &[Point], out: &mut Vec<Point>, spare: &mut Vec<Point>) {
-    out.clear();
-    out.extend_from_slice(a);
-    let next = |i: usize, n: usize| if i + 1 == n { 0 } else { i + 1 };
-    let n = b.len();
-    let turns_right = (0..n).any(|i| side(b[i], b[next(i, n)], b[next(next(i, n), n)]) < 0.0);
-    let straightened;
-    let b = if turns_right {
-        straightened = without_right_turns(b);
-        &straightened[..]
-    } else {
-        b
+    let start = |out: &mut Vec<Point>| {
+        out.clear();
+        out.extend_from_slice(a);
     };
-    for i in 0..b.len() {
-        let line = Line::through(b[i], b[next(i, b.len())]);
-        cut_by(|x| line.side(x), out, spare);
+    start(out);
+    if each_side(b, |line| cut_by(|x| line.side(x), out, spare)) {
+        return;
     }
-}
-
-/// A polygon that is convex up to rounding, without the corners by which it is not: an edge as short as rounding may point
-/// anywhere, and its line would cut off what belongs to the polygon.
-#[cold]
-fn without_right_turns(polygon: &[Point]) -> Vec<Point> {
-    let mut convex = polygon.to_vec();
-    let mut i = 0;
-    let mut passed = 0;
-    while convex.len() > 3 && passed < convex.len() {
-        let n = convex.len();
-        let (j, k) = ((i + 1) % n, (i + 2) % n);
-        if side(convex[i % n], convex[j], convex[k]) < 0.0 {
-            convex.remove(j);
-            // The corner before may turn right now.
-            i = (i + convex.len() - 1) % convex.len();
-            passed = 0;
-        } else {
-            i = (i + 1) % n;
-            passed += 1;
-        }
+    let outline = convex_outline(b);
+    out.clear();
+    if !outline.is_empty() {
+        start(out);
+        sides(&outline).for_each(|line| cut_by(|x| line.side(x), out, spare));
     }
-    convex
 }
 
 #[cfg(test)]

@@ -1,12 +1,16 @@
 //! Which facets each pixel sees, as a product.
 
+use std::sync::atomic::AtomicU64;
+
 use rayon::prelude::*;
 
 use super::lit::LitArea;
 use super::parts::Polygons;
 use super::pixel::Pixel;
+use crate::error::Result;
 use crate::geometry::Mesh;
 use crate::product::{Footprints, Sunlit};
+use crate::progress::{Pulse, unwatched};
 use crate::scene::FrameCamera;
 use crate::visibility::{Coverage, Drawing, Grid, Scratch, Topology, View};
 
@@ -29,15 +33,17 @@ pub fn footprints(mesh: &Mesh, topology: &Topology, sunlit: &Sunlit, camera: &Fr
     let drawing = draw(mesh, topology, camera);
     let coverage = Coverage::new(&drawing);
     let lit = Polygons::of_sunlit(sunlit);
-    let lines: Vec<Footprints> = (0..camera.lines)
+    let done = AtomicU64::new(0);
+    let pulse = || Pulse::new(&unwatched, "footprints", &done, u64::from(camera.lines));
+    let lines: Result<Vec<Footprints>> = (0..camera.lines)
         .into_par_iter()
         .map_init(
-            || (Scratch::default(), Pixel::new(&drawing, LitArea::new(&drawing, sunlit, &lit))),
+            || (Scratch::new(pulse()), Pixel::new(&drawing, LitArea::new(&drawing, sunlit, &lit))),
             |(scratch, pixel), row| {
                 let mut line = Footprints::default();
                 pixel.new_line(row);
                 for column in 0..camera.samples {
-                    pixel.look(&coverage, column, row, scratch);
+                    pixel.look(&coverage, column, row, scratch)?;
                     line.row_start.push(line.facet.len() as u32);
                     for e in &pixel.entries {
                         line.facet.push(e.facet);
@@ -45,12 +51,13 @@ pub fn footprints(mesh: &Mesh, topology: &Topology, sunlit: &Sunlit, camera: &Fr
                         line.lit_fraction.push(e.lit);
                     }
                 }
-                line
+                Ok(line)
             },
         )
         .collect();
     let mut all = Footprints::default();
-    for line in lines {
+    // Nobody asks to stop.
+    for line in lines.unwrap_or_default() {
         let base = all.facet.len() as u32;
         all.row_start.extend(line.row_start.iter().map(|s| base + s));
         all.facet.extend(line.facet);

@@ -1,20 +1,23 @@
 //! The lit part of what a pixel sees of a facet: sunlit polygons carried from the Sun's view into the image.
 
 use super::parts::{Parts, Polygons, Window};
-use crate::geometry::polygon::{Point, area};
+use crate::geometry::polygon::{Point, Rect, area, clip_to_rect};
 use crate::product::{Lit, Sunlit};
 use crate::visibility::Drawing;
 
 /// Computes lit areas in the image.
 pub(super) struct LitArea<'a> {
+    drawing: &'a Drawing<'a>,
     sunlit: &'a Sunlit,
     parts: Parts<'a>,
+    clipped: Vec<Point>,
+    spare: Vec<Point>,
 }
 
 impl<'a> LitArea<'a> {
     /// `polygons` are those of `sunlit`.
     pub(super) fn new(drawing: &'a Drawing<'a>, sunlit: &'a Sunlit, polygons: &'a Polygons<'a>) -> Self {
-        LitArea { sunlit, parts: Parts::new(drawing, polygons) }
+        LitArea { drawing, sunlit, parts: Parts::new(drawing, polygons), clipped: vec![], spare: vec![] }
     }
 
     pub(super) fn new_line(&mut self, row: u32) {
@@ -44,12 +47,31 @@ impl<'a> LitArea<'a> {
         self.parts.each(facet, window, |_, common| put(common));
     }
 
-    /// Whether a facet is lit at an image point that sees it.
-    pub(super) fn is_lit_at(&self, facet: u32, at: Point) -> bool {
+    /// Whether a facet is lit at an image point that sees it: whether most of it is, in the smallest neighbourhood that areas tell
+    /// something of. No single polygon is asked, since between two of them rounding leaves gaps.
+    pub(super) fn is_lit_at(&mut self, facet: u32, at: Point) -> bool {
         match self.sunlit.lit[facet as usize] {
             Lit::Dark => false,
             Lit::Full => true,
-            Lit::Part => self.parts.hold(facet, at),
+            Lit::Part => {
+                let rect = around(at);
+                let (mut seen, mut lit) = (0.0, 0.0);
+                for triangle in self.drawing.triangles(facet) {
+                    clip_to_rect(&self.drawing.outline(triangle), &rect, &mut self.clipped, &mut self.spare);
+                    seen += area(&self.clipped);
+                }
+                let window = Window::Rect { rect: &rect, outline: &rect.corners() };
+                self.parts.each(facet, &window, |_, common| lit += area(common));
+                lit > 0.0 && lit >= 0.5 * seen
+            }
         }
     }
+}
+
+/// Half the side of a point's neighbourhood, pixels: the geometric mean of a pixel and the rounding of its coordinates.
+const NEIGHBOURHOOD: f64 = 1.0 / (1u64 << 26) as f64;
+
+/// The neighbourhood of an image point.
+pub(super) fn around(at: Point) -> Rect {
+    Rect { min: at.map(|x| x - NEIGHBOURHOOD), max: at.map(|x| x + NEIGHBOURHOOD) }
 }

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::product::{Backplanes, Cube, FacetTable, Plane};
-use crate::progress::{Watch, tell};
+use crate::progress::{Pulse, Watch, tell};
 use crate::scene::Scene;
 use crate::solve::Emission;
 use crate::visibility::{Coverage, Scratch, Topology};
@@ -117,6 +117,7 @@ fn look(
     let mut seen = Vec::with_capacity(scene.mesh.facets.len());
     seen.resize_with(scene.mesh.facets.len(), || AtomicBool::new(false));
     let done = AtomicU64::new(0);
+    let pulse = || Pulse::new(watch, "image", &done, rows as u64);
     let lines: Result<Vec<Line>> = parts
         .into_par_iter()
         .enumerate()
@@ -126,7 +127,7 @@ fn look(
                 let looker = maps.map(|maps| Looker::new(scene, &drawing, maps, &prepared, &polygons));
                 let textures = Textures::new(scene, &drawing);
                 pixel.fragments.are_kept = looker.is_some() || !scene.textures.is_empty();
-                (Scratch::default(), pixel, Weights::new(emission.rows()), looker, textures)
+                (Scratch::new(pulse()), pixel, Weights::new(emission.rows()), looker, textures)
             },
             |(scratch, pixel, weights, looker, textures), (row, mut part)| {
                 let row = row as u32;
@@ -137,7 +138,7 @@ fn look(
                     line.maps = looker.new_line(row);
                 }
                 for column in 0..camera.samples {
-                    pixel.look(&coverage, column, row, scratch);
+                    pixel.look(&coverage, column, row, scratch)?;
                     line.row_start.push(line.row.len() as u32);
                     line.look(pixel, &seen);
                     let rect = pixel.rect;

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use crate::geometry::Mesh;
-use crate::geometry::polygon::{Point, Rect, area, clip_to_rect, holds, intersect};
+use crate::geometry::polygon::{Point, Rect, area, clip_to_rect, intersect};
 use crate::product::{Patches, Sunlit};
 use crate::visibility::{Drawing, OnFacet, View};
 
@@ -213,16 +213,6 @@ impl<'a> Parts<'a> {
                 .collect();
             reaching.sort_by(|a, b| a.0.min[0].total_cmp(&b.0.min[0]));
             reaching
-        })
-    }
-
-    /// Whether one of a facet's parts holds the point of the facet at an image point.
-    pub(super) fn hold(&self, facet: u32, at: Point) -> bool {
-        let uv = self.on_facet(facet).uv(at);
-        self.polygons.of(facet).any(|i| {
-            let mut p = self.polygons.uv(i).to_vec();
-            counter_clockwise(&mut p);
-            holds(&p, uv)
         })
     }
 }

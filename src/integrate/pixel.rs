@@ -1,9 +1,10 @@
 //! What one pixel sees: the facets, their areas in the image, and how much of that is lit.
 
-use crate::geometry::polygon::{Point, Rect, area_and_moment, clip_to_rect, holds};
+use crate::error::Result;
+use crate::geometry::polygon::{Point, Rect, area, area_and_moment, clip_to_rect, holds, may_touch};
 use crate::visibility::{Drawing, Scratch, Side, Visit};
 
-use super::lit::LitArea;
+use super::lit::{LitArea, around};
 use super::parts::Window;
 
 /// Of a facet that is hidden all over, subtraction leaves less than this, pixels.
@@ -95,6 +96,8 @@ pub(super) struct Pixel<'a> {
     pub(super) entries: Vec<Entry>,
     /// The facet at the pixel's centre, and whether it is lit there.
     pub(super) centre: Option<u32>,
+    /// Whether a piece lies beside the centre, by no more than rounding may have moved it.
+    is_beside: bool,
     /// Whether some entries are the rest after a subtraction.
     subtracted: bool,
     /// What is seen of each facet, for who asks for more than areas.
@@ -114,6 +117,7 @@ impl<'a> Pixel<'a> {
             lit,
             entries: vec![],
             centre: None,
+            is_beside: false,
             subtracted: false,
             rect: drawing.grid.cell(0, 0),
             at: [0.0; 2],
@@ -123,26 +127,37 @@ impl<'a> Pixel<'a> {
     }
 
     /// Looks through a pixel.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`](crate::Error::Interrupted) if the watch of `scratch` asks to stop.
     pub(super) fn look(
         &mut self,
         coverage: &crate::visibility::Coverage,
         column: u32,
         row: u32,
         scratch: &mut Scratch,
-    ) {
+    ) -> Result<()> {
         self.entries.clear();
         self.fragments.clear();
         self.subtracted = false;
         self.centre = None;
         self.rect = self.drawing.grid.cell(column, row);
         self.at = self.rect.centre();
-        coverage.cell(column, row, scratch, self);
+        self.is_beside = false;
+        coverage.cell(column, row, scratch, self)?;
+        if self.is_beside {
+            let mut around = Around::new(self.drawing, self.at);
+            coverage.cell(column, row, scratch, &mut around)?;
+            self.centre = around.most();
+        }
         self.merge();
+        Ok(())
     }
 
     /// Whether the facet at the pixel's centre is lit there.
     pub(super) fn centre_is_lit(&mut self) -> bool {
-        self.centre.is_some_and(|facet| self.lit.is_lit_at(facet, self.at))
+        // An inner side is dark, whatever reaches the outer one.
+        self.centre.is_some_and(|f| self.drawing.side(f) == Side::Front && self.lit.is_lit_at(f, self.at))
     }
 
     /// How much of a facet is lit.
@@ -236,8 +251,65 @@ impl Visit for Pixel<'_> {
     fn piece(&mut self, triangle: u32, _: &Rect, polygon: &[Point]) {
         let facet = self.drawing.facet(triangle);
         self.add(facet, polygon, &Window::Piece(polygon), 1.0);
-        if self.centre.is_none() && holds(polygon, self.at) {
-            self.centre = Some(facet);
+        if self.centre.is_none() && may_touch(polygon, &around(self.at)) {
+            if holds(polygon, self.at) {
+                self.centre = Some(facet);
+            } else {
+                self.is_beside = true;
+            }
         }
     }
+}
+
+/// What is seen around a point in its neighbourhood.
+struct Around<'a> {
+    drawing: &'a Drawing<'a>,
+    rect: Rect,
+    /// Facets in the order in which they come, and their areas.
+    seen: Vec<(u32, f64)>,
+    clipped: Vec<Point>,
+    spare: Vec<Point>,
+}
+
+impl<'a> Around<'a> {
+    fn new(drawing: &'a Drawing<'a>, at: Point) -> Self {
+        Around { drawing, rect: around(at), seen: vec![], clipped: vec![], spare: vec![] }
+    }
+
+    fn add(&mut self, triangle: u32, polygon: &[Point], rect: &Rect, sign: f64) {
+        let rect = rect.common(&self.rect);
+        if rect.overlaps(&self.rect) {
+            clip_to_rect(polygon, &rect, &mut self.clipped, &mut self.spare);
+            let (facet, area) = (self.drawing.facet(triangle), sign * area(&self.clipped));
+            match self.seen.iter_mut().find(|s| s.0 == facet) {
+                Some(seen) => seen.1 += area,
+                None => self.seen.push((facet, area)),
+            }
+        }
+    }
+
+    /// The facet of which most is seen; none where most is sky.
+    fn most(&self) -> Option<u32> {
+        let covered: f64 = self.seen.iter().map(|s| s.1).sum();
+        let most = self.seen.iter().fold((None, 0.0), |most, s| if s.1 > most.1 { (Some(s.0), s.1) } else { most });
+        if 2.0 * covered > self.rect.area() { most.0 } else { None }
+    }
+}
+
+impl Visit for Around<'_> {
+    const SIGNED: bool = true;
+
+    fn whole(&mut self, triangle: u32, rect: &Rect) {
+        self.add(triangle, &self.drawing.outline(triangle), rect, 1.0);
+    }
+
+    fn piece(&mut self, triangle: u32, rect: &Rect, polygon: &[Point]) {
+        self.add(triangle, polygon, rect, 1.0);
+    }
+
+    fn hidden(&mut self, triangle: u32, rect: &Rect, polygon: &[Point]) {
+        self.add(triangle, polygon, rect, -1.0);
+    }
+
+    fn cut(&mut self, _: u32, _: &Rect) {}
 }

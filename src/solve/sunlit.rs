@@ -9,17 +9,19 @@ use crate::error::Result;
 use crate::geometry::polygon::{Point, Rect, area, clip_to_rect};
 use crate::geometry::{Direction, Mesh};
 use crate::product::{Lit, Sunlit};
-use crate::progress::{Watch, tell};
+use crate::progress::{Pulse, Watch, tell};
 use crate::visibility::{Coverage, Drawing, Grid, OnFacet, Scratch, Side, Topology, View, Visit, cells_of};
 
 /// So many facets share a cell of the Sun's view, in the mean: fewer make more work at cell borders, more are quartered.
 const FACETS_PER_CELL: f64 = 6.0;
-/// Lit polygons below this share of their facet are what rounding leaves at shared edges.
+/// Lit polygons below this share of their facet are what rounding leaves at shared edges, ...
 const SLIVER: f64 = 1e-14;
+/// ... and so are those narrower than this share of the drawing.
+const NARROW: f64 = 4.0 * f64::EPSILON;
 
 /// Which part of each facet sees the Sun, a point at infinity in direction `towards`.
 ///
-/// Facets that face away are dark; they still block.
+/// Facets that face away are dark; they still block. Facets seen edge-on, up to rounding, are dark.
 ///
 /// # Errors
 /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
@@ -58,15 +60,16 @@ fn seen(drawing: &Drawing, stage: &'static str, watch: Watch<'_>) -> Result<Sunl
     let coverage = Coverage::new(drawing);
     let total = u64::from(drawing.grid.rows);
     let done = AtomicU64::new(0);
+    let pulse = || Pulse::new(watch, stage, &done, total);
     let rows: Result<Vec<Row>> = (0..drawing.grid.rows)
         .into_par_iter()
         .map_init(
-            || (Scratch::default(), CellShadows::new(drawing), Row::default()),
+            || (Scratch::new(pulse()), CellShadows::new(drawing), Row::default()),
             |(scratch, shadows, work), row| {
                 work.clear();
                 for column in 0..drawing.grid.columns {
                     shadows.clear();
-                    coverage.cell(column, row, scratch, shadows);
+                    coverage.cell(column, row, scratch, shadows)?;
                     shadows.append_to(work, column);
                 }
                 tell(watch, stage, done.fetch_add(1, Relaxed) + 1, total)?;
@@ -272,7 +275,7 @@ impl Gather {
         rows: &[Row],
         out: &mut Sunlit,
     ) {
-        if drawing.side(facet) != Side::Front {
+        if drawing.side(facet) != Side::Front || (!drawing.is_cut(facet) && drawing.is_edge_on(facet)) {
             out.lit.push(Lit::Dark);
             return;
         }
@@ -283,11 +286,14 @@ impl Gather {
         }
         let frame = OnFacet::new(&drawing.view, &drawing.mesh().facet(facet as usize));
         let polygons_before = out.polygon_facet.len();
+        let narrow = NARROW * f64::from(drawing.grid.columns.max(drawing.grid.rows));
         for triangle in drawing.triangles(facet) {
             let outline = drawing.outline(triangle);
             let least_area = SLIVER * area(&outline);
             let mut add = |polygon: &[Point]| {
-                if area(polygon) > least_area {
+                let area = area(polygon);
+                let Rect { min, max } = Rect::of(polygon);
+                if area > least_area && area > narrow * (max[0] - min[0] + max[1] - min[1]) {
                     out.uv.extend(polygon.iter().map(|p| frame.uv(*p)));
                     out.polygon_facet.push(facet);
                     out.polygon_start.push(out.uv.len() as u32);

@@ -9,11 +9,13 @@ use rayon::prelude::*;
 use robust::{Coord, orient2d};
 
 use super::bins::Bins;
-use super::drawing::Drawing;
+use super::drawing::{Drawing, Side};
 use super::layers::Layers;
 use super::partition::{Candidate, Ground, Partition};
 use super::topology::NONE;
+use crate::error::Result;
 use crate::geometry::polygon::{Line, Point, Rect};
+use crate::progress::Pulse;
 
 /// Receives what is seen in the parts of a cell.
 pub trait Visit {
@@ -40,8 +42,10 @@ pub trait Visit {
 const FEW: usize = 12;
 /// Quartering is worthwhile if the quarters list their triangles so many times at the most.
 const WORTHWHILE: f64 = 1.8;
-/// Above so many triangles a cell is quartered in any case, down to ...
+/// Above so many triangles a cell is quartered even if they are listed up to ...
 const MANY: usize = 64;
+/// ... so many times (more often, they are layers one on another, and as many in every part), down to ...
+const HOPELESS: f64 = 2.5;
 /// ... this depth.
 const DEEP: u32 = 8;
 /// A cell is quartered so often at the most: 4^-25 of a cell is below the rounding of its area.
@@ -60,8 +64,9 @@ pub struct Coverage<'a> {
 type Part = (Rect, u32, usize, usize);
 
 /// Working memory of a thread.
-#[derive(Debug, Default)]
-pub struct Scratch {
+#[derive(Debug)]
+pub struct Scratch<'a> {
+    pulse: Pulse<'a>,
     triangles: Vec<u32>,
     candidates: Vec<Candidate>,
     list: Vec<u32>,
@@ -70,6 +75,23 @@ pub struct Scratch {
     front: Front,
     layers: Layers,
     partition: Partition,
+}
+
+impl<'a> Scratch<'a> {
+    /// Working memory for who wants to hear `pulse` while a cell is looked at.
+    pub fn new(pulse: Pulse<'a>) -> Self {
+        Scratch {
+            pulse,
+            triangles: vec![],
+            candidates: vec![],
+            list: vec![],
+            stack: vec![],
+            waiting: vec![],
+            front: Front::default(),
+            layers: Layers::default(),
+            partition: Partition::default(),
+        }
+    }
 }
 
 impl<'a> Coverage<'a> {
@@ -101,14 +123,17 @@ impl<'a> Coverage<'a> {
     }
 
     /// Tells `visit` what is seen in a cell.
-    pub fn cell<V: Visit>(&self, column: u32, row: u32, scratch: &mut Scratch, visit: &mut V) {
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`](crate::Error::Interrupted) if the watch of `scratch` asks to stop.
+    pub fn cell<V: Visit>(&self, column: u32, row: u32, scratch: &mut Scratch, visit: &mut V) -> Result<()> {
         let cell = row as usize * self.drawing.grid.columns as usize + column as usize;
-        let Scratch { triangles, candidates, list, stack, waiting, front, layers, partition } = scratch;
+        let Scratch { pulse, triangles, candidates, list, stack, waiting, front, layers, partition } = scratch;
         self.bins.cell(cell, triangles);
         let rect = self.drawing.grid.cell(column, row);
         if self.settled[cell] {
             visit.settled(triangles, &rect);
-            return;
+            return Ok(());
         }
         candidates.clear();
         candidates.extend(triangles.iter().map(|t| Candidate::new(self.drawing, *t)));
@@ -116,6 +141,16 @@ impl<'a> Coverage<'a> {
         // The stack holds rectangles with their candidates, a stretch of `waiting` each; the last one is the last stretch.
         waiting.clear();
         waiting.extend(0..candidates.len() as u32);
+        if waiting.len() > MANY {
+            let originals = originals(self.drawing, triangles);
+            waiting.retain(|i| {
+                let original = originals[*i as usize];
+                if !original {
+                    visit.cut(triangles[*i as usize], &rect);
+                }
+                original
+            });
+        }
         stack.clear();
         stack.push((rect, 0, 0, waiting.len()));
         while let Some((rect, depth, from, to)) = stack.pop() {
@@ -125,6 +160,7 @@ impl<'a> Coverage<'a> {
             if list.is_empty() {
                 continue;
             }
+            pulse.beat(list.len())?;
             front.find(self.drawing, &rect, candidates, list);
             list.retain(|i| {
                 let hidden = front.hides(*i, &candidates[*i as usize]);
@@ -142,9 +178,10 @@ impl<'a> Coverage<'a> {
             } else if !front.sheet.is_empty() && layers.resolve(&ground, list, |i| front.has(i), visit) {
                 // Two layers, told.
             } else if list.len() <= FEW || !quarter(&rect, depth, list, candidates, waiting, stack) {
-                partition.resolve(&ground, list, &front.sheet, visit);
+                partition.resolve(&ground, list, &front.sheet, pulse, visit)?;
             }
         }
+        Ok(())
     }
 }
 
@@ -159,6 +196,24 @@ fn layers_at(drawing: &Drawing, triangles: impl Iterator<Item = u32>, at: Point)
     triangles.filter(|t| covers(&drawing.outline(*t), at)).count()
 }
 
+/// For each triangle of a cell whether it is not the copy of one that hides it: of those drawn alike, to the last bit and from the same
+/// side, one wins every tie.
+fn originals(drawing: &Drawing, triangles: &[u32]) -> Vec<bool> {
+    let key = |t: u32| {
+        let mut corners = drawing.corners(t).map(|p| p.map(|x| (x + 0.0).to_bits()));
+        corners.sort_unstable();
+        (corners, drawing.side(t) == Side::Front)
+    };
+    let mut by_place: Vec<_> = triangles.iter().enumerate().map(|(i, t)| (key(*t), i)).collect();
+    by_place.sort_unstable();
+    let mut originals = vec![false; triangles.len()];
+    for copies in by_place.chunk_by(|a, b| a.0 == b.0) {
+        let first = copies.iter().map(|c| c.1).min_by_key(|i| drawing.rank(drawing.facet(triangles[*i])));
+        first.into_iter().for_each(|i| originals[i] = true);
+    }
+    originals
+}
+
 /// The nearest sheet of facets that hang together and cover a rectangle once, without an open edge in it.
 ///
 /// What lies behind all of it is hidden and need not be looked at further.
@@ -168,8 +223,9 @@ struct Front {
     at_centre: Vec<u32>,
     /// The sheet; empty if there is none.
     sheet: Vec<u32>,
-    /// For each candidate the number of the last search in which it was listed, and in which it joined a sheet.
+    /// For each candidate the number of the last search in which it was listed, covered the centre, and joined a sheet.
     listed: Vec<u32>,
+    central: Vec<u32>,
     joined: Vec<u32>,
     search: u32,
     /// Least nearness in the sheet.
@@ -181,6 +237,7 @@ impl Front {
         let centre = rect.centre();
         if self.listed.len() < candidates.len() {
             self.listed.resize(candidates.len(), 0);
+            self.central.resize(candidates.len(), 0);
             self.joined.resize(candidates.len(), 0);
         }
         self.next_search();
@@ -191,6 +248,7 @@ impl Front {
             self.listed[i as usize] = self.search;
             if covers(&candidates[i as usize].outline, centre) {
                 self.at_centre.push(i);
+                self.central[i as usize] = self.search;
             }
         }
         let near = |i: u32| candidates[i as usize].nearness(centre);
@@ -235,7 +293,7 @@ impl Front {
                         return false;
                     }
                 } else if self.joined[i] < self.search {
-                    if self.joined[i] > listing || self.at_centre.contains(&(i as u32)) {
+                    if self.joined[i] > listing || self.central[i] == listing {
                         return false;
                     }
                     self.joined[i] = self.search;
@@ -250,6 +308,7 @@ impl Front {
     fn next_search(&mut self) {
         if self.search > u32::MAX / 2 {
             self.listed.fill(0);
+            self.central.fill(0);
             self.joined.fill(0);
             self.search = 0;
         }
@@ -283,8 +342,8 @@ fn quarter(
         waiting.extend(list.iter().copied().filter(|&i| may_touch(&candidates[i as usize], &quarter)));
         stack.push((quarter, depth + 1, from, waiting.len()));
     }
-    let helps = (waiting.len() - listed) as f64 <= WORTHWHILE * list.len() as f64;
-    if helps || (list.len() > MANY && depth < DEEP) {
+    let times = (waiting.len() - listed) as f64 / list.len() as f64;
+    if times <= WORTHWHILE || (times <= HOPELESS && list.len() > MANY && depth < DEEP) {
         return true;
     }
     waiting.truncate(listed);

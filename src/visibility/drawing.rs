@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use robust::{Coord, orient2d};
 
 use super::topology::{NONE, Topology};
-use crate::geometry::polygon::{Point, Rect};
+use crate::geometry::polygon::{Point, Rect, area};
 use crate::geometry::{Direction, Mesh};
 
 /// How points of space become points of the drawing. The drawing's unit is a cell; h points right, v down, u away from the viewer.
@@ -111,6 +111,9 @@ pub struct Drawing<'a> {
 const CUT_BEYOND: f64 = 4.0;
 /// ... and these planes lie so many image sizes beside the image, so that no cut edge comes near a pixel.
 const CUT_AT: f64 = 1.0;
+
+/// Triangles narrower than this, cells, may be drawn no wider than their corners are rounded: it depends on where they are.
+const NARROW: f64 = 1e-3;
 
 impl<'a> Drawing<'a> {
     /// Draws a mesh for light from a direction, with cells fitted to what is there.
@@ -245,6 +248,28 @@ impl<'a> Drawing<'a> {
     /// Whether a facet had to be cut because it crosses the camera plane or reaches far beyond the image.
     pub fn is_cut(&self, facet: u32) -> bool {
         self.flags[facet as usize] & CUT != 0
+    }
+
+    /// Whether a triangle is drawn no wider than its corners are rounded: it may as well be seen edge-on.
+    pub fn is_edge_on(&self, triangle: u32) -> bool {
+        let outline = self.outline(triangle);
+        // Few are narrow enough to be looked at closer: coordinates lie within some thousands of cells.
+        area(&outline) <= NARROW * around(&outline) && area(&outline) <= self.rounding(triangle) * around(&outline)
+    }
+
+    /// Bound of the error of the corners of a triangle, cells.
+    fn rounding(&self, triangle: u32) -> f64 {
+        let points = &self.mesh.vertices_m;
+        let reach = |v: u32| points.get(v as usize).map_or(0.0, |p| p.abs().element_sum());
+        let reach_m = self.vertices(triangle).map(reach).into_iter().fold(0.0, f64::max);
+        let (far, offset) = match &self.view {
+            View::Parallel { scale, offset, .. } => (reach_m * scale[0].max(scale[1]), offset),
+            View::Pinhole { centre_m, scale, offset, .. } => {
+                let near = self.corners(triangle).iter().fold(0.0, |n: f64, p| n.max(p[2]));
+                ((reach_m + centre_m.abs().element_sum()) * near * scale, offset)
+            }
+        };
+        4.0 * f64::EPSILON * (far + offset[0].abs().max(offset[1].abs()))
     }
 
     /// Largest magnitude of drawing coordinates, and of nearness.
@@ -445,6 +470,12 @@ pub(super) fn project(view: &View, p_m: DVec3) -> [f64; 3] {
 fn turn(a: Point, b: Point, c: Point) -> f64 {
     let coord = |p: Point| Coord { x: p[0], y: p[1] };
     orient2d(coord(a), coord(b), coord(c))
+}
+
+/// Half the length of a triangle's outline, up to a factor of 2.
+fn around(outline: &[Point; 3]) -> f64 {
+    let Rect { min, max } = Rect::of(outline);
+    max[0] - min[0] + max[1] - min[1]
 }
 
 /// A key whose order is that of the numbers.

@@ -7,7 +7,9 @@
 use super::coverage::Visit;
 use super::drawing::Drawing;
 use super::topology::NONE;
+use crate::error::Result;
 use crate::geometry::polygon::{Line, Point, Rect, area, clip_to_rect, clip_to_sides, split};
+use crate::progress::Pulse;
 
 const SKY: u32 = u32::MAX;
 /// A piece below this share of the cell's area is not split off: what rounding leaves of touching facets, not a surface.
@@ -146,7 +148,17 @@ impl Partition {
     /// Finds what is seen in the rectangle of the candidates in `list` and tells `visit`.
     ///
     /// `sheet`: candidates that cover the rectangle once, without overlap; empty if none are known to.
-    pub(super) fn resolve(&mut self, ground: &Ground, list: &[u32], sheet: &[u32], visit: &mut impl Visit) {
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`](crate::Error::Interrupted) if the watch of `pulse` asks to stop.
+    pub(super) fn resolve(
+        &mut self,
+        ground: &Ground,
+        list: &[u32],
+        sheet: &[u32],
+        pulse: &mut Pulse,
+        visit: &mut impl Visit,
+    ) -> Result<()> {
         let Ground { rect, candidates, .. } = ground;
         let least_area = least_area(rect);
         self.fragments.clear();
@@ -162,6 +174,7 @@ impl Partition {
         let mut next = 0;
         while next < self.shares.len() {
             if !self.shares[next].placed {
+                pulse.beat(self.fragments.len())?;
                 let farthest_seen = self.fragments.iter().map(|f| f.farthest).fold(f64::INFINITY, f64::min);
                 if self.shares[next].nearest < farthest_seen {
                     break;
@@ -191,6 +204,7 @@ impl Partition {
                 visit.piece(candidates[owner.candidate as usize].triangle, rect, polygon);
             }
         }
+        Ok(())
     }
 
     /// The candidates that have a share of the rectangle, nearest first.

@@ -2,6 +2,7 @@
 
 mod bodies;
 mod cli;
+mod clipping;
 mod convert;
 #[cfg(feature = "sqlite")]
 mod dart_database;
