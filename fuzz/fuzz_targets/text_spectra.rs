@@ -25,10 +25,10 @@ fuzz_target!(|text: &str| {
         }
     }
     let path = Path::new("fuzz.csv");
-    if let Some(libraries) = told(spectrum_csv::parse_all(text, path)) {
+    if let Some(libraries) = told(spectrum_csv::parse_all(text, path, None)) {
         let path = FOLDER.join(path);
         if told(spectrum_csv::write(&path, &libraries, true)).is_some() {
-            let back = spectrum_csv::read_all(&path).unwrap();
+            let (back, _) = spectrum_csv::read_all(&path, None).unwrap();
             assert_eq!(back[0].wavelength_um, libraries[0].wavelength_um);
         }
     }

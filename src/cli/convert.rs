@@ -62,6 +62,9 @@ pub(crate) struct Arguments {
     /// Of spectra take this one; may be given several times
     #[arg(long, value_name = "NAME")]
     model: Vec<String>,
+    /// The wavelengths of a text that holds values alone, as those of the US Geological Survey do
+    #[arg(long, value_name = "FILE")]
+    wavelengths: Option<PathBuf>,
     /// Bands to resample spectra to, um: FIRST:LAST:COUNT or FIRST:LAST:COUNT:WIDTH
     #[arg(long, value_name = "BANDS", value_parser = bands)]
     bands: Option<Bands>,
@@ -143,6 +146,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         append: arguments.append,
         strict: arguments.strict,
         models: arguments.model.clone(),
+        wavelengths: arguments.wavelengths.clone(),
         image_bands: arguments.band.iter().map(|band| *band as usize - 1).collect(),
         data_type: arguments.dtype,
         bands: arguments.bands.clone().map(|bands| bands.0).unwrap_or_default(),

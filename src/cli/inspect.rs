@@ -171,7 +171,8 @@ fn inspect(path: &Path, console: &Console) -> Result<Facts> {
         "obj" => mesh(path),
         "gltf" | "glb" => surface(path),
         "toml" => toml(path, console),
-        "csv" => spectrum(path),
+        "csv" | "tab" | "asc" | "tsv" | "dat" => spectrum(path, console),
+        "txt" if Format::of_input(path).is_ok_and(|(format, _)| format == Format::Csv) => spectrum(path, console),
         "db" | "hdr" | "sli" | "txt" => converted(path, console),
         "mtl" => Ok(vec![("kind", json!("MTL materials")), ("materials", materials(&mtl::read(path)?.0))]),
         _ if path.is_file() => {
@@ -319,13 +320,18 @@ fn scene(path: &Path, console: &Console) -> Result<Facts> {
 }
 
 /// A spectrum: of a surface or of the Sun.
-fn spectrum(path: &Path) -> Result<Facts> {
+fn spectrum(path: &Path, console: &Console) -> Result<Facts> {
     let read = |quantity| spectrum_csv::read(path, quantity, Extend::Error);
     let (unit, read) = match (read(Quantity::Fraction), read(Quantity::Irradiance)) {
         (Err(_), Ok(irradiance)) => ("W m-2 um-1", Ok(irradiance)),
         (fraction, _) => ("1", fraction),
     };
-    let (spectrum, _) = read?;
+    let (spectrum, _, report) = match (read, spectrum_csv::read_all(path, None)) {
+        (Ok(read), _) => read,
+        // A table of several.
+        (Err(_), Ok(_)) => return converted(path, console),
+        (Err(error), Err(_)) => return Err(error),
+    };
     let (first, last) = spectrum.coverage_um();
     let values = spectrum.value().iter().copied();
     Ok(vec![
@@ -336,6 +342,7 @@ fn spectrum(path: &Path) -> Result<Facts> {
         ("unit", json!(unit)),
         ("min", json!(values.clone().fold(f64::INFINITY, f64::min))),
         ("max", json!(values.fold(f64::NEG_INFINITY, f64::max))),
+        ("notes", report.notes.iter().map(|note| json!(note.to_string())).collect()),
     ])
 }
 

@@ -27,6 +27,7 @@ pub mod spectra;
 pub mod spectrum_csv;
 pub mod spectrum_svg;
 pub mod surface;
+mod spectral_table;
 mod table;
 pub mod xml;
 

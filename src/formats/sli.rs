@@ -3,6 +3,7 @@
 //! A spectrum's name stands for its reflectance; with `:column` behind it, for another quantity of the same material.
 //! Reflectances are fractions times the header's `reflectance scale factor`.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use crate::error::{Error, Location, Problem, Result};
@@ -13,15 +14,13 @@ use super::dart::kind::{outside, range};
 use super::envi::{self, Header};
 use super::folder::Staged;
 use super::input;
+use super::spectral_table::DELETED_BELOW;
 use super::table::{flat, gathered, parts};
 
 /// Longer files of numbers are refused, bytes.
 const LIMIT: u64 = 512 << 20;
 /// More spectra are refused: each takes far more memory than a number or two of a file.
 const MOST_SPECTRA: usize = 1 << 20;
-/// Numbers below this are not there: the library of the US Geological Survey has -1.23e34 in deleted channels.
-const DELETED_BELOW: f64 = -1e30;
-
 /// Reads a library; either of its two files may be named.
 ///
 /// Numbers that are not there (NaN, the header's `data ignore value`, channels that `bbl` calls bad) leave a gap in
@@ -62,18 +61,12 @@ pub fn parse(header: &Header, bytes: &[u8], path: &Path) -> Result<(Vec<Spectral
     if spectra > MOST_SPECTRA {
         return Err(Error::invalid(at("lines"), format!("{spectra} spectra: at most {MOST_SPECTRA} are read")));
     }
-    let mut wavelength_um = wavelengths(header, &mut report)?;
-    let reversed = wavelength_um.len() > 1 && wavelength_um.windows(2).all(|w| w[0] > w[1]);
-    if reversed {
-        wavelength_um.reverse();
+    let stored_um = wavelengths(header, &mut report)?;
+    if !stored_um.iter().all(|um| um.is_finite() && *um > 0.0) {
+        return Err(Error::invalid(at("wavelength"), "wavelengths must be positive numbers"));
     }
-    let ascending = wavelength_um.windows(2).all(|w| w[0] < w[1]);
-    if !ascending || wavelength_um.first().is_none_or(|w| *w <= 0.0) || !wavelength_um.iter().all(|w| w.is_finite()) {
-        return Err(Error::invalid(
-            at("wavelength"),
-            "wavelengths must be positive and ascend, or descend, all the way",
-        ));
-    }
+    let order = ascending(&stored_um, at("wavelength"), &mut report);
+    let wavelength_um: Vec<f64> = order.iter().map(|i| stored_um[*i]).collect();
     let names = names(header, &mut report)?;
     let scale = match header.field("reflectance scale factor").map(str::parse::<f64>) {
         None => 1.0,
@@ -88,17 +81,14 @@ pub fn parse(header: &Header, bytes: &[u8], path: &Path) -> Result<(Vec<Spectral
     let mut deleted = 0;
     for (line, (name, spectrum)) in names.iter().zip(numbers.chunks_exact(count * bytes_each)).enumerate() {
         header.data_type.decode(header.big_endian, spectrum, &mut stored);
-        let mut values: Vec<Option<f64>> = stored
+        let values: Vec<Option<f64>> = order
             .iter()
-            .zip(&good)
-            .map(|(&value, good)| {
-                let there = *good && value.is_finite() && value > DELETED_BELOW && header.ignore != Some(value);
+            .map(|i| (stored[*i], good[*i]))
+            .map(|(value, good)| {
+                let there = good && value.is_finite() && value > DELETED_BELOW && header.ignore != Some(value);
                 there.then_some(value / scale)
             })
             .collect();
-        if reversed {
-            values.reverse();
-        }
         deleted += values.iter().filter(|v| v.is_none()).count();
         let (um, values): (Vec<f64>, Vec<f64>) =
             wavelength_um.iter().zip(&values).filter_map(|(um, v)| Some((*um, (*v)?))).unzip();
@@ -158,10 +148,48 @@ fn names(header: &Header, report: &mut Report) -> Result<Vec<String>> {
         return Ok((1..=header.lines).map(|i| format!("spectrum_{i}")).collect());
     };
     let names: Vec<String> = list.split(',').map(|name| name.trim().to_owned()).collect();
-    match names.len() == header.lines {
-        true => Ok(names),
-        false => Err(Error::invalid(at, format!("{} names for {} spectra", names.len(), header.lines))),
+    if names.len() != header.lines {
+        // Names may have commas: which belong together cannot be told.
+        let message = format!("{} names for {} spectra: they are called by their numbers", names.len(), header.lines);
+        report.note(Fate::Defaulted, at, message);
+        return Ok((1..=header.lines).map(|i| format!("spectrum_{i}")).collect());
     }
+    let mut known = BTreeSet::new();
+    let mut doubled = 0;
+    let names = names.into_iter().enumerate().map(|(i, name)| match known.insert(name.to_lowercase()) {
+        true => name,
+        false => {
+            doubled += 1;
+            format!("{name}_{}", i + 1)
+        }
+    });
+    let names = names.collect();
+    if doubled > 0 {
+        report.note(
+            Fate::Approximated,
+            at,
+            format!("{doubled} names are there twice: their spectrum's number is added"),
+        );
+    }
+    Ok(names)
+}
+
+/// The order in which wavelengths ascend, each once. Where detectors overlap they step back: told.
+fn ascending(um: &[f64], at: Location, report: &mut Report) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..um.len()).collect();
+    order.sort_by(|a, b| um[*a].total_cmp(&um[*b]));
+    order.dedup_by(|b, a| um[*a] == um[*b]);
+    let steps_back = um.windows(2).filter(|w| w[1] <= w[0]).count();
+    let descends = steps_back > 0 && steps_back + 1 == um.len() && order.len() == um.len();
+    if steps_back > 0 && !descends {
+        let twice = um.len() - order.len();
+        let mut message = format!("wavelengths step back {steps_back} times: they are sorted");
+        if twice > 0 {
+            message.push_str(&format!("; of {twice} that are there twice the first is kept"));
+        }
+        report.note(Fate::Approximated, at, message);
+    }
+    order
 }
 
 /// Whether each channel is good: `bbl`, the list of bad bands, has 0 for those that are not.
@@ -198,7 +226,7 @@ pub fn write(path: &Path, spectra: &[SpectralLibrary], replace: bool) -> Result<
     );
     envi::list(&mut text, "spectra names", spectra_flat.iter().map(|s| s.0.clone()));
     envi::list(&mut text, "wavelength", wavelength_um.iter().map(f64::to_string));
-    let bytes: Vec<u8> = spectra_flat.iter().flat_map(|s| s.1).flat_map(|v| v.to_le_bytes()).collect();
+    let bytes: Vec<u8> = spectra_flat.iter().flat_map(|s| s.2).flat_map(|v| v.to_le_bytes()).collect();
     let header = Staged::file(&path.with_extension("hdr"), replace)?;
     let data = Staged::file(path, replace)?;
     for (staged, bytes) in [(&header, text.as_bytes()), (&data, bytes.as_slice())] {

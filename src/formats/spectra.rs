@@ -23,18 +23,42 @@ pub enum Format {
     DartText,
     /// An ENVI spectral library, `.sli` with `.hdr`.
     Sli,
-    /// Comma-separated values with a header that states units, `.csv`.
+    /// A table of text: `.csv` with a header that states units, and as others write them.
     Csv,
 }
 
+/// As much of a file is looked at to tell what it is, bytes.
+const BEGINNING: u64 = 1 << 12;
+/// Endings of tables that are read, and written as `.csv`.
+const TABLES: [&str; 5] = ["txt", "tab", "dat", "asc", "tsv"];
+
 impl Format {
-    /// The format of a file: a database by how it begins, others by their names; `None` if it is none of these.
+    /// The format of a file: a database or a text by how it begins, others by their names; `None` if it is none of these.
     pub fn of(path: &Path) -> Option<Self> {
         let mut start = Vec::new();
-        let begun = File::open(path).and_then(|file| file.take(16).read_to_end(&mut start));
-        match begun.is_ok() && start == b"SQLite format 3\0" {
-            true => Some(Format::Database),
-            false => Self::of_name(path),
+        let begun = File::open(path).and_then(|file| file.take(BEGINNING).read_to_end(&mut start));
+        match begun {
+            Ok(_) if start.starts_with(b"SQLite format 3\0") => Some(Format::Database),
+            Ok(_) => Self::of_text(path, &start).or_else(|| Self::of_name(path)),
+            Err(_) => Self::of_name(path),
+        }
+    }
+
+    /// The format of a text by its name and how it begins; `None` if it is called otherwise, or is no text.
+    pub(super) fn of_text(path: &Path, beginning: &[u8]) -> Option<Self> {
+        let extension = path.extension()?.to_str()?.to_lowercase();
+        // A cut may go through the last character.
+        let is_text = |e: std::str::Utf8Error| e.error_len().is_none();
+        let text = match std::str::from_utf8(beginning) {
+            Ok(text) => text,
+            Err(e) if is_text(e) => std::str::from_utf8(&beginning[..e.valid_up_to()]).unwrap_or_default(),
+            Err(_) => return None,
+        };
+        let is_table = TABLES.contains(&extension.as_str()) && !text.contains('\0');
+        match is_table {
+            true if text_spectra::begins(text) => Some(Format::DartText),
+            true => Some(Format::Csv),
+            false => None,
         }
     }
 
@@ -80,7 +104,7 @@ pub fn read_as(path: &Path, format: Format) -> Result<(Vec<SpectralLibrary>, Rep
         Format::Database => Database::open(path)?.read_all(),
         Format::DartText => text_spectra::read(path).map(|(library, report)| (vec![library], report)),
         Format::Sli => sli::read(path),
-        Format::Csv => Ok((spectrum_csv::read_all(path)?, Report::default())),
+        Format::Csv => spectrum_csv::read_all(path, None),
     }
 }
 

@@ -1,9 +1,9 @@
-//! Spectra as tables of comma-separated values.
+//! Spectra as tables of text: what a scene's materials and Sun are, and what `convert` reads and writes.
 //!
 //! Lines that begin with `#` are comments. The first other line is the header: its first column is `wavelength_um` or
 //! `wavelength_nm`; its second names the quantity and its unit: `reflectance`, `emissivity` or `albedo` (fractions), the
 //! same with `_percent`, `irradiance_w_m2_um` or `irradiance_w_m2_nm`. Further columns (an uncertainty, say) are passed
-//! over by [`read`], which a scene's materials use. Rows ascend in wavelength.
+//! over by [`read`], which a scene's materials use. Tables as others write them are read as well: `spectral_table.rs` has the layouts.
 //!
 //! [`read_all`] takes every column, as a spectrum of that name: several quantities of one material (`reflectance,k,g,h`), or
 //! of several (`basalt,olivine:reflectance_percent,olivine:emissivity`; a name alone stands for reflectance).
@@ -15,12 +15,13 @@ use std::path::Path;
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::report::{Fate, Report};
 use crate::spectral::{Column, Extend, SpectralLibrary, Spectrum};
-use crate::units::{fraction_from_percent, um_from_nm};
+use crate::units::fraction_from_percent;
 
-use super::dart::kind::Kind;
+use super::dart::kind::{Kind, outside, range};
 use super::folder::Staged;
 use super::input::{self, InputFile, Problems};
-use super::table::{self, Reading, Row, flat, gathered, is_plain, parts, place};
+use super::spectral_table::{self, SpectralTable, TableColumn, Unit};
+use super::table::{Labelled, gathered, is_plain, labelled, parts, place};
 
 /// What a table must hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,144 +35,136 @@ pub enum Quantity {
 /// Longer files are refused, bytes.
 const LIMIT: u64 = 64 << 20;
 
-/// Reads a spectrum, in um and fractions or W m-2 um-1.
+/// Reads a spectrum, in um and fractions or W m-2 um-1. The report tells what was taken that the table does not say.
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::Invalid`] with the lines that cannot be used: no header that states both units, fewer
-/// columns than two, what is no finite number, wavelengths that do not ascend, fractions outside 0 to 1.
-pub fn read(path: &Path, quantity: Quantity, extend: Extend) -> Result<(Spectrum, InputFile)> {
+/// columns than two, what is no number, wavelengths that are there twice, fractions outside 0 to 1.
+pub fn read(path: &Path, quantity: Quantity, extend: Extend) -> Result<(Spectrum, InputFile, Report)> {
     let (text, input) = input::text(path, LIMIT)?;
-    Ok((parse(&text, path, quantity, extend)?, input))
+    let (spectrum, report) = parse(&text, path, quantity, extend)?;
+    Ok((spectrum, input, report))
 }
 
 /// Reads the text of a spectrum; `path` is for messages.
 ///
 /// # Errors
 /// [`Error::Invalid`], as [`read`].
-pub fn parse(text: &str, path: &Path, quantity: Quantity, extend: Extend) -> Result<Spectrum> {
+pub fn parse(text: &str, path: &Path, quantity: Quantity, extend: Extend) -> Result<(Spectrum, Report)> {
+    let mut table = spectral_table::parse(text, path, None)?;
+    let mut report = std::mem::take(&mut table.report);
+    let column = chosen(&table, text, path, quantity, &mut report)?;
+    let (mut wavelength_um, mut value) = (Vec::new(), Vec::new());
     let mut problems = Problems::default();
-    let mut table: Option<Table> = None;
-    let mut header_at = Location::file(path);
-    for (i, line) in text.lines().enumerate() {
-        let at = |cell: &str| {
-            let start = cell.as_ptr() as usize - text.as_ptr() as usize;
-            let column = cell.as_ptr() as usize - line.as_ptr() as usize;
-            let column = line.get(..column).map(|before| before.chars().count() + 1);
-            Location { column, span: Some((start, start + cell.len())), ..Location::line(path, i + 1) }
-        };
-        let row = line.trim();
-        if row.is_empty() || row.starts_with('#') {
-            continue;
+    for (um, cell) in table.wavelength_um.iter().zip(&column.values) {
+        let Some((written, cell)) = cell else { continue };
+        let number = converted(column.unit, *written);
+        if let Some((message, help)) = refused(quantity, column.unit, cell, number) {
+            problems.push(|| Problem { at: place(path, text, cell), message, help: help.map(str::to_owned) });
         }
-        let mut cells = row.split(',').map(str::trim);
-        let (Some(first), Some(second)) = (cells.next(), cells.next()) else {
-            problems
-                .push(|| Problem::new(at(row), "one column: a wavelength and a value, parted by a comma, are needed"));
-            if table.is_none() {
-                break;
-            }
-            continue;
-        };
-        let Some(table) = &mut table else {
-            table = Table::from_header(first, second, quantity);
-            if table.is_some() {
-                header_at = at(first);
-                continue;
-            }
-            problems.push(|| {
-                let expected = match quantity {
-                    Quantity::Fraction => "`reflectance` or `reflectance_percent` (emissivity and albedo likewise)",
-                    Quantity::Irradiance => "`irradiance_w_m2_um` or `irradiance_w_m2_nm`",
-                };
-                let message = format!("the header `{first},{second}` does not state the units");
-                let help = format!("the first line is `wavelength_um` or `wavelength_nm`, then {expected}");
-                Problem::new(at(row), message).with_help(help)
-            });
-            break;
-        };
-        if let Err(Refused { cell, message, help }) = table.row(first, second) {
-            problems.push(|| Problem { at: at(cell), message, help: help.map(str::to_owned) });
-        }
+        wavelength_um.push(*um);
+        value.push(number);
     }
-    let (wavelength_um, value) = table.map(|table| (table.wavelength_um, table.value)).unwrap_or_default();
-    if let Some(problem) = suspect_unit(&wavelength_um, header_at) {
+    let at = || place(path, text, column.cell);
+    tell_gaps(&table.wavelength_um, &wavelength_um, at(), &mut report);
+    if column.unit == Unit::Percent && quantity == Quantity::Fraction {
+        tell_doubtful_percent(&value, at(), &mut report);
+    }
+    if let Some(problem) = suspect_unit(&wavelength_um, place(path, text, table.header)) {
         problems.push(|| problem);
     }
     problems.finish(path)?;
-    Spectrum::new(wavelength_um, value, extend).ok_or_else(|| {
-        Error::invalid(Location::file(path), "no rows: a header that states units, then at least one row")
-    })
+    let spectrum = Spectrum::new(wavelength_um, value, extend)
+        .ok_or_else(|| Error::invalid(Location::file(path), "no rows: all of its values are gaps"))?;
+    Ok((spectrum, report))
 }
 
-/// The rows so far, and their units.
-struct Table {
+/// The column that holds a quantity.
+fn chosen<'t, 'a>(
+    table: &'t SpectralTable<'a>,
+    text: &str,
+    path: &Path,
     quantity: Quantity,
-    /// Wavelengths are nm, not um.
-    in_nanometres: bool,
-    /// What makes values fractions or W m-2 um-1.
-    unit: f64,
-    wavelength_um: Vec<f64>,
-    value: Vec<f64>,
-    /// The wavelength of the last row, also if its value was refused.
-    last_um: f64,
-}
-
-/// A cell that cannot be used, and why.
-struct Refused<'a> {
-    cell: &'a str,
-    message: String,
-    help: Option<&'static str>,
-}
-
-impl Table {
-    fn from_header(first: &str, second: &str, quantity: Quantity) -> Option<Self> {
-        let in_nanometres = match first {
-            "wavelength_um" => false,
-            "wavelength_nm" => true,
-            _ => return None,
-        };
-        let fraction = |name: &str| ["reflectance", "emissivity", "albedo"].contains(&name);
-        let unit = match quantity {
-            Quantity::Fraction if fraction(second) => 1.0,
-            Quantity::Fraction if second.strip_suffix("_percent").is_some_and(fraction) => 0.01,
-            Quantity::Irradiance if second == "irradiance_w_m2_um" => 1.0,
-            Quantity::Irradiance if second == "irradiance_w_m2_nm" => 1000.0,
-            _ => return None,
-        };
-        Some(Table { quantity, in_nanometres, unit, wavelength_um: vec![], value: vec![], last_um: 0.0 })
+    report: &mut Report,
+) -> Result<&'t TableColumn<'a>> {
+    let is_fraction = |c: &&TableColumn<'_>| matches!(c.unit, Unit::Plain | Unit::Percent);
+    let columns = &table.columns;
+    let found = match quantity {
+        Quantity::Fraction => columns.iter().filter(is_fraction).find(|c| FRACTIONS.contains(&c.name.as_str())),
+        Quantity::Irradiance => columns.iter().find(|c| c.name == "irradiance"),
+    };
+    if let Some(found) = found {
+        return Ok(found);
     }
+    let first = &columns[0];
+    let at = place(path, text, first.cell);
+    if quantity == Quantity::Fraction && is_fraction(&first) {
+        if columns.len() == 1 || !table.has_header {
+            let what =
+                if table.has_header { format!("`{}` is", first.name) } else { "no header says what it is:".into() };
+            report.note(Fate::Defaulted, at, format!("{what} taken as a fraction, 0 to 1"));
+            return Ok(first);
+        }
+        let names: Vec<&str> = columns.iter().map(|c| c.name.as_str()).take(8).collect();
+        let message = format!("holds {} spectra: {}", columns.len(), names.join(", "));
+        let help = format!("take one: mmxrt convert {} {}.csv --model {}", path.display(), names[0], names[0]);
+        return Err(Error::Invalid(vec![Problem::new(at, message).with_help(help)]));
+    }
+    let (expected, line) = match quantity {
+        Quantity::Fraction => {
+            ("`reflectance` or `reflectance_percent` (emissivity and albedo likewise)", "wavelength_um,reflectance")
+        }
+        Quantity::Irradiance => ("`irradiance_w_m2_um` or `irradiance_w_m2_nm`", "wavelength_um,irradiance_w_m2_um"),
+    };
+    let message = match table.has_header {
+        true => format!("the header `{},{}` does not state the units", table.header, first.cell),
+        false => format!("no header: it begins with `{}`", table.header),
+    };
+    let help = format!("the first line is `wavelength_um` or `wavelength_nm`, then {expected}; as in `{line}`");
+    Err(Error::Invalid(vec![Problem::new(place(path, text, table.header), message).with_help(help)]))
+}
 
-    fn row<'a>(&mut self, first: &'a str, second: &'a str) -> std::result::Result<(), Refused<'a>> {
-        let refused = |cell, message| Refused { cell, message, help: None };
-        let number = |cell: &'a str| match cell.parse::<f64>() {
-            Ok(x) if x.is_finite() => Ok(x),
-            _ => Err(refused(cell, format!("`{cell}` is not a finite number"))),
-        };
-        let (wavelength, value) = (number(first)?, number(second)? * self.unit);
-        let um = if self.in_nanometres { um_from_nm(wavelength) } else { wavelength };
-        if um <= self.last_um {
-            let message = match um {
-                _ if um <= 0.0 => format!("wavelength {first} is not positive"),
-                _ if um == self.last_um => format!("wavelength {first} is there twice"),
-                _ => format!("wavelength {first} is less than the one before it: sort the rows"),
-            };
-            return Err(refused(first, message));
+/// What a fraction of something is called.
+const FRACTIONS: [&str; 3] = ["reflectance", "emissivity", "albedo"];
+
+fn converted(unit: Unit, written: f64) -> f64 {
+    match unit {
+        Unit::Plain | Unit::PerUm => written,
+        Unit::Percent => fraction_from_percent(written),
+        Unit::PerNm => 1000.0 * written,
+    }
+}
+
+/// Why a value cannot be used, and what to do.
+fn refused(quantity: Quantity, unit: Unit, cell: &str, number: f64) -> Option<(String, Option<&'static str>)> {
+    match quantity {
+        Quantity::Fraction if !(0.0..=1.0).contains(&number) => {
+            let most = if unit == Unit::Percent { 100 } else { 1 };
+            let is_percent = unit == Unit::Plain && number > 1.0;
+            let help = "if these are percent, say so in the header: `reflectance_percent`";
+            Some((format!("{cell} is outside 0 to {most}"), is_percent.then_some(help)))
         }
-        self.last_um = um;
-        match self.quantity {
-            Quantity::Fraction if !(0.0..=1.0).contains(&value) => {
-                let message = format!("{second} is outside 0 to {}", 1.0 / self.unit);
-                let is_percent = self.unit == 1.0 && value > 1.0;
-                let help = "if these are percent, say so in the header: `reflectance_percent`";
-                Err(Refused { cell: second, message, help: is_percent.then_some(help) })
-            }
-            Quantity::Irradiance if value < 0.0 => Err(refused(second, format!("irradiance {second} is negative"))),
-            _ => {
-                self.wavelength_um.push(um);
-                self.value.push(value);
-                Ok(())
-            }
-        }
+        Quantity::Irradiance if number < 0.0 => Some((format!("irradiance {cell} is negative"), None)),
+        _ => None,
+    }
+}
+
+/// Tells of rows without a value: between their neighbours a spectrum is linear.
+fn tell_gaps(all_um: &[f64], known_um: &[f64], at: Location, report: &mut Report) {
+    let gaps = all_um.len() - known_um.len();
+    if gaps > 0 {
+        let first = all_um.iter().find(|um| !known_um.contains(um)).copied().unwrap_or_default();
+        let message = format!("{gaps} rows have no value, the first at {} um: linear across gaps", number(first));
+        report.note(Fate::Approximated, at, message);
+    }
+}
+
+/// Tells of percent that are rather fractions.
+fn tell_doubtful_percent(fractions: &[f64], at: Location, report: &mut Report) {
+    let most = fractions.iter().copied().fold(0.0, f64::max);
+    if most > 0.0 && most <= 0.01 {
+        let message = "no value is above 1: probably fractions where the header says percent; taken as percent";
+        report.note(Fate::Defaulted, at, message);
     }
 }
 
@@ -189,89 +182,130 @@ fn suspect_unit(wavelength_um: &[f64], header_at: Location) -> Option<Problem> {
     Some(Problem::new(header_at, message).with_help(help))
 }
 
-/// Reads all spectra of a table. Those of one material are named by the file.
+/// Reads all spectra of a table. Those of one material are named by the table or else the file. The report tells gaps, and what was
+/// taken that the table does not say.
+///
+/// `wavelengths`: the file with the wavelengths of a text that holds values alone, as libraries of the US Geological Survey do.
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::Invalid`] with all cells that cannot be used, as [`read`].
-pub fn read_all(path: &Path) -> Result<Vec<SpectralLibrary>> {
+pub fn read_all(path: &Path, wavelengths: Option<&Path>) -> Result<(Vec<SpectralLibrary>, Report)> {
     let (text, _) = input::text(path, LIMIT)?;
-    parse_all(&text, path)
+    let given_um = match wavelengths {
+        Some(file) => Some(spectral_table::wavelengths(&input::text(file, LIMIT)?.0, file)?),
+        None => None,
+    };
+    parse_all(&text, path, given_um.as_deref())
 }
 
 /// Reads the text of a table with any number of spectra; `path` names them if they are of one material, and is for messages.
 ///
 /// # Errors
 /// [`Error::Invalid`], as [`read_all`].
-pub fn parse_all(text: &str, path: &Path) -> Result<Vec<SpectralLibrary>> {
-    let mut comment = Vec::new();
-    let mut lines = Vec::new();
-    for line in text.lines().map(str::trim).filter(|line| !line.is_empty()) {
-        match line.strip_prefix('#') {
-            Some(said) => comment.push(said.strip_prefix(' ').unwrap_or(said)),
-            None => lines.push(Row { cells: line.split(',').map(str::trim).collect() }),
+pub fn parse_all(text: &str, path: &Path, given_um: Option<&[f64]>) -> Result<(Vec<SpectralLibrary>, Report)> {
+    let mut table = spectral_table::parse(text, path, given_um)?;
+    let mut report = std::mem::take(&mut table.report);
+    let is_headless = !table.has_header;
+    if is_headless {
+        let first = &mut table.columns[0];
+        let at = place(path, text, first.cell);
+        first.name = "reflectance".to_owned();
+        report.note(Fate::Defaulted, at.clone(), "no header: the second column is taken as reflectance, 0 to 1");
+        if table.columns.len() > 1 {
+            let message = format!("{} more columns, which no header names", table.columns.len() - 1);
+            report.note(Fate::Dropped, at, message);
+            table.columns.truncate(1);
         }
-    }
-    let Some((header, rows)) = lines.split_first() else {
-        return Err(table::no_header(path, "the first line is `wavelength_um,reflectance`, or more columns"));
-    };
-    let first = header.cells[0];
-    let convert = match first {
-        "wavelength_um" => |um| um,
-        "wavelength_nm" => um_from_nm,
-        _ => {
-            let message = format!("the header begins with `{first}`, which does not state the unit");
-            let problem = Problem::new(place(path, text, first), message);
-            return Err(Error::Invalid(vec![problem.with_help("begin it with `wavelength_um` or `wavelength_nm`")]));
-        }
-    };
-    let mut readings = vec![Reading { name: "wavelength".into(), convert, unit: 1.0 }];
-    // One material's quantities, or labels of many.
-    let labelled: Vec<(&str, bool)> = header.cells[1..].iter().map(|cell| in_percent(cell)).collect();
-    let one = of_one_material(labelled.iter().map(|l| l.0));
-    for (label, percent) in &labelled {
-        let name = if one { label } else { parts(label).1 }.to_owned();
-        readings.push(match percent {
-            true => Reading { name, convert: fraction_from_percent, unit: 100.0 },
-            false => Reading { name, convert: |x| x, unit: 1.0 },
-        });
-    }
-    if labelled.is_empty() {
-        return Err(Error::invalid(
-            place(path, text, first),
-            "one column: a wavelength and values, parted by commas, are needed",
-        ));
     }
     let mut known = BTreeSet::new();
-    for (i, (label, _)) in labelled.iter().enumerate() {
-        if label.is_empty() || !known.insert(label.to_ascii_lowercase()) {
-            let message =
-                if label.is_empty() { "a column has no name".into() } else { format!("`{label}` is there twice") };
-            return Err(Error::invalid(place(path, text, header.cells[i + 1]), message));
+    for column in &mut table.columns {
+        if column.name == "irradiance" {
+            column.name = IRRADIANCE.to_owned();
+        }
+        if column.name.is_empty() || !known.insert(column.name.to_lowercase()) {
+            let message = match column.name.as_str() {
+                "" => "a column has no name".into(),
+                name => format!("`{name}` is there twice"),
+            };
+            return Err(Error::invalid(place(path, text, column.cell), message));
         }
     }
-    let mut values = table::numbers(path, text, rows, &readings)?;
-    let wavelength_um = values.remove(0);
-    if let Some(problem) = suspect_unit(&wavelength_um, place(path, text, first)) {
-        return Err(Error::Invalid(vec![problem]));
+    let one = of_one_material(table.columns.iter().map(|c| c.name.as_str()));
+    let mut problems = Problems::default();
+    for column in &table.columns {
+        let quantity = if one { column.name.as_str() } else { parts(&column.name).1 };
+        let limits = if quantity == IRRADIANCE { (0.0, f64::INFINITY) } else { range(quantity) };
+        let unit = if column.unit == Unit::Percent { 100.0 } else { 1.0 };
+        for (written, cell) in column.values.iter().flatten() {
+            if !(limits.0..=limits.1).contains(&converted(column.unit, *written)) {
+                problems.push(|| {
+                    let help = (quantity == "reflectance" && is_headless)
+                        .then(|| "put a header above it, as in `wavelength_nm,reflectance_percent`, or `wavelength_um,irradiance_w_m2_um`".to_owned());
+                    let message = format!("{quantity} {cell} {}", outside(limits, unit));
+                    Problem { at: place(path, text, cell), message, help }
+                });
+            }
+        }
+        if column.unit == Unit::Percent {
+            let fractions: Vec<f64> = column.values.iter().flatten().map(|v| fraction_from_percent(v.0)).collect();
+            tell_doubtful_percent(&fractions, place(path, text, column.cell), &mut report);
+        }
     }
+    if let Some(problem) = suspect_unit(&table.wavelength_um, place(path, text, table.header)) {
+        problems.push(|| problem);
+    }
+    problems.finish(path)?;
+    let value =
+        |column: &TableColumn<'_>, i: usize| column.values[i].map(|(written, _)| converted(column.unit, written));
     if one {
-        let columns = labelled.iter().zip(values).map(|(l, values)| Column { name: l.0.to_owned(), values });
-        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        return Ok(vec![SpectralLibrary {
-            name,
-            comment: comment.join("\n"),
+        // Quantities of one material are known where all of them are.
+        let rows: Vec<usize> = (0..table.wavelength_um.len())
+            .filter(|i| table.columns.iter().all(|column| column.values[*i].is_some()))
+            .collect();
+        let wavelength_um: Vec<f64> = rows.iter().map(|i| table.wavelength_um[*i]).collect();
+        tell_gaps(&table.wavelength_um, &wavelength_um, Location::file(path), &mut report);
+        if rows.is_empty() {
+            return Err(Error::invalid(Location::file(path), "no rows: all of its values are gaps"));
+        }
+        let columns = table.columns.iter().map(|column| Column {
+            name: column.name.clone(),
+            values: rows.iter().filter_map(|i| value(column, *i)).collect(),
+        });
+        let stem = || path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let library = SpectralLibrary {
+            name: table.name.map_or_else(stem, str::to_owned),
+            comment: table.comment.join("\n"),
             wavelength_um,
             columns: columns.collect(),
-        }]);
+        };
+        return Ok((vec![library], report));
     }
-    let labels = labelled.iter().zip(values);
-    Ok(gathered(labels.map(|(l, values)| (l.0.to_owned(), wavelength_um.clone(), values)).collect()))
+    let mut labelled = Vec::new();
+    for column in &table.columns {
+        let (um, values): (Vec<f64>, Vec<f64>) =
+            table.wavelength_um.iter().enumerate().filter_map(|(i, um)| Some((*um, value(column, i)?))).unzip();
+        let at = place(path, text, column.cell);
+        match um.is_empty() {
+            true => report.note(Fate::Dropped, at, format!("{:?} has no values", column.name)),
+            false => {
+                tell_gaps(&table.wavelength_um, &um, at, &mut report);
+                labelled.push((column.name.clone(), um, values));
+            }
+        }
+    }
+    if labelled.is_empty() {
+        return Err(Error::invalid(Location::file(path), "no rows: all of its values are gaps"));
+    }
+    Ok((gathered(labelled), report))
 }
+
+/// What a column of irradiances is called.
+const IRRADIANCE: &str = "irradiance_w_m2_um";
 
 /// Whether columns are quantities of one material, not names of several.
 fn of_one_material<'a>(names: impl Iterator<Item = &'a str> + Clone) -> bool {
-    const QUANTITIES: [&str; 3] = ["reflectance", "emissivity", "albedo"];
-    Kind::of(names.clone()) != Kind::Other || names.clone().any(|name| QUANTITIES.contains(&name))
+    let is_quantity = |name: &str| name == IRRADIANCE || FRACTIONS.contains(&name);
+    Kind::of(names.clone()) != Kind::Other || names.clone().any(is_quantity)
 }
 
 /// A column's name without what says that it is in percent.
@@ -282,29 +316,28 @@ fn in_percent(cell: &str) -> (&str, bool) {
     }
 }
 
-/// Writes spectra as one table, in um and fractions: those of one material, or of several with the same wavelengths.
+/// Writes spectra as one table, in um and fractions: those of one material, or of several, with `nan` where one has no value.
 ///
 /// The report tells comments that several materials have, for which there is no place.
 ///
 /// # Errors
-/// [`Error::Io`]; [`Error::Invalid`] if the file exists and is not to be replaced, for spectra whose wavelengths differ, for
-/// names that a header cannot hold.
+/// [`Error::Io`]; [`Error::Invalid`] if the file exists and is not to be replaced, for names that a header cannot hold.
 pub fn write(path: &Path, spectra: &[SpectralLibrary], replace: bool) -> Result<Report> {
     let mut report = Report::default();
     let mut text = String::new();
-    let (wavelength_um, columns) = match spectra {
+    let (wavelength_um, columns): (Vec<f64>, Vec<(String, Vec<f64>)>) = match spectra {
         [one] => {
             one.check()?;
             text.extend(one.comment.lines().map(|line| format!("# {line}\n")));
-            let columns = one.columns.iter().map(|c| (c.name.clone(), c.values.as_slice())).collect();
-            (one.wavelength_um.as_slice(), columns)
+            let columns = one.columns.iter().map(|c| (c.name.clone(), c.values.clone())).collect();
+            (one.wavelength_um.clone(), columns)
         }
         several => {
             for library in several.iter().filter(|library| !library.comment.is_empty()) {
                 let at = Location::file(path).with_item(format!("spectra of {:?}", library.name));
                 report.note(Fate::Dropped, at, "a table of several materials has no place for comments");
             }
-            flat(path, several)?
+            on_all_wavelengths(several, labelled(path, several)?)
         }
     };
     let names: Vec<&str> = columns.iter().map(|c| c.0.as_str()).collect();
@@ -331,6 +364,20 @@ pub fn write(path: &Path, spectra: &[SpectralLibrary], replace: bool) -> Result<
     Ok(report)
 }
 
+/// Labelled values on the wavelengths of all spectra: NaN where one has none.
+fn on_all_wavelengths(spectra: &[SpectralLibrary], labelled: Vec<Labelled<'_>>) -> (Vec<f64>, Vec<(String, Vec<f64>)>) {
+    let mut all_um: Vec<f64> = spectra.iter().flat_map(|s| &s.wavelength_um).copied().collect();
+    all_um.sort_by(f64::total_cmp);
+    all_um.dedup();
+    let columns = labelled.into_iter().map(|(label, um, values)| {
+        let mut known = um.iter().zip(values).peekable();
+        let value = |all: &f64| known.next_if(|(um, _)| *um == all).map_or(f64::NAN, |(_, value)| *value);
+        (label, all_um.iter().map(value).collect())
+    });
+    let columns = columns.collect();
+    (all_um, columns)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -344,38 +391,51 @@ mod tests {
         let a = "# assumed\nwavelength_um,reflectance,sigma\n0.5,0.05,0.01\n\n1.0,0.125,0.01\n";
         let b = "wavelength_nm, reflectance_percent\r\n500,5\r\n1000,12.5\r\n";
         for text in [a, b] {
-            let s = parse(text, Path::new("a.csv"), Quantity::Fraction, Extend::Error).unwrap();
+            let (s, report) = parse(text, Path::new("a.csv"), Quantity::Fraction, Extend::Error).unwrap();
+            assert!(report.notes.is_empty(), "{report:?}");
             assert_eq!((s.wavelength_um(), s.value()), (&[0.5, 1.0][..], &[0.05, 0.125][..]));
         }
-        let s = parse("wavelength_nm,irradiance_w_m2_nm\n500,2\n", Path::new("a"), Quantity::Irradiance, Extend::Hold)
-            .unwrap();
+        let (s, _) =
+            parse("wavelength_nm,irradiance_w_m2_nm\n500,2\n", Path::new("a"), Quantity::Irradiance, Extend::Hold)
+                .unwrap();
         assert_eq!((s.wavelength_um(), s.value()), (&[0.5][..], &[2000.0][..]));
     }
 
     #[test]
     fn every_bad_row_is_told_with_its_place() {
-        let text = "wavelength_um,reflectance\n1,0.1\n2, x\n3\n2.5,nan\n0.5,0.1\n1,0.1\n4,7\n-1,0.1\n5,-0.1\n";
-        let told = told(text, Quantity::Fraction);
-        let expected = [
-            "a.csv:3:4: `x` is not a finite number",
-            "a.csv:4:1: one column",
-            "a.csv:5:5: `nan` is not",
-            "a.csv:6:1: wavelength 0.5 is less than",
-            "a.csv:7:1: wavelength 1 is there twice",
-            "a.csv:8:3: 7 is outside 0 to 1 (help: if these are percent",
-            "a.csv:9:1: wavelength -1 is not positive",
-            "a.csv:10:3: -0.1 is outside 0 to 1",
-        ];
-        assert_eq!(told.lines().count(), expected.len(), "{told}");
-        for (line, expected) in told.lines().zip(expected) {
-            assert!(line.starts_with(expected), "{line}");
+        // What is no table, then what is no spectrum.
+        for (text, expected) in [
+            (
+                "wavelength_um,reflectance\n1,0.1\n2, x\n3\n4,inf\n1,0.1\n-1,0.1\n0,4,0,05\n6,1,\n",
+                &[
+                    "a.csv:3:4: `x` is not a finite number",
+                    "a.csv:4:1: one column",
+                    "a.csv:5:3: `inf` is not",
+                    "a.csv:7:1: wavelength -1 is not positive",
+                    "a.csv:8:1: 4 columns where the header has 2 (help: is the decimal sign a comma",
+                    "a.csv:9:1: 3 columns where the header has 2",
+                    "a.csv:6:1: wavelength 1 is there twice",
+                ][..],
+            ),
+            (
+                "wavelength_um,reflectance\n4,7\n5,-0.1\n",
+                &["a.csv:2:3: 7 is outside 0 to 1 (help: if these are percent", "a.csv:3:3: -0.1 is outside 0 to 1"],
+            ),
+        ] {
+            let told = told(text, Quantity::Fraction);
+            assert_eq!(told.lines().count(), expected.len(), "{told}");
+            for (line, expected) in told.lines().zip(expected) {
+                assert!(line.starts_with(expected), "{line}");
+            }
         }
     }
 
     #[test]
     fn a_header_without_units_is_refused() {
-        for text in ["0.5,0.1\n1,0.1\n", "lambda,red\n1,2\n", "wavelength_um,irradiance_w_m2_um\n1,2\n"] {
-            assert!(told(text, Quantity::Fraction).contains("a.csv:1:1: the header"), "{text}");
+        assert!(told("wavelength_um,irradiance_w_m2_um\n1,2\n", Quantity::Fraction).contains("a.csv:1:1: the header"));
+        // Neither um nor nm, whatever they are.
+        for text in ["wavelength,a\n120,0.1\n", "120,0.1\n", "lambda,red\n90,0.1\n200,0.1\n"] {
+            assert!(told(text, Quantity::Fraction).contains("does not state the unit"), "{text}");
         }
         assert!(told("wavelength_um,reflectance\n1,0.1\n", Quantity::Irradiance).contains("irradiance_w_m2_nm"));
         assert!(told("# nothing\n", Quantity::Fraction).contains("no rows"));

@@ -76,8 +76,8 @@ pub(super) fn numbers(path: &Path, text: &str, rows: &[Row<'_>], columns: &[Read
     Ok(values)
 }
 
-/// A [`label`] and its values.
-pub(super) type Labelled<'a> = (String, &'a [f64]);
+/// A [`label`], the wavelengths and the values.
+pub(super) type Labelled<'a> = (String, &'a [f64], &'a [f64]);
 
 /// What names a spectrum among those of many materials: the material, and what it is if not its reflectance.
 pub(super) fn label(library: &SpectralLibrary, column: &Column) -> String {
@@ -104,18 +104,29 @@ pub(super) fn is_plain(name: &str) -> bool {
 /// Labels and values of many spectra, and the wavelengths that they share. Transmittances of opaque materials are left out.
 ///
 /// # Errors
-/// [`Error::Invalid`] if their wavelengths differ, or a label would be read as something else: commas, braces and so on.
+/// [`Error::Invalid`] if their wavelengths differ; as [`labelled`].
 pub(super) fn flat<'a>(path: &Path, spectra: &'a [SpectralLibrary]) -> Result<(&'a [f64], Vec<Labelled<'a>>)> {
-    let at = |library: &SpectralLibrary| Location::file(path).with_item(format!("spectra of {:?}", library.name));
     let wavelength_um = spectra.first().map_or(&[][..], |s| &s.wavelength_um);
+    let mut problems = Problems::default();
+    for library in spectra.iter().filter(|library| library.wavelength_um != wavelength_um) {
+        let at = Location::file(path).with_item(format!("spectra of {:?}", library.name));
+        let help = "resample them to the same bands, or write one file for each";
+        problems.push(|| Problem::new(at, "its wavelengths are not those of the first").with_help(help));
+    }
+    problems.finish(path)?;
+    Ok((wavelength_um, labelled(path, spectra)?))
+}
+
+/// Labels, wavelengths and values of many spectra. Transmittances of opaque materials are left out.
+///
+/// # Errors
+/// [`Error::Invalid`] if a label would be read as something else: commas, braces and so on; for no spectra.
+pub(super) fn labelled<'a>(path: &Path, spectra: &'a [SpectralLibrary]) -> Result<Vec<Labelled<'a>>> {
+    let at = |library: &SpectralLibrary| Location::file(path).with_item(format!("spectra of {:?}", library.name));
     let mut problems = Problems::default();
     let mut all = Vec::new();
     for library in spectra {
         library.check()?;
-        if library.wavelength_um != wavelength_um {
-            let help = "resample them to the same bands, or write one file for each";
-            problems.push(|| Problem::new(at(library), "its wavelengths are not those of the first").with_help(help));
-        }
         if !is_plain(&library.name) {
             problems.push(|| Problem::new(at(library), "such a name cannot be written in a table of spectra"));
         }
@@ -129,14 +140,14 @@ pub(super) fn flat<'a>(path: &Path, spectra: &'a [SpectralLibrary]) -> Result<(&
                 let message = format!("{} cannot be written in a table of spectra", column.name);
                 problems.push(|| Problem::new(at(library), message));
             }
-            all.push((label, column.values.as_slice()));
+            all.push((label, library.wavelength_um.as_slice(), column.values.as_slice()));
         }
     }
     if spectra.is_empty() {
         problems.push(|| Problem::new(Location::file(path), "there are no spectra to write"));
     }
     problems.finish(path)?;
-    Ok((wavelength_um, all))
+    Ok(all)
 }
 
 /// Puts labelled spectra with the same wavelengths together, material by material.

@@ -32,4 +32,5 @@ mod schema;
 mod scratch;
 mod shapes;
 mod spectra;
+mod spectra_from_the_wild;
 mod textures;

@@ -43,11 +43,11 @@ fn prepared() -> Scratch {
     folder.write("plate.mtl", "newmtl ground\nKd 0.5 0.5 0.5\nnewmtl red\nKd 1 0.002 0\nnewmtl mix\n");
     folder.write("flat.csv", "wavelength_nm,reflectance_percent\n900,5\n2500,15\n");
     folder.write("short.csv", "wavelength_um,reflectance\n0.9,0.05\n1.4,0.15\n");
-    folder.write("bare.csv", "0.9,0.05\n1.4,0.15\n");
+    folder.write("bare.csv", "110,0.05\n140,0.15\n");
     folder.write("nm.csv", "wavelength_um,reflectance\n900,0.05\n2500,0.15\n");
     // W m-2 nm-1 under the wrong name.
     folder.write("weak.csv", "wavelength_um,irradiance_w_m2_um\n0.9,0.9\n2.5,0.05\n");
-    folder.write("wild.csv", "wavelength_um,reflectance\n1,0.1\n0.5,nan\n");
+    folder.write("wild.csv", "wavelength_um,reflectance\n1,0.1\n0.5,inf\n");
     folder.write("nan.obj", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 4\n");
     folder.write("empty.obj", "v 0 0 0\n");
     folder.write("unnamed.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
@@ -205,8 +205,8 @@ const CASES: &[(&str, &str, &str, &str)] = &[
     ),
     ("reflectance = 0.2", "reflectance = -0.2", ":7:29 materials.\"#ff0000\".reflectance", "-0.2 is outside 0 to 1"),
     ("flat.csv", "short.csv", ":6:26 materials.ground.reflectance", "does not cover band 2 at 1.5 um and 1 more"),
-    ("flat.csv", "bare.csv", "bare.csv:1:1: ", "does not state the units"),
-    ("flat.csv", "wild.csv", "wild.csv:3:5: ", "`nan` is not a finite number"),
+    ("flat.csv", "bare.csv", "bare.csv:1:1: ", "does not state the unit"),
+    ("flat.csv", "wild.csv", "wild.csv:3:5: ", "`inf` is not a finite number"),
     ("flat.csv", "none.csv", ":6:26 materials.ground.reflectance", "none.csv: reading"),
     ("flat.csv", "nm.csv", "nm.csv:1:1: ", "is the header `wavelength_nm`?"),
     (

@@ -5,7 +5,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Location, Problem, Result};
-use crate::formats::{envi, gltf, raster};
+use crate::formats::{envi, gltf, raster, spectra};
 
 /// A format that is read, written, or both.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -107,7 +107,12 @@ impl Format {
             }
             Format::DartText => about("dart-text", &["txt"], "DART spectra", "the same"),
             Format::Sli => about("sli", &["sli"], "ENVI spectral libraries, with .hdr", "the same"),
-            Format::Csv => about("csv", &["csv"], "spectra with a header that states units", "the same"),
+            Format::Csv => about(
+                "csv",
+                &["csv"],
+                "spectra: tables, ECOSTRESS, USGS splib07, RELAB (.txt, .tab, .dat too)",
+                "a table with a header that states units",
+            ),
             Format::Envi => about(
                 "envi",
                 &["img", "bsq", "bil", "bip", "dat", "raw"],
@@ -170,6 +175,13 @@ impl Format {
             _ if beginning.starts_with(b"\x89PNG") => Format::Png,
             _ if beginning.starts_with(&[0x76, 0x2f, 0x31, 0x01]) => Format::Exr,
             Some(Format::Csv) if raster::is_grid(&beginning) => Format::Grid,
+            // An image's numbers, called so, with a header beside them.
+            Some(Format::Envi) if envi::pair(path).is_ok() => Format::Envi,
+            Some(Format::DartText | Format::Envi) | None
+                if spectra::Format::of_text(path, &beginning) == Some(spectra::Format::Csv) =>
+            {
+                Format::Csv
+            }
             // A header of ENVI says of what.
             Some(Format::Sli) if beginning.starts_with(b"ENVI") && !is_of_library(&beginning) => Format::Envi,
             Some(format) => format,

@@ -26,7 +26,7 @@ use super::envi::{DataType, Interleave};
 use super::folder::{FolderKind, Staged};
 use super::raster::{self, Raster, Target};
 use super::surface::Surface;
-use super::{gltf, mtl, obj, scene_toml, spectra};
+use super::{gltf, mtl, obj, scene_toml, spectra, spectrum_csv};
 
 pub use super::dart::{Finding, Severity};
 pub use compare::differences;
@@ -64,6 +64,8 @@ pub struct Options {
     pub strict: bool,
     /// Of spectra only those of these names; all if there are none.
     pub models: Vec<String>,
+    /// The wavelengths of a text that holds values alone, as libraries of the US Geological Survey do.
+    pub wavelengths: Option<PathBuf>,
     /// Bands that spectra are resampled to; as they are if there are none.
     pub bands: Vec<Band>,
     /// Of an image only these bands, from 0; all if there are none.
@@ -185,6 +187,10 @@ pub fn read(input: &Path, options: &Options, watch: Watch<'_>) -> Result<(Format
             format!("is {}: only the scene of a DART simulation can be repeated (`--repeat`)", format.about().name);
         return Err(Error::invalid(Location::file(&path), message));
     }
+    if options.wavelengths.is_some() && format != Format::Csv {
+        let message = format!("is {}: its wavelengths are its own (`--wavelengths`)", format.about().name);
+        return Err(Error::invalid(Location::file(&path), message));
+    }
     let placed = |surface: Surface| Surface { origin_m: options.origin_m.or(surface.origin_m), ..surface };
     let (content, report) = match format {
         Format::Scene => {
@@ -220,6 +226,7 @@ pub fn read(input: &Path, options: &Options, watch: Watch<'_>) -> Result<(Format
         Format::Database | Format::DartText | Format::Sli | Format::Csv => {
             let (libraries, report) = match path.is_dir() {
                 true => spectra::read(&path)?,
+                false if format == Format::Csv => spectrum_csv::read_all(&path, options.wavelengths.as_deref())?,
                 false => spectra::read_as(&path, spectral(format))?,
             };
             (Content::Spectra(chosen(libraries, options, &path)?), report)

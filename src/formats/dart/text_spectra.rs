@@ -23,6 +23,13 @@ pub(crate) const PREFIX: &str = "2D-LAM_";
 /// The same in version 5.4.
 const PREFIX_5_4: &str = "2D_";
 
+/// Whether a text begins as one of DART does: with a comment between asterisks, or with columns by DART's names and separator.
+pub(crate) fn begins(text: &str) -> bool {
+    let header = text.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with('#'));
+    text.trim_start().starts_with('*')
+        || header.is_some_and(|line| line.contains(';') && line.split(';').any(|cell| is_wavelength(cell.trim())))
+}
+
 /// The name of the file that DART's database manager imports as this model.
 pub fn file_name(model: &str) -> String {
     format!("{}{model}.txt", PREFIX)

@@ -23,6 +23,7 @@ use crate::units::{AU_M, MARS_RADIUS_M, TSI_1AU_W_M2};
 
 use super::InputFile;
 use super::located::{self, Document};
+use super::spectra;
 use super::spectrum_csv::{self, Quantity};
 pub(crate) use materials::hex_from_linear;
 pub(super) use view::pitch_of_fov;
@@ -266,8 +267,18 @@ impl Reader<'_> {
     }
 
     fn spectrum_file(&mut self, item: &str, name: &str, quantity: Quantity, extend: Extend) -> Option<Spectrum> {
-        let read = spectrum_csv::read(&self.path(name), quantity, extend);
-        let (spectrum, input) = self.taken(item, read)?;
+        let path = self.path(name);
+        if let Some(format @ (spectra::Format::Database | spectra::Format::Sli)) = spectra::Format::of(&path) {
+            let what = if format == spectra::Format::Sli { "a spectral library" } else { "a database of spectra" };
+            let help = format!(
+                "take a spectrum out of it: mmxrt convert {name} one.csv --model NAME; --list {name} has the names"
+            );
+            self.helped(item, format!("{name} is {what}"), help);
+            return None;
+        }
+        let read = spectrum_csv::read(&path, quantity, extend);
+        let (spectrum, input, report) = self.taken(item, read)?;
+        self.notes.extend(report.notes.iter().map(|note| format!("{item}: {}: {}", note.at, note.message)));
         if !self.inputs.contains(&input) {
             self.inputs.push(input);
         }
