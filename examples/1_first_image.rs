@@ -1,4 +1,4 @@
-//! A scene in code, and what a camera sees of it: `cargo run --release --example 1_first_image`.
+//! A scene in code, and what a camera sees of it: `cargo run --profile quick --example 1_first_image`.
 //!
 //! A scene is plain values with names and units. `check` looks at all of them at once and gives the scene back;
 //! below it nothing can fail any more but by being interrupted.

@@ -1,4 +1,4 @@
-//! Two steps: what reaches the facets, then what a camera sees: `cargo run --release --example 2_solve_then_integrate`.
+//! Two steps: what reaches the facets, then what a camera sees: `cargo run --profile quick --example 2_solve_then_integrate`.
 //!
 //! `solve` is the part that depends on the Sun, `integrate` the part that depends on the camera. Between them lies the
 //! facet table: as a value, or as a file that NumPy opens and that another solver may write.

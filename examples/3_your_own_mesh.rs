@@ -1,4 +1,4 @@
-//! Your own OBJ: from a mesh and a scene file to the facets of a pixel: `cargo run --release --example 3_your_own_mesh`.
+//! Your own OBJ: from a mesh and a scene file to the facets of a pixel: `cargo run --profile quick --example 3_your_own_mesh`.
 //!
 //! A lid of 2 x 2 m, x from -1.25 to 0.75 m, floats 1 m over a floor of 8 x 8 m. The Sun stands 45 deg high in the east
 //! (+x), so that its shadow lies 1 m to the west: x from -2.25 m. Every number printed can be checked with a pencil.

@@ -1,5 +1,5 @@
 //! Texels finer than pixels: point samples beside exact areas, as a picture.
-//! `cargo run --release --example 7_no_moire [PICTURE.png]`.
+//! `cargo run --profile quick --example 7_no_moire [PICTURE.png]`.
 //!
 //! A checkerboard of 1 m runs to the horizon. A point sample takes whatever texel its ray meets, so that far away, where
 //! many texels share a pixel, patterns appear that are not there; more samples push them away and add noise. The integral over the

@@ -21,7 +21,7 @@ fn schemas_are_those_of_the_types() {
         }
         assert!(
             std::fs::read_to_string(&path).is_ok_and(|stored| stored == text),
-            "schemas/{name} is out of date: MMXRT_WRITE_SCHEMAS=1 cargo test --release schemas"
+            "schemas/{name} is out of date: MMXRT_WRITE_SCHEMAS=1 cargo test --profile quick schemas"
         );
     }
 }
