@@ -63,7 +63,10 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         let message = "has no one spectrum that could be written: --csv goes with --pixel, or with `e490`";
         return Err(Error::invalid(Location::file(path), message));
     }
-    let found = if path.is_file() { Format::of_input(path).ok() } else { None };
+    let found = match path.is_file().then(|| Format::of_input(path)) {
+        Some(Err(e @ Error::Unsupported { .. })) => return Err(e),
+        found => found.and_then(|found| found.ok()),
+    };
     let facts = match found {
         Some((format, _)) if format.is_raster() => image(format, arguments, console)?,
         _ if arguments.picture.is_some() => {
@@ -178,7 +181,7 @@ fn inspect(path: &Path, console: &Console) -> Result<Facts> {
         _ if path.is_file() => {
             let problem = Problem::new(Location::file(path), format!("no format of ours ends in {extension:?}"))
                 .with_help(
-                    "these do: hdr, img, mpr, npy, npz, exr, png, json, toml, csv, obj, mtl, gltf, glb, db, sli, txt; or name a \
+                    "these do: hdr, img, mpr, npy, npz, exr, png, jpg, json, toml, csv, obj, mtl, gltf, glb, db, sli, txt; or name a \
                      folder of a product or a DART simulation",
                 );
             Err(Error::Invalid(vec![problem]))
@@ -480,7 +483,7 @@ fn image(format: Format, arguments: &Arguments, console: &Console) -> Result<Fac
         }
         Format::Ilwis => vec![("kind", json!("ILWIS map"))],
         Format::Npy => vec![("kind", json!("NumPy array"))],
-        Format::Png => vec![("kind", json!("picture"))],
+        Format::Png | Format::Jpeg => vec![("kind", json!("picture"))],
         _ => vec![("kind", json!("CSV of numbers"))],
     };
     let mut raster = raster::open(path)?;

@@ -213,11 +213,7 @@ fn libraries_that_cannot_be_used_are_refused() {
         ("data type = 5\nwavelength = {1, 2}\n", &bytes, "2 values for 3 samples"),
         ("data type = 5\nwavelength = {0, 1, 2}\n", &bytes, "must be positive numbers"),
         ("data type = 5\nwavelength = {1, 2, nan}\n", &bytes, "items that are not finite numbers"),
-        (
-            "data type = 5\nwavelength = {1, 2, 3}\nwavelength units = Wavenumber\n",
-            &bytes,
-            "wavenumber is not supported",
-        ),
+        ("data type = 5\nwavelength = {1, 2, 3}\nwavelength units = Index\n", &bytes, "index is not supported"),
         ("data type = 6\nwavelength = {1, 2, 3}\n", &bytes, "data type 6 (complex numbers) is not supported"),
         ("data type = 5\nwavelength = {1, 2, 3}\nbbl = {1, x, 1}\n", &bytes, "no list of 3 numbers"),
         ("data type = 5\nwavelength = {1, 2, 3}\nreflectance scale factor = 0\n", &bytes, "no positive number"),

@@ -260,7 +260,7 @@ pub fn read(input: &Path, options: &Options, watch: Watch<'_>) -> Result<(Format
             let report = std::mem::take(&mut raster.report);
             (Content::Raster(Box::new(raster)), report)
         }
-        Format::Envi | Format::Ilwis | Format::Exr | Format::Npy | Format::Npz | Format::Png => {
+        Format::Envi | Format::Ilwis | Format::Exr | Format::Npy | Format::Npz | Format::Png | Format::Jpeg => {
             let mut raster = raster::open(&path)?;
             let report = std::mem::take(&mut raster.report);
             (Content::Raster(Box::new(raster)), report)
@@ -568,9 +568,9 @@ impl Job<'_> {
             Format::Npy => Target::Npy,
             // A name alone does not tell what a table is to hold.
             Format::Grid | Format::Csv => Target::Csv,
-            Format::Png | Format::Npz => {
+            Format::Png | Format::Jpeg | Format::Npz => {
                 let help = match to {
-                    Format::Png => "`mmxrt inspect FILE --picture OUT.png` makes one to look at",
+                    Format::Png | Format::Jpeg => "`mmxrt inspect FILE --picture OUT.png` makes one to look at",
                     _ => "write .npy",
                 };
                 let problem =

@@ -400,7 +400,7 @@ fn channel_names(bands: &[RasterBand], path: &Path, report: &mut Report) -> Resu
     if let Some(centres_um) = centres_um {
         let names: Vec<String> =
             centres_um.iter().map(|um| exr_cube::channel_name(&Band { centre_um: *um, fwhm_um: None })).collect();
-        if bands.iter().any(|b| !b.name.is_empty() && exr_cube::wavelength_um(&b.name).is_none()) {
+        if bands.iter().any(|b| !b.name.is_empty() && super::names::wavelength(&b.name).is_none()) {
             let at = Location::file(path).with_item("names of bands");
             report.note(Fate::Dropped, at, "channels are called by their wavelength");
         }

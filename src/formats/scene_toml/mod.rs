@@ -3,6 +3,7 @@
 //! Reading goes in three steps, and each tells all its problems: the text against the schema
 //! ([`located`]); each part against itself and the files it names; the whole, by [`Scene::check`].
 
+mod atlas;
 mod materials;
 mod mesh;
 mod rasters;
@@ -25,6 +26,7 @@ use super::InputFile;
 use super::located::{self, Document};
 use super::spectra;
 use super::spectrum_csv::{self, Quantity};
+pub(super) use atlas::Tiling;
 pub(super) use materials::EMISSIVITY_BOLOMETRIC;
 pub(crate) use materials::hex_from_linear;
 pub(super) use view::SENSOR_NAME;
@@ -177,6 +179,8 @@ impl<'a> Reader<'a> {
             return Err(Error::Interrupted);
         }
         if self.problems.is_empty() {
+            let defaults = self.defaults.iter().map(|default| format!("{}: {}", default.item, default.value));
+            self.notes.extend(defaults);
             return Ok((self.inputs, self.notes));
         }
         self.problems.sort_by_key(|p| p.at.span);
@@ -237,6 +241,11 @@ impl Reader<'_> {
 
     pub(super) fn helped(&mut self, item: &str, message: impl Into<String>, help: impl Into<String>) {
         self.problem(item, message).help = Some(help.into());
+    }
+
+    /// Something that is worth knowing.
+    pub(super) fn note(&mut self, item: &str, message: impl std::fmt::Display) {
+        self.notes.push(format!("{item}: {message}"));
     }
 
     fn stated(&mut self, item: &str, value: impl Into<String>) {

@@ -148,14 +148,21 @@ pub(crate) struct MaterialToml {
 pub(crate) struct TextureToml {
     /// Path of a raster; or of several of the same size, whose bands follow one another.
     pub(crate) raster: RasterToml,
+    /// Names of the raster's channels, in the order of the bands. Default: all bands; of OpenEXR, the spectral layer or that of colours, in
+    /// the order that names give by wavelength, red, green, blue, or a number.
+    #[schemars(length(min = 1))]
+    pub(crate) channels: Option<Vec<String>>,
     /// What its numbers are.
     pub(crate) quantity: TextureQuantityToml,
     /// Their unit. Default "1".
     pub(crate) unit: Option<FactorUnitToml>,
     /// Where it lies.
     pub(crate) placement: TexturePlacementToml,
-    /// For `placement = "plane"`: where the raster lies. It is put through everything.
+    /// For `placement = "plane"`: where the raster lies. It is put through everything. Default: where its own georeference in metres
+    /// puts it, to the East and the North of `origin_m`.
     pub(crate) plane: Option<PlaneToml>,
+    /// For `placement = "atlas"`: how the image goes on beyond its border. Default: not at all.
+    pub(crate) wrap: Option<WrapToml>,
     /// Whether factors are divided by their mean over the material's facets, so that it is 1 ("one", the default for factors), or
     /// stay as they are ("kept", the default for reflectances).
     pub(crate) mean: Option<MeanToml>,
@@ -204,6 +211,18 @@ pub(crate) enum TexturePlacementToml {
     Atlas,
     /// On squares of a plane, put onto the scene along one direction.
     Plane,
+}
+
+/// How an image goes on beyond its border.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum WrapToml {
+    /// It begins again, to all sides; between texel centres of its first and last rows and columns, values vary as between others.
+    Repeat,
+    /// It begins again to the left and the right, as a map of all longitudes.
+    RepeatU,
+    /// It begins again above and below.
+    RepeatV,
 }
 
 /// What becomes of a texture's mean.
