@@ -124,7 +124,7 @@ fn a_simulation_of_5_7_is_read_in_full() {
     // Bands in the order of their numbers, not of the file.
     let bands: Vec<(f64, f64, u32)> = phase.bands.iter().map(|b| (b.mean_um, b.width_um, b.mode)).collect();
     assert_eq!(bands, [(0.65, 0.01, 0), (1.9, 0.02, 0), (3.4, 0.05, 1)]);
-    assert_eq!((phase.irradiance_mode, &phase.irradiance[..]), (1, &[(640.5, 0.0), (58.25, 0.0), (5.75, 0.0)][..]));
+    assert_eq!((phase.irradiance_mode, &phase.irradiance[..]), (1, &[Some((640.5, 0.0)), Some((58.25, 0.0)), Some((5.75, 0.0))][..]));
     assert!(phase.radiance_products);
     assert_eq!(directions.views_deg, [[12.5, 270.0]]);
     assert_eq!(sequences[0].name, "flyby");
@@ -564,7 +564,7 @@ fn a_check_asks_databases_what_they_cover() {
     let coverage = |path: &Path, table: &str| {
         assert!(path.ends_with("stones.db"));
         let largest = if table == "basalt" { 0.31 } else { 31.0 };
-        Some(Coverage { range_um: (0.4, 2.5), largest_reflectance: Some(largest) })
+        Some(Coverage { range_um: (0.4, 2.5), shares: vec![[largest / 100.0, 0.0, 0.0]] })
     };
     let found = check(&folder.0, &ReadOptions::default(), &coverage);
     let of = |part: &str| found.iter().filter(|f| f.what.contains(part)).collect::<Vec<_>>();

@@ -21,6 +21,7 @@ use crate::scene::{MarsModel, Material, Scene, Thermal};
 use crate::spectral::{Extend, Spectrum, solar_e490};
 use crate::units::AU_M;
 
+use super::super::file_name::shortened;
 use super::irradiances;
 use super::materials::linear_from_hex;
 use super::view::pitch_of_ifov;
@@ -156,7 +157,7 @@ impl Writer<'_> {
         write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
     ) -> Result<String> {
         let plain = |c: char| if c.is_alphanumeric() || ".-".contains(c) { c } else { '_' };
-        let mut name: String = name.chars().map(plain).collect();
+        let mut name: String = shortened(name).chars().map(plain).collect();
         while !self.taken.insert(format!("{name}.{extension}").to_lowercase()) {
             name.push('_');
         }
