@@ -33,7 +33,7 @@ fn material(i: usize, name: &str, reflectance: Spectrum) -> Material {
 ///
 /// A tetrahedron: A 20 m South and 10 m East, B 20 m North and 10 m East, C 30 m West, D 15 m up. The Sun 3 parts South, 4 West
 /// and 5 up. The camera 100 m East and 100 m up, looking at the origin: its right is North.
-fn tetrahedron() -> Scene {
+pub(crate) fn tetrahedron() -> Scene {
     let slant = 0.5f64.sqrt();
     Scene {
         textures: vec![],
@@ -86,7 +86,7 @@ fn tetrahedron() -> Scene {
 }
 
 /// The same with all that DART has no place for.
-fn rich() -> Scene {
+pub(crate) fn rich() -> Scene {
     let mut scene = tetrahedron();
     let spectrum = |values: &[f64]| Spectrum::new(vec![0.5, 1.1, 2.5], values.to_vec(), Extend::Error).unwrap();
     scene.materials = vec![
@@ -123,18 +123,18 @@ fn rich() -> Scene {
     scene.check().unwrap()
 }
 
-fn options(target: Target) -> WriteOptions {
+pub(crate) fn options(target: Target) -> WriteOptions {
     WriteOptions { target, cell_m: Some(2.0), ..WriteOptions::default() }
 }
 
 /// Writes a scene's simulation below a folder.
-fn written(scene: &Scene, options: &WriteOptions, folder: &Path) -> Report {
+pub(crate) fn written(scene: &Scene, options: &WriteOptions, folder: &Path) -> Report {
     let (package, report) = dart::from_scene(scene, options).unwrap();
     dart::write(&package, folder, false, &unwatched).unwrap();
     report
 }
 
-fn read(folder: &Path, options: &SceneOptions) -> (Scene, Report) {
+pub(crate) fn read(folder: &Path, options: &SceneOptions) -> (Scene, Report) {
     let (simulation, mut report, _) = dart::read(folder, &dart::ReadOptions::default()).unwrap();
     let folder = dart::Folder::new(folder, None, false);
     let converted = dart::to_scene(&simulation, &folder, options, &unwatched).unwrap();
@@ -354,7 +354,12 @@ fn without_the_sidecar_what_is_missing_is_told() {
         }
     }
     let in_the_bands = |s: &Scene| dart::from_scene(s, &options(Target::V5_7_4)).unwrap().0.simulation.phase.irradiance;
-    assert!(in_the_bands(&scene).iter().zip(in_the_bands(&back)).all(|(a, b)| (a.unwrap().0 / b.unwrap().0 - 1.0).abs() < 1e-9));
+    assert!(
+        in_the_bands(&scene)
+            .iter()
+            .zip(in_the_bands(&back))
+            .all(|(a, b)| (a.unwrap().0 / b.unwrap().0 - 1.0).abs() < 1e-9)
+    );
     let between = |s: &Scene| s.sensor.camera.world_from_sensor.rotation.z_axis.dot(s.sun.direction.vec());
     assert!((between(&scene) - between(&back)).abs() < 1e-12);
 }

@@ -180,7 +180,10 @@ impl Lines {
             lines.materials(at, (&materials[i], materials), (&b.materials[j], &b.materials));
         });
         let of = |textures: &[Texture], names: &[String]| {
-            textures.iter().map(|t| names.get(usize::from(t.material.0)).cloned().unwrap_or_default()).collect::<Vec<_>>()
+            textures
+                .iter()
+                .map(|t| names.get(usize::from(t.material.0)).cloned().unwrap_or_default())
+                .collect::<Vec<_>>()
         };
         self.each("textures", &of(textures, &names_a), &of(&b.textures, &names_b), |lines, at, i, j| {
             lines.textures(at, (&textures[i], mesh), (&b.textures[j], &b.mesh), &pairs);
@@ -264,13 +267,17 @@ impl Lines {
             let (texel, layer) = (first / a.layers(), first % a.layers());
             let (row, column) = (texel / columns, texel % columns);
             let mean = |t: &Texture| t.values.iter().sum::<f64>() / t.values.len() as f64;
-            let place = format!("{at} values ({count} of {}), the first in row {row}, column {column}, layer {layer}", values.len());
+            let place = format!(
+                "{at} values ({count} of {}), the first in row {row}, column {column}, layer {layer}",
+                values.len()
+            );
             let shown = |t: &Texture| format!("{} (mean {})", t.values[first], mean(t));
             self.push(&place, shown(a), shown(b));
         }
         let of_texture = |f: &usize| mesh_a.material.get(*f) == Some(material);
         let elsewhere = |&&(i, j): &&(usize, usize)| {
-            let (Some(on_a), Some(on_b), Some(turn)) = (corners.get(i), b.corners.get(j), turn(mesh_a, i, mesh_b, j)) else {
+            let (Some(on_a), Some(on_b), Some(turn)) = (corners.get(i), b.corners.get(j), turn(mesh_a, i, mesh_b, j))
+            else {
                 return true;
             };
             !alike_turned(on_a, on_b, turn)
@@ -371,9 +378,8 @@ impl Lines {
             return Vec::new();
         }
         let name = |names: &'_ [String], id: MaterialId| names.get(usize::from(id.0)).cloned().unwrap_or_default();
-        let differ = |i: usize, j: usize| {
-            turn(a.0, i, b.0, j).is_none() || name(a.1, material[i]) != name(b.1, b.0.material[j])
-        };
+        let differ =
+            |i: usize, j: usize| turn(a.0, i, b.0, j).is_none() || name(a.1, material[i]) != name(b.1, b.0.material[j]);
         let pairs: Vec<(usize, usize)> = if (0..facets_a).any(|i| differ(i, i)) {
             let sorted = |(mesh, names): (&Mesh, &[String])| {
                 let mut order: Vec<usize> = (0..facets_a).collect();

@@ -100,7 +100,8 @@ pub fn check(input: &Path, options: &Options) -> Result<Vec<Finding>> {
         Format::Dart => {
             let reading = reading(options)?;
             let databases = RefCell::new(Databases::default());
-            let of = |path: &Path| dart::check(path, &reading, &|path, model| databases.borrow_mut().coverage(path, model));
+            let of =
+                |path: &Path| dart::check(path, &reading, &|path, model| databases.borrow_mut().coverage(path, model));
             let mut findings = of(&path);
             let simulation = reading.folder(&path).simulation;
             let by_mars = simulation.join(dart::MARS);
@@ -122,7 +123,9 @@ pub fn check(input: &Path, options: &Options) -> Result<Vec<Finding>> {
 fn mars(path: &Path, options: &Options) -> Vec<Finding> {
     let has_mars = reading(options).is_ok_and(|reading| dart::has_mars(&reading.folder(path)));
     // What is wrong with the rest is told by the rest.
-    let Some((_, _, report)) = has_mars.then(|| read(path, options, &unwatched).ok()).flatten() else { return Vec::new() };
+    let Some((_, _, report)) = has_mars.then(|| read(path, options, &unwatched).ok()).flatten() else {
+        return Vec::new();
+    };
     let of_mars = report.notes.into_iter().filter(|note| note.at.item.as_deref() == Some("mars"));
     let finding = |note: crate::report::Note| Finding {
         severity: Severity::Warning,

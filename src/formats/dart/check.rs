@@ -204,7 +204,8 @@ impl<'a> Check<'a> {
         let dated = self.inputs.section("Directions").filter(is_dated);
         if dated.is_some() && self.simulation.maket.latitude_longitude_altitude[0] < 0.0 {
             let at = self.simulation.directions.at.clone();
-            let effect = "is said to count its azimuth from North there, half a turn otherwise than north of it: not confirmed";
+            let effect =
+                "is said to count its azimuth from North there, half a turn otherwise than north of it: not confirmed";
             self.warning(&at, "a Sun by date south of the equator", effect, "give the Sun's angles");
         }
     }
@@ -372,7 +373,8 @@ impl<'a> Check<'a> {
         if sets.is_empty() {
             sets.push([1.0; 3]);
         }
-        let sum = |row: &[f64; 3], set: &[f64; 3]| row.iter().zip(set).map(|(share, factor)| share * factor).sum::<f64>();
+        let sum =
+            |row: &[f64; 3], set: &[f64; 3]| row.iter().zip(set).map(|(share, factor)| share * factor).sum::<f64>();
         let all = shares.iter().flat_map(|row| sets.iter().map(|set| sum(row, set)));
         let most = 100.0 * all.fold(0.0, f64::max);
         if most > 100.0 * (1.0 + 1e-9) {
@@ -380,7 +382,12 @@ impl<'a> Check<'a> {
                 "`{}` ({}) reflects and lets through up to {most} % of the light",
                 property.ident, property.model
             );
-            self.error(&property.at, what, "does not check it: light comes from nowhere", "lower one of them to 100 % in all");
+            self.error(
+                &property.at,
+                what,
+                "does not check it: light comes from nowhere",
+                "lower one of them to 100 % in all",
+            );
         }
     }
 
@@ -686,9 +693,18 @@ impl<'a> Check<'a> {
         // Two facets at an edge go along it in opposite senses.
         let odd = edges.values().filter(|senses| matches!(senses, [2, 0] | [0, 2])).count();
         if odd > 0 {
-            let what = format!("facets of `{}` are turned against those beside them, along {odd} of {} edges", object.name, edges.len());
+            let what = format!(
+                "facets of `{}` are turned against those beside them, along {odd} of {} edges",
+                object.name,
+                edges.len()
+            );
             let effect = "sees the backs of some where it sees the fronts of others";
-            self.warning(&object.at, what, effect, "give the corners of all facets one sense, counter-clockwise from outside");
+            self.warning(
+                &object.at,
+                what,
+                effect,
+                "give the corners of all facets one sense, counter-clockwise from outside",
+            );
         }
     }
 

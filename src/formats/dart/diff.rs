@@ -154,16 +154,8 @@ impl Lines {
     }
 
     fn maket(&mut self, (of_a, a): (&Simulation, &Maket), (of_b, b): (&Simulation, &Maket)) {
-        let Maket {
-            size_m,
-            cell_m,
-            boundary,
-            ground,
-            ground_enabled,
-            topography,
-            latitude_longitude_altitude,
-            at: _,
-        } = a;
+        let Maket { size_m, cell_m, boundary, ground, ground_enabled, topography, latitude_longitude_altitude, at: _ } =
+            a;
         self.numbers("maket.xml Scene/SceneDimensions, m", size_m, &b.size_m, 1.0);
         self.numbers("maket.xml Scene/CellDimensions, m", cell_m, &b.cell_m, 0.0);
         self.differ("maket.xml Maket/@exactlyPeriodicScene", boundary, &b.boundary);
@@ -192,14 +184,12 @@ impl Lines {
         });
         self.differ("phase.xml nodeIlluminationMode/@irradianceMode", irradiance_mode, &b.irradiance_mode);
         if *irradiance_mode == 1 && b.irradiance_mode == 1 {
-            self.each("phase.xml SpectralIrradianceValue", irradiance, &b.irradiance, |lines, at, x, y| {
-                match (x, y) {
-                    (Some((irradiance, diffuse)), Some(y)) => {
-                        lines.numbers(&format!("{at} irradiance, W m-2 um-1"), &[*irradiance], &[y.0], 0.0);
-                        lines.numbers(&format!("{at} Skyl"), &[*diffuse], &[y.1], 0.0);
-                    }
-                    (x, y) => lines.differ(at, x, y),
+            self.each("phase.xml SpectralIrradianceValue", irradiance, &b.irradiance, |lines, at, x, y| match (x, y) {
+                (Some((irradiance, diffuse)), Some(y)) => {
+                    lines.numbers(&format!("{at} irradiance, W m-2 um-1"), &[*irradiance], &[y.0], 0.0);
+                    lines.numbers(&format!("{at} Skyl"), &[*diffuse], &[y.1], 0.0);
                 }
+                (x, y) => lines.differ(at, x, y),
             });
         }
         let (products_a, products_b) = (radiance_products, &b.radiance_products);

@@ -61,7 +61,9 @@ impl Ground {
             let found = match terrain(simulation, folder) {
                 Err(Error::Interrupted) => return Err(Error::Interrupted),
                 // It is made again anyway.
-                Err(error) if topography.generated => Err(error.to_string().lines().next().unwrap_or_default().to_owned()),
+                Err(error) if topography.generated => {
+                    Err(error.to_string().lines().next().unwrap_or_default().to_owned())
+                }
                 found => Ok(found?),
             };
             match found {
@@ -74,9 +76,12 @@ impl Ground {
                     ground.close(maket.boundary, topography, &mut report);
                 }
                 found => {
-                    let why = found.err().map_or("is not there".into(), |error| format!("cannot be read ({error})"));
+                    let why = match found.err() {
+                        Some(error) => format!("cannot be read ({error}), but"),
+                        None => "is not there, because".into(),
+                    };
                     let message = format!(
-                        "the terrain {file:?} {why}, but DART makes it before it runs: the ground is a plane at z = 0. \
+                        "the terrain {file:?} {why} DART makes it before it runs: the ground is a plane at z = 0. \
                          Run DART's generator first"
                     );
                     report.note(Fate::Dropped, topography.at.clone(), message);

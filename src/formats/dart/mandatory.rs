@@ -103,7 +103,8 @@ impl Term {
 
 /// The table's lines as a tree: two blanks a level.
 fn table(text: &'static str) -> Vec<Wanted> {
-    let lines = text.lines().filter(|line| !line.starts_with('#') && !line.ends_with(".xml") && !line.trim().is_empty());
+    let lines =
+        text.lines().filter(|line| !line.starts_with('#') && !line.ends_with(".xml") && !line.trim().is_empty());
     let mut open: Vec<Wanted> = Vec::new();
     let mut sections = Vec::new();
     let close = |open: &mut Vec<Wanted>, depth: usize, sections: &mut Vec<Wanted>| {

@@ -378,7 +378,11 @@ impl Reader<'_> {
     fn table(&mut self, property: &OpticalProperty, is_needed: bool, bands: &[Band]) -> Result<Option<Vec<Spectrum>>> {
         let found = match self.spectra(property) {
             // What nothing is made of does not matter.
-            Err(Error::Invalid(_) | Error::Syntax { .. } | Error::Unsupported { .. } | Error::Io { .. }) if !is_needed => None,
+            Err(Error::Invalid(_) | Error::Syntax { .. } | Error::Unsupported { .. } | Error::Io { .. })
+                if !is_needed =>
+            {
+                None
+            }
             found => found?,
         };
         let Some((mut spectra, report)) = found else {
@@ -440,7 +444,10 @@ impl Reader<'_> {
     fn text(&mut self, property: &OpticalProperty) -> Result<Option<(Vec<Spectrum>, Report)>> {
         let OpticalProperty { database: name, at, .. } = property;
         if name.is_empty() {
-            return Err(Error::invalid(at.clone(), format!("{:?} is no table of a database, and no text", property.ident)));
+            return Err(Error::invalid(
+                at.clone(),
+                format!("{:?} is no table of a database, and no text", property.ident),
+            ));
         }
         let located = self.folder.locate(name, at).map_err(|problem| Error::Invalid(vec![problem]))?;
         let Some(path) = located else { return Ok(None) };

@@ -324,8 +324,7 @@ impl Output {
                 }
             }
         }
-        for (_, number, path) in last_iteration(&bands, budget::FOLDER, budget::FIGURES, &is_wanted, &mut problems)?
-        {
+        for (_, number, path) in last_iteration(&bands, budget::FOLDER, budget::FIGURES, &is_wanted, &mut problems)? {
             let Some(band) = self.band(number, &mut problems) else { continue };
             self.budget.push(OutputBand { number, band, path });
         }
@@ -336,7 +335,10 @@ impl Output {
             problems.push(Problem::new(Location::file(path), message));
         }
         let bands = self.views.iter().flat_map(|view| &view.bands).chain(&self.budget);
-        let read: Vec<PathBuf> = bands.map(|band| band.path.clone()).collect();
+        let mut read: Vec<PathBuf> = bands.map(|band| band.path.clone()).collect();
+        if !self.budget.is_empty() {
+            read.push(self.folder.join(budget::TRIANGLES));
+        }
         self.passed_over.extend(others::passed_over(&self.folder, &read, &is_wanted)?);
         if problems.is_empty() { Ok(()) } else { Err(Error::Invalid(problems)) }
     }

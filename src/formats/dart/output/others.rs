@@ -16,7 +16,7 @@ pub(super) fn passed_over(folder: &Path, read: &[PathBuf], is_wanted: &dyn Fn(&P
     let mut found = BTreeSet::new();
     for name in names(folder)? {
         let path = folder.join(&name);
-        if name == properties::FILE || !is_wanted(&path) {
+        if name == properties::FILE || read.contains(&path) || !is_wanted(&path) {
             continue;
         }
         if band_number(&name).is_none() {

@@ -38,10 +38,11 @@ pub(super) fn optical(coeff_diff: &Element, bands: usize, reading: &mut Reading)
             let factors = factors(element, bands, reading);
             // Old versions have one set for all bands.
             if factors.len() > 1 && factors.len() != bands {
-                let message = format!(
-                    "{} sets of factors for {bands} bands: a band without one is taken to have the last one's",
-                    factors.len()
-                );
+                let what = match factors.len() < bands {
+                    true => "bands without one are taken to have the last one's",
+                    false => "those beyond are of no band",
+                };
+                let message = format!("{} sets of factors for {bands} bands: {what}", factors.len());
                 reading.note(Fate::Approximated, element.at(), message);
             }
             sets += factors.len();

@@ -96,7 +96,8 @@ fn irradiance(phase: &Element, bands: usize, reading: &mut Reading) -> (u32, Vec
     let mut values: Vec<Option<(f64, f64)>> = vec![None; bands];
     let mut first = None;
     for (i, element) in list.all("SpectralIrradianceValue").enumerate() {
-        let number = if element.get("bandNumber").is_some() { reading.integer(element, "bandNumber") as usize } else { i };
+        let number =
+            if element.get("bandNumber").is_some() { reading.integer(element, "bandNumber") as usize } else { i };
         let value = (reading.number_or(element, "irradiance", 0.0), reading.number_or(element, "Skyl", 0.0));
         first.get_or_insert(value);
         if mode == 1 && (value.0 < 0.0 || !(0.0..=1.0).contains(&value.1)) {

@@ -40,7 +40,8 @@ fn elements(a: &Element, b: &Element, known: &BTreeMap<&str, &str>, all: bool, l
     let name = a.name.as_str();
     let all = all || known.get(name).is_none_or(|attributes| *attributes == "*");
     let of_element = ATTRIBUTES.iter().find(|(element, _)| *element == name).map_or(&[][..], |(_, names)| names);
-    let mut names: Vec<&str> = a.attributes.iter().chain(&b.attributes).map(|attribute| attribute.name.as_str()).collect();
+    let mut names: Vec<&str> =
+        a.attributes.iter().chain(&b.attributes).map(|attribute| attribute.name.as_str()).collect();
     names.sort_unstable();
     names.dedup();
     for attribute in names.into_iter().filter(|attribute| all || of_element.contains(attribute)) {
@@ -57,7 +58,8 @@ fn elements(a: &Element, b: &Element, known: &BTreeMap<&str, &str>, all: bool, l
     let mut children: Vec<&str> = a.children.iter().chain(&b.children).map(|child| child.name.as_str()).collect();
     children.sort_unstable();
     children.dedup();
-    for child in children.into_iter().filter(|name| all || !LISTED.contains(name)).filter(|name| !LABELS.contains(name)) {
+    for child in children.into_iter().filter(|name| all || !LISTED.contains(name)).filter(|name| !LABELS.contains(name))
+    {
         let (of_a, of_b): (Vec<_>, Vec<_>) = (a.all(child).collect(), b.all(child).collect());
         let is_unread = all || known.get(child).is_none_or(|attributes| *attributes == "*");
         if of_a.len() != of_b.len() && is_unread {

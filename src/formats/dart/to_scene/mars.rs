@@ -10,8 +10,8 @@ use super::super::diff::diff;
 use super::super::folder::Folder;
 use super::super::from_scene::lit_by_mars;
 use super::super::read::{self, Options};
-use super::super::simulation::Simulation;
 use super::super::sidecar::{FILE, Sidecar};
+use super::super::simulation::Simulation;
 use super::{Place, Reader};
 
 /// The folder, in that of a simulation, of the one that is lit by Mars.
@@ -21,7 +21,8 @@ const TOLD: usize = 3;
 
 /// Whether a Mars was written beside a simulation.
 pub(in crate::formats) fn has_mars(folder: &Folder) -> bool {
-    Sidecar::read(&folder.simulation.join(FILE)).is_ok_and(|read| read.is_some_and(|(sidecar, _)| sidecar.mars().is_some()))
+    Sidecar::read(&folder.simulation.join(FILE))
+        .is_ok_and(|read| read.is_some_and(|(sidecar, _)| sidecar.mars().is_some()))
 }
 
 impl Reader<'_> {
@@ -46,8 +47,9 @@ impl Reader<'_> {
         let why = match (expected, is_there) {
             (None, false) => return Ok(scene),
             (None, true) => {
-                let message =
-                    format!("Mars is below the site's horizon, or dark: what the simulation in {FOLDER}/ holds is not read");
+                let message = format!(
+                    "Mars is below the site's horizon, or dark: what the simulation in {FOLDER}/ holds is not read"
+                );
                 self.note(Fate::Dropped, &item, message);
                 return Ok(scene);
             }
@@ -80,7 +82,8 @@ impl Reader<'_> {
         let of_mars = options.folder(path);
         let objects = expected.objects.iter().map(|object| (&object.file, &object.at));
         let databases = expected.optical.iter().map(|property| (&property.database, &property.at));
-        let mut names: Vec<(&String, &Location)> = objects.chain(databases).filter(|(name, _)| !name.is_empty()).collect();
+        let mut names: Vec<(&String, &Location)> =
+            objects.chain(databases).filter(|(name, _)| !name.is_empty()).collect();
         names.sort_by(|a, b| a.0.cmp(b.0));
         names.dedup_by(|a, b| a.0 == b.0);
         for (name, at) in names {

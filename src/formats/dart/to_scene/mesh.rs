@@ -44,9 +44,8 @@ impl Reader<'_> {
         self.inputs.extend(files);
         let mut standing = Standing::default();
         let [x, y] = maket.size_m;
-        let is_within = |object: &Object| {
-            (0.0..=x).contains(&object.position_m.x) && (0.0..=y).contains(&object.position_m.y)
-        };
+        let is_within =
+            |object: &Object| (0.0..=x).contains(&object.position_m.x) && (0.0..=y).contains(&object.position_m.y);
         // Of a field DART leaves out what stands outside of the scene.
         let placed = || {
             let of_fields = simulation.fields.iter().flat_map(|f| f.objects()).filter(is_within).map(Cow::Owned);
@@ -55,7 +54,10 @@ impl Reader<'_> {
         for field in &simulation.fields {
             let outside = field.objects().filter(|object| !is_within(object)).count();
             if outside > 0 {
-                let message = format!("{outside} objects of the field {:?} stand outside of the scene: DART leaves them out", field.name);
+                let message = format!(
+                    "{outside} objects of the field {:?} stand outside of the scene: DART leaves them out",
+                    field.name
+                );
                 self.note(Fate::Dropped, &field.at, message);
             }
         }
@@ -88,8 +90,8 @@ impl Reader<'_> {
         let mut meshes = meshes.into_iter();
         let mut all = meshes.next().unwrap_or_default();
         all.append_all(meshes);
-        standing.tell(&mut self.report);
         beyond.tell(&mut self.report);
+        standing.tell(&mut self.report);
         if let Some(sidecar) = self.sidecar.as_ref().filter(|_| simulation.objects.len() == 1) {
             all.face_of_facet = match sidecar.faces(all.facets.len()) {
                 faces if faces.is_empty() => all.face_of_facet,
@@ -202,7 +204,8 @@ impl Beyond {
         let Some((low_m, high_m)) = mesh.bounds_m() else { return };
         // Rounding of a turn is no reach.
         let slack_m = 1e-9 * x.max(y);
-        let is_within = low_m.x >= -slack_m && low_m.y >= -slack_m && high_m.x <= x + slack_m && high_m.y <= y + slack_m;
+        let is_within =
+            low_m.x >= -slack_m && low_m.y >= -slack_m && high_m.x <= x + slack_m && high_m.y <= y + slack_m;
         if !is_within {
             let list = if object.repeated_on_border { &mut self.repeated } else { &mut self.alone };
             list.get_or_insert_with(|| (object.at.clone(), object.name.clone(), 0)).2 += 1;
@@ -212,7 +215,8 @@ impl Beyond {
     fn tell(self, report: &mut Report) {
         let mut told = |list: Option<(Location, String, usize)>, fate, what: &str| {
             let Some((at, name, count)) = list else { return };
-            let who = if count > 1 { format!("{name:?} and {} more reach", count - 1) } else { format!("{name:?} reaches") };
+            let who =
+                if count > 1 { format!("{name:?} and {} more reach", count - 1) } else { format!("{name:?} reaches") };
             report.note(fate, at, format!("{who} beyond the scene's edge, {what}"));
         };
         let comes_in = "where DART lets it come in at the other side: it only stands where it is";
