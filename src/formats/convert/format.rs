@@ -206,7 +206,7 @@ impl Format {
     pub fn of_output(path: &Path) -> Result<Self> {
         match Format::of_name(path) {
             Some(format) => Ok(format),
-            None if path.extension().is_none() => Ok(Format::Dart),
+            None if is_folder(path) => Ok(Format::Dart),
             None => refused(path, "no format's names end like this"),
         }
     }
@@ -222,6 +222,12 @@ impl Format {
 fn is_envi(header: &[u8]) -> bool {
     let text = header.strip_prefix("\u{feff}".as_bytes()).unwrap_or(header);
     text.get(..4).is_some_and(|word| word.eq_ignore_ascii_case(b"ENVI"))
+}
+
+/// Whether a name is a folder's: it ends in nothing, or in a number, as of a version.
+pub(super) fn is_folder(path: &Path) -> bool {
+    let is_number = |ending: &str| ending.trim_start_matches(['v', 'V']).starts_with(|c: char| c.is_ascii_digit());
+    path.is_dir() || path.extension().is_none_or(|ending| ending.to_str().is_some_and(is_number))
 }
 
 fn is_of_library(header: &[u8]) -> bool {

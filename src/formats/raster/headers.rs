@@ -6,7 +6,7 @@ use crate::error::{Error, Location, Problem, Result};
 use crate::formats::envi::{self, Header};
 use crate::formats::ilwis;
 use crate::formats::number::DataType;
-use crate::report::Fate;
+use crate::report::{Fate, Report};
 
 use super::flat::{Flat, Order};
 use super::names;
@@ -145,8 +145,18 @@ pub(super) fn open_ilwis(path: &Path) -> Result<Raster> {
     }
     let data_type = if store.scale.is_none() { store.data_type } else { DataType::F64 };
     let bands = vec![RasterBand::default()];
+    let mut report = Report::default();
+    let no_data = match store.data_type {
+        DataType::F64 if store.scale.is_none() => ilwis::no_data_of_dart(&values_path)?,
+        _ => None,
+    };
+    if let Some(no_data) = no_data {
+        let message = format!("nothing is below {no_data}: taken for no data, as in images of DART");
+        report.note(Fate::Defaulted, Location::file(&values_path), message);
+    }
     Ok(Raster {
-        ignore: store.undefined,
+        ignore: no_data.or(store.undefined),
+        report,
         scale: store
             .scale
             .map(|[step, offset]| Scale { gain: step, offset: offset * step, divisor: 1.0 })

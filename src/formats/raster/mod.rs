@@ -146,7 +146,7 @@ struct Pass {
 /// | format | what is read |
 /// |---|---|
 /// | ENVI | any interleave, real types and byte order; `data gain values`, `data offset values` and `reflectance scale factor` apply |
-/// | ILWIS 2 (`.mpr`, `.mp#`) | maps of values; its undefined values are NaN; DART's -1 stays |
+/// | ILWIS 2 (`.mpr`, `.mp#`) | maps of values; its undefined values are NaN, and -1 where nothing is less, which is no data in DART's images (not in a `DEM`) |
 /// | OpenEXR | channels of all parts, on the display window; a name that ends in a wavelength (`S0.0950,000000nm`, `1000nm`, `0.95um`) says it |
 /// | PNG, JPEG | grey or red, green, blue, 0 to 1 as stored; NaN where transparent |
 /// | CSV | numbers alone, a line for each row; `nan`, or nothing between two commas, is no data |

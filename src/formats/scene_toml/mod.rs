@@ -29,6 +29,7 @@ use super::spectrum_csv::{self, Quantity};
 pub(super) use atlas::Tiling;
 pub(super) use materials::EMISSIVITY_BOLOMETRIC;
 pub(crate) use materials::hex_from_linear;
+pub(super) use view::LONGEST_UM;
 pub(super) use view::SENSOR_NAME;
 pub(super) use view::pitch_of_fov;
 pub(super) use view::pitch_of_ifov;

@@ -14,7 +14,7 @@ use super::types::{BandsToml, Fit, Frame, Fwhm, ObserverToml, Preset, SensorToml
 /// A camera that has no name.
 pub(in crate::formats) const SENSOR_NAME: &str = "frame camera";
 /// No band lies beyond this, um: wavelengths above are nanometres.
-const LONGEST_UM: f64 = 100.0;
+pub(in crate::formats) const LONGEST_UM: f64 = 100.0;
 /// As many bad centres are told one by one.
 const TOLD: usize = 20;
 
