@@ -153,7 +153,7 @@ impl Surface {
             sensor: Sensor {
                 name: "frame camera".into(),
                 camera: FrameCamera { world_from_sensor, samples: PIXELS, lines: PIXELS, pitch },
-                bands: vec![Band { centre_um: 1.0, fwhm_um: None }],
+                bands: vec![Band::new(1.0, None)],
             },
         }
         .check()

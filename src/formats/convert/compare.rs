@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::geometry::{MaterialId, Mesh};
 use crate::scene::{Mars, Scene};
-use crate::spectral::{SpectralLibrary, Spectrum};
+use crate::spectral::{Band, SpectralLibrary, Spectrum};
 
 use super::Content;
 
@@ -174,8 +174,22 @@ impl Lines {
             .zip(bands_b)
             .position(|(a, b)| !same(a.centre_um, b.centre_um) || !same(width(a.fwhm_um), width(b.fwhm_um)));
         if let Some(i) = differ {
-            let shown = |b: &crate::spectral::Band| format!("{} um wide {} um", b.centre_um, width(b.fwhm_um));
+            let shown = |b: &Band| format!("{} um wide {} um", b.centre_um, width(b.fwhm_um));
             self.push(&format!("sensor.bands[{i}]"), shown(&bands_a[i]), shown(&bands_b[i]));
+        }
+        // A response without a width has no shape.
+        let shape = |b: &Band| b.fwhm_um.map_or("monochromatic", |_| b.response.name());
+        let pairs = || bands_a.iter().zip(bands_b).enumerate();
+        if let Some((i, (a, b))) = pairs().find(|(_, (a, b))| shape(a) != shape(b)) {
+            self.push(&format!("sensor.bands[{i}] response"), shape(a), shape(b));
+        }
+        if let Some((i, (a, b))) = pairs().find(|(_, (a, b))| a.light != b.light) {
+            self.push(&format!("sensor.bands[{i}] light"), a.light.name(), b.light.name());
+        }
+        for (i, (a, b)) in pairs() {
+            if let (Some(a), Some(b)) = (a.response.table(), b.response.table()) {
+                self.spectra(&format!("sensor.bands[{i}] response"), a, b);
+            }
         }
     }
 

@@ -616,9 +616,11 @@ fn wavelengths(scene: &Scene, columns: &[(&str, &Spectrum)]) -> Vec<f64> {
     let tables = columns.iter().map(|(_, s)| *s).filter(is_table);
     let mut all: Vec<f64> = tables.flat_map(|s| s.wavelength_um().iter().copied()).collect();
     if all.is_empty() {
-        all = scene.sensor.bands.iter().flat_map(|band| <[f64; 2]>::from(band.support_um())).collect();
+        all = (scene.sensor.bands.iter())
+            .flat_map(|band| <[f64; 2]>::from(band.support_within_um(scene.known_um(band.light))))
+            .collect();
     }
-    all.retain(|um| (first..=last).contains(um));
+    all.retain(|um| *um > 0.0 && (first..=last).contains(um));
     all.sort_by(f64::total_cmp);
     all.dedup();
     all

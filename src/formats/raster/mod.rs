@@ -256,8 +256,7 @@ impl Raster {
 
     /// The bands of a picture: three for colours where all wavelengths are known or there are three, else the middle one.
     pub fn colour_bands(&self) -> Vec<usize> {
-        let bands: Option<Vec<Band>> =
-            self.bands.iter().map(|b| Some(Band { centre_um: b.centre_um?, fwhm_um: None })).collect();
+        let bands: Option<Vec<Band>> = self.bands.iter().map(|b| Some(Band::new(b.centre_um?, None))).collect();
         match bands {
             Some(bands) if bands.len() >= 3 => quicklook::colour_bands(&bands).to_vec(),
             None if self.bands.len() == 3 => vec![0, 1, 2],

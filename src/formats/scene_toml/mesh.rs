@@ -14,6 +14,8 @@ use super::types::{Coordinates, GivenPose, MeshToml, NamedPose, PoseToml, Recipe
 
 /// Unit vectors and quaternions have length 1 to within this.
 pub(super) const UNIT_TOLERANCE: f64 = 1e-9;
+/// What is farther off than this is no rounding: axes and quaternions of length 1, and shares that add up to 1.
+pub(super) const ROUNDED: f64 = 0.01;
 
 impl Reader<'_> {
     /// All meshes in one, local to the origin, with the dictionary's materials.
@@ -135,16 +137,18 @@ impl Reader<'_> {
         match given {
             PoseToml::Named(NamedPose::Body) => Some(Pose::IDENTITY),
             PoseToml::Named(NamedPose::Radial) => {
-                let outward = Direction::new(self.origin_m);
-                let east = Direction::new(DVec3::Z.cross(self.origin_m));
-                let (Some(up), Some(east)) = (outward, east) else {
+                let Some(up) = Direction::new(self.origin_m) else {
                     self.helped(
                         &at,
-                        "a radial pose needs an origin that is away from the body's centre and poles, where east is no direction",
+                        "a radial pose needs an origin that is away from the body's centre, where no direction is up",
                         "give `origin_m`, or the pose as `world_from_mesh_xyzw`",
                     );
                     return None;
                 };
+                let east = Direction::new(DVec3::Z.cross(self.origin_m)).unwrap_or_else(|| {
+                    self.notes.push(format!("{at}: at a pole no direction is east: taken is x of the body"));
+                    Direction::new(DVec3::X).expect("x has a direction")
+                });
                 let (up, east) = (up.vec(), east.vec());
                 Some(Pose { rotation: DMat3::from_cols(east, up.cross(east), up), translation_m: DVec3::ZERO })
             }
@@ -157,9 +161,13 @@ impl Reader<'_> {
 
     pub(super) fn rotation(&mut self, item: &str, xyzw: [f64; 4]) -> Option<DMat3> {
         let q = DQuat::from_array(xyzw);
-        if (q.length() - 1.0).abs() > UNIT_TOLERANCE {
+        let off = (q.length() - 1.0).abs();
+        if !(off <= ROUNDED) {
             self.problem(item, format!("a rotation is a quaternion of length 1; this one has {}", q.length()));
             return None;
+        }
+        if off > UNIT_TOLERANCE {
+            self.notes.push(format!("{item}: a rounded quaternion, whose length is {off:.1e} off 1: it is made 1"));
         }
         Some(DMat3::from_quat(q.normalize()))
     }

@@ -427,8 +427,7 @@ impl Oracle<'_> {
             return None;
         }
         let (um, width_um, t_k) = (self.input("l0_um")?, self.input("dl_um")?, self.input("T_K")?);
-        let in_band =
-            Band { centre_um: um, fwhm_um: Some(width_um) }.in_band_w_m2_sr(blackbody::radiance_w_m2_sr_um(um, t_k))?;
+        let in_band = Band::new(um, Some(width_um)).in_band_w_m2_sr(blackbody::radiance_w_m2_sr_um(um, t_k))?;
         let exact = blackbody::band_radiance_w_m2_sr(um - 0.5 * width_um, um + 0.5 * width_um, t_k);
         Some(reference(in_band / exact - 1.0))
     }
