@@ -239,7 +239,7 @@ fn cells(line: &str, separator: char) -> Vec<&str> {
         let from = bare.as_ptr() as usize - line.as_ptr() as usize;
         (from, from + bare.len())
     };
-    cells.into_iter().map(|cell| plain(cell)).map(|(from, to)| &line[from..to]).collect()
+    cells.into_iter().map(plain).map(|(from, to)| &line[from..to]).collect()
 }
 
 #[cfg(test)]

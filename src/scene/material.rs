@@ -29,12 +29,16 @@ impl Material {
         let item = format!("materials.{:?}", self.name);
         let is_lit = |band: &Band| band.light.is_lit();
         let glows = |band: &Band| band.light.glows() && thermal != Thermal::Off;
-        let spectra: [(&str, &Spectrum, &dyn Fn(&Band) -> bool); 2] =
-            [("reflectance", &self.reflectance, &is_lit), ("emissivity", &self.emissivity, &glows)];
-        for (what, spectrum, counts) in spectra {
-            if let Some(message) = super::uncovered(what, spectrum, bands, counts) {
+        let uncovered = [
+            ("reflectance", super::uncovered("reflectance", &self.reflectance, bands, is_lit)),
+            ("emissivity", super::uncovered("emissivity", &self.emissivity, bands, glows)),
+        ];
+        for (what, message) in uncovered {
+            if let Some(message) = message {
                 problem(&format!("{item}.{what}"), message);
             }
+        }
+        for (what, spectrum) in [("reflectance", &self.reflectance), ("emissivity", &self.emissivity)] {
             if let Some(v) = spectrum.value().iter().find(|v| !(0.0..=1.0).contains(*v)) {
                 problem(&format!("{item}.{what}"), format!("{v} is outside 0 to 1: is the table in percent?"));
             }

@@ -150,10 +150,10 @@ impl Scene {
         let Some(i) = (0..bands.len()).max_by(|&i, &j| shares[i].total_cmp(&shares[j]).then(j.cmp(&i))) else {
             return vec![];
         };
-        if shares[i] < LEAST_TOLD {
+        if shares[i] == 0.0 {
             return vec![];
         }
-        let cut = shares.iter().filter(|share| **share >= LEAST_TOLD).count();
+        let cut = shares.iter().filter(|share| **share > 0.0).count();
         let (low, high) = bands[i].support_within_um(self.known_um(bands[i].light));
         vec![format!(
             "{} of the response of band {} at {} um lies where not all spectra are known, and is left out: it is taken from {low} to \
@@ -185,7 +185,7 @@ impl Scene {
 }
 
 /// Nothing of a scene is farther away, m (100 light years): products of lengths stay far from what overflows.
-const FARTHEST_M: f64 = 1e18;
+pub const FARTHEST_M: f64 = 1e18;
 
 /// A camera away from the mesh is judged by this many facets.
 const SAMPLE: usize = 4096;
@@ -213,9 +213,6 @@ fn seen_from_behind(mesh: &Mesh, eye_m: DVec3) -> Option<Problem> {
     let help = "positions are in metres from the body's centre: check their unit and `origin_m`, and the mesh's `unit_m`, `up` and `coordinates`";
     Some(Problem::new(Location::item("observer.position_m"), message).with_help(help))
 }
-
-/// Less of a response left out is not told.
-const LEAST_TOLD: f64 = 1e-6;
 
 /// The first of the bands that count which looks too far outside what a spectrum is known for, as a sentence.
 fn uncovered(what: &str, spectrum: &Spectrum, bands: &[Band], counts: impl Fn(&Band) -> bool) -> Option<String> {

@@ -77,10 +77,10 @@ impl SpectralLibrary {
     /// The spectra as bands see them: the mean of each column over each band's response, at the band's centre.
     ///
     /// Columns are linear between their wavelengths. Parameters of reflectance models are averaged as they stand, which
-    /// is not the mean of what the model makes of them. Bands may be in any order; the result ascends.
+    /// is not the mean of what the model makes of them. Responses end where the wavelengths do. Bands may be in any order; the result ascends.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for bands that reach beyond the wavelengths, or that share their centre; as
+    /// [`Error::Invalid`] for bands of which more than [`MOST_BEYOND`] lies beyond the wavelengths, or that share their centre; as
     /// [`check`](SpectralLibrary::check).
     pub fn resample(&self, bands: &[Band]) -> Result<SpectralLibrary> {
         self.check()?;
@@ -91,7 +91,7 @@ impl SpectralLibrary {
         let mut problems: Vec<Problem> = Vec::new();
         for (i, band) in &bands {
             let (from, to) = band.support_um();
-            if !(first <= from && to <= last) && !(band.share_beyond((first, last)) <= MOST_BEYOND) {
+            if !(0.0..=MOST_BEYOND).contains(&band.share_beyond((first, last))) {
                 let [from, to, first, last] = [from, to, first, last].map(number);
                 let message = format!("looks at {from} to {to} um, which is not within the known {first} to {last} um");
                 problems.push(Problem::new(at(*i), message));

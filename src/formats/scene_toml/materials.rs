@@ -108,7 +108,7 @@ impl Reader<'_> {
         if off > SHARE_TOLERANCE && off <= ROUNDED {
             let at = member(&item, "mixture");
             self.notes.push(format!("{at}: rounded shares, which add up to {sum}: they are divided by that"));
-        } else if !(off <= SHARE_TOLERANCE) {
+        } else if !(0.0..=SHARE_TOLERANCE).contains(&off) {
             let is_percent = (sum - 100.0).abs() < 1e-6;
             let problem = self.problem(&member(&item, "mixture"), format!("shares add up to {sum}, not 1"));
             problem.help = is_percent.then(|| "shares are fractions, not percent".into());

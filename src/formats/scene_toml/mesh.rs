@@ -162,7 +162,7 @@ impl Reader<'_> {
     pub(super) fn rotation(&mut self, item: &str, xyzw: [f64; 4]) -> Option<DMat3> {
         let q = DQuat::from_array(xyzw);
         let off = (q.length() - 1.0).abs();
-        if !(off <= ROUNDED) {
+        if !(0.0..=ROUNDED).contains(&off) {
             self.problem(item, format!("a rotation is a quaternion of length 1; this one has {}", q.length()));
             return None;
         }

@@ -17,7 +17,7 @@ use glam::DVec3;
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::Direction;
 use crate::progress::{Progress, Watch};
-use crate::scene::{Mars, MarsModel, Scene, Sun, Texture, Thermal};
+use crate::scene::{FARTHEST_M, Mars, MarsModel, Scene, Sun, Texture, Thermal};
 use crate::spectral::{Extend, Spectrum, solar_e490};
 use crate::units::{AU_M, MARS_RADIUS_M, SUN_RADIUS_M, TSI_1AU_W_M2};
 
@@ -340,7 +340,7 @@ impl Reader<'_> {
         let place = place.and_then(|(direction, distance_m)| {
             // As it is given: a distance may be negative.
             let au = toml.distance_au.unwrap_or(distance_m / AU_M);
-            let shown = if (0.001..1e5).contains(&au) { format!("{au:.4}") } else { number(au) };
+            let shown = if (0.001..1e5).contains(&au.abs()) { format!("{au:.4}") } else { number(au) };
             let message = format!("the Sun is {shown} au from the origin");
             let metres = toml.distance_au.is_none();
             let help = match (metres, au) {
@@ -351,8 +351,8 @@ impl Reader<'_> {
                 (false, 40.0..) => "the distance is in au: 1 au is 149597870700 m",
                 _ => "Phobos is 1.38 to 1.67 au from the Sun",
             };
-            // Nothing is inside the Sun.
-            if !(au * AU_M > SUN_RADIUS_M && au.is_finite()) {
+            // Nothing is inside the Sun, nor as far as nothing of a scene may be.
+            if !(SUN_RADIUS_M..=FARTHEST_M).contains(&(au * AU_M)) {
                 self.helped(item, message, help);
                 return None;
             }

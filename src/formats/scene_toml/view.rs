@@ -52,7 +52,7 @@ impl Reader<'_> {
                 let message = format!("a pixel of {} mrad", number(ifov_mrad));
                 let help = "if this is microradians, write a thousandth";
                 // Half a turn has no tangent.
-                if !(ifov_mrad < 1e3 * std::f64::consts::PI) {
+                if ifov_mrad >= 1e3 * std::f64::consts::PI {
                     self.helped("sensor.ifov_mrad", message, help);
                     return None;
                 }
@@ -145,14 +145,14 @@ impl Reader<'_> {
     /// The rotation whose columns are the axes h, v, u, which may be rounded.
     fn axes(&mut self, [h, v, u]: [DVec3; 3]) -> Option<DMat3> {
         for (name, vector) in [("h", h), ("v", v), ("u", u)] {
-            if !((vector.length() - 1.0).abs() <= ROUNDED) {
+            if !(0.0..=ROUNDED).contains(&(vector.length() - 1.0).abs()) {
                 let message = format!("is not a unit vector: its length is {}", vector.length());
                 self.problem(&format!("observer.{name}"), message);
                 return None;
             }
         }
         let off = (h.cross(v) - u).length();
-        if !(off <= ROUNDED) {
+        if !(0.0..=ROUNDED).contains(&off) {
             let help = if (h.cross(v) + u).length() <= ROUNDED {
                 "h x v = -u: the image would be a mirror image; exchange or turn one of them"
             } else {
@@ -346,7 +346,9 @@ impl Reader<'_> {
             let nm = number(band.centre_um / 1000.0);
             self.notes.push(format!("{item}: a band at {um} um; if this is nanometres, write {nm}"));
         }
-        let is_wrong = |band: &Band| !(band.centre_um > 0.0 && band.centre_um <= LONGEST_UM);
+        // Where one is, the others are in the same unit.
+        let longest_um = if bands.iter().any(|b| b.centre_um > LONGEST_UM) { USUAL_UM } else { LONGEST_UM };
+        let is_wrong = |band: &Band| !(band.centre_um > 0.0 && band.centre_um <= longest_um);
         let wrong: Vec<usize> = (0..bands.len()).filter(|&i| is_wrong(&bands[i])).collect();
         // Of evenly spaced bands the ends say it all.
         let told = wrong.iter().filter(|&&i| toml.centres_um.is_some() || i == 0 || i + 1 == bands.len());
@@ -357,8 +359,8 @@ impl Reader<'_> {
                 None => format!("{item}.stop_um"),
             };
             let um = bands[i].centre_um;
-            let problem = self.problem(&place, format!("{} um is outside 0 to {LONGEST_UM} um", number(um)));
-            if um > LONGEST_UM {
+            let problem = self.problem(&place, format!("{} um is outside 0 to {longest_um} um", number(um)));
+            if um > longest_um {
                 problem.help = Some(format!("if this is nanometres, write {}", number(um / 1000.0)));
             }
         }
