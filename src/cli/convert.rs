@@ -156,7 +156,7 @@ fn bands(text: &str) -> std::result::Result<Bands, String> {
     };
     let step = (last - first) / f64::from(count.max(2) - 1);
     let centre_um = |i: u32| if i + 1 == count { last } else { first + step * f64::from(i) };
-    Ok(Bands((0..count).map(|i| Band { centre_um: centre_um(i), fwhm_um }).collect()))
+    Ok(Bands((0..count).map(|i| Band::new(centre_um(i), fwhm_um)).collect()))
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {

@@ -320,7 +320,7 @@ fn scene(path: &Path, console: &Console) -> Result<Facts> {
         ("fwhm_um", json!(bands.first().and_then(|b| b.fwhm_um))),
         ("table_id", json!(study::table_id(scene))),
         ("defaults", json!(opened.defaults)),
-        ("warnings", json!(opened.warnings)),
+        ("warnings", json!([opened.warnings.clone(), scene.remarks()].concat())),
     ])
 }
 

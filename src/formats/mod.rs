@@ -24,6 +24,7 @@ pub mod radiance_map;
 pub mod raster;
 pub mod recipe_toml;
 pub mod report_json;
+pub mod response_csv;
 pub mod scene_toml;
 pub mod sli;
 pub mod spectra;

@@ -215,7 +215,7 @@ impl Surface {
             sensor: Sensor {
                 name: SENSOR_NAME.into(),
                 camera: FrameCamera { world_from_sensor, samples: PIXELS, lines: PIXELS, pitch },
-                bands: vec![Band { centre_um: 1.0, fwhm_um: None }],
+                bands: vec![Band::new(1.0, None)],
             },
         }
         .check()

@@ -47,7 +47,7 @@ fn scene(mesh: Mesh, origin_m: DVec3) -> Scene {
         sensor: Sensor {
             name: "test".into(),
             camera: FrameCamera { world_from_sensor, samples: 4, lines: 4, pitch: 5e-3 },
-            bands: vec![Band { centre_um: 1.0, fwhm_um: None }],
+            bands: vec![Band::new(1.0, None)],
         },
     }
     .check()
@@ -272,7 +272,7 @@ fn temperatures_and_radiances_are_radiance() {
     let exponential = (14_387.768_775_f64 / 2970.0).exp() - 1.0;
     assert!((values[2] / (1.191_042_972e8 / 9.9_f64.powi(5) / exponential) - 1.0).abs() < 1e-9, "{}", values[2]);
     let mut map = output.view_map(1, &scene, &options()).unwrap();
-    assert_eq!(map.source.bands()[1], Band { centre_um: 10.0, fwhm_um: Some(2.0) });
+    assert_eq!(map.source.bands()[1], Band::boxed(10.0, 2.0));
     map.source.read(1, &mut values).unwrap();
     assert!(values[0].is_nan() && values[2] == 4.5);
 }

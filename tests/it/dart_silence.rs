@@ -84,7 +84,7 @@ fn plain(centres_um: &[f64], reflectance: f64) -> Scene {
     scene.mesh.material.iter_mut().for_each(|m| m.0 = 0);
     scene.thermal = Thermal::Off;
     scene.sun.irradiance_1au = solar_e490().clone();
-    scene.sensor.bands = centres_um.iter().map(|&centre_um| Band { centre_um, fwhm_um: None }).collect();
+    scene.sensor.bands = centres_um.iter().map(|&centre_um| Band::new(centre_um, None)).collect();
     scene.check().unwrap()
 }
 

@@ -78,7 +78,7 @@ pub(crate) fn tetrahedron() -> Scene {
                 lines: 200,
                 pitch: 0.002,
             },
-            bands: vec![Band { centre_um: 1.0, fwhm_um: Some(0.02) }, Band { centre_um: 2.0, fwhm_um: None }],
+            bands: vec![Band::new(1.0, Some(0.02)), Band::new(2.0, None)],
         },
     }
     .check()
@@ -119,7 +119,7 @@ pub(crate) fn rich() -> Scene {
     });
     scene.thermal = Thermal::Equilibrium;
     scene.sensor.camera.world_from_sensor.rotation *= DMat3::from_rotation_z(0.3);
-    scene.sensor.bands.push(Band { centre_um: 2.2, fwhm_um: Some(0.05) });
+    scene.sensor.bands.push(Band::new(2.2, Some(0.05)));
     scene.check().unwrap()
 }
 
@@ -383,7 +383,7 @@ fn an_edited_file_wins() {
     assert!((in_the_band - 411.111_111_111_111_1).abs() < 1e-9, "{in_the_band}");
     assert_eq!(
         back.sensor.bands,
-        [(1.0, Some(0.04)), (2.0, None)].map(|(centre_um, fwhm_um)| Band { centre_um, fwhm_um })
+        [(1.0, Some(0.04)), (2.0, None)].map(|(centre_um, fwhm_um)| Band::new(centre_um, fwhm_um))
     );
     let turned = back.sun.direction.angle_rad(tetrahedron().sun.direction);
     assert!(turned > 1.0, "{turned}");
@@ -559,7 +559,7 @@ fn e490_is_recognized_by_its_irradiances() {
     let folder = scratch.path().join("out");
     let mut scene = tetrahedron();
     scene.sun.irradiance_1au = mmxrt::spectral::solar_e490().clone();
-    scene.sensor.bands = [1.0, 2.0].map(|centre_um| Band { centre_um, fwhm_um: None }).to_vec();
+    scene.sensor.bands = [1.0, 2.0].map(|centre_um| Band::new(centre_um, None)).to_vec();
     written(&scene, &options(Target::V5_7_4), &folder);
     std::fs::remove_file(folder.join("mmxrt.toml")).unwrap();
     // The standard: 747.9 W m-2 um-1 at 1 um and 117 at 2 um; at 1.5 au they are divided by 2.25.
@@ -586,7 +586,7 @@ fn e490_is_recognized_by_its_irradiances() {
     let total = back.sun.total_irradiance_1au_w_m2 * (1.5 * AU_M / back.sun.distance_m).powi(2);
     assert!((1366.0..2732.2).contains(&total), "{total}");
     // Bands that have a width come back with it, and so the Sun as it was.
-    scene.sensor.bands = [1.0, 2.0].map(|centre_um| Band { centre_um, fwhm_um: Some(0.02) }).to_vec();
+    scene.sensor.bands = [1.0, 2.0].map(|centre_um| Band::new(centre_um, Some(0.02))).to_vec();
     let folder = scratch.path().join("wide");
     written(&scene, &options(Target::V5_7_4), &folder);
     std::fs::remove_file(folder.join("mmxrt.toml")).unwrap();

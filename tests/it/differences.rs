@@ -125,8 +125,8 @@ fn every_part_of_a_scene_is_compared() {
         ("sensor.lines", &|s| s.sensor.camera.lines += 1),
         ("sensor pitch", &|s| s.sensor.camera.pitch *= 1.0 + 1e-9),
         ("sensor.bands", &|s| s.sensor.bands.truncate(1)),
-        ("sensor.bands[1]", &|s| s.sensor.bands[1] = Band { centre_um: 2.1, ..s.sensor.bands[1] }),
-        ("sensor.bands[0]", &|s| s.sensor.bands[0] = Band { fwhm_um: Some(0.1), ..s.sensor.bands[0] }),
+        ("sensor.bands[1]", &|s| s.sensor.bands[1].centre_um = 2.1),
+        ("sensor.bands[0]", &|s| s.sensor.bands[0].fwhm_um = Some(0.1)),
     ];
     for (name, change) in changes {
         let mut other = scene.clone();

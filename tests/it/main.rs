@@ -1,5 +1,6 @@
 //! The integration tests: one binary, one module for each kind of promise.
 
+mod bands;
 mod bodies;
 mod cli;
 mod clipping;

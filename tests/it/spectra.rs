@@ -359,7 +359,7 @@ fn tables_of_many_spectra_are_checked_cell_by_cell() {
 
 #[test]
 fn resampled_spectra_have_the_bands_wavelengths() {
-    let bands = [0.5, 0.6, 0.9].map(|centre_um| Band { centre_um, fwhm_um: Some(0.02) });
+    let bands = [0.5, 0.6, 0.9].map(|centre_um| Band::new(centre_um, Some(0.02)));
     let seen = spectra::resample(&[paint()], &bands).unwrap();
     assert_eq!(seen[0].wavelength_um, [0.5, 0.6, 0.9]);
     // Linear within each band.
@@ -367,7 +367,7 @@ fn resampled_spectra_have_the_bands_wavelengths() {
     for (value, expected) in seen[0].column("reflectance").unwrap().iter().zip(expected) {
         assert!((value - expected).abs() < 1e-12, "{value} {expected}");
     }
-    let beyond = spectra::resample(&[paint()], &[Band { centre_um: 0.4, fwhm_um: Some(0.02) }]);
+    let beyond = spectra::resample(&[paint()], &[Band::new(0.4, Some(0.02))]);
     assert!(beyond.unwrap_err().to_string().contains("inner_paint"));
 }
 

@@ -319,7 +319,8 @@ impl Lines {
             return self.push("sensor.bands", bands.len(), b.bands.len());
         }
         let differ = |a: &Band, b: &Band| {
-            let Band { centre_um, fwhm_um } = a;
+            // Shapes and lights are told by themselves.
+            let Band { centre_um, fwhm_um, response: _, light: _ } = a;
             !same(*centre_um, b.centre_um) || !same(fwhm_um.unwrap_or(0.0), b.fwhm_um.unwrap_or(0.0))
         };
         let off: Vec<usize> = (0..bands.len()).filter(|&i| differ(&bands[i], &b.bands[i])).collect();
@@ -330,6 +331,20 @@ impl Lines {
             };
             let more = if off.len() > 1 { format!(" and {} more", off.len() - 1) } else { String::new() };
             self.push(&format!("sensor.bands[{i}]{more}"), shown(&bands[i]), shown(&b.bands[i]));
+        }
+        // A response without a width has no shape.
+        let shape = |b: &Band| b.fwhm_um.map_or("monochromatic", |_| b.response.name());
+        let pairs = || bands.iter().zip(&b.bands).enumerate();
+        if let Some((i, (a, b))) = pairs().find(|(_, (a, b))| shape(a) != shape(b)) {
+            self.push(&format!("sensor.bands[{i}] response"), shape(a), shape(b));
+        }
+        if let Some((i, (a, b))) = pairs().find(|(_, (a, b))| a.light != b.light) {
+            self.push(&format!("sensor.bands[{i}] light"), a.light.name(), b.light.name());
+        }
+        for (i, (a, b)) in pairs() {
+            if let (Some(a), Some(b)) = (a.response.table(), b.response.table()) {
+                self.spectra(&format!("sensor.bands[{i}] response"), a, b);
+            }
         }
     }
 

@@ -249,12 +249,12 @@ pub fn read(input: &Path, options: &Options, watch: Watch<'_>) -> Result<(Format
             (Content::Scene(Box::new(scene), flights), report)
         }
         Format::Database | Format::DartText | Format::Sli | Format::Csv => {
-            let (libraries, report) = match path.is_dir() {
+            let (libraries, mut report) = match path.is_dir() {
                 true => spectra::read(&path)?,
                 false if format == Format::Csv => spectrum_csv::read_all(&path, options.wavelengths.as_deref())?,
                 false => spectra::read_as(&path, spectral(format))?,
             };
-            (Content::Spectra(chosen(libraries, options, &path)?), report)
+            (Content::Spectra(chosen(libraries, options, &path, &mut report)?), report)
         }
         Format::Grid => {
             let mut raster = raster::open_csv(&path)?;
@@ -316,7 +316,12 @@ fn raster_size(raster: &Raster, bands: usize) -> String {
 }
 
 /// The libraries of the names that are asked for, in their order, at the wavelengths that are.
-fn chosen(libraries: Vec<SpectralLibrary>, options: &Options, path: &Path) -> Result<Vec<SpectralLibrary>> {
+fn chosen(
+    libraries: Vec<SpectralLibrary>,
+    options: &Options,
+    path: &Path,
+    report: &mut Report,
+) -> Result<Vec<SpectralLibrary>> {
     let find = |name: &String| {
         let found = libraries.iter().find(|library| library.name == *name);
         found.cloned().ok_or_else(|| {
@@ -328,7 +333,25 @@ fn chosen(libraries: Vec<SpectralLibrary>, options: &Options, path: &Path) -> Re
         true => libraries,
         false => options.models.iter().map(find).collect::<Result<_>>()?,
     };
-    if options.bands.is_empty() { Ok(libraries) } else { spectra::resample(&libraries, &options.bands) }
+    if options.bands.is_empty() {
+        return Ok(libraries);
+    }
+    let resampled = spectra::resample(&libraries, &options.bands)?;
+    for library in &libraries {
+        let Some(known_um) = library.coverage_um() else { continue };
+        let beyond = |band: &Band| band.share_beyond(known_um);
+        let most = options.bands.iter().max_by(|a, b| beyond(a).total_cmp(&beyond(b)));
+        if let Some(band) = most.filter(|band| beyond(band) > 0.0) {
+            let message = format!(
+                "{:.2e} of the response of the band at {} um lies beyond its wavelengths, and is left out",
+                beyond(band),
+                band.centre_um
+            );
+            let at = Location::file(path).with_item(format!("spectra of {:?}", library.name));
+            report.note(Fate::Approximated, at, message);
+        }
+    }
+    Ok(resampled)
 }
 
 /// A format of spectra; CSV for one that is none.
@@ -390,7 +413,7 @@ impl Job<'_> {
                 let message = "mesh, Sun, camera and heat: only the spectra of its materials are written";
                 self.report.note(Fate::Dropped, Location::file(self.input), message);
                 self.forget_defaults();
-                let libraries = chosen(libraries(&scene, self.report), self.options, self.input)?;
+                let libraries = chosen(libraries(&scene, self.report), self.options, self.input, self.report)?;
                 self.spectra(&libraries, to)
             }
             (Content::Scene(scene, _), _) => {
@@ -689,9 +712,11 @@ fn wavelengths(scene: &Scene, columns: &[(&str, &Spectrum)]) -> Vec<f64> {
     let tables = columns.iter().map(|(_, s)| *s).filter(is_table);
     let mut all: Vec<f64> = tables.flat_map(|s| s.wavelength_um().iter().copied()).collect();
     if all.is_empty() {
-        all = scene.sensor.bands.iter().flat_map(|band| <[f64; 2]>::from(band.support_um())).collect();
+        all = (scene.sensor.bands.iter())
+            .flat_map(|band| <[f64; 2]>::from(band.support_within_um(scene.known_um(band.light))))
+            .collect();
     }
-    all.retain(|um| (first..=last).contains(um));
+    all.retain(|um| *um > 0.0 && (first..=last).contains(um));
     all.sort_by(f64::total_cmp);
     all.dedup();
     all

@@ -9,7 +9,7 @@ use glam::{DMat3, DVec3};
 use crate::error::{Error, Location, Result};
 use crate::formats::ilwis::Raster;
 use crate::formats::obj::{self, ObjFile};
-use crate::formats::scene_toml::LONGEST_UM;
+use crate::formats::scene_toml::USUAL_UM;
 use crate::formats::xml::Element;
 
 use super::folder::Folder;
@@ -213,7 +213,7 @@ impl<'a> Check<'a> {
     /// Wavelengths in um; as many irradiances and factors as bands.
     fn bands(&mut self) {
         let simulation = self.simulation;
-        for band in simulation.phase.bands.iter().filter(|band| band.mean_um > LONGEST_UM) {
+        for band in simulation.phase.bands.iter().filter(|band| band.mean_um > USUAL_UM) {
             let what = format!("a band at {} um", band.mean_um);
             self.error(&band.at, what, "takes wavelengths in micrometres", nanometres(band));
         }
@@ -319,7 +319,7 @@ impl<'a> Check<'a> {
         let Some(Coverage { range_um: (first, last), shares }) = coverage(&path, &property.model) else {
             return;
         };
-        if first > LONGEST_UM {
+        if first > USUAL_UM {
             let what = format!("`{}` of {} runs from {first} to {last} um", property.model, property.database);
             let effect = "takes wavelengths in micrometres";
             return self.error(&property.at, what, effect, "if these are nanometres, divide them by 1000");

@@ -10,7 +10,7 @@ use crate::geometry::{Direction, Mesh};
 use crate::physics::sun;
 use crate::report::{Fate, Report};
 use crate::scene::{Scene, Thermal};
-use crate::spectral::SpectralLibrary;
+use crate::spectral::{Response, SpectralLibrary};
 
 use super::frame;
 use super::inputs::Target;
@@ -350,13 +350,16 @@ impl Site<'_> {
                 );
             }
         }
-        let monochromatic = scene.sensor.bands.iter().filter(|b| b.fwhm_um.is_none()).count();
-        if monochromatic < scene.sensor.bands.len() {
-            report.note(
-                Fate::Carried,
-                item("sensor.bands"),
-                "Gaussian responses; DART's are rectangles of the same width",
-            );
+        let bands = &scene.sensor.bands;
+        let monochromatic = bands.iter().filter(|b| b.fwhm_um.is_none()).count();
+        let are_wide = |is: fn(&Response) -> bool| bands.iter().any(|b| b.fwhm_um.is_some() && is(&b.response));
+        if are_wide(|r| *r == Response::Gaussian) {
+            let message = "Gaussian responses; DART's are rectangles of the same width";
+            report.note(Fate::Carried, item("sensor.bands"), message);
+        }
+        if are_wide(|r| matches!(r, Response::Table(_))) {
+            let message = "tabulated responses; DART's are rectangles of the same centre and equivalent width";
+            report.note(Fate::Carried, item("sensor.bands"), message);
         }
         if monochromatic > 0 {
             let message = format!("{monochromatic} monochromatic bands are {MONOCHROMATIC_UM} um wide in DART");

@@ -13,12 +13,12 @@ use glam::{DMat3, DVec3};
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::formats::input::{self, InputFile};
 use crate::formats::obj::ObjFile;
-use crate::formats::scene_toml::LONGEST_UM;
+use crate::formats::scene_toml::USUAL_UM;
 use crate::geometry::{Direction, Mesh, Pose};
 use crate::progress::Watch;
 use crate::report::{Fate, Report};
 use crate::scene::{FrameCamera, Hapke, Material, Photometry, Rpv, Scene, Sensor, Sun, Thermal};
-use crate::spectral::{Band, Extend, SpectralLibrary, Spectrum, solar_e490, solar_mean};
+use crate::spectral::{ALL_UM, Band, Extend, Light, MOST_BEYOND, SpectralLibrary, Spectrum, solar_e490, solar_mean};
 use crate::units::AU_M;
 
 use super::database::Database;
@@ -150,7 +150,7 @@ impl Reader<'_> {
 
     /// Refuses bands at wavelengths that no scene has: they are in another unit.
     fn wavelengths(&self) -> Result<()> {
-        let long = self.simulation.phase.bands.iter().filter(|band| band.mean_um > LONGEST_UM);
+        let long = self.simulation.phase.bands.iter().filter(|band| band.mean_um > USUAL_UM);
         let problem = |band: &SpectralInterval| {
             let message = format!("a band at {} um: DART's wavelengths are in micrometres", band.mean_um);
             Problem::new(band.at.clone(), message).with_help(nanometres(band))
@@ -160,31 +160,32 @@ impl Reader<'_> {
     }
 
     fn bands(&mut self) -> Vec<Band> {
-        let (mut rectangles, mut wide) = (None, None);
+        let mut cut = None;
+        let (first_um, last_um) = solar_e490().coverage_um();
         let intervals = &self.simulation.phase.bands;
         let bands = intervals.iter().enumerate().map(|(i, interval)| {
+            let light = light(interval.mode);
             let kept = self.sidecar.as_ref().and_then(|s| s.band(i, interval.mean_um));
             if let Some(band) = kept.filter(|band| same(width_um(band), interval.width_um)) {
+                // `with_thermal` asks whether its light is still what was written.
                 return band;
             }
-            let fwhm_um = (interval.width_um > 0.0).then_some(interval.width_um);
-            let band = Band { centre_um: interval.mean_um, fwhm_um };
-            // Where sunlight is not known, or below all wavelengths.
-            if fwhm_um.is_some() && band.support_um().0 < solar_e490().coverage_um().0 {
-                wide.get_or_insert(&interval.at);
-                return Band { fwhm_um: None, ..band };
+            if interval.width_um == 0.0 {
+                return Band { light, ..Band::new(interval.mean_um, None) };
             }
-            rectangles.get_or_insert(&interval.at);
-            band
+            let band = Band { light, ..Band::boxed(interval.mean_um, interval.width_um) };
+            let known_um = if light.is_lit() { (first_um, last_um) } else { ALL_UM };
+            if band.share_beyond(known_um) <= MOST_BEYOND {
+                return band;
+            }
+            cut.get_or_insert(&interval.at);
+            let (from, to) = band.support_within_um(known_um);
+            if from < to { Band { light, ..Band::boxed(0.5 * (from + to), to - from) } } else { band }
         });
         let bands = bands.collect();
-        if let Some(at) = rectangles {
-            let message = "DART's bands are rectangles: taken as Gaussian responses with the same full width";
-            self.report.note(Fate::Approximated, at.clone(), message);
-        }
-        if let Some(at) = wide {
+        if let Some(at) = cut {
             let message =
-                "a Gaussian response as wide as this band would reach beyond sunlight: taken at the centre alone";
+                format!("a band reaches beyond sunlight as it is known, {first_um} to {last_um} um: it ends there");
             self.report.note(Fate::Approximated, at.clone(), message);
         }
         bands
@@ -404,7 +405,7 @@ impl Reader<'_> {
             bands.iter().map(Band::support_um).fold((f64::INFINITY, 0.0f64), |a, b| (a.0.min(b.0), a.1.max(b.1)));
         if needed.0 < first || last < needed.1 {
             if is_needed {
-                let unit = if first > LONGEST_UM { " (are these nanometres? DART's tables are in um)" } else { "" };
+                let unit = if first > USUAL_UM { " (are these nanometres? DART's tables are in um)" } else { "" };
                 let message = format!(
                     "{:?} is known from {first} to {last} um{unit}, which does not cover all bands: its end values are held",
                     property.ident
@@ -611,11 +612,19 @@ impl Reader<'_> {
                 && functions
                     .iter()
                     .zip(&simulation.thermal)
-                    .all(|(a, b)| same(a.mean_k, b.mean_k) && same(a.range_k, b.range_k))
-                && modes.iter().map(|m| m.mode).eq(simulation.phase.bands.iter().map(|b| b.mode));
+                    .all(|(a, b)| same(a.mean_k, b.mean_k) && same(a.range_k, b.range_k));
             if is_same {
+                // What a band with both is written as is what matters of them; another mode was put there by hand.
+                for ((band, written), given) in scene.sensor.bands.iter_mut().zip(modes).zip(&simulation.phase.bands) {
+                    if written.mode != given.mode {
+                        band.light = light(given.mode);
+                    }
+                }
                 return scene;
             }
+        }
+        for (band, given) in scene.sensor.bands.iter_mut().zip(&simulation.phase.bands) {
+            band.light = light(given.mode);
         }
         if simulation.phase.bands.iter().all(|band| band.mode == 0) {
             scene.thermal = Thermal::Off;
@@ -633,6 +642,15 @@ impl Reader<'_> {
 pub(super) fn nanometres(band: &SpectralInterval) -> String {
     let [mean_um, width_um] = [band.mean_um, band.width_um].map(|nm| number(nm / 1000.0));
     format!("if this is nanometres, write {mean_um} and a width of {width_um}")
+}
+
+/// What light a band has by its `spectralDartMode`.
+fn light(mode: u32) -> Light {
+    match mode {
+        0 => Light::Sunlight,
+        1 => Light::Both,
+        _ => Light::Heat,
+    }
 }
 
 /// A spectrum times a factor that is linear between these points, and beyond them that of the first or the last.

@@ -199,12 +199,12 @@ impl FacetTexels {
         if let Some(band) = self.bands.iter().find(|b| !(b.centre_um > 0.0 && b.centre_um.is_finite())) {
             return Err(Error::invalid(Location::file(&self.path), format!("{} um is no wavelength", band.centre_um)));
         }
-        let has_width = |b: &&Band| b.fwhm_um.is_some_and(|w| !(w > 0.0 && w < b.centre_um));
-        if let Some(Band { centre_um, fwhm_um }) = self.bands.iter().find(has_width) {
+        let has_width = |b: &&Band| b.fwhm_um.is_some_and(|w| !(w > 0.0 && w <= 2.0 * b.centre_um));
+        if let Some(Band { centre_um, fwhm_um, .. }) = self.bands.iter().find(has_width) {
             let width = fwhm_um.map_or_else(String::new, number);
             let at = Location::file(&self.path).with_item("fwhm_um");
             let problem = Problem::new(at, format!("a width of {width} um for a band at {centre_um} um"))
-                .with_help("widths are in um, from 0 (monochromatic) and less than the centre");
+                .with_help("widths are in um, from 0 (monochromatic) to twice the centre");
             return Err(Error::Invalid(vec![problem]));
         }
         if let Some(i) = self.values.iter().position(|v| *v < 0.0 || v.is_infinite()) {
@@ -239,7 +239,7 @@ mod tests {
     use super::*;
 
     fn band(centre_um: f64, fwhm_um: Option<f64>) -> Band {
-        Band { centre_um, fwhm_um }
+        Band::new(centre_um, fwhm_um)
     }
 
     fn radiance(quantity: QuantityToml, unit: UnitToml, band: Band, irradiance: Option<f64>, value: f64) -> f64 {
@@ -250,20 +250,20 @@ mod tests {
     fn all_quantities_become_radiance() {
         use QuantityToml::*;
         use UnitToml::*;
-        let at_1 = band(1.0, None);
-        assert_eq!(radiance(Radiance, PerUm, at_1, None, 3.0), 3.0);
-        assert_eq!(radiance(Radiance, PerNm, at_1, None, 0.003), 3.0);
-        assert_eq!(radiance(Radiance, MilliPerNm, at_1, None, 3.0), 3.0);
+        let at_1 = || band(1.0, None);
+        assert_eq!(radiance(Radiance, PerUm, at_1(), None, 3.0), 3.0);
+        assert_eq!(radiance(Radiance, PerNm, at_1(), None, 0.003), 3.0);
+        assert_eq!(radiance(Radiance, MilliPerNm, at_1(), None, 3.0), 3.0);
         // 1 uW cm-2 nm-1 = 1e-6 W 1e4 m-2 1e3 um-1.
-        assert_eq!(radiance(Radiance, MicroPerCm2PerNm, at_1, None, 0.3), 3.0);
+        assert_eq!(radiance(Radiance, MicroPerCm2PerNm, at_1(), None, 0.3), 3.0);
         assert_eq!(radiance(BandRadiance, InBand, band(1.0, Some(0.25)), None, 3.0), 12.0);
         // White under pi W m-2 um-1 sends 1 W m-2 sr-1 um-1.
-        assert!((radiance(ReflectanceFactor, One, at_1, Some(std::f64::consts::PI), 0.5) - 0.5).abs() < 1e-16);
-        assert!((radiance(ReflectanceFactor, Percent, at_1, Some(std::f64::consts::PI), 50.0) - 0.5).abs() < 1e-16);
+        assert!((radiance(ReflectanceFactor, One, at_1(), Some(std::f64::consts::PI), 0.5) - 0.5).abs() < 1e-16);
+        assert!((radiance(ReflectanceFactor, Percent, at_1(), Some(std::f64::consts::PI), 50.0) - 0.5).abs() < 1e-16);
         // Planck at 10 um and 300 K: c1L l^-5 / (exp(c2 / l T) - 1) = 1.19104297e8 1e-5 / (exp(4.79592561) - 1).
         let planck = 1.191_042_972e8 * 1e-5 / (14_387.768_775_f64 / 3000.0).exp_m1();
         assert!((radiance(BrightnessTemperature, Kelvin, band(10.0, None), None, 300.0) / planck - 1.0).abs() < 1e-8);
-        let refused = |quantity, unit: UnitToml| Conversion::new(quantity, &unit.unit(), &at_1, None).unwrap_err();
+        let refused = |quantity, unit: UnitToml| Conversion::new(quantity, &unit.unit(), &at_1(), None).unwrap_err();
         assert!(refused(ReflectanceFactor, One).contains("irradiance"));
         assert!(refused(BandRadiance, InBand).contains("width"));
         assert!(refused(Radiance, Kelvin).contains("no unit of spectral radiance"));

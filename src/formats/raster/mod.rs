@@ -409,8 +409,7 @@ impl Raster {
 
     /// The bands of a picture: three for colours where all wavelengths are known or there are three, else the middle one.
     pub fn colour_bands(&self) -> Vec<usize> {
-        let bands: Option<Vec<Band>> =
-            self.bands.iter().map(|b| Some(Band { centre_um: b.centre_um?, fwhm_um: None })).collect();
+        let bands: Option<Vec<Band>> = self.bands.iter().map(|b| Some(Band::new(b.centre_um?, None))).collect();
         let colours: Option<Vec<usize>> = (0..3)
             .map(|colour| {
                 let mut of = (0..self.bands.len()).filter(|i| names::colour(&self.bands[*i].name) == Some(colour));

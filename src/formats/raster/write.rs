@@ -414,8 +414,7 @@ fn channel_names(bands: &[RasterBand], path: &Path, report: &mut Report) -> Resu
         sorted.windows(2).find(|w| w[0] == w[1]).map(|w| w[0].clone())
     };
     if let Some(centres_um) = centres_um {
-        let names: Vec<String> =
-            centres_um.iter().map(|um| exr_cube::channel_name(&Band { centre_um: *um, fwhm_um: None })).collect();
+        let names: Vec<String> = centres_um.iter().map(|um| exr_cube::channel_name(&Band::new(*um, None))).collect();
         if bands.iter().any(|b| !b.name.is_empty() && super::names::wavelength(&b.name).is_none()) {
             let at = Location::file(path).with_item("names of bands");
             report.note(Fate::Dropped, at, "channels are called by their wavelength");

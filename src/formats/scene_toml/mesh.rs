@@ -19,6 +19,8 @@ use super::types::{Coordinates, GivenPose, MeshToml, NamedPose, PoseToml, Recipe
 const FAR: f64 = 1000.0;
 /// Unit vectors and quaternions have length 1 to within this.
 pub(super) const UNIT_TOLERANCE: f64 = 1e-9;
+/// What is farther off than this is no rounding: axes and quaternions of length 1, and shares that add up to 1.
+pub(super) const ROUNDED: f64 = 0.01;
 
 impl Reader<'_> {
     /// All meshes in one, local to the origin, with the dictionary's materials.
@@ -218,9 +220,13 @@ impl Reader<'_> {
 
     pub(super) fn rotation(&mut self, item: &str, xyzw: [f64; 4]) -> Option<DMat3> {
         let q = DQuat::from_array(xyzw);
-        if (q.length() - 1.0).abs() > UNIT_TOLERANCE {
+        let off = (q.length() - 1.0).abs();
+        if !(0.0..=ROUNDED).contains(&off) {
             self.problem(item, format!("a rotation is a quaternion of length 1; this one has {}", q.length()));
             return None;
+        }
+        if off > UNIT_TOLERANCE {
+            self.notes.push(format!("{item}: a rounded quaternion, whose length is {off:.1e} off 1: it is made 1"));
         }
         Some(DMat3::from_quat(q.normalize()))
     }

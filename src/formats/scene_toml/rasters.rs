@@ -91,6 +91,10 @@ impl Reader<'_> {
     ) -> Option<Vec<Band>> {
         let of_raster: Vec<_> = rasters.iter().flat_map(|r| &r.bands).collect();
         if let Some(given) = given {
+            if given.light.is_some() {
+                self.problem(&format!("{item}.light"), "is a matter of a scene's sensor: the raster has what it has");
+                return None;
+            }
             let bands = self.bands(item, given)?;
             if bands.len() != of_raster.len() {
                 let message = format!(
@@ -108,7 +112,7 @@ impl Reader<'_> {
             self.compare_bands(item, &bands, &own_um, &names)?;
             return Some(bands);
         }
-        let known = of_raster.iter().map(|b| Some(Band { centre_um: b.centre_um?, fwhm_um: b.fwhm_um }));
+        let known = of_raster.iter().map(|b| Some(Band::new(b.centre_um?, b.fwhm_um)));
         match known.collect::<Option<Vec<Band>>>() {
             Some(bands) if bands.iter().all(|b| b.centre_um > 0.0) => Some(bands),
             _ => {

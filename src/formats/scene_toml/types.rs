@@ -423,7 +423,7 @@ pub(crate) enum Fit {
     Scene,
 }
 
-/// Bands: `start_um`, `stop_um` and `count` (both ends included), or `centres_um`.
+/// Bands: `start_um`, `stop_um` and `count` (both ends included), or `centres_um`, or `response`.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct BandsToml {
@@ -437,8 +437,19 @@ pub(crate) struct BandsToml {
     /// Centres of the bands, um.
     #[schemars(length(min = 1, max = 100_000))]
     pub(crate) centres_um: Option<Vec<f64>>,
-    /// Full width at half maximum of a Gaussian response, um: one for all, or one for each (0: monochromatic). Default: monochromatic.
+    /// Full width at half maximum of the response, um: one for all, or one for each (0: monochromatic). Default: monochromatic.
     pub(crate) fwhm_um: Option<Fwhm>,
+    /// Shape of responses that have a width: "gaussian" (the default) or "box"; one for all, or one for each. Where centres and
+    /// `response` are given, "table" stands for the next column of `response`, whose centre and width count then.
+    pub(crate) shape: Option<ShapesToml>,
+    /// Path of a CSV table of responses, or of several: `wavelength_nm` or `wavelength_um`, then a column for each band, relative or
+    /// absolute. Instead of centres and widths, which follow from it.
+    pub(crate) response: Option<ResponseToml>,
+    /// Names of the columns of `response` that are taken, in the order of the bands. Default: all.
+    #[schemars(length(min = 1, max = 100_000))]
+    pub(crate) columns: Option<Vec<String>>,
+    /// What light a band has: "both" (the default), "sunlight" alone, or "heat" alone; one for all, or one for each.
+    pub(crate) light: Option<LightsToml>,
 }
 
 /// One width, or one for each band.
@@ -449,4 +460,58 @@ pub(crate) enum Fwhm {
     All(f64),
     /// One for each band.
     Each(Vec<f64>),
+}
+
+/// One shape, or one for each band.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(crate) enum ShapesToml {
+    /// One for all bands.
+    All(ShapeToml),
+    /// One for each band.
+    Each(Vec<ShapeToml>),
+}
+
+/// The shape of a response.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum ShapeToml {
+    /// A Gaussian.
+    Gaussian,
+    /// The same all over the full width.
+    Box,
+    /// The next column of `response`.
+    Table,
+}
+
+/// One table of responses, or several.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(crate) enum ResponseToml {
+    /// One table.
+    One(String),
+    /// Several, whose columns follow one another.
+    Several(Vec<String>),
+}
+
+/// One light, or one for each band.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(crate) enum LightsToml {
+    /// One for all bands.
+    All(LightToml),
+    /// One for each band.
+    Each(Vec<LightToml>),
+}
+
+/// What light a band has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum LightToml {
+    /// Sunlight, and no heat.
+    Sunlight,
+    /// Heat, and no sunlight.
+    Heat,
+    /// Both.
+    Both,
 }

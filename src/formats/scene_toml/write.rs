@@ -18,11 +18,11 @@ use crate::formats::file_name::shortened;
 use crate::formats::folder::Staged;
 use crate::formats::located::LONGEST_NAME;
 use crate::formats::mtl::{self, ObjMaterial};
-use crate::formats::{obj, photometry_csv};
+use crate::formats::{obj, photometry_csv, response_csv};
 use crate::physics::reflectance::kirchhoff_emissivity;
 use crate::report::{Fate, Report};
 use crate::scene::{MarsModel, Material, Scene, Thermal};
-use crate::spectral::{Extend, Spectrum, solar_e490, solar_mean};
+use crate::spectral::{Band, Extend, Response, Spectrum, solar_e490, solar_mean};
 use crate::units::{AU_M, MARS_RADIUS_M};
 
 use super::super::located::member;
@@ -295,7 +295,7 @@ impl Writer<'_> {
         for (name, axis) in axes {
             let _ = writeln!(text, "{name} = {}", list(axis));
         }
-        text += &self.sensor();
+        text += &self.sensor()?;
         Ok(text)
     }
 
@@ -465,10 +465,11 @@ impl Writer<'_> {
             return spectrum.clone();
         }
         self.note(Fate::Approximated, item, "is known where the bands look, instead of everywhere");
-        let supports = self.scene.sensor.bands.iter().map(|band| band.support_um());
+        let supports =
+            self.scene.sensor.bands.iter().map(|band| band.support_within_um(self.scene.known_um(band.light)));
         let ends = supports.fold((f64::INFINITY, 0.0_f64), |(a, b), (low, high)| (a.min(low), b.max(high)));
         let mut um = spectrum.wavelength_um().to_vec();
-        um.extend([ends.0, ends.1]);
+        um.extend([ends.0, ends.1].into_iter().filter(|um| *um > 0.0));
         um.sort_by(f64::total_cmp);
         um.dedup();
         let value = um.iter().filter_map(|&um| spectrum.at(um)).collect();
@@ -509,7 +510,7 @@ impl Writer<'_> {
         Ok(text)
     }
 
-    fn sensor(&self) -> String {
+    fn sensor(&mut self) -> Result<String> {
         let sensor = &self.scene.sensor;
         let camera = &sensor.camera;
         let mut text = format!("\n{}[sensor]\n", self.comment("sensor"));
@@ -525,14 +526,45 @@ impl Writer<'_> {
             let half = 0.5 * camera.pitch * f64::from(camera.samples);
             writeln!(text, "fov_deg = {:?}", (2.0 * half.atan()).to_degrees())
         };
-        let centres: Vec<f64> = sensor.bands.iter().map(|band| band.centre_um).collect();
-        let _ = writeln!(text, "\n[sensor.bands]\ncentres_um = {centres:?}");
-        let widths: Vec<f64> = sensor.bands.iter().map(|band| band.fwhm_um.unwrap_or(0.0)).collect();
-        let _ = match widths[..] {
-            _ if widths.iter().all(|w| *w == 0.0) => Ok(()),
-            [first, ..] if widths.iter().all(|w| *w == first) => writeln!(text, "fwhm_um = {first:?}"),
-            _ => writeln!(text, "fwhm_um = {widths:?}"),
+        text += &self.bands()?;
+        Ok(text)
+    }
+
+    fn bands(&mut self) -> Result<String> {
+        let bands = &self.scene.sensor.bands;
+        let mut text = String::from("\n[sensor.bands]\n");
+        let tables: Vec<&Spectrum> = bands.iter().filter_map(|b| b.response.table()).collect();
+        let shape = |band: &Band| match (&band.response, band.fwhm_um) {
+            (Response::Table(_), _) => "table",
+            (Response::Box, Some(_)) => "box",
+            _ => "gaussian",
         };
-        text
+        let shapes: Vec<&str> = bands.iter().map(shape).collect();
+        if tables.len() < bands.len() {
+            let centres: Vec<f64> = bands.iter().map(|band| band.centre_um).collect();
+            let _ = writeln!(text, "centres_um = {centres:?}");
+            let widths: Vec<f64> = bands.iter().map(|band| band.fwhm_um.unwrap_or(0.0)).collect();
+            let _ = match widths[..] {
+                _ if widths.iter().all(|w| *w == 0.0) => Ok(()),
+                [first, ..] if widths.iter().all(|w| *w == first) => writeln!(text, "fwhm_um = {first:?}"),
+                _ => writeln!(text, "fwhm_um = {widths:?}"),
+            };
+            let _ = match shapes.first() {
+                _ if shapes.iter().all(|s| *s == "gaussian") => Ok(()),
+                Some(first) if shapes.iter().all(|s| s == first) => writeln!(text, "shape = {first:?}"),
+                _ => writeln!(text, "shape = {shapes:?}"),
+            };
+        }
+        if !tables.is_empty() {
+            let name = self.file(".bands", "csv", |out| response_csv::write(out, &tables))?;
+            let _ = writeln!(text, "response = {}", quoted(&name));
+        }
+        let lights: Vec<&str> = bands.iter().map(|band| band.light.name()).collect();
+        let _ = match lights.first() {
+            _ if lights.iter().all(|l| *l == "both") => Ok(()),
+            Some(first) if lights.iter().all(|l| l == first) => writeln!(text, "light = {first:?}"),
+            _ => writeln!(text, "light = {lights:?}"),
+        };
+        Ok(text)
     }
 }

@@ -89,8 +89,11 @@ pub(super) fn map(
         return Err(Error::Invalid(problems));
     }
     let (patches, mismatch) = place(&triangles, &pose, scene, &path)?;
-    let source =
-        Source { bands: bands.iter().map(|b| b.band).collect(), figures: columns, area_m2: triangles.area_m2() };
+    let source = Source {
+        bands: bands.iter().map(|b| b.band.clone()).collect(),
+        figures: columns,
+        area_m2: triangles.area_m2(),
+    };
     let map = RadianceMap {
         name: "DART radiative budget".into(),
         placement: Placement::Patches(patches),

@@ -57,7 +57,7 @@ pub(super) fn map(
     let [rows, columns] = image.size;
     overlaps(&projection, image.size, scene, &view.bands[0].path)?;
     let source = Source {
-        bands: view.bands.iter().map(|b| b.band).collect(),
+        bands: view.bands.iter().map(|b| b.band.clone()).collect(),
         images: view.bands.iter().map(|b| b.path.clone()).zip(units).collect(),
         texels: rows * columns,
     };

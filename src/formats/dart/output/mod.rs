@@ -316,7 +316,7 @@ impl Output {
                     // An image's values stand for it as well.
                     let is_asked = is_wanted(&path) || is_wanted(&path.with_extension("mp#"));
                     if let Some(name) = name.strip_suffix(".mpr").filter(|_| is_asked) {
-                        let band = OutputBand { number, band, path };
+                        let band = OutputBand { number, band: band.clone(), path };
                         if let Err(problem) = self.add(name, quantity, &iteration, band) {
                             problems.push(problem);
                         }
