@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3};
 use mmxrt::formats::convert::{Content, differences};
 use mmxrt::geometry::{Direction, MaterialId, Texels};
 use mmxrt::scene::{Hapke, MarsModel, Photometry, Rpv, Scene, TextureKind, Thermal};
-use mmxrt::spectral::{Band, Extend, Spectrum};
+use mmxrt::spectral::{Extend, Spectrum};
 
 use crate::cli::run;
 use crate::scratch::Scratch;
