@@ -148,8 +148,18 @@ pub(super) fn open_ilwis(path: &Path) -> Result<Raster> {
     check_length(&values_path, &flat, None, &header_path)?;
     let data_type = if store.scale.is_none() { store.data_type } else { DataType::F64 };
     let bands = vec![RasterBand::default()];
+    let mut report = Report::default();
+    let no_data = match store.data_type {
+        DataType::F64 if store.scale.is_none() => ilwis::no_data_of_dart(&values_path)?,
+        _ => None,
+    };
+    if let Some(no_data) = no_data {
+        let message = format!("nothing is below {no_data}: taken for no data, as in images of DART");
+        report.note(Fate::Defaulted, Location::file(&values_path), message);
+    }
     Ok(Raster {
-        ignore: store.undefined,
+        ignore: no_data.or(store.undefined),
+        report,
         scale: store
             .scale
             .map(|[step, offset]| Scale { gain: step, offset: offset * step, divisor: 1.0 })

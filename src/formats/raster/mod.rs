@@ -112,7 +112,7 @@ struct Pass {
 /// | format | what is read |
 /// |---|---|
 /// | ENVI | any interleave, real types and byte order; `data gain values`, `data offset values` and `reflectance scale factor` apply |
-/// | ILWIS 2 (`.mpr`, `.mp#`) | maps of values; its undefined values are NaN; DART's -1 stays |
+/// | ILWIS 2 (`.mpr`, `.mp#`) | maps of values; its undefined values are NaN, and -1 where nothing is less, which is no data in DART's images (not in a `DEM`) |
 /// | OpenEXR | channels of the first part, and of others of its size; `S0.<wavelength>nm` is a wavelength |
 /// | PNG | grey or red, green, blue, 0 to 1 as stored; NaN where transparent |
 /// | CSV | numbers alone, a line for each row; `nan`, or nothing between two commas, is no data |
