@@ -4,6 +4,7 @@ pub mod convert;
 pub mod dart;
 pub mod envi;
 pub mod exr_cube;
+mod file_name;
 pub mod folder;
 pub mod gltf;
 pub mod ilwis;

@@ -198,7 +198,7 @@ impl Format {
     pub fn of_output(path: &Path) -> Result<Self> {
         match Format::of_name(path) {
             Some(format) => Ok(format),
-            None if path.extension().is_none() => Ok(Format::Dart),
+            None if is_folder(path) => Ok(Format::Dart),
             None => refused(path, "no format's names end like this"),
         }
     }
@@ -209,6 +209,12 @@ impl Format {
         let extension = if extension == "hdr" { "sli" } else { &extension };
         Format::ALL.into_iter().find(|format| format.about().extensions.contains(&extension))
     }
+}
+
+/// Whether a name is a folder's: it ends in nothing, or in a number, as of a version.
+pub(super) fn is_folder(path: &Path) -> bool {
+    let is_number = |ending: &str| ending.trim_start_matches(['v', 'V']).starts_with(|c: char| c.is_ascii_digit());
+    path.is_dir() || path.extension().is_none_or(|ending| ending.to_str().is_some_and(is_number))
 }
 
 fn is_of_library(header: &[u8]) -> bool {

@@ -23,6 +23,7 @@ use crate::spectral::{Band, Column, Extend, SpectralLibrary, Spectrum};
 
 use super::dart::Step;
 use super::envi::{DataType, Interleave};
+use super::file_name::shortened;
 use super::folder::{FolderKind, Staged};
 use super::raster::{self, Raster, Target};
 use super::surface::Surface;
@@ -387,7 +388,7 @@ impl Job<'_> {
     }
 
     fn scene(self, scene: &Scene, flights: &[(String, Vec<Step>)]) -> Result<bool> {
-        let folder = self.output.extension().is_none();
+        let folder = format::is_folder(self.output);
         // A folder's files appear with it.
         let staged = if folder { Some(Staged::folder_of(&SCENE, self.output, self.options.replace)?) } else { None };
         let path = staged.as_ref().map_or(self.output.to_owned(), |staged| staged.path().join("scene.toml"));
@@ -404,7 +405,8 @@ impl Job<'_> {
         }
         for (name, steps) in flights {
             let plain = |c: char| if c.is_alphanumeric() { c } else { '_' };
-            let suffix = format!("flight.{}.csv", name.chars().map(plain).collect::<String>());
+            let plain: String = name.chars().map(plain).collect();
+            let suffix = format!("flight.{}.csv", shortened(&plain));
             let file = path.with_extension(suffix);
             let text = dart::flight_csv(steps);
             files.insert(0, put(&file, self.options.replace, |out| out.write_all(text.as_bytes())).map_err(named)?);

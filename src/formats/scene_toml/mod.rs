@@ -26,6 +26,7 @@ use super::located::{self, Document};
 use super::spectra;
 use super::spectrum_csv::{self, Quantity};
 pub(crate) use materials::hex_from_linear;
+pub(super) use view::LONGEST_UM;
 pub(super) use view::pitch_of_fov;
 pub(super) use view::pitch_of_ifov;
 pub use write::write;

@@ -12,7 +12,7 @@ use super::mesh::UNIT_TOLERANCE;
 use super::types::{BandsToml, Fit, Fwhm, ObserverToml, Preset, SensorToml};
 
 /// No band lies beyond this, um: wavelengths above are nanometres.
-const LONGEST_UM: f64 = 100.0;
+pub(in crate::formats) const LONGEST_UM: f64 = 100.0;
 /// As many bad centres are told one by one.
 const TOLD: usize = 20;
 

@@ -3,6 +3,7 @@
 //! Read again, it is the same scene, bit for bit but for a scaled solar spectrum and positions that no sum with the origin gives,
 //! which are so to rounding. What is a default elsewhere is stated.
 
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::fs::File;
@@ -12,7 +13,9 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 use crate::error::{Error, Location, Result};
+use crate::formats::file_name::shortened;
 use crate::formats::folder::Staged;
+use crate::formats::located::LONGEST_NAME;
 use crate::formats::mtl::{self, ObjMaterial};
 use crate::formats::{obj, photometry_csv};
 use crate::physics::reflectance::kirchhoff_emissivity;
@@ -59,11 +62,16 @@ pub fn write(scene: &Scene, path: &Path, replace: bool) -> Result<(Vec<Staged>, 
     Ok((writer.files, writer.report))
 }
 
+/// A name that is read again: very long ones are not.
+fn readable(name: &str) -> Cow<'_, str> {
+    if name.len() > LONGEST_NAME / 2 { shortened(name) } else { name.into() }
+}
+
 /// Names of materials that OBJ, MTL and this format can all carry, and that are all different.
 fn names(scene: &Scene) -> Vec<String> {
     let mut taken = BTreeSet::new();
     let plain = |name: &str| {
-        let name = mtl::plain_name(name);
+        let name = mtl::plain_name(&readable(name));
         match name.strip_prefix('#') {
             _ if name.is_empty() => "_".into(),
             // Here, only a colour begins so.
@@ -156,7 +164,7 @@ impl Writer<'_> {
         write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
     ) -> Result<String> {
         let plain = |c: char| if c.is_alphanumeric() || ".-".contains(c) { c } else { '_' };
-        let mut name: String = name.chars().map(plain).collect();
+        let mut name: String = shortened(name).chars().map(plain).collect();
         while !self.taken.insert(format!("{name}.{extension}").to_lowercase()) {
             name.push('_');
         }
