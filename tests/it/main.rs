@@ -6,11 +6,16 @@ mod clipping;
 mod convert;
 #[cfg(feature = "sqlite")]
 mod dart_database;
+#[cfg(feature = "sqlite")]
+mod dart_mandatory;
 mod dart_output;
 mod dart_read;
+#[cfg(feature = "sqlite")]
+mod dart_silence;
 mod dart_terrain;
 mod dart_write;
 mod determinism;
+mod differences;
 mod exact;
 mod flat_plane;
 mod gltf;

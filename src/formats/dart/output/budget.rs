@@ -21,7 +21,9 @@ use super::properties::Properties;
 use super::{MapOptions, OutputBand};
 
 /// The file of triangles, in `output/`.
-const TRIANGLES: &str = "triangles.txt";
+pub(super) const TRIANGLES: &str = "triangles.txt";
+/// The folder of a band that holds it, iteration by iteration.
+pub(super) const FOLDER: &str = "RADIATIVE_BUDGET";
 /// The file of what they send out, in a band's folder.
 pub(super) const FIGURES: &str = "RadiativeBudgetFigures.txt";
 /// Longer files are refused, bytes.

@@ -7,6 +7,7 @@
 mod budget;
 mod georef;
 mod images;
+mod others;
 mod properties;
 
 use std::path::{Component, Path, PathBuf};
@@ -226,7 +227,7 @@ impl Output {
         &self.views
     }
 
-    /// Names of images that are no parallel views: a camera's.
+    /// Names of images that are no parallel views: a camera's; then what else lies there that is not read.
     pub fn passed_over(&self) -> &[String] {
         &self.passed_over
     }
@@ -323,8 +324,7 @@ impl Output {
                 }
             }
         }
-        for (_, number, path) in last_iteration(&bands, "RADIATIVE_BUDGET", budget::FIGURES, &is_wanted, &mut problems)?
-        {
+        for (_, number, path) in last_iteration(&bands, budget::FOLDER, budget::FIGURES, &is_wanted, &mut problems)? {
             let Some(band) = self.band(number, &mut problems) else { continue };
             self.budget.push(OutputBand { number, band, path });
         }
@@ -334,6 +334,12 @@ impl Output {
             let message = "holds no images: they are BANDn/{BRF,Tapp,Radiance}/ITERn/IMAGES_DART/*.mpr of the simulation's `output`";
             problems.push(Problem::new(Location::file(path), message));
         }
+        let bands = self.views.iter().flat_map(|view| &view.bands).chain(&self.budget);
+        let mut read: Vec<PathBuf> = bands.map(|band| band.path.clone()).collect();
+        if !self.budget.is_empty() {
+            read.push(self.folder.join(budget::TRIANGLES));
+        }
+        self.passed_over.extend(others::passed_over(&self.folder, &read, &is_wanted)?);
         if problems.is_empty() { Ok(()) } else { Err(Error::Invalid(problems)) }
     }
 
