@@ -11,6 +11,7 @@ mod dart_read;
 mod dart_terrain;
 mod dart_write;
 mod determinism;
+mod disk;
 mod exact;
 mod flat_plane;
 mod gltf;

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use crate::error::{Error, Location, Problem, Result};
 use crate::formats::dart::{self, Coverage, Finding, Severity, Step, WriteOptions, database::Database};
 use crate::formats::dart::{SceneOptions, Target};
+use crate::formats::input::InputFile;
 use crate::progress::Watch;
 use crate::report::{Fate, Report};
 use crate::scene::Scene;
@@ -33,19 +34,24 @@ fn reading(options: &Options) -> Result<dart::ReadOptions> {
 }
 
 /// The scene of a simulation, and what flies over it.
-pub(super) fn read(path: &Path, options: &Options, watch: Watch<'_>) -> Result<(Scene, Flights, Report)> {
+pub(super) fn read(
+    path: &Path,
+    options: &Options,
+    watch: Watch<'_>,
+) -> Result<(Scene, Flights, Report, Vec<InputFile>)> {
     let reading = reading(options)?;
-    let (simulation, mut report, _) = dart::read(path, &reading)?;
+    let (simulation, mut report, mut inputs) = dart::read(path, &reading)?;
     let to_scene = SceneOptions { origin_m: options.origin_m, repeat: options.repeat };
     let converted = dart::to_scene(&simulation, &reading.folder(path), &to_scene, watch)?;
     report.notes.extend(converted.report.notes);
+    inputs.extend(converted.inputs);
     let mut flights = Vec::new();
     for sequence in &simulation.sequences {
         let (steps, more) = dart::flight(path, sequence, &reading)?;
         report.notes.extend(more.notes);
         flights.push((sequence.name.clone(), steps));
     }
-    Ok((converted.scene, flights, report))
+    Ok((converted.scene, flights, report, inputs))
 }
 
 /// The simulation of a scene, not written yet.
@@ -79,7 +85,7 @@ pub(super) fn diff(a: &Path, b: &Path, options: &Options, watch: Watch<'_>) -> R
     let simulation = |path: &Path| Ok(dart::read(path, &reading)?.0);
     let mut lines = dart::diff(&simulation(a)?, &simulation(b)?);
     let content = |path: &Path| -> Result<Content> {
-        let (scene, flights, _) = read(path, options, watch)?;
+        let (scene, flights, ..) = read(path, options, watch)?;
         Ok(Content::Scene(Box::new(scene), flights))
     };
     match (content(a), content(b)) {
