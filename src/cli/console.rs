@@ -166,6 +166,13 @@ impl Console {
         }
     }
 
+    /// The result of a command that has written what it was asked to: a standard output that is full does not undo that.
+    pub(crate) fn done(&self, text: &str, json: &serde_json::Value) {
+        if let Err(error) = self.result(text, json) {
+            self.note(&format!("warning: {error}; the output is complete"));
+        }
+    }
+
     /// A line of standard output. Whoever closed it early, like `head`, has what he wants.
     fn print(&self, text: &str) -> Result<()> {
         let mut out = std::io::stdout().lock();

@@ -95,7 +95,7 @@ pub fn observe_maps(
     watch: Watch<'_>,
 ) -> Result<(Observation, MapAccount)> {
     super::simulate::fits(scene, table)?;
-    has_room(scene, true)?;
+    has_room(scene, true, None)?;
     fit(scene, &terms)?;
     heat_counts_once(scene, &terms, options)?;
     if let Fill::Value(value) = options.fill

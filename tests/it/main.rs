@@ -17,6 +17,7 @@ mod dart_terrain;
 mod dart_write;
 mod determinism;
 mod differences;
+mod disk;
 mod envi_headers;
 mod exact;
 mod flat_plane;
