@@ -1,5 +1,6 @@
 //! The integration tests: one binary, one module for each kind of promise.
 
+mod afar;
 mod bodies;
 mod cli;
 mod clipping;
@@ -36,6 +37,8 @@ mod scene_files;
 mod schema;
 mod scratch;
 mod shapes;
+mod sides;
 mod spectra;
 mod spectra_from_the_wild;
 mod textures;
+mod truth;
