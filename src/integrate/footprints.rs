@@ -17,14 +17,8 @@ use crate::visibility::{Coverage, Drawing, Grid, Scratch, Topology, View};
 /// The drawing of a mesh in a camera.
 pub(super) fn draw<'a>(mesh: &'a Mesh, topology: &'a Topology, camera: &FrameCamera) -> Drawing<'a> {
     let axes = camera.world_from_sensor.rotation;
-    let view = View::Pinhole {
-        centre_m: camera.centre_m(),
-        h: axes.x_axis,
-        v: axes.y_axis,
-        u: axes.z_axis,
-        scale: 1.0 / camera.pitch,
-        offset: camera.boresight_px(),
-    };
+    let axes = [axes.x_axis, axes.y_axis, axes.z_axis];
+    let view = View::pinhole(mesh, camera.centre_m(), axes, 1.0 / camera.pitch, camera.boresight_px());
     Drawing::new(mesh, topology, view, Grid { columns: camera.samples, rows: camera.lines })
 }
 

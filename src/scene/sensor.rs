@@ -7,6 +7,9 @@ use crate::spectral::{ALL_UM, Band, MOST_BEYOND};
 
 use super::percent;
 
+/// Smaller pixels, rad, are refused: coordinates of 16 digits would be off by a thousandth of them.
+pub(crate) const LEAST_PITCH: f64 = 1e-12;
+
 /// A pinhole camera with square pixels. Sensor axes: +X sample (right), +Y line (down), +Z boresight.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrameCamera {
@@ -38,6 +41,11 @@ impl FrameCamera {
         [0.5 * f64::from(self.samples), 0.5 * f64::from(self.lines)]
     }
 
+    /// By how much rounding may move what is drawn, pixels: 4 eps x range over the width of a pixel at that range.
+    pub fn rounding_px(&self) -> f64 {
+        4.0 * f64::EPSILON / self.pitch
+    }
+
     /// Angle that the central pixel subtends, rad.
     pub fn ifov_rad(&self) -> f64 {
         2.0 * (0.5 * self.pitch).atan()
@@ -66,6 +74,14 @@ impl Sensor {
         }
         if !(camera.pitch > 0.0 && camera.pitch.is_finite()) {
             problem("sensor", format!("pixel pitch {} is not positive", camera.pitch));
+        } else if camera.pitch < LEAST_PITCH {
+            problem(
+                "sensor",
+                format!(
+                    "pixels of {:e} rad are smaller than {LEAST_PITCH:e}: the digits of coordinates do not tell them apart",
+                    camera.pitch
+                ),
+            );
         }
         if self.bands.is_empty() {
             problem("sensor.bands", "no bands: a sensor needs at least one".into());

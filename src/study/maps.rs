@@ -4,10 +4,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::simulate::{Observation, account_for, has_room};
+use super::warnings::enclosed;
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::Texels;
 use crate::integrate::{self, Choice, MapImage, MapView, Maps, Unknown};
-use crate::product::{FacetTable, Placement, RadianceMap, TexelSource};
+use crate::product::{Eye, FacetTable, Placement, RadianceMap, TexelSource, ViewImage};
 use crate::progress::{Watch, tell};
 use crate::scene::{Scene, Thermal};
 use crate::spectral::{Band, Mixes, mixes};
@@ -137,6 +138,8 @@ pub fn observe_maps(
     drop(maps);
     let unknown_share = refuse(&on_scene, options)?;
     image.cube.added = add_up(scene, &mut terms, &on_scene, options, watch)?;
+    let enclosed_eyes: Vec<String> =
+        terms.iter().flat_map(|t| &t.views).filter_map(|v| v.enclosed(scene, topology)).collect();
     let account = MapAccount {
         maps: terms.iter().enumerate().flat_map(|(t, term)| term.entries(t)).collect(),
         unknown_share,
@@ -145,6 +148,7 @@ pub fn observe_maps(
     };
     drop(on_scene);
     let mut observation = account_for(scene, topology, table, image, watch)?;
+    observation.warnings.extend(enclosed_eyes);
     if !(options.add_solved || options.fill == Fill::Solved) {
         // What maps have in them and leave out is theirs to say.
         observation.effects.clear();
@@ -174,6 +178,16 @@ struct View {
     known: Vec<bool>,
     /// How many texels of each source have no value.
     undefined: Vec<u64>,
+}
+
+impl View {
+    /// Says that its eye is inside closed parts of the scene, or on them, if what hides what is asked at all.
+    fn enclosed(&self, scene: &Scene, topology: &Topology) -> Option<String> {
+        let Placement::View(image) = &self.placement else { return None };
+        let ViewImage { eye: Eye::At(centre_m), occlusion: true, .. } = &**image else { return None };
+        let name = self.sources.first().map_or("a map", |s| s.name.as_str());
+        enclosed(&format!("the eye of {name}"), topology.enclosure(&scene.mesh, *centre_m))
+    }
 }
 
 /// Maps from different views, each of the same sum.

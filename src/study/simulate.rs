@@ -122,7 +122,11 @@ pub(super) fn account_for(
     tracing::info!(?counts, "observed");
     let observation = Observation {
         effects: account.effects(),
-        warnings: [scene.remarks(), warnings(&account, &counts, &image)].concat(),
+        warnings: [
+            scene.remarks(),
+            warnings(&account, &counts, &image, topology.enclosure(&scene.mesh, scene.sensor.camera.centre_m())),
+        ]
+        .concat(),
         checks: checks(&account, &image),
         counts,
         cube: image.cube,
@@ -233,7 +237,11 @@ fn checks(account: &Account, image: &Image) -> Vec<Check> {
     let bad =
         image.cube.weight.iter().chain(&image.cube.spectra).chain(&image.cube.added).filter(|v| !v.is_finite()).count();
     let mut checks = vec![
-        check("areas in a pixel exceed the pixel by, pixels", image.excess_px, 1e-12),
+        check(
+            "areas in a pixel exceed the pixel by, pixels",
+            image.excess_px,
+            1e-12_f64.max(scene.sensor.camera.rounding_px()),
+        ),
         check("lit part of a facet reaches beyond it by, sizes of the scene", largest_lit_excess(scene, table), 1e-11),
         check(
             "largest irradiance by the Sun, over that normal to its beam",

@@ -16,4 +16,4 @@ pub use bins::for_each_cell_of as cells_of;
 pub use coverage::{Coverage, Scratch, Visit};
 pub use drawing::{Drawing, Grid, Side, View};
 pub use on_facet::OnFacet;
-pub use topology::{NONE, Topology};
+pub use topology::{Enclosure, NONE, Topology};

@@ -1,5 +1,6 @@
 //! The integration tests: one binary, one module for each kind of promise.
 
+mod afar;
 mod bands;
 mod bodies;
 mod cli;
@@ -41,8 +42,10 @@ mod scene_files;
 mod schema;
 mod scratch;
 mod shapes;
+mod sides;
 mod spectra;
 mod spectra_from_the_wild;
 mod textures;
+mod truth;
 mod unsaid;
 mod wild_obj;

@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3};
 use crate::error::number;
 use crate::formats::response_csv;
 use crate::geometry::{Direction, Mesh, Pose};
-use crate::scene::{FrameCamera, Sensor};
+use crate::scene::{FrameCamera, LEAST_PITCH, Sensor};
 use crate::spectral::{Band, Light, Response, Spectrum};
 
 use super::Reader;
@@ -78,7 +78,16 @@ impl Reader<'_> {
                 None
             }
         };
-        let camera = FrameCamera { world_from_sensor: pose?, samples, lines, pitch: pitch? };
+        let pitch = pitch?;
+        if pitch < LEAST_PITCH {
+            let item = if toml.fov_deg.is_some() { "sensor.fov_deg" } else { "sensor.ifov_mrad" };
+            let message = format!(
+                "makes pixels of {pitch:e} rad, below {LEAST_PITCH:e}: the digits of coordinates do not tell them apart"
+            );
+            self.problem(if toml.fit.is_some() { "sensor.fit" } else { item }, message);
+            return None;
+        }
+        let camera = FrameCamera { world_from_sensor: pose?, samples, lines, pitch };
         Some(Sensor { name, camera, bands: bands? })
     }
 
