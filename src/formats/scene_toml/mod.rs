@@ -101,6 +101,7 @@ pub fn read(path: &Path, watch: Watch<'_>) -> Result<SceneFile> {
     let (document, input) = Document::open(path)?;
     let toml: SceneToml = document.read()?;
     let mut reader = Reader::new(path, document, DVec3::from_array(toml.origin_m), input, watch);
+    reader.is_beside_scene = false;
     reader.tell("reading the scene", 0, 1);
     let scene = reader.scene(&toml);
     reader.tell("reading the scene", 1, 1);
@@ -151,6 +152,8 @@ pub(super) struct Reader<'a> {
     problems: Vec<Problem>,
     defaults: Vec<Stated>,
     notes: Vec<String>,
+    /// Whether it is no scene file: what such a file leaves open is told as notes.
+    is_beside_scene: bool,
     inputs: Vec<InputFile>,
     watch: Watch<'a>,
     /// The caller has asked to stop.
@@ -167,6 +170,7 @@ impl<'a> Reader<'a> {
             problems: Vec::new(),
             defaults: Vec::new(),
             notes: Vec::new(),
+            is_beside_scene: true,
             inputs: vec![input],
             watch,
             interrupted: false,
@@ -183,8 +187,6 @@ impl<'a> Reader<'a> {
         }
         self.tell_link();
         if self.problems.is_empty() {
-            let defaults = self.defaults.iter().map(|default| format!("{}: {}", default.item, default.value));
-            self.notes.extend(defaults);
             return Ok((self.inputs, self.notes));
         }
         self.problems.sort_by_key(|p| p.at.span);
@@ -264,6 +266,14 @@ impl Reader<'_> {
     /// Something that is worth knowing.
     pub(super) fn note(&mut self, item: &str, message: impl std::fmt::Display) {
         self.notes.push(format!("{item}: {message}"));
+    }
+
+    /// What was taken of a raster that no text states.
+    fn taken_of_raster(&mut self, item: &str, value: impl std::fmt::Display) {
+        match self.is_beside_scene {
+            true => self.note(item, value),
+            false => self.stated(item, value.to_string()),
+        }
     }
 
     fn stated(&mut self, item: &str, value: impl Into<String>) {
