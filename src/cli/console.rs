@@ -15,7 +15,7 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// Where there is no terminal, a line this often.
 const LINE_EVERY: Duration = Duration::from_secs(10);
 /// A step that has not asked for so long whether it should stop is stopped where it is, ...
-const UNHEARD: Duration = Duration::from_millis(800);
+const UNHEARD: Duration = Duration::from_millis(500);
 /// ... and so is what has not ended for so long after it heard that it should.
 const UNENDED: Duration = Duration::from_secs(10);
 
