@@ -174,7 +174,7 @@ fn inspect(path: &Path, console: &Console) -> Result<Facts> {
         "csv" | "tab" | "asc" | "tsv" | "dat" => spectrum(path, console),
         "txt" if Format::of_input(path).is_ok_and(|(format, _)| format == Format::Csv) => spectrum(path, console),
         "db" | "hdr" | "sli" | "txt" => converted(path, console),
-        "mtl" => Ok(vec![("kind", json!("MTL materials")), ("materials", materials(&mtl::read(path)?.0))]),
+        "mtl" => Ok(vec![("kind", json!("MTL materials")), ("materials", materials(&mtl::read(path)?.0.materials))]),
         _ if path.is_file() => {
             let problem = Problem::new(Location::file(path), format!("no format of ours ends in {extension:?}"))
                 .with_help(
@@ -190,6 +190,7 @@ fn inspect(path: &Path, console: &Console) -> Result<Facts> {
 fn mesh(path: &Path) -> Result<Facts> {
     let mesh = obj::read(path)?;
     let corners = || mesh.vertices.iter().copied();
+    let told = [&mesh.report.notes, &mesh.material_doubts, &mesh.doubts];
     let size = corners().fold(DVec3::NEG_INFINITY, DVec3::max) - corners().fold(DVec3::INFINITY, DVec3::min);
     Ok(vec![
         ("kind", json!("OBJ mesh")),
@@ -198,6 +199,7 @@ fn mesh(path: &Path) -> Result<Facts> {
         ("size_in_its_unit", json!({ "x": size.x, "y": size.y, "z": size.z })),
         ("materials", materials(&mesh.materials)),
         ("passed_over", json!(mesh.ignored)),
+        ("told", told.into_iter().flatten().map(|note| json!(note.to_string())).collect()),
     ])
 }
 

@@ -51,7 +51,6 @@ fn prepared() -> Scratch {
     folder.write("nan.obj", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 4\n");
     folder.write("empty.obj", "v 0 0 0\n");
     folder.write("unnamed.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    folder.write("orphan.obj", "mtllib lost.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl ground\nf 1 2 3\n");
     folder.write("recipe.toml", "version = 1\nseed = 1\nfacets = 3\n");
     folder.write("recipe_key.toml", "version = 1\nseeds = 1\n");
     folder
@@ -158,9 +157,7 @@ const CASES: &[(&str, &str, &str, &str)] = &[
         ":17:14 observer.position_m",
         "sees the surface from behind",
     ),
-    ("obj = \"plate.obj\"", "obj = \"orphan.obj\"", "orphan.obj:1: ", "material file `lost.mtl` cannot be read"),
     ("obj = \"plate.obj\"", "obj = \"plate.obj\"\nunit_m = 0", ":5:10 mesh[0].unit_m", "0 is not more than 0"),
-    ("obj = \"plate.obj\"", "obj = \"plate.obj\"\npose = \"radial\"", ":5:8 mesh[0].pose", "radial pose"),
     ("obj = \"plate.obj\"", "obj = \"plate.obj\"\npose = \"up\"", ":5:8 mesh[0].pose", "expected"),
     (
         "obj = \"plate.obj\"",

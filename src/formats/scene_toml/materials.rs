@@ -15,7 +15,7 @@ use super::Reader;
 use super::types::{ExtendToml, MaterialToml};
 
 /// Bolometric emissivity of a surface that does not state one; Phobos and most powders lie between 0.9 and 1.
-const EMISSIVITY_BOLOMETRIC: f64 = 0.95;
+pub(in crate::formats) const EMISSIVITY_BOLOMETRIC: f64 = 0.95;
 /// No surface radiates less: polished metals have 0.02.
 const LEAST_EMISSIVITY: f64 = 1e-3;
 /// Two colours are the same if no channel differs by more: one step of the 8 bits that most programs keep.
@@ -314,7 +314,7 @@ impl Reader<'_> {
 }
 
 /// The mean over a mixture's parts, by their shares.
-fn mean(mixed: &[(f64, &Material)], of: fn(&Material) -> f64) -> f64 {
+pub(super) fn mean(mixed: &[(f64, &Material)], of: fn(&Material) -> f64) -> f64 {
     mixed.iter().map(|(share, material)| share * of(material)).sum()
 }
 

@@ -25,12 +25,14 @@ use super::InputFile;
 use super::located::{self, Document};
 use super::spectra;
 use super::spectrum_csv::{self, Quantity};
+pub(super) use materials::EMISSIVITY_BOLOMETRIC;
 pub(crate) use materials::hex_from_linear;
+pub(super) use view::SENSOR_NAME;
 pub(super) use view::pitch_of_fov;
 pub(super) use view::pitch_of_ifov;
-pub use write::write;
+pub use write::{Axes, Unsaid, WriteOptions, write, write_with};
 
-use types::{MarsModelToml, MarsToml, SceneToml, SunToml, ThermalModelToml, ThermalToml, Values};
+use types::{Frame, MarsModelToml, MarsToml, SceneToml, SunToml, ThermalModelToml, ThermalToml, Values};
 
 /// A scene and what its report should say about where it came from.
 #[derive(Debug, Clone)]
@@ -194,6 +196,9 @@ impl Reader<'_> {
         let mars = toml.mars.as_ref().map(|mars| self.mars(mars));
         let thermal = self.thermal(toml.thermal.as_ref());
         let sensor = self.sensor(&toml.sensor, &toml.observer, mesh.as_ref());
+        if let (Some(mesh), Some(sensor)) = (&mesh, &sensor) {
+            self.suspect_scale(&toml.mesh, mesh, &sensor.camera);
+        }
         let textures = self.textures(toml, &dictionary.names, mesh.as_ref());
         Some(Scene {
             origin_m: self.origin_m,
@@ -316,15 +321,23 @@ impl Reader<'_> {
     }
 
     fn sun(&mut self, toml: &SunToml) -> Option<Sun> {
+        let body_from_site = match toml.frame {
+            Some(Frame::Site) => Some(self.body_from_site("sun.frame", "the frame of a site")?),
+            _ => None,
+        };
         // A direction, if there is one, and a distance, m.
         let place = match (toml.position_m, toml.direction, toml.distance_au) {
             (Some(position_m), None, None) => {
-                let v = DVec3::from_array(position_m) - self.origin_m;
+                let v = match body_from_site {
+                    Some(axes) => axes * DVec3::from_array(position_m),
+                    None => DVec3::from_array(position_m) - self.origin_m,
+                };
                 Some((Direction::new(v), v.length()))
             }
             (None, Some(direction), Some(distance_au)) => {
                 // A unit vector is taken as it stands: to divide it by its length once more would move its last digit.
                 let direction = DVec3::from_array(direction);
+                let direction = body_from_site.map_or(direction, |axes| axes * direction);
                 let direction = Direction::from_unit(direction).or_else(|| Direction::new(direction));
                 if direction.is_none() {
                     self.problem("sun.direction", "has no length");

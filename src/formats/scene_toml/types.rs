@@ -52,6 +52,8 @@ pub(crate) struct MeshToml {
     pub(crate) coordinates: Option<Coordinates>,
     /// How local coordinates stand on the body. Default "body"; "radial" for a recipe.
     pub(crate) pose: Option<PoseToml>,
+    /// Whether all facets are turned over: for a mesh that is inside out. Default false.
+    pub(crate) flip: Option<bool>,
     /// Entry of the dictionary that all of this mesh is made of, whatever the mesh itself says.
     pub(crate) material: Option<String>,
 }
@@ -261,10 +263,23 @@ pub(crate) enum ExtendToml {
     Error,
 }
 
+/// The axes that positions and directions are given in.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Frame {
+    /// The body-fixed frame: from the body's centre, z north.
+    #[default]
+    Body,
+    /// The site's: from `origin_m`, x east, y north, z along the outward radius.
+    Site,
+}
+
 /// The Sun: a position, or a direction and a distance. Both are taken from `origin_m`.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SunToml {
+    /// What `position_m` and `direction` are given in. Default "body".
+    pub(crate) frame: Option<Frame>,
     /// Position in the body-fixed frame, from the body's centre, m.
     pub(crate) position_m: Option<[f64; 3]>,
     /// Towards the Sun from `origin_m`, axes of the body; any length.
@@ -329,6 +344,8 @@ pub(crate) enum ThermalModelToml {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ObserverToml {
+    /// What all positions, directions and rotations of this table are given in. Default "body".
+    pub(crate) frame: Option<Frame>,
     /// Projection centre in the body-fixed frame, from the body's centre, m.
     pub(crate) position_m: [f64; 3],
     /// Point that the boresight goes through, in the body-fixed frame, m.

@@ -9,8 +9,10 @@ use crate::spectral::Band;
 
 use super::Reader;
 use super::mesh::UNIT_TOLERANCE;
-use super::types::{BandsToml, Fit, Fwhm, ObserverToml, Preset, SensorToml};
+use super::types::{BandsToml, Fit, Frame, Fwhm, ObserverToml, Preset, SensorToml};
 
+/// A camera that has no name.
+pub(in crate::formats) const SENSOR_NAME: &str = "frame camera";
 /// No band lies beyond this, um: wavelengths above are nanometres.
 const LONGEST_UM: f64 = 100.0;
 /// As many bad centres are told one by one.
@@ -37,8 +39,8 @@ impl Reader<'_> {
             (Some(name), _) => name.clone(),
             (None, true) => "MacrOmega".into(),
             (None, false) => {
-                self.stated("sensor.name", "frame camera");
-                "frame camera".into()
+                self.stated("sensor.name", SENSOR_NAME);
+                SENSOR_NAME.into()
             }
         };
         let (samples, lines) = (samples?, lines?);
@@ -151,7 +153,13 @@ impl Reader<'_> {
                 return None;
             }
         };
-        Some(Pose { rotation, translation_m: position_m - self.origin_m })
+        match toml.frame {
+            Some(Frame::Site) => {
+                let axes = self.body_from_site("observer.frame", "the frame of a site")?;
+                Some(Pose { rotation: axes * rotation, translation_m: axes * position_m })
+            }
+            Some(Frame::Body) | None => Some(Pose { rotation, translation_m: position_m - self.origin_m }),
+        }
     }
 
     /// Bands, called `item` in the text.
