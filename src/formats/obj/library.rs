@@ -84,9 +84,9 @@ pub(super) fn names(text: &str) -> (String, Vec<String>) {
         // Blanks part names, and also occur in them: a name goes on until it ends in .mtl, if one does.
         let words: Vec<&str> = piece.split_whitespace().collect();
         let ends = |word: &&str| word.to_lowercase().ends_with(".mtl");
-        let last = words.iter().rposition(|word| ends(&word)).map_or(0, |last| last + 1);
+        let last = words.iter().rposition(ends).map_or(0, |last| last + 1);
         let (named, rest) = words.split_at(last);
-        parts.extend(named.split_inclusive(|word| ends(&word)).map(|words| words.join(" ")));
+        parts.extend(named.split_inclusive(ends).map(|words| words.join(" ")));
         parts.extend(rest.iter().map(|word| (*word).to_owned()));
     }
     parts.retain(|part| !part.is_empty());

@@ -347,7 +347,7 @@ impl<'a> Parser<'a> {
             if rest.first().is_none_or(|b| *b == b'#') {
                 break;
             }
-            let Some((index, texture, normal, after)) = corner(rest) else {
+            let Some((Corner { vertex: index, texture, normal }, after)) = corner(rest) else {
                 let found = shown(word(rest).0);
                 return self.problem(place, || format!("`{found}` is not a corner of a face (a, a/b, a//c or a/b/c)"));
             };
@@ -613,9 +613,16 @@ fn word(bytes: &[u8]) -> (&[u8], &[u8]) {
     bytes.split_at(end)
 }
 
-/// The vertex index of a corner, those of its texture coordinates and its normal, and what follows the corner.
-fn corner(bytes: &[u8]) -> Option<(i64, Option<i64>, Option<i64>, &[u8])> {
-    let (index, mut after) = integer(bytes)?;
+/// Indices of a face's corner, as the file has them.
+struct Corner {
+    vertex: i64,
+    texture: Option<i64>,
+    normal: Option<i64>,
+}
+
+/// A corner, and what follows it.
+fn corner(bytes: &[u8]) -> Option<(Corner, &[u8])> {
+    let (vertex, mut after) = integer(bytes)?;
     let mut further = [None; 2];
     for index in &mut further {
         if let [b'/', more @ ..] = after {
@@ -625,7 +632,7 @@ fn corner(bytes: &[u8]) -> Option<(i64, Option<i64>, Option<i64>, &[u8])> {
         }
     }
     let [texture, normal] = further;
-    after.first().is_none_or(|b| is_blank(*b)).then_some((index, texture, normal, after))
+    after.first().is_none_or(|b| is_blank(*b)).then_some((Corner { vertex, texture, normal }, after))
 }
 
 /// Three numbers after a letter, with one blank before each, that end the line; and the line's length with its newline.
