@@ -26,7 +26,7 @@ fn accessor(
         _ => 4,
     };
     // Elements begin at multiples of four bytes.
-    let stride = (width * size as usize).next_multiple_of(4);
+    let stride = (width * size).next_multiple_of(4);
     let rows: Vec<u8> =
         bytes.chunks(width * size).flat_map(|row| row.iter().copied().chain(vec![0; stride - row.len()])).collect();
     let view = json!({ "buffer": 0, "byteOffset": binary.len(), "byteLength": rows.len(), "byteStride": stride });
@@ -349,7 +349,7 @@ fn smooth_shading_is_told() {
 fn a_mesh_far_from_its_origin_keeps_its_shape_in_every_reader() {
     // A cube of 1 m, 9 376 km away: f32 has steps of 1 m there.
     let scratch = Scratch::new();
-    let far = 9_376_000.123_456_789_f64;
+    let far = 9_376_000.123_456_79_f64;
     let corners: Vec<String> = (0..8)
         .map(|i| format!("v {} {} {}\n", far + f64::from(i & 1), -far / 3.0 + f64::from(i >> 1 & 1), f64::from(i >> 2)))
         .collect();
