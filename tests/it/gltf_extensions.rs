@@ -19,7 +19,7 @@ fn accessor(
     shape: &str,
 ) -> usize {
     binary.resize(binary.len().next_multiple_of(4), 0);
-    let width = if shape == "VEC4" { 4 } else { 3 };
+    let width: usize = if shape == "VEC4" { 4 } else { 3 };
     let size = match component {
         5120 | 5121 => 1,
         5122 | 5123 => 2,
