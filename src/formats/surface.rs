@@ -152,7 +152,7 @@ impl Surface {
             thermal: Thermal::Equilibrium,
             sensor: Sensor {
                 name: "frame camera".into(),
-                camera: FrameCamera { world_from_sensor, samples: PIXELS, lines: PIXELS, pitch },
+                camera: FrameCamera::centred(world_from_sensor, PIXELS, PIXELS, pitch),
                 bands: vec![Band { centre_um: 1.0, fwhm_um: None }],
             },
         }

@@ -22,8 +22,8 @@ pub(super) fn draw<'a>(mesh: &'a Mesh, topology: &'a Topology, camera: &FrameCam
         h: axes.x_axis,
         v: axes.y_axis,
         u: axes.z_axis,
-        scale: 1.0 / camera.pitch,
-        offset: camera.boresight_px(),
+        scale: camera.pitch.map(|pitch| 1.0 / pitch),
+        offset: camera.boresight_px,
     };
     Drawing::new(mesh, topology, view, Grid { columns: camera.samples, rows: camera.lines })
 }

@@ -17,7 +17,7 @@ pub(super) fn of_projection(projection: &Projection, view: &View, facet: &Facet)
     let away = normal.dot(facet.corners_m[0] - *centre_m);
     let eye = projection.linear * (*centre_m - projection.origin_m) + projection.offset;
     let of_ray = |d: DVec3| eye * normal.dot(d) + projection.linear * d * away;
-    let (right, down) = (of_ray(*h / *scale), of_ray(*v / *scale));
+    let (right, down) = (of_ray(*h / scale[0]), of_ray(*v / scale[1]));
     let ahead = of_ray(*u) - right * offset[0] - down * offset[1];
     // n.d is negative on the side that is seen: w shall be positive in front of the map's eye.
     let [s, t, w] = [0, 1, 2].map(|k| [-right[k], -down[k], -ahead[k]]);

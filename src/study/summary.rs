@@ -56,7 +56,7 @@ pub fn summary(scene: &Scene) -> Summary {
     let (towards_sun, eye_m) = (scene.sun.direction.vec(), camera.centre_m());
     let from_zenith = |v: DVec3| (scene.origin_m != DVec3::ZERO).then(|| angle_rad(scene.origin_m, v).to_degrees());
     let elevation = |v: DVec3| from_zenith(v).map(|angle| 90.0 - angle);
-    let pixel_m = camera.pitch * eye_m.length();
+    let pixel_m = camera.mean_pitch() * eye_m.length();
     let (low_m, high_m) = site.box_m;
     Summary {
         facets: scene.mesh.facets.len(),
@@ -73,7 +73,7 @@ pub fn summary(scene: &Scene) -> Summary {
         range_m: eye_m.length(),
         mars_elevation_deg: scene.mars.as_ref().and_then(|mars| elevation(mars.centre_m)),
         mars_radius_deg: scene.mars.as_ref().map(|m| (m.radius_m / m.centre_m.length()).asin().to_degrees()),
-        ifov_mrad: 1e3 * camera.ifov_rad(),
+        ifov_mrad: 1e3 * camera.ifov_rad()[0],
         pixel_m,
         image_m: [f64::from(camera.samples) * pixel_m, f64::from(camera.lines) * pixel_m],
     }

@@ -36,8 +36,8 @@ pub enum View {
         v: DVec3,
         /// Boresight, unit vector.
         u: DVec3,
-        /// Cells per unit of tangent.
-        scale: f64,
+        /// Cells per unit of tangent along h and v.
+        scale: [f64; 2],
         /// Drawing coordinates of the boresight.
         offset: [f64; 2],
     },
@@ -331,8 +331,8 @@ impl<'a> Drawing<'a> {
         let mut planes = Vec::new();
         for (axis, side) in [(0, h), (1, v)] {
             let margin = CUT_AT * image.max[axis];
-            let low = (-margin - offset[axis]) / scale;
-            let high = (image.max[axis] + margin - offset[axis]) / scale;
+            let low = (-margin - offset[axis]) / scale[axis];
+            let high = (image.max[axis] + margin - offset[axis]) / scale[axis];
             planes.push(side - low * u);
             planes.push(high * u - side);
         }
@@ -461,7 +461,7 @@ pub(super) fn project(view: &View, p_m: DVec3) -> [f64; 3] {
         View::Pinhole { centre_m, h, v, u, scale, offset } => {
             let p = p_m - *centre_m;
             let near = 1.0 / p.dot(*u);
-            [p.dot(*h) * near * scale + offset[0], p.dot(*v) * near * scale + offset[1], near]
+            [p.dot(*h) * near * scale[0] + offset[0], p.dot(*v) * near * scale[1] + offset[1], near]
         }
     }
 }

@@ -1,11 +1,13 @@
 //! The integration tests: one binary, one module for each kind of promise.
 
 mod bodies;
+mod cameras;
 mod cli;
 mod clipping;
 mod convert;
 #[cfg(feature = "sqlite")]
 mod dart_database;
+mod dart_outline;
 mod dart_output;
 mod dart_read;
 mod dart_terrain;
@@ -20,8 +22,11 @@ mod invariance;
 mod layers;
 mod malformed_scene;
 mod map_files;
+mod map_sums;
 mod maps;
+mod mosaics;
 mod oracles;
+mod partly_sky;
 mod products;
 mod raster;
 mod raster_convert;

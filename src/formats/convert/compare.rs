@@ -163,7 +163,10 @@ impl Lines {
         self.words("sensor.name", &a.sensor.name, &b.sensor.name);
         self.numbers("sensor.samples", f64::from(camera_a.samples), f64::from(camera_b.samples));
         self.numbers("sensor.lines", f64::from(camera_a.lines), f64::from(camera_b.lines));
-        self.numbers("sensor pitch", camera_a.pitch, camera_b.pitch);
+        for (k, name) in ["sample", "line"].into_iter().enumerate() {
+            self.numbers(&format!("sensor pitch, {name}"), camera_a.pitch[k], camera_b.pitch[k]);
+            self.numbers(&format!("sensor.boresight_px, {name}"), camera_a.boresight_px[k], camera_b.boresight_px[k]);
+        }
         let (bands_a, bands_b) = (&a.sensor.bands, &b.sensor.bands);
         if bands_a.len() != bands_b.len() {
             return self.push("sensor.bands", bands_a.len(), bands_b.len());

@@ -16,18 +16,18 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 use super::InputFile;
-use super::dart::{self, output as dart_output};
+use super::dart::{self, output as dart_output, output::Placing};
 use super::located::Document;
 use super::raster::{self, Raster};
-use super::scene_toml::{self, Reader};
+use super::scene_toml::{self, Lens, Reader};
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::Pose;
-use crate::product::{Atlas, Eye, Placement, Projection, RadianceMap, ViewImage};
+use crate::product::{Atlas, Eye, Placement, Projection, RadianceMap, Sky, ViewImage};
 use crate::progress::Watch;
 use crate::scene::{FrameCamera, Scene};
 use crate::spectral::Band;
 
-use types::{DartMapToml, MapToml, NumbersToml, PlacementToml, QuantityToml};
+use types::{DartMapToml, MapToml, NegativeToml, NumbersToml, PlacementToml, QuantityToml, RegistrationToml, SkyToml};
 use values::{Conversion, RasterTexels};
 
 /// The maps that were found at a path: one, or one for each direction of view.
@@ -70,7 +70,7 @@ pub fn open(path: &Path, scene: &Scene, weight: f64, watch: Watch<'_>) -> Result
         return Ok(Opened { maps: vec![map], inputs: vec![input], notes: vec![] });
     }
     if path.is_dir() || path.extension().is_some_and(|e| e == "mpr" || e == "mp#") {
-        return of_dart(path, scene, weight, &dart_output::MapOptions::default());
+        return of_dart(path, scene, weight, &dart_output::MapOptions::default(), watch);
     }
     // What is no raster either is told as that.
     let raster = raster::open(path)?;
@@ -123,7 +123,13 @@ pub fn describe(path: &Path) -> Result<Vec<(String, String)>> {
 }
 
 /// All views of a DART output, in one quantity; without any, the radiative budget of its triangles.
-fn of_dart(path: &Path, scene: &Scene, weight: f64, options: &dart_output::MapOptions) -> Result<Opened> {
+fn of_dart(
+    path: &Path,
+    scene: &Scene,
+    weight: f64,
+    options: &dart_output::MapOptions,
+    watch: Watch<'_>,
+) -> Result<Opened> {
     use dart_output::Quantity::{Brf, Radiance, Tapp};
     let output = dart_output::open(path)?;
     let mut notes = Vec::new();
@@ -140,7 +146,8 @@ fn of_dart(path: &Path, scene: &Scene, weight: f64, options: &dart_output::MapOp
     };
     for (i, view) in output.views().iter().enumerate() {
         if view.quantity == taken {
-            let map = output.view_map(i, scene, options)?;
+            let (map, note) = output.view_map(i, scene, options, watch)?;
+            notes.extend(note);
             maps.push(RadianceMap { weight: map.weight * weight, ..map });
         }
     }
@@ -164,10 +171,19 @@ fn read(file: &Path, asked: &Path, scene: &Scene, weight: f64, watch: Watch<'_>)
         let scene_from_dart =
             toml.origin_in_dart_m.map(|origin| dart::placed(scene.origin_m, DVec3::from_array(origin)));
         let irradiance_w_m2_um = toml.irradiance_w_m2_um;
-        let shift_texels = toml.shift_texels.unwrap_or_default();
-        let options = dart_output::MapOptions { scene_from_dart, irradiance_w_m2_um, shift_texels };
+        let placing = match (toml.shift_texels, toml.registration) {
+            (Some(_), Some(_)) => {
+                let message = "does not go with `shift_texels`, which says where the image lies";
+                return Err(Error::Invalid(vec![Problem::new(document.at("registration"), message)]));
+            }
+            (Some(shift_texels), None) => Placing::Shifted(shift_texels),
+            (None, Some(RegistrationToml::Printed)) => Placing::Shifted([0.0; 2]),
+            (None, Some(RegistrationToml::Forced)) => Placing::Forced,
+            (None, Some(RegistrationToml::Outline) | None) => Placing::Outline,
+        };
+        let options = dart_output::MapOptions { scene_from_dart, irradiance_w_m2_um, placing };
         let path = file.parent().unwrap_or(Path::new("")).join(toml.dart);
-        let mut opened = of_dart(&path, scene, weight, &options)?;
+        let mut opened = of_dart(&path, scene, weight, &options, watch)?;
         opened.inputs.push(input);
         return Ok(opened);
     }
@@ -184,7 +200,13 @@ fn read(file: &Path, asked: &Path, scene: &Scene, weight: f64, watch: Watch<'_>)
     let map = rasters.and_then(|rasters| {
         let name = rasters[0].path.display().to_string();
         let (placement, texels) = map(&mut reader, &toml, rasters, scene, watch)?;
-        Some(RadianceMap { name, placement, source: Box::new(texels), weight, has_heat: false })
+        let heat = toml.heat.or((toml.quantity == QuantityToml::BrightnessTemperature).then_some(true));
+        let sky = match toml.sky {
+            None => Sky::Guessed,
+            Some(SkyToml::Included) => Sky::Included,
+            Some(SkyToml::LeftOut) => Sky::LeftOut,
+        };
+        Some(RadianceMap { name, placement, source: Box::new(texels), weight, heat, sky, registration: None })
     });
     let (inputs, notes) = reader.finish()?;
     match map {
@@ -238,7 +260,16 @@ fn map(
     }
     let convert = |(i, band): (usize, &Band)| Conversion::new(toml.quantity, toml.unit, band, irradiance(i));
     match bands.iter().enumerate().map(convert).collect() {
-        Ok(conversion) => Some((placement?, RasterTexels { rasters, bands, conversion, no_data: toml.no_data })),
+        Ok(conversion) => Some((
+            placement?,
+            RasterTexels {
+                rasters,
+                bands,
+                conversion,
+                no_data: toml.no_data,
+                clips: toml.negative == Some(NegativeToml::Clip),
+            },
+        )),
         Err(message) => {
             reader.problem("unit", message);
             None
@@ -256,8 +287,8 @@ fn placement(
 ) -> Option<Placement> {
     let occlusion = toml.occlusion.unwrap_or(true);
     let wanted = match toml.placement {
-        PlacementToml::Camera => ["observer", "sensor", "scene", "occlusion"].as_slice(),
-        PlacementToml::Plane => &["plane", "occlusion"],
+        PlacementToml::Camera => ["observer", "sensor", "scene", "occlusion", "sky"].as_slice(),
+        PlacementToml::Plane => &["plane", "occlusion", "sky"],
         PlacementToml::Facets | PlacementToml::Atlas => &[],
     };
     let given = [
@@ -266,6 +297,7 @@ fn placement(
         ("scene", toml.scene.is_some()),
         ("plane", toml.plane.is_some()),
         ("occlusion", toml.occlusion.is_some()),
+        ("sky", toml.sky.is_some()),
     ];
     for (key, _) in given.into_iter().filter(|(key, is_given)| *is_given && !wanted.contains(key)) {
         reader.problem(key, "does not go with this placement");
@@ -335,15 +367,8 @@ fn camera(
         }
         (None, Some(observer), Some(sensor)) => {
             let pose: Option<Pose> = reader.observer(observer);
-            let pitch = match (sensor.ifov_mrad, sensor.fov_deg) {
-                (Some(ifov_mrad), None) => scene_toml::pitch_of_ifov(ifov_mrad),
-                (None, Some(fov_deg)) => scene_toml::pitch_of_fov(fov_deg, samples),
-                _ => {
-                    reader.problem("sensor", "give one of `ifov_mrad` and `fov_deg`");
-                    return None;
-                }
-            };
-            Some(FrameCamera { world_from_sensor: pose?, samples, lines, pitch })
+            let (pitch, boresight_px) = reader.optics(&Lens::from(sensor), [samples, lines], None)?;
+            Some(FrameCamera { world_from_sensor: pose?, samples, lines, pitch, boresight_px })
         }
         _ => {
             reader.problem("placement", "a camera needs `observer` and `sensor`, or a `scene` that has them");

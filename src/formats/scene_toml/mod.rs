@@ -3,6 +3,8 @@
 //! Reading goes in three steps, and each tells all its problems: the text against the schema
 //! ([`located`]); each part against itself and the files it names; the whole, by [`Scene::check`].
 
+mod attitude;
+mod lens;
 mod materials;
 mod mesh;
 mod rasters;
@@ -25,6 +27,7 @@ use super::InputFile;
 use super::located::{self, Document};
 use super::spectra;
 use super::spectrum_csv::{self, Quantity};
+pub(super) use lens::Lens;
 pub(crate) use materials::hex_from_linear;
 pub(super) use view::pitch_of_fov;
 pub(super) use view::pitch_of_ifov;

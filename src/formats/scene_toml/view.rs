@@ -8,8 +8,9 @@ use crate::scene::{FrameCamera, Sensor};
 use crate::spectral::Band;
 
 use super::Reader;
+use super::lens::Lens;
 use super::mesh::UNIT_TOLERANCE;
-use super::types::{BandsToml, Fit, Fwhm, ObserverToml, Preset, SensorToml};
+use super::types::{BandsToml, Coordinates, Fwhm, ObserverToml, Preset, SensorToml};
 
 /// No band lies beyond this, um: wavelengths above are nanometres.
 const LONGEST_UM: f64 = 100.0;
@@ -42,30 +43,21 @@ impl Reader<'_> {
             }
         };
         let (samples, lines) = (samples?, lines?);
-        let pitch = match (toml.ifov_mrad, toml.fov_deg, toml.fit) {
-            (Some(ifov_mrad), None, None) => {
-                if ifov_mrad > 1000.0 {
-                    let message = format!("a pixel of {} mrad", number(ifov_mrad));
-                    self.helped("sensor.ifov_mrad", message, "if this is microradians, write a thousandth");
-                    return None;
-                }
-                Some(pitch_of_ifov(ifov_mrad))
-            }
-            (None, Some(fov_deg), None) => Some(pitch_of_fov(fov_deg, samples)),
-            (None, None, Some(Fit::Scene)) => match (pose, mesh) {
+        let lens = Lens::from(toml);
+        let optics = if self.is_fitted(toml.fit, &lens)? {
+            let pitch = match (pose, mesh) {
                 (Some(pose), Some(mesh)) => self.fitted(&pose, samples, lines, mesh),
                 _ => None,
-            },
-            (None, None, None) if preset => {
+            };
+            pitch.map(|pitch| ([pitch; 2], [samples, lines].map(|n| 0.5 * f64::from(n))))
+        } else {
+            if preset && !lens.says_field() {
                 self.stated("sensor.ifov_mrad", "0.5: MacrOmega");
-                Some(2.0 * (0.5 * 0.5e-3_f64).tan())
             }
-            _ => {
-                self.problem("sensor", "give one of `ifov_mrad`, `fov_deg` and `fit`");
-                None
-            }
+            self.optics(&lens, [samples, lines], preset.then(|| pitch_of_ifov(0.5)))
         };
-        let camera = FrameCamera { world_from_sensor: pose?, samples, lines, pitch: pitch? };
+        let (pitch, boresight_px) = optics?;
+        let camera = FrameCamera { world_from_sensor: pose?, samples, lines, pitch, boresight_px };
         Some(Sensor { name, camera, bands: bands? })
     }
 
@@ -100,7 +92,28 @@ impl Reader<'_> {
     }
 
     pub(in crate::formats) fn observer(&mut self, toml: &ObserverToml) -> Option<Pose> {
-        let position_m = DVec3::from_array(toml.position_m);
+        if let Some(matrix) = &toml.camera_to_world {
+            let beside = toml.position_m.is_some() || toml.target_m.is_some() || toml.up.is_some();
+            if beside || toml.h.or(toml.v).or(toml.u).is_some() || toml.world_from_sensor_xyzw.is_some() {
+                self.problem("observer.camera_to_world", "says all of position and axes: leave the other keys out");
+                return None;
+            }
+            let (rotation, position_m) = self.camera_to_world(matrix, toml.convention)?;
+            let is_local = toml.coordinates == Some(Coordinates::Local);
+            let translation_m = if is_local { position_m } else { position_m - self.origin_m };
+            return Some(Pose { rotation, translation_m });
+        }
+        for (key, is_given) in [("convention", toml.convention.is_some()), ("coordinates", toml.coordinates.is_some())]
+        {
+            if is_given {
+                self.problem(&format!("observer.{key}"), "goes with `camera_to_world` alone");
+                return None;
+            }
+        }
+        let Some(position_m) = toml.position_m.map(DVec3::from_array) else {
+            self.problem("observer", "`position_m` is missing");
+            return None;
+        };
         let axes = (toml.h, toml.v, toml.u);
         let rotation = match (toml.target_m, toml.up, axes, toml.world_from_sensor_xyzw) {
             (Some(target_m), Some(up), (None, None, None), None) => {
