@@ -32,7 +32,7 @@ pub fn texels_seen(
             share
         }
     };
-    let mut shares: Vec<f64> = covered(&drawing, "outline of a map", watch)?.into_iter().map(share).collect();
+    let mut shares = covered(&drawing, "outline of a map", share, watch)?;
     if is_mirrored {
         shares = shares.chunks(image.columns).rev().flatten().copied().collect();
     }

@@ -150,8 +150,9 @@ pub fn observe_maps(
     let mut terms = Term::of(scene, terms)?;
     let mut problems = Vec::new();
     for view in terms.iter_mut().flat_map(|t| &mut t.views) {
+        view.read_first(&mut problems)?;
         view.find_seen(scene, topology, options, watch)?;
-        view.find_known(&mut problems)?;
+        view.find_known();
     }
     if !problems.is_empty() {
         return Err(Error::Invalid(problems));
@@ -400,7 +401,7 @@ impl View {
         MapView { placement: &self.placement, known: &self.known, sky: &self.sky }
     }
 
-    /// In how much of each texel its eye sees the scene, if that matters.
+    /// In how much of each texel its eye sees the scene, if that matters; the first bands have been read.
     fn find_seen(&mut self, scene: &Scene, topology: &Topology, options: &MapOptions, watch: Watch<'_>) -> Result<()> {
         let Placement::View(image) = &self.placement else { return Ok(()) };
         for source in &mut self.sources {
@@ -410,7 +411,8 @@ impl View {
             }
         }
         let is_blended = options.texels == Texels::Bilinear;
-        if is_blended || self.sources.iter().any(|source| source.sky != Sky::LeftOut) {
+        let may_be = |source: &Source| partly_sky::may_be_in_means(source.sky, image, &source.first);
+        if is_blended || self.sources.iter().any(may_be) {
             self.seen = integrate::texels_seen(image, scene, topology, watch)?.unwrap_or_default();
         }
         if is_blended {
@@ -445,22 +447,30 @@ impl View {
         })
     }
 
-    /// Which texels have a value, by the first band of each source that is needed.
-    fn find_known(&mut self, problems: &mut Vec<Problem>) -> Result<()> {
+    /// Reads the first band of each source that is needed.
+    fn read_first(&mut self, problems: &mut Vec<Problem>) -> Result<()> {
         let texels = self.placement.texels();
-        self.known = vec![true; texels];
         for source in &mut self.sources {
             let Some((band, _)) = source.uses.first() else { continue };
             source.source.read(*band, &mut source.first)?;
-            let values = &source.first;
+            let values = &mut source.first;
             if values.len() != texels {
                 let message = format!("has {} values in a band, but its placement has {texels} texels", values.len());
                 problems.push(Problem::new(Location::item(&source.name), message));
+                values.clear();
                 continue;
             }
             self.undefined.push(values.iter().filter(|value| value.is_nan()).count() as u64);
-            source.is_divided =
-                !self.seen.is_empty() && partly_sky::is_in_means(source.sky, &self.placement, &self.seen, values);
+        }
+        Ok(())
+    }
+
+    /// Which texels have a value, by the first band of each source that is needed.
+    fn find_known(&mut self) {
+        self.known = vec![true; self.placement.texels()];
+        for source in self.sources.iter_mut().filter(|source| !source.first.is_empty()) {
+            source.is_divided = !self.seen.is_empty()
+                && partly_sky::is_in_means(source.sky, &self.placement, &self.seen, &source.first);
             if source.is_divided {
                 divide(&mut source.first, &self.seen);
             }
@@ -468,7 +478,6 @@ impl View {
                 *known &= !value.is_nan();
             }
         }
-        Ok(())
     }
 }
 

@@ -7,30 +7,36 @@ use rayon::prelude::*;
 use super::{Coverage, Drawing, Scratch, Side, Visit};
 use crate::error::Result;
 use crate::geometry::polygon::{Point, Rect, area, clip_to_rect};
-use crate::progress::{Watch, tell};
+use crate::progress::{Pulse, Watch, tell};
 
-/// For each cell, row by row, the share of it that shows outer sides and the share that shows inner ones: exact. `stage` is what
-/// `watch` is told.
+/// For each cell, row by row, what `of` makes of the share of it that shows outer sides and the share that shows inner ones: exact.
+/// `stage` is what `watch` is told.
 ///
 /// # Errors
 /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
-pub fn covered(drawing: &Drawing, stage: &'static str, watch: Watch<'_>) -> Result<Vec<[f64; 2]>> {
+pub fn covered(
+    drawing: &Drawing,
+    stage: &'static str,
+    of: impl Fn([f64; 2]) -> f64 + Sync,
+    watch: Watch<'_>,
+) -> Result<Vec<f64>> {
     let coverage = Coverage::new(drawing);
     let total = u64::from(drawing.grid.rows);
     let done = AtomicU64::new(0);
-    let rows: Result<Vec<Vec<[f64; 2]>>> = (0..drawing.grid.rows)
+    let pulse = || Pulse::new(watch, stage, &done, total);
+    let rows: Result<Vec<Vec<f64>>> = (0..drawing.grid.rows)
         .into_par_iter()
         .map_init(
-            || (Scratch::default(), Shown { drawing, shares: [0.0; 2], clipped: vec![], spare: vec![] }),
+            || (Scratch::new(pulse()), Shown { drawing, shares: [0.0; 2], clipped: vec![], spare: vec![] }),
             |(scratch, shown), row| {
                 let of_cell = |column| {
                     shown.shares = [0.0; 2];
-                    coverage.cell(column, row, scratch, shown);
-                    shown.shares.map(|share| share.clamp(0.0, 1.0))
+                    coverage.cell(column, row, scratch, shown)?;
+                    Ok(of(shown.shares.map(|share| share.clamp(0.0, 1.0))))
                 };
-                let cells = (0..drawing.grid.columns).map(of_cell).collect();
+                let cells: Result<Vec<f64>> = (0..drawing.grid.columns).map(of_cell).collect();
                 tell(watch, stage, done.fetch_add(1, Relaxed) + 1, total)?;
-                Ok(cells)
+                cells
             },
         )
         .collect();

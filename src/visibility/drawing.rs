@@ -266,7 +266,7 @@ impl<'a> Drawing<'a> {
             View::Parallel { scale, offset, .. } => (reach_m * scale[0].max(scale[1]), offset),
             View::Pinhole { centre_m, scale, offset, .. } => {
                 let near = self.corners(triangle).iter().fold(0.0, |n: f64, p| n.max(p[2]));
-                ((reach_m + centre_m.abs().element_sum()) * near * scale, offset)
+                ((reach_m + centre_m.abs().element_sum()) * near * scale[0].max(scale[1]), offset)
             }
         };
         4.0 * f64::EPSILON * (far + offset[0].abs().max(offset[1].abs()))

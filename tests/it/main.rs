@@ -30,6 +30,7 @@ mod partly_sky;
 mod products;
 mod raster;
 mod raster_convert;
+mod renderers;
 mod report;
 mod sampler;
 mod scene_files;

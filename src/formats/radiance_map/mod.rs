@@ -122,6 +122,14 @@ pub fn describe(path: &Path) -> Result<Vec<(String, String)>> {
     Ok(document.keys("").into_iter().map(value).collect())
 }
 
+fn sky(toml: Option<SkyToml>) -> Sky {
+    match toml {
+        None => Sky::Guessed,
+        Some(SkyToml::Included) => Sky::Included,
+        Some(SkyToml::LeftOut) => Sky::LeftOut,
+    }
+}
+
 /// All views of a DART output, in one quantity; without any, the radiative budget of its triangles.
 fn of_dart(
     path: &Path,
@@ -181,7 +189,7 @@ fn read(file: &Path, asked: &Path, scene: &Scene, weight: f64, watch: Watch<'_>)
             (None, Some(RegistrationToml::Forced)) => Placing::Forced,
             (None, Some(RegistrationToml::Outline) | None) => Placing::Outline,
         };
-        let options = dart_output::MapOptions { scene_from_dart, irradiance_w_m2_um, placing };
+        let options = dart_output::MapOptions { scene_from_dart, irradiance_w_m2_um, placing, sky: sky(toml.sky) };
         let path = file.parent().unwrap_or(Path::new("")).join(toml.dart);
         let mut opened = of_dart(&path, scene, weight, &options, watch)?;
         opened.inputs.push(input);
@@ -201,11 +209,7 @@ fn read(file: &Path, asked: &Path, scene: &Scene, weight: f64, watch: Watch<'_>)
         let name = rasters[0].path.display().to_string();
         let (placement, texels) = map(&mut reader, &toml, rasters, scene, watch)?;
         let heat = toml.heat.or((toml.quantity == QuantityToml::BrightnessTemperature).then_some(true));
-        let sky = match toml.sky {
-            None => Sky::Guessed,
-            Some(SkyToml::Included) => Sky::Included,
-            Some(SkyToml::LeftOut) => Sky::LeftOut,
-        };
+        let sky = sky(toml.sky);
         Some(RadianceMap { name, placement, source: Box::new(texels), weight, heat, sky, registration: None })
     });
     let (inputs, notes) = reader.finish()?;

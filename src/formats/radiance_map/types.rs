@@ -85,6 +85,8 @@ pub(super) struct DartMapToml {
     pub(super) shift_texels: Option<[f64; 2]>,
     /// How an image's place is found. Default "outline".
     pub(super) registration: Option<RegistrationToml>,
+    /// What texels of an image hold that show the scene in part. Default: whichever those at its rim look like.
+    pub(super) sky: Option<SkyToml>,
     /// Irradiance of a horizontal plane that reflectance factors refer to, W m-2 um-1, one for each band. Default: as the output says.
     pub(super) irradiance_w_m2_um: Option<Vec<f64>>,
 }

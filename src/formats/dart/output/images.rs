@@ -13,7 +13,7 @@ use crate::error::{Error, Location, Problem, Result};
 use crate::formats::ilwis;
 use crate::geometry::Pose;
 use crate::physics::{blackbody, reflectance};
-use crate::product::{Eye, Placement, Projection, RadianceMap, Registration, Sky, TexelSource, ViewImage};
+use crate::product::{Eye, Placement, Projection, RadianceMap, Registration, TexelSource, ViewImage};
 use crate::progress::Watch;
 use crate::scene::Scene;
 use crate::spectral::Band;
@@ -100,7 +100,7 @@ pub(super) fn map(
             Quantity::Tapp => Some(true),
             Quantity::Brf | Quantity::Radiance => properties.heat(view.bands.iter().map(|band| band.number)),
         },
-        sky: Sky::LeftOut,
+        sky: options.sky,
         registration,
     };
     Ok((map, note))

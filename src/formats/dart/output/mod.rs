@@ -16,7 +16,7 @@ use glam::DVec3;
 
 use crate::error::{Error, Location, Problem, Result};
 use crate::geometry::{Direction, Pose};
-use crate::product::RadianceMap;
+use crate::product::{RadianceMap, Sky};
 use crate::progress::Watch;
 use crate::scene::Scene;
 use crate::spectral::Band;
@@ -112,6 +112,8 @@ pub struct MapOptions {
     pub irradiance_w_m2_um: Option<Vec<f64>>,
     /// How an image's place is found.
     pub placing: Placing,
+    /// What texels at the scene's rim hold.
+    pub sky: Sky,
 }
 
 /// How an image's place is found: oblique images of DART-FT lie beside the corners that DART prints.

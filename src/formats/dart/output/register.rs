@@ -94,13 +94,13 @@ impl Outline {
         };
         let topology = Topology::new(&scene.mesh);
         let drawing = Drawing::new(&scene.mesh, &topology, view, Grid { columns, rows });
-        let shares = covered(&drawing, "outline of an image", watch)?;
+        let shares = covered(&drawing, "outline of an image", |[outer, inner]| (outer + inner).min(1.0), watch)?;
         let width = columns as usize + 1;
         let mut sums = vec![0.0; width * (rows as usize + 1)];
         for (row, line) in shares.chunks_exact(columns as usize).enumerate() {
             let mut so_far = 0.0;
-            for (column, [outer, inner]) in line.iter().enumerate() {
-                so_far += (outer + inner).min(1.0);
+            for (column, share) in line.iter().enumerate() {
+                so_far += share;
                 sums[(row + 1) * width + column + 1] = sums[row * width + column + 1] + so_far;
             }
         }
