@@ -435,11 +435,13 @@ impl View {
             let is_camera = matches!(image.eye, Eye::At(_));
             match (source.is_divided, is_camera) {
                 (true, _) => Some(format!(
-                    "{}: {partly} texels are partly sky and are divided by the share that shows the scene; if they are means over that                      share already, say `sky = \"left_out\"` in its map file",
+                    "{}: {partly} texels are partly sky and are divided by the share that shows the scene; if they are means over that share \
+                     already, say `sky = \"left_out\"` in its map file",
                     source.name
                 )),
                 (false, true) => Some(format!(
-                    "{}: what lies around the scene is as bright as the scene, so that {partly} texels at its rim are taken as they are;                      if the rest of them is dark sky, say `sky = \"included\"` in its map file",
+                    "{}: what lies around the scene is as bright as the scene, so that {partly} texels at its rim are taken as they are; \
+                     if the rest of them is dark sky, say `sky = \"included\"` in its map file",
                     source.name
                 )),
                 (false, false) => None,

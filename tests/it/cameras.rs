@@ -79,7 +79,10 @@ fn rounded_matrices_are_made_rotations_and_others_refused() {
     wrong(&rows("2.1"), "those of a camera are alike");
     wrong(&rows("-2"), "left-handed");
     wrong(&rows("2").replace("convention = \"blender\"\n", ""), "a matrix does not say which way a camera looks");
-    wrong(&rows("2").replace("1.0, 1.7320508", "1.3, 1.5199"), "not at right angles");
+    wrong(
+        &rows("2").replace("1.7320508, -1.0", "1.7320508, -1.2").replace("1.0, 1.7320508", "1.0, 1.6"),
+        "not at right angles",
+    );
     wrong(
         "camera_to_world = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 12000, 1]]\nconvention = \"blender\"\n",
         "exchange rows and columns",
@@ -120,7 +123,7 @@ fn lenses_are_those_of_blender_and_opencv() {
         let error = read(&bench).unwrap_err();
         assert!(error.contains(message), "{error}");
     };
-    wrong("focal_mm = 35\n", "`sensor_mm`");
+    wrong("focal_mm = 35\n", "sensor.sensor_mm: is missing");
     wrong("fov_deg = 30\nsensor_mm = 36\n", "goes with `focal_mm` alone");
     wrong("fov_deg = 30\nfocal_px = 10\n", "give one of");
     wrong("fov_deg = 30\nshift = [0, 0]\nboresight_px = [1, 1]\n", "leave one of them out");
@@ -141,13 +144,13 @@ fn a_window_or_a_shifted_lens_sees_what_the_larger_image_sees_there() {
     let bench = Bench::new();
     scene_with(&bench, ASKANCE, WHOLE);
     let whole = image(&bench);
-    let expected: Vec<f64> = (0..24).map(|i| whole[(5 + i / 6) * 16 + 3 + i % 6]).collect();
-    assert!(expected.iter().filter(|l| **l > 0.0).count() > 10 && expected.contains(&0.0), "{expected:?}");
+    let expected: Vec<f64> = (0..24).map(|i| whole[(1 + i / 6) * 16 + 1 + i % 6]).collect();
+    assert!(expected.iter().filter(|l| **l > 0.0).count() > 5 && expected.contains(&0.0), "{expected:?}");
     for lens in [
-        "window = { first_px = [3, 5], of_px = [16, 12] }\n",
-        "boresight_px = [5.0, 1.0]\n",
-        // (3 - 5) / 6 to the right, (1 - 2) / 6 up.
-        "shift = [-0.33333333333333333, -0.16666666666666667]\n",
+        "window = { first_px = [1, 1], of_px = [16, 12] }\n",
+        "boresight_px = [7.0, 5.0]\n",
+        // (3 - 7) / 6 to the right, (5 - 2) / 6 up.
+        "shift = [-0.66666666666666667, 0.5]\n",
     ] {
         scene_with(&bench, ASKANCE, &format!("samples = 6\nlines = 4\nifov_mrad = 0.9\n{lens}"));
         assert_near(&image(&bench), &expected, 1e-12);
@@ -170,8 +173,8 @@ fn a_shifted_camera_is_written_as_it_was_read() {
     let bench = Bench::new();
     scene_with(&bench, ASKANCE, "samples = 6\nlines = 4\nfocal_px = [1100, 700]\nboresight_px = [-3.25, 9.125]\n");
     let before = camera(&bench);
-    let (from, to) = (bench.0.argument("scene.toml"), bench.0.argument("again"));
-    let (code, _, err) = run(&["convert", &from, "-o", &to]);
+    let (from, to) = (bench.0.argument("scene.toml"), bench.0.argument("again/scene.toml"));
+    let (code, _, err) = run(&["convert", &from, &to]);
     assert_eq!(code, 0, "{err}");
     let after = scene_toml::read(&bench.0.join("again/scene.toml"), &unwatched).unwrap().scene.sensor.camera;
     assert_eq!((before.pitch, before.boresight_px), (after.pitch, after.boresight_px));

@@ -15,7 +15,7 @@ fn recipe() -> String {
 }
 
 const SCENE: &str = "mmxrt_scene = 1\norigin_m = [0, 0, 11000]\n[[mesh]]\nobj = \"site.obj\"\n[materials.default]\nreflectance = 0.3\n\
-    [sun]\ndirection = [0.6, 0, 0.8]\ndistance_au = 1.0\nspectrum = \"flat.csv\"\n[thermal]\nmodel = \"off\"\n\
+    [sun]\ndirection = [0.6, 0, 0.8]\ndistance_au = 1.0\n[thermal]\nmodel = \"off\"\n\
     [observer]\nposition_m = [-20, -30, 11070]\ntarget_m = [0, 0, 11000]\nup = [0, 0, 1]\n\
     [sensor]\nsamples = 24\nlines = 16\nfov_deg = 14\nbands = { centres_um = [1.0] }\n";
 
@@ -31,12 +31,13 @@ fn mitsubas_image_becomes_ours() {
     let scratch = Scratch::new();
     // One tilted facet pair: nothing shadows or lights itself, so that the renderer's answer is the closed form.
     scratch.write("site.obj", "v -4 -3 0\nv 4 -3 1\nv 4 3 1\nv -4 3 0\nf 1 2 3 4\n");
-    scratch.write("flat.csv", "wavelength_um,irradiance_w_m2_um\n0.2,1000\n100,1000\n");
     scratch.write("scene.toml", SCENE);
     scratch.write("recipe.py", recipe());
     let made = Command::new(&python).arg("recipe.py").current_dir(scratch.join("")).output().unwrap();
     assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
-    let (scene, image, out) = (scratch.argument("scene.toml"), scratch.argument("image.exr"), scratch.argument("out"));
+    let irradiance = mmxrt::spectral::solar_e490().at(1.0).unwrap();
+    let image = format!("{}*{}", scratch.argument("image.exr"), irradiance / 1000.0);
+    let (scene, out) = (scratch.argument("scene.toml"), scratch.argument("out"));
     let options = ["--dtype", "f64", "--quiet", "--unknown", "nan"];
     let (code, _, err) = run(&[&["integrate", &scene, "--radiance", &image, "-o", &out][..], &options].concat());
     assert_eq!(code, 0, "{err}");
@@ -48,8 +49,8 @@ fn mitsubas_image_becomes_ours() {
         bytes.as_chunks::<8>().0.iter().map(|b| f64::from_le_bytes(*b)).collect()
     };
     let (theirs, ours) = (read("out/cube.img"), read("own/cube.img"));
-    // The facet's normal is (-1, 0, 8) / sqrt 65: 0.3 / pi 1000 (0.8 x 8 - 0.6) / sqrt 65.
-    let lambert = 0.3 / std::f64::consts::PI * 1000.0 * (6.4 - 0.6) / 65f64.sqrt();
+    // The facet's normal is (-1, 0, 8) / sqrt 65: 0.3 / pi E (0.8 x 8 - 0.6) / sqrt 65.
+    let lambert = 0.3 / std::f64::consts::PI * irradiance * (6.4 - 0.6) / 65f64.sqrt();
     let largest = ours.iter().copied().fold(0.0, f64::max);
     assert!((largest / lambert - 1.0).abs() < 1e-12, "{largest} {lambert}");
     let whole: Vec<usize> = (0..ours.len()).filter(|i| ours[*i] > 0.999_999 * lambert).collect();

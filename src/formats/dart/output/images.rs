@@ -111,7 +111,10 @@ const LEAST_OVERLAP: f64 = 0.95;
 
 /// Where an image was found to lie, in words.
 fn told(name: &str, found: &Registration) -> String {
-    let Registration { shift_texels: [columns, rows], shift_m: [x_m, y_m], overlap: [printed, shifted] } = found;
+    // Not "-0.00".
+    let hundredths = |x: f64| (100.0 * x).round() / 100.0 + 0.0;
+    let ([columns, rows], [x_m, y_m]) = (found.shift_texels.map(hundredths), found.shift_m.map(hundredths));
+    let [printed, shifted] = found.overlap;
     format!(
         "{name}: by its outline, what it shows lies {columns:.2} columns and {rows:.2} rows ({x_m:.2} m and {y_m:.2} m) beyond its printed \
          corners, and is moved there: {:.1} % of its outline fit the scene's, {:.1} % as printed",
