@@ -54,7 +54,7 @@ fn main() -> Result<()> {
         sensor: Sensor {
             name: "first camera".into(),
             camera: FrameCamera::centred(world_from_sensor, 64, 64, 0.02), // 10 m a pixel
-            bands: [1.0, 2.0, 3.0, 3.6].map(|centre_um| Band { centre_um, fwhm_um: None }).into(),
+            bands: [1.0, 2.0, 3.0, 3.6].map(|centre_um| Band::new(centre_um, None)).into(),
         },
     }
     .check()?;

@@ -112,7 +112,7 @@ fn scene(camera: FrameCamera) -> Result<Scene> {
         },
         mars: None,
         thermal: Thermal::Off,
-        sensor: Sensor { name: "walker".into(), camera, bands: vec![Band { centre_um: 1.0, fwhm_um: None }] },
+        sensor: Sensor { name: "walker".into(), camera, bands: vec![Band::new(1.0, None)] },
     }
     .check()
 }

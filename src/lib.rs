@@ -52,7 +52,7 @@
 //!     sensor: Sensor {
 //!         name: "tour".into(),
 //!         camera: FrameCamera::centred(world_from_sensor, 4, 4, 5e-4),
-//!         bands: vec![Band { centre_um: 1.0, fwhm_um: None }],
+//!         bands: vec![Band::new(1.0, None)],
 //!     },
 //! }
 //! .check()?;

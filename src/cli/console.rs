@@ -14,6 +14,10 @@ use mmxrt::{Error, Result};
 const PATIENCE: Duration = Duration::from_secs(1);
 /// Where there is no terminal, a line this often.
 const LINE_EVERY: Duration = Duration::from_secs(10);
+/// A step that has not asked for so long whether it should stop is stopped where it is, ...
+const UNHEARD: Duration = Duration::from_millis(800);
+/// ... and so is what has not ended for so long after it heard that it should.
+const UNENDED: Duration = Duration::from_secs(10);
 
 pub(crate) struct Console {
     quiet: bool,
@@ -22,6 +26,7 @@ pub(crate) struct Console {
     date: SystemTime,
     began: Instant,
     interrupted: Arc<AtomicBool>,
+    heard: Arc<AtomicBool>,
     stages: Mutex<Stages>,
 }
 
@@ -60,14 +65,24 @@ impl Console {
             date: SystemTime::now(),
             began: Instant::now(),
             interrupted: Arc::default(),
+            heard: Arc::default(),
             stages: Mutex::default(),
         }
     }
 
-    /// From here on Ctrl-C makes the next progress call stop the work, so that what is half written is removed.
+    /// From here on Ctrl-C makes the next progress call stop the work, so that what is half written is removed. Work that does not
+    /// call for long ends where it is, as if it were killed: what it leaves stands under a hidden name.
     pub(crate) fn catch_interrupt(&self) -> std::result::Result<(), ctrlc::Error> {
-        let interrupted = Arc::clone(&self.interrupted);
-        ctrlc::set_handler(move || interrupted.store(true, Ordering::Relaxed))
+        let (interrupted, heard, json) = (Arc::clone(&self.interrupted), Arc::clone(&self.heard), self.json);
+        ctrlc::set_handler(move || {
+            interrupted.store(true, Ordering::Relaxed);
+            std::thread::sleep(UNHEARD);
+            if heard.load(Ordering::Relaxed) {
+                std::thread::sleep(UNENDED);
+            }
+            say(&Error::Interrupted, json);
+            std::process::exit(1);
+        })
     }
 
     /// The callback that the library calls between steps.
@@ -81,7 +96,9 @@ impl Console {
         if !self.quiet && !self.json {
             self.show(&mut stages, progress);
         }
-        !self.interrupted.load(Ordering::Relaxed)
+        let stops = self.interrupted.load(Ordering::Relaxed);
+        self.heard.fetch_or(stops, Ordering::Relaxed);
+        !stops
     }
 
     fn show(&self, stages: &mut Stages, progress: Progress) {
@@ -161,8 +178,12 @@ impl Console {
     /// An error, on standard error.
     pub(crate) fn error(&self, error: &Error) {
         self.finish_progress();
-        let text = if self.json { super::error_json(error).to_string() } else { mmxrt::formats::picture(error) };
-        // Nobody can be told that standard error is gone.
-        let _ = writeln!(std::io::stderr(), "{text}");
+        say(error, self.json);
     }
+}
+
+fn say(error: &Error, json: bool) {
+    let text = if json { super::error_json(error).to_string() } else { mmxrt::formats::picture(error) };
+    // Nobody can be told that standard error is gone.
+    let _ = writeln!(std::io::stderr(), "{text}");
 }

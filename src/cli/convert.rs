@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use mmxrt::Result;
-use mmxrt::formats::convert::{self, Content, Conversion, Finding, Format, Options, Severity};
+use mmxrt::formats::convert::{self, Content, Conversion, Finding, Format, NamedPose, Options, Severity, Up};
 use mmxrt::formats::raster::DataType;
 use mmxrt::report::{Note, Report};
 use mmxrt::spectral::Band;
@@ -47,6 +47,18 @@ pub(crate) struct Arguments {
     /// Where the middle of a DART scene, or the origin of a mesh, is, body-fixed, m
     #[arg(long, value_name = "X,Y,Z", value_parser = numbers::<3>, allow_hyphen_values = true)]
     origin_m: Option<Numbers<3>>,
+    /// Unit of length of a mesh, m: 1000 for km; metres without it
+    #[arg(long, value_name = "M", allow_hyphen_values = true)]
+    unit_m: Option<f64>,
+    /// Axis of a mesh that points up; z for OBJ and y for glTF without it
+    #[arg(long, value_name = "AXIS", value_parser = up)]
+    up: Option<Up>,
+    /// How a mesh stands on the body: "body", with its z to the north, or "radial", with x east, y north and z up at --origin-m; body without it
+    #[arg(long, value_name = "POSE", value_parser = pose)]
+    pose: Option<NamedPose>,
+    /// Turn all facets of a mesh over: for one that is inside out
+    #[arg(long)]
+    flip: bool,
     /// Take N more of a repeated DART scene on each side: (2 N + 1)^2 scenes
     #[arg(long, value_name = "N", default_value_t = 0)]
     repeat: u32,
@@ -85,6 +97,22 @@ pub(crate) struct Arguments {
 fn format(name: &str) -> std::result::Result<Format, String> {
     let names: Vec<&str> = Format::ALL.iter().map(|format| format.about().name).collect();
     Format::named(name).ok_or_else(|| format!("formats are {}", names.join(", ")))
+}
+
+fn up(name: &str) -> std::result::Result<Up, String> {
+    match name {
+        "y" => Ok(Up::Y),
+        "z" => Ok(Up::Z),
+        _ => Err("axes are y, z".into()),
+    }
+}
+
+fn pose(name: &str) -> std::result::Result<NamedPose, String> {
+    match name {
+        "body" => Ok(NamedPose::Body),
+        "radial" => Ok(NamedPose::Radial),
+        _ => Err("poses are body, radial".into()),
+    }
 }
 
 fn data_type(name: &str) -> std::result::Result<DataType, String> {
@@ -128,7 +156,7 @@ fn bands(text: &str) -> std::result::Result<Bands, String> {
     };
     let step = (last - first) / f64::from(count.max(2) - 1);
     let centre_um = |i: u32| if i + 1 == count { last } else { first + step * f64::from(i) };
-    Ok(Bands((0..count).map(|i| Band { centre_um: centre_um(i), fwhm_um }).collect()))
+    Ok(Bands((0..count).map(|i| Band::new(centre_um(i), fwhm_um)).collect()))
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
@@ -139,6 +167,10 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         cell_m: arguments.cell_m,
         dart_databases: arguments.databases.clone(),
         origin_m: arguments.origin_m.map(|numbers| numbers.0.into()),
+        unit_m: arguments.unit_m,
+        up: arguments.up,
+        pose: arguments.pose,
+        flip: arguments.flip,
         repeat: arguments.repeat,
         sun_deg: arguments.sun_deg.map(|numbers| numbers.0),
         allow_outside: arguments.allow_outside,

@@ -63,7 +63,10 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         let message = "has no one spectrum that could be written: --csv goes with --pixel, or with `e490`";
         return Err(Error::invalid(Location::file(path), message));
     }
-    let found = if path.is_file() { Format::of_input(path).ok() } else { None };
+    let found = match path.is_file().then(|| Format::of_input(path)) {
+        Some(Err(e @ Error::Unsupported { .. })) => return Err(e),
+        found => found.and_then(|found| found.ok()),
+    };
     let facts = match found {
         Some((format, _)) if format.is_raster() => image(format, arguments, console)?,
         _ if arguments.picture.is_some() => {
@@ -174,11 +177,11 @@ fn inspect(path: &Path, console: &Console) -> Result<Facts> {
         "csv" | "tab" | "asc" | "tsv" | "dat" => spectrum(path, console),
         "txt" if Format::of_input(path).is_ok_and(|(format, _)| format == Format::Csv) => spectrum(path, console),
         "db" | "hdr" | "sli" | "txt" => converted(path, console),
-        "mtl" => Ok(vec![("kind", json!("MTL materials")), ("materials", materials(&mtl::read(path)?.0))]),
+        "mtl" => Ok(vec![("kind", json!("MTL materials")), ("materials", materials(&mtl::read(path)?.0.materials))]),
         _ if path.is_file() => {
             let problem = Problem::new(Location::file(path), format!("no format of ours ends in {extension:?}"))
                 .with_help(
-                    "these do: hdr, img, mpr, npy, npz, exr, png, json, toml, csv, obj, mtl, gltf, glb, db, sli, txt; or name a \
+                    "these do: hdr, img, mpr, npy, npz, exr, png, jpg, json, toml, csv, obj, mtl, gltf, glb, db, sli, txt; or name a \
                      folder of a product or a DART simulation",
                 );
             Err(Error::Invalid(vec![problem]))
@@ -190,6 +193,7 @@ fn inspect(path: &Path, console: &Console) -> Result<Facts> {
 fn mesh(path: &Path) -> Result<Facts> {
     let mesh = obj::read(path)?;
     let corners = || mesh.vertices.iter().copied();
+    let told = [&mesh.report.notes, &mesh.material_doubts, &mesh.doubts];
     let size = corners().fold(DVec3::NEG_INFINITY, DVec3::max) - corners().fold(DVec3::INFINITY, DVec3::min);
     Ok(vec![
         ("kind", json!("OBJ mesh")),
@@ -198,6 +202,7 @@ fn mesh(path: &Path) -> Result<Facts> {
         ("size_in_its_unit", json!({ "x": size.x, "y": size.y, "z": size.z })),
         ("materials", materials(&mesh.materials)),
         ("passed_over", json!(mesh.ignored)),
+        ("told", told.into_iter().flatten().map(|note| json!(note.to_string())).collect()),
     ])
 }
 
@@ -315,7 +320,7 @@ fn scene(path: &Path, console: &Console) -> Result<Facts> {
         ("fwhm_um", json!(bands.first().and_then(|b| b.fwhm_um))),
         ("table_id", json!(study::table_id(scene))),
         ("defaults", json!(opened.defaults)),
-        ("warnings", json!(opened.warnings)),
+        ("warnings", json!([opened.warnings.clone(), scene.remarks()].concat())),
     ])
 }
 
@@ -478,7 +483,7 @@ fn image(format: Format, arguments: &Arguments, console: &Console) -> Result<Fac
         }
         Format::Ilwis => vec![("kind", json!("ILWIS map"))],
         Format::Npy => vec![("kind", json!("NumPy array"))],
-        Format::Png => vec![("kind", json!("picture"))],
+        Format::Png | Format::Jpeg => vec![("kind", json!("picture"))],
         _ => vec![("kind", json!("CSV of numbers"))],
     };
     let mut raster = raster::open(path)?;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 use mmxrt::formats::envi::{self, Interleave, Precision};
 use mmxrt::formats::folder::Staged;
-use mmxrt::formats::report_json::{self, Image, Report};
+use mmxrt::formats::report_json::{self, BandEntry, Image, Report};
 use mmxrt::formats::{exr_cube, npz, quicklook};
 use mmxrt::product::FacetTable;
 use mmxrt::progress::tell;
@@ -192,6 +192,7 @@ fn report(opened: &Opened, observation: &Observation, maps: Option<MapAccount>, 
             quicklook_band: quicklook::grey_band(&cube.bands) as u64 + 1,
             quicklook_rgb_bands: quicklook::colour_bands(&cube.bands).map(|band| band as u64 + 1),
         },
+        bands: BandEntry::of(&opened.scene),
         effects: observation.effects.clone(),
         checks: observation.checks.clone(),
         counts: observation.counts,

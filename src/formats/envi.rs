@@ -9,11 +9,13 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 
 use super::input;
+use super::length::Unit;
+use super::located;
 pub use super::number::DataType;
 use crate::error::{Error, Location, Problem, Result};
 use crate::product::{Backplanes, Cube, Plane};
 use crate::progress::{Watch, tell};
-use crate::units::um_from_nm;
+use crate::report::{Fate, Report};
 
 /// Order of the numbers in the file, slowest index first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -298,6 +300,8 @@ pub struct Header {
     pub ignore: Option<f64>,
     /// Every key (lower case) and its text, in the order of the file.
     pub fields: Vec<(String, String)>,
+    /// What was not taken as it stands.
+    pub report: Report,
 }
 
 impl Header {
@@ -311,16 +315,50 @@ impl Header {
         self.field("file type").is_some_and(|t| t.eq_ignore_ascii_case(SPECTRAL_LIBRARY))
     }
 
-    /// Wavelengths in um, and the unit that was taken for granted if the header gives none; `None` for other units, as wavenumbers.
+    /// Wavelengths in um, and the unit that was taken for granted if the header gives none; `None` for other units, as an index.
     pub(super) fn um(&self, wavelengths: &[f64]) -> Option<(Vec<f64>, Option<&'static str>)> {
-        let nm = || wavelengths.iter().map(|w| um_from_nm(*w)).collect();
-        match self.field("wavelength units").unwrap_or("unknown").to_lowercase().as_str() {
-            "micrometers" | "micrometer" | "microns" | "micron" | "um" => Some((wavelengths.to_vec(), None)),
-            "nanometers" | "nanometer" | "nm" => Some((nm(), None)),
-            "unknown" | "" if self.wavelength.iter().all(|w| *w >= 100.0) => Some((nm(), Some("nanometres"))),
-            "unknown" | "" => Some((wavelengths.to_vec(), Some("micrometres"))),
-            _ => None,
+        let (unit, taken) = self.wavelength_unit()?;
+        let um = |w: &f64| unit.um(*w).unwrap_or(f64::INFINITY);
+        Some((wavelengths.iter().map(um).collect(), taken))
+    }
+
+    /// The unit of wavelengths, and its name if it was taken for granted.
+    fn wavelength_unit(&self) -> Option<(Unit, Option<&'static str>)> {
+        match self.field("wavelength units").unwrap_or_default().trim() {
+            text if !["", "unknown"].contains(&text.to_lowercase().as_str()) => Unit::of(text).map(|unit| (unit, None)),
+            _ if self.wavelength.iter().all(|w| *w >= 100.0) => Some((Unit::PerUm(1e3), Some("nanometres"))),
+            _ => Some((Unit::Um(1.0), Some("micrometres"))),
         }
+    }
+
+    /// Widths of the bands, um, in the unit of `fwhm units`, if there is that key, or of the wavelengths; `None` if they cannot be used.
+    /// The report tells what is odd.
+    pub(super) fn fwhm_um(&self, centres_um: &[f64], report: &mut Report) -> Option<Vec<f64>> {
+        let at = || Location::file(&self.path).with_item("fwhm");
+        let unit = match self.field("fwhm units").and_then(Unit::of) {
+            Some(unit) => unit,
+            None => self.wavelength_unit()?.0,
+        };
+        let in_unit = |unit: Unit| -> Option<Vec<f64>> {
+            let all = self.wavelength.iter().zip(centres_um).zip(&self.fwhm);
+            let widths = all.map(|((centre, um), width)| unit.width_um(*centre, *width).filter(|w| *w < *um));
+            widths.collect()
+        };
+        if self.fwhm.is_empty() || centres_um.len() != self.fwhm.len() {
+            return None;
+        }
+        if let Some(widths) = in_unit(unit) {
+            return Some(widths);
+        }
+        // Wavelengths in um beside widths in nm.
+        let in_nm = in_unit(Unit::PerUm(1e3)).filter(|_| unit == Unit::Um(1.0));
+        match &in_nm {
+            Some(_) => report.note(Fate::Defaulted, at(), "wider than the wavelengths are long: taken as nanometres"),
+            None => {
+                report.note(Fate::Dropped, at(), "widths that are none: as wide as the wavelengths are long, or wider")
+            }
+        }
+        in_nm
     }
 
     /// Size of the numbers in the data file, bytes; `None` if no file can be so large.
@@ -388,6 +426,9 @@ pub fn parse_header(path: &Path, text: &str) -> Result<Header> {
             feature: format!("ENVI data type {code}{complex}"),
         });
     };
+    let mut report = Report::default();
+    let band_names = fields.names("band names", bands, &mut report);
+    fields.tell_misspelt(&mut report);
     let header = Header {
         path: path.to_owned(),
         samples: samples as usize,
@@ -399,9 +440,10 @@ pub fn parse_header(path: &Path, text: &str) -> Result<Header> {
         big_endian,
         wavelength,
         fwhm,
-        band_names: fields.items("band names"),
+        band_names,
         ignore,
         fields: fields.list.iter().map(|f| (f.key.clone(), f.value.clone())).collect(),
+        report,
     };
     match header.data_bytes() {
         Some(_) => Ok(header),
@@ -423,35 +465,136 @@ struct Field {
     value: String,
 }
 
+/// Keys that have a meaning here.
+pub(super) const KEYS: [&str; 19] = [
+    "samples",
+    "lines",
+    "bands",
+    "header offset",
+    "file type",
+    "file compression",
+    "data type",
+    "interleave",
+    "byte order",
+    "wavelength",
+    "wavelength units",
+    "fwhm",
+    "fwhm units",
+    "band names",
+    "data units",
+    "data ignore value",
+    "data gain values",
+    "data offset values",
+    "reflectance scale factor",
+];
+
+/// Lines that a header of ESRI has.
+const OF_ESRI: [&str; 10] =
+    ["nrows", "ncols", "nbands", "nbits", "byteorder", "layout", "skipbytes", "ulxmap", "bandrowbytes", "pixeltype"];
+
+fn is_of_esri(text: &str) -> bool {
+    let mut keys = text.lines().filter_map(|line| line.split_once([' ', '\t'])).map(|(key, _)| key.to_lowercase());
+    keys.any(|key| OF_ESRI.contains(&key.as_str()))
+}
+
+/// Whether a text begins as one more `key = value` does.
+fn begins_a_field(text: &str) -> bool {
+    text.split_once('=').is_some_and(|(key, _)| {
+        let key = key.trim();
+        key.starts_with(|c: char| c.is_alphabetic()) && key.chars().all(|c| c.is_alphanumeric() || " _-".contains(c))
+    })
+}
+
+/// Where a list ends: at a brace behind which the line ends, or the next field begins. Those inside of texts do not end it.
+fn end_of_list(line: &str) -> Option<usize> {
+    line.match_indices('}').map(|(i, _)| i).find(|i| {
+        let rest = line[i + 1..].trim();
+        rest.is_empty() || rest.starts_with(';') || begins_a_field(rest)
+    })
+}
+
 impl<'a> Fields<'a> {
     fn parse(path: &'a Path, text: &str) -> Result<Self> {
-        let mut lines = text.lines().enumerate();
-        if lines.next().is_none_or(|(_, first)| first.trim() != "ENVI") {
+        let text = text.trim_start_matches('\u{feff}');
+        let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line)).peekable();
+        if lines.next().is_none_or(|(_, first)| !first.trim().eq_ignore_ascii_case("ENVI")) {
+            if is_of_esri(text) {
+                let feature = "a header of ESRI for BIL, BIP or BSQ (`gdal_translate -of ENVI IN OUT.img` makes an image that is read)";
+                return Err(Error::Unsupported { at: Location::file(path), feature: feature.into() });
+            }
             return Err(Error::syntax(Location::line(path, 1), "an ENVI header begins with the line ENVI"));
         }
         let mut list = Vec::new();
-        while let Some((index, line)) = lines.next() {
+        // What is left of a line behind a list.
+        let mut left: Option<(usize, &str)> = None;
+        while let Some((number, line)) = left.take().or_else(|| lines.next()) {
             if line.trim().is_empty() || line.trim_start().starts_with(';') {
                 continue;
             }
             let Some((key, value)) = line.split_once('=') else {
-                return Err(Error::syntax(Location::line(path, index + 1), "expected `key = value`"));
+                return Err(Error::syntax(Location::line(path, number), "expected `key = value`"));
             };
-            let mut value = value.trim().to_owned();
-            if value.starts_with('{') {
-                while !value.contains('}') {
-                    let Some((_, next)) = lines.next() else {
-                        let at = Location::line(path, index + 1).with_item(key.trim());
+            let mut value = value.trim();
+            if value.is_empty()
+                && let Some((_, next)) = lines.next_if(|(_, next)| next.trim_start().starts_with('{'))
+            {
+                value = next.trim();
+            }
+            let value = if let Some(first) = value.strip_prefix('{') {
+                let mut whole = String::new();
+                let mut line = first;
+                let mut at_line = number;
+                loop {
+                    if let Some(end) = end_of_list(line) {
+                        whole.push_str(&line[..end]);
+                        left = Some((at_line, &line[end + 1..]));
+                        break;
+                    }
+                    whole.push_str(line);
+                    whole.push('\n');
+                    let Some((next_number, next)) = lines.next() else {
+                        let at = Location::line(path, number).with_item(key.trim());
                         return Err(Error::syntax(at, "the list that begins here with { is not closed with }"));
                     };
-                    value.push('\n');
-                    value.push_str(next.trim());
+                    (at_line, line) = (next_number, next.trim());
                 }
-                value = value.trim_start_matches('{').trim_end().trim_end_matches('}').trim().to_owned();
-            }
-            list.push(Field { line: index + 1, key: key.trim().to_lowercase(), value });
+                whole.trim().to_owned()
+            } else {
+                value.to_owned()
+            };
+            let key = key.split_whitespace().collect::<Vec<_>>().join(" ").to_lowercase();
+            list.push(Field { line: number, key, value });
         }
         Ok(Fields { path, list })
+    }
+
+    /// Tells keys that may be meant for others, which are not there.
+    fn tell_misspelt(&self, report: &mut Report) {
+        for field in self.list.iter().filter(|field| !KEYS.contains(&field.key.as_str())) {
+            if let Some(near) = located::nearest(&field.key, &KEYS).filter(|near| self.get(near).is_none()) {
+                let message = format!("is no key of ENVI, and passed over: did you mean `{near}`?");
+                report.note(Fate::Dropped, Location::line(self.path, field.line).with_item(&field.key), message);
+            }
+        }
+    }
+
+    /// A name for each of so many things: names may hold commas where each has a line. None if they do not fit, which is told.
+    fn names(&self, key: &str, count: u64, report: &mut Report) -> Vec<String> {
+        let Some(text) = self.get(key) else { return Vec::new() };
+        let fits = |names: &Vec<String>| names.len() as u64 == count;
+        let split = |by: fn(char) -> bool| -> Vec<String> {
+            let text = text.trim().trim_end_matches(',');
+            text.split(by).map(|name| name.trim().trim_end_matches(',').trim().to_owned()).collect()
+        };
+        let by_comma = split(|c| c == ',');
+        let by_line = split(|c| c == '\n');
+        let found = by_comma.len();
+        let names = Some(by_comma).filter(fits).or(Some(by_line).filter(fits));
+        if names.is_none() && !text.trim().is_empty() {
+            let message = format!("{found} names for {count} bands, if commas part them: they are left out");
+            report.note(Fate::Dropped, self.at(key), message);
+        }
+        names.unwrap_or_default()
     }
 
     fn get(&self, key: &str) -> Option<&str> {
@@ -468,20 +611,27 @@ impl<'a> Fields<'a> {
     /// A whole number of at least `least`; without a default it must be there.
     fn whole(&self, key: &str, default: Option<u64>, least: u64, problems: &mut Vec<Problem>) -> u64 {
         let message = match (self.get(key), default) {
-            (Some(text), _) => match text.parse() {
-                Ok(value) if value >= least => return value,
+            (Some(text), _) => match whole(text.split(';').next().unwrap_or_default().trim()) {
+                Some(value) if value >= least => return value,
                 _ => format!("{text:?} is not a whole number from {least}"),
             },
             (None, Some(default)) => return default,
             (None, None) => "is missing".into(),
         };
-        problems.push(Problem::new(self.at(key), message));
+        let mut problem = Problem::new(self.at(key), message);
+        let keys: Vec<&str> = self.list.iter().map(|f| f.key.as_str()).filter(|key| !KEYS.contains(key)).collect();
+        if self.get(key).is_none()
+            && let Some(near) = located::nearest(key, &keys)
+        {
+            problem = problem.with_help(format!("is `{near}` meant for it?"));
+        }
+        problems.push(problem);
         least
     }
 
     /// A number, which may be NaN.
     fn number(&self, key: &str, problems: &mut Vec<Problem>) -> Option<f64> {
-        let text = self.get(key)?;
+        let text = self.get(key).filter(|text| !text.is_empty())?;
         let value = text.parse().ok();
         if value.is_none() {
             problems.push(Problem::new(self.at(key), format!("{text:?} is not a number")));
@@ -491,7 +641,9 @@ impl<'a> Fields<'a> {
 
     /// The items of a list; none if it is not there.
     fn items(&self, key: &str) -> Vec<String> {
-        let items = self.get(key).unwrap_or("").split(',').map(str::trim);
+        let text = self.get(key).unwrap_or("");
+        let by_blanks = !text.contains(',');
+        let items = text.split(|c: char| c == ',' || (by_blanks && c.is_whitespace())).map(str::trim);
         items.filter(|item| !item.is_empty()).map(str::to_owned).collect()
     }
 
@@ -509,6 +661,12 @@ impl<'a> Fields<'a> {
     }
 }
 
+/// A whole number, also where it is written as 3.0.
+fn whole(text: &str) -> Option<u64> {
+    let of_real = || text.parse::<f64>().ok().filter(|v| v.fract() == 0.0 && (0.0..9e15).contains(v)).map(|v| v as u64);
+    text.parse().ok().or_else(of_real)
+}
+
 /// The header and the data file of one image, whichever of the two is named.
 ///
 /// # Errors
@@ -522,10 +680,16 @@ pub fn pair(path: &Path) -> Result<(PathBuf, PathBuf)> {
     };
     let found = if is_header {
         let bare = path.with_extension("");
-        let candidates = ["img", "dat", "bsq", "bil", "bip", "raw", "sli"].map(|e| path.with_extension(e));
-        candidates.into_iter().chain([bare]).find(|p| p.is_file()).map(|data| (path.to_owned(), data))
+        let endings = ["img", "dat", "bsq", "bil", "bip", "raw", "sli"];
+        let candidates = endings.iter().map(|e| path.with_extension(e));
+        let in_capitals = endings.iter().map(|e| path.with_extension(e.to_uppercase()));
+        candidates.chain(in_capitals).chain([bare]).find(|p| p.is_file()).map(|data| (path.to_owned(), data))
     } else {
-        [path.with_extension("hdr"), appended].into_iter().find(|p| p.is_file()).map(|header| (header, path.to_owned()))
+        let in_capitals = path.with_extension("HDR");
+        [path.with_extension("hdr"), appended, in_capitals]
+            .into_iter()
+            .find(|p| p.is_file())
+            .map(|header| (header, path.to_owned()))
     };
     found.ok_or_else(|| {
         let (other, help) = if is_header {

@@ -16,7 +16,6 @@ use crate::error::{Error, Location, Problem, Result};
 use crate::product::Cube;
 use crate::progress::Watch;
 use crate::spectral::Band;
-use crate::units::um_from_nm;
 
 /// The name of a band's channel, to 1e-6 nm.
 pub fn channel_name(band: &Band) -> String {
@@ -158,13 +157,6 @@ fn header(names: &[&str], window: [i32; 4], about: &About<'_>) -> Vec<u8> {
     }
     header.push(0);
     header
-}
-
-/// The wavelength that a channel's name gives, um: `S0` of emissive and `T` of reflective images.
-pub(super) fn wavelength_um(channel: &str) -> Option<f64> {
-    let text = channel.strip_prefix("S0.").or_else(|| channel.strip_prefix("T."))?;
-    let value: f64 = text.strip_suffix("nm")?.replace(',', ".").parse().ok()?;
-    (value > 0.0 && value.is_finite()).then(|| um_from_nm(value))
 }
 
 /// What the reader of OpenEXR files says of one.

@@ -4,6 +4,8 @@
 //! stand; integers, which others write, are values by `Range=least:largest:step:offset=o`: (number + o) step.
 //! Headers are not believed where they contradict themselves or the values; `MinMax` never is.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Location, Problem, Result};
@@ -80,6 +82,37 @@ pub fn read(path: &Path) -> Result<(Raster, Vec<InputFile>)> {
     let bytes = input::bytes(&values_path, length)?;
     let of_values = InputFile::of(&values_path, &bytes);
     Ok((header.raster(&bytes, &values_path)?, vec![of_header, of_values]))
+}
+
+/// No data in images of DART.
+pub const NO_DATA: f64 = -1.0;
+
+/// What stands for no data in images that DART writes, which their headers do not say: -1, where it occurs and no value is less.
+/// Terrains, which are called `DEM`, have heights of -1.
+///
+/// # Errors
+/// [`Error::Io`].
+pub fn no_data_of_dart(values_path: &Path) -> Result<Option<f64>> {
+    let stem = values_path.file_stem().unwrap_or_default().to_string_lossy().to_uppercase();
+    if stem.starts_with("DEM") {
+        return Ok(None);
+    }
+    let reading = |e| Error::io(values_path, "reading", e);
+    let mut file = File::open(values_path).map_err(reading)?;
+    let (mut chunk, mut is_there) = (Vec::new(), false);
+    loop {
+        chunk.clear();
+        (&mut file).take(1 << 20).read_to_end(&mut chunk).map_err(reading)?;
+        if chunk.is_empty() {
+            return Ok(is_there.then_some(NO_DATA));
+        }
+        for value in chunk.as_chunks::<8>().0.iter().map(|bytes| f64::from_le_bytes(*bytes)) {
+            if value < NO_DATA {
+                return Ok(None);
+            }
+            is_there |= value == NO_DATA;
+        }
+    }
 }
 
 /// What a header says of the values.

@@ -1,5 +1,6 @@
 //! Reading whole files, with what a report says of them.
 
+use std::borrow::Cow;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};
@@ -97,6 +98,24 @@ pub(crate) fn beside(file: &Path, name: &str, outside: bool) -> std::result::Res
         return Err(format!("{name:?} leads out of the folder of this file; --allow-outside permits that"));
     }
     Ok(path)
+}
+
+/// Text that says nowhere how it is encoded: UTF-8, or if it cannot be that, Windows-1252, where every byte is a sign of its own, so that
+/// different names stay different; and whether it is UTF-8.
+pub(crate) fn decoded(bytes: &[u8]) -> (Cow<'_, str>, bool) {
+    /// Of 0x80 to 0x9f, by the WHATWG's Encoding Standard; the others are those of Unicode.
+    const FROM_80: &str = "\u{20ac}\u{81}\u{201a}\u{192}\u{201e}\u{2026}\u{2020}\u{2021}\u{2c6}\u{2030}\u{160}\u{2039}\u{152}\u{8d}\u{17d}\u{8f}\
+                           \u{90}\u{2018}\u{2019}\u{201c}\u{201d}\u{2022}\u{2013}\u{2014}\u{2dc}\u{2122}\u{161}\u{203a}\u{153}\u{9d}\u{17e}\u{178}";
+    match std::str::from_utf8(bytes) {
+        Ok(text) => (text.into(), true),
+        Err(_) => {
+            let sign = |&byte: &u8| match byte {
+                0x80..=0x9f => FROM_80.chars().nth(usize::from(byte - 0x80)).unwrap_or(char::REPLACEMENT_CHARACTER),
+                _ => char::from(byte),
+            };
+            (bytes.iter().map(sign).collect::<String>().into(), false)
+        }
+    }
 }
 
 /// What some editors put before UTF-8 text. Places in a text are counted from behind it.

@@ -23,7 +23,7 @@ const LIMIT: u64 = 16 << 20;
 /// As many problems are told: the place of each is counted from the beginning of the text.
 const TOLD: usize = 100;
 /// Longer names of items are refused, bytes: each item of a table or list carries the names of all around it.
-const LONGEST_NAME: usize = 400;
+pub(super) const LONGEST_NAME: usize = 400;
 
 /// A TOML text as a tree whose items know their places.
 ///

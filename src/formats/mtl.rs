@@ -1,4 +1,5 @@
-//! Materials of OBJ files (`.mtl`): names and diffuse colours. Textures and everything about shine are passed over.
+//! Materials of OBJ files (`.mtl`): names and diffuse colours. What else makes a surface look as it does is told; shine (`Ka`, `Ks`, `Ns`,
+//! `Ni`, `illum`, `Pr` ..) is passed over, as every exporter writes some.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -35,32 +36,59 @@ pub(crate) fn plain_name(name: &str) -> String {
 /// No material file is this long, bytes.
 const LIMIT: u64 = 64 << 20;
 
+/// What a material file holds.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct MtlFile {
+    /// Its materials, in its order.
+    pub materials: Vec<ObjMaterial>,
+    /// What it says beyond names and colours: the material's name, the line (from 1), and what it is.
+    pub losses: Vec<(String, usize, &'static str)>,
+    /// The first line with a name that is not UTF-8, and is read as Windows-1252.
+    pub not_utf8: Option<usize>,
+}
+
 /// Reads a material file.
 ///
 /// # Errors
 /// [`Error::Io`](crate::Error::Io); [`Error::Invalid`](crate::Error::Invalid) with every line that cannot be used.
-pub fn read(path: &Path) -> Result<(Vec<ObjMaterial>, InputFile)> {
+pub fn read(path: &Path) -> Result<(MtlFile, InputFile)> {
     let bytes = input::bytes(path, LIMIT)?;
-    Ok((parse(&bytes, path)?, InputFile::of(path, &bytes)))
+    Ok((parse_all(&bytes, path)?, InputFile::of(path, &bytes)))
+}
+
+/// The materials in the text of a material file; `path` is for messages.
+///
+/// # Errors
+/// As [`parse_all`].
+pub fn parse(bytes: &[u8], path: &Path) -> Result<Vec<ObjMaterial>> {
+    parse_all(bytes, path).map(|file| file.materials)
 }
 
 /// Reads the text of a material file; `path` is for messages.
 ///
 /// # Errors
 /// [`Error::Invalid`](crate::Error::Invalid) with every line that cannot be used.
-pub fn parse(bytes: &[u8], path: &Path) -> Result<Vec<ObjMaterial>> {
-    let mut materials: Vec<ObjMaterial> = Vec::new();
+pub fn parse_all(bytes: &[u8], path: &Path) -> Result<MtlFile> {
+    let mut file = MtlFile::default();
     let mut problems = Problems::default();
     let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
-    for (i, line) in String::from_utf8_lossy(bytes).lines().enumerate() {
+    for (i, line) in bytes.split(|b| *b == b'\n').enumerate() {
         let mut problem = |message: String| problems.push(|| Problem::new(Location::line(path, i + 1), message));
+        // Line by line, as an OBJ file's names are read name by name: the same bytes are the same name.
+        let (line, is_utf8) = input::decoded(line);
         let line = line.trim();
         let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         match keyword {
-            "newmtl" => materials.push(ObjMaterial { name: rest.trim().to_owned(), kd: None }),
+            "newmtl" => {
+                file.materials.push(ObjMaterial { name: rest.trim().to_owned(), kd: None });
+                if !is_utf8 {
+                    file.not_utf8.get_or_insert(i + 1);
+                }
+            }
             "Kd" => {
                 let words: Vec<&str> = rest.split_whitespace().take_while(|w| !w.starts_with('#')).collect();
                 if matches!(words.first(), Some(&"spectral" | &"xyz")) {
+                    file.lose(i + 1, "a colour in another form than three numbers (`Kd spectral`, `Kd xyz`)");
                     continue;
                 }
                 let numbers: Vec<f64> = words.iter().filter_map(|w| w.parse().ok()).collect();
@@ -70,17 +98,49 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Vec<ObjMaterial>> {
                     [r, g, b] => Some([r, g, b]),
                     _ => None,
                 };
-                match (kd.filter(|kd| kd.iter().all(|c| (0.0..=1.0).contains(c))), materials.last_mut()) {
+                match (kd.filter(|kd| kd.iter().all(|c| (0.0..=1.0).contains(c))), file.materials.last_mut()) {
                     (Some(kd), Some(material)) => material.kd = Some(kd),
                     (Some(_), None) => problem("`Kd` before the first `newmtl`".into()),
                     (None, _) => problem(format!("`Kd {}` is not three numbers from 0 to 1", rest.trim())),
                 }
             }
-            _ => {}
+            _ => {
+                if let Some(what) = loss(keyword, rest) {
+                    file.lose(i + 1, what);
+                }
+            }
         }
     }
     problems.finish(path)?;
-    Ok(materials)
+    Ok(file)
+}
+
+impl MtlFile {
+    /// Notes what is lost of the material at hand, once.
+    fn lose(&mut self, line: usize, what: &'static str) {
+        let Some(ObjMaterial { name, .. }) = self.materials.last() else { return };
+        if !self.losses.iter().any(|(of, _, told)| of == name && *told == what) {
+            self.losses.push((name.clone(), line, what));
+        }
+    }
+}
+
+/// What a statement says that has no place in a Lambert surface of one spectrum.
+fn loss(keyword: &str, rest: &str) -> Option<&'static str> {
+    let numbers = || rest.split_whitespace().filter_map(|word| word.parse::<f64>().ok());
+    let any = |is: fn(f64) -> bool, what: &'static str| numbers().any(is).then_some(what);
+    let keyword = keyword.to_lowercase();
+    match keyword.as_str() {
+        "disp" | "map_disp" => Some("a displacement map, which would move the surface"),
+        "bump" | "norm" | "refl" | "decal" => Some("textures: a material has one spectrum"),
+        _ if keyword.starts_with("map_") => Some("textures: a material has one spectrum"),
+        "ke" => any(|e| e != 0.0, "light of its own (`Ke`)"),
+        "d" => any(|d| d < 1.0, "transparency: surfaces are opaque"),
+        "tr" => any(|t| t > 0.0, "transparency: surfaces are opaque"),
+        "tf" => any(|t| t < 1.0, "transparency: surfaces are opaque"),
+        "pm" => any(|metallic| metallic > 0.0, "that it is of metal: surfaces are Lambert"),
+        _ => None,
+    }
 }
 
 /// Writes a material file.

@@ -20,7 +20,10 @@ use crate::product::{FacetTable, Footprints, Lit, Sunlit};
 pub const TABLE: &str = "mmxrt facet table";
 const FOOTPRINTS: &str = "mmxrt footprints";
 const FORMAT_VERSION: u32 = 1;
-const COMPRESSED: &str = "a compressed .npz file (save it with np.savez)";
+const COMPRESSED: &str =
+    "a .npz file compressed otherwise than by deflate (save it with np.savez or np.savez_compressed)";
+/// Deflate saves no more: 258 bytes for 2 bits.
+const MOST_DEFLATED: u64 = 1032;
 
 /// What the member `header` says.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -491,9 +494,9 @@ impl Npz {
         Ok(header)
     }
 
-    /// An array; `None` if there is none of this name. Never holds more than the file does; nor do all arrays together, which
-    /// could be the same bytes over and over.
-    fn array(&mut self, name: &str) -> Result<Option<Array>> {
+    /// The bytes of an array; `None` if there is none of this name. Never holds more than the file can; nor do all arrays together,
+    /// which could be the same bytes over and over.
+    fn bytes_of(&mut self, name: &str) -> Result<Option<Vec<u8>>> {
         let at = self.at(name);
         let damaged = |message: String| Error::syntax(at.clone(), message);
         let compressed = || Error::Unsupported { at: at.clone(), feature: COMPRESSED.to_owned() };
@@ -503,18 +506,36 @@ impl Npz {
             Err(zip::result::ZipError::UnsupportedArchive(_)) => return Err(compressed()),
             Err(e) => return Err(damaged(e.to_string())),
         };
-        if member.compression() != CompressionMethod::Stored {
-            return Err(compressed());
-        }
+        let most = match member.compression() {
+            CompressionMethod::Stored => self.file_bytes,
+            CompressionMethod::Deflated => self.file_bytes.saturating_mul(MOST_DEFLATED),
+            _ => return Err(compressed()),
+        };
         self.array_bytes = self.array_bytes.saturating_add(member.size());
-        if self.array_bytes > self.file_bytes {
+        if self.array_bytes > most {
             let (size, all, file) = (member.size(), self.array_bytes, self.file_bytes);
             return Err(damaged(format!(
                 "claims {size} bytes, and with the arrays before it {all}, in a file of {file}"
             )));
         }
-        let mut bytes = Vec::with_capacity(member.size() as usize);
-        member.read_to_end(&mut bytes).map_err(|e| damaged(e.to_string()))?;
+        let mut bytes = Vec::new();
+        bytes
+            .try_reserve_exact(usize::try_from(member.size()).unwrap_or(usize::MAX))
+            .map_err(|e| Error::io(&self.path, "reading", e.into()))?;
+        // One more than promised: the checksum is compared at the end.
+        let size = member.size();
+        (&mut member).take(size.saturating_add(1)).read_to_end(&mut bytes).map_err(|e| damaged(e.to_string()))?;
+        if bytes.len() as u64 != size {
+            return Err(damaged(format!("{} bytes where {size} are promised", bytes.len())));
+        }
+        Ok(Some(bytes))
+    }
+
+    /// An array; `None` if there is none of this name.
+    fn array(&mut self, name: &str) -> Result<Option<Array>> {
+        let at = self.at(name);
+        let damaged = |message: String| Error::syntax(at.clone(), message);
+        let Some(mut bytes) = self.bytes_of(name)? else { return Ok(None) };
         let Preamble { descr, shape, fortran_order, start } = preamble(&bytes).map_err(&damaged)?;
         if fortran_order && shape.len() > 1 {
             return Err(damaged("is in Fortran order; save it with np.ascontiguousarray".into()));
@@ -598,6 +619,8 @@ pub(super) struct Member {
     pub(super) start: u64,
     /// Size of that, bytes.
     pub(super) bytes: u64,
+    /// Whether its bytes are not in the file as they are, but compressed: `start` is then 0.
+    pub(super) is_packed: bool,
 }
 
 /// All arrays of a file.
@@ -612,24 +635,33 @@ pub(super) fn members(path: &Path) -> Result<Vec<Member>> {
         let member = file.zip.by_index_raw(i).map_err(|e| damaged(e.to_string()))?;
         let Some(name) = member.name().ok().and_then(|n| Some(n.strip_suffix(".npy")?.to_owned())) else { continue };
         let at = Location::file(path).with_item(&name);
-        if member.compression() != CompressionMethod::Stored {
-            return Err(Error::Unsupported { at, feature: COMPRESSED.to_owned() });
+        match member.compression() {
+            CompressionMethod::Stored => {}
+            CompressionMethod::Deflated => {
+                let bytes = member.size();
+                members.push(Member { name, start: 0, bytes, is_packed: true });
+                continue;
+            }
+            _ => return Err(Error::Unsupported { at, feature: COMPRESSED.to_owned() }),
         }
         let (start, bytes) = (member.data_start(), member.size());
         let end = start.and_then(|start| start.checked_add(bytes));
         let (Some(start), Some(_)) = (start, end.filter(|end| *end <= file.file_bytes)) else {
             return Err(Error::syntax(at, format!("claims {bytes} bytes in a file of {}", file.file_bytes)));
         };
-        members.push(Member { name, start, bytes });
+        members.push(Member { name, start, bytes, is_packed: false });
     }
     Ok(members)
 }
 
-/// The first bytes of an array, at most `most`.
+/// The `.npy` file of a compressed array, whole; of others, its first bytes, at most `most`.
 ///
 /// # Errors
-/// [`Error::Io`].
+/// [`Error::Io`]; [`Error::Syntax`] for a damaged one.
 pub(super) fn beginning(path: &Path, member: &Member, most: u64) -> Result<Vec<u8>> {
+    if member.is_packed {
+        return Ok(Npz::open(path)?.bytes_of(&member.name)?.unwrap_or_default());
+    }
     let mut bytes = Vec::new();
     let mut read = || {
         let mut file = File::open(path)?;

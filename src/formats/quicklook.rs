@@ -184,7 +184,7 @@ mod tests {
     }
 
     fn bands(centres: &[f64]) -> Vec<Band> {
-        centres.iter().map(|um| Band { centre_um: *um, fwhm_um: None }).collect()
+        centres.iter().map(|um| Band::new(*um, None)).collect()
     }
 
     #[test]

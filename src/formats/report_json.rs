@@ -14,6 +14,8 @@ use serde::{Deserialize, Serialize};
 use super::InputFile;
 use crate::error::{Error, Location, Result};
 use crate::product::{Backplanes, Cube};
+use crate::scene::Scene;
+use crate::spectral::Band;
 use crate::study::{Check, Counts, Effect, MapAccount};
 
 /// Version of both formats.
@@ -33,6 +35,9 @@ pub struct Report {
     pub inputs: Vec<Input>,
     /// Size of the image.
     pub image: Image,
+    /// Its bands, if one of them is not Gaussian or monochromatic, has not both sunlight and heat, or is cut.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bands: Vec<BandEntry>,
     /// What was modelled, and what was left out.
     pub effects: Vec<Effect>,
     /// What was verified of this result.
@@ -86,6 +91,40 @@ pub struct Image {
     pub quicklook_band: u64,
     /// The bands that `quicklook_rgb.png` shows as red, green and blue, from 1.
     pub quicklook_rgb_bands: [u64; 3],
+}
+
+/// A band of an image.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BandEntry {
+    /// Centre, um: of a table, the mean of wavelength over its response.
+    pub centre_um: f64,
+    /// Full width at half maximum, um: of a table, its equivalent width; 0 for a monochromatic band.
+    pub fwhm_um: f64,
+    /// "monochromatic", "gaussian", "box" or "table".
+    pub response: String,
+    /// "sunlight", "heat" or "both".
+    pub light: String,
+    /// Share of the response that lies where not all spectra are known, and is left out.
+    pub left_out: f64,
+}
+
+impl BandEntry {
+    /// The bands of a scene; none if all are as they mostly are.
+    pub fn of(scene: &Scene) -> Vec<Self> {
+        let entry = |band: &Band| BandEntry {
+            centre_um: band.centre_um,
+            fwhm_um: band.fwhm_um.unwrap_or(0.0),
+            response: band.fwhm_um.map_or("monochromatic", |_| band.response.name()).into(),
+            light: band.light.name().into(),
+            left_out: scene.share_left_out(band),
+        };
+        let bands: Vec<BandEntry> = scene.sensor.bands.iter().map(entry).collect();
+        let is_usual = |b: &BandEntry| {
+            ["monochromatic", "gaussian"].contains(&b.response.as_str()) && b.light == "both" && b.left_out == 0.0
+        };
+        if bands.iter().all(is_usual) { vec![] } else { bands }
+    }
 }
 
 /// What the numbers of an image are like.

@@ -40,7 +40,7 @@ pub fn read(path: &Path) -> Result<(Vec<SpectralLibrary>, Report)> {
 /// As [`read`].
 pub fn parse(header: &Header, bytes: &[u8], path: &Path) -> Result<(Vec<SpectralLibrary>, Report)> {
     let at = |key: &str| Location::file(&header.path).with_item(key);
-    let mut report = Report::default();
+    let mut report = header.report.clone();
     let (count, spectra) = (header.samples, header.lines);
     if header.bands != 1 {
         let message = format!("{} bands: a spectral library has 1, and a spectrum in each line", header.bands);

@@ -66,6 +66,9 @@ impl Facet {
     }
 }
 
+/// Normals of closed meshes, times areas, add up to no more than this share of the area: coordinates are often of 6 digits, and unwelded.
+const CLOSED: f64 = 1e-4;
+
 /// Texture coordinates of a facet that has none.
 pub const NO_UV: [[f64; 2]; 3] = [[f64::NAN; 2]; 3];
 
@@ -122,6 +125,29 @@ impl Mesh {
         }
     }
 
+    /// Turns every facet over: what was its inner side is its outer one.
+    pub fn flip(&mut self) {
+        self.facets.iter_mut().for_each(|facet| facet.swap(1, 2));
+        self.uv.iter_mut().for_each(|uv| uv.swap(1, 2));
+    }
+
+    /// The volume within facets that enclose one, m3: below 0 if they face inwards. `None` for a sheet, or a body with holes.
+    ///
+    /// It is found by sums alone: the normals of what is closed, times areas, add up to 0, to rounding of the coordinates.
+    pub fn enclosed_m3(&self) -> Option<f64> {
+        let (low, high) = self.bounds_m()?;
+        let middle = 0.5 * (low + high);
+        let (mut sum_m2, mut area_m2, mut volume_m3) = (DVec3::ZERO, 0.0, 0.0);
+        for facet in 0..self.facets.len() {
+            let facet = self.facet(facet);
+            let cross_m2 = facet.cross_m2();
+            sum_m2 += cross_m2;
+            area_m2 += cross_m2.length();
+            volume_m3 += (facet.corners_m[0] - middle).dot(cross_m2) / 6.0;
+        }
+        (sum_m2.length() <= CLOSED * area_m2).then_some(volume_m3)
+    }
+
     /// The vertices that facets use, m, each once.
     pub fn used_vertices_m(&self) -> impl Iterator<Item = DVec3> {
         let mut used = vec![false; self.vertices_m.len()];
@@ -149,6 +175,20 @@ mod tests {
         assert_eq!(facet.centroid_m(), DVec3::new(1.0, 4.0 / 3.0, 0.0));
         assert_eq!(facet.point_m(0.5, 0.25), DVec3::new(1.5, 1.0, 0.0));
         assert_eq!(facet.met_by(DVec3::new(9.0, 9.0, 6.0), DVec3::new(1.0, 0.0, -2.0)), 3.0);
+    }
+
+    #[test]
+    fn a_body_that_is_turned_inside_out_has_a_negative_volume() {
+        // A tetrahedron on three unit axes, far from the origin: volume 1/6.
+        let far = DVec3::new(1e4, 2e4, -3e4);
+        let vertices_m = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z].map(|v| v + far).to_vec();
+        let facets = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+        let mut mesh = Mesh { vertices_m, material: vec![MaterialId(0); 4], facets, ..Mesh::default() };
+        assert!((mesh.enclosed_m3().unwrap() - 1.0 / 6.0).abs() < 1e-10);
+        mesh.flip();
+        assert!((mesh.enclosed_m3().unwrap() + 1.0 / 6.0).abs() < 1e-10);
+        mesh.facets.pop();
+        assert_eq!(mesh.enclosed_m3(), None);
     }
 
     #[test]

@@ -11,5 +11,5 @@ mod solid_angle;
 pub use direction::{Direction, angle_rad};
 pub use mesh::{Facet, MaterialId, Mesh, NO_UV};
 pub use overlay::{Chart, Overlay, Texels};
-pub use pose::Pose;
+pub use pose::{Pose, body_from_site};
 pub use solid_angle::signed_solid_angle_sr;

@@ -118,7 +118,7 @@ mod tests {
 
     /// Two pixels of 21 bands; pixel 0 is 2 a + 3 b, pixel 1 is sky.
     fn cube() -> Cube {
-        let bands = (0..21).map(|i| Band { centre_um: 1.0 + f64::from(i), fwhm_um: None }).collect();
+        let bands = (0..21).map(|i| Band::new(1.0 + f64::from(i), None)).collect();
         let a = (0..21).map(f64::from);
         let b = (0..21).map(|i| 100.0 * f64::from(i));
         Cube {

@@ -2,7 +2,7 @@
 
 use crate::spectral::{Band, Spectrum};
 
-use super::Photometry;
+use super::{Photometry, Thermal};
 
 /// Optical and thermal properties of a surface.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,12 +25,20 @@ pub struct Material {
 }
 
 impl Material {
-    pub(super) fn check(&self, bands: &[Band], problem: &mut impl FnMut(&str, String)) {
+    pub(super) fn check(&self, bands: &[Band], thermal: Thermal, problem: &mut impl FnMut(&str, String)) {
         let item = format!("materials.{:?}", self.name);
-        for (what, spectrum) in [("reflectance", &self.reflectance), ("emissivity", &self.emissivity)] {
-            if let Some(message) = super::uncovered(what, spectrum, bands) {
+        let is_lit = |band: &Band| band.light.is_lit();
+        let glows = |band: &Band| band.light.glows() && thermal != Thermal::Off;
+        let uncovered = [
+            ("reflectance", super::uncovered("reflectance", &self.reflectance, bands, is_lit)),
+            ("emissivity", super::uncovered("emissivity", &self.emissivity, bands, glows)),
+        ];
+        for (what, message) in uncovered {
+            if let Some(message) = message {
                 problem(&format!("{item}.{what}"), message);
             }
+        }
+        for (what, spectrum) in [("reflectance", &self.reflectance), ("emissivity", &self.emissivity)] {
             if let Some(v) = spectrum.value().iter().find(|v| !(0.0..=1.0).contains(*v)) {
                 problem(&format!("{item}.{what}"), format!("{v} is outside 0 to 1: is the table in percent?"));
             }

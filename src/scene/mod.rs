@@ -12,6 +12,7 @@ use glam::DVec3;
 
 use crate::error::{Error, Location, Problem, Result};
 use crate::geometry::{Mesh, signed_solid_angle_sr};
+use crate::spectral::{ALL_UM, Band, Light, MOST_BEYOND, Spectrum};
 
 pub use material::Material;
 pub use photometry::{Hapke, Photometry, Rpv};
@@ -90,7 +91,7 @@ impl Scene {
         }
         self.sensor.check(&mut problem);
         for material in &self.materials {
-            material.check(&self.sensor.bands, &mut problem);
+            material.check(&self.sensor.bands, self.thermal, &mut problem);
         }
         for (i, texture) in self.textures.iter().enumerate() {
             let name = self.materials.get(texture.material.0 as usize).map_or("", |m| m.name.as_str());
@@ -105,9 +106,66 @@ impl Scene {
             mars.check(&self.sensor.bands, &mut problem);
         }
         if problems.is_empty() {
+            problems.extend(self.overcut());
+        }
+        if problems.is_empty() {
             problems.extend(seen_from_behind(mesh, self.sensor.camera.centre_m()));
         }
         if problems.is_empty() { Ok(self) } else { Err(Error::Invalid(problems)) }
+    }
+
+    /// First and last wavelength at which all spectra are known that count in such a light, um. Bands end there.
+    pub fn known_um(&self, light: Light) -> (f64, f64) {
+        let glows = light.glows() && self.thermal != Thermal::Off;
+        let materials = self.materials.iter().flat_map(|m| {
+            let reflectance = light.is_lit().then_some(&m.reflectance);
+            reflectance.into_iter().chain(glows.then_some(&m.emissivity))
+        });
+        let sources = [&self.sun.irradiance_1au].into_iter().chain(self.mars.iter().map(|m| &m.reflectance));
+        let all = materials.chain(sources.filter(|_| light.is_lit()));
+        all.map(Spectrum::coverage_um).fold(ALL_UM, |(a, b), (first, last)| (a.max(first), b.min(last)))
+    }
+
+    /// Share of a band's response that lies where not all spectra are known, and is left out.
+    pub fn share_left_out(&self, band: &Band) -> f64 {
+        band.share_beyond(self.known_um(band.light))
+    }
+
+    /// Bands of which several spectra together leave too little.
+    fn overcut(&self) -> Option<Problem> {
+        let bands = &self.sensor.bands;
+        let i = bands.iter().position(|band| self.share_left_out(band) > MOST_BEYOND)?;
+        let (first, last) = self.known_um(bands[i].light);
+        let message = format!(
+            "all spectra are known from {first} to {last} um only: {} of this response lies beyond",
+            percent(self.share_left_out(&bands[i]))
+        );
+        Some(Problem::new(Location::item(format!("sensor.bands[{i}]")), message))
+    }
+
+    /// What is unusual in a scene and still defined, as sentences.
+    pub fn remarks(&self) -> Vec<String> {
+        let bands = &self.sensor.bands;
+        let shares: Vec<f64> = bands.iter().map(|band| self.share_left_out(band)).collect();
+        let Some(i) = (0..bands.len()).max_by(|&i, &j| shares[i].total_cmp(&shares[j]).then(j.cmp(&i))) else {
+            return vec![];
+        };
+        if shares[i] == 0.0 {
+            return vec![];
+        }
+        let cut = shares.iter().filter(|share| **share > 0.0).count();
+        let (low, high) = bands[i].support_within_um(self.known_um(bands[i].light));
+        vec![format!(
+            "{} of the response of band {} at {} um lies where not all spectra are known, and is left out: it is taken from {low} to \
+             {high} um{}",
+            percent(shares[i]),
+            i + 1,
+            bands[i].centre_um,
+            match cut {
+                1 => String::new(),
+                n => format!("; of {} other bands less", n - 1),
+            }
+        )]
     }
 
     /// Whether this version can simulate the scene: it carries more than it can compute.
@@ -127,7 +185,7 @@ impl Scene {
 }
 
 /// Nothing of a scene is farther away, m (100 light years): products of lengths stay far from what overflows.
-const FARTHEST_M: f64 = 1e18;
+pub const FARTHEST_M: f64 = 1e18;
 
 /// A camera away from the mesh is judged by this many facets.
 const SAMPLE: usize = 4096;
@@ -156,18 +214,23 @@ fn seen_from_behind(mesh: &Mesh, eye_m: DVec3) -> Option<Problem> {
     Some(Problem::new(Location::item("observer.position_m"), message).with_help(help))
 }
 
-/// The first band that looks outside what a spectrum is known for, as a sentence.
-fn uncovered(what: &str, spectrum: &crate::spectral::Spectrum, bands: &[crate::spectral::Band]) -> Option<String> {
-    let (first, last) = spectrum.coverage_um();
-    let outside: Vec<usize> = (0..bands.len())
-        .filter(|&i| {
-            let (lo, hi) = bands[i].support_um();
-            !(first <= lo && hi <= last)
-        })
-        .collect();
+/// The first of the bands that count which looks too far outside what a spectrum is known for, as a sentence.
+fn uncovered(what: &str, spectrum: &Spectrum, bands: &[Band], counts: impl Fn(&Band) -> bool) -> Option<String> {
+    let known_um = spectrum.coverage_um();
+    let is_outside = |i: &usize| {
+        let band = &bands[*i];
+        // A response that lies below 0 is told of the band.
+        counts(band) && band.share_beyond(known_um) > MOST_BEYOND && band.share_beyond(ALL_UM) <= MOST_BEYOND
+    };
+    let outside: Vec<usize> = (0..bands.len()).filter(is_outside).collect();
     let i = *outside.first()?;
+    let share = match bands[i].fwhm_um {
+        Some(_) => format!(": {} of its response lies beyond", percent(bands[i].share_beyond(known_um))),
+        None => String::new(),
+    };
+    let (first, last) = known_um;
     Some(format!(
-        "{what} is known from {first} to {last} um, which does not cover band {} at {} um{}",
+        "{what} is known from {first} to {last} um, which does not cover band {} at {} um{share}{}",
         i + 1,
         bands[i].centre_um,
         match outside.len() {
@@ -175,4 +238,9 @@ fn uncovered(what: &str, spectrum: &crate::spectral::Spectrum, bands: &[crate::s
             n => format!(" and {} more", n - 1),
         }
     ))
+}
+
+/// A share in percent, with as many digits as tell it from nothing and from all.
+fn percent(share: f64) -> String {
+    if share < 0.001 { format!("{:.1e} %", 100.0 * share) } else { format!("{:.1} %", 100.0 * share) }
 }

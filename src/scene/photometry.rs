@@ -98,7 +98,7 @@ impl Photometry {
     /// What is wrong with the parameters, a sentence for each.
     pub(super) fn check(&self, bands: &[Band], mut problem: impl FnMut(String)) {
         for (name, spectrum) in self.parameters() {
-            if let Some(message) = super::uncovered(name, spectrum, bands) {
+            if let Some(message) = super::uncovered(name, spectrum, bands, |band| band.light.is_lit()) {
                 problem(message);
             }
             let (low, high) = match name {

@@ -3,7 +3,9 @@
 use glam::DVec3;
 
 use crate::geometry::Pose;
-use crate::spectral::Band;
+use crate::spectral::{ALL_UM, Band, MOST_BEYOND};
+
+use super::percent;
 
 /// Farther from the image than this, in sizes of the image, no boresight is taken for meant: beyond, digits of pixels are lost.
 const FARTHEST: f64 = 1e6;
@@ -109,8 +111,9 @@ impl Sensor {
                     &format!("sensor.bands[{i}]"),
                     "FWHM is too narrow for the digits of a number; leave it out for a monochromatic band".into(),
                 );
-            } else if band.support_um().0 <= 0.0 {
-                problem(&format!("sensor.bands[{i}]"), "FWHM reaches wavelengths below 0".into());
+            } else if band.share_beyond(ALL_UM) > MOST_BEYOND {
+                let share = percent(band.share_beyond(ALL_UM));
+                problem(&format!("sensor.bands[{i}]"), format!("{share} of the response lies below wavelength 0"));
             }
         }
     }

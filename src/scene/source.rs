@@ -62,7 +62,8 @@ impl Sun {
         if !(self.distance_m > 0.0 && self.distance_m.is_finite()) {
             problem("sun", format!("distance {} m is not a positive length", self.distance_m));
         }
-        if let Some(message) = super::uncovered("the solar spectrum", &self.irradiance_1au, bands) {
+        if let Some(message) = super::uncovered("the solar spectrum", &self.irradiance_1au, bands, |b| b.light.is_lit())
+        {
             problem("sun.spectrum", message);
         }
         if let Some(v) = self.irradiance_1au.value().iter().find(|v| **v < 0.0) {
@@ -78,7 +79,7 @@ impl Mars {
         } else if self.centre_m.length() <= self.radius_m {
             problem("mars.position_m", "the scene lies inside Mars".into());
         }
-        if let Some(message) = super::uncovered("albedo", &self.reflectance, bands) {
+        if let Some(message) = super::uncovered("albedo", &self.reflectance, bands, |b| b.light.is_lit()) {
             problem("mars.albedo", message);
         }
     }

@@ -135,8 +135,8 @@ impl<'a> Emission<'a> {
     pub fn spectra(&self) -> Vec<f64> {
         let bands = &self.scene.sensor.bands;
         let mut spectra = vec![0.0; self.rows() * bands.len()];
-        for (b, band) in bands.iter().enumerate() {
-            for (um, weight) in band.quadrature(&self.knots_um(band)) {
+        for (b, band) in bands.iter().enumerate().filter(|(_, band)| band.light.is_lit()) {
+            for (um, weight) in self.quadrature(band) {
                 let sunlight = sun::irradiance_at(at(&self.scene.sun.irradiance_1au, um), self.scene.sun.distance_m);
                 let mars = self.scene.mars.as_ref().map_or(0.0, |m| at(&m.reflectance, um));
                 for (m, material) in self.scene.materials.iter().enumerate() {
@@ -161,7 +161,7 @@ impl<'a> Emission<'a> {
         }
         let thermal = &mut spectra[self.first_thermal_row() * bands.len()..];
         if self.row_per_band {
-            (0..bands.len()).for_each(|b| thermal[b * bands.len() + b] = 1.0);
+            (0..bands.len()).filter(|b| bands[*b].light.glows()).for_each(|b| thermal[b * bands.len() + b] = 1.0);
         } else {
             thermal.copy_from_slice(&self.thermal);
         }
@@ -173,8 +173,8 @@ impl<'a> Emission<'a> {
         let (bands, materials) = (&self.scene.sensor.bands, &self.scene.materials);
         let temperatures_k: Vec<f64> = self.grid.temperatures_k().collect();
         let mut thermal = vec![0.0; materials.len() * temperatures_k.len() * bands.len()];
-        for (b, band) in bands.iter().enumerate() {
-            for (um, weight) in band.quadrature(&self.knots_um(band)) {
+        for (b, band) in bands.iter().enumerate().filter(|(_, band)| band.light.glows()) {
+            for (um, weight) in self.quadrature(band) {
                 let black: Vec<f64> = temperatures_k.iter().map(|t| blackbody::radiance_w_m2_sr_um(um, *t)).collect();
                 for (m, material) in materials.iter().enumerate() {
                     let emissivity = at(&material.emissivity, um);
@@ -187,9 +187,14 @@ impl<'a> Emission<'a> {
         thermal
     }
 
+    /// Wavelengths and weights of a band, which ends where the spectra do.
+    fn quadrature(&self, band: &Band) -> Vec<(f64, f64)> {
+        let known_um = self.scene.known_um(band.light);
+        band.quadrature(&self.knots_um(band.support_within_um(known_um)), known_um)
+    }
+
     /// Where the spectra that meet in a band have corners, um, ascending.
-    fn knots_um(&self, band: &Band) -> Vec<f64> {
-        let (lo, hi) = band.support_um();
+    fn knots_um(&self, (lo, hi): (f64, f64)) -> Vec<f64> {
         let materials = self.scene.materials.iter().flat_map(|m| [&m.reflectance, &m.emissivity]);
         let mars = self.scene.mars.iter().map(|m| &m.reflectance);
         let all = materials.chain(mars).chain([&self.scene.sun.irradiance_1au]);

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Location, Problem, Result, number};
 
-use super::{Band, Extend, Spectrum};
+use super::{Band, Extend, MOST_BEYOND, Spectrum};
 
 /// What is known of one material over wavelength: its reflectance, or the parameters of a reflectance model.
 ///
@@ -77,10 +77,10 @@ impl SpectralLibrary {
     /// The spectra as bands see them: the mean of each column over each band's response, at the band's centre.
     ///
     /// Columns are linear between their wavelengths. Parameters of reflectance models are averaged as they stand, which
-    /// is not the mean of what the model makes of them. Bands may be in any order; the result ascends.
+    /// is not the mean of what the model makes of them. Responses end where the wavelengths do. Bands may be in any order; the result ascends.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for bands that reach beyond the wavelengths, or that share their centre; as
+    /// [`Error::Invalid`] for bands of which more than [`MOST_BEYOND`] lies beyond the wavelengths, or that share their centre; as
     /// [`check`](SpectralLibrary::check).
     pub fn resample(&self, bands: &[Band]) -> Result<SpectralLibrary> {
         self.check()?;
@@ -91,7 +91,7 @@ impl SpectralLibrary {
         let mut problems: Vec<Problem> = Vec::new();
         for (i, band) in &bands {
             let (from, to) = band.support_um();
-            if !(first <= from && to <= last) {
+            if !(0.0..=MOST_BEYOND).contains(&band.share_beyond((first, last))) {
                 let [from, to, first, last] = [from, to, first, last].map(number);
                 let message = format!("looks at {from} to {to} um, which is not within the known {first} to {last} um");
                 problems.push(Problem::new(at(*i), message));
@@ -102,7 +102,7 @@ impl SpectralLibrary {
         if !problems.is_empty() {
             return Err(Error::Invalid(problems));
         }
-        let nodes: Vec<_> = bands.iter().map(|(_, band)| band.quadrature(&self.wavelength_um)).collect();
+        let nodes: Vec<_> = bands.iter().map(|(_, band)| band.quadrature(&self.wavelength_um, (first, last))).collect();
         let mean = |column: &Column| {
             let spectrum = self.spectrum(&column.name, Extend::Error)?;
             let values = nodes.iter().map(|n| n.iter().map(|(um, weight)| Some(weight * spectrum.at(*um)?)).sum());
@@ -134,7 +134,7 @@ mod tests {
 
     #[test]
     fn bands_see_means_in_ascending_order() {
-        let bands = [(3.0, None), (2.0, Some(0.1)), (1.5, Some(0.1))].map(|(c, f)| Band { centre_um: c, fwhm_um: f });
+        let bands = [(3.0, None), (2.0, Some(0.1)), (1.5, Some(0.1))].map(|(c, f)| Band::new(c, f));
         let seen = library().resample(&bands).unwrap();
         assert_eq!(seen.wavelength_um, [1.5, 2.0, 3.0]);
         let reflectance = seen.column("Reflectance").unwrap();
@@ -149,12 +149,18 @@ mod tests {
 
     #[test]
     fn bands_beyond_the_wavelengths_are_told() {
-        let bands = [Band { centre_um: 4.0, fwhm_um: Some(0.01) }, Band { centre_um: 1.5, fwhm_um: None }];
+        let bands = [Band::new(4.0, Some(0.01)), Band::new(1.5, None)];
         let told = library().resample(&bands).unwrap_err().to_string();
         assert!(told.contains("band 1: looks at 3.97") && told.ends_with("known 1 to 4 um"), "{told}");
-        let nan = Band { centre_um: f64::NAN, fwhm_um: None };
+        let nan = Band::new(f64::NAN, None);
         assert!(library().resample(&[nan]).is_err());
-        assert!(library().resample(&[bands[1], bands[1]]).unwrap_err().to_string().contains("centre of another"));
+        assert!(
+            library()
+                .resample(&[bands[1].clone(), bands[1].clone()])
+                .unwrap_err()
+                .to_string()
+                .contains("centre of another")
+        );
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The bands of a sensor out of the bands of a map.
 
-use super::{Band, between};
+use super::{ALL_UM, Band, between};
 
 /// Two bands are one and the same within this share of their width, or of their wavelength if they have none.
 const SAME_WIDTH: f64 = 0.01;
@@ -9,30 +9,81 @@ const SAME_WAVELENGTH: f64 = 1e-6;
 /// Weights of a map's bands in a sensor's band, ascending by the map's index; they sum to 1.
 pub type Mix = Vec<(usize, f64)>;
 
+/// The bands of a sensor out of those of a map.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mixes {
+    /// For each band of the sensor its mix.
+    pub mixes: Vec<Mix>,
+    /// What a reader of the result should know, as sentences: bands that another stands for.
+    pub told: Vec<String>,
+}
+
 /// For each band of a sensor its mix of the bands of a map.
 ///
-/// A band that the map has too is taken as it is: of several the nearest. Others are means, over the sensor's response, of what is linear between the
-/// centres of the map's bands; beyond the first and last centre, but within these bands, it is held.
+/// - A band that the map has too is taken as it is: of several the nearest. So is one that the map has cut at one end, if nothing of
+///   the map is where the rest was.
+/// - Others are means, over the sensor's response, of what is linear between the centres of the map's bands; beyond the first and last
+///   centre, but within these bands, it is held.
+/// - Not so if one of these bands holds another within it, as a panchromatic band does: it says little of its centre. Then the
+///   narrowest band stands for it that holds it within its own width.
 ///
 /// # Errors
 /// A sentence for each band of the sensor whose centre the map does not reach, or half of whose width.
-pub fn mixes(map: &[Band], sensor: &[Band]) -> Result<Vec<Mix>, Vec<String>> {
+pub fn mixes(map: &[Band], sensor: &[Band]) -> Result<Mixes, Vec<String>> {
     let mut order: Vec<usize> = (0..map.len()).collect();
     order.sort_by(|a, b| map[*a].centre_um.total_cmp(&map[*b].centre_um));
     let mut wrong = Vec::new();
     let mut mixes = Vec::new();
+    let mut strange: Vec<(Stand, usize, usize)> = Vec::new();
     for (i, band) in sensor.iter().enumerate() {
         match mix(map, &order, band) {
-            Some(mix) => mixes.push(mix),
+            Some((mix, stand)) => {
+                strange.extend(stand.zip(mix.first()).map(|(stand, (of_map, _))| (stand, i, *of_map)));
+                mixes.push(mix);
+            }
             None => wrong.push(format!(
                 "band {} of the sensor, {}, is not among the map's{}",
                 i + 1,
                 describe(band),
-                reach(map, &order).map_or(String::new(), |(a, b)| format!(", which reach from {a} to {b} um"))
+                reach(map).map_or(String::new(), |(a, b)| format!(", which reach from {a} to {b} um"))
             )),
         }
     }
-    if wrong.is_empty() { Ok(mixes) } else { Err(wrong) }
+    let of_kind = |kind: Stand| {
+        let mut all = strange.iter().filter(|(stand, ..)| *stand == kind);
+        let (_, i, of_map) = *all.next()?;
+        let (of_sensor, of_map) = (describe(&sensor[i]), describe(&map[of_map]));
+        let more = match all.count() {
+            0 => String::new(),
+            n => format!("; so it is with {n} more"),
+        };
+        Some(match kind {
+            Stand::Cut => {
+                format!("band {} of the sensor, {of_sensor}, is the map's, {of_map}, which ends sooner{more}", i + 1)
+            }
+            Stand::Held => format!(
+                "band {} of the sensor, {of_sensor}, has the value of the map's last one on that side, {of_map}, within whose width it lies{more}",
+                i + 1
+            ),
+            Stand::Within => format!(
+                "band {} of the sensor, {of_sensor}, has the value of the map's {of_map}, within which it lies: between centres is no place for so wide a band{more}",
+                i + 1
+            ),
+        })
+    };
+    let told = [Stand::Cut, Stand::Held, Stand::Within].into_iter().filter_map(of_kind).collect();
+    if wrong.is_empty() { Ok(Mixes { mixes, told }) } else { Err(wrong) }
+}
+
+/// How a band of a map stands for one of the sensor that is not the same.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Stand {
+    /// It is the same, but for what the map has not.
+    Cut,
+    /// It is the first or last, and its centre is not reached.
+    Held,
+    /// It is a wide one.
+    Within,
 }
 
 fn describe(band: &Band) -> String {
@@ -42,17 +93,18 @@ fn describe(band: &Band) -> String {
     }
 }
 
-fn half_width_um(band: &Band) -> f64 {
-    0.5 * band.fwhm_um.unwrap_or(0.0)
+/// First and last wavelength within the half-maxima of a band, um.
+fn ends_um(band: &Band) -> (f64, f64) {
+    let half = 0.5 * band.fwhm_um.unwrap_or(0.0);
+    (band.centre_um - half, band.centre_um + half)
 }
 
 /// First and last wavelength within the half-maxima of the map's bands, um.
-fn reach(map: &[Band], order: &[usize]) -> Option<(f64, f64)> {
-    let (first, last) = (&map[*order.first()?], &map[*order.last()?]);
-    Some((first.centre_um - half_width_um(first), last.centre_um + half_width_um(last)))
+fn reach(map: &[Band]) -> Option<(f64, f64)> {
+    map.iter().map(ends_um).reduce(|(lo, hi), (a, b)| (lo.min(a), hi.max(b)))
 }
 
-fn mix(map: &[Band], order: &[usize], band: &Band) -> Option<Mix> {
+fn mix(map: &[Band], order: &[usize], band: &Band) -> Option<(Mix, Option<Stand>)> {
     let is_same = |other: &Band| {
         let width_um = band.fwhm_um.unwrap_or(0.0).max(other.fwhm_um.unwrap_or(0.0));
         let tolerance_um = (SAME_WIDTH * width_um).max(SAME_WAVELENGTH * band.centre_um);
@@ -62,17 +114,60 @@ fn mix(map: &[Band], order: &[usize], band: &Band) -> Option<Mix> {
     let off_um = |i: usize| (map[i].centre_um - band.centre_um).abs();
     let same = order.iter().copied().filter(|i| is_same(&map[*i])).min_by(|a, b| off_um(*a).total_cmp(&off_um(*b)));
     if let Some(same) = same {
-        return Some(vec![(same, 1.0)]);
+        return Some((vec![(same, 1.0)], None));
     }
-    let (low, high) = reach(map, order)?;
+    if let Some(cut) = order.iter().copied().find(|i| is_cut(map, *i, band)) {
+        return Some((vec![(cut, 1.0)], Some(Stand::Cut)));
+    }
     let slack = SAME_WAVELENGTH * band.centre_um;
-    let half = half_width_um(band);
-    if !(low - slack <= band.centre_um - half && band.centre_um + half <= high + slack) {
-        return None;
+    let (from, to) = ends_um(band);
+    let (first, last) = (&map[*order.first()?], &map[*order.last()?]);
+    if ends_um(first).0 - slack <= from && to <= ends_um(last).1 + slack {
+        let mix = linear(map, order, band);
+        let is_nested = mix.iter().any(|(i, _)| mix.iter().any(|(j, _)| holds(&map[*i], &map[*j])));
+        if !is_nested {
+            let is_beyond = band.centre_um < first.centre_um - slack || last.centre_um + slack < band.centre_um;
+            return Some((mix, is_beyond.then_some(Stand::Held)));
+        }
     }
+    let within = order.iter().copied().filter(|i| {
+        let (lo, hi) = ends_um(&map[*i]);
+        lo - slack <= from && to <= hi + slack
+    });
+    let width_um = |i: usize| map[i].fwhm_um.unwrap_or(0.0);
+    let narrowest = within.min_by(|a, b| width_um(*a).total_cmp(&width_um(*b)))?;
+    Some((vec![(narrowest, 1.0)], Some(Stand::Within)))
+}
+
+/// Whether a band holds another one within its width, and is wider on both sides.
+fn holds(outer: &Band, inner: &Band) -> bool {
+    let ((lo, hi), (from, to)) = (ends_um(outer), ends_um(inner));
+    lo < from && to < hi
+}
+
+/// Whether a map's band is a wider one of which the map has not one end: codes end bands where their tables do.
+fn is_cut(map: &[Band], i: usize, band: &Band) -> bool {
+    let (Some(width_um), Some(_)) = (band.fwhm_um, map[i].fwhm_um) else { return false };
+    let ((lo, hi), (from, to)) = (ends_um(&map[i]), ends_um(band));
+    let tolerance_um = SAME_WIDTH * width_um;
+    let is_end = |a: f64, b: f64| (a - b).abs() <= tolerance_um;
+    let rest = match (is_end(lo, from), is_end(hi, to)) {
+        (true, false) if hi < to => (hi, to),
+        (false, true) if from < lo => (from, lo),
+        _ => return false,
+    };
+    let reaches = |other: &Band| {
+        let (lo, hi) = ends_um(other);
+        lo < rest.1 - tolerance_um && rest.0 + tolerance_um < hi
+    };
+    lo <= band.centre_um && band.centre_um <= hi && !map.iter().any(reaches)
+}
+
+/// The mean, over a band's response, of what is linear between the centres of the map's bands.
+fn linear(map: &[Band], order: &[usize], band: &Band) -> Mix {
     let centres: Vec<f64> = order.iter().map(|i| map[*i].centre_um).collect();
     let mut weights = vec![0.0; map.len()];
-    for (um, weight) in band.quadrature(&centres) {
+    for (um, weight) in band.quadrature(&centres, ALL_UM) {
         let (before, share) = between(&centres, um);
         weights[order[before]] += weight * (1.0 - share);
         if share > 0.0 {
@@ -81,7 +176,7 @@ fn mix(map: &[Band], order: &[usize], band: &Band) -> Option<Mix> {
     }
     // A quadrature's weights sum to 1 but for rounding.
     let sum: f64 = weights.iter().sum();
-    Some(weights.into_iter().map(|w| w / sum).enumerate().filter(|(_, w)| *w != 0.0).collect())
+    weights.into_iter().map(|w| w / sum).enumerate().filter(|(_, w)| *w != 0.0).collect()
 }
 
 #[cfg(test)]
@@ -89,28 +184,28 @@ mod tests {
     use super::*;
 
     fn band(centre_um: f64, fwhm_um: Option<f64>) -> Band {
-        Band { centre_um, fwhm_um }
+        Band::new(centre_um, fwhm_um)
     }
 
     #[test]
     fn a_band_that_is_there_is_taken() {
         let map = [band(2.0, Some(0.1)), band(1.0, Some(0.1))];
-        assert_eq!(mixes(&map, &[band(1.0005, Some(0.1))]).unwrap(), [vec![(1, 1.0)]]);
+        assert_eq!(mixes(&map, &[band(1.0005, Some(0.1))]).unwrap().mixes, [vec![(1, 1.0)]]);
     }
 
     #[test]
     fn of_several_that_could_be_it_the_nearest_is_taken() {
         // Steps of half a percent of the width, in descending order.
         let map: Vec<Band> = [1.0001, 1.0, 0.9999].map(|c| band(c, Some(0.02))).to_vec();
-        assert_eq!(mixes(&map, &[band(1.0, Some(0.02))]).unwrap(), [vec![(1, 1.0)]]);
-        assert_eq!(mixes(&map, &[band(1.000_08, Some(0.02))]).unwrap(), [vec![(0, 1.0)]]);
+        assert_eq!(mixes(&map, &[band(1.0, Some(0.02))]).unwrap().mixes, [vec![(1, 1.0)]]);
+        assert_eq!(mixes(&map, &[band(1.000_08, Some(0.02))]).unwrap().mixes, [vec![(0, 1.0)]]);
     }
 
     #[test]
     fn between_bands_lies_what_is_between() {
         let map = [band(1.0, None), band(2.0, None), band(4.0, None)];
         assert_eq!(
-            mixes(&map, &[band(1.25, None), band(3.5, None)]).unwrap(),
+            mixes(&map, &[band(1.25, None), band(3.5, None)]).unwrap().mixes,
             [vec![(0, 0.75), (1, 0.25)], vec![(1, 0.25), (2, 0.75)]]
         );
     }
@@ -121,7 +216,7 @@ mod tests {
         // 1 - E|x| / 0.5 = 1 - s sqrt(2 / pi) / 0.5, its flanks being 10 s away.
         let map: Vec<Band> = [1.0, 1.5, 2.0, 2.5, 3.0].map(|c| band(c, None)).to_vec();
         let s = 0.05;
-        let found = mixes(&map, &[band(2.0, Some(s * 2.354_820_045_030_949))]).unwrap();
+        let found = mixes(&map, &[band(2.0, Some(s * 2.354_820_045_030_949))]).unwrap().mixes;
         let (middle, total): (f64, f64) =
             (found[0].iter().find(|m| m.0 == 2).unwrap().1, found[0].iter().map(|m| m.1).sum());
         assert!((middle - (1.0 - 2.0 * s * (2.0 / std::f64::consts::PI).sqrt())).abs() < 1e-6);
@@ -131,7 +226,12 @@ mod tests {
     #[test]
     fn one_broad_band_of_a_map_serves_what_lies_in_it() {
         let map = [band(1.0, Some(0.2))];
-        assert_eq!(mixes(&map, &[band(1.05, None), band(1.0, Some(0.1))]).unwrap(), [vec![(0, 1.0)], vec![(0, 1.0)]]);
+        let served = mixes(&map, &[band(1.05, None), band(1.0, Some(0.1))]).unwrap();
+        assert_eq!(served.mixes, [vec![(0, 1.0)], vec![(0, 1.0)]]);
+        assert!(
+            served.told.len() == 1 && served.told[0].starts_with("band 1 of the sensor, at 1.05 um, "),
+            "{served:?}"
+        );
         let wrong = mixes(&map, &[band(1.0, None), band(1.2, None), band(1.05, Some(0.2))]).unwrap_err();
         assert_eq!(
             wrong,
@@ -140,5 +240,39 @@ mod tests {
                 "band 3 of the sensor, 0.2 um wide at 1.05 um, is not among the map's, which reach from 0.9 to 1.1 um",
             ]
         );
+    }
+
+    #[test]
+    fn a_wide_band_is_no_point_between_centres() {
+        // Red, blue, and a panchromatic band that holds both and whose middle lies between them.
+        let map = [band(0.685, Some(0.05)), band(0.45, Some(0.02)), Band::boxed(0.5785, 0.657)];
+        let sensor = [band(0.45, Some(0.02)), band(0.532, None), band(0.8, Some(0.05)), band(0.46, None)];
+        let found = mixes(&map, &sensor).unwrap();
+        assert_eq!(found.mixes, [vec![(1, 1.0)], vec![(2, 1.0)], vec![(2, 1.0)], vec![(1, 1.0)]]);
+        assert!(
+            found.told.len() == 1 && found.told[0].contains("at 0.532 um") && found.told[0].contains("2 more"),
+            "{found:?}"
+        );
+        // Beyond all of them, or in part.
+        assert_eq!(mixes(&map, &[band(0.95, None), band(0.9, Some(0.1))]).unwrap_err().len(), 2);
+        // Bands that overlap their neighbours as those of spectrometers do are points.
+        let map: Vec<Band> = (0..9).map(|i| band(1.0 + 0.01 * f64::from(i), Some(0.03))).collect();
+        let found = mixes(&map, &[band(1.0325, None)]).unwrap();
+        assert_eq!(found.mixes[0].iter().map(|m| m.0).collect::<Vec<_>>(), [3, 4]);
+        assert_eq!(found.told, [""; 0]);
+    }
+
+    #[test]
+    fn a_band_that_the_map_has_cut_is_its_own() {
+        // 0.157 to 0.907 um, of which a table that begins at 0.25 leaves 0.25 to 0.907.
+        let map = [band(0.45, Some(0.02)), Band::boxed(0.5785, 0.657)];
+        let own = Band::boxed(0.532, 0.75);
+        let found = mixes(&map, std::slice::from_ref(&own)).unwrap();
+        assert_eq!(found.mixes, [vec![(1, 1.0)]]);
+        assert!(found.told[0].contains("ends sooner"), "{found:?}");
+        // Half of a band is not the band if the map has the other half, too.
+        let halves = [Band::boxed(1.03, 0.06), Band::boxed(1.08, 0.04)];
+        let found = mixes(&halves, &[Band::boxed(1.05, 0.1)]).unwrap();
+        assert!(found.mixes[0].len() == 2 && found.told.is_empty(), "{found:?}");
     }
 }

@@ -6,8 +6,8 @@ mod matching;
 mod solar;
 mod spectrum;
 
-pub use band::Band;
+pub use band::{ALL_UM, Band, Light, MOST_BEYOND, Response};
 pub use library::{Column, SpectralLibrary};
-pub use matching::{Mix, mixes};
+pub use matching::{Mix, Mixes, mixes};
 pub use solar::{solar_e490, solar_mean};
 pub use spectrum::{Extend, Spectrum, between};

@@ -373,7 +373,7 @@ impl<'a> Account<'a> {
     }
 }
 
-/// Centres of all bands; of Gaussian ones also the ends, and the corners between them of reflectances and emissivities; um, ascending.
+/// Centres of all bands; of wide ones also the ends, and the corners between them of reflectances and emissivities; um, ascending.
 fn bands_um(scene: &Scene, materials: &[&Material]) -> Vec<f64> {
     let of_materials = materials.iter().flat_map(|m| [&m.reflectance, &m.emissivity]);
     let mut corners_um: Vec<f64> = of_materials
@@ -384,7 +384,7 @@ fn bands_um(scene: &Scene, materials: &[&Material]) -> Vec<f64> {
     corners_um.dedup();
     let mut all_um: Vec<f64> = Vec::new();
     for band in &scene.sensor.bands {
-        let (lo, hi) = band.support_um();
+        let (lo, hi) = band.support_within_um(scene.known_um(band.light));
         let from = corners_um.partition_point(|um| *um <= lo);
         let inside = corners_um[from..].iter().copied().take_while(|um| *um < hi);
         all_um.extend(inside.chain([lo, band.centre_um, hi]));

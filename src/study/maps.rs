@@ -11,7 +11,7 @@ use crate::integrate::{self, Choice, MapImage, MapView, Maps, Unknown};
 use crate::product::{Cube, Eye, FacetTable, Placement, RadianceMap, Registration, Sky, TexelSource};
 use crate::progress::{Watch, tell};
 use crate::scene::{Scene, Thermal};
-use crate::spectral::{Band, Mix, mixes};
+use crate::spectral::{Band, Mixes, mixes};
 use crate::visibility::Topology;
 
 /// No radiance is larger, W m-2 sr-1 um-1: a solar surface at all wavelengths sends less than 1e8. Products in single precision hold
@@ -147,7 +147,7 @@ pub fn observe_maps(
         let message = format!("{} is no radiance: give one from 0 to {LARGEST:e} W m-2 sr-1 um-1", number(value));
         return Err(Error::invalid(Location::item("unknown"), message));
     }
-    let mut terms = Term::of(scene, terms)?;
+    let (mut terms, of_bands) = Term::of(scene, terms)?;
     let mut problems = Vec::new();
     for view in terms.iter_mut().flat_map(|t| &mut t.views) {
         view.read_first(&mut problems)?;
@@ -212,6 +212,7 @@ pub fn observe_maps(
         }
     }
     notes.append(&mut observation.warnings);
+    notes.extend(of_bands);
     observation.warnings = notes;
     Ok((observation, account))
 }
@@ -330,17 +331,23 @@ fn heat_counts_once(scene: &Scene, terms: &[Vec<RadianceMap>], options: &MapOpti
 }
 
 impl Term {
-    /// Terms with the same placements become one, whose texels are looked up once.
-    fn of(scene: &Scene, terms: Vec<Vec<RadianceMap>>) -> Result<Vec<Term>> {
-        let mut all: Vec<Term> = Vec::new();
+    /// Terms with the same placements become one, whose texels are looked up once; and what is to be told of their bands.
+    fn of(scene: &Scene, terms: Vec<Vec<RadianceMap>>) -> Result<(Vec<Term>, Vec<String>)> {
+        let (mut all, mut told): (Vec<Term>, Vec<String>) = (Vec::new(), Vec::new());
         let mut problems = Vec::new();
         for maps in terms {
             let mut views = Vec::new();
             for map in maps {
-                let uses = uses(map.source.bands(), &scene.sensor.bands).unwrap_or_else(|wrong| {
+                let (uses, said) = uses(map.source.bands(), &scene.sensor.bands).unwrap_or_else(|wrong| {
                     problems.extend(wrong.into_iter().map(|w| Problem::new(Location::item(&map.name), w)));
-                    vec![]
+                    (vec![], vec![])
                 });
+                // Maps of several views have the same bands.
+                for said in said {
+                    if !told.contains(&said) {
+                        told.push(said);
+                    }
+                }
                 let RadianceMap { name, placement, source, weight, heat: _, sky, registration } = map;
                 let (first, is_divided) = (vec![], false);
                 views.push(View {
@@ -364,7 +371,7 @@ impl Term {
                 None => all.push(Term { views }),
             }
         }
-        if problems.is_empty() { Ok(all) } else { Err(Error::Invalid(problems)) }
+        if problems.is_empty() { Ok((all, told)) } else { Err(Error::Invalid(problems)) }
     }
 
     fn entries(&self, term: usize) -> impl Iterator<Item = MapEntry> {
@@ -383,9 +390,9 @@ impl Term {
     }
 }
 
-/// For each band of a map that is needed, ascending, its weights in the sensor's bands.
-fn uses(map: &[Band], sensor: &[Band]) -> std::result::Result<Vec<Use>, Vec<String>> {
-    let mixes: Vec<Mix> = mixes(map, sensor)?;
+/// For each band of a map that is needed, ascending, its weights in the sensor's bands; and what is to be told of them.
+fn uses(map: &[Band], sensor: &[Band]) -> std::result::Result<(Vec<Use>, Vec<String>), Vec<String>> {
+    let Mixes { mixes, told } = mixes(map, sensor)?;
     let of = |band: usize| {
         let weights = mixes
             .iter()
@@ -393,7 +400,7 @@ fn uses(map: &[Band], sensor: &[Band]) -> std::result::Result<Vec<Use>, Vec<Stri
             .filter_map(|(s, mix)| mix.iter().find(|(m, _)| *m == band).map(|(_, weight)| (s, *weight)));
         (band, weights.collect::<Vec<_>>())
     };
-    Ok((0..map.len()).map(of).filter(|(_, weights)| !weights.is_empty()).collect())
+    Ok(((0..map.len()).map(of).filter(|(_, weights)| !weights.is_empty()).collect(), told))
 }
 
 impl View {

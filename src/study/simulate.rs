@@ -122,7 +122,7 @@ pub(super) fn account_for(
     tracing::info!(?counts, "observed");
     let observation = Observation {
         effects: account.effects(),
-        warnings: warnings(&account, &counts, &image),
+        warnings: [scene.remarks(), warnings(&account, &counts, &image)].concat(),
         checks: checks(&account, &image),
         counts,
         cube: image.cube,

@@ -47,7 +47,7 @@ pub(crate) fn scene(mesh: Mesh, origin_m: DVec3) -> Scene {
         sensor: Sensor {
             name: "test".into(),
             camera: FrameCamera::centred(world_from_sensor, 4, 4, 5e-3),
-            bands: vec![Band { centre_um: 1.0, fwhm_um: None }],
+            bands: vec![Band::new(1.0, None)],
         },
     }
     .check()
@@ -275,14 +275,16 @@ fn temperatures_and_radiances_are_radiance() {
     assert_eq!(found, [(Quantity::Tapp, vec![1]), (Quantity::Radiance, vec![0, 1])]);
     let mut values = Vec::new();
     let scene = box_on_ground();
-    let mut map = view_map(&output, 0, &scene, &options()).unwrap();
+    // What has no value here is no outline.
+    let printed = MapOptions { placing: Placing::Shifted([0.0; 2]), ..options() };
+    let mut map = view_map(&output, 0, &scene, &printed).unwrap();
     map.source.read(0, &mut values).unwrap();
     assert!(values[0].is_nan() && values[1].is_nan());
     // Planck at 9.9 um and 300 K: 2 h c^2 / l^5 / (exp(14387.768775 / 2970) - 1) = 1.191042972e8 / 9.9^5 / 126.0336.
     let exponential = (14_387.768_775_f64 / 2970.0).exp() - 1.0;
     assert!((values[2] / (1.191_042_972e8 / 9.9_f64.powi(5) / exponential) - 1.0).abs() < 1e-9, "{}", values[2]);
-    let mut map = view_map(&output, 1, &scene, &options()).unwrap();
-    assert_eq!(map.source.bands()[1], Band { centre_um: 10.0, fwhm_um: Some(2.0) });
+    let mut map = view_map(&output, 1, &scene, &printed).unwrap();
+    assert_eq!(map.source.bands()[1], Band::boxed(10.0, 2.0));
     map.source.read(1, &mut values).unwrap();
     assert!(values[0].is_nan() && values[2] == 4.5);
 }

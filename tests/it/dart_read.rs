@@ -124,7 +124,10 @@ fn a_simulation_of_5_7_is_read_in_full() {
     // Bands in the order of their numbers, not of the file.
     let bands: Vec<(f64, f64, u32)> = phase.bands.iter().map(|b| (b.mean_um, b.width_um, b.mode)).collect();
     assert_eq!(bands, [(0.65, 0.01, 0), (1.9, 0.02, 0), (3.4, 0.05, 1)]);
-    assert_eq!((phase.irradiance_mode, &phase.irradiance[..]), (1, &[(640.5, 0.0), (58.25, 0.0), (5.75, 0.0)][..]));
+    assert_eq!(
+        (phase.irradiance_mode, &phase.irradiance[..]),
+        (1, &[Some((640.5, 0.0)), Some((58.25, 0.0)), Some((5.75, 0.0))][..])
+    );
     assert!(phase.radiance_products);
     assert_eq!(directions.views_deg, [[12.5, 270.0]]);
     assert_eq!(sequences[0].name, "flyby");
@@ -158,6 +161,7 @@ fn a_simulation_of_5_4_is_read_though_half_of_it_is_missing() {
     let (simulation, report, _) = dart::read(&data("dart/plain_54"), &ReadOptions::default()).unwrap();
     assert_eq!(simulation.version, Version { version: "5.4.6".into(), build: String::new() });
     let factor = ("reflectanceFactor".to_owned(), 0.8);
+    assert_eq!((&*simulation.optical[0].database, &*simulation.optical[0].model), ("2D_sand.txt", ""));
     assert!(simulation.optical[0].factors[0].contains(&factor) && simulation.objects.is_empty());
     assert_eq!((simulation.phase.irradiance_mode, simulation.phase.irradiance.len()), (0, 0));
     assert_eq!(
@@ -170,11 +174,7 @@ fn a_simulation_of_5_4_is_read_though_half_of_it_is_missing() {
         told[..6].iter().all(|(fate, text)| *fate == Fate::Defaulted && text.starts_with("is missing")),
         "{told:#?}"
     );
-    let expected = [
-        (Fate::Dropped, "the atmosphere"),
-        (Fate::Approximated, "says no irradiance of bands"),
-        (Fate::Dropped, "an optical property that is no table"),
-    ];
+    let expected = [(Fate::Dropped, "the atmosphere"), (Fate::Approximated, "says no irradiance of bands")];
     assert_eq!(told.len(), 6 + expected.len(), "{told:#?}");
     for (told, expected) in told[6..].iter().zip(expected) {
         assert!(told.0 == expected.0 && told.1.starts_with(expected.1), "{told:?}");
@@ -394,7 +394,10 @@ fn findings(name: &str, simulation: &str, replacements: &[Replacement]) -> Vec<F
     for (file, from, to) in replacements {
         folder.replace(&format!("input/{file}"), from, to);
     }
-    check(&folder.0, &ReadOptions::default(), &no_coverage)
+    let mut found = check(&folder.0, &ReadOptions::default(), &no_coverage);
+    // The simulations of these tests hold what is read, and not all that version 5.7.4 wants.
+    found.retain(|f| !(f.what.starts_with('`') && f.what.ends_with("` is missing")));
+    found
 }
 
 #[test]
@@ -564,7 +567,7 @@ fn a_check_asks_databases_what_they_cover() {
     let coverage = |path: &Path, table: &str| {
         assert!(path.ends_with("stones.db"));
         let largest = if table == "basalt" { 0.31 } else { 31.0 };
-        Some(Coverage { range_um: (0.4, 2.5), largest_reflectance: Some(largest) })
+        Some(Coverage { range_um: (0.4, 2.5), shares: vec![[largest / 100.0, 0.0, 0.0]] })
     };
     let found = check(&folder.0, &ReadOptions::default(), &coverage);
     let of = |part: &str| found.iter().filter(|f| f.what.contains(part)).collect::<Vec<_>>();

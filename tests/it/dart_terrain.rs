@@ -106,7 +106,10 @@ impl Simulation {
     }
 
     fn findings(&self) -> Vec<Finding> {
-        dart::check(&self.0.join("sim"), &ReadOptions::default(), &no_coverage)
+        let mut found = dart::check(&self.0.join("sim"), &ReadOptions::default(), &no_coverage);
+        // The simulation holds what is read, and not all that version 5.7.4 wants.
+        found.retain(|f| !(f.what.starts_with('`') && f.what.ends_with("` is missing")));
+        found
     }
 }
 

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 use crate::scratch::Scratch;
 
-fn f32s(values: &[f32]) -> Vec<u8> {
+pub(crate) fn f32s(values: &[f32]) -> Vec<u8> {
     values.iter().flat_map(|v| v.to_le_bytes()).collect()
 }
 
@@ -21,7 +21,7 @@ fn u16s(values: &[u16]) -> Vec<u8> {
 }
 
 /// A unit square in the plane z = 0 of glTF, seen from +z, in a file and its buffer: positions at byte 0, six indices at byte 48.
-fn quad() -> (Value, Vec<u8>) {
+pub(crate) fn quad() -> (Value, Vec<u8>) {
     let mut binary = f32s(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0]);
     binary.extend(u16s(&[0, 1, 2, 0, 2, 3]));
     let json = json!({
@@ -44,20 +44,20 @@ fn quad() -> (Value, Vec<u8>) {
     (json, binary)
 }
 
-struct Folder(Scratch);
+pub(crate) struct Folder(pub(crate) Scratch);
 
 impl Folder {
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Folder(Scratch::new())
     }
 
-    fn put(&self, name: &str, bytes: &[u8]) -> PathBuf {
+    pub(crate) fn put(&self, name: &str, bytes: &[u8]) -> PathBuf {
         let path = self.0.path().join(name);
         std::fs::write(&path, bytes).unwrap();
         path
     }
 
-    fn read(&self, json: &Value, binary: &[u8]) -> mmxrt::Result<(Surface, Report)> {
+    pub(crate) fn read(&self, json: &Value, binary: &[u8]) -> mmxrt::Result<(Surface, Report)> {
         self.put("quad.bin", binary);
         let path = self.put("quad.gltf", json.to_string().as_bytes());
         read(&path, false).map(|(surface, report, _)| (surface, report))
@@ -80,7 +80,7 @@ fn glb(json: &Value, binary: &[u8]) -> Vec<u8> {
     bytes
 }
 
-fn corners(surface: &Surface) -> Vec<[[f64; 3]; 3]> {
+pub(crate) fn corners(surface: &Surface) -> Vec<[[f64; 3]; 3]> {
     let mesh = &surface.mesh;
     (0..mesh.facets.len()).map(|f| mesh.facet(f).corners_m.map(|c| c.to_array())).collect()
 }
@@ -216,7 +216,8 @@ fn surface() -> Surface {
     let material = (0..18).map(|f| MaterialId(f % 3)).collect();
     let materials = ["a", "phobos blue", "#b03020"].map(|name| ObjMaterial { name: name.into(), kd: None });
     let mesh = Mesh { vertices_m, facets, material, face_of_facet: vec![], uv: vec![] };
-    Surface { mesh, materials: materials.to_vec(), origin_m: Some(DVec3::new(-2743.5946, 11860.036, 0.51269)) }
+    let origin_m = Some(DVec3::new(-2743.5946, 11860.036, 0.51269));
+    Surface { mesh, materials: materials.to_vec(), origin_m, sun: None }
 }
 
 #[test]
@@ -224,8 +225,8 @@ fn residuals_bring_the_digits_back() {
     let folder = Folder::new();
     let surface = surface();
     let encoded = encode(&surface).unwrap();
-    // f32 near 12 km: steps of 1 mm.
-    assert!((1e-4..1e-3).contains(&encoded.largest_error_m), "{}", encoded.largest_error_m);
+    // f32 within some 3 m of the middle: half a step of 1.2e-7 m in each of three axes at most.
+    assert!((1e-9..3e-7).contains(&encoded.largest_error_m), "{}", encoded.largest_error_m);
     let (text, buffer) = encoded.gltf("a b.bin");
     folder.put("a b.bin", buffer);
     for path in [folder.put("a.glb", &encoded.glb()), folder.put("a.gltf", text.as_bytes())] {
@@ -254,12 +255,15 @@ fn another_reader_sees_the_same() {
     let blob = blob.unwrap();
     let mesh = document.meshes().next().unwrap();
     assert_eq!(mesh.primitives().len(), 3);
+    // The mesh lies 12 km from its origin: the node has the way there.
+    let (moved, ..) = document.nodes().next().unwrap().transform().decomposed();
     for primitive in mesh.primitives() {
         let reader = primitive.reader(|_| Some(&blob));
         let positions: Vec<[f32; 3]> = reader.read_positions().unwrap().collect();
-        let expected: Vec<[f32; 3]> =
-            surface.mesh.vertices_m.iter().map(|v| [v.x as f32, v.z as f32, -v.y as f32]).collect();
-        assert_eq!(positions, expected);
+        for (position, v) in positions.iter().zip(&surface.mesh.vertices_m) {
+            let there = [0, 1, 2].map(|i| f64::from(moved[i]) + f64::from(position[i]));
+            assert!((DVec3::from_array(there) - DVec3::new(v.x, v.z, -v.y)).length() < 3e-7, "{there:?} {v}");
+        }
         let material = primitive.material().index().unwrap();
         assert_eq!(primitive.material().name(), Some(surface.materials[material].name.as_str()));
         let indices: Vec<u32> = reader.read_indices().unwrap().into_u32().collect();
@@ -439,7 +443,7 @@ fn attributes_that_have_no_place_are_told() {
     json["meshes"][0]["extras"] = json!({ "density": 3.5 });
     let (_, report) = folder.read(&json, &binary).unwrap();
     let told: Vec<String> = report.notes.iter().map(|n| n.message.clone()).collect();
-    assert_eq!(told, ["custom properties: density", "TEXCOORD_0"]);
+    assert_eq!(told, ["custom properties: density", "TEXCOORD_0", "smooth shading: facets are flat"]);
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! The integration tests: one binary, one module for each kind of promise.
 
+mod bands;
 mod bodies;
 mod cameras;
 mod cli;
@@ -7,17 +8,25 @@ mod clipping;
 mod convert;
 #[cfg(feature = "sqlite")]
 mod dart_database;
+#[cfg(feature = "sqlite")]
+mod dart_mandatory;
 mod dart_outline;
 mod dart_output;
 mod dart_read;
+#[cfg(feature = "sqlite")]
+mod dart_silence;
 mod dart_terrain;
 mod dart_write;
 mod determinism;
+mod differences;
+mod envi_headers;
 mod exact;
 mod flat_plane;
 mod gltf;
+mod gltf_extensions;
 mod hazards;
 mod inspect_pixel;
+mod image_files;
 mod invariance;
 mod layers;
 mod malformed_scene;
@@ -40,3 +49,5 @@ mod shapes;
 mod spectra;
 mod spectra_from_the_wild;
 mod textures;
+mod unsaid;
+mod wild_obj;

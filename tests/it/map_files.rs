@@ -303,7 +303,7 @@ fn what_does_not_go_together_is_told_at_its_key() {
     let observer = "observer = { position_m = [0, 0, 12000], target_m = [0, 0, 11000], up = [0, 1, 0] }\n";
     told(
         &format!("{HEAD}placement = \"camera\"\n{observer}sensor = {{ ifov_mrad = 4000 }}\n"),
-        &["sensor.ifov_mrad: 4000 is more than 1000"],
+        &["sensor.ifov_mrad: a pixel of 4000 mrad"],
     );
 }
 

@@ -29,7 +29,7 @@ impl TexelSource for Texels {
 }
 
 pub(crate) fn at_1_um() -> Vec<Band> {
-    vec![Band { centre_um: 1.0, fwhm_um: None }]
+    vec![Band::new(1.0, None)]
 }
 
 pub(crate) fn map(placement: Placement, values: Vec<f64>) -> RadianceMap {
@@ -446,7 +446,7 @@ fn an_image_from_close_to_the_ground_lies_where_it_was_seen() {
     let map_camera = level_camera(80, 80);
     let mut camera = nadir(1000.0, 4.0, 8);
     camera.world_from_sensor.translation_m.y = 4.0;
-    camera.samples = 2;
+    (camera.samples, camera.boresight_px[0]) = (2, 1.0);
     let scene = scene(plane(30.0, 0.0), camera, [0.0, 0.3, 1.0]);
     let line_value = |line: usize| 1.0 + ((line * 37) % 11) as f64;
     let values: Vec<f64> = (0..6400).map(|i| line_value(i / 80)).collect();
@@ -507,7 +507,7 @@ fn maps_add_with_their_weights() {
 fn what_one_band_alone_does_not_know_is_told() {
     // One texel of 3600, as large as a pixel: below what may be unknown, but that pixel would be 0 and called known.
     let mut scene = scene(plane(5.0, 0.0), nadir(1000.0, 6.0, 60), [0.0, 0.3, 1.0]);
-    scene.sensor.bands.push(Band { centre_um: 2.0, fwhm_um: None });
+    scene.sensor.bands.push(Band::new(2.0, None));
     let second: Vec<f64> = (0..3600).map(|i| if i == 1000 { f64::NAN } else { 1.0 }).collect();
     let source = Texels(scene.sensor.bands.clone(), vec![vec![1.0; 3600], second]);
     let placement = parallel_image([0.0, 0.0, 1.0], [-3.0, 3.0], 0.1, 60, 60, true);
@@ -525,7 +525,7 @@ fn maps_that_cannot_be_are_refused() {
     let placement = || parallel_image([0.0, 0.0, 1.0], [-4.0, 4.0], 1.0, 8, 8, true);
     let negative: Vec<f64> = (0..64).map(|i| if i == 19 { -2.0 } else { 1.0 }).collect();
     let other_band = RadianceMap {
-        source: Box::new(Texels(vec![Band { centre_um: 2.0, fwhm_um: None }], vec![vec![1.0; 64]])),
+        source: Box::new(Texels(vec![Band::new(2.0, None)], vec![vec![1.0; 64]])),
         ..map(placement(), vec![])
     };
     let far_away = parallel_image([0.0, 0.0, 1.0], [100.0, 4.0], 1.0, 8, 8, true);

@@ -18,7 +18,7 @@ fn small_cube() -> Cube {
     Cube {
         samples: 2,
         lines: 2,
-        bands: vec![Band { centre_um: 0.95, fwhm_um: None }, Band { centre_um: 3.6, fwhm_um: None }],
+        bands: vec![Band::new(0.95, None), Band::new(3.6, None)],
         row_start: vec![0, 1, 2, 3, 4],
         row: vec![0; 4],
         weight: vec![1.0, 2.0, 3.0, 4.0],
@@ -35,7 +35,7 @@ fn random_cube(samples: usize, lines: usize, bands: usize, rows: usize, rows_per
     Cube {
         samples,
         lines,
-        bands: (0..bands).map(|i| Band { centre_um: 0.95 + 0.01 * i as f64, fwhm_um: Some(0.01) }).collect(),
+        bands: (0..bands).map(|i| Band::new(0.95 + 0.01 * i as f64, Some(0.01))).collect(),
         row_start: (0..=pixels).map(|p| (p * rows_per_pixel) as u32).collect(),
         row: (0..pixels * rows_per_pixel).map(|_| (random.share() * rows as f64) as u32).collect(),
         weight: (0..pixels * rows_per_pixel).map(|_| random.share()).collect(),
@@ -305,7 +305,7 @@ fn open_exr_reads_back_in_the_order_of_wavelength() {
     scratch.write("bad.exr", "v/1\x01");
     assert!(exr_cube::read_info(&scratch.join("bad.exr")).is_err());
 
-    cube.bands[1] = cube.bands[0];
+    cube.bands[1] = cube.bands[0].clone();
     assert!(matches!(exr_cube::write(&path, &cube, "", &unwatched), Err(mmxrt::Error::Invalid(_))));
 }
 

@@ -141,8 +141,6 @@ fn an_envi_image_that_cannot_be_is_refused_at_its_place() {
         let error = refused(&path);
         assert!(error.contains(message), "{more}: {error}");
     }
-    folder.write("a.hdr", "ENVI\nsamples = 3\nlines = 1\nbands = 2\ndata type = 1\n");
-    assert!(refused(&path).contains("its size, bands or type are others"));
     folder.write("a.hdr", "ENVI\nsamples = 4294967296\nlines = 4294967296\nbands = 4294967296\ndata type = 1\n");
     assert!(refused(&path).contains("more than a file can hold"));
     folder.write("a.hdr", "ENVI\nsamples = 18446744073709551615\nlines = 1\nbands = 1\ndata type = 1\n");
@@ -258,7 +256,6 @@ fn an_array_that_cannot_be_is_refused() {
     let folder = Scratch::new();
     for (bytes, message) in [
         (npy("<f8", false, "(2, 3)", &[0; 47]), "x 8 bytes belong"),
-        (npy("<f8", false, "(2, 3)", &[0; 49]), "x 8 bytes belong"),
         (
             npy("<f8", false, "(4294967296, 4294967296, 8)", &[0; 8]),
             "a.npy: 4294967296 rows x 4294967296 columns are more than",
@@ -397,7 +394,7 @@ fn openexr_is_read_in_every_type_and_in_the_order_of_wavelength() {
     assert_eq!([raster.bands[0].centre_um, raster.bands[1].centre_um], [Some(0.9005), Some(1.0)]);
     assert_eq!(bands(&mut raster), [[0.25, 0.5], [1.5, -2.0]]);
 
-    let channels = [("A", 1, 1), ("B", 2, 1), ("C", 0, 1)];
+    let channels = [("D", 1, 1), ("E", 2, 1), ("F", 0, 1)];
     let path = folder.write("b.exr", exr(&channels, [2, 2], &lines, None));
     let mut raster = raster::open(&path).unwrap();
     assert!(raster.bands.iter().all(|b| b.centre_um.is_none()));
@@ -470,6 +467,9 @@ fn pictures_are_shares_of_the_largest_number_and_nothing_where_transparent() {
     let all = bands(&mut raster);
     assert_eq!([all[0][0], all[1][0], all[2][0]], [1.0, 0.2, 0.0]);
     assert!(all.iter().all(|band| band[1].is_nan()));
+    assert_eq!(raster.coverage().unwrap(), Some(&[1.0, 0.0][..]));
+    raster.take_image(Some(&["blue".into(), "Green".into()])).unwrap();
+    assert_eq!(bands(&mut raster).iter().map(|band| band[0]).collect::<Vec<_>>(), [0.0, 0.2]);
     let path = folder.write("b.png", GREY2);
     assert_eq!(bands(&mut raster::open(&path).unwrap()), [[2.0 / 3.0, 1.0, 0.0, 0.0]]);
     let mut one = Vec::new();
@@ -509,8 +509,8 @@ fn text_is_read_with_any_separator_and_told_where_it_is_none() {
 fn what_is_no_raster_is_refused_with_what_to_do() {
     let folder = Scratch::new();
     for (name, bytes, message) in [
-        ("a.tif", &b"II*\0rest"[..], "TIFF (`gdal_translate -of ENVI IN OUT.img`"),
-        ("a.nc", b"\x89HDF\r\n\x1a\n", "HDF or NetCDF"),
+        ("a.tif", &b"II*\0rest"[..], "TIFF (GeoTIFF) (`gdal_translate -of ENVI a.tif a_envi.img`"),
+        ("a.nc", b"\x89HDF\r\n\x1a\n", "HDF5 (NetCDF-4)"),
         ("a.bin", b"1234", "its header is not beside it"),
         ("a.hdr", b"ENVI\nsamples = 1\n", "its data file is not beside it"),
         ("a.exr", b"not", "not a complete OpenEXR file"),

@@ -54,7 +54,7 @@ fn scene(mesh: Mesh, towards_sun: Direction, camera: FrameCamera) -> Scene {
         sensor: Sensor {
             name: "camera".into(),
             camera,
-            bands: [1.0, 3.6].map(|centre_um| Band { centre_um, fwhm_um: None }).into(),
+            bands: [1.0, 3.6].map(|centre_um| Band::new(centre_um, None)).into(),
         },
     }
 }

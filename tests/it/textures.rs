@@ -44,7 +44,7 @@ fn post() -> Scene {
         thermal_exitance_w_m2: 110.0,
         model: MarsModel::NearField,
     });
-    scene.sensor.bands.push(Band { centre_um: 3.5, fwhm_um: Some(0.1) });
+    scene.sensor.bands.push(Band::new(3.5, Some(0.1)));
     scene.check().unwrap()
 }
 
@@ -122,7 +122,7 @@ fn a_texture_of_layers_is_a_reflectance_at_each_wavelength() {
     // Left half 0.1 at 1 um and 0.3 at 2 um, right half 0.2 and 0.6; bands at 1, 1.25 and 2 um.
     let mesh = plane(4.0, 0.0);
     let mut scene = scene(mesh.clone(), nadir(1000.0, 8.0, 2), [0.0, 0.0, 1.0]);
-    scene.sensor.bands = [1.0, 1.25, 2.0].map(|centre_um| Band { centre_um, fwhm_um: None }).to_vec();
+    scene.sensor.bands = [1.0, 1.25, 2.0].map(|centre_um| Band::new(centre_um, None)).to_vec();
     let texture = on_plane(&mesh, 4.0, 2, 1, vec![0.1, 0.3, 0.2, 0.6]);
     scene.textures = vec![Texture { kind: TextureKind::Reflectance, wavelength_um: vec![1.0, 2.0], ..texture }];
     let scene = scene.check().unwrap();

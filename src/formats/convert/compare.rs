@@ -1,19 +1,29 @@
 //! What two contents differ in, by meaning: not by the order of facets or materials, nor by how a spectrum is tabulated.
+//!
+//! Every struct is taken apart with all its fields named: one that is new does not compile before it is compared here.
 
 use std::cmp::Ordering;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Debug;
 
 use glam::DVec3;
 
-use crate::geometry::{MaterialId, Mesh};
-use crate::scene::{Mars, Scene};
-use crate::spectral::{SpectralLibrary, Spectrum};
+use crate::formats::dart::{Camera, Step};
+use crate::formats::mtl::ObjMaterial;
+use crate::formats::surface::Surface;
+use crate::geometry::{MaterialId, Mesh, Pose};
+use crate::scene::{FrameCamera, Hapke, Mars, Material, Photometry, Rpv, Scene, Sensor, Sun, Texture};
+use crate::spectral::{Band, Column, Extend, SpectralLibrary, Spectrum};
 
 use super::Content;
+use super::dart::Flights;
 
 /// Positions are the same within this, m, or within rounding of far ones.
 const POSITION_M: f64 = 1e-9;
 /// Numbers of spectra and parts of directions are the same within this, or this share of them.
 const SHARE: f64 = 1e-12;
+/// Colours are the same within the digits of an f32, in which some formats have them.
+const COLOUR: f64 = 1e-6;
 /// As many facets, materials or tables are told one by one.
 const TOLD: usize = 10;
 
@@ -21,13 +31,11 @@ const TOLD: usize = 10;
 pub fn differences(a: &Content, b: &Content) -> Vec<String> {
     let mut lines = Lines(Vec::new());
     match (a, b) {
-        (Content::Scene(a, _), Content::Scene(b, _)) => lines.scenes(a, b),
-        (Content::Surface(a), Content::Surface(b)) => {
-            let (origin_a, origin_b) = (a.origin_m.unwrap_or_default(), b.origin_m.unwrap_or_default());
-            lines.places("origin_m", origin_a, origin_b);
-            let names = |m: &[crate::formats::mtl::ObjMaterial]| m.iter().map(|m| m.name.clone()).collect::<Vec<_>>();
-            lines.meshes((&a.mesh, &names(&a.materials)), (&b.mesh, &names(&b.materials)));
+        (Content::Scene(a, flights_a), Content::Scene(b, flights_b)) => {
+            lines.scenes(a, b);
+            lines.flights(flights_a, flights_b);
         }
+        (Content::Surface(a), Content::Surface(b)) => lines.surfaces(a, b),
         (Content::Spectra(a), Content::Spectra(b)) => {
             let names = |l: &[SpectralLibrary]| l.iter().map(|l| l.name.clone()).collect::<Vec<_>>();
             lines.each("spectra", &names(a), &names(b), |lines, at, i, j| lines.libraries(at, &a[i], &b[j]));
@@ -77,18 +85,33 @@ impl Lines {
         }
     }
 
-    /// Compares what has the same name, and tells what has no counterpart.
+    fn debugged<T: Debug + PartialEq>(&mut self, at: &str, a: &T, b: &T) {
+        if a != b {
+            self.push(at, format!("{a:?}"), format!("{b:?}"));
+        }
+    }
+
+    fn lists(&mut self, at: &str, a: &[f64], b: &[f64]) {
+        if a.len() != b.len() || !a.iter().zip(b).all(|(a, b)| same(*a, *b)) {
+            self.push(at, format!("{a:?}"), format!("{b:?}"));
+        }
+    }
+
+    /// Compares what has the same name, the second of a name with the second, and tells what has no counterpart.
     fn each(&mut self, at: &str, a: &[String], b: &[String], mut compare: impl FnMut(&mut Self, &str, usize, usize)) {
         let known = self.0.len();
+        let mut is_met = vec![false; b.len()];
         for (i, name) in a.iter().enumerate() {
-            match b.iter().position(|other| other == name) {
-                Some(j) => compare(self, &format!("{at}.{name:?}"), i, j),
+            match (0..b.len()).find(|&j| !is_met[j] && b[j] == *name) {
+                Some(j) => {
+                    is_met[j] = true;
+                    compare(self, &format!("{at}.{name:?}"), i, j);
+                }
                 None => self.push(&format!("{at}.{name:?}"), "is there", "is not"),
             }
         }
-        b.iter()
-            .filter(|name| !a.contains(name))
-            .for_each(|name| self.push(&format!("{at}.{name:?}"), "is not", "is there"));
+        let others = b.iter().zip(is_met).filter(|(_, is_met)| !is_met);
+        others.for_each(|(name, _)| self.push(&format!("{at}.{name:?}"), "is not", "is there"));
         if self.0.len() > known + TOLD {
             let more = self.0.len() - known - TOLD;
             self.0.truncate(known + TOLD);
@@ -112,114 +135,296 @@ impl Lines {
     }
 
     fn libraries(&mut self, at: &str, a: &SpectralLibrary, b: &SpectralLibrary) {
-        let names = |l: &SpectralLibrary| l.columns.iter().map(|c| c.name.to_lowercase()).collect::<Vec<_>>();
-        self.each(at, &names(a), &names(b), |lines, at, i, j| {
-            let spectrum = |l: &SpectralLibrary, name: &str| l.spectrum(name, crate::spectral::Extend::Error);
-            match spectrum(a, &a.columns[i].name).zip(spectrum(b, &b.columns[j].name)) {
+        // Names were compared; a comment means nothing; wavelengths go with each column.
+        let SpectralLibrary { name: _, comment: _, wavelength_um: _, columns } = a;
+        let names = |columns: &[Column]| columns.iter().map(|c| c.name.to_lowercase()).collect::<Vec<_>>();
+        self.each(at, &names(columns), &names(&b.columns), |lines, at, i, j| {
+            let spectrum = |l: &SpectralLibrary, column: &Column| {
+                let Column { name: _, values } = column;
+                Spectrum::new(l.wavelength_um.clone(), values.clone(), Extend::Error)
+            };
+            match spectrum(a, &columns[i]).zip(spectrum(b, &b.columns[j])) {
                 Some((a, b)) => lines.spectra(at, &a, &b),
                 None => lines.push(at, "is no table", "or the other is none"),
             }
         });
     }
 
-    fn scenes(&mut self, a: &Scene, b: &Scene) {
-        self.places("origin_m", a.origin_m, b.origin_m);
-        let names = |scene: &Scene| scene.materials.iter().map(|m| m.name.clone()).collect::<Vec<_>>();
-        self.meshes((&a.mesh, &names(a)), (&b.mesh, &names(b)));
-        self.each("materials", &names(a), &names(b), |lines, at, i, j| {
-            let (a, b) = (&a.materials[i], &b.materials[j]);
-            lines.spectra(&format!("{at}.reflectance"), &a.reflectance, &b.reflectance);
-            lines.spectra(&format!("{at}.emissivity"), &a.emissivity, &b.emissivity);
-            lines.words(
-                &format!("{at} photometry"),
-                a.photometry.key().unwrap_or("lambert"),
-                b.photometry.key().unwrap_or("lambert"),
-            );
-            for ((name, a), (other, b)) in a.photometry.parameters().into_iter().zip(b.photometry.parameters()) {
-                if name == other {
-                    lines.spectra(&format!("{at}.{name}"), a, b);
-                }
+    fn surfaces(&mut self, a: &Surface, b: &Surface) {
+        let Surface { mesh, materials, origin_m, sun } = a;
+        self.places("origin_m", origin_m.unwrap_or_default(), b.origin_m.unwrap_or_default());
+        if *sun != b.sun {
+            self.push("sun.direction", format!("{sun:?}"), format!("{:?}", b.sun));
+        }
+        let names = |m: &[ObjMaterial]| m.iter().map(|m| m.name.clone()).collect::<Vec<_>>();
+        let (names_a, names_b) = (names(materials), names(&b.materials));
+        self.meshes((mesh, &names_a), (&b.mesh, &names_b));
+        // Names of materials that no facet has say nothing, nor their order.
+        for (i, material) in materials.iter().enumerate() {
+            let ObjMaterial { name, kd } = material;
+            let Some(other) = b.materials.iter().filter(|m| m.name == *name).nth(nth(&names_a, i)) else { continue };
+            let off = match (kd, other.kd) {
+                (Some(a), Some(b)) => a.iter().zip(b).any(|(a, b)| (a - b).abs() > COLOUR),
+                (a, b) => a.is_some() != b.is_some(),
+            };
+            if off {
+                self.push(&format!("materials.{name:?} colour"), format!("{kd:?}"), format!("{:?}", other.kd));
             }
-            lines.numbers(&format!("{at}.bond_albedo"), a.bond_albedo, b.bond_albedo);
-            lines.numbers(&format!("{at}.emissivity_bolometric"), a.emissivity_bolometric, b.emissivity_bolometric);
+        }
+    }
+
+    fn scenes(&mut self, a: &Scene, b: &Scene) {
+        let Scene { origin_m, mesh, materials, textures, sun, mars, thermal, sensor } = a;
+        self.places("origin_m", *origin_m, b.origin_m);
+        let names = |scene: &Scene| scene.materials.iter().map(|m| m.name.clone()).collect::<Vec<_>>();
+        let (names_a, names_b) = (names(a), names(b));
+        let pairs = self.meshes((mesh, &names_a), (&b.mesh, &names_b));
+        self.each("materials", &names_a, &names_b, |lines, at, i, j| {
+            lines.materials(at, (&materials[i], materials), (&b.materials[j], &b.materials));
         });
-        self.directions("sun.direction", a.sun.direction.vec(), b.sun.direction.vec());
-        self.numbers("sun.distance_m", a.sun.distance_m, b.sun.distance_m);
-        self.spectra("sun.spectrum", &a.sun.irradiance_1au, &b.sun.irradiance_1au);
-        let (total_a, total_b) = (a.sun.total_irradiance_1au_w_m2, b.sun.total_irradiance_1au_w_m2);
-        self.numbers("sun.total_irradiance_w_m2", total_a, total_b);
-        match (&a.mars, &b.mars) {
+        let of = |textures: &[Texture], names: &[String]| {
+            textures
+                .iter()
+                .map(|t| names.get(usize::from(t.material.0)).cloned().unwrap_or_default())
+                .collect::<Vec<_>>()
+        };
+        self.each("textures", &of(textures, &names_a), &of(&b.textures, &names_b), |lines, at, i, j| {
+            lines.textures(at, (&textures[i], mesh), (&b.textures[j], &b.mesh), &pairs);
+        });
+        self.suns(sun, &b.sun);
+        match (mars, &b.mars) {
             (Some(a), Some(b)) => self.mars(a, b),
             (None, None) => {}
             (a, _) => self.push("mars", if a.is_some() { "is there" } else { "is not" }, "the other way round"),
         }
-        self.words("thermal.model", &format!("{:?}", a.thermal), &format!("{:?}", b.thermal));
-        let (camera_a, camera_b) = (&a.sensor.camera, &b.sensor.camera);
-        self.places("observer.position_m", camera_a.centre_m(), camera_b.centre_m());
-        let (axes_a, axes_b) = (camera_a.world_from_sensor.rotation, camera_b.world_from_sensor.rotation);
-        for (name, i) in [("h", 0), ("v", 1), ("u", 2)] {
-            self.directions(&format!("observer.{name}"), axes_a.col(i), axes_b.col(i));
+        self.debugged("thermal.model", thermal, &b.thermal);
+        self.sensors(sensor, &b.sensor);
+    }
+
+    fn materials(&mut self, at: &str, (a, all_a): (&Material, &[Material]), (b, all_b): (&Material, &[Material])) {
+        let Material { name: _, reflectance, photometry, emissivity, bond_albedo, emissivity_bolometric, mixture } = a;
+        self.spectra(&format!("{at}.reflectance"), reflectance, &b.reflectance);
+        self.spectra(&format!("{at}.emissivity"), emissivity, &b.emissivity);
+        self.numbers(&format!("{at}.bond_albedo"), *bond_albedo, b.bond_albedo);
+        self.numbers(&format!("{at}.emissivity_bolometric"), *emissivity_bolometric, b.emissivity_bolometric);
+        // What is mixed, by name; shares of one material are one.
+        let parts = |mixture: &[(usize, f64)], all: &[Material]| {
+            let mut parts: Vec<(String, f64)> = Vec::new();
+            for (i, share) in mixture {
+                let name = all.get(*i).map_or("", |m| &m.name);
+                match parts.iter_mut().find(|p| p.0 == name) {
+                    Some(part) => part.1 += share,
+                    None => parts.push((name.to_owned(), *share)),
+                }
+            }
+            parts.sort_by(|a, b| a.0.cmp(&b.0));
+            parts
+        };
+        let (parts_a, parts_b) = (parts(mixture, all_a), parts(&b.mixture, all_b));
+        let alike = |(a, b): (&(String, f64), &(String, f64))| a.0 == b.0 && same(a.1, b.1);
+        if parts_a.len() != parts_b.len() || !parts_a.iter().zip(&parts_b).all(alike) {
+            self.push(&format!("{at}.mixture"), format!("{parts_a:?}"), format!("{parts_b:?}"));
         }
-        self.words("sensor.name", &a.sensor.name, &b.sensor.name);
-        self.numbers("sensor.samples", f64::from(camera_a.samples), f64::from(camera_b.samples));
-        self.numbers("sensor.lines", f64::from(camera_a.lines), f64::from(camera_b.lines));
-        for (k, name) in ["sample", "line"].into_iter().enumerate() {
-            self.numbers(&format!("sensor pitch, {name}"), camera_a.pitch[k], camera_b.pitch[k]);
-            self.numbers(&format!("sensor.boresight_px, {name}"), camera_a.boresight_px[k], camera_b.boresight_px[k]);
+        match (photometry, &b.photometry) {
+            (Photometry::Lambert, Photometry::Lambert) => {}
+            (Photometry::Hapke(a), Photometry::Hapke(b)) => {
+                let Hapke { w, c1, c2, c3, c4, h1, h2 } = a.as_ref();
+                let of_b = [&b.w, &b.c1, &b.c2, &b.c3, &b.c4, &b.h1, &b.h2];
+                for ((name, a), b) in Hapke::NAMES.iter().zip([w, c1, c2, c3, c4, h1, h2]).zip(of_b) {
+                    self.spectra(&format!("{at}.{name}"), a, b);
+                }
+            }
+            (Photometry::Rpv(a), Photometry::Rpv(b)) => {
+                let Rpv { rho0, k, g, h } = a.as_ref();
+                for ((name, a), b) in Rpv::NAMES.iter().zip([rho0, k, g, h]).zip([&b.rho0, &b.k, &b.g, &b.h]) {
+                    self.spectra(&format!("{at}.{name}"), a, b);
+                }
+            }
+            (Photometry::Lambert | Photometry::Hapke(_) | Photometry::Rpv(_), _) => {
+                let shown = |p: &Photometry| p.key().unwrap_or("lambert");
+                self.words(&format!("{at} photometry"), shown(photometry), shown(&b.photometry));
+            }
         }
-        let (bands_a, bands_b) = (&a.sensor.bands, &b.sensor.bands);
-        if bands_a.len() != bands_b.len() {
-            return self.push("sensor.bands", bands_a.len(), bands_b.len());
+    }
+
+    /// `pairs`: facets of both that are the same.
+    fn textures(
+        &mut self,
+        at: &str,
+        (a, mesh_a): (&Texture, &Mesh),
+        (b, mesh_b): (&Texture, &Mesh),
+        pairs: &[(usize, usize)],
+    ) {
+        // Materials were compared by their names.
+        let Texture { material, kind, corners, rows, columns, wavelength_um, values, texels } = a;
+        self.debugged(&format!("{at} quantity"), kind, &b.kind);
+        self.debugged(&format!("{at} between texels"), texels, &b.texels);
+        self.lists(&format!("{at} wavelengths, um"), wavelength_um, &b.wavelength_um);
+        let size = |t: &Texture| format!("{} rows x {} columns x {} layers", t.rows, t.columns, t.layers());
+        if (*rows, *columns, a.layers(), values.len()) != (b.rows, b.columns, b.layers(), b.values.len()) {
+            return self.push(&format!("{at} texels"), size(a), size(b));
         }
-        let width = |w: Option<f64>| w.unwrap_or(0.0);
-        let differ = bands_a
-            .iter()
-            .zip(bands_b)
-            .position(|(a, b)| !same(a.centre_um, b.centre_um) || !same(width(a.fwhm_um), width(b.fwhm_um)));
-        if let Some(i) = differ {
-            let shown = |b: &crate::spectral::Band| format!("{} um wide {} um", b.centre_um, width(b.fwhm_um));
-            self.push(&format!("sensor.bands[{i}]"), shown(&bands_a[i]), shown(&bands_b[i]));
+        let differs = |i: &usize| !same(values[*i], b.values[*i]);
+        if let Some(first) = (0..values.len()).find(differs) {
+            let count = (0..values.len()).filter(differs).count();
+            let (texel, layer) = (first / a.layers(), first % a.layers());
+            let (row, column) = (texel / columns, texel % columns);
+            let mean = |t: &Texture| t.values.iter().sum::<f64>() / t.values.len() as f64;
+            let place = format!(
+                "{at} values ({count} of {}), the first in row {row}, column {column}, layer {layer}",
+                values.len()
+            );
+            let shown = |t: &Texture| format!("{} (mean {})", t.values[first], mean(t));
+            self.push(&place, shown(a), shown(b));
+        }
+        let of_texture = |f: &usize| mesh_a.material.get(*f) == Some(material);
+        let elsewhere = |&&(i, j): &&(usize, usize)| {
+            let (Some(on_a), Some(on_b), Some(turn)) = (corners.get(i), b.corners.get(j), turn(mesh_a, i, mesh_b, j))
+            else {
+                return true;
+            };
+            !alike_turned(on_a, on_b, turn)
+        };
+        let off: Vec<&(usize, usize)> = pairs.iter().filter(|(i, _)| of_texture(i)).filter(elsewhere).collect();
+        if let Some(&&(i, j)) = off.first() {
+            let place = format!("{at} on {} facets, the first", off.len());
+            let shown = |t: &Texture, f: usize| format!("facet {f} at texels {:?}", t.corners.get(f));
+            self.push(&place, shown(a, i), shown(b, j));
+        }
+    }
+
+    fn suns(&mut self, a: &Sun, b: &Sun) {
+        let Sun { direction, distance_m, irradiance_1au, total_irradiance_1au_w_m2 } = a;
+        self.directions("sun.direction", direction.vec(), b.direction.vec());
+        self.numbers("sun.distance_m", *distance_m, b.distance_m);
+        self.spectra("sun.spectrum", irradiance_1au, &b.irradiance_1au);
+        self.numbers("sun.total_irradiance_w_m2", *total_irradiance_1au_w_m2, b.total_irradiance_1au_w_m2);
+    }
+
+    fn sensors(&mut self, a: &Sensor, b: &Sensor) {
+        let Sensor { name, camera, bands } = a;
+        let FrameCamera { world_from_sensor: Pose { rotation, translation_m }, samples, lines, pitch, boresight_px } =
+            camera;
+        self.places("observer.position_m", *translation_m, b.camera.world_from_sensor.translation_m);
+        for (axis, i) in [("h", 0), ("v", 1), ("u", 2)] {
+            let of_b = b.camera.world_from_sensor.rotation.col(i);
+            self.directions(&format!("observer.{axis}"), rotation.col(i), of_b);
+        }
+        self.words("sensor.name", name, &b.name);
+        self.numbers("sensor.samples", f64::from(*samples), f64::from(b.camera.samples));
+        self.numbers("sensor.lines", f64::from(*lines), f64::from(b.camera.lines));
+        if !(0..2).all(|k| same(pitch[k] / b.camera.pitch[k], 1.0)) {
+            let shown = |[across, down]: [f64; 2]| {
+                if across == down { format!("{across}") } else { format!("{across} x {down}") }
+            };
+            self.push("sensor pitch", shown(*pitch), shown(b.camera.pitch));
+        }
+        // Where the boresight is counts in pixels, and may be 0.
+        if !(0..2).all(|k| same(1.0 + boresight_px[k] - b.camera.boresight_px[k], 1.0)) {
+            self.push("sensor.boresight_px", format!("{boresight_px:?}"), format!("{:?}", b.camera.boresight_px));
+        }
+        if bands.len() != b.bands.len() {
+            return self.push("sensor.bands", bands.len(), b.bands.len());
+        }
+        let differ = |a: &Band, b: &Band| {
+            // Shapes and lights are told by themselves.
+            let Band { centre_um, fwhm_um, response: _, light: _ } = a;
+            !same(*centre_um, b.centre_um) || !same(fwhm_um.unwrap_or(0.0), b.fwhm_um.unwrap_or(0.0))
+        };
+        let off: Vec<usize> = (0..bands.len()).filter(|&i| differ(&bands[i], &b.bands[i])).collect();
+        if let Some(&i) = off.first() {
+            let shown = |b: &Band| match b.fwhm_um {
+                Some(fwhm_um) => format!("{} um wide {fwhm_um} um", b.centre_um),
+                None => format!("{} um", b.centre_um),
+            };
+            let more = if off.len() > 1 { format!(" and {} more", off.len() - 1) } else { String::new() };
+            self.push(&format!("sensor.bands[{i}]{more}"), shown(&bands[i]), shown(&b.bands[i]));
+        }
+        // A response without a width has no shape.
+        let shape = |b: &Band| b.fwhm_um.map_or("monochromatic", |_| b.response.name());
+        let pairs = || bands.iter().zip(&b.bands).enumerate();
+        if let Some((i, (a, b))) = pairs().find(|(_, (a, b))| shape(a) != shape(b)) {
+            self.push(&format!("sensor.bands[{i}] response"), shape(a), shape(b));
+        }
+        if let Some((i, (a, b))) = pairs().find(|(_, (a, b))| a.light != b.light) {
+            self.push(&format!("sensor.bands[{i}] light"), a.light.name(), b.light.name());
+        }
+        for (i, (a, b)) in pairs() {
+            if let (Some(a), Some(b)) = (a.response.table(), b.response.table()) {
+                self.spectra(&format!("sensor.bands[{i}] response"), a, b);
+            }
         }
     }
 
     fn mars(&mut self, a: &Mars, b: &Mars) {
-        self.places("mars.position_m", a.centre_m, b.centre_m);
-        self.numbers("mars.radius_m", a.radius_m, b.radius_m);
-        self.spectra("mars.albedo", &a.reflectance, &b.reflectance);
-        self.numbers("mars.bond_albedo", a.bond_albedo, b.bond_albedo);
-        self.numbers("mars.thermal_exitance_w_m2", a.thermal_exitance_w_m2, b.thermal_exitance_w_m2);
-        self.words("mars.model", &format!("{:?}", a.model), &format!("{:?}", b.model));
+        let Mars { centre_m, radius_m, reflectance, bond_albedo, thermal_exitance_w_m2, model } = a;
+        self.places("mars.position_m", *centre_m, b.centre_m);
+        self.numbers("mars.radius_m", *radius_m, b.radius_m);
+        self.spectra("mars.albedo", reflectance, &b.reflectance);
+        self.numbers("mars.bond_albedo", *bond_albedo, b.bond_albedo);
+        self.numbers("mars.thermal_exitance_w_m2", *thermal_exitance_w_m2, b.thermal_exitance_w_m2);
+        self.debugged("mars.model", model, &b.model);
     }
 
-    /// Compares facets in their order; if they differ so, in the order of their corners.
-    fn meshes(&mut self, a: (&Mesh, &[String]), b: (&Mesh, &[String])) {
-        let (facets_a, facets_b) = (a.0.facets.len(), b.0.facets.len());
+    /// What flies over a scene: the Sun and cameras of a sequence's simulations.
+    fn flights(&mut self, a: &Flights, b: &Flights) {
+        let names = |flights: &Flights| flights.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
+        self.each("sequence", &names(a), &names(b), |lines, at, i, j| {
+            let (a, b) = (&a[i].1, &b[j].1);
+            if a.len() != b.len() {
+                return lines.push(at, format!("{} simulations", a.len()), format!("{} simulations", b.len()));
+            }
+            for (n, (a, b)) in a.iter().zip(b).enumerate() {
+                let Step { sun_deg, views_deg, cameras } = a;
+                let at = format!("{at} simulation {n}");
+                lines.lists(&format!("{at} Sun, deg"), sun_deg, &b.sun_deg);
+                lines.lists(&format!("{at} views, deg"), views_deg.as_flattened(), b.views_deg.as_flattened());
+                if cameras.len() != b.cameras.len() {
+                    lines.push(&at, format!("{} cameras", cameras.len()), format!("{} cameras", b.cameras.len()));
+                }
+                for (a, b) in cameras.iter().zip(&b.cameras) {
+                    let Camera { position_m, look_deg, roll_deg, field_of_view_deg, pixels, at: _ } = a;
+                    lines.places(&format!("{at} camera, m"), *position_m, b.position_m);
+                    lines.lists(&format!("{at} camera looks to, deg"), look_deg, &b.look_deg);
+                    lines.numbers(&format!("{at} camera turned by, deg"), *roll_deg, b.roll_deg);
+                    lines.lists(&format!("{at} camera sees, deg"), field_of_view_deg, &b.field_of_view_deg);
+                    lines.debugged(&format!("{at} camera pixels"), pixels, &b.pixels);
+                }
+            }
+        });
+    }
+
+    /// Compares facets in their order; if they differ so, in the order of their corners. Returns which facets are the same.
+    fn meshes(&mut self, a: (&Mesh, &[String]), b: (&Mesh, &[String])) -> Vec<(usize, usize)> {
+        // Vertices, and how facets refer to them, are compared as corners.
+        let Mesh { vertices_m: _, facets, material, face_of_facet: _, uv } = a.0;
+        let (facets_a, facets_b) = (facets.len(), b.0.facets.len());
         if facets_a != facets_b {
-            return self.push("mesh", format!("{facets_a} facets"), format!("{facets_b} facets"));
+            self.push("mesh", format!("{facets_a} facets"), format!("{facets_b} facets"));
+            return Vec::new();
         }
         let name = |names: &'_ [String], id: MaterialId| names.get(usize::from(id.0)).cloned().unwrap_or_default();
-        let differ = |i: usize, j: usize| {
-            let (corners_a, corners_b) = (first_corner_first(a.0, i), first_corner_first(b.0, j));
-            !corners_a.iter().zip(corners_b).all(|(a, b)| near(*a, b))
-                || name(a.1, a.0.material[i]) != name(b.1, b.0.material[j])
+        let differ =
+            |i: usize, j: usize| turn(a.0, i, b.0, j).is_none() || name(a.1, material[i]) != name(b.1, b.0.material[j]);
+        let pairs: Vec<(usize, usize)> = if (0..facets_a).any(|i| differ(i, i)) {
+            let sorted = |(mesh, names): (&Mesh, &[String])| {
+                let mut order: Vec<usize> = (0..facets_a).collect();
+                let key = |f: usize| first_corner_first(mesh, f).map(|c| c.to_array());
+                // Facets that coincide are told apart by their materials.
+                order.sort_by(|&x, &y| {
+                    let (x_m, y_m) = (key(x), key(y));
+                    let corners = x_m.as_flattened().iter().zip(y_m.as_flattened()).map(|(p, q)| p.total_cmp(q));
+                    let by_corners = corners.fold(Ordering::Equal, Ordering::then);
+                    by_corners.then_with(|| name(names, mesh.material[x]).cmp(&name(names, mesh.material[y])))
+                });
+                order
+            };
+            sorted(a).into_iter().zip(sorted(b)).collect()
+        } else {
+            (0..facets_a).map(|i| (i, i)).collect()
         };
-        if !(0..facets_a).any(|i| differ(i, i)) {
-            return;
-        }
-        let sorted = |(mesh, names): (&Mesh, &[String])| {
-            let mut order: Vec<usize> = (0..facets_a).collect();
-            let key = |f: usize| first_corner_first(mesh, f).map(|c| c.to_array());
-            // Facets that coincide are told apart by their materials.
-            order.sort_by(|&x, &y| {
-                let (x_m, y_m) = (key(x), key(y));
-                let corners = x_m.as_flattened().iter().zip(y_m.as_flattened()).map(|(p, q)| p.total_cmp(q));
-                let by_corners = corners.fold(Ordering::Equal, Ordering::then);
-                by_corners.then_with(|| name(names, mesh.material[x]).cmp(&name(names, mesh.material[y])))
-            });
-            order
-        };
-        let pairs: Vec<(usize, usize)> = sorted(a).into_iter().zip(sorted(b)).filter(|(i, j)| differ(*i, *j)).collect();
-        if let Some(&(i, j)) = pairs.first() {
+        let (off, pairs): (Vec<_>, Vec<_>) = pairs.into_iter().partition(|(i, j)| differ(*i, *j));
+        if let Some(&(i, j)) = off.first() {
             let shown = |(mesh, names): (&Mesh, &[String]), f: usize| {
                 format!(
                     "facet {f} of {:?} with its centre at {}",
@@ -227,12 +432,59 @@ impl Lines {
                     mesh.facet(f).centroid_m()
                 )
             };
-            self.push(&format!("mesh, {} facets, the first", pairs.len()), shown(a, i), shown(b, j));
+            self.push(&format!("mesh, {} facets, the first", off.len()), shown(a, i), shown(b, j));
+        }
+        let shown = |uv: &[[[f64; 2]; 3]]| if uv.is_empty() { "are none" } else { "are there" };
+        if uv.is_empty() != b.0.uv.is_empty() {
+            self.push("mesh texture coordinates", shown(uv), shown(&b.0.uv));
+        } else if !uv.is_empty() {
+            let elsewhere = |&&(i, j): &&(usize, usize)| match turn(a.0, i, b.0, j) {
+                Some(turn) => !alike_turned(&uv[i], &b.0.uv[j], turn),
+                None => true,
+            };
+            let off: Vec<&(usize, usize)> = pairs.iter().filter(elsewhere).collect();
+            if let Some(&&(i, j)) = off.first() {
+                let at = format!("mesh texture coordinates of {} facets, the first", off.len());
+                self.push(&at, format!("facet {i} {:?}", uv[i]), format!("facet {j} {:?}", b.0.uv[j]));
+            }
+        }
+        self.faces(a.0, b.0, &pairs);
+        pairs
+    }
+
+    /// Which facets were cut from one face.
+    fn faces(&mut self, a: &Mesh, b: &Mesh, pairs: &[(usize, usize)]) {
+        let (mut of_a, mut of_b) = (BTreeMap::new(), BTreeMap::new());
+        let differs = |&&(i, j): &&(usize, usize)| {
+            let (face_a, face_b) = (a.face(i), b.face(j));
+            *of_a.entry(face_a).or_insert(face_b) != face_b || *of_b.entry(face_b).or_insert(face_a) != face_a
+        };
+        if let Some(&(i, j)) = pairs.iter().find(differs) {
+            let count = |mesh: &Mesh| (0..mesh.facets.len()).map(|f| mesh.face(f)).collect::<BTreeSet<_>>().len();
+            let at = format!("mesh, faces that facets were cut from (the first: facets {i} and {j})");
+            self.push(&at, format!("{} faces", count(a)), format!("{} faces", count(b)));
         }
     }
 }
 
-/// The corners of a facet in their sense, from the one with the least coordinates: which one comes first says nothing.
+/// How many of the same name come before.
+fn nth(names: &[String], i: usize) -> usize {
+    names[..i].iter().filter(|name| **name == names[i]).count()
+}
+
+/// By how many corners a facet of `b` is to be turned, in its sense, to lie on one of `a`: which comes first says nothing.
+fn turn(a: &Mesh, i: usize, b: &Mesh, j: usize) -> Option<usize> {
+    let (corners_a, corners_b) = (a.facet(i).corners_m, b.facet(j).corners_m);
+    (0..3).find(|turn| (0..3).all(|k| near(corners_a[k], corners_b[(k + turn) % 3])))
+}
+
+/// Whether what stands at the corners of two facets is the same, of which the second is to be turned.
+fn alike_turned(a: &[[f64; 2]; 3], b: &[[f64; 2]; 3], turn: usize) -> bool {
+    let alike = |a: f64, b: f64| same(a, b) || a.is_nan() && b.is_nan();
+    (0..3).all(|k| (0..2).all(|axis| alike(a[k][axis], b[(k + turn) % 3][axis])))
+}
+
+/// The corners of a facet in their sense, from the one with the least coordinates.
 fn first_corner_first(mesh: &Mesh, facet: usize) -> [DVec3; 3] {
     let [a, b, c] = mesh.facet(facet).corners_m;
     let less = |p: DVec3, q: DVec3| p.to_array() < q.to_array();

@@ -8,9 +8,10 @@ use std::path::{Path, PathBuf};
 use crate::error::{Error, Location, Problem, Result};
 use crate::formats::dart::{self, Coverage, Finding, Severity, Step, WriteOptions, database::Database};
 use crate::formats::dart::{SceneOptions, Target};
-use crate::progress::Watch;
+use crate::progress::{Watch, unwatched};
 use crate::report::{Fate, Report};
 use crate::scene::Scene;
+use crate::spectral::SpectralLibrary;
 
 use super::{Content, Format, Options, differences, format_of, unsupported};
 
@@ -73,22 +74,18 @@ pub(super) fn package(scene: &Scene, options: &Options, report: &mut Report) -> 
     Ok(package)
 }
 
-/// What two simulations differ in: in their inputs, then in the meshes and spectra that these name.
+/// What two simulations differ in: in their inputs, those lit by Mars too, then in the scenes that these and the files they name make.
 pub(super) fn diff(a: &Path, b: &Path, options: &Options, watch: Watch<'_>) -> Result<Vec<String>> {
     let reading = reading(options)?;
-    let simulation = |path: &Path| Ok(dart::read(path, &reading)?.0);
-    let mut lines = dart::diff(&simulation(a)?, &simulation(b)?);
+    let mut lines = dart::differences(a, b, &reading)?;
     let content = |path: &Path| -> Result<Content> {
         let (scene, flights, _) = read(path, options, watch)?;
         Ok(Content::Scene(Box::new(scene), flights))
     };
     match (content(a), content(b)) {
-        (Ok(a), Ok(b)) => {
-            let is_of_files = |line: &String| line.starts_with("mesh") || line.starts_with("materials");
-            lines.extend(differences(&a, &b).into_iter().filter(is_of_files));
-        }
+        (Ok(a), Ok(b)) => lines.extend(differences(&a, &b)),
         (Err(Error::Interrupted), _) | (_, Err(Error::Interrupted)) => return Err(Error::Interrupted),
-        (Err(error), _) | (_, Err(error)) => lines.push(format!("meshes and spectra cannot be compared: {error}")),
+        (Err(error), _) | (_, Err(error)) => lines.push(format!("the scenes cannot be compared: {error}")),
     }
     Ok(lines)
 }
@@ -101,9 +98,17 @@ pub fn check(input: &Path, options: &Options) -> Result<Vec<Finding>> {
     let (format, path) = format_of(input, options)?;
     match format {
         Format::Dart => {
+            let reading = reading(options)?;
             let databases = RefCell::new(Databases::default());
-            let mut findings =
-                dart::check(&path, &reading(options)?, &|path, model| databases.borrow_mut().coverage(path, model));
+            let of =
+                |path: &Path| dart::check(path, &reading, &|path, model| databases.borrow_mut().coverage(path, model));
+            let mut findings = of(&path);
+            let simulation = reading.folder(&path).simulation;
+            let by_mars = simulation.join(dart::MARS);
+            if by_mars.join("input").is_dir() {
+                findings.extend(of(&by_mars));
+            }
+            findings.extend(mars(&path, options));
             for error in databases.into_inner().refused {
                 findings.extend(refused(error)?);
             }
@@ -112,6 +117,24 @@ pub fn check(input: &Path, options: &Options) -> Result<Vec<Finding>> {
         Format::Database => check_database(&path),
         other => Err(unsupported(input, &format!("checking {}", other.about().name))),
     }
+}
+
+/// What keeps a Mars that was written beside a simulation from coming back with it.
+fn mars(path: &Path, options: &Options) -> Vec<Finding> {
+    let has_mars = reading(options).is_ok_and(|reading| dart::has_mars(&reading.folder(path)));
+    // What is wrong with the rest is told by the rest.
+    let Some((_, _, report)) = has_mars.then(|| read(path, options, &unwatched).ok()).flatten() else {
+        return Vec::new();
+    };
+    let of_mars = report.notes.into_iter().filter(|note| note.at.item.as_deref() == Some("mars"));
+    let finding = |note: crate::report::Note| Finding {
+        severity: Severity::Warning,
+        at: Location::file(path.join(dart::MARS)),
+        what: note.message,
+        effect: String::new(),
+        fix: String::new(),
+    };
+    of_mars.map(finding).collect()
 }
 
 /// Databases that a check has asked; they stay open, because many tables are asked for.
@@ -126,6 +149,15 @@ impl Databases {
     /// What a table covers.
     fn coverage(&mut self, path: &Path, model: &str) -> Option<Coverage> {
         let Databases { open, refused } = self;
+        if model.is_empty() {
+            return match dart::text_spectra::read(path) {
+                Ok((library, _)) => coverage(&library),
+                Err(error) => {
+                    refused.push(error);
+                    None
+                }
+            };
+        }
         let database = open.entry(path.to_owned()).or_insert_with(|| match Database::open(path) {
             Ok(database) => Some(database),
             // Built without SQLite: the rest is checked all the same.
@@ -142,10 +174,21 @@ impl Databases {
                 return None;
             }
         };
-        let reflectance = library.column("reflectance").map(|values| values.iter().copied().fold(0.0, f64::max));
-        // As it stands there: in percent.
-        Some(Coverage { range_um: library.coverage_um()?, largest_reflectance: reflectance.map(|r| 100.0 * r) })
+        coverage(&library)
     }
+}
+
+fn coverage(library: &SpectralLibrary) -> Option<Coverage> {
+    Some(Coverage { range_um: library.coverage_um()?, shares: shares(library) })
+}
+
+/// Reflectance, direct and diffuse transmittance of a Lambertian table, for each wavelength; nothing of another.
+fn shares(library: &SpectralLibrary) -> Vec<[f64; 3]> {
+    let of = |name: &str, i: usize| library.column(name).and_then(|values| values.get(i)).copied().unwrap_or(0.0);
+    let is_rpv = library.column("k").is_some();
+    let count = if is_rpv { 0 } else { library.column("reflectance").map_or(0, <[f64]>::len) };
+    let names = ["reflectance", "direct_transmittance", "diffuse_transmittance"];
+    (0..count).map(|i| names.map(|name| of(name, i))).collect()
 }
 
 /// What is refused of a database, as findings; other errors end the check.
@@ -175,7 +218,19 @@ fn check_database(path: &Path) -> Result<Vec<Finding>> {
     let mut notes = Vec::new();
     for model in database.models() {
         match database.read(&model.name) {
-            Ok((_, report)) => notes.extend(report.notes),
+            Ok((library, report)) => {
+                notes.extend(report.notes);
+                let most = shares(&library).iter().map(|row| row.iter().sum::<f64>()).fold(0.0, f64::max);
+                if most > 1.0 + 1e-9 {
+                    findings.push(Finding {
+                        severity: Severity::Error,
+                        at: Location::file(path).with_item(format!("table {}", model.name)),
+                        what: format!("reflects and lets through up to {} % of the light", 100.0 * most),
+                        effect: "DART does not check this".into(),
+                        fix: "lower one of them to 100 % in all".into(),
+                    });
+                }
+            }
             Err(error) => findings.extend(refused(error)?),
         }
     }

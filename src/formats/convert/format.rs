@@ -5,7 +5,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Location, Problem, Result};
-use crate::formats::{envi, gltf, raster, spectra};
+use crate::formats::{envi, foreign, gltf, raster, spectra};
 
 /// A format that is read, written, or both.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,6 +40,8 @@ pub enum Format {
     Npz,
     /// A picture.
     Png,
+    /// A photograph.
+    Jpeg,
     /// A band as comma-separated values: numbers alone.
     Grid,
 }
@@ -64,7 +66,7 @@ const BEGINNING: u64 = 1 << 16;
 
 impl Format {
     /// All formats, in the order they are listed.
-    pub const ALL: [Format; 16] = [
+    pub const ALL: [Format; 17] = [
         Format::Scene,
         Format::Obj,
         Format::Gltf,
@@ -80,6 +82,7 @@ impl Format {
         Format::Npy,
         Format::Npz,
         Format::Png,
+        Format::Jpeg,
         Format::Grid,
     ];
 
@@ -124,6 +127,7 @@ impl Format {
             Format::Npy => about("npy", &["npy"], "[row, column] or [row, column, band]", "the same"),
             Format::Npz => about("npz", &["npz"], "the array in it, or that named raster; wavelength_um", ""),
             Format::Png => about("png", &["png"], "grey or colours, 0 to 1; transparent is no data", ""),
+            Format::Jpeg => about("jpeg", &["jpg", "jpeg"], "grey or colours, 0 to 1", ""),
             Format::Grid => about("grid", &[], "CSV of numbers alone: one band", "the same"),
         }
     }
@@ -140,8 +144,8 @@ impl Format {
 
     /// Whether it holds an image and nothing else.
     pub fn is_raster(self) -> bool {
-        use Format::{Envi, Exr, Grid, Ilwis, Npy, Npz, Png};
-        matches!(self, Envi | Ilwis | Exr | Npy | Npz | Png | Grid)
+        use Format::{Envi, Exr, Grid, Ilwis, Jpeg, Npy, Npz, Png};
+        matches!(self, Envi | Ilwis | Exr | Npy | Npz | Png | Jpeg | Grid)
     }
 
     /// The format of what is there, and its main file or folder: by its content, and where that does not tell, by its name.
@@ -161,6 +165,9 @@ impl Format {
         let reading = |e| Error::io(path, "reading", e);
         let mut beginning = Vec::new();
         File::open(path).and_then(|file| file.take(BEGINNING).read_to_end(&mut beginning)).map_err(reading)?;
+        if let Some(error) = foreign::refused(path, &beginning) {
+            return Err(error);
+        }
         let format = match Format::of_name(path) {
             _ if beginning.starts_with(SQLITE) => Format::Database,
             _ if beginning.starts_with(gltf::MAGIC) => Format::Glb,
@@ -174,6 +181,7 @@ impl Format {
             _ if beginning.starts_with(b"\x93NUMPY") => Format::Npy,
             _ if beginning.starts_with(b"\x89PNG") => Format::Png,
             _ if beginning.starts_with(&[0x76, 0x2f, 0x31, 0x01]) => Format::Exr,
+            _ if beginning.starts_with(raster::JPEG) => Format::Jpeg,
             Some(Format::Csv) if raster::is_grid(&beginning) => Format::Grid,
             // An image's numbers, called so, with a header beside them.
             Some(Format::Envi) if envi::pair(path).is_ok() => Format::Envi,
@@ -183,7 +191,7 @@ impl Format {
                 Format::Csv
             }
             // A header of ENVI says of what.
-            Some(Format::Sli) if beginning.starts_with(b"ENVI") && !is_of_library(&beginning) => Format::Envi,
+            Some(Format::Sli) if is_envi(&beginning) && !is_of_library(&beginning) => Format::Envi,
             Some(format) => format,
             None if envi::pair(path).is_ok() => Format::Envi,
             None => return refused(path, "neither what it holds nor how its name ends tells a format"),
@@ -198,7 +206,7 @@ impl Format {
     pub fn of_output(path: &Path) -> Result<Self> {
         match Format::of_name(path) {
             Some(format) => Ok(format),
-            None if path.extension().is_none() => Ok(Format::Dart),
+            None if is_folder(path) => Ok(Format::Dart),
             None => refused(path, "no format's names end like this"),
         }
     }
@@ -209,6 +217,17 @@ impl Format {
         let extension = if extension == "hdr" { "sli" } else { &extension };
         Format::ALL.into_iter().find(|format| format.about().extensions.contains(&extension))
     }
+}
+
+fn is_envi(header: &[u8]) -> bool {
+    let text = header.strip_prefix("\u{feff}".as_bytes()).unwrap_or(header);
+    text.get(..4).is_some_and(|word| word.eq_ignore_ascii_case(b"ENVI"))
+}
+
+/// Whether a name is a folder's: it ends in nothing, or in a number, as of a version.
+pub(super) fn is_folder(path: &Path) -> bool {
+    let is_number = |ending: &str| ending.trim_start_matches(['v', 'V']).starts_with(|c: char| c.is_ascii_digit());
+    path.is_dir() || path.extension().is_none_or(|ending| ending.to_str().is_some_and(is_number))
 }
 
 fn is_of_library(header: &[u8]) -> bool {

@@ -23,12 +23,15 @@ use crate::spectral::{Band, Column, Extend, SpectralLibrary, Spectrum};
 
 use super::dart::Step;
 use super::envi::{DataType, Interleave};
+use super::file_name::shortened;
 use super::folder::{FolderKind, Staged};
 use super::raster::{self, Raster, Target};
-use super::surface::Surface;
+use super::scene_toml::{Axes, Unsaid, WriteOptions};
+use super::surface::{self, Surface};
 use super::{gltf, mtl, obj, scene_toml, spectra, spectrum_csv};
 
 pub use super::dart::{Finding, Severity};
+pub use super::surface::{NamedPose, Placing, Up};
 pub use compare::differences;
 pub use dart::check;
 pub use format::{About, Format};
@@ -50,6 +53,14 @@ pub struct Options {
     pub dart_databases: Option<PathBuf>,
     /// Where the middle of a DART scene, or the origin of a mesh, is, body-fixed, m; where the input says if it is not given.
     pub origin_m: Option<DVec3>,
+    /// Unit of length of a mesh, m; the format's own, or metres, if not given.
+    pub unit_m: Option<f64>,
+    /// The axis of a mesh that points up; the format's own, or z, if not given.
+    pub up: Option<Up>,
+    /// How a mesh stands on the body; with the body's axes if not given.
+    pub pose: Option<NamedPose>,
+    /// Whether the facets of a mesh are turned over.
+    pub flip: bool,
     /// Copies of a repeated DART scene that are taken on each side.
     pub repeat: u32,
     /// Zenith angle and azimuth of the Sun in DART's frame, deg, for simulations that give a date.
@@ -122,7 +133,7 @@ pub fn convert(input: &Path, output: &Path, options: &Options, watch: Watch<'_>)
         Content::Raster(raster) if !options.image_bands.is_empty() => raster_size(raster, options.image_bands.len()),
         _ => content.size(),
     };
-    let job = Job { input, output, options, report: &mut report, size: &mut size, watch };
+    let job = Job { input, from, output, options, report: &mut report, size: &mut size, watch };
     let written = job.write(content, to).map_err(|e| of_input(e, input))?;
     tell(watch, "converting", 1, 1)?;
     for note in &mut report.notes {
@@ -158,6 +169,17 @@ fn without_effect(options: &Options, from: Format, to: Format) -> Result<()> {
     only(options.dart_databases.is_some(), "--databases", from == Format::Dart, "DART as input");
     let has_origin = from == Format::Scene || from.is_spectral();
     only(options.origin_m.is_some(), "--origin-m", !has_origin, "DART or a mesh as input");
+    let is_mesh = matches!(from, Format::Obj | Format::Gltf | Format::Glb);
+    only(options.unit_m.is_some(), "--unit-m", is_mesh, "a mesh as input");
+    only(options.up.is_some(), "--up", is_mesh, "a mesh as input");
+    only(options.flip, "--flip", is_mesh, "a mesh as input");
+    let is_placed = is_mesh && matches!(to, Format::Scene | Format::Dart);
+    only(options.pose.is_some(), "--pose", is_placed, "a mesh as input and a scene or DART as output");
+    if let Some(unit_m) = options.unit_m.filter(|unit_m| !(*unit_m > 0.0 && unit_m.is_finite())) {
+        problems.push(
+            Problem::new(Location::item("--unit-m"), format!("{unit_m} is not positive")).with_help("1000 for km"),
+        );
+    }
     if problems.is_empty() { Ok(()) } else { Err(Error::Invalid(problems)) }
 }
 
@@ -191,7 +213,8 @@ pub fn read(input: &Path, options: &Options, watch: Watch<'_>) -> Result<(Format
         let message = format!("is {}: its wavelengths are its own (`--wavelengths`)", format.about().name);
         return Err(Error::invalid(Location::file(&path), message));
     }
-    let placed = |surface: Surface| Surface { origin_m: options.origin_m.or(surface.origin_m), ..surface };
+    let Options { origin_m, unit_m, up, pose, flip, .. } = *options;
+    let placing = Placing { origin_m, unit_m, up, pose, flip };
     let (content, report) = match format {
         Format::Scene => {
             let file = scene_toml::read(&path, watch)?;
@@ -213,30 +236,32 @@ pub fn read(input: &Path, options: &Options, watch: Watch<'_>) -> Result<(Format
             if parts > 1 {
                 dropped(format!("which of {parts} objects or groups a face belongs to"));
             }
-            (Content::Surface(placed(obj.into())), report)
+            let told = [&obj.report.notes, &obj.material_doubts, &obj.doubts];
+            report.notes.extend(told.into_iter().flatten().cloned());
+            (Content::Surface(Surface::from(obj).placed(&placing, Up::Z)), report)
         }
         Format::Gltf | Format::Glb => {
             let (surface, report, _) = gltf::read(&path, options.allow_outside)?;
-            (Content::Surface(placed(surface)), report)
+            (Content::Surface(surface.placed(&placing, Up::Y)), report)
         }
         Format::Dart => {
             let (scene, flights, report) = dart::read(&path, options, watch)?;
             (Content::Scene(Box::new(scene), flights), report)
         }
         Format::Database | Format::DartText | Format::Sli | Format::Csv => {
-            let (libraries, report) = match path.is_dir() {
+            let (libraries, mut report) = match path.is_dir() {
                 true => spectra::read(&path)?,
                 false if format == Format::Csv => spectrum_csv::read_all(&path, options.wavelengths.as_deref())?,
                 false => spectra::read_as(&path, spectral(format))?,
             };
-            (Content::Spectra(chosen(libraries, options, &path)?), report)
+            (Content::Spectra(chosen(libraries, options, &path, &mut report)?), report)
         }
         Format::Grid => {
             let mut raster = raster::open_csv(&path)?;
             let report = std::mem::take(&mut raster.report);
             (Content::Raster(Box::new(raster)), report)
         }
-        Format::Envi | Format::Ilwis | Format::Exr | Format::Npy | Format::Npz | Format::Png => {
+        Format::Envi | Format::Ilwis | Format::Exr | Format::Npy | Format::Npz | Format::Png | Format::Jpeg => {
             let mut raster = raster::open(&path)?;
             let report = std::mem::take(&mut raster.report);
             (Content::Raster(Box::new(raster)), report)
@@ -291,7 +316,12 @@ fn raster_size(raster: &Raster, bands: usize) -> String {
 }
 
 /// The libraries of the names that are asked for, in their order, at the wavelengths that are.
-fn chosen(libraries: Vec<SpectralLibrary>, options: &Options, path: &Path) -> Result<Vec<SpectralLibrary>> {
+fn chosen(
+    libraries: Vec<SpectralLibrary>,
+    options: &Options,
+    path: &Path,
+    report: &mut Report,
+) -> Result<Vec<SpectralLibrary>> {
     let find = |name: &String| {
         let found = libraries.iter().find(|library| library.name == *name);
         found.cloned().ok_or_else(|| {
@@ -303,7 +333,25 @@ fn chosen(libraries: Vec<SpectralLibrary>, options: &Options, path: &Path) -> Re
         true => libraries,
         false => options.models.iter().map(find).collect::<Result<_>>()?,
     };
-    if options.bands.is_empty() { Ok(libraries) } else { spectra::resample(&libraries, &options.bands) }
+    if options.bands.is_empty() {
+        return Ok(libraries);
+    }
+    let resampled = spectra::resample(&libraries, &options.bands)?;
+    for library in &libraries {
+        let Some(known_um) = library.coverage_um() else { continue };
+        let beyond = |band: &Band| band.share_beyond(known_um);
+        let most = options.bands.iter().max_by(|a, b| beyond(a).total_cmp(&beyond(b)));
+        if let Some(band) = most.filter(|band| beyond(band) > 0.0) {
+            let message = format!(
+                "{:.2e} of the response of the band at {} um lies beyond its wavelengths, and is left out",
+                beyond(band),
+                band.centre_um
+            );
+            let at = Location::file(path).with_item(format!("spectra of {:?}", library.name));
+            report.note(Fate::Approximated, at, message);
+        }
+    }
+    Ok(resampled)
 }
 
 /// A format of spectra; CSV for one that is none.
@@ -323,6 +371,7 @@ fn unsupported(path: &Path, feature: &str) -> Error {
 /// One conversion.
 struct Job<'a> {
     input: &'a Path,
+    from: Format,
     output: &'a Path,
     options: &'a Options,
     report: &'a mut Report,
@@ -355,13 +404,16 @@ impl Job<'_> {
                 let help = "end the output's name in .db, .txt, .sli or .csv, or say which with --to";
                 Err(Error::Invalid(vec![Problem::new(Location::file(self.input), message).with_help(help)]))
             }
-            (Content::Scene(scene, flights), Format::Scene) => self.scene(&scene, &flights),
+            (Content::Scene(scene, flights), Format::Scene) => {
+                let unsaid = self.unsaid();
+                self.scene(&scene, &flights, unsaid)
+            }
             (Content::Scene(scene, _), Format::Dart) => self.dart(&scene),
             (Content::Scene(scene, _), _) if to.is_spectral() => {
                 let message = "mesh, Sun, camera and heat: only the spectra of its materials are written";
                 self.report.note(Fate::Dropped, Location::file(self.input), message);
                 self.forget_defaults();
-                let libraries = chosen(libraries(&scene, self.report), self.options, self.input)?;
+                let libraries = chosen(libraries(&scene, self.report), self.options, self.input, self.report)?;
                 self.spectra(&libraries, to)
             }
             (Content::Scene(scene, _), _) => {
@@ -370,11 +422,18 @@ impl Job<'_> {
                 self.surface(&surface, to)
             }
             (Content::Surface(surface), Format::Scene) => {
-                let scene = surface.into_scene(self.input, self.report)?;
-                self.scene(&scene, &[])
+                let scene = self.scene_of(surface)?;
+                if self.options.pose == Some(NamedPose::Radial) {
+                    // Whether its origin has a zenith.
+                    surface::in_body_axes(scene.clone())?;
+                }
+                let unsaid = self.unsaid();
+                self.scene(&scene, &[], unsaid)
             }
             (Content::Surface(surface), Format::Dart) => {
-                let scene = surface.into_scene(self.input, self.report)?;
+                let scene = self.scene_of(surface)?;
+                let is_radial = self.options.pose == Some(NamedPose::Radial);
+                let scene = if is_radial { surface::in_body_axes(scene)? } else { scene };
                 self.dart(&scene)
             }
             (Content::Surface(_), _) if to.is_spectral() => {
@@ -386,8 +445,39 @@ impl Job<'_> {
         }
     }
 
-    fn scene(self, scene: &Scene, flights: &[(String, Vec<Step>)]) -> Result<bool> {
-        let folder = self.output.extension().is_none();
+    /// A scene to begin with, in the mesh's axes.
+    fn scene_of(&mut self, surface: Surface) -> Result<Scene> {
+        let Options { unit_m, up, pose, .. } = *self.options;
+        if self.from == Format::Obj {
+            let (low, high) = surface.mesh.bounds_m().unwrap_or_default();
+            let size_m = (high - low).length();
+            let mut taken = |is_given: bool, item: &str, what: String| {
+                if !is_given {
+                    self.report.note(Fate::Defaulted, Location::item(item), what);
+                }
+            };
+            taken(
+                unit_m.is_some(),
+                "mesh.unit_m",
+                format!("1: the mesh is {size_m:.3} m across; --unit-m 1000 for km"),
+            );
+            taken(up.is_some(), "mesh.up", "z; --up y for files of programs that have y up".into());
+        }
+        surface.into_scene(self.input, pose, self.report)
+    }
+
+    /// What the input did not say, by what is reported of it.
+    fn unsaid(&self) -> Unsaid {
+        let defaults = self.report.notes.iter().filter(|note| note.fate == Fate::Defaulted);
+        let items = defaults.filter_map(|note| Some((note.at.item.clone()?, note.message.clone())));
+        match self.from {
+            Format::Scene => Unsaid::Items(items.map(|(item, _)| item).collect()),
+            _ => Unsaid::Defaults(items.collect()),
+        }
+    }
+
+    fn scene(self, scene: &Scene, flights: &[(String, Vec<Step>)], unsaid: Unsaid) -> Result<bool> {
+        let folder = format::is_folder(self.output);
         // A folder's files appear with it.
         let staged = if folder { Some(Staged::folder_of(&SCENE, self.output, self.options.replace)?) } else { None };
         let path = staged.as_ref().map_or(self.output.to_owned(), |staged| staged.path().join("scene.toml"));
@@ -395,7 +485,9 @@ impl Job<'_> {
             Some(staged) => staged.named(e),
             None => e,
         };
-        let (mut files, report) = scene_toml::write(scene, &path, self.options.replace).map_err(named)?;
+        let axes = if self.options.pose == Some(NamedPose::Radial) { Axes::Site } else { Axes::Body };
+        let options = WriteOptions { replace: self.options.replace, unsaid, axes };
+        let (mut files, report) = scene_toml::write_with(scene, &path, &options).map_err(named)?;
         self.report.notes.extend(report.notes);
         for texture in &scene.textures {
             let name = scene.materials.get(texture.material.0 as usize).map_or("", |m| m.name.as_str());
@@ -404,7 +496,8 @@ impl Job<'_> {
         }
         for (name, steps) in flights {
             let plain = |c: char| if c.is_alphanumeric() { c } else { '_' };
-            let suffix = format!("flight.{}.csv", name.chars().map(plain).collect::<String>());
+            let plain: String = name.chars().map(plain).collect();
+            let suffix = format!("flight.{}.csv", shortened(&plain));
             let file = path.with_extension(suffix);
             let text = dart::flight_csv(steps);
             files.insert(0, put(&file, self.options.replace, |out| out.write_all(text.as_bytes())).map_err(named)?);
@@ -429,6 +522,9 @@ impl Job<'_> {
 
     fn surface(self, surface: &Surface, to: Format) -> Result<bool> {
         let Job { input, output, options, .. } = self;
+        if surface.sun.is_some() {
+            self.report.note(Fate::Dropped, Location::file(input).with_item("sun"), "where the light is");
+        }
         if to == Format::Obj {
             if surface.origin_m.is_some() {
                 self.report.note(Fate::Dropped, Location::file(input).with_item("origin_m"), "OBJ has no place for it");
@@ -497,9 +593,9 @@ impl Job<'_> {
             Format::Npy => Target::Npy,
             // A name alone does not tell what a table is to hold.
             Format::Grid | Format::Csv => Target::Csv,
-            Format::Png | Format::Npz => {
+            Format::Png | Format::Jpeg | Format::Npz => {
                 let help = match to {
-                    Format::Png => "`mmxrt inspect FILE --picture OUT.png` makes one to look at",
+                    Format::Png | Format::Jpeg => "`mmxrt inspect FILE --picture OUT.png` makes one to look at",
                     _ => "write .npy",
                 };
                 let problem =
@@ -616,9 +712,11 @@ fn wavelengths(scene: &Scene, columns: &[(&str, &Spectrum)]) -> Vec<f64> {
     let tables = columns.iter().map(|(_, s)| *s).filter(is_table);
     let mut all: Vec<f64> = tables.flat_map(|s| s.wavelength_um().iter().copied()).collect();
     if all.is_empty() {
-        all = scene.sensor.bands.iter().flat_map(|band| <[f64; 2]>::from(band.support_um())).collect();
+        all = (scene.sensor.bands.iter())
+            .flat_map(|band| <[f64; 2]>::from(band.support_within_um(scene.known_um(band.light))))
+            .collect();
     }
-    all.retain(|um| (first..=last).contains(um));
+    all.retain(|um| *um > 0.0 && (first..=last).contains(um));
     all.sort_by(f64::total_cmp);
     all.dedup();
     all

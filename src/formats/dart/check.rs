@@ -9,13 +9,17 @@ use glam::{DMat3, DVec3};
 use crate::error::{Error, Location, Result};
 use crate::formats::ilwis::Raster;
 use crate::formats::obj::{self, ObjFile};
+use crate::formats::scene_toml::USUAL_UM;
 use crate::formats::xml::Element;
 
 use super::folder::Folder;
 use super::groups;
+use super::mandatory;
 use super::read::coeff_diff::{factor_node, factors_of_bands, uses_factors};
 use super::read::sequence::count;
 use super::read::{FILES, Inputs, Options, read, terrain};
+use super::sidecar::{self, Sidecar};
+use super::to_scene::nanometres;
 use super::{Links, Object, OpticalKind, OpticalProperty, Simulation, Version};
 
 /// How bad a finding is.
@@ -60,15 +64,15 @@ impl std::fmt::Display for Finding {
 }
 
 /// What a check asks of a table in a database of optical properties.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Coverage {
     /// First and last wavelength, um.
     pub range_um: (f64, f64),
-    /// The largest reflectance as it stands, of a table that holds reflectances in percent.
-    pub largest_reflectance: Option<f64>,
+    /// Of a table that holds them in percent, for each wavelength: reflectance, direct and diffuse transmittance, fractions.
+    pub shares: Vec<[f64; 3]>,
 }
 
-/// The coverage of a table, by the path of its database and its name, or `None` where that is not known.
+/// The coverage of a table, by the path of its database and its name, which is empty for a text, or `None` where it is not known.
 pub type CoverageOf<'a> = &'a dyn Fn(&Path, &str) -> Option<Coverage>;
 
 /// For checks that open no database.
@@ -79,14 +83,19 @@ pub fn no_coverage(_database: &Path, _table: &str) -> Option<Coverage> {
 /// Looks over a simulation, from its folder or its `input/`. Findings come in the order of checks, errors of reading first.
 pub fn check(path: &Path, options: &Options, coverage: CoverageOf<'_>) -> Vec<Finding> {
     let folder = options.folder(path);
+    let inputs = match Inputs::read(&folder) {
+        Ok(inputs) => inputs,
+        Err(error) => return unreadable(error),
+    };
+    let missing = missing(&inputs);
     // A date is no mistake: that its Sun is only nearly known here is for a conversion to say.
     let simulation = match read(path, options) {
         Ok((simulation, _, _)) => simulation,
-        Err(error) => return unreadable(error),
+        Err(error) => return [missing, unreadable(error)].concat(),
     };
-    let Ok(inputs) = Inputs::read(&folder) else { return Vec::new() };
-    let mut check = Check { simulation: &simulation, inputs: &inputs, folder: &folder, findings: Vec::new() };
+    let mut check = Check { simulation: &simulation, inputs: &inputs, folder: &folder, findings: missing };
     check.files();
+    check.date();
     check.bands();
     check.properties(coverage);
     check.links();
@@ -98,6 +107,20 @@ pub fn check(path: &Path, options: &Options, coverage: CoverageOf<'_>) -> Vec<Fi
         check.findings.extend(count(sequence).err().map(unreadable).unwrap_or_default());
     }
     check.findings
+}
+
+/// Elements that DART wants and that are not there.
+fn missing(inputs: &Inputs) -> Vec<Finding> {
+    let finding = |missing: mandatory::Missing| {
+        let mandatory::Missing { path, at, found, least } = missing;
+        let what = match (found, least) {
+            (0, 1) => format!("`{path}` is missing"),
+            _ => format!("`{path}` is there {found} times: at least {least} are wanted"),
+        };
+        let effect = "wants this element: what it does without it is not documented".to_owned();
+        Finding { severity: Severity::Error, at, what, effect, fix: "write it with all its attributes".into() }
+    };
+    mandatory::missing(inputs).into_iter().map(finding).collect()
 }
 
 fn unreadable(error: Error) -> Vec<Finding> {
@@ -175,9 +198,26 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// As many irradiances and factors as bands.
+    /// South of the equator a Sun by date may be turned.
+    fn date(&mut self) {
+        let is_dated = |d: &&Element| d.get("exactDate").is_some_and(|mode| mode.trim() == "1");
+        let dated = self.inputs.section("Directions").filter(is_dated);
+        if dated.is_some() && self.simulation.maket.latitude_longitude_altitude[0] < 0.0 {
+            let at = self.simulation.directions.at.clone();
+            let effect =
+                "is said to count its azimuth from North there, half a turn otherwise than north of it: not confirmed";
+            self.warning(&at, "a Sun by date south of the equator", effect, "give the Sun's angles");
+        }
+    }
+
+    /// Wavelengths in um; as many irradiances and factors as bands.
     fn bands(&mut self) {
-        let bands = self.simulation.phase.bands.len();
+        let simulation = self.simulation;
+        for band in simulation.phase.bands.iter().filter(|band| band.mean_um > USUAL_UM) {
+            let what = format!("a band at {} um", band.mean_um);
+            self.error(&band.at, what, "takes wavelengths in micrometres", nanometres(band));
+        }
+        let bands = simulation.phase.bands.len();
         let inputs = self.inputs;
         if let Some(list) = inputs.section("Phase").and_then(|p| p.descendant("SpectralIrradiance")) {
             let n = list.all("SpectralIrradianceValue").count();
@@ -276,9 +316,14 @@ impl<'a> Check<'a> {
                 return self.warning(&property.at, problem.message, "looks there", fix);
             }
         };
-        let Some(Coverage { range_um: (first, last), largest_reflectance }) = coverage(&path, &property.model) else {
+        let Some(Coverage { range_um: (first, last), shares }) = coverage(&path, &property.model) else {
             return;
         };
+        if first > USUAL_UM {
+            let what = format!("`{}` of {} runs from {first} to {last} um", property.model, property.database);
+            let effect = "takes wavelengths in micrometres";
+            return self.error(&property.at, what, effect, "if these are nanometres, divide them by 1000");
+        }
         let outside = |mean: f64, width: f64| mean - width / 2.0 < first || mean + width / 2.0 > last;
         let bands = &self.simulation.phase.bands;
         let bare: Vec<String> = bands
@@ -300,10 +345,49 @@ impl<'a> Check<'a> {
                 "extend the spectrum over all bands",
             );
         }
-        if let Some(largest) = largest_reflectance.filter(|r| (0.0..=1.0).contains(r) && *r > 0.0) {
+        let largest = 100.0 * shares.iter().map(|row| row[0]).fold(0.0, f64::max);
+        if (0.0..=1.0).contains(&largest) && largest > 0.0 && !self.is_as_written(property, largest) {
             let what =
                 format!("the reflectances of `{}` reach only {largest}: they look like fractions", property.model);
             self.warning(&property.at, what, "takes them as percent: 0.3 is 0.3 %", "multiply them by 100");
+        }
+        self.energy(property, &shares);
+    }
+
+    /// Whether a scene that was written here has a material as dark as that, of this largest reflectance in percent.
+    fn is_as_written(&self, property: &OpticalProperty, largest: f64) -> bool {
+        let around = self.folder.simulation.parent().map(Path::to_owned).unwrap_or_default();
+        // Beside the simulation, and beside that of which this is the one lit by Mars.
+        let folders = [self.folder.simulation.clone(), around];
+        let sidecar = folders.iter().find_map(|folder| Sidecar::read(&folder.join(sidecar::FILE)).ok().flatten());
+        let material = sidecar.and_then(|(sidecar, _)| sidecar.material(&property.ident));
+        let value = material.map(|m| 100.0 * m.reflectance.value().iter().copied().fold(0.0, f64::max));
+        value.is_some_and(|value| (value - largest).abs() <= 1e-9 * largest)
+    }
+
+    /// What is reflected and let through is not more than what comes in.
+    fn energy(&mut self, property: &OpticalProperty, shares: &[[f64; 3]]) {
+        const NAMES: [&str; 3] = ["reflectanceFactor", "directTransmittanceFactor", "diffuseTransmittanceFactor"];
+        let of = |set: &Vec<(String, f64)>| NAMES.map(|name| set.iter().find(|f| f.0 == name).map_or(1.0, |f| f.1));
+        let mut sets: Vec<[f64; 3]> = property.factors.iter().map(of).collect();
+        if sets.is_empty() {
+            sets.push([1.0; 3]);
+        }
+        let sum =
+            |row: &[f64; 3], set: &[f64; 3]| row.iter().zip(set).map(|(share, factor)| share * factor).sum::<f64>();
+        let all = shares.iter().flat_map(|row| sets.iter().map(|set| sum(row, set)));
+        let most = 100.0 * all.fold(0.0, f64::max);
+        if most > 100.0 * (1.0 + 1e-9) {
+            let what = format!(
+                "`{}` ({}) reflects and lets through up to {most} % of the light",
+                property.ident, property.model
+            );
+            self.error(
+                &property.at,
+                what,
+                "does not check it: light comes from nowhere",
+                "lower one of them to 100 % in all",
+            );
         }
     }
 
@@ -323,6 +407,22 @@ impl<'a> Check<'a> {
             for group in object.groups.iter().filter(|g| g.links.is_none() && !g.hidden) {
                 let what = format!("the group `{}` has no optical property", group.name);
                 self.error(&group.at, what, "has nothing to make it of", "link it to one");
+            }
+        }
+        let models = simulation.fields.iter().flat_map(|f| &f.models);
+        for object in simulation.objects.iter().chain(models).filter(|o| !o.hidden) {
+            let of_object = object.links.is_some() && object.double_face && object.back.is_none();
+            let bare = |g: &&super::Group| !g.hidden && g.links.is_some() && g.double_face && g.back.is_none();
+            let groups = object.groups.iter().filter(bare).map(|g| (&g.name, &g.at));
+            for (name, at) in of_object.then_some((&object.name, &object.at)).into_iter().chain(groups) {
+                let what = format!("`{name}` has two faces (`doubleFace`), but no properties of the back");
+                let fix = "link `BackFaceOpticalProperty` and `BackFaceThermalProperty`, or set `doubleFace` to 0";
+                // From 5.10 on it is not known how they are said.
+                if simulation.version.is_before(5, 10) {
+                    self.error(at, what, "has nothing to make the back of", fix);
+                } else {
+                    self.warning(at, what, "has nothing to make the back of", fix);
+                }
             }
         }
     }
@@ -381,7 +481,30 @@ impl<'a> Check<'a> {
             self.axes(object, element, &obj);
             self.ground(object, element, &obj);
             self.normals(object, &obj);
+            self.edges(object, &obj);
         }
+    }
+
+    /// Objects that reach beyond the scene.
+    fn edges(&mut self, object: &Object, obj: &ObjFile) {
+        let (low, high) = bounds(obj.vertices.iter().map(|v| placement(object)(*v)));
+        let [x, y] = self.simulation.maket.size_m;
+        // Rounding of a turn is no reach.
+        let slack = 1e-9 * x.max(y);
+        if low.x >= -slack && low.y >= -slack && high.x <= x + slack && high.y <= y + slack {
+            return;
+        }
+        let is_outside = low.x > x || low.y > y || high.x < 0.0 || high.y < 0.0;
+        let how = if is_outside { "lies outside" } else { "reaches beyond" };
+        let what = format!(
+            "`{}` {how} the scene: it spans x {} to {} and y {} to {} m of 0 to {x} and 0 to {y}",
+            object.name, low.x, high.x, low.y, high.y
+        );
+        let effect = match object.repeated_on_border {
+            true => "lets it come in at the other side (`repeatedOnBorder`)",
+            false => "may leave out what is beyond: it is not documented",
+        };
+        self.warning(&object.at, what, effect, "move it, or make the scene larger");
     }
 
     /// The texts of object fields, and the meshes of their models, are there.
@@ -499,6 +622,13 @@ impl<'a> Check<'a> {
             Ok(raster) => raster,
             // What is not read here need not be wrong.
             Err(Error::Unsupported { .. }) => return,
+            Err(error) if maket.topography.as_ref().is_some_and(|t| t.generated) => {
+                for finding in unreadable(error) {
+                    let effect = "makes the terrain again before it runs (`createTopography`)";
+                    self.warning(&finding.at, finding.what, effect, "run its generator to see it");
+                }
+                return;
+            }
             Err(error) => return self.findings.extend(unreadable(error)),
         };
         let (Some((raster, _)), Some(topography), 1) = (raster, &maket.topography, maket.boundary) else { return };
@@ -517,11 +647,17 @@ impl<'a> Check<'a> {
 
     /// Facets show their backs.
     fn normals(&mut self, object: &Object, obj: &ObjFile) {
-        let is_double =
-            object.double_face || (!object.groups.is_empty() && object.groups.iter().all(|g| g.double_face));
-        if is_double {
+        let is_same = |front: &Option<Links>, back: &Option<Links>| match (front, back) {
+            (Some(a), Some(b)) => (a.kind, a.index, a.thermal_index) == (b.kind, b.index, b.thermal_index),
+            _ => false,
+        };
+        // Both sides of what is alike on both may look anywhere.
+        let of_object = object.double_face && is_same(&object.links, &object.back);
+        let of_group = |g: &super::Group| g.double_face && is_same(&g.links, &g.back);
+        if of_object || (!object.groups.is_empty() && object.groups.iter().all(of_group)) {
             return;
         }
+        self.turned(object, obj);
         let place = placement(object);
         let (sum, area) = vector_area(obj, &place);
         let effect = "stops light at the back of a facet: it is black";
@@ -538,6 +674,37 @@ impl<'a> Check<'a> {
             }
         } else if sum.z < -0.2 * area {
             self.warning(&object.at, format!("`{}` faces downwards", object.name), effect, fix);
+        }
+    }
+
+    /// Facets that are turned against the one beside them.
+    fn turned(&mut self, object: &Object, obj: &ObjFile) {
+        // Corners at one place are one, whatever their number.
+        let place = |v: u32| obj.vertices[v as usize].to_array().map(|x| (x + 0.0).to_bits());
+        let mut edges: BTreeMap<([u64; 3], [u64; 3]), [u32; 2]> = BTreeMap::new();
+        for facet in &obj.facets {
+            let corners = facet.map(place);
+            for (a, b) in [(0, 1), (1, 2), (2, 0)].map(|(a, b)| (corners[a], corners[b])) {
+                if a != b {
+                    edges.entry((a.min(b), a.max(b))).or_default()[usize::from(a > b)] += 1;
+                }
+            }
+        }
+        // Two facets at an edge go along it in opposite senses.
+        let odd = edges.values().filter(|senses| matches!(senses, [2, 0] | [0, 2])).count();
+        if odd > 0 {
+            let what = format!(
+                "facets of `{}` are turned against those beside them, along {odd} of {} edges",
+                object.name,
+                edges.len()
+            );
+            let effect = "sees the backs of some where it sees the fronts of others";
+            self.warning(
+                &object.at,
+                what,
+                effect,
+                "give the corners of all facets one sense, counter-clockwise from outside",
+            );
         }
     }
 

@@ -10,7 +10,7 @@ use crate::geometry::{Direction, Mesh};
 use crate::physics::sun;
 use crate::report::{Fate, Report};
 use crate::scene::{Scene, Thermal};
-use crate::spectral::SpectralLibrary;
+use crate::spectral::{Response, SpectralLibrary};
 
 use super::frame;
 use super::inputs::Target;
@@ -143,7 +143,7 @@ pub fn from_scene(scene: &Scene, options: &WriteOptions) -> Result<(Package, Rep
     let thermal = thermal_functions(scene);
     let surfaces = surfaces(mesh, scene.materials.len());
     let bands = intervals(scene, &thermal);
-    let irradiance = sunlight(scene).into_iter().map(|e| (e, 0.0)).collect();
+    let irradiance = sunlight(scene).into_iter().map(|e| Some((e, 0.0))).collect();
     let camera = site.camera();
     let centre_m = 0.5 * extent_m;
     let towards_camera = camera.position_m - centre_m;
@@ -182,6 +182,30 @@ pub fn from_scene(scene: &Scene, options: &WriteOptions) -> Result<(Package, Rep
     let mars = site.by_mars(&simulation, &mut report);
     let databases = databases(scene, &names);
     Ok((Package { simulation, surfaces, databases, mars, sidecar: Some(sidecar), size }, report))
+}
+
+/// A simulation of the scene with Mars in the Sun's place: a beam from its centre, with the irradiance of a facet that faces it.
+/// `None` without a Mars, and if it is below the site's horizon, or dark.
+pub(super) fn lit_by_mars(scene: &Scene, dart_from_body: DMat3, simulation: &Simulation) -> Option<Simulation> {
+    let mars = scene.mars.as_ref()?;
+    let towards = Direction::new(mars.centre_m)?.vec();
+    let mars_deg = frame::angles_deg(dart_from_body * towards);
+    let share = on_facet_from_mars(mars, towards, scene.sun.direction.vec());
+    if mars_deg[0] >= 90.0 || share <= 0.0 {
+        return None;
+    }
+    let sun = &scene.sun;
+    let irradiance = scene.sensor.bands.iter().map(|band| {
+        let product = band_mean(band, &[&sun.irradiance_1au, &mars.reflectance]);
+        Some((share * sun::irradiance_at(product, sun.distance_m), 0.0))
+    });
+    let mut by_mars = simulation.clone();
+    by_mars.phase.irradiance = irradiance.collect();
+    // Heat is in the other simulation.
+    by_mars.phase.bands.iter_mut().for_each(|band| band.mode = 0);
+    by_mars.directions.sun_deg = mars_deg;
+    by_mars.directions.at = Location::item("mars");
+    Some(by_mars)
 }
 
 /// What a pixel of the camera sees of the scene's middle, m, in two digits; between a tenth and a two-thousandth of its extent.
@@ -264,34 +288,20 @@ impl Site<'_> {
         }
     }
 
-    /// The simulation with Mars in the Sun's place: a beam from its centre, with the irradiance of a facet that faces it.
+    /// The simulation with Mars in the Sun's place.
     fn by_mars(&self, simulation: &Simulation, report: &mut Report) -> Option<Simulation> {
         let mars = self.scene.mars.as_ref()?;
-        let mut note = |message: String| report.note(Fate::Carried, Location::item("mars"), message);
-        let towards = Direction::new(mars.centre_m)?.vec();
-        let mars_deg = frame::angles_deg(self.dart_from_body * towards);
-        let share = on_facet_from_mars(mars, towards, self.scene.sun.direction.vec());
-        if mars_deg[0] >= 90.0 || share <= 0.0 {
-            note("Mars is below the site's horizon, or dark: no simulation has its light".into());
-            return None;
-        }
-        let radius_deg = (mars.radius_m / mars.centre_m.length()).asin().to_degrees();
-        note(format!(
-            "Mars is {radius_deg:.1} deg in radius; DART has one source, a parallel one: the simulation in `mars` has Mars' \
-             light as a beam from its centre, and its radiances are to be added to the Sun's"
-        ));
-        let sun = &self.scene.sun;
-        let irradiance = self.scene.sensor.bands.iter().map(|band| {
-            let product = band_mean(band, &[&sun.irradiance_1au, &mars.reflectance]);
-            (share * sun::irradiance_at(product, sun.distance_m), 0.0)
-        });
-        let mut by_mars = simulation.clone();
-        by_mars.phase.irradiance = irradiance.collect();
-        // Heat is in the other simulation.
-        by_mars.phase.bands.iter_mut().for_each(|band| band.mode = 0);
-        by_mars.directions.sun_deg = mars_deg;
-        by_mars.directions.at = Location::item("mars");
-        Some(by_mars)
+        let by_mars = lit_by_mars(self.scene, self.dart_from_body, simulation);
+        let message = match by_mars {
+            None => "Mars is below the site's horizon, or dark: no simulation has its light".into(),
+            Some(_) => format!(
+                "Mars is {:.1} deg in radius; DART has one source, a parallel one: the simulation in `mars` has Mars' \
+                 light as a beam from its centre, and its radiances are to be added to the Sun's",
+                (mars.radius_m / mars.centre_m.length()).asin().to_degrees()
+            ),
+        };
+        report.note(Fate::Carried, Location::item("mars"), message);
+        by_mars
     }
 
     /// What became of what DART has no exact counterpart for.
@@ -340,13 +350,16 @@ impl Site<'_> {
                 );
             }
         }
-        let monochromatic = scene.sensor.bands.iter().filter(|b| b.fwhm_um.is_none()).count();
-        if monochromatic < scene.sensor.bands.len() {
-            report.note(
-                Fate::Carried,
-                item("sensor.bands"),
-                "Gaussian responses; DART's are rectangles of the same width",
-            );
+        let bands = &scene.sensor.bands;
+        let monochromatic = bands.iter().filter(|b| b.fwhm_um.is_none()).count();
+        let are_wide = |is: fn(&Response) -> bool| bands.iter().any(|b| b.fwhm_um.is_some() && is(&b.response));
+        if are_wide(|r| *r == Response::Gaussian) {
+            let message = "Gaussian responses; DART's are rectangles of the same width";
+            report.note(Fate::Carried, item("sensor.bands"), message);
+        }
+        if are_wide(|r| matches!(r, Response::Table(_))) {
+            let message = "tabulated responses; DART's are rectangles of the same centre and equivalent width";
+            report.note(Fate::Carried, item("sensor.bands"), message);
         }
         if monochromatic > 0 {
             let message = format!("{monochromatic} monochromatic bands are {MONOCHROMATIC_UM} um wide in DART");

@@ -58,8 +58,16 @@ impl Ground {
         let mut files = Vec::new();
         if let Some(topography) = &maket.topography {
             let file = &topography.file;
-            match terrain(simulation, folder)? {
-                Some((raster, of_raster)) => {
+            let found = match terrain(simulation, folder) {
+                Err(Error::Interrupted) => return Err(Error::Interrupted),
+                // It is made again anyway.
+                Err(error) if topography.generated => {
+                    Err(error.to_string().lines().next().unwrap_or_default().to_owned())
+                }
+                found => Ok(found?),
+            };
+            match found {
+                Ok(Some((raster, of_raster))) => {
                     ground.cells = [raster.rows - 1, raster.columns - 1];
                     ground.heights_m = raster.values;
                     ground.is_terrain = true;
@@ -67,9 +75,13 @@ impl Ground {
                     ground.tell(topography, &mut report);
                     ground.close(maket.boundary, topography, &mut report);
                 }
-                None => {
+                found => {
+                    let why = match found.err() {
+                        Some(error) => format!("cannot be read ({error}), but"),
+                        None => "is not there, because".into(),
+                    };
                     let message = format!(
-                        "the terrain {file:?} is not there, because DART makes it before it runs: the ground is a plane at z = 0. \
+                        "the terrain {file:?} {why} DART makes it before it runs: the ground is a plane at z = 0. \
                          Run DART's generator first"
                     );
                     report.note(Fate::Dropped, topography.at.clone(), message);

@@ -182,6 +182,9 @@ impl Writer<'_> {
 
     fn optical_property(&self, property: &OpticalProperty) -> Result<Element> {
         let OpticalProperty { ident, database, model, .. } = property;
+        if model.is_empty() {
+            return self.unsupported(&property.at, &format!("the spectrum of {ident:?} as a text"));
+        }
         let has_factors = !property.factors.is_empty();
         if self.is_5_11() && (has_factors || property.kind != OpticalKind::Lambertian) {
             let what = if has_factors { "multiplicative factors" } else { "Hapke's and RPV's reflectance" };
@@ -431,11 +434,12 @@ impl Writer<'_> {
                 return self.unsupported(&Location::item("irradianceMode"), &format!("irradiance by mode {mode}"));
             }
         }
-        let values = phase.irradiance.iter().enumerate().map(|(number, (irradiance, diffuse))| {
+        let given = phase.irradiance.iter().enumerate().filter_map(|(number, value)| Some((number, (*value)?)));
+        let values = given.map(|(number, (irradiance, diffuse))| {
             Element::new("SpectralIrradianceValue")
                 .with("bandNumber", number)
-                .with("irradiance", *irradiance)
-                .with("Skyl", *diffuse)
+                .with("irradiance", irradiance)
+                .with("Skyl", diffuse)
         });
         let common = Element::new("CommonParameters")
             // Normal to the beam.

@@ -13,6 +13,7 @@ mod ground;
 pub mod groups;
 mod inputs;
 pub(crate) mod kind;
+mod mandatory;
 pub mod output;
 mod place;
 mod read;
@@ -26,7 +27,7 @@ mod to_scene;
 mod write;
 
 pub use check::{Coverage, CoverageOf, Finding, Severity, check, no_coverage};
-pub use diff::diff;
+pub use diff::{diff, differences};
 pub use folder::Folder;
 pub use from_scene::{Package, Size, Surface, WriteOptions, from_scene, group_names};
 pub use inputs::{Target, inputs};
@@ -40,4 +41,5 @@ pub use simulation::{
     Version,
 };
 pub use to_scene::{Converted, SceneOptions, to_scene};
+pub(super) use to_scene::{MARS, has_mars};
 pub use write::write;

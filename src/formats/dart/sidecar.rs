@@ -13,7 +13,7 @@ use crate::error::{Error, Location, Result};
 use crate::formats::input::{self, InputFile};
 use crate::geometry::{Direction, Mesh};
 use crate::scene::{Hapke, Mars, MarsModel, Material, Photometry, Rpv, Scene, Sun, Thermal};
-use crate::spectral::{Band, Extend, Spectrum, solar_e490};
+use crate::spectral::{Band, Extend, Light, Response, Spectrum, solar_e490};
 
 use super::from_scene::sun_deg;
 
@@ -60,6 +60,54 @@ struct SensorPart {
     axes: [[f64; 3]; 3],
     /// 0 for a monochromatic band.
     fwhm_um: Vec<f64>,
+    /// Of bands that are not as most are: a Gaussian response, or none, and both sunlight and heat.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    unusual: Vec<UnusualBand>,
+}
+
+/// What a band has that a centre and a width do not say.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct UnusualBand {
+    /// Counted from 0.
+    band: usize,
+    response: ResponseName,
+    light: LightName,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    table: Option<Table>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum ResponseName {
+    Gaussian,
+    Box,
+    Table,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum LightName {
+    Sunlight,
+    Heat,
+    Both,
+}
+
+impl UnusualBand {
+    fn of((band, b): (usize, &Band)) -> Option<Self> {
+        let (response, table) = match &b.response {
+            Response::Gaussian => (ResponseName::Gaussian, None),
+            Response::Box => (ResponseName::Box, None),
+            Response::Table(table) => (ResponseName::Table, Some(Table::of(table))),
+        };
+        let light = match b.light {
+            Light::Sunlight => LightName::Sunlight,
+            Light::Heat => LightName::Heat,
+            Light::Both => LightName::Both,
+        };
+        let is_usual = response == ResponseName::Gaussian && light == LightName::Both;
+        (!is_usual).then_some(UnusualBand { band, response, light, table })
+    }
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -166,6 +214,7 @@ impl Sidecar {
                 name: scene.sensor.name.clone(),
                 axes: scene.sensor.camera.world_from_sensor.rotation.to_cols_array_2d(),
                 fwhm_um: scene.sensor.bands.iter().map(|b| b.fwhm_um.unwrap_or(0.0)).collect(),
+                unusual: scene.sensor.bands.iter().enumerate().filter_map(UnusualBand::of).collect(),
             },
             sun: SunPart {
                 below_horizon: sun_deg(scene).is_none().then(|| sun.direction.vec().to_array()),
@@ -270,7 +319,23 @@ impl Sidecar {
     /// A band as the scene has it, at a centre that DART has.
     pub(super) fn band(&self, index: usize, centre_um: f64) -> Option<Band> {
         let fwhm_um = *self.sensor.fwhm_um.get(index)?;
-        Some(Band { centre_um, fwhm_um: (fwhm_um > 0.0).then_some(fwhm_um) })
+        let plain = Band::new(centre_um, (fwhm_um > 0.0).then_some(fwhm_um));
+        let Some(unusual) = self.sensor.unusual.iter().find(|u| u.band == index) else { return Some(plain) };
+        let light = match unusual.light {
+            LightName::Sunlight => Light::Sunlight,
+            LightName::Heat => Light::Heat,
+            LightName::Both => Light::Both,
+        };
+        let band = match unusual.response {
+            ResponseName::Gaussian => plain,
+            ResponseName::Box => Band { response: Response::Box, ..plain },
+            ResponseName::Table => {
+                let band = Band::tabulated(&unusual.table.as_ref()?.spectrum()?)?;
+                // A centre that was edited is another band's.
+                (band.centre_um == centre_um).then_some(band)?
+            }
+        };
+        Some(Band { light, ..band })
     }
 
     /// The place of a material in the scene's dictionary.

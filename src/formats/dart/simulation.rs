@@ -16,6 +16,15 @@ pub struct Version {
     pub build: String,
 }
 
+impl Version {
+    /// Whether it is of before a version such as 5.10. One that cannot be read is not.
+    pub fn is_before(&self, major: u32, minor: u32) -> bool {
+        let mut numbers = self.version.split('.').map(|n| n.trim().parse::<u32>().ok());
+        let number = numbers.next().flatten().zip(numbers.next().flatten());
+        number.is_some_and(|number| number < (major, minor))
+    }
+}
+
 /// The inputs of one simulation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Simulation {
@@ -89,9 +98,9 @@ pub struct OpticalProperty {
     pub kind: OpticalKind,
     /// Name for people.
     pub ident: String,
-    /// Database of reflectance, and table in it.
+    /// Database of reflectance; before 5.7 a text that holds one table.
     pub database: String,
-    /// Table in the database.
+    /// Table in the database; empty for a text.
     pub model: String,
     /// Database of transmittance (Hapke and RPV only) and table in it.
     pub transmittance: Option<(String, String)>,
@@ -274,8 +283,8 @@ pub struct Phase {
     pub bands: Vec<SpectralInterval>,
     /// `irradianceMode`: 1 where `irradiance` holds a value for each band.
     pub irradiance_mode: u32,
-    /// Irradiance, W m-2 um-1, and share of diffuse light, for each band.
-    pub irradiance: Vec<(f64, f64)>,
+    /// Irradiance, W m-2 um-1, and share of diffuse light, for each band; `None` for one of which it is not said.
+    pub irradiance: Vec<Option<(f64, f64)>>,
     /// Radiance products are written.
     pub radiance_products: bool,
     /// Cameras.

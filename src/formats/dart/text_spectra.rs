@@ -1,4 +1,4 @@
-//! DART's spectra in text: what its database manager imports (`2D-LAM_<name>.txt`), and what version 5.4 read itself.
+//! DART's spectra in text: what its database manager imports (`2D-LAM_<name>.txt`), and what versions before 5.7 read themselves.
 //!
 //! The former has `#` comments, a header, and columns parted by `;`. The latter has comments between asterisks, the last
 //! of which names the columns, and columns parted by blanks. Both are in um and percent.

@@ -1,20 +1,24 @@
 //! A DART simulation as a scene, and what of it has no counterpart.
 
+mod mars;
 mod mesh;
+
+pub(in crate::formats) use mars::{FOLDER as MARS, has_mars};
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use glam::{DMat3, DVec3};
 
-use crate::error::{Error, Location, Result};
+use crate::error::{Error, Location, Problem, Result, number};
 use crate::formats::input::{self, InputFile};
 use crate::formats::obj::ObjFile;
+use crate::formats::scene_toml::USUAL_UM;
 use crate::geometry::{Direction, Mesh, Pose};
 use crate::progress::Watch;
 use crate::report::{Fate, Report};
 use crate::scene::{FrameCamera, Hapke, Material, Photometry, Rpv, Scene, Sensor, Sun, Thermal};
-use crate::spectral::{Band, Extend, SpectralLibrary, Spectrum, solar_e490, solar_mean};
+use crate::spectral::{ALL_UM, Band, Extend, Light, MOST_BEYOND, SpectralLibrary, Spectrum, solar_e490, solar_mean};
 use crate::units::AU_M;
 
 use super::database::Database;
@@ -23,7 +27,8 @@ use super::frame;
 use super::from_scene::{camera_deg, intervals, irradiance, spectra, tabulated, thermal_functions, width_um};
 use super::place::{Place, SAME, same, same_all};
 use super::sidecar::{self, Sidecar};
-use super::simulation::{Camera, Links, OpticalKind, OpticalProperty, Simulation};
+use super::simulation::{Camera, Links, OpticalKind, OpticalProperty, Simulation, SpectralInterval};
+use super::text_spectra;
 
 /// What a conversion needs to know beside the simulation.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -49,6 +54,8 @@ pub struct Converted {
 const UNKNOWN_REFLECTANCE: f64 = 0.1;
 /// Rounds that bring the Sun's spectrum to the irradiances of bands; each leaves some hundredths of what is off.
 const ROUNDS: usize = 8;
+/// Irradiances of bands that are off by more than this share are told.
+const UNFIT: f64 = 1e-6;
 /// Bolometric emissivity of what does not say: Phobos and most powders lie between 0.9 and 1.
 const EMISSIVITY_BOLOMETRIC: f64 = 0.95;
 /// More vertices, or more facets, of all objects are refused.
@@ -108,20 +115,12 @@ impl Reader<'_> {
 
     fn scene(&mut self) -> Result<Scene> {
         let place = self.place();
+        self.wavelengths()?;
         let bands = self.bands();
         let sun = self.sun(&place, &bands);
         let (materials, material_of) = self.materials(&bands)?;
         let mesh = self.mesh(&place, &material_of)?;
         let camera = self.camera(&place, &mesh);
-        let mars = self.sidecar.as_ref().and_then(Sidecar::mars);
-        if mars.is_some() && !place.is_kept {
-            self.note(
-                Fate::Dropped,
-                &Location::item("mars"),
-                "the scene is elsewhere than where Mars was given for it",
-            );
-        }
-        let mars = mars.filter(|_| place.is_kept);
         let name = self.sidecar.as_ref().map_or("DART camera", Sidecar::sensor_name).to_owned();
         let sensor = Sensor { name, camera, bands };
         let scene = Scene {
@@ -130,10 +129,11 @@ impl Reader<'_> {
             materials,
             textures: vec![],
             sun,
-            mars,
+            mars: None,
             thermal: Thermal::Off,
             sensor,
         };
+        let scene = self.with_mars(scene, &place)?;
         Ok(self.with_thermal(scene))
     }
 
@@ -148,32 +148,44 @@ impl Reader<'_> {
         place
     }
 
+    /// Refuses bands at wavelengths that no scene has: they are in another unit.
+    fn wavelengths(&self) -> Result<()> {
+        let long = self.simulation.phase.bands.iter().filter(|band| band.mean_um > USUAL_UM);
+        let problem = |band: &SpectralInterval| {
+            let message = format!("a band at {} um: DART's wavelengths are in micrometres", band.mean_um);
+            Problem::new(band.at.clone(), message).with_help(nanometres(band))
+        };
+        let problems: Vec<Problem> = long.map(problem).collect();
+        if problems.is_empty() { Ok(()) } else { Err(Error::Invalid(problems)) }
+    }
+
     fn bands(&mut self) -> Vec<Band> {
-        let (mut rectangles, mut wide) = (None, None);
+        let mut cut = None;
+        let (first_um, last_um) = solar_e490().coverage_um();
         let intervals = &self.simulation.phase.bands;
         let bands = intervals.iter().enumerate().map(|(i, interval)| {
+            let light = light(interval.mode);
             let kept = self.sidecar.as_ref().and_then(|s| s.band(i, interval.mean_um));
             if let Some(band) = kept.filter(|band| same(width_um(band), interval.width_um)) {
+                // `with_thermal` asks whether its light is still what was written.
                 return band;
             }
-            let fwhm_um = (interval.width_um > 0.0).then_some(interval.width_um);
-            let band = Band { centre_um: interval.mean_um, fwhm_um };
-            // Where sunlight is not known, or below all wavelengths.
-            if fwhm_um.is_some() && band.support_um().0 < solar_e490().coverage_um().0 {
-                wide.get_or_insert(&interval.at);
-                return Band { fwhm_um: None, ..band };
+            if interval.width_um == 0.0 {
+                return Band { light, ..Band::new(interval.mean_um, None) };
             }
-            rectangles.get_or_insert(&interval.at);
-            band
+            let band = Band { light, ..Band::boxed(interval.mean_um, interval.width_um) };
+            let known_um = if light.is_lit() { (first_um, last_um) } else { ALL_UM };
+            if band.share_beyond(known_um) <= MOST_BEYOND {
+                return band;
+            }
+            cut.get_or_insert(&interval.at);
+            let (from, to) = band.support_within_um(known_um);
+            if from < to { Band { light, ..Band::boxed(0.5 * (from + to), to - from) } } else { band }
         });
         let bands = bands.collect();
-        if let Some(at) = rectangles {
-            let message = "DART's bands are rectangles: taken as Gaussian responses with the same full width";
-            self.report.note(Fate::Approximated, at.clone(), message);
-        }
-        if let Some(at) = wide {
+        if let Some(at) = cut {
             let message =
-                "a Gaussian response as wide as this band would reach beyond sunlight: taken at the centre alone";
+                format!("a band reaches beyond sunlight as it is known, {first_um} to {last_um} um: it ends there");
             self.report.note(Fate::Approximated, at.clone(), message);
         }
         bands
@@ -185,19 +197,23 @@ impl Reader<'_> {
         let towards = place.dart_from_body.transpose() * frame::vector(directions.sun_deg);
         // A vector made of an angle has a length.
         let direction = Direction::new(towards).unwrap_or_else(|| Direction::new(DVec3::Z).expect("z has a direction"));
-        let given: Vec<f64> = phase.irradiance.iter().map(|(irradiance, _)| *irradiance).collect();
-        let is_given = phase.irradiance_mode == 1 && given.len() == bands.len();
+        let given: Vec<Option<f64>> = phase.irradiance.iter().map(|value| Some((*value)?.0)).collect();
+        let is_given = phase.irradiance_mode == 1 && given.iter().any(Option::is_some);
+        let is_as_given = |sun: &Sun| {
+            let pairs = irradiance(sun, bands).into_iter().zip(&given);
+            pairs.into_iter().all(|(now, given)| given.is_none_or(|given| same(now, given)))
+        };
         if let Some(sun) = self.sidecar.as_ref().and_then(|s| s.sun(s.sun_below_horizon()?))
             && is_given
             && place.is_kept
             && directions.sun_deg == [0.0; 2]
-            && given.iter().all(|e| *e == 0.0)
+            && given.iter().flatten().all(|e| *e == 0.0)
         {
             return sun;
         }
         if let Some(sun) = self.sidecar.as_ref().and_then(|s| s.sun(direction))
             && is_given
-            && same_all(&irradiance(&sun, bands), &given)
+            && is_as_given(&sun)
         {
             return sun;
         }
@@ -212,7 +228,10 @@ impl Reader<'_> {
             return at_1_au;
         }
         // Bands that see sunlight, in ascending order, and how much more than E490 at 1 au they have.
-        let mut lit: Vec<usize> = (0..bands.len()).filter(|&i| phase.bands[i].mode != 2).collect();
+        let told = |i: usize| given.get(i).copied().flatten();
+        let all: Vec<usize> = (0..bands.len()).filter(|&i| phase.bands[i].mode != 2 && told(i).is_some()).collect();
+        let given: Vec<f64> = (0..bands.len()).map(|i| told(i).unwrap_or(0.0)).collect();
+        let mut lit = all.clone();
         lit.sort_by(|&i, &j| bands[i].centre_um.total_cmp(&bands[j].centre_um));
         lit.dedup_by_key(|i| bands[*i].centre_um);
         let of_e490 = irradiance(&at_1_au, bands);
@@ -241,6 +260,16 @@ impl Reader<'_> {
             }
             let um: Vec<f64> = lit.iter().map(|&i| bands[i].centre_um).collect();
             sun.irradiance_1au = times(e490, um, factors.clone()).unwrap_or_else(|| e490.clone());
+        }
+        let now = irradiance(&sun, bands);
+        let off = |i: usize| (now[i] - given[i]).abs() / now[i].max(given[i]).max(f64::MIN_POSITIVE);
+        if let Some(&i) = all.iter().max_by(|i, j| off(**i).total_cmp(&off(**j))).filter(|i| off(**i) > UNFIT) {
+            let (is, wanted, at) = (now[i], given[i], phase.bands[i].at.clone());
+            let message = format!(
+                "no spectrum that is linear between the bands' centres has all of their irradiances: this band has {is} W m-2 um-1 \
+                 instead of {wanted}"
+            );
+            self.note(Fate::Approximated, &at, message);
         }
         let (first, last) = sun.irradiance_1au.coverage_um();
         // A total of nothing would be no Sun.
@@ -348,18 +377,54 @@ impl Reader<'_> {
 
     /// What a property's table holds, as [`spectra`] has it; `None` if it is not needed and not there.
     fn table(&mut self, property: &OpticalProperty, is_needed: bool, bands: &[Band]) -> Result<Option<Vec<Spectrum>>> {
-        let Some(database) = self.database(property)? else {
+        let found = match self.spectra(property) {
+            // What nothing is made of does not matter.
+            Err(Error::Invalid(_) | Error::Syntax { .. } | Error::Unsupported { .. } | Error::Io { .. })
+                if !is_needed =>
+            {
+                None
+            }
+            found => found?,
+        };
+        let Some((mut spectra, report)) = found else {
             if !is_needed {
                 return Ok(None);
             }
+            let what = if property.model.is_empty() { "text" } else { "database" };
             let message = format!(
-                "the database {:?} of {:?} is not there: a Lambert surface of reflectance {UNKNOWN_REFLECTANCE} is taken. Name the \
+                "the {what} {:?} of {:?} is not there: a Lambert surface of reflectance {UNKNOWN_REFLECTANCE} is taken. Name the \
                  folder it is in",
                 property.database, property.ident
             );
             self.note(Fate::Approximated, &property.at, message);
             return Ok(Some(vec![Spectrum::constant(UNKNOWN_REFLECTANCE)]));
         };
+        self.report.notes.extend(report.notes);
+        let (first, last) = spectra[0].coverage_um();
+        let needed =
+            bands.iter().map(Band::support_um).fold((f64::INFINITY, 0.0f64), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+        if needed.0 < first || last < needed.1 {
+            if is_needed {
+                let unit = if first > USUAL_UM { " (are these nanometres? DART's tables are in um)" } else { "" };
+                let message = format!(
+                    "{:?} is known from {first} to {last} um{unit}, which does not cover all bands: its end values are held",
+                    property.ident
+                );
+                self.note(Fate::Approximated, &property.at, message);
+            }
+            let held = |s: &Spectrum| Spectrum::new(s.wavelength_um().to_vec(), s.value().to_vec(), Extend::Hold);
+            spectra = spectra.iter().map(|s| held(s).unwrap_or_else(|| s.clone())).collect();
+        }
+        self.multiply(property, bands, &mut spectra);
+        Ok(Some(spectra))
+    }
+
+    /// The columns of a property's table, and what is lost of it; `None` if there is no such file.
+    fn spectra(&mut self, property: &OpticalProperty) -> Result<Option<(Vec<Spectrum>, Report)>> {
+        if property.model.is_empty() {
+            return self.text(property);
+        }
+        let Some(database) = self.database(property)? else { return Ok(None) };
         let of_library = |(library, report): (SpectralLibrary, Report)| {
             let spectra: Option<Vec<Spectrum>> =
                 library.columns.iter().map(|c| library.spectrum(&c.name, Extend::Error)).collect();
@@ -372,29 +437,45 @@ impl Reader<'_> {
             OpticalKind::Hapke => of_library(database.hapke(&property.model)?),
             OpticalKind::Rpv => of_library(database.rpv(&property.model)?),
         };
-        let Some((mut spectra, report)) = read else {
-            return Err(Error::invalid(property.at.clone(), format!("the table {:?} is no spectrum", property.model)));
-        };
-        self.report.notes.extend(report.notes);
-        self.multiply(property, bands, &mut spectra);
-        let (first, last) = spectra[0].coverage_um();
-        let needed =
-            bands.iter().map(Band::support_um).fold((f64::INFINITY, 0.0f64), |a, b| (a.0.min(b.0), a.1.max(b.1)));
-        if is_needed && (needed.0 < first || last < needed.1) {
+        let none = || Error::invalid(property.at.clone(), format!("the table {:?} is no spectrum", property.model));
+        read.ok_or_else(none).map(Some)
+    }
+
+    /// The reflectance of a text, which is what properties were before 5.7.
+    fn text(&mut self, property: &OpticalProperty) -> Result<Option<(Vec<Spectrum>, Report)>> {
+        let OpticalProperty { database: name, at, .. } = property;
+        if name.is_empty() {
+            return Err(Error::invalid(
+                at.clone(),
+                format!("{:?} is no table of a database, and no text", property.ident),
+            ));
+        }
+        let located = self.folder.locate(name, at).map_err(|problem| Error::Invalid(vec![problem]))?;
+        let Some(path) = located else { return Ok(None) };
+        let (library, mut report) = text_spectra::read(&path)?;
+        self.inputs.push(InputFile::of(&path, &input::bytes(&path, 1 << 40)?));
+        let most = |name: &str| library.column(name).unwrap_or_default().iter().copied().fold(0.0, f64::max);
+        let percent = 100.0 * (most("direct_transmittance") + most("diffuse_transmittance"));
+        if percent > 0.0 {
+            let message = format!("a transmittance of up to {percent} %: taken to be opaque");
+            report.note(Fate::Dropped, Location::file(&path), message);
+        }
+        if property.kind != OpticalKind::Lambertian {
             let message = format!(
-                "{:?} is known from {first} to {last} um, which does not cover all bands: its end values are held",
+                "how {:?} takes its parameters from a text is not known: taken is a Lambert surface of the reflectance there",
                 property.ident
             );
-            self.note(Fate::Approximated, &property.at, message);
-            let held = |s: &Spectrum| Spectrum::new(s.wavelength_um().to_vec(), s.value().to_vec(), Extend::Hold);
-            spectra = spectra.iter().map(|s| held(s).unwrap_or_else(|| s.clone())).collect();
+            report.note(Fate::Approximated, at.clone(), message);
         }
-        Ok(Some(spectra))
+        let reflectance = library.spectrum("reflectance", Extend::Error);
+        let reflectance = reflectance.ok_or_else(|| Error::invalid(Location::file(&path), "has no reflectance"))?;
+        Ok(Some((vec![reflectance], report)))
     }
 
     /// Multiplicative factors of a table's columns.
     fn multiply(&mut self, property: &OpticalProperty, bands: &[Band], spectra: &mut [Spectrum]) {
         let names: &[&str] = match property.kind {
+            _ if property.model.is_empty() => &["reflectanceFactor"],
             OpticalKind::Lambertian => &["reflectanceFactor"],
             OpticalKind::Hapke => &[
                 "hapkeParameterW",
@@ -412,22 +493,35 @@ impl Reader<'_> {
                 "h_RPVMultiplicativeFactor",
             ],
         };
-        let mut varies = false;
+        let (mut varies, mut differ) = (false, false);
         for (spectrum, name) in spectra.iter_mut().zip(names) {
             let factor = |band: &Vec<(String, f64)>| band.iter().find(|(n, _)| n == name).map_or(1.0, |f| f.1);
             let factors: Vec<f64> = property.factors.iter().map(factor).collect();
-            if factors.iter().all(|f| *f == factors[0]) {
-                *spectrum = factors.first().map_or_else(|| spectrum.clone(), |factor| spectrum.map(|v| v * factor));
+            let Some(&last) = factors.last() else { continue };
+            if factors.iter().all(|f| *f == last) {
+                *spectrum = spectrum.map(|v| v * last);
                 continue;
             }
             varies = true;
-            let in_band =
-                |(band, factor): (&Band, &f64)| (band.centre_um, factor * spectrum.at(band.centre_um).unwrap_or(0.0));
-            let mut points: Vec<(f64, f64)> = bands.iter().zip(&factors).map(in_band).collect();
+            let mut points: Vec<(f64, f64)> = Vec::new();
+            for (i, band) in bands.iter().enumerate() {
+                let um = band.centre_um;
+                // Known at every centre: what does not cover the bands is held.
+                let Some(value) = spectrum.at(um) else { continue };
+                points.push((um, factors.get(i).copied().unwrap_or(last) * value));
+            }
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
-            points.dedup_by_key(|p| p.0);
+            points.dedup_by(|b, a| {
+                let is_same = a.0 == b.0;
+                differ |= is_same && a.1 != b.1;
+                is_same
+            });
             let (um, value) = points.into_iter().unzip();
             *spectrum = Spectrum::new(um, value, Extend::Hold).unwrap_or_else(|| spectrum.clone());
+        }
+        if differ {
+            let message = "bands of one centre have different factors: those of the first are taken for both";
+            self.note(Fate::Approximated, &property.at, message);
         }
         if varies {
             let message =
@@ -516,11 +610,19 @@ impl Reader<'_> {
                 && functions
                     .iter()
                     .zip(&simulation.thermal)
-                    .all(|(a, b)| same(a.mean_k, b.mean_k) && same(a.range_k, b.range_k))
-                && modes.iter().map(|m| m.mode).eq(simulation.phase.bands.iter().map(|b| b.mode));
+                    .all(|(a, b)| same(a.mean_k, b.mean_k) && same(a.range_k, b.range_k));
             if is_same {
+                // What a band with both is written as is what matters of them; another mode was put there by hand.
+                for ((band, written), given) in scene.sensor.bands.iter_mut().zip(modes).zip(&simulation.phase.bands) {
+                    if written.mode != given.mode {
+                        band.light = light(given.mode);
+                    }
+                }
                 return scene;
             }
+        }
+        for (band, given) in scene.sensor.bands.iter_mut().zip(&simulation.phase.bands) {
+            band.light = light(given.mode);
         }
         if simulation.phase.bands.iter().all(|band| band.mode == 0) {
             scene.thermal = Thermal::Off;
@@ -531,6 +633,21 @@ impl Reader<'_> {
         self.note(Fate::Approximated, &at, message);
         scene.thermal = Thermal::Equilibrium;
         scene
+    }
+}
+
+/// What to write instead of nanometres.
+pub(super) fn nanometres(band: &SpectralInterval) -> String {
+    let [mean_um, width_um] = [band.mean_um, band.width_um].map(|nm| number(nm / 1000.0));
+    format!("if this is nanometres, write {mean_um} and a width of {width_um}")
+}
+
+/// What light a band has by its `spectralDartMode`.
+fn light(mode: u32) -> Light {
+    match mode {
+        0 => Light::Sunlight,
+        1 => Light::Both,
+        _ => Light::Heat,
     }
 }
 

@@ -177,7 +177,7 @@ fn tetrahedron(target: Target) -> Result<(Package, [Face; 4])> {
                 200,
                 1.25e-4,
             ),
-            bands: vec![Band { centre_um: 1.0, fwhm_um: Some(0.02) }],
+            bands: vec![Band::new(1.0, Some(0.02))],
         },
     };
     let options = WriteOptions { target, cell_m: Some(0.125), ..WriteOptions::default() };

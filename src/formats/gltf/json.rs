@@ -1,12 +1,24 @@
 //! The parts of glTF's JSON that are read. Everything may be missing: what is needed is asked for where it is needed.
 
+use std::collections::BTreeMap;
+
 use serde::Deserialize;
-use serde::de::IgnoredAny;
+use serde::de::{DeserializeOwned, IgnoredAny};
 use serde_json::Value;
+
+/// What extensions add to an object, by their names.
+pub(super) type Extensions = BTreeMap<String, Value>;
+
+/// What an extension adds to an object, if it does; a problem, as a sentence, if that is not of the form it should have.
+pub(super) fn extension<T: DeserializeOwned>(extensions: &Extensions, name: &str) -> Option<Result<T, String>> {
+    let value = extensions.get(name)?;
+    Some(T::deserialize(value).map_err(|e| format!("{name}: {e}")))
+}
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 pub(super) struct Root {
+    pub(super) extensions: Extensions,
     pub(super) asset: Asset,
     pub(super) scene: Option<usize>,
     pub(super) scenes: Vec<Scene>,
@@ -31,6 +43,7 @@ pub(super) struct Asset {
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Scene {
+    pub(super) extensions: Extensions,
     pub(super) nodes: Vec<usize>,
     pub(super) extras: Value,
 }
@@ -38,6 +51,7 @@ pub(super) struct Scene {
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Node {
+    pub(super) extensions: Extensions,
     pub(super) children: Vec<usize>,
     pub(super) mesh: Option<usize>,
     pub(super) camera: Option<usize>,
@@ -52,6 +66,7 @@ pub(super) struct Node {
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Mesh {
+    pub(super) extensions: Extensions,
     pub(super) primitives: Vec<Primitive>,
     pub(super) extras: Value,
 }
@@ -59,7 +74,8 @@ pub(super) struct Mesh {
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Primitive {
-    pub(super) attributes: std::collections::BTreeMap<String, usize>,
+    pub(super) extensions: Extensions,
+    pub(super) attributes: BTreeMap<String, usize>,
     pub(super) indices: Option<usize>,
     pub(super) material: Option<usize>,
     pub(super) mode: Option<u64>,
@@ -69,6 +85,7 @@ pub(super) struct Primitive {
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 pub(super) struct Material {
+    pub(super) extensions: Extensions,
     pub(super) name: String,
     pub(super) pbr_metallic_roughness: Pbr,
     pub(super) normal_texture: Option<IgnoredAny>,
@@ -85,11 +102,13 @@ pub(super) struct Material {
 pub(super) struct Pbr {
     pub(super) base_color_factor: Option<[f64; 4]>,
     pub(super) base_color_texture: Option<IgnoredAny>,
+    pub(super) metallic_factor: Option<f64>,
 }
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 pub(super) struct Accessor {
+    pub(super) extensions: Extensions,
     pub(super) buffer_view: Option<usize>,
     pub(super) byte_offset: usize,
     pub(super) component_type: u64,
@@ -119,6 +138,7 @@ pub(super) struct SparsePart {
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 pub(super) struct BufferView {
+    pub(super) extensions: Extensions,
     pub(super) buffer: usize,
     pub(super) byte_offset: usize,
     pub(super) byte_length: usize,
@@ -128,6 +148,51 @@ pub(super) struct BufferView {
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 pub(super) struct Buffer {
+    pub(super) extensions: Extensions,
     pub(super) byte_length: usize,
     pub(super) uri: Option<String>,
+}
+
+/// `EXT_mesh_gpu_instancing` of a node.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Instancing {
+    pub(super) attributes: BTreeMap<String, usize>,
+}
+
+/// `KHR_lights_punctual` of a node.
+#[derive(Debug, Deserialize)]
+pub(super) struct LightOfNode {
+    pub(super) light: usize,
+}
+
+/// `KHR_lights_punctual` of the file.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Lights {
+    pub(super) lights: Vec<Light>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Light {
+    #[serde(rename = "type")]
+    pub(super) kind: String,
+    pub(super) name: String,
+    pub(super) intensity: Option<f64>,
+}
+
+/// `KHR_node_visibility` of a node.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Visibility {
+    pub(super) visible: Option<bool>,
+}
+
+/// `KHR_materials_pbrSpecularGlossiness` of a material.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct SpecularGlossiness {
+    pub(super) diffuse_factor: Option<[f64; 4]>,
+    pub(super) diffuse_texture: Option<IgnoredAny>,
 }

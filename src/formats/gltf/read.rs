@@ -10,12 +10,17 @@ use crate::error::{Error, Location, Problem, Result};
 use crate::formats::input::{self, InputFile};
 use crate::formats::mtl::{self, ObjMaterial};
 use crate::formats::surface::Surface;
-use crate::geometry::{MaterialId, Mesh};
+use crate::geometry::{Direction, MaterialId, Mesh};
 use crate::report::{Fate, Report};
 
 use super::accessor::Data;
-use super::json::{Node, Primitive, Root};
+use super::extensions::{self, LIGHTS, SPECULAR, VISIBILITY};
+use super::instances::instances;
+use super::json::{LightOfNode, Lights, Node, Primitive, Root, SpecularGlossiness, Visibility, extension};
 use super::{MAGIC, MOST, RESIDUAL};
+
+/// Normals of a face's corners that differ by more are not those of a flat face.
+const FLAT: f64 = 1e-3;
 
 /// Longer files are refused, bytes.
 const LIMIT: u64 = 8 << 30;
@@ -36,7 +41,7 @@ pub fn told_apart(bytes: &[u8]) -> bool {
 /// # Errors
 /// [`Error::Io`]; [`Error::Syntax`] where it is not JSON or not a GLB; [`Error::Invalid`] with the item that cannot be used: an
 /// index, offset or count beyond what there is, a position that is not finite, a node that is reached twice, a buffer outside the
-/// folder; [`Error::Unsupported`] for a version or a required extension that is not known.
+/// folder; [`Error::Unsupported`] for a version that is not known, compressed geometry, or an extension that may move or add geometry.
 pub fn read(path: &Path, outside: bool) -> Result<(Surface, Report, Vec<InputFile>)> {
     parse(&input::bytes(path, LIMIT)?, path, outside)
 }
@@ -63,16 +68,18 @@ pub fn parse(bytes: &[u8], path: &Path, outside: bool) -> Result<(Surface, Repor
         mesh: Mesh::default(),
         objects: 0,
         materials: Vec::new(),
+        sun: None,
         report: Report::default(),
-        dropped: BTreeSet::new(),
+        told: BTreeSet::new(),
     };
     reader.scene()?;
     let origin_m = reader.origin_m()?;
-    let Reader { mesh, materials, report, .. } = reader;
+    let Reader { mesh, materials, sun, report, .. } = reader;
     if mesh.facets.is_empty() {
         return data.wrong("meshes", "the scene has no triangles");
     }
-    Ok((Surface { mesh, materials, origin_m }, report, inputs))
+    let sun = sun.map(|sun| sun.direction);
+    Ok((Surface { mesh, materials, origin_m, sun }, report, inputs))
 }
 
 /// The JSON and the binary chunk of a GLB; chunks of other kinds are passed over, as the format wants it.
@@ -114,7 +121,7 @@ fn chunks<'a>(bytes: &'a [u8], path: &Path) -> Result<(&'a [u8], Option<&'a [u8]
     }
 }
 
-/// Refuses versions and required extensions that are not known.
+/// Refuses versions and extensions that are not known.
 fn known(data: &Data<'_>) -> Result<()> {
     let unsupported = |item: String, feature: String| Err(Error::Unsupported { at: data.at(item), feature });
     let version = &data.root.asset.version;
@@ -124,10 +131,7 @@ fn known(data: &Data<'_>) -> Result<()> {
     if version.split('.').next() != Some("2") {
         return unsupported("asset.version".into(), format!("version {version} of glTF"));
     }
-    match data.root.extensions_required.first() {
-        Some(name) => unsupported("extensionsRequired[0]".into(), format!("the required extension {name}")),
-        None => Ok(()),
-    }
+    extensions::known(data)
 }
 
 /// The bytes of all buffers, as long as the file says they are.
@@ -137,7 +141,12 @@ fn buffers(data: &Data<'_>, binary: Option<&[u8]>, outside: bool, inputs: &mut V
         let item = format!("buffers[{i}]");
         let mut bytes = match (&buffer.uri, binary) {
             (None, Some(binary)) if i == 0 => binary.to_owned(),
-            (None, _) => return data.wrong(item, "has no `uri`, and is not the binary chunk of a GLB"),
+            (None, _) => {
+                return match extensions::compression(&buffer.extensions) {
+                    Some(name) => Err(Error::Unsupported { at: data.at(item), feature: extensions::compressed(name) }),
+                    None => data.wrong(item, "has no `uri`, and is not the binary chunk of a GLB"),
+                };
+            }
             (Some(uri), _) => match uri.strip_prefix("data:").map(|rest| rest.split_once(',')) {
                 Some(Some((kind, text))) if kind.ends_with(";base64") => match base64(text) {
                     Some(bytes) => bytes,
@@ -219,17 +228,48 @@ struct Reader<'a> {
     /// Meshes that were taken, instance by instance.
     objects: usize,
     materials: Vec<ObjMaterial>,
+    sun: Option<SunLight>,
     report: Report,
-    /// Items and messages of what has been told to be dropped.
-    dropped: BTreeSet<(String, String)>,
+    /// Items and messages of what has been told.
+    told: BTreeSet<(String, String)>,
+}
+
+/// A directional light.
+struct SunLight {
+    direction: Direction,
+    intensity_lx: f64,
+    item: String,
+}
+
+/// A mesh as it is before it is placed.
+struct Parts {
+    blocks: Vec<Block>,
+    triangles: Vec<Triangles>,
+}
+
+/// Positions that primitives share, in glTF's axes.
+struct Block {
+    item: String,
+    vertices: Vec<DVec3>,
+}
+
+/// The triangles of a primitive.
+struct Triangles {
+    block: usize,
+    corners: Vec<[u32; 3]>,
+    material: MaterialId,
 }
 
 impl Reader<'_> {
     fn dropped(&mut self, item: impl Into<String>, message: impl Into<String>) {
+        self.tell(Fate::Dropped, item, message);
+    }
+
+    fn tell(&mut self, fate: Fate, item: impl Into<String>, message: impl Into<String>) {
         // An instance of a mesh loses what the mesh loses: told once.
         let (item, message) = (item.into(), message.into());
-        if self.dropped.insert((item.clone(), message.clone())) {
-            self.report.note(Fate::Dropped, self.data.at(item), message);
+        if self.told.insert((item.clone(), message.clone())) {
+            self.report.note(fate, self.data.at(item), message);
         }
     }
 
@@ -267,7 +307,7 @@ impl Reader<'_> {
         if !root.animations.is_empty() {
             self.dropped("animations", "all is taken at rest");
         }
-        for (i, name) in root.extensions_used.iter().enumerate() {
+        for (i, name) in extensions::dropped(data) {
             self.dropped(format!("extensionsUsed[{i}]"), format!("what {name} adds"));
         }
         // Own stack: the hierarchy may be as deep as the file is long.
@@ -288,12 +328,12 @@ impl Reader<'_> {
             if !world.is_finite() {
                 return data.wrong(item, "its place in the scene is not finite");
             }
-            if let Some(mesh) = node.mesh {
-                if node.skin.is_some() {
-                    self.dropped(&*item, "the skin: the mesh is taken as it stands without it");
-                }
-                self.instance(mesh, &world, &item)?;
+            if is_hidden(data, node, &item)? {
+                self.dropped(&*item, "is hidden, with all that is below it");
+                continue;
             }
+            self.mesh_of(node, &world, &item)?;
+            self.light(node, &world, &item)?;
             if node.camera.is_some() {
                 self.dropped(&*item, "a camera");
             }
@@ -302,14 +342,88 @@ impl Reader<'_> {
         if self.objects > 1 {
             self.dropped("nodes", format!("which of {} objects a triangle belongs to, and their names", self.objects));
         }
+        if let Some(sun) = &self.sun {
+            let (item, lx) = (sun.item.clone(), sun.intensity_lx);
+            self.dropped(
+                item,
+                format!("{lx} lx, and the colour of the light: its direction is taken as that of the Sun"),
+            );
+        }
         Ok(())
     }
 
-    fn instance(&mut self, mesh: usize, world: &DAffine3, item: &str) -> Result<()> {
+    /// Takes the mesh of a node, once or as often as it is instanced.
+    fn mesh_of(&mut self, node: &Node, world: &DAffine3, item: &str) -> Result<()> {
+        let instances = instances(self.data, node, item)?;
+        let Some(mesh) = node.mesh else {
+            if instances.is_some() {
+                self.dropped(item, "instances of nothing: the node has no mesh");
+            }
+            return Ok(());
+        };
+        if node.skin.is_some() {
+            self.dropped(item, "the skin: the mesh is taken as it stands without it");
+        }
+        let parts = self.parts(mesh, item)?;
+        let Some((places, others)) = instances else { return self.place(&parts, world) };
+        if !others.is_empty() {
+            self.dropped(item, format!("of its instances: {}", others.join(", ")));
+        }
+        for place in places {
+            let world = *world * place;
+            if !world.is_finite() {
+                return self.data.wrong(item, "the place of one of its instances is not finite");
+            }
+            self.place(&parts, &world)?;
+        }
+        Ok(())
+    }
+
+    /// Takes the brightest directional light as the Sun; others have no place.
+    fn light(&mut self, node: &Node, world: &DAffine3, item: &str) -> Result<()> {
+        let data = self.data;
+        let item = format!("{item}.extensions.{LIGHTS}");
+        let index = match extension::<LightOfNode>(&node.extensions, LIGHTS) {
+            None => return Ok(()),
+            Some(Ok(LightOfNode { light })) => light,
+            Some(Err(message)) => return data.wrong(item, message),
+        };
+        let lights = match extension::<Lights>(&data.root.extensions, LIGHTS) {
+            None => Lights::default(),
+            Some(Ok(lights)) => lights,
+            Some(Err(message)) => return data.wrong("extensions", message),
+        };
+        let light = data.element(&lights.lights, "lights", index, &item)?;
+        let intensity_lx = light.intensity.unwrap_or(1.0);
+        // Light goes along -z of the node, so that the Sun is along z.
+        let direction = Direction::new(z_up(world.matrix3.z_axis));
+        let (Some(direction), "directional") = (direction, light.kind.as_str()) else {
+            self.dropped(item, format!("the {} light {:?}: only the Sun and Mars are sources", light.kind, light.name));
+            return Ok(());
+        };
+        let sun = SunLight { direction, intensity_lx, item };
+        let fainter = match self.sun.take() {
+            Some(earlier) if earlier.intensity_lx >= sun.intensity_lx => {
+                self.sun = Some(earlier);
+                Some(sun)
+            }
+            earlier => {
+                self.sun = Some(sun);
+                earlier
+            }
+        };
+        if let Some(fainter) = fainter {
+            self.dropped(fainter.item, "a directional light that is not the brightest: there is one Sun");
+        }
+        Ok(())
+    }
+
+    /// A mesh's primitives.
+    fn parts(&mut self, mesh: usize, item: &str) -> Result<Parts> {
         let data = self.data;
         // Primitives that share their positions share vertices, so that edges join by index.
-        let mut shared: BTreeMap<(usize, Option<usize>), (u32, usize)> = BTreeMap::new();
-        self.objects += 1;
+        let mut shared: BTreeMap<(usize, Option<usize>), usize> = BTreeMap::new();
+        let mut parts = Parts { blocks: Vec::new(), triangles: Vec::new() };
         let taken = data.element(&data.root.meshes, "meshes", mesh, item)?;
         self.extras(&format!("meshes[{mesh}]"), &taken.extras, "");
         for (i, primitive) in taken.primitives.iter().enumerate() {
@@ -328,27 +442,26 @@ impl Reader<'_> {
             let Some(&position) = primitive.attributes.get("POSITION") else {
                 return data.wrong(format!("{item}.attributes"), "`POSITION` is missing");
             };
+            if let Some(name) = extensions::compression(&primitive.extensions)
+                && data.root.accessors.get(position).is_some_and(|a| a.buffer_view.is_none() && a.sparse.is_none())
+            {
+                return Err(Error::Unsupported { at: data.at(item), feature: extensions::compressed(name) });
+            }
             let is_read = |name: &str| ["POSITION", "NORMAL", "COLOR_0", RESIDUAL].contains(&name);
             let others: Vec<&str> = primitive.attributes.keys().map(String::as_str).filter(|n| !is_read(n)).collect();
             if !others.is_empty() {
                 self.dropped(format!("{item}.attributes"), others.join(", "));
             }
             let residual = primitive.attributes.get(RESIDUAL).copied();
-            let (base, count) = match shared.get(&(position, residual)) {
+            let block = match shared.get(&(position, residual)) {
                 Some(known) => *known,
                 None => {
                     let vertices = self.vertices(position, residual, &format!("{item}.attributes"))?;
-                    let base = self.mesh.vertices_m.len();
-                    if base + vertices.len() > MOST {
-                        return data.wrong(item, format!("more than {MOST} vertices with all instances"));
-                    }
-                    self.mesh.vertices_m.extend(vertices.iter().map(|&v| z_up(world.transform_point3(v))));
-                    if self.mesh.vertices_m[base..].iter().any(|v| !v.is_finite()) {
-                        return data.wrong(item, "its place in the scene is beyond all numbers");
-                    }
-                    *shared.entry((position, residual)).or_insert((base as u32, vertices.len()))
+                    parts.blocks.push(Block { item: item.clone(), vertices });
+                    *shared.entry((position, residual)).or_insert(parts.blocks.len() - 1)
                 }
             };
+            let count = parts.blocks[block].vertices.len();
             let indices: Vec<u32> = match primitive.indices {
                 None => (0..count as u32).collect(),
                 Some(accessor) => {
@@ -366,22 +479,60 @@ impl Reader<'_> {
             if mode == 4 && !indices.len().is_multiple_of(3) {
                 return data.wrong(item, format!("{} corners do not make triangles", indices.len()));
             }
-            let flip = world.matrix3.determinant() < 0.0;
-            let mut push = |[a, b, c]: [u32; 3]| {
-                let corners = if flip { [a, c, b] } else { [a, b, c] };
-                self.mesh.facets.push(corners.map(|v| v + base));
-                self.mesh.material.push(material);
-            };
-            match mode {
-                4 => indices.chunks_exact(3).for_each(|t| push([t[0], t[1], t[2]])),
+            let corners: Vec<[u32; 3]> = match mode {
+                4 => indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
                 // In a strip every other triangle is turned, and triangles without area only lead from one part to the next.
                 5 => (indices.windows(3).enumerate())
                     .map(|(i, t)| if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[1], t[0], t[2]] })
                     .filter(|[a, b, c]| a != b && b != c && c != a)
-                    .for_each(push),
-                _ => indices.get(1..).unwrap_or(&[]).windows(2).for_each(|t| push([t[0], t[1], indices[0]])),
+                    .collect(),
+                _ => indices.get(1..).unwrap_or(&[]).windows(2).map(|t| [t[0], t[1], indices[0]]).collect(),
+            };
+            if self.is_smooth(primitive, &corners) {
+                self.dropped(format!("{item}.attributes.NORMAL"), "smooth shading: facets are flat");
             }
+            parts.triangles.push(Triangles { block, corners, material });
+        }
+        Ok(parts)
+    }
+
+    /// Whether the normals of some triangle's corners differ.
+    fn is_smooth(&self, primitive: &Primitive, corners: &[[u32; 3]]) -> bool {
+        let Some(&accessor) = primitive.attributes.get("NORMAL") else { return false };
+        // Nothing else is made of normals: those that cannot be read are none.
+        let Ok(numbers) = self.data.numbers(accessor, &["VEC3"], "NORMAL") else { return false };
+        let normal = |v: u32| numbers.get(3 * v as usize..).and_then(|n| Some(DVec3::from_slice(n.get(..3)?)));
+        let differ = |a: u32, b: u32| match (normal(a), normal(b)) {
+            (Some(a), Some(b)) => (a.normalize_or_zero() - b.normalize_or_zero()).abs().max_element() > FLAT,
+            _ => false,
+        };
+        corners.iter().any(|&[a, b, c]| differ(a, b) || differ(a, c))
+    }
+
+    /// Adds a mesh where it stands.
+    fn place(&mut self, parts: &Parts, world: &DAffine3) -> Result<()> {
+        let data = self.data;
+        self.objects += 1;
+        let mut bases = Vec::with_capacity(parts.blocks.len());
+        for Block { item, vertices } in &parts.blocks {
+            let base = self.mesh.vertices_m.len();
+            if base + vertices.len() > MOST {
+                return data.wrong(item, format!("more than {MOST} vertices with all instances"));
+            }
+            self.mesh.vertices_m.extend(vertices.iter().map(|&v| z_up(world.transform_point3(v))));
+            if self.mesh.vertices_m[base..].iter().any(|v| !v.is_finite()) {
+                return data.wrong(item, "its place in the scene is beyond all numbers");
+            }
+            bases.push(base as u32);
+        }
+        let flip = world.matrix3.determinant() < 0.0;
+        for Triangles { block, corners, material } in &parts.triangles {
+            let base = bases[*block];
+            let turned = |&[a, b, c]: &[u32; 3]| if flip { [a, c, b] } else { [a, b, c] };
+            self.mesh.facets.extend(corners.iter().map(turned).map(|t| t.map(|v| v + base)));
+            self.mesh.material.resize(self.mesh.facets.len(), *material);
             if self.mesh.facets.len() > MOST {
+                let item = &parts.blocks[*block].item;
                 return data.wrong(item, format!("more than {MOST} triangles with all instances"));
             }
         }
@@ -421,12 +572,26 @@ impl Reader<'_> {
             self.extras(&item, &material.extras, "spectral_material");
             entry.name = mtl::plain_name(spectral.unwrap_or(&material.name));
             let pbr = &material.pbr_metallic_roughness;
-            entry.kd = pbr.base_color_factor.map(|[r, g, b, _]| [r, g, b]);
+            let specular = match extension::<SpecularGlossiness>(&material.extensions, SPECULAR) {
+                None => SpecularGlossiness::default(),
+                Some(Ok(specular)) => specular,
+                Some(Err(message)) => return data.wrong(item, message),
+            };
+            let given = pbr.base_color_factor.or(specular.diffuse_factor);
+            entry.kd = given.map(|[r, g, b, _]| [r, g, b]);
             if entry.kd.is_some_and(|kd| kd.iter().any(|c| !(0.0..=1.0).contains(c))) {
                 return data.wrong(format!("{item}.pbrMetallicRoughness.baseColorFactor"), "is outside 0 to 1");
             }
+            // Of an entry of a dictionary the colour is not the point: our own files leave it out where it is not known.
+            if given.is_none() && spectral.is_none() {
+                entry.kd = Some([1.0; 3]);
+                self.tell(Fate::Defaulted, &*item, "gives no colour: it is white, as glTF has it");
+            }
+            if pbr.metallic_factor.is_some_and(|metallic| metallic > 0.0) {
+                self.dropped(&*item, "that it is of metal: surfaces are Lambert");
+            }
             let textures = [
-                pbr.base_color_texture.is_some(),
+                pbr.base_color_texture.is_some() || specular.diffuse_texture.is_some(),
                 material.normal_texture.is_some(),
                 material.occlusion_texture.is_some(),
                 material.emissive_texture.is_some(),
@@ -496,6 +661,15 @@ impl Reader<'_> {
                     .with_help("[x, y, z] in the body-fixed frame, m, z north"),
             ])),
         }
+    }
+}
+
+/// Whether a node is hidden, and all that is below it.
+fn is_hidden(data: &Data<'_>, node: &Node, item: &str) -> Result<bool> {
+    match extension::<Visibility>(&node.extensions, VISIBILITY) {
+        None => Ok(false),
+        Some(Ok(visibility)) => Ok(visibility.visible == Some(false)),
+        Some(Err(message)) => data.wrong(item, message),
     }
 }
 

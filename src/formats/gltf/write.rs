@@ -1,4 +1,5 @@
-//! Writing glTF: one mesh, one primitive for each material, positions in f32 with what that leaves in an attribute beside them.
+//! Writing glTF: one mesh, one primitive for each material, positions in f32 with what that leaves in an attribute beside them. A mesh
+//! far from its origin is moved there by its node.
 
 use glam::DVec3;
 use serde_json::{Value, json};
@@ -42,8 +43,9 @@ pub fn encode(surface: &Surface) -> Result<Encoded> {
     let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
     let mut largest_error_m = 0.0_f64;
     let mut residuals = Vec::with_capacity(12 * mesh.vertices_m.len());
+    let translation = middle(surface);
     for &v in &mesh.vertices_m {
-        let v = y_up(v);
+        let v = y_up(v) - translation;
         let single = v.to_array().map(|c| c as f32);
         if single.iter().any(|c| !c.is_finite()) {
             return wrong("a position is beyond f32");
@@ -105,11 +107,15 @@ pub fn encode(surface: &Surface) -> Result<Encoded> {
     if let Some(origin_m) = surface.origin_m {
         scene["extras"] = json!({ "origin_m": origin_m.to_array() });
     }
+    let mut node = json!({ "name": "surface", "mesh": 0 });
+    if translation != DVec3::ZERO {
+        node["translation"] = json!(translation.to_array());
+    }
     let json = json!({
         "asset": { "version": "2.0", "generator": concat!("mmxrt ", env!("CARGO_PKG_VERSION")) },
         "scene": 0,
         "scenes": [scene],
-        "nodes": [{ "name": "surface", "mesh": 0 }],
+        "nodes": [node],
         "meshes": [{ "name": "surface", "primitives": primitives }],
         "materials": materials,
         "accessors": accessors,
@@ -156,6 +162,14 @@ impl Encoded {
         json["buffers"] = json!([buffer]);
         json.to_string()
     }
+}
+
+/// The middle of a mesh that is farther from its origin than it is large, in glTF's axes and to f32, so that no reader rounds it; else 0.
+fn middle(surface: &Surface) -> DVec3 {
+    let (low, high) = surface.mesh.bounds_m().unwrap_or_default();
+    let middle = y_up(0.5 * (low + high));
+    let is_far = middle.abs().max_element() > (high - low).max_element();
+    if is_far { DVec3::from_array(middle.to_array().map(|c| f64::from(c as f32))) } else { DVec3::ZERO }
 }
 
 /// glTF's axes from ours.

@@ -28,6 +28,16 @@ impl Materials {
         Some(index)
     }
 
+    /// The name of an index that [`Materials::index`] gave.
+    pub(super) fn name(&self, index: u16) -> &str {
+        self.used.get(usize::from(index)).map_or("", String::as_str)
+    }
+
+    /// How many faces use.
+    pub(super) fn count(&self) -> usize {
+        self.used.len()
+    }
+
     /// Takes what a material file defines; `false` if the name has another colour already.
     pub(super) fn define(&mut self, material: &ObjMaterial) -> bool {
         *self.defined.entry(material.name.clone()).or_insert(material.kd) == material.kd

@@ -1,8 +1,11 @@
 //! Wavefront OBJ: meshes, in the file's own units, axes and order.
 //!
-//! Read are `v` (further numbers on the line are passed over), `f` (`a`, `a/b`, `a//c`, `a/b/c`, negative indices),
-//! `g`, `usemtl`, `mtllib` and `vt`. `vn`, `o`, `s` and comments say nothing here. Anything else is
+//! Read are `v`, `f` (`a`, `a/b`, `a//c`, `a/b/c`, negative indices), `g`, `usemtl`, `mtllib` and `vt`. Colours of vertices, weights other
+//! than 1, and normals (`vn`) that make a face look round are told in [`ObjFile::report`]; `s` and comments say nothing here. Anything else is
 //! counted by its keyword in [`ObjFile::ignored`]. Vertices and faces keep the order of the file.
+//!
+//! Names are UTF-8, or else Windows-1252. A material file is looked for as it is named, then beside the OBJ file under the last part of its
+//! name, in any case; one that is not there is told: names alone may suffice.
 //!
 //! # How a face becomes facets
 //!
@@ -13,6 +16,7 @@
 //! the first is cut off. A face of n corners always gives n - 2 facets, which turn the way the face turns.
 
 mod faces;
+mod library;
 mod materials;
 mod number;
 mod parser;
@@ -28,9 +32,11 @@ use std::path::Path;
 use glam::DVec3;
 
 use crate::error::{Error, Location, Result};
+use crate::report::{Fate, Note, Report};
 
 use super::input::{self, BYTE_ORDER_MARK, InputFile};
-use super::mtl::{self, ObjMaterial};
+use super::mtl::ObjMaterial;
+use library::Libraries;
 use parser::Parser;
 
 pub use polygon::faces_lost;
@@ -66,6 +72,12 @@ pub struct ObjFile {
     pub objects: usize,
     /// Statements that were passed over, and how many of each.
     pub ignored: BTreeMap<String, usize>,
+    /// How the surface should look, where that has no place here: colours of vertices, textures, light, transparency, smooth shading.
+    pub report: Report,
+    /// What is probably not meant of the mesh, and what was taken all the same.
+    pub doubts: Vec<Note>,
+    /// The same of its materials.
+    pub material_doubts: Vec<Note>,
     /// The files that were read: the OBJ, then its material files.
     pub inputs: Vec<InputFile>,
 }
@@ -74,30 +86,29 @@ pub struct ObjFile {
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::Invalid`] with what cannot be used, line by line: coordinates that are not finite numbers,
-/// faces with fewer than three corners or with vertices that do not exist, a material file that is missing (its
-/// materials would silently become one), a file without faces. The first 20 are told, and the number of the rest.
+/// faces with fewer than three corners or with vertices that do not exist, a file without faces. The first 20 are told, and the
+/// number of the rest.
 pub fn read(path: &Path) -> Result<ObjFile> {
     read_where(path, true)
 }
 
-/// As [`read`]; material files must lie in the file's folder, unless `outside` allows others.
+/// As [`read`]; only material files in the file's folder are read, unless `outside` allows others.
 ///
 /// # Errors
-/// As [`read`]; [`Error::Invalid`] at the `mtllib` that leads out of the folder.
+/// As [`read`].
 pub fn read_where(path: &Path, outside: bool) -> Result<ObjFile> {
     let file = File::open(path).map_err(|e| Error::io(path, "reading", e))?;
     let mut source = input::Hashing::new(file);
-    let mut material_files = Vec::new();
-    let mut load = |name: &str| {
-        let file =
-            input::beside(path, name, outside).map_err(|why| Error::io(name, "reading", io::Error::other(why)))?;
-        let (materials, input) = mtl::read(&file)?;
-        material_files.push(input);
-        Ok(materials)
-    };
-    let mut obj = parse(&mut source, path, &mut load)?;
+    let mut libraries = Libraries { path, outside, inputs: Vec::new(), losses: Vec::new(), doubts: Vec::new() };
+    let mut obj = parse(&mut source, path, &mut |name| libraries.load(name))?;
     obj.inputs.push(source.finish(path));
-    obj.inputs.append(&mut material_files);
+    obj.inputs.append(&mut libraries.inputs);
+    obj.material_doubts.append(&mut libraries.doubts);
+    for (name, at, what) in libraries.losses {
+        if obj.materials.iter().any(|material| material.name == name) {
+            obj.report.note(Fate::Dropped, at, format!("of material {name:?}: {what}"));
+        }
+    }
     Ok(obj)
 }
 
@@ -120,6 +131,9 @@ pub fn parse(
             read => read.map_err(|e| Error::io(path, "reading", e))?,
         };
         filled += read;
+        if offset == 0 && [[0xff, 0xfe], [0xfe, 0xff]].iter().any(|mark| buffer[..filled].starts_with(mark)) {
+            return Err(Error::syntax(Location::file(path), "UTF-16 text: save the file as UTF-8"));
+        }
         if offset == 0 && buffer[..filled].starts_with(BYTE_ORDER_MARK) {
             buffer.copy_within(BYTE_ORDER_MARK.len()..filled, 0);
             filled -= BYTE_ORDER_MARK.len();
@@ -145,6 +159,7 @@ pub fn parse(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::formats::mtl;
     use crate::geometry::{MaterialId, Mesh};
 
     fn parsed(text: &str) -> Result<ObjFile> {
@@ -227,7 +242,7 @@ mod tests {
 
     #[test]
     fn all_problems_are_told_with_their_lines() {
-        let text = "v 0 0 nan\nv 1 x 0\nv 1\nv 1 1 inf\nf 1 2\nf 0 1 2\nf 1 2 9\nf 1 2 -9\nf 1 2 x\nf 1 2 3/x\nmtllib no.mtl\n";
+        let text = "v 0 0 nan\nv 1 x 0\nv 1\nv 1 1 inf\nf 1 2\nf 0 1 2\nf 1 2 9\nf 1 2 -9\nf 1 2 x\nf 1 2 3/x\n";
         let told = parsed(text).unwrap_err().to_string();
         let expected = [
             "a.obj:1: z of the vertex is `nan`",
@@ -239,7 +254,6 @@ mod tests {
             "a.obj:8: vertex index -9: 4 vertices come before",
             "a.obj:9: `x` is not a corner",
             "a.obj:10: `3/x` is not a corner",
-            "a.obj:11: material file `no.mtl` cannot be read",
             "a.obj:7: vertex index 9: the file has 4 vertices",
         ];
         assert_eq!(told.lines().count(), expected.len(), "{told}");

@@ -7,17 +7,36 @@ use glam::DVec3;
 
 use super::ObjFile;
 use super::faces::{Faces, NO_TEXTURE};
+use super::library;
 use super::materials::Materials;
 use super::number::{decimal, digits_of, integer};
 use crate::error::{Error, Location, Problem, Result};
-use crate::formats::input::Problems;
+use crate::formats::input::{Problems, decoded};
 use crate::formats::mtl::ObjMaterial;
 use crate::geometry::NO_UV;
+use crate::report::{Fate, Note, Report};
 
 /// Faces with more corners are refused: cutting ears off takes a time that grows with their square.
 const CORNERS: usize = 1000;
 /// As many kinds of statements are passed over by name: a file that is no OBJ at all must not fill the memory with its words.
 const IGNORED: usize = 20;
+
+/// Normals of a face's corners that differ by more make it look round.
+const FLAT: f64 = 1e-3;
+
+/// What occurs, how often, and where first.
+#[derive(Default)]
+struct Seen {
+    count: usize,
+    first: Option<Place>,
+}
+
+impl Seen {
+    fn at(&mut self, place: Place) {
+        self.count += 1;
+        self.first.get_or_insert(place);
+    }
+}
 
 /// Where a statement is: byte range and line number (from 1).
 #[derive(Debug, Clone, Copy)]
@@ -54,6 +73,31 @@ pub(super) struct Parser<'a> {
     forward: Vec<(u32, Place)>,
     /// The same of texture coordinates.
     forward_texture: Vec<(u32, Place)>,
+    /// Normals, as long as no face has different ones.
+    normals: Vec<DVec3>,
+    /// Faces whose corners have different normals: only the first.
+    smooth: Option<Place>,
+    /// Vertices with colours.
+    colours: Seen,
+    /// Vertices with a weight other than 1.
+    weights: Seen,
+    /// Names that are not UTF-8.
+    not_utf8: Seen,
+    /// An object that has begun, until its first face or `usemtl`.
+    object: Option<(String, Place)>,
+    /// Facets before the last `usemtl`.
+    facets_before_material: usize,
+    /// Objects with faces before a `usemtl` of their own.
+    without_material: Seen,
+    /// The first of them, and the material that it takes.
+    first_without_material: Option<(String, u16)>,
+    /// Faces before the first `usemtl`.
+    before_materials: Option<Place>,
+    /// Corners of the last face.
+    last_corners: usize,
+    /// A last line that does not end, and seems to lack something.
+    unfinished: Option<Place>,
+    material_doubts: Vec<Note>,
 }
 
 impl<'a> Parser<'a> {
@@ -76,6 +120,19 @@ impl<'a> Parser<'a> {
             texture: Vec::new(),
             forward: Vec::new(),
             forward_texture: Vec::new(),
+            normals: Vec::new(),
+            smooth: None,
+            colours: Seen::default(),
+            weights: Seen::default(),
+            not_utf8: Seen::default(),
+            object: None,
+            facets_before_material: 0,
+            without_material: Seen::default(),
+            first_without_material: None,
+            before_materials: None,
+            last_corners: 0,
+            unfinished: None,
+            material_doubts: Vec::new(),
         }
     }
 
@@ -99,6 +156,7 @@ impl<'a> Parser<'a> {
                 line => line,
             };
             self.line += 1;
+            let corners_before = self.last_corners;
             let place = Place { start: offset + start, end: offset + start + line.len(), line: self.line };
             match (line.split_last(), self.continued.take()) {
                 (Some((b'\\', part)), None) => self.continued = Some(([part, b" "].concat(), place)),
@@ -111,6 +169,14 @@ impl<'a> Parser<'a> {
                 (_, Some((mut joined, first))) => {
                     joined.extend_from_slice(line);
                     self.statement(&joined, first);
+                }
+            }
+            if length == rest.len() && line.first() == Some(&b'f') {
+                let slashes = |word: Option<&[u8]>| word.map_or(0, |w| w.iter().filter(|b| **b == b'/').count());
+                let mut words = line.split(|b| is_blank(*b)).filter(|word| !word.is_empty()).skip(1);
+                let (first, last) = (words.next(), words.last());
+                if slashes(last) < slashes(first) || self.last_corners < corners_before {
+                    self.unfinished = Some(place);
                 }
             }
             start += length + 1;
@@ -131,7 +197,7 @@ impl<'a> Parser<'a> {
                 length
             }
             Some(b'f') => {
-                let material = self.material.filter(|_| self.group.is_none())?;
+                let material = self.material.filter(|_| self.group.is_none() && self.object.is_none())?;
                 let known = self.vertices.len() as i64;
                 let vertex = |text: &[u8]| {
                     let (index, n) = digits_of(text);
@@ -139,6 +205,7 @@ impl<'a> Parser<'a> {
                 };
                 let (corners, length) = three(text, vertex)?;
                 self.faces.push_triangle(corners, material);
+                self.last_corners = 3;
                 length
             }
             _ => return None,
@@ -161,11 +228,23 @@ impl<'a> Parser<'a> {
             b"v" => self.vertex(rest, place),
             b"f" => self.face(rest, place),
             b"vt" => self.texture_vertex(rest, place),
-            b"usemtl" => _ = self.use_material(&text(rest), place),
-            b"mtllib" => self.libraries(&text(rest), place),
-            b"g" => self.group = Some((text(rest), place)),
-            b"o" => self.objects += 1,
-            b"" | b"vn" | b"s" => {}
+            b"usemtl" => {
+                let name = self.text(rest, place);
+                self.use_material(&name, place);
+                self.object = None;
+                self.facets_before_material = self.faces.facets.len();
+            }
+            b"mtllib" => {
+                let names = self.text(rest, place);
+                self.libraries(&names, place);
+            }
+            b"g" => self.group = Some((self.text(rest, place), place)),
+            b"o" => {
+                self.objects += 1;
+                self.object = Some((self.text(rest, place), place));
+            }
+            b"vn" => self.normal(rest),
+            b"" | b"s" => {}
             _ if keyword[0] == b'#' => {}
             _ => {
                 let key = if self.ignored.len() < IGNORED { shown(keyword) } else { "...".into() };
@@ -196,6 +275,42 @@ impl<'a> Parser<'a> {
             }
         }
         self.vertices.push(DVec3::from_array(xyz));
+        self.beyond_position(rest, place);
+    }
+
+    /// Notes what follows a vertex' coordinates: a weight, or a colour.
+    fn beyond_position(&mut self, rest: &[u8], place: Place) {
+        let words = rest.split(|b| is_blank(*b)).filter(|word| !word.is_empty());
+        let numbers: Vec<f64> =
+            words.map_while(|word| decimal(word).filter(|(_, n)| *n == word.len())).map(|(x, _)| x).take(4).collect();
+        match numbers[..] {
+            [] | [1.0] => {}
+            [_] => self.weights.at(place),
+            _ => self.colours.at(place),
+        }
+    }
+
+    fn normal(&mut self, mut rest: &[u8]) {
+        if self.smooth.is_some() {
+            return;
+        }
+        let mut xyz = [f64::NAN; 3];
+        for x in &mut xyz {
+            rest = skip_blanks(rest);
+            let Some((value, n)) = decimal(rest) else { break };
+            *x = value;
+            rest = &rest[n..];
+        }
+        self.normals.push(DVec3::from_array(xyz).normalize_or_zero());
+    }
+
+    /// A text after its keyword.
+    fn text(&mut self, rest: &[u8], place: Place) -> String {
+        let (text, is_utf8) = decoded(rest);
+        if !is_utf8 {
+            self.not_utf8.at(place);
+        }
+        text.trim().to_owned()
     }
 
     fn texture_vertex(&mut self, mut rest: &[u8], place: Place) {
@@ -226,12 +341,13 @@ impl<'a> Parser<'a> {
         self.corners.clear();
         self.texture.clear();
         let known = self.vertices.len() as i64;
+        let mut first_normal = None;
         loop {
             rest = skip_blanks(rest);
             if rest.first().is_none_or(|b| *b == b'#') {
                 break;
             }
-            let Some((index, texture, after)) = corner(rest) else {
+            let Some((Corner { vertex: index, texture, normal }, after)) = corner(rest) else {
                 let found = shown(word(rest).0);
                 return self.problem(place, || format!("`{found}` is not a corner of a face (a, a/b, a//c or a/b/c)"));
             };
@@ -247,6 +363,13 @@ impl<'a> Parser<'a> {
                 self.forward.push((vertex as u32, place));
             }
             self.corners.push(vertex as u32);
+            if self.smooth.is_none()
+                && let Some(normal) = normal.and_then(|index| self.normal_at(index))
+                && (normal - *first_normal.get_or_insert(normal)).abs().max_element() > FLAT
+            {
+                self.smooth = Some(place);
+                self.normals = Vec::new();
+            }
             let known = self.texture_vertices.len() as i64;
             let texture = match texture {
                 None => NO_TEXTURE,
@@ -273,13 +396,31 @@ impl<'a> Parser<'a> {
                 _ => format!("a face of {n} corners: cut it into faces of at most {CORNERS}"),
             });
         }
-        let material = self.material.unwrap_or_else(|| self.use_material("", place));
+        self.last_corners = n;
+        let material = self.material.unwrap_or_else(|| {
+            self.before_materials = Some(place);
+            self.use_material("", place)
+        });
+        if let Some((name, place)) = self.object.take()
+            && self.faces.facets.len() > self.facets_before_material
+            && !self.materials.name(material).is_empty()
+        {
+            self.without_material.at(place);
+            self.first_without_material.get_or_insert((name, material));
+        }
         if let Some((name, place)) = self.group.take()
             && !self.faces.use_group(&name)
         {
             self.problem(place, || "more groups than can be told apart: give several of them one name".into());
         }
         self.faces.push(&self.corners, &self.texture, material);
+    }
+
+    /// The normal of an index as faces have it, if there is one so far.
+    fn normal_at(&self, index: i64) -> Option<DVec3> {
+        let known = self.normals.len() as i64;
+        let at = if index > 0 { index - 1 } else { known + index };
+        self.normals.get(usize::try_from(at).ok()?).copied()
     }
 
     /// Makes this the material of the faces that come.
@@ -292,16 +433,15 @@ impl<'a> Parser<'a> {
         index
     }
 
-    fn libraries(&mut self, names: &str, place: Place) {
-        // Blanks part names, and also occur in them.
-        let whole = (self.load_mtl)(names);
-        let libraries = match whole {
-            Err(Error::Io { .. }) if names.contains(char::is_whitespace) => {
-                names.split_whitespace().map(|name| (name, (self.load_mtl)(name))).collect()
+    fn libraries(&mut self, text: &str, place: Place) {
+        let (whole, parts) = library::names(text);
+        let libraries = match (self.load_mtl)(&whole) {
+            Err(Error::Io { .. }) if parts.len() > 1 => {
+                parts.into_iter().map(|name| ((self.load_mtl)(&name), name)).collect()
             }
-            whole => vec![(names, whole)],
+            library => vec![(library, whole)],
         };
-        for (name, library) in libraries {
+        for (library, name) in libraries {
             match library {
                 Ok(materials) => {
                     for material in materials {
@@ -312,15 +452,23 @@ impl<'a> Parser<'a> {
                     }
                 }
                 Err(Error::Invalid(problems)) => problems.into_iter().for_each(|p| self.problems.push(|| p)),
-                Err(Error::Io { path, source, .. }) => self.problem(place, || {
-                    format!(
-                        "material file `{name}` cannot be read ({}: {source}): put it beside the OBJ file, or delete this line",
-                        path.display()
-                    )
-                }),
+                Err(Error::Io { source, .. }) => {
+                    let message =
+                        format!("material file `{name}` is not read ({source}): materials are names without colours");
+                    let note = self.note(Fate::Defaulted, place, message);
+                    self.material_doubts.push(note);
+                }
                 Err(error) => self.problem(place, || error.to_string()),
             }
         }
+    }
+
+    fn note(&self, fate: Fate, place: Place, message: impl Into<String>) -> Note {
+        Note { fate, at: self.at(place), message: message.into() }
+    }
+
+    fn at(&self, place: Place) -> Location {
+        Location { span: Some((place.start, place.end)), ..Location::line(&self.path, place.line) }
     }
 
     fn problem(&mut self, place: Place, message: impl FnOnce() -> String) {
@@ -359,7 +507,8 @@ impl<'a> Parser<'a> {
         if vertices > u32::MAX as usize || facets > u32::MAX as usize {
             self.problems.push(|| of_file("more vertices or facets than 32 bits count: part it into several meshes"));
         }
-        self.problems.finish(&self.path)?;
+        std::mem::take(&mut self.problems).finish(&self.path)?;
+        let (report, doubts) = self.told();
         self.faces.cut(&self.vertices);
         let of_corner = |t: u32| self.texture_vertices.get(t as usize).copied().unwrap_or(NO_UV[0]);
         let uv = self.faces.facet_texture.iter().map(|texture| texture.map(of_corner)).collect();
@@ -376,8 +525,71 @@ impl<'a> Parser<'a> {
             uv,
             objects: self.objects,
             ignored: self.ignored,
+            report,
+            doubts,
+            material_doubts: self.material_doubts,
             inputs: Vec::new(),
         })
+    }
+
+    /// What has no place here, and what is probably not meant; what of that is about materials is added to what is known of it.
+    fn told(&mut self) -> (Report, Vec<Note>) {
+        let (mut report, mut doubts) = (Report::default(), Vec::new());
+        if let Some(place) = self.colours.first {
+            let message = format!("colours of {} vertices: a facet has one material", self.colours.count);
+            report.notes.push(self.note(Fate::Dropped, place, message));
+        }
+        if let Some(place) = self.smooth {
+            report.notes.push(self.note(Fate::Dropped, place, "smooth shading (`vn`): facets are flat"));
+        }
+        if let Some(place) = self.weights.first {
+            let message = format!(
+                "a fourth coordinate (weight) other than 1, of {} vertices: x, y and z are taken as they are",
+                self.weights.count
+            );
+            doubts.push(self.note(Fate::Dropped, place, message));
+        }
+        if let Some(place) = self.unfinished {
+            let message = "the last line has no end, and its face less than others: is the file cut short?";
+            doubts.push(self.note(Fate::Defaulted, place, message));
+        }
+        doubts.extend(self.vertices_without_face());
+        let mut of_materials = Vec::new();
+        if let Some(place) = self.not_utf8.first {
+            let message = format!("{} names that are not UTF-8: taken for Windows-1252", self.not_utf8.count);
+            of_materials.push(self.note(Fate::Defaulted, place, message));
+        }
+        if let (Some(place), Some((name, material))) = (self.without_material.first, &self.first_without_material) {
+            let more = match self.without_material.count - 1 {
+                0 => String::new(),
+                n => format!(" (and {n} more objects)"),
+            };
+            let taken = self.materials.name(*material);
+            let message = format!(
+                "object `{name}`{more} begins without `usemtl`: it takes the material before, `{taken}`; some exporters write it so where there is none"
+            );
+            of_materials.push(self.note(Fate::Defaulted, place, message));
+        }
+        if let (Some(place), true) = (self.before_materials, self.materials.count() > 1) {
+            let message = "faces before the first `usemtl` have no material, where others have one";
+            of_materials.push(self.note(Fate::Defaulted, place, message));
+        }
+        self.material_doubts.append(&mut of_materials);
+        (report, doubts)
+    }
+
+    /// Vertices that no face uses: at the end of the list, faces are missing.
+    fn vertices_without_face(&self) -> Option<Note> {
+        let mut used = vec![false; self.vertices.len()];
+        self.faces.facets.iter().flatten().for_each(|v| used[*v as usize] = true);
+        let lost = used.iter().filter(|used| !**used).count();
+        if lost == 0 {
+            return None;
+        }
+        let is_cut = used.last() == Some(&false) && self.ignored.is_empty();
+        let why = if is_cut { ": is the file cut short?" } else { "" };
+        let message = format!("{lost} of {} vertices belong to no face{why}", used.len());
+        Some(Note { fate: Fate::Defaulted, at: Location::file(&self.path), message })
     }
 }
 
@@ -401,25 +613,26 @@ fn word(bytes: &[u8]) -> (&[u8], &[u8]) {
     bytes.split_at(end)
 }
 
-/// A text after its keyword.
-fn text(rest: &[u8]) -> String {
-    String::from_utf8_lossy(rest).trim().to_owned()
+/// Indices of a face's corner, as the file has them.
+struct Corner {
+    vertex: i64,
+    texture: Option<i64>,
+    normal: Option<i64>,
 }
 
-/// The vertex index of a corner, that of its texture coordinates, and what follows the corner.
-fn corner(bytes: &[u8]) -> Option<(i64, Option<i64>, &[u8])> {
-    let (index, mut after) = integer(bytes)?;
-    let mut texture = None;
-    for k in 0..2 {
+/// A corner, and what follows it.
+fn corner(bytes: &[u8]) -> Option<(Corner, &[u8])> {
+    let (vertex, mut after) = integer(bytes)?;
+    let mut further = [None; 2];
+    for index in &mut further {
         if let [b'/', more @ ..] = after {
-            let further = integer(more);
-            after = further.map_or(more, |(_, after)| after);
-            if k == 0 {
-                texture = further.map(|(index, _)| index);
-            }
+            let found = integer(more);
+            after = found.map_or(more, |(_, after)| after);
+            *index = found.map(|(index, _)| index);
         }
     }
-    after.first().is_none_or(|b| is_blank(*b)).then_some((index, texture, after))
+    let [texture, normal] = further;
+    after.first().is_none_or(|b| is_blank(*b)).then_some((Corner { vertex, texture, normal }, after))
 }
 
 /// Three numbers after a letter, with one blank before each, that end the line; and the line's length with its newline.

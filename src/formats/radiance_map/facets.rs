@@ -70,7 +70,7 @@ fn of_npz(path: &Path) -> Result<(FacetTexels, InputFile)> {
         return Err(Error::invalid(at("fwhm_um"), format!("{} widths for {bands} bands", widths.len())));
     }
     let width = |i: usize| fwhm.as_ref().map(|(_, w)| w[i]).filter(|w| *w != 0.0);
-    let bands = wavelength_um.iter().enumerate().map(|(i, um)| Band { centre_um: *um, fwhm_um: width(i) }).collect();
+    let bands = wavelength_um.iter().enumerate().map(|(i, um)| Band::new(*um, width(i))).collect();
     let length = std::fs::metadata(path).map_err(|e| Error::io(path, "reading", e))?.len();
     let input = InputFile::of(path, &input::bytes(path, length)?);
     Ok((FacetTexels { path: path.to_owned(), bands, values: values.clone() }, input))
@@ -95,7 +95,7 @@ fn of_csv(path: &Path, text: &str) -> Result<FacetTexels> {
             for cell in cells {
                 let um = cell.strip_prefix(RADIANCE).map(str::trim).and_then(|c| c.strip_prefix("at"));
                 match um.and_then(|c| c.trim().strip_suffix("um")).and_then(|c| c.trim().parse::<f64>().ok()) {
-                    Some(centre_um) => bands.push(Band { centre_um, fwhm_um: None }),
+                    Some(centre_um) => bands.push(Band::new(centre_um, None)),
                     None => problems.push(|| at(format!("the column {cell:?} is not as in \"{RADIANCE} at 0.95 um\""))),
                 }
             }

@@ -9,6 +9,7 @@
 
 mod facets;
 mod types;
+mod unit;
 mod values;
 
 use std::path::{Path, PathBuf};
@@ -19,16 +20,22 @@ use super::InputFile;
 use super::dart::{self, output as dart_output, output::Placing};
 use super::located::Document;
 use super::raster::{self, Raster};
-use super::scene_toml::{self, Lens, Reader};
+use super::scene_toml::{self, Lens, Reader, Tiling};
 use crate::error::{Error, Location, Problem, Result, number};
-use crate::geometry::Pose;
-use crate::product::{Atlas, Eye, Placement, Projection, RadianceMap, Sky, ViewImage};
+use crate::geometry::{Direction, Pose};
+use crate::product::{Eye, Placement, Projection, RadianceMap, Sky, TexelSource, ViewImage};
 use crate::progress::Watch;
 use crate::scene::{FrameCamera, Scene};
 use crate::spectral::Band;
 
 use types::{DartMapToml, MapToml, NegativeToml, NumbersToml, PlacementToml, QuantityToml, RegistrationToml, SkyToml};
-use values::{Conversion, RasterTexels};
+use unit::Unit;
+use values::{Conversion, RasterTexels, TiledTexels};
+
+/// A repeated image has no more texels: as f64 they take 2 GiB.
+const MOST_TEXELS: usize = 1 << 28;
+/// Pixels that differ no more from squares are squares: OpenEXR has their aspect as f32.
+const SQUARE: f64 = 1e-6;
 
 /// The maps that were found at a path: one, or one for each direction of view.
 #[derive(Debug)]
@@ -198,8 +205,8 @@ fn read(file: &Path, asked: &Path, scene: &Scene, weight: f64, watch: Watch<'_>)
     let toml: MapToml = document.read()?;
     let mut reader = Reader::new(file, document, scene.origin_m, input, watch);
     let rasters = match &toml.raster {
-        Some(named) => reader.rasters("raster", named),
-        None if asked != file => reader.opened("raster", vec![asked.to_owned()]),
+        Some(named) => reader.rasters("raster", named, toml.channels.as_deref()),
+        None if asked != file => reader.opened("raster", vec![asked.to_owned()], toml.channels.as_deref()),
         None => {
             reader.problem("raster", "is missing: this file does not say which raster it belongs to");
             None
@@ -207,10 +214,10 @@ fn read(file: &Path, asked: &Path, scene: &Scene, weight: f64, watch: Watch<'_>)
     };
     let map = rasters.and_then(|rasters| {
         let name = rasters[0].path.display().to_string();
-        let (placement, texels) = map(&mut reader, &toml, rasters, scene, watch)?;
+        let (placement, source) = map(&mut reader, &toml, rasters, scene, watch)?;
         let heat = toml.heat.or((toml.quantity == QuantityToml::BrightnessTemperature).then_some(true));
         let sky = sky(toml.sky);
-        Some(RadianceMap { name, placement, source: Box::new(texels), weight, heat, sky, registration: None })
+        Some(RadianceMap { name, placement, source, weight, heat, sky, registration: None })
     });
     let (inputs, notes) = reader.finish()?;
     match map {
@@ -225,16 +232,17 @@ fn map(
     mut rasters: Vec<Raster>,
     scene: &Scene,
     watch: Watch<'_>,
-) -> Option<(Placement, RasterTexels)> {
+) -> Option<(Placement, Box<dyn TexelSource>)> {
     let facets = scene.mesh.facets.len();
     if toml.placement == PlacementToml::Facets {
         // A table of [facet, band], which a reader of images takes for one band.
         rasters = rasters.into_iter().map(|r| if r.pixels() == facets { r } else { r.columns_as_bands() }).collect();
     }
-    let (rows, columns) = (rasters[0].rows, rasters[0].columns);
     let bands = reader.raster_bands("bands", toml.bands.as_ref(), &rasters);
-    let placement = placement(reader, toml, rows, columns, scene, watch);
+    let placement = placement(reader, toml, &rasters, scene, watch);
     let bands = bands?;
+    let unit = unit(reader, toml, &rasters)?;
+    rasters.iter_mut().for_each(|raster| raster.set_no_data(toml.no_data));
     let irradiance = |band: usize| match &toml.irradiance_w_m2_um {
         None => None,
         Some(NumbersToml::All(value)) => Some(*value),
@@ -262,18 +270,20 @@ fn map(
         }
         None => {}
     }
-    let convert = |(i, band): (usize, &Band)| Conversion::new(toml.quantity, toml.unit, band, irradiance(i));
+    let convert = |(i, band): (usize, &Band)| Conversion::new(toml.quantity, &unit, band, irradiance(i));
     match bands.iter().enumerate().map(convert).collect() {
-        Ok(conversion) => Some((
-            placement?,
-            RasterTexels {
-                rasters,
-                bands,
-                conversion,
-                no_data: toml.no_data,
-                clips: toml.negative == Some(NegativeToml::Clip),
-            },
-        )),
+        Ok(conversion) => {
+            let (placement, tiling) = placement?;
+            let clips = toml.negative == Some(NegativeToml::Clip);
+            let texels = RasterTexels { rasters, bands, conversion, clips };
+            Some((
+                placement,
+                match tiling {
+                    Some(tiling) => Box::new(TiledTexels { texels, tiling, image: vec![] }),
+                    None => Box::new(texels),
+                },
+            ))
+        }
         Err(message) => {
             reader.problem("unit", message);
             None
@@ -281,19 +291,49 @@ fn map(
     }
 }
 
+/// The unit of a map's numbers: that which its file gives, compared with what the rasters state; or theirs.
+fn unit(reader: &mut Reader<'_>, toml: &MapToml, rasters: &[Raster]) -> Option<Unit> {
+    let stated: Vec<(&str, Unit)> =
+        rasters.iter().filter_map(|r| r.stated_unit()).filter_map(|text| Some((text, Unit::of(text)?))).collect();
+    let Some(given) = toml.unit else {
+        return match (&stated[..], rasters.iter().find_map(Raster::stated_unit)) {
+            ([(_, unit), rest @ ..], _) if stated.len() == rasters.len() && rest.iter().all(|(_, u)| u == unit) => {
+                Some(unit.clone())
+            }
+            ([], Some(text)) => {
+                reader.problem("unit", format!("is missing, and {text:?}, as the raster states it, is not understood"));
+                None
+            }
+            _ => {
+                reader.problem("unit", "is missing, and the raster states none");
+                None
+            }
+        };
+    };
+    let unit = given.unit();
+    if let Some((text, of_raster)) = stated.into_iter().find(|(_, stated)| stated.over(&unit) != Some(1.0)) {
+        let factor =
+            of_raster.over(&unit).map_or_else(String::new, |times| format!(", {} times as much", number(times)));
+        reader
+            .note("unit", format!("the raster states {text:?}{factor}: {:?} is taken, as it says here", given.name()));
+    }
+    Some(unit)
+}
+
 fn placement(
     reader: &mut Reader<'_>,
     toml: &MapToml,
-    rows: usize,
-    columns: usize,
+    rasters: &[Raster],
     scene: &Scene,
     watch: Watch<'_>,
-) -> Option<Placement> {
+) -> Option<(Placement, Option<Tiling>)> {
+    let (rows, columns) = (rasters[0].rows, rasters[0].columns);
     let occlusion = toml.occlusion.unwrap_or(true);
     let wanted = match toml.placement {
         PlacementToml::Camera => ["observer", "sensor", "scene", "occlusion", "sky"].as_slice(),
         PlacementToml::Plane => &["plane", "occlusion", "sky"],
-        PlacementToml::Facets | PlacementToml::Atlas => &[],
+        PlacementToml::Atlas => &["wrap"],
+        PlacementToml::Facets => &[],
     };
     let given = [
         ("observer", toml.observer.is_some()),
@@ -302,12 +342,13 @@ fn placement(
         ("plane", toml.plane.is_some()),
         ("occlusion", toml.occlusion.is_some()),
         ("sky", toml.sky.is_some()),
+        ("wrap", toml.wrap.is_some()),
     ];
     for (key, _) in given.into_iter().filter(|(key, is_given)| *is_given && !wanted.contains(key)) {
         reader.problem(key, "does not go with this placement");
     }
     match toml.placement {
-        PlacementToml::Facets => Some(Placement::Facets(rows * columns)),
+        PlacementToml::Facets => Some((Placement::Facets(rows * columns), None)),
         PlacementToml::Atlas => {
             if scene.mesh.uv.is_empty() {
                 reader.helped(
@@ -317,30 +358,53 @@ fn placement(
                 );
                 return None;
             }
-            reader.within_image("placement", scene.mesh.uv.iter())?;
-            Some(Placement::Atlas(Atlas::of_uv(&scene.mesh.uv, rows, columns)))
+            let (atlas, tiling) =
+                reader.atlas("placement", scene.mesh.uv.clone(), [rows, columns], toml.wrap, MOST_TEXELS)?;
+            Some((Placement::Atlas(atlas), tiling))
         }
         PlacementToml::Camera => {
+            let aspect = rasters[0].pixel_aspect;
+            if (aspect - 1.0).abs() > SQUARE {
+                let message = format!(
+                    "pixels of the raster are {} times as wide as high, those of a frame camera square",
+                    number(aspect)
+                );
+                reader.problem("raster", message);
+                return None;
+            }
             let camera = camera(reader, toml, rows, columns, watch)?;
-            Some(Placement::View(Box::new(ViewImage {
+            let view = ViewImage {
                 projection: Projection::of_camera(&camera),
                 eye: Eye::At(camera.centre_m()),
                 rows,
                 columns,
                 occlusion,
-            })))
+            };
+            Some((Placement::View(Box::new(view)), None))
         }
-        PlacementToml::Plane => match &toml.plane {
-            Some(plane) => reader.plane("plane", plane).map(|(projection, towards)| {
-                let eye = Eye::Towards(towards);
-                Placement::View(Box::new(ViewImage { projection, eye, rows, columns, occlusion }))
-            }),
-            None => {
-                reader.problem("plane", "is missing: it says where the raster lies");
-                None
+        PlacementToml::Plane => {
+            let (projection, towards) = reader.raster_plane("plane", toml.plane.as_ref(), &rasters[0])?;
+            let is_given = toml.plane.as_ref().is_some_and(|plane| plane.towards.is_some());
+            if !is_given && !seen_from(scene, towards) {
+                let opposite = (-towards.vec()).to_array().map(|x| x + 0.0);
+                reader.helped(
+                    "plane",
+                    "no facet's outer side is seen from its side: lines run to the right and follow one another downwards as seen from there",
+                    format!(
+                        "if lines run from the South to the North, say from where the image is seen: `towards = {opposite:?}` in `plane`"
+                    ),
+                );
+                return None;
             }
-        },
+            let eye = Eye::Towards(towards);
+            Some((Placement::View(Box::new(ViewImage { projection, eye, rows, columns, occlusion })), None))
+        }
     }
+}
+
+/// Whether the outer side of any facet is seen from a direction.
+fn seen_from(scene: &Scene, towards: Direction) -> bool {
+    (0..scene.mesh.facets.len()).any(|facet| scene.mesh.facet(facet).cross_m2().dot(towards.vec()) > 0.0)
 }
 
 /// The camera that an image was taken by, local to the scene.

@@ -3,7 +3,8 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::formats::scene_toml::types::{BandsToml, MapSensorToml, ObserverToml, PlaneToml, RasterToml};
+use super::unit::Unit;
+use crate::formats::scene_toml::types::{BandsToml, MapSensorToml, ObserverToml, PlaneToml, RasterToml, WrapToml};
 
 /// A radiance map: the raster that holds it, what its numbers are, and where they lie in a scene. Relative paths start at this
 /// file's folder.
@@ -16,10 +17,14 @@ pub(super) struct MapToml {
     pub(super) mmxrt_map: u32,
     /// The raster, or several of the same size whose bands follow one another. Default: the file that this one is named after.
     pub(super) raster: Option<RasterToml>,
+    /// Names of the raster's channels, in the order of the bands. Default: all bands; of OpenEXR, the spectral layer or that of colours, in
+    /// the order that names give by wavelength, red, green, blue, or a number.
+    #[schemars(length(min = 1))]
+    pub(super) channels: Option<Vec<String>>,
     /// What the numbers are.
     pub(super) quantity: QuantityToml,
-    /// Their unit.
-    pub(super) unit: UnitToml,
+    /// Their unit. Default: that which the raster states.
+    pub(super) unit: Option<UnitToml>,
     /// For a reflectance factor: the irradiance that it refers to, W m-2 um-1, its cosine already in it; one for all bands, or one for each.
     pub(super) irradiance_w_m2_um: Option<NumbersToml>,
     /// The number that stands for "not known", beside NaN and what the raster itself says.
@@ -34,8 +39,11 @@ pub(super) struct MapToml {
     pub(super) sensor: Option<MapSensorToml>,
     /// For `placement = "camera"`: a scene file whose `observer` and `sensor` the image was made by, instead of the two above.
     pub(super) scene: Option<String>,
-    /// For `placement = "plane"`: where the raster lies.
+    /// For `placement = "plane"`: where the raster lies. Default: where its own georeference in metres puts it, to the East and the North of
+    /// the scene's `origin_m`.
     pub(super) plane: Option<PlaneToml>,
+    /// For `placement = "atlas"`: how the image goes on beyond its border. Default: not at all.
+    pub(super) wrap: Option<WrapToml>,
     /// For a camera or a plane: whether a surface that others hide from it is unknown (the default); if not, the image goes
     /// through everything.
     pub(super) occlusion: Option<bool>,
@@ -154,6 +162,27 @@ pub(super) enum UnitToml {
     /// Temperature.
     #[serde(rename = "K")]
     Kelvin,
+}
+
+impl UnitToml {
+    /// As it is written.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            UnitToml::PerUm => "W m-2 sr-1 um-1",
+            UnitToml::PerNm => "W m-2 sr-1 nm-1",
+            UnitToml::MilliPerNm => "mW m-2 sr-1 nm-1",
+            UnitToml::MicroPerCm2PerNm => "uW cm-2 sr-1 nm-1",
+            UnitToml::InBand => "W m-2 sr-1",
+            UnitToml::One => "1",
+            UnitToml::Percent => "%",
+            UnitToml::Kelvin => "K",
+        }
+    }
+
+    /// What it is.
+    pub(super) fn unit(self) -> Unit {
+        Unit::of(self.name()).unwrap_or(Unit::ONE)
+    }
 }
 
 /// Where a map's numbers lie.

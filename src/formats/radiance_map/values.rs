@@ -2,9 +2,11 @@
 
 use std::path::PathBuf;
 
-use super::types::{QuantityToml, UnitToml};
+use super::types::QuantityToml;
+use super::unit::Unit;
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::formats::raster::Raster;
+use crate::formats::scene_toml::Tiling;
 use crate::physics::{blackbody, reflectance};
 use crate::product::TexelSource;
 use crate::spectral::Band;
@@ -24,18 +26,22 @@ impl Conversion {
     /// For a band; `irradiance` is for reflectance factors.
     pub(super) fn new(
         quantity: QuantityToml,
-        unit: UnitToml,
+        unit: &Unit,
         band: &Band,
         irradiance: Option<f64>,
     ) -> std::result::Result<Self, String> {
         use QuantityToml::{BandRadiance, BrightnessTemperature, Radiance, ReflectanceFactor};
-        use UnitToml::{InBand, Kelvin, MicroPerCm2PerNm, MilliPerNm, One, PerNm, PerUm, Percent};
-        Ok(match (quantity, unit) {
-            (Radiance, PerUm | MilliPerNm) => Conversion::Times(1.0),
-            (Radiance, PerNm) => Conversion::Times(1e3),
-            (Radiance, MicroPerCm2PerNm) => Conversion::Times(10.0),
-            (BandRadiance, InBand) => match band.fwhm_um {
-                Some(width_um) if width_um > 0.0 => Conversion::Times(1.0 / width_um),
+        let of = |wanted: &str| Unit::of(wanted).and_then(|wanted| unit.over(&wanted));
+        let times = match quantity {
+            Radiance => of("W m-2 sr-1 um-1").ok_or("is no unit of spectral radiance: \"W m-2 sr-1 um-1\", say"),
+            BandRadiance => of("W m-2 sr-1").ok_or("is no unit of radiance in a band: \"W m-2 sr-1\""),
+            ReflectanceFactor => of("1").ok_or("is no unit of a factor: \"1\" or \"%\""),
+            BrightnessTemperature => of("K").filter(|times| *times == 1.0).ok_or("is no unit of temperature: \"K\""),
+        }?;
+        Ok(match quantity {
+            Radiance => Conversion::Times(times),
+            BandRadiance => match band.fwhm_um {
+                Some(width_um) if width_um > 0.0 => Conversion::Times(times / width_um),
                 _ => {
                     return Err(format!(
                         "radiance in a band needs the band's width, which that at {} um lacks",
@@ -43,16 +49,12 @@ impl Conversion {
                     ));
                 }
             },
-            (ReflectanceFactor, One | Percent) => {
+            ReflectanceFactor => {
                 let irradiance = irradiance
                     .ok_or("a reflectance factor needs the irradiance that it refers to: give `irradiance_w_m2_um`")?;
-                Conversion::OfFactor { scale: if unit == Percent { 0.01 } else { 1.0 }, irradiance }
+                Conversion::OfFactor { scale: times, irradiance }
             }
-            (BrightnessTemperature, Kelvin) => Conversion::OfTemperature(band.centre_um),
-            (Radiance, _) => return Err("is no unit of spectral radiance: \"W m-2 sr-1 um-1\", say".into()),
-            (BandRadiance, _) => return Err("is no unit of radiance in a band: \"W m-2 sr-1\"".into()),
-            (ReflectanceFactor, _) => return Err("is no unit of a factor: \"1\" or \"%\"".into()),
-            (BrightnessTemperature, _) => return Err("is no unit of temperature: \"K\"".into()),
+            BrightnessTemperature => Conversion::OfTemperature(band.centre_um),
         })
     }
 
@@ -79,7 +81,6 @@ pub(super) struct RasterTexels {
     pub(super) bands: Vec<Band>,
     /// For each band.
     pub(super) conversion: Vec<Conversion>,
-    pub(super) no_data: Option<f64>,
     /// Whether small numbers below 0 are 0.
     pub(super) clips: bool,
 }
@@ -113,10 +114,6 @@ impl TexelSource for RasterTexels {
         };
         self.rasters[raster].read(within, values)?;
         let conversion = self.conversion[band];
-        if let Some(no_data) = self.no_data {
-            let no_data = [no_data, self.rasters[raster].as_stored(no_data)];
-            values.iter_mut().filter(|v| no_data.contains(v)).for_each(|v| *v = f64::NAN);
-        }
         if self.clips {
             let largest = values.iter().copied().fold(0.0, f64::max);
             values.iter_mut().filter(|v| -SIDE_LOBES * largest < **v && **v < 0.0).for_each(|v| *v = 0.0);
@@ -132,6 +129,48 @@ impl TexelSource for RasterTexels {
             values.iter_mut().for_each(|v| *v = conversion.radiance(*v));
         }
         Ok(())
+    }
+
+    fn coverage(&mut self) -> Result<Option<Vec<f64>>> {
+        // Of several rasters the least: what one of them does not know of a texel is not known.
+        let mut least: Option<Vec<f64>> = None;
+        for raster in &mut self.rasters {
+            match (raster.coverage()?, &mut least) {
+                (Some(shares), Some(least)) => least.iter_mut().zip(shares).for_each(|(a, b)| *a = a.min(*b)),
+                (Some(shares), None) => least = Some(shares.to_vec()),
+                (None, _) => {}
+            }
+        }
+        Ok(least)
+    }
+}
+
+/// The same, of an image that is repeated.
+pub(super) struct TiledTexels {
+    pub(super) texels: RasterTexels,
+    pub(super) tiling: Tiling,
+    /// A band of the image; working memory.
+    pub(super) image: Vec<f64>,
+}
+
+impl TexelSource for TiledTexels {
+    fn bands(&self) -> &[Band] {
+        self.texels.bands()
+    }
+
+    fn read(&mut self, band: usize, values: &mut Vec<f64>) -> Result<()> {
+        self.texels.read(band, &mut self.image)?;
+        self.tiling.expanded(&self.image, values);
+        Ok(())
+    }
+
+    fn coverage(&mut self) -> Result<Option<Vec<f64>>> {
+        let image = self.texels.coverage()?;
+        Ok(image.map(|image| {
+            let mut all = Vec::new();
+            self.tiling.expanded(&image, &mut all);
+            all
+        }))
     }
 }
 
@@ -172,12 +211,12 @@ impl FacetTexels {
         if let Some(band) = self.bands.iter().find(|b| !(b.centre_um > 0.0 && b.centre_um.is_finite())) {
             return Err(Error::invalid(Location::file(&self.path), format!("{} um is no wavelength", band.centre_um)));
         }
-        let has_width = |b: &&Band| b.fwhm_um.is_some_and(|w| !(w > 0.0 && w < b.centre_um));
-        if let Some(Band { centre_um, fwhm_um }) = self.bands.iter().find(has_width) {
+        let has_width = |b: &&Band| b.fwhm_um.is_some_and(|w| !(w > 0.0 && w <= 2.0 * b.centre_um));
+        if let Some(Band { centre_um, fwhm_um, .. }) = self.bands.iter().find(has_width) {
             let width = fwhm_um.map_or_else(String::new, number);
             let at = Location::file(&self.path).with_item("fwhm_um");
             let problem = Problem::new(at, format!("a width of {width} um for a band at {centre_um} um"))
-                .with_help("widths are in um, from 0 (monochromatic) and less than the centre");
+                .with_help("widths are in um, from 0 (monochromatic) to twice the centre");
             return Err(Error::Invalid(vec![problem]));
         }
         if let Some(i) = self.values.iter().position(|v| *v < 0.0 || v.is_infinite()) {
@@ -208,35 +247,38 @@ impl TexelSource for FacetTexels {
 
 #[cfg(test)]
 mod tests {
+    use super::super::types::UnitToml;
     use super::*;
 
     fn band(centre_um: f64, fwhm_um: Option<f64>) -> Band {
-        Band { centre_um, fwhm_um }
+        Band::new(centre_um, fwhm_um)
     }
 
     fn radiance(quantity: QuantityToml, unit: UnitToml, band: Band, irradiance: Option<f64>, value: f64) -> f64 {
-        Conversion::new(quantity, unit, &band, irradiance).unwrap().radiance(value)
+        Conversion::new(quantity, &unit.unit(), &band, irradiance).unwrap().radiance(value)
     }
 
     #[test]
     fn all_quantities_become_radiance() {
         use QuantityToml::*;
         use UnitToml::*;
-        let at_1 = band(1.0, None);
-        assert_eq!(radiance(Radiance, PerUm, at_1, None, 3.0), 3.0);
-        assert_eq!(radiance(Radiance, PerNm, at_1, None, 0.003), 3.0);
-        assert_eq!(radiance(Radiance, MilliPerNm, at_1, None, 3.0), 3.0);
+        let at_1 = || band(1.0, None);
+        assert_eq!(radiance(Radiance, PerUm, at_1(), None, 3.0), 3.0);
+        assert_eq!(radiance(Radiance, PerNm, at_1(), None, 0.003), 3.0);
+        assert_eq!(radiance(Radiance, MilliPerNm, at_1(), None, 3.0), 3.0);
         // 1 uW cm-2 nm-1 = 1e-6 W 1e4 m-2 1e3 um-1.
-        assert_eq!(radiance(Radiance, MicroPerCm2PerNm, at_1, None, 0.3), 3.0);
+        assert_eq!(radiance(Radiance, MicroPerCm2PerNm, at_1(), None, 0.3), 3.0);
         assert_eq!(radiance(BandRadiance, InBand, band(1.0, Some(0.25)), None, 3.0), 12.0);
         // White under pi W m-2 um-1 sends 1 W m-2 sr-1 um-1.
-        assert!((radiance(ReflectanceFactor, One, at_1, Some(std::f64::consts::PI), 0.5) - 0.5).abs() < 1e-16);
-        assert!((radiance(ReflectanceFactor, Percent, at_1, Some(std::f64::consts::PI), 50.0) - 0.5).abs() < 1e-16);
+        assert!((radiance(ReflectanceFactor, One, at_1(), Some(std::f64::consts::PI), 0.5) - 0.5).abs() < 1e-16);
+        assert!((radiance(ReflectanceFactor, Percent, at_1(), Some(std::f64::consts::PI), 50.0) - 0.5).abs() < 1e-16);
         // Planck at 10 um and 300 K: c1L l^-5 / (exp(c2 / l T) - 1) = 1.19104297e8 1e-5 / (exp(4.79592561) - 1).
         let planck = 1.191_042_972e8 * 1e-5 / (14_387.768_775_f64 / 3000.0).exp_m1();
         assert!((radiance(BrightnessTemperature, Kelvin, band(10.0, None), None, 300.0) / planck - 1.0).abs() < 1e-8);
-        assert!(Conversion::new(ReflectanceFactor, One, &at_1, None).unwrap_err().contains("irradiance"));
-        assert!(Conversion::new(BandRadiance, InBand, &at_1, None).unwrap_err().contains("width"));
-        assert!(Conversion::new(Radiance, Kelvin, &at_1, None).is_err());
+        let refused = |quantity, unit: UnitToml| Conversion::new(quantity, &unit.unit(), &at_1(), None).unwrap_err();
+        assert!(refused(ReflectanceFactor, One).contains("irradiance"));
+        assert!(refused(BandRadiance, InBand).contains("width"));
+        assert!(refused(Radiance, Kelvin).contains("no unit of spectral radiance"));
+        assert!(refused(Radiance, InBand).contains("no unit of spectral radiance"));
     }
 }

@@ -66,18 +66,28 @@ impl Flat {
     pub(super) fn read(&self, path: &Path, bands: Range<usize>, values: &mut [f64]) -> Result<()> {
         let reading = |e| Error::io(path, "reading", e);
         let file = File::open(path).map_err(reading)?;
+        self.read_from(file, bands, values).map_err(reading)
+    }
+
+    /// Reads some bands, [band, row, column], of what is a file or lies in memory.
+    pub(super) fn read_from(
+        &self,
+        file: impl Read + Seek,
+        bands: Range<usize>,
+        values: &mut [f64],
+    ) -> std::io::Result<()> {
         let mut run = Run { file, flat: self, bytes: Vec::new() };
         let (rows, columns) = (self.rows, self.columns);
         let pixels = rows * columns;
         let mut numbers = Vec::new();
         match self.order {
-            Order::BandRowColumn => run.read(bands.start * pixels, values).map_err(reading)?,
+            Order::BandRowColumn => run.read(bands.start * pixels, values)?,
             Order::BandColumnRow => {
                 let step = (PIECE / 8 / rows).clamp(1, columns);
                 for (band, values) in bands.zip(values.chunks_exact_mut(pixels)) {
                     for first in (0..columns).step_by(step) {
                         numbers.resize(rows * step.min(columns - first), 0.0);
-                        run.read(band * pixels + first * rows, &mut numbers).map_err(reading)?;
+                        run.read(band * pixels + first * rows, &mut numbers)?;
                         for (i, number) in numbers.iter().enumerate() {
                             values[i % rows * columns + first + i / rows] = *number;
                         }
@@ -87,7 +97,7 @@ impl Flat {
             Order::RowBandColumn => {
                 numbers.resize(bands.len() * columns, 0.0);
                 for row in 0..rows {
-                    run.read((row * self.bands + bands.start) * columns, &mut numbers).map_err(reading)?;
+                    run.read((row * self.bands + bands.start) * columns, &mut numbers)?;
                     for (line, plane) in numbers.chunks_exact(columns).zip(values.chunks_exact_mut(pixels)) {
                         plane[row * columns..][..columns].copy_from_slice(line);
                     }
@@ -97,7 +107,7 @@ impl Flat {
                 let step = (PIECE / 8 / self.bands).clamp(1, pixels);
                 for first in (0..pixels).step_by(step) {
                     numbers.resize(self.bands * step.min(pixels - first), 0.0);
-                    run.read(first * self.bands, &mut numbers).map_err(reading)?;
+                    run.read(first * self.bands, &mut numbers)?;
                     for (band, plane) in bands.clone().zip(values.chunks_exact_mut(pixels)) {
                         let one_band = numbers[band..].iter().step_by(self.bands);
                         plane[first..].iter_mut().zip(one_band).for_each(|(value, number)| *value = *number);
@@ -156,13 +166,13 @@ impl Flat {
 }
 
 /// An open file, from which runs of numbers are read.
-struct Run<'a> {
-    file: File,
+struct Run<'a, F> {
+    file: F,
     flat: &'a Flat,
     bytes: Vec<u8>,
 }
 
-impl Run<'_> {
+impl<F: Read + Seek> Run<'_, F> {
     /// Reads numbers from the `first` on.
     fn read(&mut self, first: usize, values: &mut [f64]) -> std::io::Result<()> {
         let size = self.flat.data_type.bytes();

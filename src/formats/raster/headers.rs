@@ -9,6 +9,8 @@ use crate::formats::number::DataType;
 use crate::report::{Fate, Report};
 
 use super::flat::{Flat, Order};
+use super::names;
+use super::place::Georeference;
 use super::{Raster, RasterBand, Reader, Scale, check_length, check_size};
 
 /// Opens an ENVI image by its header or its data file.
@@ -24,23 +26,33 @@ pub(super) fn open_envi(path: &Path) -> Result<Raster> {
         return unsupported("file compression", "a compressed ENVI image");
     }
     check_size(Location::file(&header_path), header.lines, header.samples, header.bands)?;
-    let mut report = Report::default();
+    let mut report = header.report.clone();
     let mut problems = Vec::new();
-    let wavelengths = (header.um(&header.wavelength)).zip(header.um(&header.fwhm));
-    let (centres_um, fwhms_um) = match wavelengths {
-        Some(((centres_um, taken), (fwhms_um, _))) => {
+    let centres_um = match header.um(&header.wavelength) {
+        Some((centres_um, taken)) => {
             if let Some(taken) = taken.filter(|_| !centres_um.is_empty()) {
                 report.note(Fate::Defaulted, at("wavelength units"), format!("not given: taken as {taken}"));
             }
-            (centres_um, fwhms_um)
+            centres_um
         }
         None => {
             let unit = header.field("wavelength units").unwrap_or_default();
             report.note(Fate::Dropped, at("wavelength"), format!("in {unit}, which is no length of waves"));
-            (Vec::new(), Vec::new())
+            Vec::new()
         }
     };
-    if let Some(i) = centres_um.iter().position(|um| *um <= 0.0) {
+    // Names may say what the list of wavelengths does not.
+    let of_names: Option<Vec<f64>> =
+        header.band_names.iter().map(|name| Some(names::wavelength(name)?.centre_um)).collect();
+    let centres_um = match of_names {
+        Some(of_names) if centres_um.is_empty() && !of_names.is_empty() => {
+            report.note(Fate::Defaulted, at("wavelength"), "not given: taken as the names of the bands say");
+            of_names
+        }
+        _ => centres_um,
+    };
+    let fwhms_um = header.fwhm_um(&centres_um, &mut report).unwrap_or_default();
+    if let Some(i) = centres_um.iter().position(|um| !(*um > 0.0 && um.is_finite())) {
         problems.push(Problem::new(at("wavelength"), format!("that of band {} is not positive", i + 1)));
     }
     let scale = scale(&header, &mut problems);
@@ -57,14 +69,16 @@ pub(super) fn open_envi(path: &Path) -> Result<Raster> {
         order: Order::from(header.interleave),
         gap: 0,
     };
-    check_length(&data, &flat, None, &header_path)?;
+    if let Some(surplus) = check_length(&data, &flat, None, &header_path)? {
+        report.note(Fate::Dropped, Location::file(&data), surplus);
+    }
     let band = |i: usize| RasterBand {
         name: header.band_names.get(i).cloned().unwrap_or_default(),
         centre_um: centres_um.get(i).copied(),
         fwhm_um: fwhms_um.get(i).copied().filter(|um| *um > 0.0),
     };
     let data_type = if scale.is_empty() { header.data_type } else { DataType::F64 };
-    let extra = header.fields.iter().filter(|(key, _)| !TAKEN.contains(&key.as_str())).cloned().collect();
+    let extra = header.fields.iter().filter(|(key, _)| !envi::KEYS.contains(&key.as_str())).cloned().collect();
     let bands = (0..header.bands).map(band).collect();
     Ok(Raster {
         unit: header.field("data units").map(str::to_owned).filter(|unit| !unit.is_empty()),
@@ -72,32 +86,11 @@ pub(super) fn open_envi(path: &Path) -> Result<Raster> {
         report,
         scale,
         extra,
+        georeference: Georeference::of_envi(&header),
         files: vec![header_path, data.clone()],
         ..Raster::of(&data, (header.lines, header.samples), bands, data_type, Reader::Flat(flat))
     })
 }
-
-/// Keys of a header that are taken for what they are.
-const TAKEN: [&str; 18] = [
-    "samples",
-    "lines",
-    "bands",
-    "header offset",
-    "file type",
-    "file compression",
-    "data type",
-    "interleave",
-    "byte order",
-    "wavelength",
-    "wavelength units",
-    "fwhm",
-    "band names",
-    "data units",
-    "data ignore value",
-    "data gain values",
-    "data offset values",
-    "reflectance scale factor",
-];
 
 /// How each band's numbers become values; none if the numbers are the values.
 fn scale(header: &Header, problems: &mut Vec<Problem>) -> Vec<Scale> {
@@ -145,11 +138,25 @@ pub(super) fn open_ilwis(path: &Path) -> Result<Raster> {
         order: Order::BandRowColumn,
         gap: 0,
     };
-    check_length(&values_path, &flat, None, &header_path)?;
+    if let Some(surplus) = check_length(&values_path, &flat, None, &header_path)? {
+        let help = "its size, bands or type are others, or the header is another file's";
+        let problem = Problem::new(Location::file(&values_path), surplus).with_help(help);
+        return Err(Error::Invalid(vec![problem]));
+    }
     let data_type = if store.scale.is_none() { store.data_type } else { DataType::F64 };
     let bands = vec![RasterBand::default()];
+    let mut report = Report::default();
+    let no_data = match store.data_type {
+        DataType::F64 if store.scale.is_none() => ilwis::no_data_of_dart(&values_path)?,
+        _ => None,
+    };
+    if let Some(no_data) = no_data {
+        let message = format!("nothing is below {no_data}: taken for no data, as in images of DART");
+        report.note(Fate::Defaulted, Location::file(&values_path), message);
+    }
     Ok(Raster {
-        ignore: store.undefined,
+        ignore: no_data.or(store.undefined),
+        report,
         scale: store
             .scale
             .map(|[step, offset]| Scale { gain: step, offset: offset * step, divisor: 1.0 })

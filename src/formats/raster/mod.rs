@@ -1,35 +1,45 @@
 //! Rasters: images of one or many bands in the formats of other programs, read band by band.
 //!
 //! A band is f64, row by row, whatever the file stores; what the file says is no data is NaN. Of a file that interleaves its
-//! bands, as many are read in one pass as 256 MiB hold; no more of any file is in memory.
+//! bands, as many are read in one pass as 256 MiB hold; no more of any file is in memory, but of those that are compressed as a whole:
+//! OpenEXR (see [`exr`]).
 
 mod compare;
 mod exr;
 mod flat;
 mod headers;
+mod jpeg;
+mod layers;
+mod names;
 mod npy;
 mod picture;
+mod place;
 mod text;
 mod write;
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{Cursor, Read};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::error::{Error, Location, Problem, Result};
-use crate::report::Report;
+use crate::report::{Fate, Report};
 use crate::spectral::Band;
 
 pub use self::compare::{differences, statistics};
+pub(crate) use self::names::colour;
+pub(crate) use self::place::Georeference;
 pub(crate) use self::text::{is_grid, open as open_csv};
 pub use self::write::{Options, Target, write};
-use super::ilwis;
 use super::input::{Hashing, InputFile};
 pub use super::number::DataType;
 use super::quicklook;
+use super::{foreign, ilwis};
 
+use self::exr::Numbers;
 use self::flat::{Flat, Order};
+use self::layers::{Chosen, Layer};
 
 /// Bands that one pass through a file gives are kept up to this size, or one band if that is larger.
 const PASS_BYTES: usize = 256 << 20;
@@ -40,6 +50,9 @@ const MOST_BANDS: u64 = 1 << 16;
 /// As much of a file is looked at to tell what it is, bytes.
 const BEGINNING: u64 = 4096;
 
+/// How JPEG files begin.
+pub(crate) const JPEG: &[u8] = &[0xff, 0xd8, 0xff];
+
 /// A raster whose bands are read one by one.
 #[derive(Debug, Clone)]
 pub struct Raster {
@@ -49,8 +62,11 @@ pub struct Raster {
     pub rows: usize,
     /// Pixels in a line.
     pub columns: usize,
-    /// Bands, in the order of the file; of OpenEXR in that of wavelength, if all have one.
+    /// Bands, in the order of the file; of OpenEXR, which sorts channels by name, in the order that their names say: by wavelength,
+    /// red, green, blue, or by number, layer after layer, and coverage last.
     pub bands: Vec<RasterBand>,
+    /// Width of a pixel over its height, as the file says; 1 if it does not.
+    pub pixel_aspect: f64,
     /// Unit of the values, as the file states it.
     pub unit: Option<String>,
     /// The number that stands for "nothing here", as it is stored; NaN stands for it besides.
@@ -59,8 +75,20 @@ pub struct Raster {
     pub data_type: DataType,
     /// What the file does not say and was taken for granted, and what of it is not taken.
     pub report: Report,
-    /// How each band's numbers become values; none if they are the values.
+    /// How the numbers of each band of the file become values; none if they are the values.
     scale: Vec<Scale>,
+    /// The number in the file of each band.
+    in_file: Vec<usize>,
+    /// What belongs together, where names say it.
+    layers: Vec<Layer>,
+    /// The band of the file that is the coverage by which values have been multiplied.
+    alpha: Option<usize>,
+    /// That coverage, once it is read.
+    coverage: Option<Vec<f64>>,
+    /// What else stands for "nothing here".
+    no_data: Option<f64>,
+    /// Where it lies, as an ENVI header says it.
+    georeference: Option<Georeference>,
     /// Where an ILWIS map lies.
     place: Option<ilwis::Place>,
     /// What else an ENVI header says: key and text.
@@ -94,17 +122,23 @@ struct Scale {
 #[derive(Debug, Clone)]
 enum Reader {
     Flat(Flat),
-    Exr(Vec<exr::Channel>),
-    Png,
+    /// The same, of a file that was compressed.
+    Unpacked(Flat, Arc<[u8]>),
+    Exr(exr::Channels),
+    /// So many colours, and perhaps coverage behind them.
+    Png {
+        colours: usize,
+        has_alpha: bool,
+    },
     Held(Vec<f64>),
 }
 
-/// Bands that were read in one go.
+/// Bands of the file that were read in one go.
 #[derive(Debug, Clone, Default)]
 struct Pass {
     bands: Range<usize>,
     /// [band, row, column].
-    values: Vec<f64>,
+    numbers: Numbers,
 }
 
 /// Opens a raster, by any of its files. Its format is told by what it holds, and where that does not tell, by its name.
@@ -112,9 +146,9 @@ struct Pass {
 /// | format | what is read |
 /// |---|---|
 /// | ENVI | any interleave, real types and byte order; `data gain values`, `data offset values` and `reflectance scale factor` apply |
-/// | ILWIS 2 (`.mpr`, `.mp#`) | maps of values; its undefined values are NaN; DART's -1 stays |
-/// | OpenEXR | channels of the first part, and of others of its size; `S0.<wavelength>nm` is a wavelength |
-/// | PNG | grey or red, green, blue, 0 to 1 as stored; NaN where transparent |
+/// | ILWIS 2 (`.mpr`, `.mp#`) | maps of values; its undefined values are NaN, and -1 where nothing is less, which is no data in DART's images (not in a `DEM`) |
+/// | OpenEXR | channels of all parts, on the display window; a name that ends in a wavelength (`S0.0950,000000nm`, `1000nm`, `0.95um`) says it |
+/// | PNG, JPEG | grey or red, green, blue, 0 to 1 as stored; NaN where transparent |
 /// | CSV | numbers alone, a line for each row; `nan`, or nothing between two commas, is no data |
 /// | NumPy (`.npy`, `.npz` with one array of numbers or one named `raster`) | \[row, column\] or \[row, column, band\]; of one axis: one row |
 ///
@@ -126,13 +160,13 @@ pub fn open(path: &Path) -> Result<Raster> {
     let mut beginning = Vec::new();
     File::open(path).and_then(|file| file.take(BEGINNING).read_to_end(&mut beginning)).map_err(reading)?;
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    let unsupported = |what: &str| {
-        let feature = format!("{what} (`gdal_translate -of ENVI IN OUT.img` makes an image that is read)");
-        Err(Error::Unsupported { at: Location::file(path), feature })
-    };
+    if let Some(error) = foreign::refused(path, &beginning) {
+        return Err(error);
+    }
     match extension.as_str() {
         _ if beginning.starts_with(&[0x76, 0x2f, 0x31, 0x01]) => exr::open(path),
         _ if beginning.starts_with(b"\x89PNG") => picture::open(path),
+        _ if beginning.starts_with(JPEG) => jpeg::open(path),
         _ if beginning.starts_with(b"\x93NUMPY") => npy::open(path),
         _ if beginning.starts_with(b"PK\x03\x04") => npy::open_npz(path),
         "npy" => npy::open(path),
@@ -140,9 +174,8 @@ pub fn open(path: &Path) -> Result<Raster> {
         "mpr" | "mp#" => headers::open_ilwis(path),
         "exr" => exr::open(path),
         "png" => picture::open(path),
+        "jpg" | "jpeg" => jpeg::open(path),
         "csv" => text::open(path),
-        _ if beginning.starts_with(b"II*\0") || beginning.starts_with(b"MM\0*") => unsupported("TIFF"),
-        _ if beginning.starts_with(b"\x89HDF") || beginning.starts_with(b"CDF") => unsupported("HDF or NetCDF"),
         _ => headers::open_envi(path),
     }
 }
@@ -151,7 +184,7 @@ impl Raster {
     /// The same numbers, a column for each band: of a table with a line for each thing. What has bands already stays as it is.
     #[must_use]
     pub fn columns_as_bands(mut self) -> Self {
-        if let Reader::Flat(flat) = &mut self.reader
+        if let Reader::Flat(flat) | Reader::Unpacked(flat, _) = &mut self.reader
             && flat.bands == 1
             && self.scale.is_empty()
         {
@@ -161,6 +194,7 @@ impl Raster {
             };
             (flat.bands, flat.columns) = (flat.columns, 1);
             (self.columns, self.bands) = (1, vec![RasterBand::default(); flat.bands]);
+            self.in_file = (0..self.bands.len()).collect();
         }
         self
     }
@@ -177,12 +211,19 @@ impl Raster {
             path: path.to_owned(),
             rows,
             columns,
+            in_file: (0..bands.len()).collect(),
             bands,
+            pixel_aspect: 1.0,
+            layers: Vec::new(),
+            alpha: None,
+            coverage: None,
+            no_data: None,
             unit: None,
             ignore: None,
             data_type,
             report: Report::default(),
             scale: Vec::new(),
+            georeference: None,
             place: None,
             extra: Vec::new(),
             files: vec![path.to_owned()],
@@ -194,6 +235,71 @@ impl Raster {
     /// Number of pixels.
     pub fn pixels(&self) -> usize {
         self.rows * self.columns
+    }
+
+    /// Keeps the bands of the image that the file holds, in the order that is asked for by the names of channels, or in its own. Coverage
+    /// (alpha) beside them is divided out of them from now on. What is left out is noted in the report.
+    ///
+    /// # Errors
+    /// What is not there, or which bands are meant: a message and a help.
+    pub fn take_image(&mut self, channels: Option<&[String]>) -> std::result::Result<(), (String, String)> {
+        let all: Vec<&str> = self.bands.iter().map(|band| band.name.as_str()).collect();
+        let Chosen { bands, alpha } = layers::choose(&self.layers, &all, channels)?;
+        let is_left = |band: &usize| !bands.contains(band) && Some(*band) != alpha;
+        let left: Vec<&str> = (0..all.len()).filter(is_left).map(|band| all[band]).collect();
+        if !left.is_empty() && channels.is_none() {
+            let more = if left.len() > 8 { ", ..." } else { "" };
+            let message = format!("channels beside the image: {}{more}", left[..left.len().min(8)].join(", "));
+            self.report.note(Fate::Dropped, Location::file(&self.path), message);
+        }
+        if let Some(alpha) = alpha {
+            let message = format!("{}: coverage, by which the others are divided", all[alpha]);
+            self.report.note(Fate::Defaulted, Location::file(&self.path), message);
+        }
+        self.alpha = alpha.map(|alpha| self.in_file[alpha]);
+        self.coverage = None;
+        self.in_file = bands.iter().map(|band| self.in_file[*band]).collect();
+        self.bands = bands.iter().map(|band| self.bands[*band].clone()).collect();
+        self.layers.clear();
+        Ok(())
+    }
+
+    /// Where it lies in a plane, as it says itself.
+    pub(crate) fn georeference(&self) -> Option<&Georeference> {
+        self.georeference.as_ref()
+    }
+
+    /// The unit that it states, unless that leaves open what it is: spectral OpenEXR says W.m^-2.sr^-1 of radiance per wavelength.
+    pub(crate) fn stated_unit(&self) -> Option<&str> {
+        let is_open = matches!(self.reader, Reader::Exr(_)) && self.unit.as_deref() == Some("W.m^-2.sr^-1");
+        self.unit.as_deref().filter(|_| !is_open)
+    }
+
+    /// Takes one more number for "nothing here": as it is stored, or as it is among the values.
+    pub fn set_no_data(&mut self, no_data: Option<f64>) {
+        self.no_data = no_data;
+    }
+
+    /// What share of each pixel shows something, row by row, 0 to 1, where the file says it: alpha, of PNG as of what
+    /// [`take_image`](Self::take_image) has found. Values are means over that share.
+    ///
+    /// # Errors
+    /// What [`read`](Self::read) says.
+    pub fn coverage(&mut self) -> Result<Option<&[f64]>> {
+        if self.coverage.is_none() {
+            let mut alpha = Vec::new();
+            match (&self.reader, self.alpha) {
+                (Reader::Png { colours, has_alpha: true }, _) => {
+                    resize(&mut alpha, self.pixels(), &self.path)?;
+                    picture::read(&self.path, *colours..*colours + 1, &mut alpha)?;
+                }
+                (_, Some(band)) => self.numbers(band, &mut alpha)?,
+                _ => return Ok(None),
+            }
+            alpha.iter_mut().for_each(|share| *share = if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) });
+            self.coverage = Some(alpha);
+        }
+        Ok(self.coverage.as_deref())
     }
 
     /// Reads a band, counted from 0: [row, column], row by row, in the file's unit; NaN where there is no data. `values` is
@@ -210,57 +316,110 @@ impl Raster {
                 format!("band {} is asked for, counted from 1: it has {}", band.saturating_add(1), self.bands.len());
             return Err(Error::invalid(Location::file(&self.path), message));
         }
+        let band = self.in_file[band];
+        self.numbers(band, values)?;
+        let ignored = [self.ignore, self.no_data].map(|number| number.map(|n| self.as_stored(band, n)));
+        if ignored.iter().any(Option::is_some) {
+            values.iter_mut().filter(|v| ignored.contains(&Some(**v))).for_each(|v| *v = f64::NAN);
+        }
+        if let Some(Scale { gain, offset, divisor }) = self.scale.get(band).copied() {
+            values.iter_mut().for_each(|v| *v = (*v * gain + offset) / divisor);
+            if let Some(no_data) = self.no_data {
+                values.iter_mut().filter(|v| **v == no_data).for_each(|v| *v = f64::NAN);
+            }
+        }
+        if self.alpha.is_some()
+            && let Some(coverage) = self.coverage()?
+        {
+            // 0 / 0 is no data, and so is what shines without covering anything.
+            let divided = |value: f64, share: f64| if share > 0.0 { value / share } else { f64::NAN };
+            values.iter_mut().zip(coverage).for_each(|(value, share)| *value = divided(*value, *share));
+        }
+        Ok(())
+    }
+
+    /// Reads the numbers of a band of the file.
+    fn numbers(&mut self, band: usize, values: &mut Vec<f64>) -> Result<()> {
         let pixels = self.pixels();
-        let together = if self.reader.is_banded() { 1 } else { PASS_BYTES / (8 * pixels) };
+        let together = match &self.reader {
+            Reader::Flat(flat) | Reader::Unpacked(flat, _) if !flat.is_banded() => PASS_BYTES / (8 * pixels),
+            Reader::Png { .. } => PASS_BYTES / (8 * pixels),
+            Reader::Exr(channels) => channels.together(pixels).max(2),
+            Reader::Flat(_) | Reader::Unpacked(..) | Reader::Held(_) => 1,
+        };
         if together < 2 {
             resize(values, pixels, &self.path)?;
             return self.fill(band..band + 1, values);
         }
         if !self.pass.bands.contains(&band) {
-            let bands = band..self.bands.len().min(band + together);
-            let mut pass = std::mem::take(&mut self.pass.values);
-            self.pass.bands = 0..0;
-            resize(&mut pass, bands.len() * pixels, &self.path)?;
-            self.fill(bands.clone(), &mut pass)?;
-            self.pass = Pass { bands, values: pass };
+            let first = band / together * together;
+            let all = match &self.reader {
+                Reader::Flat(flat) | Reader::Unpacked(flat, _) => flat.bands,
+                Reader::Exr(channels) => channels.count(),
+                Reader::Png { colours, .. } => *colours,
+                Reader::Held(_) => self.in_file.len(),
+            };
+            let bands = first..all.min(first + together);
+            let before = std::mem::take(&mut self.pass).numbers;
+            let numbers = match (&self.reader, before) {
+                (Reader::Exr(channels), before) => {
+                    drop(before);
+                    exr::read(&self.path, (self.rows, self.columns), channels, bands.clone())?
+                }
+                (_, before) => {
+                    let mut all = if let Numbers::F64(all) = before { all } else { Vec::new() };
+                    resize(&mut all, bands.len() * pixels, &self.path)?;
+                    self.fill(bands.clone(), &mut all)?;
+                    Numbers::F64(all)
+                }
+            };
+            self.pass = Pass { bands, numbers };
         }
         resize(values, pixels, &self.path)?;
-        values.copy_from_slice(&self.pass.values[(band - self.pass.bands.start) * pixels..][..pixels]);
+        self.pass.numbers.copy_to((band - self.pass.bands.start) * pixels, values);
         Ok(())
     }
 
-    /// Reads bands, [band, row, column].
+    /// Reads the numbers of bands of the file, [band, row, column].
     fn fill(&self, bands: Range<usize>, values: &mut [f64]) -> Result<()> {
         match &self.reader {
-            Reader::Flat(flat) => flat.read(&self.path, bands.clone(), values)?,
-            Reader::Exr(channels) => exr::read(&self.path, (self.rows, self.columns), channels, bands.clone(), values)?,
-            Reader::Png => picture::read(&self.path, bands.clone(), values)?,
-            Reader::Held(held) => values.copy_from_slice(held),
-        }
-        let ignore = self.ignore.map(|v| self.as_stored(v));
-        for (band, values) in bands.zip(values.chunks_exact_mut(self.pixels())) {
-            if let Some(ignore) = ignore {
-                values.iter_mut().filter(|v| **v == ignore).for_each(|v| *v = f64::NAN);
+            Reader::Flat(flat) => flat.read(&self.path, bands, values)?,
+            Reader::Unpacked(flat, bytes) => {
+                flat.read_from(Cursor::new(bytes), bands, values).map_err(|e| Error::io(&self.path, "reading", e))?
             }
-            if let Some(Scale { gain, offset, divisor }) = self.scale.get(band) {
-                values.iter_mut().for_each(|v| *v = (*v * gain + offset) / divisor);
+            Reader::Exr(channels) => {
+                exr::read(&self.path, (self.rows, self.columns), channels, bands)?.copy_to(0, values)
             }
+            Reader::Png { .. } => picture::read(&self.path, bands, values)?,
+            Reader::Held(held) => values.copy_from_slice(&held[bands.start * self.pixels()..bands.end * self.pixels()]),
         }
         Ok(())
     }
 
-    /// A number that was written in decimals, as it is among the file's numbers: those may be f32.
-    pub fn as_stored(&self, number: f64) -> f64 {
-        if self.reader.stores_f32() { f64::from(number as f32) } else { number }
+    /// A number that was written in decimals, as it is among the numbers of a band of the file: those may be f32, or less.
+    fn as_stored(&self, band: usize, number: f64) -> f64 {
+        match &self.reader {
+            Reader::Flat(flat) | Reader::Unpacked(flat, _) if flat.data_type == DataType::F32 => {
+                f64::from(number as f32)
+            }
+            Reader::Exr(channels) => channels.as_stored(band, number),
+            _ => number,
+        }
     }
 
     /// The bands of a picture: three for colours where all wavelengths are known or there are three, else the middle one.
     pub fn colour_bands(&self) -> Vec<usize> {
-        let bands: Option<Vec<Band>> =
-            self.bands.iter().map(|b| Some(Band { centre_um: b.centre_um?, fwhm_um: None })).collect();
-        match bands {
-            Some(bands) if bands.len() >= 3 => quicklook::colour_bands(&bands).to_vec(),
-            None if self.bands.len() == 3 => vec![0, 1, 2],
+        let bands: Option<Vec<Band>> = self.bands.iter().map(|b| Some(Band::new(b.centre_um?, None))).collect();
+        let colours: Option<Vec<usize>> = (0..3)
+            .map(|colour| {
+                let mut of = (0..self.bands.len()).filter(|i| names::colour(&self.bands[*i].name) == Some(colour));
+                of.next().filter(|_| of.next().is_none())
+            })
+            .collect();
+        match (bands, colours) {
+            (Some(bands), _) if bands.len() >= 3 => quicklook::colour_bands(&bands).to_vec(),
+            (None, Some(colours)) => colours,
+            (None, _) if self.bands.len() == 3 => vec![0, 1, 2],
             _ => vec![self.bands.len() / 2],
         }
     }
@@ -277,21 +436,6 @@ impl Raster {
             Ok(file.finish(path))
         };
         self.files.iter().map(hashed).collect()
-    }
-}
-
-impl Reader {
-    /// Whether one band is read without the others.
-    fn is_banded(&self) -> bool {
-        match self {
-            Reader::Flat(flat) => flat.is_banded(),
-            Reader::Exr(_) | Reader::Png => false,
-            Reader::Held(_) => true,
-        }
-    }
-
-    fn stores_f32(&self) -> bool {
-        matches!(self, Reader::Flat(flat) if flat.data_type == DataType::F32)
     }
 }
 
@@ -318,15 +462,15 @@ fn check_size(at: Location, rows: usize, columns: usize, bands: usize) -> Result
     Err(Error::invalid(at, message))
 }
 
-/// Refuses a file that is not as long as its header says.
-fn check_length(path: &Path, flat: &Flat, end: Option<u64>, said_by: &Path) -> Result<()> {
+/// Refuses a file that is shorter than its header says; of a longer one, what is told.
+fn check_length(path: &Path, flat: &Flat, end: Option<u64>, said_by: &Path) -> Result<Option<String>> {
     let there = match end {
         Some(end) => end,
         None => std::fs::metadata(path).map_err(|e| Error::io(path, "reading", e))?.len(),
     };
     let wanted = flat.data_bytes().and_then(|n| n.checked_add(flat.start));
     if wanted == Some(there) {
-        return Ok(());
+        return Ok(None);
     }
     let Flat { rows, columns, bands, data_type, start, .. } = flat;
     let message = format!(
@@ -334,9 +478,9 @@ fn check_length(path: &Path, flat: &Flat, end: Option<u64>, said_by: &Path) -> R
         data_type.bytes(),
         said_by.display()
     );
-    let help = match wanted {
-        Some(wanted) if wanted < there => "its size, bands or type are others, or the header is another file's",
-        _ => "it is cut short, or the header is another file's",
-    };
-    Err(Error::Invalid(vec![Problem::new(Location::file(path), message).with_help(help)]))
+    if wanted.is_some_and(|wanted| wanted < there) {
+        return Ok(Some(message));
+    }
+    let problem = Problem::new(Location::file(path), message);
+    Err(Error::Invalid(vec![problem.with_help("it is cut short, or the header is another file's")]))
 }

@@ -1,7 +1,7 @@
 //! NumPy: one array in `.npy`, or one among those of a `.npz`. [row, column] or [row, column, band].
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{Cursor, Read};
 use std::path::Path;
 
 use crate::error::{Error, Location, Problem, Result};
@@ -21,8 +21,12 @@ pub(super) fn open(path: &Path) -> Result<Raster> {
     let mut beginning = Vec::new();
     File::open(path).and_then(|file| file.take(PREAMBLE).read_to_end(&mut beginning)).map_err(reading)?;
     let flat = flat(&beginning, 0, Location::file(path))?;
-    check_length(path, &flat, None, path)?;
-    Ok(raster(path, flat))
+    let surplus = check_length(path, &flat, None, path)?;
+    let mut raster = raster(path, flat);
+    if let Some(surplus) = surplus {
+        raster.report.note(Fate::Dropped, Location::file(path), surplus);
+    }
+    Ok(raster)
 }
 
 fn raster(path: &Path, flat: Flat) -> Raster {
@@ -78,6 +82,12 @@ fn flat(beginning: &[u8], start: u64, at: Location) -> Result<Flat> {
     })
 }
 
+/// Length of a list.
+fn length(path: &Path, member: &Member, at: &impl Fn(&str) -> Location) -> Result<usize> {
+    let flat = flat(&npz::beginning(path, member, PREAMBLE)?, member.start, at(&member.name))?;
+    Ok(flat.rows * flat.columns * flat.bands)
+}
+
 /// Opens a `.npz` file: the array of numbers in it, or the one named `raster`. `wavelength_um`, `fwhm_um` and `unit` beside it
 /// say what its bands are.
 pub(super) fn open_npz(path: &Path) -> Result<Raster> {
@@ -99,16 +109,44 @@ pub(super) fn open_npz(path: &Path) -> Result<Raster> {
             return Err(Error::Invalid(vec![problem]));
         }
     };
-    let flat = flat(&npz::beginning(path, array, PREAMBLE)?, array.start, at(&array.name))?;
-    check_length(path, &flat, Some(array.start + array.bytes), path)?;
-    let mut raster = raster(path, flat);
+    let beginning = npz::beginning(path, array, PREAMBLE)?;
+    let mut flat = flat(&beginning, array.start, at(&array.name))?;
+    let mut notes = Vec::new();
+    notes.extend(check_length(path, &flat, Some(array.start + array.bytes), path)?);
+    // How many bands there are is how many wavelengths there are: of a table of [facet, band], and of [band, row, column].
+    if let Some(count) = wavelength_um.as_ref().map(|member| length(path, member, &at)).transpose()? {
+        let (rows, columns, bands) = (flat.rows, flat.columns, flat.bands);
+        match flat.order {
+            Order::BandRowColumn | Order::BandColumnRow if bands == 1 && columns == count && count > 1 => {
+                flat.order =
+                    if flat.order == Order::BandRowColumn { Order::RowColumnBand } else { Order::BandRowColumn };
+                // In Fortran's order a column, which is a band, is in one piece.
+                (flat.columns, flat.bands) = (1, columns);
+            }
+            Order::RowColumnBand if bands != count && rows == count => {
+                (flat.rows, flat.columns, flat.bands) = (columns, bands, rows);
+                flat.order = Order::BandRowColumn;
+                notes.push(format!(
+                    "{}: as many wavelengths as its first axis is long: taken as [band, row, column]",
+                    array.name
+                ));
+            }
+            _ => {}
+        }
+    }
+    let mut raster = raster(path, flat.clone());
+    if array.is_packed {
+        raster.reader = Reader::Unpacked(flat, beginning.into());
+    }
+    notes.into_iter().for_each(|note| raster.report.note(Fate::Defaulted, Location::file(path), note));
     for other in members.iter().filter(|m| m.name != array.name) {
         raster.report.note(Fate::Dropped, at(&other.name), "an array beside the raster");
     }
     let mut problems = Vec::new();
     let mut list = |member: Option<Member>| -> Result<Option<Vec<f64>>> {
         let Some(member) = member else { return Ok(None) };
-        let of_list = self::flat(&npz::beginning(path, &member, PREAMBLE)?, member.start, at(&member.name))?;
+        let beginning = npz::beginning(path, &member, PREAMBLE)?;
+        let of_list = self::flat(&beginning, member.start, at(&member.name))?;
         check_length(path, &of_list, Some(member.start + member.bytes), path)?;
         if of_list.bands != 1
             || of_list.rows.min(of_list.columns) != 1
@@ -119,7 +157,12 @@ pub(super) fn open_npz(path: &Path) -> Result<Raster> {
             return Ok(None);
         }
         let mut numbers = vec![0.0; raster.bands.len()];
-        of_list.read(path, 0..1, &mut numbers)?;
+        match member.is_packed {
+            true => of_list
+                .read_from(Cursor::new(&beginning), 0..1, &mut numbers)
+                .map_err(|e| Error::io(path, "reading", e))?,
+            false => of_list.read(path, 0..1, &mut numbers)?,
+        }
         if let Some(i) = numbers.iter().position(|v| !(*v > 0.0 && v.is_finite())) {
             problems
                 .push(Problem::new(at(&format!("{}[{i}]", member.name)), format!("{} is not positive", numbers[i])));

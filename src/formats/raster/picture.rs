@@ -24,7 +24,9 @@ pub(super) fn open(path: &Path) -> Result<Raster> {
     };
     check_size(Location::file(path), rows, columns, names.len())?;
     let bands = names.iter().map(|name| RasterBand { name: (*name).to_owned(), ..RasterBand::default() }).collect();
-    let mut raster = Raster::of(path, (rows, columns), bands, DataType::F64, Reader::Png);
+    let has_alpha = matches!(colour, ColorType::GrayscaleAlpha | ColorType::Rgba);
+    let colours = names.len();
+    let mut raster = Raster::of(path, (rows, columns), bands, DataType::F64, Reader::Png { colours, has_alpha });
     let message = "values: shares of the largest number, as stored";
     raster.report.note(Fate::Defaulted, Location::file(path), message);
     Ok(raster)
@@ -66,7 +68,8 @@ pub(super) fn read(path: &Path, bands: Range<usize>, values: &mut [f64]) -> Resu
         width.decode(true, stored, &mut pixel);
         let transparent = has_alpha && pixel[samples - 1] == 0.0;
         for (band, values) in bands.clone().zip(values.chunks_exact_mut(pixels)) {
-            values[i] = if transparent { f64::NAN } else { pixel[band] / largest };
+            let is_alpha = has_alpha && band == samples - 1;
+            values[i] = if transparent && !is_alpha { f64::NAN } else { pixel[band] / largest };
         }
     }
     Ok(())

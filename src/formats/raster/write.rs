@@ -135,6 +135,8 @@ pub fn write(
             let others = ["gr#", "grf", "mpr"].map(|e| staged(&path.with_extension(e)));
             let [corners, georeference, header] = others;
             let (corners, georeference, header) = (corners?, georeference?, header?);
+            // As DART had it.
+            job.loss.no_data_is = job.raster.ignore.filter(|ignore| *ignore == ilwis::NO_DATA);
             job.numbers(&numbers, &flat(Order::BandRowColumn, 0, 0), &[])?;
             let place = match &job.raster.place {
                 Some(place) => place.clone(),
@@ -174,11 +176,21 @@ struct Loss {
     unmarked: u64,
     least: f64,
     largest: f64,
+    /// What a map of reals has where there is no data, if not NaN.
+    no_data_is: Option<f64>,
 }
 
 impl Default for Loss {
     fn default() -> Self {
-        Loss { changed: 0, most: 0.0, no_data: 0, unmarked: 0, least: f64::INFINITY, largest: f64::NEG_INFINITY }
+        Loss {
+            changed: 0,
+            most: 0.0,
+            no_data: 0,
+            unmarked: 0,
+            least: f64::INFINITY,
+            largest: f64::NEG_INFINITY,
+            no_data_is: None,
+        }
     }
 }
 
@@ -196,7 +208,11 @@ impl Loss {
         let mut rounded = Vec::new();
         for piece in values.chunks_mut(1 << 16) {
             for value in piece.iter_mut() {
-                if value.is_nan() {
+                if value.is_nan() && self.no_data_is.is_some() {
+                    *value = self.no_data_is.unwrap_or(f64::NAN);
+                    self.least = self.least.min(*value);
+                    self.largest = self.largest.max(*value);
+                } else if value.is_nan() {
                     self.no_data += 1;
                     if data_type.is_integer() {
                         self.unmarked += u64::from(marker.is_none());
@@ -398,9 +414,8 @@ fn channel_names(bands: &[RasterBand], path: &Path, report: &mut Report) -> Resu
         sorted.windows(2).find(|w| w[0] == w[1]).map(|w| w[0].clone())
     };
     if let Some(centres_um) = centres_um {
-        let names: Vec<String> =
-            centres_um.iter().map(|um| exr_cube::channel_name(&Band { centre_um: *um, fwhm_um: None })).collect();
-        if bands.iter().any(|b| !b.name.is_empty() && exr_cube::wavelength_um(&b.name).is_none()) {
+        let names: Vec<String> = centres_um.iter().map(|um| exr_cube::channel_name(&Band::new(*um, None))).collect();
+        if bands.iter().any(|b| !b.name.is_empty() && super::names::wavelength(&b.name).is_none()) {
             let at = Location::file(path).with_item("names of bands");
             report.note(Fate::Dropped, at, "channels are called by their wavelength");
         }

@@ -3,12 +3,11 @@
 use glam::{DMat3, DVec3};
 
 use super::Reader;
+use super::mesh::{ROUNDED, UNIT_TOLERANCE};
 use super::types::ConventionToml;
 
-/// Rotations that are off by no more than this are rounded: single precision, or seven digits, and what few products add.
-const ROUNDED: f64 = 1e-5;
-/// By less than this a rotation is not worth a word.
-const EXACT: f64 = 1e-9;
+/// A scale that differs from 1 by less is single precision's.
+const SCALED: f64 = 1e-6;
 
 impl ConventionToml {
     /// The sensor's axes (right, down, ahead) in the camera's.
@@ -42,9 +41,12 @@ impl Reader<'_> {
     /// A rotation of rounded numbers, made one. Says so, or that it is none.
     pub(in crate::formats) fn unrounded(&mut self, item: &str, m: DMat3) -> Option<DMat3> {
         match rotation_near(m) {
-            Some((_, off)) if off <= EXACT => Some(m),
+            Some((_, off)) if off <= UNIT_TOLERANCE => Some(m),
             Some((rotation, off)) if off <= ROUNDED => {
-                self.notes.push(format!("{item}: numbers are rounded, the rotation is off by {off:.1e}: made one"));
+                self.notes.push(format!(
+                    "{item}: axes are rounded, and {off:.1e} off axes of length 1 at right angles: they are made such, and the line of \
+                     sight stays"
+                ));
                 Some(rotation)
             }
             _ => None,
@@ -85,7 +87,7 @@ impl Reader<'_> {
             self.problem(item, format!("its axes have the lengths {lengths:?}: those of a camera are alike"));
             return None;
         }
-        if (most - 1.0).abs() > ROUNDED {
+        if (most - 1.0).abs() > SCALED {
             self.notes.push(format!("{item}: a scale of {most}, which means nothing for a camera, is left out"));
         }
         let unit = DMat3::from_cols(axes.x_axis.normalize(), axes.y_axis.normalize(), axes.z_axis.normalize());

@@ -97,10 +97,15 @@ impl Reader<'_> {
         let size = if is_wide { whole[0] } else { whole[1] };
         let across = match (lens.ifov_mrad, lens.fov_deg, lens.focal_px, lens.focal_mm) {
             (Some(ifov_mrad), None, None, None) => {
-                if ifov_mrad > 1000.0 {
-                    let message = format!("a pixel of {} mrad", number(ifov_mrad));
-                    self.helped(&at("ifov_mrad"), message, "if this is microradians, write a thousandth");
+                let message = format!("a pixel of {} mrad", number(ifov_mrad));
+                let help = "if this is microradians, write a thousandth";
+                // Half a turn has no tangent.
+                if ifov_mrad >= 1e3 * std::f64::consts::PI {
+                    self.helped(&at("ifov_mrad"), message, help);
                     return None;
+                }
+                if ifov_mrad > 1000.0 {
+                    self.notes.push(format!("sensor.ifov_mrad: {message}; {help}"));
                 }
                 [super::pitch_of_ifov(ifov_mrad); 2]
             }
@@ -120,7 +125,7 @@ impl Reader<'_> {
             _ => {
                 self.problem(
                     "sensor",
-                    "give one of `ifov_mrad`, `fov_deg`, `focal_px`, and `focal_mm` with `sensor_mm`",
+                    "give one of `ifov_mrad`, `fov_deg`, `focal_px`, `focal_mm` with `sensor_mm`, and, in a scene, `fit`",
                 );
                 return None;
             }
@@ -166,11 +171,12 @@ impl Reader<'_> {
         if fit.is_none() {
             return Some(false);
         }
-        if lens.says_field() || !lens.is_plain() {
-            self.problem(
-                "sensor.fit",
-                "goes with square pixels and a boresight in the middle of the image, and finds the field of view: leave it out",
-            );
+        if lens.says_field() {
+            self.problem("sensor", "give one of `ifov_mrad`, `fov_deg` and `fit`, or a focal length");
+            return None;
+        }
+        if !lens.is_plain() {
+            self.problem("sensor.fit", "goes with square pixels and a boresight in the middle of the image alone");
             return None;
         }
         Some(true)

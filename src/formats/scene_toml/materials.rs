@@ -12,10 +12,11 @@ use crate::spectral::{Extend, Spectrum, solar_mean};
 use super::super::located::{self, member};
 use super::super::photometry_csv;
 use super::Reader;
+use super::mesh::ROUNDED;
 use super::types::{ExtendToml, MaterialToml};
 
 /// Bolometric emissivity of a surface that does not state one; Phobos and most powders lie between 0.9 and 1.
-const EMISSIVITY_BOLOMETRIC: f64 = 0.95;
+pub(in crate::formats) const EMISSIVITY_BOLOMETRIC: f64 = 0.95;
 /// No surface radiates less: polished metals have 0.02.
 const LEAST_EMISSIVITY: f64 = 1e-3;
 /// Two colours are the same if no channel differs by more: one step of the 8 bits that most programs keep.
@@ -103,7 +104,11 @@ impl Reader<'_> {
         }
         // From 0.0: the sum of nothing is -0.
         let sum = mixture.values().fold(0.0, |sum, share| sum + share);
-        if (sum - 1.0).abs() > SHARE_TOLERANCE {
+        let off = (sum - 1.0).abs();
+        if off > SHARE_TOLERANCE && off <= ROUNDED {
+            let at = member(&item, "mixture");
+            self.notes.push(format!("{at}: rounded shares, which add up to {sum}: they are divided by that"));
+        } else if !(0.0..=SHARE_TOLERANCE).contains(&off) {
             let is_percent = (sum - 100.0).abs() < 1e-6;
             let problem = self.problem(&member(&item, "mixture"), format!("shares add up to {sum}, not 1"));
             problem.help = is_percent.then(|| "shares are fractions, not percent".into());
@@ -126,6 +131,9 @@ impl Reader<'_> {
             Some(ExtendToml::Hold) => Extend::Hold,
             Some(ExtendToml::Error) | None => Extend::Error,
         };
+        // Shares may be rounded.
+        let sum = entry.mixture.iter().flatten().fold(0.0, |sum, (_, share)| sum + share);
+        let whole = if (sum - 1.0).abs() > SHARE_TOLERANCE { sum } else { 1.0 };
         // The parts with their shares; none for an entry with a reflectance of its own.
         let mixed: Vec<(f64, &Material)> = entry
             .mixture
@@ -133,7 +141,7 @@ impl Reader<'_> {
             .flatten()
             .map(|(part, share)| {
                 let part = names.iter().position(|n| n == part)?;
-                Some((*share, known[part].as_ref()?))
+                Some((*share / whole, known[part].as_ref()?))
             })
             .collect::<Option<_>>()?;
         let reflectance = match &entry.reflectance {
@@ -314,7 +322,7 @@ impl Reader<'_> {
 }
 
 /// The mean over a mixture's parts, by their shares.
-fn mean(mixed: &[(f64, &Material)], of: fn(&Material) -> f64) -> f64 {
+pub(super) fn mean(mixed: &[(f64, &Material)], of: fn(&Material) -> f64) -> f64 {
     mixed.iter().map(|(share, material)| share * of(material)).sum()
 }
 

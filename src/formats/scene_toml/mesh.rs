@@ -2,18 +2,25 @@
 
 use glam::{DMat3, DQuat, DVec3};
 
+use crate::error::number;
 use crate::formats::mtl::{self, ObjMaterial};
 use crate::formats::{obj, recipe_toml};
-use crate::geometry::{Direction, MaterialId, Mesh, Pose};
+use crate::geometry::{MaterialId, Mesh, Pose, body_from_site};
 use crate::landscape;
 use crate::progress::Progress;
+use crate::report::Note;
+use crate::scene::FrameCamera;
 
 use super::Reader;
 use super::materials::Dictionary;
 use super::types::{Coordinates, GivenPose, MeshToml, NamedPose, PoseToml, RecipeToml, Up};
 
+/// A camera that is more sizes of the scene away looks at next to nothing.
+const FAR: f64 = 1000.0;
 /// Unit vectors and quaternions have length 1 to within this.
 pub(super) const UNIT_TOLERANCE: f64 = 1e-9;
+/// What is farther off than this is no rounding: axes and quaternions of length 1, and shares that add up to 1.
+pub(super) const ROUNDED: f64 = 0.01;
 
 impl Reader<'_> {
     /// All meshes in one, local to the origin, with the dictionary's materials.
@@ -40,18 +47,19 @@ impl Reader<'_> {
     fn mesh(&mut self, item: &str, toml: &MeshToml, dictionary: &mut Dictionary) -> Option<Mesh> {
         let pose = self.pose(item, toml);
         let key = |key: &str| format!("{item}.{key}");
-        let (mut mesh, materials) = match (&toml.obj, &toml.recipe) {
+        let (mut mesh, materials, doubts) = match (&toml.obj, &toml.recipe) {
             (Some(name), None) => self.obj(&key("obj"), name)?,
             (None, Some(recipe)) => {
                 let for_obj = [
                     (toml.unit_m.is_some(), "unit_m"),
                     (toml.up.is_some(), "up"),
                     (toml.coordinates.is_some(), "coordinates"),
+                    (toml.flip.is_some(), "flip"),
                 ];
                 for (_, name) in for_obj.into_iter().filter(|(given, _)| *given) {
                     self.problem(&key(name), "a recipe makes metres, z up, local: this is for OBJ files");
                 }
-                (self.recipe(&key("recipe"), recipe)?.mesh, mtl::of_landscapes())
+                (self.recipe(&key("recipe"), recipe)?.mesh, mtl::of_landscapes(), vec![])
             }
             _ => {
                 self.problem(item, "give either `obj` or `recipe`");
@@ -63,7 +71,20 @@ impl Reader<'_> {
             Some(name) => vec![self.entry_named(&key("material"), name, dictionary); materials.len()],
             None => materials.iter().map(|m| self.entry_of(&source, m, dictionary)).collect(),
         };
-        let entries: Vec<_> = entries.into_iter().collect::<Option<_>>()?;
+        let Some(entries) = entries.into_iter().collect::<Option<Vec<_>>>() else {
+            // Why a name or colour is not what the dictionary has, if the file is to blame.
+            for note in doubts {
+                if let Some(problem) = self.problems.last_mut() {
+                    let help = problem.help.take().map_or(String::new(), |help| help + "; ");
+                    problem.help = Some(format!("{help}{}: {}", note.at, note.message));
+                }
+            }
+            return None;
+        };
+        if toml.material.is_none() {
+            let told = |note: &Note| format!("{source}, {}: {}", note.at, note.message);
+            self.notes.extend(doubts.iter().map(told));
+        }
         for material in &mut mesh.material {
             *material = entries[material.0 as usize];
         }
@@ -77,12 +98,24 @@ impl Reader<'_> {
             };
             *vertex = pose.point(v * unit_m);
         }
+        if toml.flip == Some(true) {
+            mesh.flip();
+        }
         self.suspect_unit(item, toml, &mesh);
+        if toml.obj.is_some()
+            && let Some(volume_m3) = mesh.enclosed_m3().filter(|volume_m3| *volume_m3 < 0.0)
+        {
+            let now = toml.flip.unwrap_or(false);
+            self.notes.push(format!(
+                "{source}: the mesh is inside out (its volume is {volume_m3:.3e} m3): from outside it is black, unless `flip = {}`",
+                !now
+            ));
+        }
         Some(mesh)
     }
 
-    /// A mesh in the file's own unit and axes, and its materials.
-    fn obj(&mut self, item: &str, name: &str) -> Option<(Mesh, Vec<ObjMaterial>)> {
+    /// A mesh in the file's own unit and axes, its materials, and what is doubtful of them.
+    fn obj(&mut self, item: &str, name: &str) -> Option<(Mesh, Vec<ObjMaterial>, Vec<Note>)> {
         self.tell("reading meshes", 0, 1);
         let read = obj::read(&self.path(name));
         self.tell("reading meshes", 1, 1);
@@ -92,6 +125,7 @@ impl Reader<'_> {
             let list: Vec<String> = obj.ignored.iter().map(|(word, n)| format!("{n} x `{word}`")).collect();
             self.notes.push(format!("{item}: statements passed over: {}", list.join(", ")));
         }
+        self.notes.extend(obj.doubts.iter().map(|note| format!("{item}, {}: {}", note.at, note.message)));
         let material = obj.facet_material.into_iter().map(MaterialId).collect();
         let mesh = Mesh {
             vertices_m: obj.vertices,
@@ -100,7 +134,29 @@ impl Reader<'_> {
             face_of_facet: obj.face_of_facet,
             uv: obj.uv,
         };
-        Some((mesh, obj.materials))
+        Some((mesh, obj.materials, obj.material_doubts))
+    }
+
+    /// A scene that is less than a pixel, or next to nothing from where the camera is, is probably not in the unit that was said.
+    pub(super) fn suspect_scale(&mut self, meshes: &[MeshToml], mesh: &Mesh, camera: &FrameCamera) {
+        let Some((low, high)) = mesh.bounds_m() else { return };
+        let Some(i) = meshes.iter().position(|toml| toml.obj.is_some()) else { return };
+        let item = format!("mesh[{i}].{}", if meshes[i].unit_m.is_some() { "unit_m" } else { "obj" });
+        let size_m = (high - low).length();
+        let away_m = (camera.centre_m() - 0.5 * (low + high)).length();
+        let pixel_m = camera.mean_pitch() * away_m;
+        let (times_away, pixels) = (away_m / size_m, size_m / pixel_m);
+        if !(size_m > 0.0 && (times_away > FAR || pixels < 1.0)) {
+            return;
+        }
+        // A thousand times as large, would it be something to look at?
+        let is_km = 1e3 * pixels >= 1.0 && times_away <= 1e3 * FAR;
+        let unit_m = meshes[i].unit_m.unwrap_or(1.0);
+        let likely = if is_km { format!("; in km it would be {}", number(1e3 * unit_m)) } else { String::new() };
+        self.notes.push(format!(
+            "{item}: all meshes together are {size_m:.3} m across, {pixels:.2e} pixels, and the camera is {times_away:.0} times that away: check `unit_m` ({}{likely})",
+            number(unit_m)
+        ));
     }
 
     /// A body's coordinates that end far from the origin are probably not in the unit or the frame that was said.
@@ -135,18 +191,7 @@ impl Reader<'_> {
         match given {
             PoseToml::Named(NamedPose::Body) => Some(Pose::IDENTITY),
             PoseToml::Named(NamedPose::Radial) => {
-                let outward = Direction::new(self.origin_m);
-                let east = Direction::new(DVec3::Z.cross(self.origin_m));
-                let (Some(up), Some(east)) = (outward, east) else {
-                    self.helped(
-                        &at,
-                        "a radial pose needs an origin that is away from the body's centre and poles, where east is no direction",
-                        "give `origin_m`, or the pose as `world_from_mesh_xyzw`",
-                    );
-                    return None;
-                };
-                let (up, east) = (up.vec(), east.vec());
-                Some(Pose { rotation: DMat3::from_cols(east, up.cross(east), up), translation_m: DVec3::ZERO })
+                Some(Pose { rotation: self.body_from_site(&at, "a radial pose")?, translation_m: DVec3::ZERO })
             }
             PoseToml::Given(GivenPose { world_from_mesh_xyzw, translation_m }) => {
                 let rotation = self.rotation(&format!("{at}.world_from_mesh_xyzw"), *world_from_mesh_xyzw)?;
@@ -155,11 +200,33 @@ impl Reader<'_> {
         }
     }
 
+    /// The axes of the site at the origin, which `what` needs.
+    pub(super) fn body_from_site(&mut self, item: &str, what: &str) -> Option<DMat3> {
+        let axes = body_from_site(self.origin_m);
+        if axes.is_none() {
+            let message =
+                format!("{what} needs an origin that is away from the body's centre: there the zenith is no direction");
+            self.helped(item, message, "give `origin_m`, or rotations and directions in the body's axes");
+        } else if self.origin_m.x == 0.0 && self.origin_m.y == 0.0 {
+            let note = format!(
+                "{item}: the origin is at a pole: east is taken as on the meridian of longitude 0, +y of the body"
+            );
+            if !self.notes.contains(&note) {
+                self.notes.push(note);
+            }
+        }
+        axes
+    }
+
     pub(super) fn rotation(&mut self, item: &str, xyzw: [f64; 4]) -> Option<DMat3> {
         let q = DQuat::from_array(xyzw);
-        if (q.length() - 1.0).abs() > UNIT_TOLERANCE {
+        let off = (q.length() - 1.0).abs();
+        if !(0.0..=ROUNDED).contains(&off) {
             self.problem(item, format!("a rotation is a quaternion of length 1; this one has {}", q.length()));
             return None;
+        }
+        if off > UNIT_TOLERANCE {
+            self.notes.push(format!("{item}: a rounded quaternion, whose length is {off:.1e} off 1: it is made 1"));
         }
         Some(DMat3::from_quat(q.normalize()))
     }

@@ -3,6 +3,7 @@
 //! Reading goes in three steps, and each tells all its problems: the text against the schema
 //! ([`located`]); each part against itself and the files it names; the whole, by [`Scene::check`].
 
+mod atlas;
 mod attitude;
 mod lens;
 mod materials;
@@ -19,21 +20,25 @@ use glam::DVec3;
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::Direction;
 use crate::progress::{Progress, Watch};
-use crate::scene::{Mars, MarsModel, Scene, Sun, Texture, Thermal};
+use crate::scene::{FARTHEST_M, Mars, MarsModel, Scene, Sun, Texture, Thermal};
 use crate::spectral::{Extend, Spectrum, solar_e490};
-use crate::units::{AU_M, MARS_RADIUS_M, TSI_1AU_W_M2};
+use crate::units::{AU_M, MARS_RADIUS_M, SUN_RADIUS_M, TSI_1AU_W_M2};
 
 use super::InputFile;
 use super::located::{self, Document};
 use super::spectra;
 use super::spectrum_csv::{self, Quantity};
+pub(super) use atlas::Tiling;
 pub(super) use lens::Lens;
+pub(super) use materials::EMISSIVITY_BOLOMETRIC;
 pub(crate) use materials::hex_from_linear;
+pub(super) use view::SENSOR_NAME;
+pub(super) use view::USUAL_UM;
 pub(super) use view::pitch_of_fov;
 pub(super) use view::pitch_of_ifov;
-pub use write::write;
+pub use write::{Axes, Unsaid, WriteOptions, write, write_with};
 
-use types::{MarsModelToml, MarsToml, SceneToml, SunToml, ThermalModelToml, ThermalToml, Values};
+use types::{Frame, MarsModelToml, MarsToml, SceneToml, SunToml, ThermalModelToml, ThermalToml, Values};
 
 /// A scene and what its report should say about where it came from.
 #[derive(Debug, Clone)]
@@ -178,6 +183,8 @@ impl<'a> Reader<'a> {
             return Err(Error::Interrupted);
         }
         if self.problems.is_empty() {
+            let defaults = self.defaults.iter().map(|default| format!("{}: {}", default.item, default.value));
+            self.notes.extend(defaults);
             return Ok((self.inputs, self.notes));
         }
         self.problems.sort_by_key(|p| p.at.span);
@@ -197,6 +204,9 @@ impl Reader<'_> {
         let mars = toml.mars.as_ref().map(|mars| self.mars(mars));
         let thermal = self.thermal(toml.thermal.as_ref());
         let sensor = self.sensor(&toml.sensor, &toml.observer, mesh.as_ref());
+        if let (Some(mesh), Some(sensor)) = (&mesh, &sensor) {
+            self.suspect_scale(&toml.mesh, mesh, &sensor.camera);
+        }
         let textures = self.textures(toml, &dictionary.names, mesh.as_ref());
         Some(Scene {
             origin_m: self.origin_m,
@@ -235,6 +245,11 @@ impl Reader<'_> {
 
     pub(super) fn helped(&mut self, item: &str, message: impl Into<String>, help: impl Into<String>) {
         self.problem(item, message).help = Some(help.into());
+    }
+
+    /// Something that is worth knowing.
+    pub(super) fn note(&mut self, item: &str, message: impl std::fmt::Display) {
+        self.notes.push(format!("{item}: {message}"));
     }
 
     fn stated(&mut self, item: &str, value: impl Into<String>) {
@@ -319,15 +334,23 @@ impl Reader<'_> {
     }
 
     fn sun(&mut self, toml: &SunToml) -> Option<Sun> {
+        let body_from_site = match toml.frame {
+            Some(Frame::Site) => Some(self.body_from_site("sun.frame", "the frame of a site")?),
+            _ => None,
+        };
         // A direction, if there is one, and a distance, m.
         let place = match (toml.position_m, toml.direction, toml.distance_au) {
             (Some(position_m), None, None) => {
-                let v = DVec3::from_array(position_m) - self.origin_m;
+                let v = match body_from_site {
+                    Some(axes) => axes * DVec3::from_array(position_m),
+                    None => DVec3::from_array(position_m) - self.origin_m,
+                };
                 Some((Direction::new(v), v.length()))
             }
             (None, Some(direction), Some(distance_au)) => {
                 // A unit vector is taken as it stands: to divide it by its length once more would move its last digit.
                 let direction = DVec3::from_array(direction);
+                let direction = body_from_site.map_or(direction, |axes| axes * direction);
                 let direction = Direction::from_unit(direction).or_else(|| Direction::new(direction));
                 if direction.is_none() {
                     self.problem("sun.direction", "has no length");
@@ -343,20 +366,26 @@ impl Reader<'_> {
         let place = place.and_then(|(direction, distance_m)| {
             // As it is given: a distance may be negative.
             let au = toml.distance_au.unwrap_or(distance_m / AU_M);
+            let shown = if (0.001..1e5).contains(&au.abs()) { format!("{au:.4}") } else { number(au) };
+            let message = format!("the Sun is {shown} au from the origin");
             let metres = toml.distance_au.is_none();
-            if !(0.1..=1e5).contains(&au) {
-                let help = match (metres, au) {
-                    (true, 0.0..0.1) => "positions are in metres, and whole: kilometres, or a position divided by a factor, change the light",
-                    (true, 1e5..) => "positions are in metres: 1 au is 149597870700 m",
-                    (false, 1e5..) => "the distance is in au: 1 au is 149597870700 m",
-                    _ => "Phobos is 1.38 to 1.67 au from the Sun",
-                };
-                let au = if au > 1e5 { number(au) } else { format!("{au:.4}") };
-                self.helped(item, format!("the Sun is {au} au from the origin"), help);
+            let help = match (metres, au) {
+                (true, ..0.3) => {
+                    "positions are in metres, and whole: kilometres, or a position divided by a factor, change the light"
+                }
+                (true, 40.0..) => "positions are in metres: 1 au is 149597870700 m",
+                (false, 40.0..) => "the distance is in au: 1 au is 149597870700 m",
+                _ => "Phobos is 1.38 to 1.67 au from the Sun",
+            };
+            // Nothing is inside the Sun, nor as far as nothing of a scene may be.
+            if !(SUN_RADIUS_M..=FARTHEST_M).contains(&(au * AU_M)) {
+                self.helped(item, message, help);
                 return None;
             }
-            if !(0.3..=40.0).contains(&au) {
-                self.notes.push(format!("{item}: the Sun is {au:.4} au from the origin"));
+            if !(0.1..=1e5).contains(&au) {
+                self.notes.push(format!("{item}: {message}; {help}"));
+            } else if !(0.3..=40.0).contains(&au) {
+                self.notes.push(format!("{item}: {message}"));
             }
             Some((direction?, distance_m))
         });
@@ -388,21 +417,25 @@ impl Reader<'_> {
                 number(times)
             );
             // A unit that is not the header's is wrong by 10 or more; less may be another star, or somebody's choice.
-            if !(0.1..=10.0).contains(&times) {
-                self.helped("sun.spectrum", message, "it is that at 1 au, in the unit that its header states");
-                return None;
-            }
+            let doubt = match times {
+                0.1..=10.0 => "",
+                _ => ": another star, or none; else check that it is at 1 au, in the unit that its header states",
+            };
+            let message = message + doubt;
             self.notes.push(format!("sun.spectrum: {message}"));
         }
         let Some(wanted) = toml.total_irradiance_w_m2 else {
             self.stated("sun.total_irradiance_w_m2", format!("{total:.2}: the spectrum as it is, not scaled"));
             return Some((spectrum, total));
         };
-        if !(1000.0..=2000.0).contains(&wanted) {
-            let message = format!("{wanted} W m-2 is not the Sun at 1 au, where it is {TSI_1AU_W_M2}");
-            let help = "the distance is taken into account afterwards";
+        let message = format!("{wanted} W m-2 is not the Sun at 1 au, where it is {TSI_1AU_W_M2}");
+        let help = "the distance is taken into account afterwards";
+        if !(wanted > 0.0 && (wanted / total).is_finite()) {
             self.helped("sun.total_irradiance_w_m2", message, help);
             return None;
+        }
+        if !(1000.0..=2000.0).contains(&wanted) {
+            self.notes.push(format!("sun.total_irradiance_w_m2: {message}; {help}"));
         }
         self.notes.push(format!("sun.total_irradiance_w_m2: the spectrum is scaled by {:.6}", wanted / total));
         Some((spectrum.map(|v| v * (wanted / total)), wanted))
@@ -410,12 +443,14 @@ impl Reader<'_> {
 
     fn mars(&mut self, toml: &MarsToml) -> Option<Mars> {
         let radius_m = match toml.radius_m {
-            Some(r) if r > 0.0 && r < 1e5 => {
-                let message = format!("Mars with a radius of {r} m");
-                self.helped("mars.radius_m", message, "if this is km, write 1000 times as much");
-                None
+            Some(r) => {
+                if r > 0.0 && r < 1e5 {
+                    let message =
+                        format!("mars.radius_m: Mars with a radius of {r} m; if this is km, write 1000 times as much");
+                    self.notes.push(message);
+                }
+                self.positive("mars.radius_m", r)
             }
-            Some(r) => self.positive("mars.radius_m", r),
             None => Some(self.default("mars.radius_m", MARS_RADIUS_M)),
         };
         let reflectance = match &toml.albedo {
@@ -430,9 +465,14 @@ impl Reader<'_> {
             None => Some(self.default("mars.bond_albedo", MARS_BOND_ALBEDO)),
         };
         let thermal_exitance_w_m2 = match toml.thermal_exitance_w_m2 {
-            Some(value) if (0.0..=1000.0).contains(&value) => Some(value),
+            Some(value) if value >= 0.0 && value.is_finite() => {
+                if value > 1000.0 {
+                    self.notes.push(format!("mars.thermal_exitance_w_m2: {value} W m-2, more than noon on Mars has"));
+                }
+                Some(value)
+            }
             Some(value) => {
-                self.problem("mars.thermal_exitance_w_m2", format!("{value} is outside 0 to 1000 W m-2"));
+                self.problem("mars.thermal_exitance_w_m2", format!("{value} W m-2 is negative"));
                 None
             }
             None => Some(self.default("mars.thermal_exitance_w_m2", MARS_THERMAL_EXITANCE_W_M2)),

@@ -5,39 +5,67 @@ use std::path::PathBuf;
 use glam::{DMat3, DVec3};
 
 use super::super::located::member;
-use super::super::raster::{self, Raster};
-use super::Reader;
+use super::super::raster::{self, Georeference, Raster};
 use super::types::{
     BandsToml, Coordinates, FactorUnitToml, MeanToml, PlaneToml, RasterToml, TexelsToml, TexturePlacementToml,
     TextureQuantityToml, TextureToml,
 };
+use super::{Reader, Tiling};
 use crate::error::number;
 use crate::geometry::{Direction, MaterialId, Mesh, Texels};
 use crate::product::{Atlas, Projection};
+use crate::report::Fate;
 use crate::scene::{Texture, TextureKind};
 use crate::spectral::Band;
 
 /// Two vectors whose angle has a smaller sine than this are taken for parallel: what they span has no direction left in f64.
 const LEAST_SINE: f64 = 1e-6;
+/// Georeferences that differ by no more than this of a pixel are the same.
+const SAME_PLACE: f64 = 1e-3;
+/// Centres that differ by no more than this, relative, are the same.
+const SAME_WAVELENGTH: f64 = 1e-3;
 /// Textures are held in memory: no more values than this (8 GiB).
 const MOST_VALUES: usize = 1 << 30;
 
 impl Reader<'_> {
     /// The rasters that an item names: one or more, all of the same size.
-    pub(in crate::formats) fn rasters(&mut self, item: &str, toml: &RasterToml) -> Option<Vec<Raster>> {
+    pub(in crate::formats) fn rasters(
+        &mut self,
+        item: &str,
+        toml: &RasterToml,
+        channels: Option<&[String]>,
+    ) -> Option<Vec<Raster>> {
         let names = match toml {
             RasterToml::One(name) => vec![self.path(name)],
             RasterToml::Several(names) => names.iter().map(|name| self.path(name)).collect(),
         };
-        self.opened(item, names)
+        self.opened(item, names, channels)
     }
 
-    /// The rasters at some paths.
-    pub(in crate::formats) fn opened(&mut self, item: &str, paths: Vec<PathBuf>) -> Option<Vec<Raster>> {
+    /// The images in the rasters at some paths: of each the channels of these names, or those that are clearly meant.
+    pub(in crate::formats) fn opened(
+        &mut self,
+        item: &str,
+        paths: Vec<PathBuf>,
+        channels: Option<&[String]>,
+    ) -> Option<Vec<Raster>> {
         let count = paths.len();
         let mut rasters: Vec<Raster> = Vec::new();
         for path in paths {
-            let Some(raster) = self.taken(item, raster::open(&path)) else { continue };
+            let Some(mut raster) = self.taken(item, raster::open(&path)) else { continue };
+            if let Err((message, help)) = raster.take_image(channels) {
+                let of_channels = item.strip_suffix("raster").map(|before| format!("{before}channels"));
+                let item = of_channels.filter(|_| channels.is_some()).unwrap_or_else(|| item.to_owned());
+                self.helped(&item, format!("{} {message}", path.display()), help);
+                continue;
+            }
+            for note in &raster.report.notes {
+                match note.fate {
+                    Fate::Defaulted | Fate::Carried => self.stated(&note.at.to_string(), &note.message),
+                    Fate::Dropped => self.notes.push(format!("{}: left out: {}", note.at, note.message)),
+                    Fate::Approximated => self.notes.push(format!("{}: {}", note.at, note.message)),
+                }
+            }
             let inputs = self.taken(item, raster.inputs())?;
             self.inputs.extend(inputs);
             rasters.push(raster);
@@ -63,6 +91,10 @@ impl Reader<'_> {
     ) -> Option<Vec<Band>> {
         let of_raster: Vec<_> = rasters.iter().flat_map(|r| &r.bands).collect();
         if let Some(given) = given {
+            if given.light.is_some() {
+                self.problem(&format!("{item}.light"), "is a matter of a scene's sensor: the raster has what it has");
+                return None;
+            }
             let bands = self.bands(item, given)?;
             if bands.len() != of_raster.len() {
                 let message = format!(
@@ -75,9 +107,12 @@ impl Reader<'_> {
                 self.problem(item, message);
                 return None;
             }
+            let names: Vec<&str> = of_raster.iter().map(|band| band.name.as_str()).collect();
+            let own_um: Vec<Option<f64>> = of_raster.iter().map(|band| band.centre_um).collect();
+            self.compare_bands(item, &bands, &own_um, &names)?;
             return Some(bands);
         }
-        let known = of_raster.iter().map(|b| Some(Band { centre_um: b.centre_um?, fwhm_um: b.fwhm_um }));
+        let known = of_raster.iter().map(|b| Some(Band::new(b.centre_um?, b.fwhm_um)));
         match known.collect::<Option<Vec<Band>>>() {
             Some(bands) if bands.iter().all(|b| b.centre_um > 0.0) => Some(bands),
             _ => {
@@ -88,6 +123,117 @@ impl Reader<'_> {
                 );
                 None
             }
+        }
+    }
+
+    /// Compares the wavelengths that a text gives with those that the raster says. Nearer to that of another band than to its own is a
+    /// mistake; else it is told.
+    fn compare_bands(&mut self, item: &str, given: &[Band], own_um: &[Option<f64>], names: &[&str]) -> Option<()> {
+        let colours: Option<Vec<usize>> = names.iter().map(|name| raster::colour(name)).collect();
+        if let Some(colours) = colours
+            && colours.windows(2).any(|w| w[0] < w[1])
+            && given.windows(2).all(|w| w[0].centre_um < w[1].centre_um)
+        {
+            let pairs = names.iter().zip(given).map(|(name, band)| format!("{name} is {} um", band.centre_um));
+            let pairs = pairs.collect::<Vec<_>>().join(", ");
+            self.notes.push(format!("{item}: bands are laid over red, green and blue in this order: {pairs}"));
+        }
+        let Some(own_um) = own_um.iter().copied().collect::<Option<Vec<f64>>>() else { return Some(()) };
+        let differs = |a: f64, b: f64| (a / b - 1.0).abs() > SAME_WAVELENGTH;
+        let Some(first) = (0..given.len()).find(|i| differs(given[*i].centre_um, own_um[*i])) else { return Some(()) };
+        let away = |i: usize, um: f64| (given[i].centre_um - um).abs();
+        let other = (0..given.len()).find_map(|i| {
+            let other = (0..own_um.len()).find(|k| away(i, own_um[*k]) < away(i, own_um[i]))?;
+            Some((i, other))
+        });
+        let wrong = given.iter().zip(&own_um).position(|(band, um)| !(0.5..=2.0).contains(&(band.centre_um / um)));
+        let i = other.map(|(i, _)| i).or(wrong).unwrap_or(first);
+        let message =
+            format!("band {} is at {} um here, but at {} um in the raster", i + 1, given[i].centre_um, own_um[i]);
+        if other.is_none() && wrong.is_none() {
+            self.notes.push(format!("{item}: {message}: that of this file is taken"));
+            return Some(());
+        }
+        let of = other
+            .map_or_else(String::new, |(_, k)| format!(", which is nearer to its band {}, at {} um", k + 1, own_um[k]));
+        let help = "bands are laid over those of the raster in its order, by wavelength where names give it: leave `bands` out, or \
+                    choose with `channels`";
+        self.helped(item, format!("{message}{of}"), help);
+        None
+    }
+
+    /// How points come onto a raster, as the text says, compared with the raster's own georeference, or as that says; and the direction
+    /// towards the viewer.
+    pub(in crate::formats) fn raster_plane(
+        &mut self,
+        item: &str,
+        toml: Option<&PlaneToml>,
+        raster: &Raster,
+    ) -> Option<(Projection, Direction)> {
+        let (east, north, up) = self.site_axes();
+        match (toml, raster.georeference()) {
+            (Some(plane), Some(Georeference::Plane { corner_m, along_line_m, line_to_line_m })) => {
+                let level = |v: DVec3| [v.dot(east), v.dot(north)];
+                let mut corner = DVec3::from_array(plane.corner_m);
+                if plane.coordinates == Some(Coordinates::Body) {
+                    corner -= self.origin_m;
+                }
+                let given =
+                    [corner, DVec3::from_array(plane.along_line_m), DVec3::from_array(plane.line_to_line_m)].map(level);
+                let own = [*corner_m, [*along_line_m, 0.0], [0.0, -line_to_line_m]];
+                let pixel = along_line_m.min(*line_to_line_m);
+                let differs =
+                    given.iter().zip(&own).any(|(a, b)| (0..2).any(|k| (a[k] - b[k]).abs() > SAME_PLACE * pixel));
+                if differs {
+                    let shown = |[corner, along, across]: [[f64; 2]; 3]| {
+                        let of = |[x, y]: [f64; 2]| format!("({}, {})", number(x + 0.0), number(y + 0.0));
+                        format!("corner {}, pixels of {}, lines of {}", of(corner), of(along), of(across))
+                    };
+                    self.notes.push(format!(
+                        "{item}: the raster's own georeference, m to the East and the North, is another: {}; here {}, which is taken",
+                        shown(own),
+                        shown(given)
+                    ));
+                }
+                self.plane(item, plane)
+            }
+            (Some(plane), _) => self.plane(item, plane),
+            (None, Some(Georeference::Plane { corner_m: [x, y], along_line_m, line_to_line_m })) => {
+                let plane = PlaneToml {
+                    corner_m: (east * *x + north * *y).to_array(),
+                    along_line_m: (east * *along_line_m).to_array(),
+                    line_to_line_m: (north * -line_to_line_m).to_array(),
+                    towards: Some(up.to_array()),
+                    coordinates: None,
+                };
+                let value = format!(
+                    "as the raster's own georeference says: corner {} m to the East and {} m to the North of `origin_m`, pixels of {} x {} m",
+                    number(*x),
+                    number(*y),
+                    number(*along_line_m),
+                    number(*line_to_line_m)
+                );
+                self.stated(item, value);
+                self.plane(item, &plane)
+            }
+            (None, Some(Georeference::Other(why))) => {
+                self.problem(item, format!("is missing, and the raster's own georeference is not taken: {why}"));
+                None
+            }
+            (None, None) => {
+                self.problem(item, "is missing: it says where the raster lies");
+                None
+            }
+        }
+    }
+
+    /// East, North and up at the scene's origin; where East is no direction, x is.
+    fn site_axes(&self) -> (DVec3, DVec3, DVec3) {
+        let east = Direction::new(DVec3::Z.cross(self.origin_m));
+        match (Direction::new(self.origin_m), east) {
+            (Some(up), Some(east)) => (east.vec(), up.vec().cross(east.vec()), up.vec()),
+            (Some(up), None) => (DVec3::X, up.vec().cross(DVec3::X), up.vec()),
+            _ => (DVec3::X, DVec3::Y, DVec3::Z),
         }
     }
 
@@ -135,16 +281,22 @@ impl Reader<'_> {
     pub(super) fn texture(&mut self, material: &str, id: usize, toml: &TextureToml, mesh: &Mesh) -> Option<Texture> {
         let item = member(&member("materials", material), "texture");
         let at = |key: &str| member(&item, key);
-        let mut rasters = self.rasters(&at("raster"), &toml.raster)?;
+        let mut rasters = self.rasters(&at("raster"), &toml.raster, toml.channels.as_deref())?;
         let layers: usize = rasters.iter().map(|r| r.bands.len()).sum();
-        let (rows, columns) = (rasters[0].rows, rasters[0].columns);
-        let wavelength_um = if layers == 1 && toml.bands.is_none() {
+        let in_file_um: Vec<f64> = if layers == 1 && toml.bands.is_none() {
             vec![]
         } else {
             let bands = self.raster_bands(&at("bands"), toml.bands.as_ref(), &rasters)?;
             bands.iter().map(|b| b.centre_um).collect()
         };
-        let corners = self.texture_corners(&item, material, id, toml, mesh, [rows, columns])?;
+        // Pictures have red first: layers are sorted by wavelength.
+        let mut order: Vec<usize> = (0..layers).collect();
+        order.sort_by(|a, b| in_file_um.get(*a).unwrap_or(&0.0).total_cmp(in_file_um.get(*b).unwrap_or(&0.0)));
+        let wavelength_um = order.iter().filter_map(|i| in_file_um.get(*i).copied()).collect();
+        let mut rank = vec![0; layers];
+        order.iter().enumerate().for_each(|(rank_of, i)| rank[*i] = rank_of);
+        let (Atlas { corners, rows, columns }, tiling) =
+            self.texture_corners(&item, material, id, toml, mesh, &rasters[0])?;
         if (rows * columns).saturating_mul(layers) > MOST_VALUES {
             let message = format!("{columns} x {rows} texels of {layers} layers are more than can be held in memory");
             self.problem(&at("raster"), message);
@@ -152,12 +304,16 @@ impl Reader<'_> {
         }
         let mut values = vec![0.0; rows * columns * layers];
         let mut layer = 0;
-        let mut band = Vec::new();
+        let (mut band, mut larger) = (Vec::new(), Vec::new());
         let scale = if toml.unit == Some(FactorUnitToml::Percent) { 0.01 } else { 1.0 };
         for raster in &mut rasters {
             for number in 0..raster.bands.len() {
                 self.taken(&at("raster"), raster.read(number, &mut band))?;
-                values.iter_mut().skip(layer).step_by(layers).zip(&band).for_each(|(v, b)| *v = scale * b);
+                if let Some(tiling) = &tiling {
+                    tiling.expanded(&band, &mut larger);
+                    std::mem::swap(&mut band, &mut larger);
+                }
+                values.iter_mut().skip(rank[layer]).step_by(layers).zip(&band).for_each(|(v, b)| *v = scale * b);
                 layer += 1;
             }
         }
@@ -205,26 +361,6 @@ impl Reader<'_> {
         Some(texture)
     }
 
-    /// Says if texture coordinates lie beside the image.
-    pub(in crate::formats) fn within_image<'m>(
-        &mut self,
-        item: &str,
-        mut uv: impl Iterator<Item = &'m [[f64; 2]; 3]>,
-    ) -> Option<()> {
-        // A border that rounding moved is still the border; NaN is none at all.
-        let outside = |x: &f64| !(x.is_nan() || (-1e-9..=1.0 + 1e-9).contains(x));
-        let odd = uv.find_map(|uv| uv.iter().flatten().copied().find(outside));
-        if let Some(x) = odd {
-            self.helped(
-                item,
-                format!("facets have texture coordinates outside 0 to 1: {}", number(x)),
-                "images are not repeated: scale the coordinates, or make the image as large as they reach",
-            );
-            return None;
-        }
-        Some(())
-    }
-
     /// Texel coordinates of all facets' corners.
     fn texture_corners(
         &mut self,
@@ -233,17 +369,22 @@ impl Reader<'_> {
         id: usize,
         toml: &TextureToml,
         mesh: &Mesh,
-        [rows, columns]: [usize; 2],
-    ) -> Option<Vec<[[f64; 2]; 3]>> {
+        raster: &Raster,
+    ) -> Option<(Atlas, Option<Tiling>)> {
+        let most = MOST_VALUES;
         match (toml.placement, &toml.plane) {
-            (TexturePlacementToml::Plane, Some(plane)) => {
-                let (projection, _) = self.plane(&member(item, "plane"), plane)?;
+            (TexturePlacementToml::Plane, plane) => {
+                let (projection, _) = self.raster_plane(&member(item, "plane"), plane.as_ref(), raster)?;
+                if toml.wrap.is_some() {
+                    self.problem(
+                        &member(item, "wrap"),
+                        "does not go with a plane: only texture coordinates are repeated",
+                    );
+                    return None;
+                }
                 let facets = 0..mesh.facets.len();
-                Some(facets.map(|f| mesh.facet(f).corners_m.map(|p| projection.texel(p))).collect())
-            }
-            (TexturePlacementToml::Plane, None) => {
-                self.problem(&member(item, "plane"), "is missing: it says where the raster lies");
-                None
+                let corners = facets.map(|f| mesh.facet(f).corners_m.map(|p| projection.texel(p))).collect();
+                Some((Atlas { corners, rows: raster.rows, columns: raster.columns }, None))
             }
             (TexturePlacementToml::Atlas, Some(_)) => {
                 self.problem(&member(item, "plane"), "does not go with texture coordinates");
@@ -261,8 +402,11 @@ impl Reader<'_> {
                     );
                     return None;
                 }
-                self.within_image(&member(item, "placement"), uv.flatten())?;
-                Some(Atlas::of_uv(&mesh.uv, rows, columns).corners)
+                // Those of other materials are of no meaning.
+                let is_own = |facet: usize| mesh.material[facet].0 as usize == id;
+                let own = |(facet, uv): (usize, &[[f64; 2]; 3])| if is_own(facet) { *uv } else { [[f64::NAN; 2]; 3] };
+                let uv = mesh.uv.iter().enumerate().map(own).collect();
+                self.atlas(&member(item, "placement"), uv, [raster.rows, raster.columns], toml.wrap, most)
             }
         }
     }

@@ -52,6 +52,8 @@ pub(crate) struct MeshToml {
     pub(crate) coordinates: Option<Coordinates>,
     /// How local coordinates stand on the body. Default "body"; "radial" for a recipe.
     pub(crate) pose: Option<PoseToml>,
+    /// Whether all facets are turned over: for a mesh that is inside out. Default false.
+    pub(crate) flip: Option<bool>,
     /// Entry of the dictionary that all of this mesh is made of, whatever the mesh itself says.
     pub(crate) material: Option<String>,
 }
@@ -146,14 +148,21 @@ pub(crate) struct MaterialToml {
 pub(crate) struct TextureToml {
     /// Path of a raster; or of several of the same size, whose bands follow one another.
     pub(crate) raster: RasterToml,
+    /// Names of the raster's channels, in the order of the bands. Default: all bands; of OpenEXR, the spectral layer or that of colours, in
+    /// the order that names give by wavelength, red, green, blue, or a number.
+    #[schemars(length(min = 1))]
+    pub(crate) channels: Option<Vec<String>>,
     /// What its numbers are.
     pub(crate) quantity: TextureQuantityToml,
     /// Their unit. Default "1".
     pub(crate) unit: Option<FactorUnitToml>,
     /// Where it lies.
     pub(crate) placement: TexturePlacementToml,
-    /// For `placement = "plane"`: where the raster lies. It is put through everything.
+    /// For `placement = "plane"`: where the raster lies. It is put through everything. Default: where its own georeference in metres
+    /// puts it, to the East and the North of `origin_m`.
     pub(crate) plane: Option<PlaneToml>,
+    /// For `placement = "atlas"`: how the image goes on beyond its border. Default: not at all.
+    pub(crate) wrap: Option<WrapToml>,
     /// Whether factors are divided by their mean over the material's facets, so that it is 1 ("one", the default for factors), or
     /// stay as they are ("kept", the default for reflectances).
     pub(crate) mean: Option<MeanToml>,
@@ -202,6 +211,18 @@ pub(crate) enum TexturePlacementToml {
     Atlas,
     /// On squares of a plane, put onto the scene along one direction.
     Plane,
+}
+
+/// How an image goes on beyond its border.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum WrapToml {
+    /// It begins again, to all sides; between texel centres of its first and last rows and columns, values vary as between others.
+    Repeat,
+    /// It begins again to the left and the right, as a map of all longitudes.
+    RepeatU,
+    /// It begins again above and below.
+    RepeatV,
 }
 
 /// What becomes of a texture's mean.
@@ -261,10 +282,23 @@ pub(crate) enum ExtendToml {
     Error,
 }
 
+/// The axes that positions and directions are given in.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Frame {
+    /// The body-fixed frame: from the body's centre, z north.
+    #[default]
+    Body,
+    /// The site's: from `origin_m`, x east, y north, z along the outward radius.
+    Site,
+}
+
 /// The Sun: a position, or a direction and a distance. Both are taken from `origin_m`.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SunToml {
+    /// What `position_m` and `direction` are given in. Default "body".
+    pub(crate) frame: Option<Frame>,
     /// Position in the body-fixed frame, from the body's centre, m.
     pub(crate) position_m: Option<[f64; 3]>,
     /// Towards the Sun from `origin_m`, axes of the body; any length.
@@ -329,6 +363,8 @@ pub(crate) enum ThermalModelToml {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ObserverToml {
+    /// What all positions, directions and rotations of this table are given in. Default "body".
+    pub(crate) frame: Option<Frame>,
     /// Projection centre in the body-fixed frame, from the body's centre, m.
     pub(crate) position_m: Option<[f64; 3]>,
     /// Point that the boresight goes through, in the body-fixed frame, m.
@@ -493,7 +529,7 @@ pub(crate) enum Fit {
     Scene,
 }
 
-/// Bands: `start_um`, `stop_um` and `count` (both ends included), or `centres_um`.
+/// Bands: `start_um`, `stop_um` and `count` (both ends included), or `centres_um`, or `response`.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct BandsToml {
@@ -507,8 +543,19 @@ pub(crate) struct BandsToml {
     /// Centres of the bands, um.
     #[schemars(length(min = 1, max = 100_000))]
     pub(crate) centres_um: Option<Vec<f64>>,
-    /// Full width at half maximum of a Gaussian response, um: one for all, or one for each (0: monochromatic). Default: monochromatic.
+    /// Full width at half maximum of the response, um: one for all, or one for each (0: monochromatic). Default: monochromatic.
     pub(crate) fwhm_um: Option<Fwhm>,
+    /// Shape of responses that have a width: "gaussian" (the default) or "box"; one for all, or one for each. Where centres and
+    /// `response` are given, "table" stands for the next column of `response`, whose centre and width count then.
+    pub(crate) shape: Option<ShapesToml>,
+    /// Path of a CSV table of responses, or of several: `wavelength_nm` or `wavelength_um`, then a column for each band, relative or
+    /// absolute. Instead of centres and widths, which follow from it.
+    pub(crate) response: Option<ResponseToml>,
+    /// Names of the columns of `response` that are taken, in the order of the bands. Default: all.
+    #[schemars(length(min = 1, max = 100_000))]
+    pub(crate) columns: Option<Vec<String>>,
+    /// What light a band has: "both" (the default), "sunlight" alone, or "heat" alone; one for all, or one for each.
+    pub(crate) light: Option<LightsToml>,
 }
 
 /// One width, or one for each band.
@@ -519,4 +566,58 @@ pub(crate) enum Fwhm {
     All(f64),
     /// One for each band.
     Each(Vec<f64>),
+}
+
+/// One shape, or one for each band.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(crate) enum ShapesToml {
+    /// One for all bands.
+    All(ShapeToml),
+    /// One for each band.
+    Each(Vec<ShapeToml>),
+}
+
+/// The shape of a response.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum ShapeToml {
+    /// A Gaussian.
+    Gaussian,
+    /// The same all over the full width.
+    Box,
+    /// The next column of `response`.
+    Table,
+}
+
+/// One table of responses, or several.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(crate) enum ResponseToml {
+    /// One table.
+    One(String),
+    /// Several, whose columns follow one another.
+    Several(Vec<String>),
+}
+
+/// One light, or one for each band.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(crate) enum LightsToml {
+    /// One for all bands.
+    All(LightToml),
+    /// One for each band.
+    Each(Vec<LightToml>),
+}
+
+/// What light a band has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum LightToml {
+    /// Sunlight, and no heat.
+    Sunlight,
+    /// Heat, and no sunlight.
+    Heat,
+    /// Both.
+    Both,
 }

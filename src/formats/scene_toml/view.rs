@@ -3,17 +3,25 @@
 use glam::{DMat3, DVec3};
 
 use crate::error::number;
+use crate::formats::response_csv;
 use crate::geometry::{Direction, Mesh, Pose};
 use crate::scene::{FrameCamera, Sensor};
-use crate::spectral::Band;
+use crate::spectral::{Band, Light, Response, Spectrum};
 
 use super::Reader;
 use super::lens::Lens;
-use super::mesh::UNIT_TOLERANCE;
-use super::types::{BandsToml, Coordinates, Fwhm, ObserverToml, Preset, SensorToml};
+use super::mesh::{ROUNDED, UNIT_TOLERANCE};
+use super::types::{
+    BandsToml, Coordinates, Frame, Fwhm, LightToml, LightsToml, ObserverToml, Preset, ResponseToml, SensorToml,
+    ShapeToml, ShapesToml,
+};
 
-/// No band lies beyond this, um: wavelengths above are nanometres.
-const LONGEST_UM: f64 = 100.0;
+/// A camera that has no name.
+pub(in crate::formats) const SENSOR_NAME: &str = "frame camera";
+/// No band lies beyond this, um, where sunlight is not known: wavelengths above are nanometres.
+const LONGEST_UM: f64 = 1000.0;
+/// Few instruments look beyond this, um.
+pub(in crate::formats) const USUAL_UM: f64 = 100.0;
 /// As many bad centres are told one by one.
 const TOLD: usize = 20;
 
@@ -38,8 +46,8 @@ impl Reader<'_> {
             (Some(name), _) => name.clone(),
             (None, true) => "MacrOmega".into(),
             (None, false) => {
-                self.stated("sensor.name", "frame camera");
-                "frame camera".into()
+                self.stated("sensor.name", SENSOR_NAME);
+                SENSOR_NAME.into()
             }
         };
         let (samples, lines) = (samples?, lines?);
@@ -94,11 +102,19 @@ impl Reader<'_> {
     pub(in crate::formats) fn observer(&mut self, toml: &ObserverToml) -> Option<Pose> {
         if let Some(matrix) = &toml.camera_to_world {
             let beside = toml.position_m.is_some() || toml.target_m.is_some() || toml.up.is_some();
+            if toml.frame == Some(Frame::Site) && toml.coordinates == Some(Coordinates::Body) {
+                self.problem("observer.coordinates", "the site's frame starts at `origin_m`: leave this out");
+                return None;
+            }
             if beside || toml.h.or(toml.v).or(toml.u).is_some() || toml.world_from_sensor_xyzw.is_some() {
                 self.problem("observer.camera_to_world", "says all of position and axes: leave the other keys out");
                 return None;
             }
             let (rotation, position_m) = self.camera_to_world(matrix, toml.convention)?;
+            if toml.frame == Some(Frame::Site) {
+                let axes = self.body_from_site("observer.frame", "the frame of a site")?;
+                return Some(Pose { rotation: axes * rotation, translation_m: axes * position_m });
+            }
             let is_local = toml.coordinates == Some(Coordinates::Local);
             let translation_m = if is_local { position_m } else { position_m - self.origin_m };
             return Some(Pose { rotation, translation_m });
@@ -134,29 +150,7 @@ impl Reader<'_> {
                 };
                 DMat3::from_cols(h.vec(), u.vec().cross(h.vec()), u.vec())
             }
-            (None, None, (Some(h), Some(v), Some(u)), None) => {
-                let [h, v, u] = [h, v, u].map(DVec3::from_array);
-                let lengths = [("h", h), ("v", v), ("u", u)];
-                for (name, vector) in lengths {
-                    if (vector.length() - 1.0).abs() > UNIT_TOLERANCE {
-                        self.problem(
-                            &format!("observer.{name}"),
-                            format!("is not a unit vector: its length is {}", vector.length()),
-                        );
-                        return None;
-                    }
-                }
-                if (h.cross(v) - u).length() > UNIT_TOLERANCE {
-                    let help = if (h.cross(v) + u).length() <= UNIT_TOLERANCE {
-                        "h x v = -u: the image would be a mirror image; exchange or turn one of them"
-                    } else {
-                        "they must be at right angles"
-                    };
-                    self.helped("observer.u", "h x v is not u", help);
-                    return None;
-                }
-                DMat3::from_cols(h, v, u)
-            }
+            (None, None, (Some(h), Some(v), Some(u)), None) => self.axes([h, v, u].map(DVec3::from_array))?,
             (None, None, (None, None, None), Some(xyzw)) => self.rotation("observer.world_from_sensor_xyzw", xyzw)?,
             _ => {
                 let message = "give one of: `target_m` and `up`; `h`, `v` and `u`; `world_from_sensor_xyzw`";
@@ -164,22 +158,177 @@ impl Reader<'_> {
                 return None;
             }
         };
-        Some(Pose { rotation, translation_m: position_m - self.origin_m })
+        match toml.frame {
+            Some(Frame::Site) => {
+                let axes = self.body_from_site("observer.frame", "the frame of a site")?;
+                Some(Pose { rotation: axes * rotation, translation_m: axes * position_m })
+            }
+            Some(Frame::Body) | None => Some(Pose { rotation, translation_m: position_m - self.origin_m }),
+        }
+    }
+
+    /// The rotation whose columns are the axes h, v, u, which may be rounded.
+    fn axes(&mut self, [h, v, u]: [DVec3; 3]) -> Option<DMat3> {
+        for (name, vector) in [("h", h), ("v", v), ("u", u)] {
+            if !(0.0..=ROUNDED).contains(&(vector.length() - 1.0).abs()) {
+                let message = format!("is not a unit vector: its length is {}", vector.length());
+                self.problem(&format!("observer.{name}"), message);
+                return None;
+            }
+        }
+        let off = (h.cross(v) - u).length();
+        if !(0.0..=ROUNDED).contains(&off) {
+            let help = if (h.cross(v) + u).length() <= ROUNDED {
+                "h x v = -u: the image would be a mirror image; exchange or turn one of them"
+            } else {
+                "they must be at right angles"
+            };
+            self.helped("observer.u", "h x v is not u", help);
+            return None;
+        }
+        self.unrounded("observer", DMat3::from_cols(h, v, u))
     }
 
     /// Bands, called `item` in the text.
     pub(in crate::formats) fn bands(&mut self, item: &str, toml: &BandsToml) -> Option<Vec<Band>> {
+        let has_centres = toml.start_um.is_some() || toml.centres_um.is_some();
+        if toml.response.is_none() && toml.columns.is_some() {
+            self.problem(&format!("{item}.columns"), "are those of `response`, which is missing");
+            return None;
+        }
+        let mut bands = match &toml.response {
+            Some(files) if !has_centres => {
+                for (key, given) in [
+                    ("stop_um", toml.stop_um.is_some()),
+                    ("count", toml.count.is_some()),
+                    ("fwhm_um", toml.fwhm_um.is_some()),
+                    ("shape", toml.shape.is_some()),
+                ] {
+                    if given {
+                        self.problem(&format!("{item}.{key}"), "does not go with `response`, from which it follows");
+                        return None;
+                    }
+                }
+                self.responses(item, files, toml.columns.as_deref())?
+            }
+            _ => self.plain_bands(item, toml)?,
+        };
+        let lights = match &toml.light {
+            None => return Some(bands),
+            Some(LightsToml::All(light)) => vec![*light; bands.len()],
+            Some(LightsToml::Each(lights)) => lights.clone(),
+        };
+        if lights.len() != bands.len() {
+            let message =
+                format!("{} lights for {} bands: give one for each, or one for all", lights.len(), bands.len());
+            self.problem(&format!("{item}.light"), message);
+            return None;
+        }
+        for (band, light) in bands.iter_mut().zip(lights) {
+            band.light = match light {
+                LightToml::Sunlight => Light::Sunlight,
+                LightToml::Heat => Light::Heat,
+                LightToml::Both => Light::Both,
+            };
+        }
+        Some(bands)
+    }
+
+    /// Bands by their centres and widths; some of them may be tables.
+    fn plain_bands(&mut self, item: &str, toml: &BandsToml) -> Option<Vec<Band>> {
         let mut bands = self.centres(item, toml)?;
         let is_good = self.check_centres(item, toml, &bands);
         self.widths(item, toml, &mut bands)?;
-        let odd = bands.iter().find(|b| b.fwhm_um.is_some_and(|w| !(w > 0.0 && w < b.centre_um)));
-        if let Some(Band { centre_um, fwhm_um: Some(fwhm_um) }) = odd.filter(|_| is_good) {
+        let odd = bands.iter().find(|b| b.fwhm_um.is_some_and(|w| !(w > 0.0 && w <= 2.0 * b.centre_um)));
+        if let Some(Band { centre_um, fwhm_um: Some(fwhm_um), .. }) = odd.filter(|_| is_good) {
             let message = format!("a width of {} um for a band at {centre_um} um", number(*fwhm_um));
-            let help = "widths are in um, positive and less than the centre; leave them out for monochromatic bands";
+            let help =
+                "widths are in um, positive and at most twice the centre; leave them out for monochromatic bands";
             self.helped(&format!("{item}.fwhm_um"), message, help);
             return None;
         }
+        let shapes = match &toml.shape {
+            None => vec![ShapeToml::Gaussian; bands.len()],
+            Some(ShapesToml::All(shape)) => vec![*shape; bands.len()],
+            Some(ShapesToml::Each(shapes)) => shapes.clone(),
+        };
+        let at = format!("{item}.shape");
+        if shapes.len() != bands.len() {
+            let message =
+                format!("{} shapes for {} bands: give one for each, or one for all", shapes.len(), bands.len());
+            self.problem(&at, message);
+            return None;
+        }
+        if shapes.contains(&ShapeToml::Box) && bands.iter().all(|b| b.fwhm_um.is_none()) {
+            self.problem(&at, "a box needs its width: give `fwhm_um`");
+            return None;
+        }
+        let wanted = shapes.iter().filter(|s| **s == ShapeToml::Table).count();
+        let tables = match &toml.response {
+            None => vec![],
+            Some(files) => self.responses(item, files, toml.columns.as_deref())?,
+        };
+        if tables.len() != wanted {
+            let message = format!("{} responses for {wanted} bands of the shape \"table\"", tables.len());
+            let help = "with `response` alone all bands are tables: leave out centres and widths";
+            self.helped(
+                &format!("{item}.{}", if toml.response.is_some() { "response" } else { "shape" }),
+                message,
+                help,
+            );
+            return None;
+        }
+        let mut tables = tables.into_iter();
+        for (band, shape) in bands.iter_mut().zip(shapes) {
+            match shape {
+                ShapeToml::Gaussian => {}
+                ShapeToml::Box => band.response = Response::Box,
+                ShapeToml::Table => *band = tables.next()?,
+            }
+        }
         is_good.then_some(bands)
+    }
+
+    /// A band for each column of tables of responses, or for those that are named.
+    fn responses(&mut self, item: &str, files: &ResponseToml, wanted: Option<&[String]>) -> Option<Vec<Band>> {
+        let at = format!("{item}.response");
+        let files = match files {
+            ResponseToml::One(file) => std::slice::from_ref(file),
+            ResponseToml::Several(files) => files,
+        };
+        let mut all = Vec::new();
+        for file in files {
+            let read = response_csv::read(&self.path(file));
+            let (responses, input) = self.taken(&at, read)?;
+            if !self.inputs.contains(&input) {
+                self.inputs.push(input);
+            }
+            self.notes.extend(responses.notes.into_iter().map(|note| format!("{at}: {note}")));
+            all.extend(responses.columns);
+        }
+        let taken: Vec<&(String, Spectrum)> = match wanted {
+            None => all.iter().collect(),
+            Some(names) => {
+                let mut taken = Vec::new();
+                for (i, name) in names.iter().enumerate() {
+                    let Some(found) = all.iter().find(|(column, _)| column == name) else {
+                        let known: Vec<&str> = all.iter().map(|(column, _)| column.as_str()).collect();
+                        let message = format!("no response {name:?} in the table");
+                        let help = format!("they are {}", known.join(", "));
+                        self.helped(&format!("{item}.columns[{i}]"), message, help);
+                        return None;
+                    };
+                    taken.push(found);
+                }
+                taken
+            }
+        };
+        let bands: Option<Vec<Band>> = taken.iter().map(|(_, response)| Band::tabulated(response)).collect();
+        if bands.as_ref().is_none_or(Vec::is_empty) {
+            self.problem(&at, "holds no responses");
+            return None;
+        }
+        bands
     }
 
     fn centres(&mut self, item: &str, toml: &BandsToml) -> Option<Vec<Band>> {
@@ -197,10 +346,10 @@ impl Reader<'_> {
                 Some(evenly(start, stop, count))
             }
             (None, None, None, Some(centres)) => {
-                Some(centres.iter().map(|&centre_um| Band { centre_um, fwhm_um: None }).collect())
+                Some(centres.iter().map(|&centre_um| Band::new(centre_um, None)).collect())
             }
             _ => {
-                self.problem(item, "give `start_um`, `stop_um` and `count`, or `centres_um`");
+                self.problem(item, "give `start_um`, `stop_um` and `count`, or `centres_um`, or `response`");
                 None
             }
         }
@@ -208,7 +357,14 @@ impl Reader<'_> {
 
     /// Whether all centres are wavelengths of light in um.
     fn check_centres(&mut self, item: &str, toml: &BandsToml, bands: &[Band]) -> bool {
-        let is_wrong = |band: &Band| !(band.centre_um > 0.0 && band.centre_um < LONGEST_UM);
+        if let Some(band) = bands.iter().find(|band| (USUAL_UM..=LONGEST_UM).contains(&band.centre_um)) {
+            let um = number(band.centre_um);
+            let nm = number(band.centre_um / 1000.0);
+            self.notes.push(format!("{item}: a band at {um} um; if this is nanometres, write {nm}"));
+        }
+        // Where one is, the others are in the same unit.
+        let longest_um = if bands.iter().any(|b| b.centre_um > LONGEST_UM) { USUAL_UM } else { LONGEST_UM };
+        let is_wrong = |band: &Band| !(band.centre_um > 0.0 && band.centre_um <= longest_um);
         let wrong: Vec<usize> = (0..bands.len()).filter(|&i| is_wrong(&bands[i])).collect();
         // Of evenly spaced bands the ends say it all.
         let told = wrong.iter().filter(|&&i| toml.centres_um.is_some() || i == 0 || i + 1 == bands.len());
@@ -219,8 +375,8 @@ impl Reader<'_> {
                 None => format!("{item}.stop_um"),
             };
             let um = bands[i].centre_um;
-            let problem = self.problem(&place, format!("{} um is outside 0 to {LONGEST_UM} um", number(um)));
-            if um >= LONGEST_UM {
+            let problem = self.problem(&place, format!("{} um is outside 0 to {longest_um} um", number(um)));
+            if um > longest_um {
                 problem.help = Some(format!("if this is nanometres, write {}", number(um / 1000.0)));
             }
         }
@@ -264,5 +420,5 @@ fn evenly(start_um: f64, stop_um: f64, count: u32) -> Vec<Band> {
         i if i == last => stop_um,
         i => start_um + (stop_um - start_um) * (f64::from(i) / f64::from(last)),
     };
-    (0..count).map(|i| Band { centre_um: centre_um(i), fwhm_um: None }).collect()
+    (0..count).map(|i| Band::new(centre_um(i), None)).collect()
 }

@@ -1,9 +1,11 @@
 //! Writing a scene: the scene file, its mesh as OBJ and MTL, and a CSV table for each spectrum, all beside one another.
 //!
 //! Read again, it is the same scene, bit for bit but for a scaled solar spectrum and positions that no sum with the origin gives,
-//! which are so to rounding. What is a default elsewhere is stated.
+//! which are so to rounding. What the scene's source did not say is not written, so that it goes on to follow from what it does say; what a
+//! scene file must have is written all the same, below a comment.
 
-use std::collections::BTreeSet;
+use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -12,25 +14,62 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 use crate::error::{Error, Location, Result};
+use crate::formats::file_name::shortened;
 use crate::formats::folder::Staged;
+use crate::formats::located::LONGEST_NAME;
 use crate::formats::mtl::{self, ObjMaterial};
-use crate::formats::{obj, photometry_csv};
+use crate::formats::{obj, photometry_csv, response_csv};
 use crate::physics::reflectance::kirchhoff_emissivity;
 use crate::report::{Fate, Report};
 use crate::scene::{MarsModel, Material, Scene, Thermal};
-use crate::spectral::{Extend, Spectrum, solar_e490};
-use crate::units::AU_M;
+use crate::spectral::{Band, Extend, Response, Spectrum, solar_e490, solar_mean};
+use crate::units::{AU_M, MARS_RADIUS_M};
 
-use super::irradiances;
-use super::materials::linear_from_hex;
-use super::view::pitch_of_ifov;
+use super::super::located::member;
+use super::materials::{EMISSIVITY_BOLOMETRIC, linear_from_hex, mean};
+use super::view::{SENSOR_NAME, pitch_of_ifov};
+use super::{MARS_ALBEDO, MARS_BOND_ALBEDO, MARS_THERMAL_EXITANCE_W_M2, irradiances};
 
 /// A larger pixel is written by its line's field of view, mrad.
 const WIDEST_PIXEL_MRAD: f64 = 1000.0;
 /// Spectra are the same if no value differs by more.
 const SAME: f64 = 1e-12;
 
-/// Writes a scene to `path`, which ends in `.toml`, and what it refers to beside it, in files whose names begin with its own.
+/// How a scene is written.
+#[derive(Debug, Clone, Default)]
+pub struct WriteOptions {
+    /// What is there may be replaced.
+    pub replace: bool,
+    /// What the scene's source did not say.
+    pub unsaid: Unsaid,
+    /// What the axes of the scene that is given are.
+    pub axes: Axes,
+}
+
+/// What of a scene its source did not say.
+#[derive(Debug, Clone, Default)]
+pub enum Unsaid {
+    /// Everything is stated.
+    #[default]
+    Nothing,
+    /// These items, as [`SceneFile::defaults`](super::SceneFile) names them.
+    Items(BTreeSet<String>),
+    /// Whatever is as it would be if nobody said it. Tables of the file, and what was taken for them, are told in comments.
+    Defaults(BTreeMap<String, String>),
+}
+
+/// The axes that a scene is given in.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Axes {
+    /// Those of the body.
+    #[default]
+    Body,
+    /// Those of the site at its origin: x east, y north, z along the outward radius. The file says so.
+    Site,
+}
+
+/// Writes a scene to `path`, which ends in `.toml`, and what it refers to beside it, in files whose names begin with its own. Everything is
+/// stated.
 ///
 /// Gives the files, not yet under their final names, in the order to [commit](Staged::commit) them, and what is not said in
 /// them as the scene has it.
@@ -38,6 +77,15 @@ const SAME: f64 = 1e-12;
 /// # Errors
 /// [`Error::Invalid`] if one of the files exists and `replace` is false; [`Error::Io`].
 pub fn write(scene: &Scene, path: &Path, replace: bool) -> Result<(Vec<Staged>, Report)> {
+    write_with(scene, path, &WriteOptions { replace, ..WriteOptions::default() })
+}
+
+/// As [`write`], without what was not said.
+///
+/// # Errors
+/// As [`write`].
+pub fn write_with(scene: &Scene, path: &Path, options: &WriteOptions) -> Result<(Vec<Staged>, Report)> {
+    let WriteOptions { replace, .. } = *options;
     // Claimed first, so that what cannot be written is told before the work, and given up last: the folders made for it go with it.
     let main = Staged::file(path, replace)?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -46,7 +94,7 @@ pub fn write(scene: &Scene, path: &Path, replace: bool) -> Result<(Vec<Staged>, 
         scene,
         folder,
         stem,
-        replace,
+        options,
         names: names(scene),
         taken: BTreeSet::new(),
         files: Vec::new(),
@@ -59,11 +107,16 @@ pub fn write(scene: &Scene, path: &Path, replace: bool) -> Result<(Vec<Staged>, 
     Ok((writer.files, writer.report))
 }
 
+/// A name that is read again: very long ones are not.
+fn readable(name: &str) -> Cow<'_, str> {
+    if name.len() > LONGEST_NAME / 2 { shortened(name) } else { name.into() }
+}
+
 /// Names of materials that OBJ, MTL and this format can all carry, and that are all different.
 fn names(scene: &Scene) -> Vec<String> {
     let mut taken = BTreeSet::new();
     let plain = |name: &str| {
-        let name = mtl::plain_name(name);
+        let name = mtl::plain_name(&readable(name));
         match name.strip_prefix('#') {
             _ if name.is_empty() => "_".into(),
             // Here, only a colour begins so.
@@ -85,7 +138,7 @@ struct Writer<'a> {
     folder: PathBuf,
     /// What all names of files begin with.
     stem: String,
-    replace: bool,
+    options: &'a WriteOptions,
     /// Of the materials, as they are written.
     names: Vec<String>,
     /// Names of files, in small letters: some disks do not tell the cases apart.
@@ -148,6 +201,29 @@ impl Writer<'_> {
         self.report.note(fate, Location::item(item), message);
     }
 
+    /// Whether an item's value is left out: nobody said it, and it is what follows without it.
+    fn is_left_out(&self, item: &str, is_default: bool) -> bool {
+        let is_unsaid = match &self.options.unsaid {
+            Unsaid::Nothing => false,
+            Unsaid::Items(items) => items.contains(item),
+            Unsaid::Defaults(_) => true,
+        };
+        is_unsaid && is_default
+    }
+
+    /// A comment for a table that nobody gave.
+    fn comment(&self, table: &str) -> String {
+        match &self.options.unsaid {
+            Unsaid::Defaults(taken) => {
+                let line = |message: &String| {
+                    format!("# Not said by the source, and taken: {}\n", quoted(message).trim_matches('"'))
+                };
+                taken.get(table).map_or(String::new(), line)
+            }
+            _ => String::new(),
+        }
+    }
+
     /// Writes a file beside the scene file; gives its name.
     fn file(
         &mut self,
@@ -156,12 +232,12 @@ impl Writer<'_> {
         write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
     ) -> Result<String> {
         let plain = |c: char| if c.is_alphanumeric() || ".-".contains(c) { c } else { '_' };
-        let mut name: String = name.chars().map(plain).collect();
+        let mut name: String = shortened(name).chars().map(plain).collect();
         while !self.taken.insert(format!("{name}.{extension}").to_lowercase()) {
             name.push('_');
         }
         let name = format!("{}{name}.{extension}", self.stem);
-        let staged = Staged::file(&self.folder.join(&name), self.replace)?;
+        let staged = Staged::file(&self.folder.join(&name), self.options.replace)?;
         put(&staged, write)?;
         self.files.push(staged);
         Ok(name)
@@ -183,6 +259,10 @@ impl Writer<'_> {
         let _ = writeln!(text, "mmxrt_scene = 1\norigin_m = {}\n", list(scene.origin_m));
         let obj = self.mesh()?;
         let _ = writeln!(text, "[[mesh]]\nobj = {}", quoted(&obj));
+        let is_site = self.options.axes == Axes::Site;
+        if is_site {
+            text.push_str("pose = \"radial\"\n");
+        }
         for (i, material) in scene.materials.iter().enumerate() {
             text += &self.material(i, material)?;
         }
@@ -193,14 +273,29 @@ impl Writer<'_> {
             Thermal::Thesis => "thesis",
             Thermal::Off => "off",
         };
-        let _ = writeln!(text, "\n[thermal]\nmodel = \"{model}\"");
+        if !self.is_left_out("thermal.model", scene.thermal == Thermal::Equilibrium) {
+            let _ = writeln!(text, "\n[thermal]\nmodel = \"{model}\"");
+        }
         let pose = &scene.sensor.camera.world_from_sensor;
-        let _ = writeln!(text, "\n[observer]\nposition_m = {}", absolute(pose.translation_m, scene.origin_m));
+        let _ = match is_site {
+            true => writeln!(
+                text,
+                "\n{}[observer]\nframe = \"site\"\nposition_m = {}",
+                self.comment("observer"),
+                list(pose.translation_m)
+            ),
+            false => writeln!(
+                text,
+                "\n{}[observer]\nposition_m = {}",
+                self.comment("observer"),
+                absolute(pose.translation_m, scene.origin_m)
+            ),
+        };
         let axes = [("h", pose.rotation.x_axis), ("v", pose.rotation.y_axis), ("u", pose.rotation.z_axis)];
         for (name, axis) in axes {
             let _ = writeln!(text, "{name} = {}", list(axis));
         }
-        text += &self.sensor();
+        text += &self.sensor()?;
         Ok(text)
     }
 
@@ -228,7 +323,8 @@ impl Writer<'_> {
         let name = self.names[i].clone();
         let item = format!("materials.{:?}", material.name);
         let file = |what: &str| format!(".{name}.{what}");
-        let mut text = format!("\n[materials.{}]\n", quoted(&name));
+        let mut text = format!("\n{}[materials.{}]\n", self.comment(&item), quoted(&name));
+        let key = |key: &str| format!("{}.{key}", member("materials", &material.name));
         let mut tables: Vec<&Spectrum> = Vec::new();
         match self.shares(i, material) {
             Some(shares) => _ = writeln!(text, "mixture = {{ {shares} }}"),
@@ -238,7 +334,10 @@ impl Writer<'_> {
                 tables.extend(Some(&material.reflectance).filter(|s| constant(s).is_none()));
             }
         }
-        if material.emissivity != material.reflectance.map(kirchhoff_emissivity) {
+        let is_kirchhoff = material.emissivity == material.reflectance.map(kirchhoff_emissivity);
+        // Everything is stated by `write` but this: one table more for each material would say nothing new.
+        let is_stated = matches!(self.options.unsaid, Unsaid::Nothing);
+        if !(is_kirchhoff && (is_stated || self.is_left_out(&key("emissivity"), true))) {
             let values = self.values(&file("emissivity"), "emissivity", &material.emissivity)?;
             let _ = writeln!(text, "emissivity = {values}");
             tables.extend(Some(&material.emissivity).filter(|s| constant(s).is_none()));
@@ -258,8 +357,25 @@ impl Writer<'_> {
             }
         }
         let (bond, bolometric) = (material.bond_albedo, material.emissivity_bolometric);
-        let _ = writeln!(text, "bond_albedo = {bond:?}\nemissivity_bolometric = {bolometric:?}");
+        let usual = self.usual(i, material);
+        let is = |value: f64, usual: Option<f64>| usual.is_some_and(|usual| (value - usual).abs() <= SAME);
+        if !self.is_left_out(&key("bond_albedo"), is(bond, usual.map(|(bond, _)| bond))) {
+            let _ = writeln!(text, "bond_albedo = {bond:?}");
+        }
+        if !self.is_left_out(&key("emissivity_bolometric"), is(bolometric, usual.map(|(_, bolometric)| bolometric))) {
+            let _ = writeln!(text, "emissivity_bolometric = {bolometric:?}");
+        }
         Ok(text)
+    }
+
+    /// Bond albedo and bolometric emissivity of a material that does not state them.
+    fn usual(&self, i: usize, material: &Material) -> Option<(f64, f64)> {
+        if material.mixture.is_empty() || material.mixture == [(i, 1.0)] {
+            return Some((solar_mean(&material.reflectance)?, EMISSIVITY_BOLOMETRIC));
+        }
+        let part = |&(part, share): &(usize, f64)| Some((share, self.scene.materials.get(part)?));
+        let parts: Vec<(f64, &Material)> = material.mixture.iter().map(part).collect::<Option<_>>()?;
+        Some((mean(&parts, |m| m.bond_albedo), mean(&parts, |m| m.emissivity_bolometric)))
     }
 
     /// The shares of a mixture; `None` for an entry with a reflectance of its own.
@@ -304,10 +420,14 @@ impl Writer<'_> {
         let sun = &self.scene.sun;
         let au = exact(sun.distance_m / AU_M, |au| au * AU_M, sun.distance_m);
         let direction = list(sun.direction.vec());
-        let mut text = format!("\n[sun]\ndirection = {direction}\ndistance_au = {au:?}\n");
+        let frame = if self.options.axes == Axes::Site { "frame = \"site\"\n" } else { "" };
+        let mut text =
+            format!("\n{}[sun]\n{frame}direction = {direction}\ndistance_au = {au:?}\n", self.comment("sun"));
         let e490 = solar_e490();
         if sun.irradiance_1au == *e490 {
-            text.push_str("spectrum = \"e490\"\n");
+            if !self.is_left_out("sun.spectrum", true) {
+                text.push_str("spectrum = \"e490\"\n");
+            }
             self.total_irradiance(None);
             return Ok(text);
         }
@@ -345,10 +465,11 @@ impl Writer<'_> {
             return spectrum.clone();
         }
         self.note(Fate::Approximated, item, "is known where the bands look, instead of everywhere");
-        let supports = self.scene.sensor.bands.iter().map(|band| band.support_um());
+        let supports =
+            self.scene.sensor.bands.iter().map(|band| band.support_within_um(self.scene.known_um(band.light)));
         let ends = supports.fold((f64::INFINITY, 0.0_f64), |(a, b), (low, high)| (a.min(low), b.max(high)));
         let mut um = spectrum.wavelength_um().to_vec();
-        um.extend([ends.0, ends.1]);
+        um.extend([ends.0, ends.1].into_iter().filter(|um| *um > 0.0));
         um.sort_by(f64::total_cmp);
         um.dedup();
         let value = um.iter().filter_map(|&um| spectrum.at(um)).collect();
@@ -357,30 +478,45 @@ impl Writer<'_> {
 
     fn mars(&mut self) -> Result<String> {
         let Some(mars) = &self.scene.mars else { return Ok(String::new()) };
-        let albedo = match constant(&mars.reflectance) {
-            Some(value) => format!("{value:?}"),
-            None => {
-                let table = self.known(&mars.reflectance, "mars.albedo");
-                self.values(".mars", "albedo", &table)?
+        let mut text = format!("\n[mars]\nposition_m = {}\n", absolute(mars.centre_m, self.scene.origin_m));
+        let albedo = constant(&mars.reflectance);
+        if !self.is_left_out("mars.albedo", albedo == Some(MARS_ALBEDO)) {
+            let albedo = match albedo {
+                Some(value) => format!("{value:?}"),
+                None => {
+                    let table = self.known(&mars.reflectance, "mars.albedo");
+                    self.values(".mars", "albedo", &table)?
+                }
+            };
+            let _ = writeln!(text, "albedo = {albedo}");
+        }
+        let numbers = [
+            ("radius_m", mars.radius_m, MARS_RADIUS_M),
+            ("bond_albedo", mars.bond_albedo, MARS_BOND_ALBEDO),
+            ("thermal_exitance_w_m2", mars.thermal_exitance_w_m2, MARS_THERMAL_EXITANCE_W_M2),
+        ];
+        for (key, value, usual) in numbers {
+            if !self.is_left_out(&format!("mars.{key}"), value == usual) {
+                let _ = writeln!(text, "{key} = {value:?}");
             }
-        };
+        }
         let model = match mars.model {
             MarsModel::NearField => "near_field",
             MarsModel::Thesis => "thesis",
         };
-        Ok(format!(
-            "\n[mars]\nposition_m = {}\nradius_m = {:?}\nalbedo = {albedo}\nbond_albedo = {:?}\nthermal_exitance_w_m2 = {:?}\nmodel = \"{model}\"\n",
-            absolute(mars.centre_m, self.scene.origin_m),
-            mars.radius_m,
-            mars.bond_albedo,
-            mars.thermal_exitance_w_m2,
-        ))
+        if !self.is_left_out("mars.model", mars.model == MarsModel::NearField) {
+            let _ = writeln!(text, "model = \"{model}\"");
+        }
+        Ok(text)
     }
 
-    fn sensor(&self) -> String {
+    fn sensor(&mut self) -> Result<String> {
         let sensor = &self.scene.sensor;
         let camera = &sensor.camera;
-        let mut text = format!("\n[sensor]\nname = {}\n", quoted(&sensor.name));
+        let mut text = format!("\n{}[sensor]\n", self.comment("sensor"));
+        if !self.is_left_out("sensor.name", sensor.name == SENSOR_NAME) {
+            let _ = writeln!(text, "name = {}", quoted(&sensor.name));
+        }
         let _ = writeln!(text, "samples = {}\nlines = {}", camera.samples, camera.lines);
         let ifov_mrad = 1e3 * camera.ifov_rad()[0];
         let _ = if !camera.is_centred() {
@@ -393,14 +529,45 @@ impl Writer<'_> {
             let half = 0.5 * camera.pitch[0] * f64::from(camera.samples);
             writeln!(text, "fov_deg = {:?}", (2.0 * half.atan()).to_degrees())
         };
-        let centres: Vec<f64> = sensor.bands.iter().map(|band| band.centre_um).collect();
-        let _ = writeln!(text, "\n[sensor.bands]\ncentres_um = {centres:?}");
-        let widths: Vec<f64> = sensor.bands.iter().map(|band| band.fwhm_um.unwrap_or(0.0)).collect();
-        let _ = match widths[..] {
-            _ if widths.iter().all(|w| *w == 0.0) => Ok(()),
-            [first, ..] if widths.iter().all(|w| *w == first) => writeln!(text, "fwhm_um = {first:?}"),
-            _ => writeln!(text, "fwhm_um = {widths:?}"),
+        text += &self.bands()?;
+        Ok(text)
+    }
+
+    fn bands(&mut self) -> Result<String> {
+        let bands = &self.scene.sensor.bands;
+        let mut text = String::from("\n[sensor.bands]\n");
+        let tables: Vec<&Spectrum> = bands.iter().filter_map(|b| b.response.table()).collect();
+        let shape = |band: &Band| match (&band.response, band.fwhm_um) {
+            (Response::Table(_), _) => "table",
+            (Response::Box, Some(_)) => "box",
+            _ => "gaussian",
         };
-        text
+        let shapes: Vec<&str> = bands.iter().map(shape).collect();
+        if tables.len() < bands.len() {
+            let centres: Vec<f64> = bands.iter().map(|band| band.centre_um).collect();
+            let _ = writeln!(text, "centres_um = {centres:?}");
+            let widths: Vec<f64> = bands.iter().map(|band| band.fwhm_um.unwrap_or(0.0)).collect();
+            let _ = match widths[..] {
+                _ if widths.iter().all(|w| *w == 0.0) => Ok(()),
+                [first, ..] if widths.iter().all(|w| *w == first) => writeln!(text, "fwhm_um = {first:?}"),
+                _ => writeln!(text, "fwhm_um = {widths:?}"),
+            };
+            let _ = match shapes.first() {
+                _ if shapes.iter().all(|s| *s == "gaussian") => Ok(()),
+                Some(first) if shapes.iter().all(|s| s == first) => writeln!(text, "shape = {first:?}"),
+                _ => writeln!(text, "shape = {shapes:?}"),
+            };
+        }
+        if !tables.is_empty() {
+            let name = self.file(".bands", "csv", |out| response_csv::write(out, &tables))?;
+            let _ = writeln!(text, "response = {}", quoted(&name));
+        }
+        let lights: Vec<&str> = bands.iter().map(|band| band.light.name()).collect();
+        let _ = match lights.first() {
+            _ if lights.iter().all(|l| *l == "both") => Ok(()),
+            Some(first) if lights.iter().all(|l| l == first) => writeln!(text, "light = {first:?}"),
+            _ => writeln!(text, "light = {lights:?}"),
+        };
+        Ok(text)
     }
 }

@@ -130,7 +130,7 @@ impl Patch {
             sensor: Sensor {
                 name: "frame camera".to_owned(),
                 camera: camera(self.observer_m, 1, 0.1 / self.observer_m.length())?,
-                bands: vec![Band { centre_um: self.wavelength_um, fwhm_um: None }],
+                bands: vec![Band::new(self.wavelength_um, None)],
             },
         };
         scene.check().ok()

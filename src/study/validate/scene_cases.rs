@@ -136,7 +136,7 @@ fn look(mesh: Mesh, reflectance: f64, sun: Sun, camera: FrameCamera) -> Result<V
         emissivity_bolometric: 0.95,
         mixture: vec![(0, 1.0)],
     };
-    let bands = vec![Band { centre_um: 1.0, fwhm_um: None }];
+    let bands = vec![Band::new(1.0, None)];
     let scene = Scene {
         origin_m: TARGET_M,
         mesh,

@@ -8,7 +8,7 @@ use super::{Answer, By, Oracle, closed_forms, scene_cases};
 use crate::geometry::{Direction, Pose, angle_rad};
 use crate::physics::{blackbody, bounds, mars, sun};
 use crate::scene::Thermal;
-use crate::spectral::{Band, solar_e490};
+use crate::spectral::{ALL_UM, Band, solar_e490};
 use crate::units::{AU_M, STEFAN_BOLTZMANN_W_M2_K4};
 
 /// What `simulate` computes in the same way.
@@ -419,16 +419,17 @@ impl Oracle<'_> {
             let (width_um, per_um) =
                 (self.input("fwhm_um")?, self.input("cycles_per_um").or_else(|| self.input("nu"))?);
             // A wavelength that is a whole number of cycles, so that the contrast is the mean itself.
-            let band = Band { centre_um: (10.0 * per_um).round() / per_um, fwhm_um: Some(width_um) };
+            let band = Band::new((10.0 * per_um).round() / per_um, Some(width_um));
             let wave = |um: f64| (2.0 * std::f64::consts::PI * per_um * um).cos();
-            return Some(simulate(band.quadrature(&[]).iter().map(|(um, weight)| weight * wave(*um)).sum::<f64>()));
+            return Some(simulate(
+                band.quadrature(&[], ALL_UM).iter().map(|(um, weight)| weight * wave(*um)).sum::<f64>(),
+            ));
         }
         if kind != "eq16_midpoint_error" {
             return None;
         }
         let (um, width_um, t_k) = (self.input("l0_um")?, self.input("dl_um")?, self.input("T_K")?);
-        let in_band =
-            Band { centre_um: um, fwhm_um: Some(width_um) }.in_band_w_m2_sr(blackbody::radiance_w_m2_sr_um(um, t_k))?;
+        let in_band = Band::new(um, Some(width_um)).in_band_w_m2_sr(blackbody::radiance_w_m2_sr_um(um, t_k))?;
         let exact = blackbody::band_radiance_w_m2_sr(um - 0.5 * width_um, um + 0.5 * width_um, t_k);
         Some(reference(in_band / exact - 1.0))
     }

@@ -9,7 +9,7 @@ use crate::error::Location;
 use crate::geometry::Direction;
 use crate::physics::{blackbody, heat, mars, sun};
 use crate::scene::{Mars, MarsModel, Material, Photometry, Scene, Sun, Thermal};
-use crate::spectral::{Band, Column, SpectralLibrary, Spectrum};
+use crate::spectral::{ALL_UM, Band, Column, Light, SpectralLibrary, Spectrum};
 
 use super::super::database::Kind;
 use super::super::frame;
@@ -34,7 +34,9 @@ pub(super) fn band_mean(band: &Band, factors: &[&Spectrum]) -> f64 {
     knots.sort_by(f64::total_cmp);
     knots.dedup();
     let product = |um| factors.iter().map(|s| s.at(um).unwrap_or(f64::NAN)).product::<f64>();
-    band.quadrature(&knots).iter().map(|(um, weight)| weight * product(*um)).sum()
+    let known = factors.iter().map(|s| s.coverage_um());
+    let known_um = known.fold(ALL_UM, |(a, b), (first, last)| (a.max(first), b.min(last)));
+    band.quadrature(&knots, known_um).iter().map(|(um, weight)| weight * product(*um)).sum()
 }
 
 /// Zenith angle and azimuth of the Sun in DART's frame, deg; `None` below the horizon of the site, where DART has no Sun.
@@ -54,7 +56,10 @@ pub(super) fn sunlight(scene: &Scene) -> Vec<f64> {
 /// Irradiance of the Sun on a plane normal to its beam, at the body, in each band, W m-2 um-1.
 pub(in super::super) fn irradiance(sun: &Sun, bands: &[Band]) -> Vec<f64> {
     let at_the_body = |e| sun::irradiance_at(e, sun.distance_m);
-    bands.iter().map(|band| at_the_body(band_mean(band, &[&sun.irradiance_1au]))).collect()
+    let mean = |band: &Band| at_the_body(band_mean(band, &[&sun.irradiance_1au]));
+    // A band without sunlight may lie where that is not known.
+    let counts = |band: &Band, mean: f64| band.light.is_lit() || mean.is_finite();
+    bands.iter().map(|band| Some(mean(band)).filter(|e| counts(band, *e)).unwrap_or(0.0)).collect()
 }
 
 /// A band's full width as DART has it, um.
@@ -63,9 +68,10 @@ pub(in super::super) fn width_um(band: &Band) -> f64 {
 }
 
 /// First and last wavelength that DART looks at, um.
-fn reach_um(bands: &[Band]) -> (f64, f64) {
-    let ends = bands.iter().map(|band| {
-        let ((lo, hi), half) = (band.support_um(), 0.5 * width_um(band));
+fn reach_um(scene: &Scene) -> (f64, f64) {
+    let ends = scene.sensor.bands.iter().map(|band| {
+        let (lo, hi) = band.support_within_um(scene.known_um(band.light));
+        let half = 0.5 * width_um(band);
         (lo.min(band.centre_um - half), hi.max(band.centre_um + half))
     });
     ends.fold((f64::INFINITY, 0.0), |(lo, hi), (a, b)| (lo.min(a), hi.max(b)))
@@ -148,7 +154,7 @@ pub(super) fn optical(scene: &Scene, names: &[(String, String)]) -> Vec<OpticalP
 }
 
 pub(super) fn databases(scene: &Scene, names: &[(String, String)]) -> Vec<(String, Vec<SpectralLibrary>)> {
-    let reach_um = reach_um(&scene.sensor.bands);
+    let reach_um = reach_um(scene);
     let black = Spectrum::constant(0.0);
     let sky = (OpticalKind::Lambertian, vec![&black]);
     let all: Vec<_> = scene.materials.iter().map(spectra).chain([sky]).collect();
@@ -240,7 +246,7 @@ pub(super) fn on_facet_from_mars(mars: &Mars, normal: DVec3, towards_sun: DVec3)
     }
 }
 
-/// Bands, each with sunlight, heat, or both, as matters at the scene's highest temperature.
+/// Bands, each with sunlight, heat, or both; where a band has both, as matters at the scene's highest temperature.
 pub(in super::super) fn intervals(scene: &Scene, thermal: &[ThermalFunction]) -> Vec<SpectralInterval> {
     let sunlight = sunlight(scene);
     let one = |(i, band): (usize, &Band)| {
@@ -254,10 +260,10 @@ pub(in super::super) fn intervals(scene: &Scene, thermal: &[ThermalFunction]) ->
             is_lit |= light >= NEGLIGIBLE * heat;
             glows |= heat > NEGLIGIBLE * light;
         }
-        let mode = match (is_lit, glows) {
-            (_, false) => 0,
-            (true, true) => 1,
-            (false, true) => 2,
+        let mode = match (band.light, is_lit, glows) {
+            (Light::Sunlight, ..) | (Light::Both, _, false) => 0,
+            (Light::Both, true, true) => 1,
+            (Light::Heat, ..) | (Light::Both, false, true) => 2,
         };
         SpectralInterval {
             mean_um: um,

@@ -21,7 +21,9 @@ use super::properties::Properties;
 use super::{MapOptions, OutputBand};
 
 /// The file of triangles, in `output/`.
-const TRIANGLES: &str = "triangles.txt";
+pub(super) const TRIANGLES: &str = "triangles.txt";
+/// The folder of a band that holds it, iteration by iteration.
+pub(super) const FOLDER: &str = "RADIATIVE_BUDGET";
 /// The file of what they send out, in a band's folder.
 pub(super) const FIGURES: &str = "RadiativeBudgetFigures.txt";
 /// Longer files are refused, bytes.
@@ -87,8 +89,11 @@ pub(super) fn map(
         return Err(Error::Invalid(problems));
     }
     let (patches, mismatch) = place(&triangles, &pose, scene, &path)?;
-    let source =
-        Source { bands: bands.iter().map(|b| b.band).collect(), figures: columns, area_m2: triangles.area_m2() };
+    let source = Source {
+        bands: bands.iter().map(|b| b.band.clone()).collect(),
+        figures: columns,
+        area_m2: triangles.area_m2(),
+    };
     let map = RadianceMap {
         name: "DART radiative budget".into(),
         placement: Placement::Patches(patches),

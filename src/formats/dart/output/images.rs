@@ -62,7 +62,7 @@ pub(super) fn map(
         ViewImage { projection, eye: Eye::Towards(view.towards(&pose)), rows, columns, occlusion: true }
     };
     let mut source = Source {
-        bands: view.bands.iter().map(|b| b.band).collect(),
+        bands: view.bands.iter().map(|b| b.band.clone()).collect(),
         images: view.bands.iter().map(|b| b.path.clone()).zip(units).collect(),
         texels: rows * columns,
     };

@@ -7,6 +7,7 @@
 mod budget;
 mod georef;
 mod images;
+mod others;
 mod properties;
 mod register;
 
@@ -241,7 +242,7 @@ impl Output {
         &self.views
     }
 
-    /// Names of images that are no parallel views: a camera's.
+    /// Names of images that are no parallel views: a camera's; then what else lies there that is not read.
     pub fn passed_over(&self) -> &[String] {
         &self.passed_over
     }
@@ -336,7 +337,7 @@ impl Output {
                     // An image's values stand for it as well.
                     let is_asked = is_wanted(&path) || is_wanted(&path.with_extension("mp#"));
                     if let Some(name) = name.strip_suffix(".mpr").filter(|_| is_asked) {
-                        let band = OutputBand { number, band, path };
+                        let band = OutputBand { number, band: band.clone(), path };
                         if let Err(problem) = self.add(name, quantity, &iteration, band) {
                             problems.push(problem);
                         }
@@ -344,8 +345,7 @@ impl Output {
                 }
             }
         }
-        for (_, number, path) in last_iteration(&bands, "RADIATIVE_BUDGET", budget::FIGURES, &is_wanted, &mut problems)?
-        {
+        for (_, number, path) in last_iteration(&bands, budget::FOLDER, budget::FIGURES, &is_wanted, &mut problems)? {
             let Some(band) = self.band(number, &mut problems) else { continue };
             self.budget.push(OutputBand { number, band, path });
         }
@@ -355,6 +355,12 @@ impl Output {
             let message = "holds no images: they are BANDn/{BRF,Tapp,Radiance}/ITERn/IMAGES_DART/*.mpr of the simulation's `output`";
             problems.push(Problem::new(Location::file(path), message));
         }
+        let bands = self.views.iter().flat_map(|view| &view.bands).chain(&self.budget);
+        let mut read: Vec<PathBuf> = bands.map(|band| band.path.clone()).collect();
+        if !self.budget.is_empty() {
+            read.push(self.folder.join(budget::TRIANGLES));
+        }
+        self.passed_over.extend(others::passed_over(&self.folder, &read, &is_wanted)?);
         if problems.is_empty() { Ok(()) } else { Err(Error::Invalid(problems)) }
     }
 

@@ -79,8 +79,8 @@ impl Properties {
             let message = format!("a band from {from_um} to {to_um} um: wavelengths ascend, and are above 0");
             return Err(Problem::new(self.at(&min[0]), message));
         }
-        let fwhm_um = (to_um > from_um).then_some(to_um - from_um);
-        Ok(Band { centre_um: 0.5 * (from_um + to_um), fwhm_um })
+        let (middle_um, width_um) = (0.5 * (from_um + to_um), to_um - from_um);
+        Ok(if width_um > 0.0 { Band::boxed(middle_um, width_um) } else { Band::new(middle_um, None) })
     }
 
     /// The wavelength at which a band's apparent temperatures are meant, um: as DART says since 5.8, else the band's middle.

@@ -20,7 +20,10 @@ pub(super) fn optical(coeff_diff: &Element, bands: usize, reading: &mut Reading)
     for (kind, list, entry) in LISTS {
         // From 5.10 lists are wrapped in `Surfaces`.
         for element in coeff_diff.descendant(list).iter().flat_map(|l| l.all(entry)) {
+            // Before 5.7 a property is a text, with one table.
+            let text = || holder(element, "fileName")?.get("fileName").filter(|name| !name.trim().is_empty());
             let named = table(element, "databaseName", "ModelName");
+            let named = named.or_else(|| Some((text()?.to_owned(), String::new())));
             if named.is_none() {
                 reading.note(Fate::Dropped, element.at(), "an optical property that is no table of a database");
             }
@@ -33,6 +36,15 @@ pub(super) fn optical(coeff_diff: &Element, bands: usize, reading: &mut Reading)
                 reading.note(Fate::Defaulted, element.at(), "names no table of transmittance: taken is none");
             }
             let factors = factors(element, bands, reading);
+            // Old versions have one set for all bands.
+            if factors.len() > 1 && factors.len() != bands {
+                let what = match factors.len() < bands {
+                    true => "bands without one are taken to have the last one's",
+                    false => "those beyond are of no band",
+                };
+                let message = format!("{} sets of factors for {bands} bands: {what}", factors.len());
+                reading.note(Fate::Approximated, element.at(), message);
+            }
             sets += factors.len();
             if sets > SETS {
                 let message = format!("with this property there are factors for more than {SETS} bands in all");

@@ -145,7 +145,11 @@ fn by_date(date: &Element, maket: &Maket, offset_deg: f64, reading: &mut Reading
          Give the angles that are meant, or those that DART prints, to have them exactly",
         angles[0], angles[1]
     );
-    reading.note(Fate::Approximated, date.at(), message);
+    let south = format!(
+        ". South of the equator DART is said to count azimuths from North, which is not confirmed: it would be {:.3} deg there",
+        turn(angles[1] + 180.0)
+    );
+    reading.note(Fate::Approximated, date.at(), message + if latitude < 0.0 { &south } else { "" });
     if angles[0] > 90.0 {
         reading.problem(date.at(), "the Sun is below the horizon on this date");
     }

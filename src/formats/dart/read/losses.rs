@@ -166,7 +166,7 @@ const FEATURES: &[Feature] = &[
 
 /// What each element of a section is known to hold. `*`: how DART computes, shows or lays out its products, or part of
 /// a feature above; not looked into.
-const KNOWN: &[(&str, &str)] = &[
+pub(super) const KNOWN: &[(&str, &str)] = &[
     ("Maket", "dartZone exactlyPeriodicScene useRandomGenerationSeed hideRB"),
     ("Scene", ""),
     ("CellDimensions", "x z roundToExact"),
@@ -326,7 +326,7 @@ const KNOWN: &[(&str, &str)] = &[
 ];
 
 /// Elements of which there may be several side by side; of all others the first is read.
-const LISTED: &[&str] = &[
+pub(super) const LISTED: &[&str] = &[
     "LambertianMulti",
     "HapkeSpecularMulti",
     "RPVMulti",

@@ -12,6 +12,7 @@ mod object_3d;
 mod phase;
 mod reading;
 pub(super) mod sequence;
+pub(super) mod unread;
 
 use std::path::{Path, PathBuf};
 
@@ -113,6 +114,12 @@ impl Inputs {
     pub(super) fn section(&self, section: &str) -> Option<&Element> {
         let i = FILES.iter().position(|(_, name, _)| *name == section)?;
         self.roots.get(i)?.as_ref()?.child(section)
+    }
+
+    /// The root of the file that a section is in.
+    pub(super) fn root(&self, section: &str) -> Option<&Element> {
+        let i = FILES.iter().position(|(_, name, _)| *name == section)?;
+        self.roots.get(i)?.as_ref()
     }
 
     /// All roots that are there.

@@ -5,7 +5,7 @@ use crate::report::Fate;
 
 use super::super::{Maket, Phase, SpectralInterval};
 use super::camera;
-use super::reading::Reading;
+use super::reading::{Reading, number};
 
 pub(super) fn read(phase: &Element, maket: &Maket, reading: &mut Reading) -> Phase {
     let bands = bands(phase, reading);
@@ -21,10 +21,8 @@ pub(super) fn read(phase: &Element, maket: &Maket, reading: &mut Reading) -> Pha
     }
 }
 
-/// Elements in the order of their `bandNumber`: in that of the file where it is missing.
-///
-/// Those that must be complete count from 0 without gaps.
-fn numbered<'e>(mut elements: Vec<&'e Element>, complete: bool, reading: &mut Reading) -> Vec<&'e Element> {
+/// Elements in the order of their `bandNumber`, from 0 without gaps: in that of the file where it is missing.
+fn numbered<'e>(mut elements: Vec<&'e Element>, reading: &mut Reading) -> Vec<&'e Element> {
     let number = |(i, e): (usize, &&Element)| match e.get("bandNumber") {
         Some(_) => reading.integer(e, "bandNumber"),
         None => i as u32,
@@ -33,7 +31,7 @@ fn numbered<'e>(mut elements: Vec<&'e Element>, complete: bool, reading: &mut Re
     let mut order: Vec<usize> = (0..elements.len()).collect();
     order.sort_by_key(|&i| numbers[i]);
     for (wanted, &i) in order.iter().enumerate() {
-        if complete && numbers[i] as usize != wanted && elements[i].get("bandNumber").is_some() {
+        if numbers[i] as usize != wanted && elements[i].get("bandNumber").is_some() {
             let message =
                 format!("`bandNumber` is {} where {wanted} belongs: bands count from 0 without gaps", numbers[i]);
             reading.problem(elements[i].at_attribute("bandNumber"), message);
@@ -49,7 +47,7 @@ fn bands(phase: &Element, reading: &mut Reading) -> Vec<SpectralInterval> {
         reading.problem(phase.at(), "has no `<SpectralIntervals>` within");
         return Vec::new();
     };
-    let elements = numbered(list.all("SpectralIntervalsProperties").collect(), true, reading);
+    let elements = numbered(list.all("SpectralIntervalsProperties").collect(), reading);
     if elements.is_empty() {
         reading.problem(list.at(), "holds no band");
     }
@@ -73,7 +71,7 @@ fn bands(phase: &Element, reading: &mut Reading) -> Vec<SpectralInterval> {
     bands
 }
 
-fn irradiance(phase: &Element, bands: usize, reading: &mut Reading) -> (u32, Vec<(f64, f64)>) {
+fn irradiance(phase: &Element, bands: usize, reading: &mut Reading) -> (u32, Vec<Option<(f64, f64)>>) {
     let Some(node) = phase.descendant("nodeIlluminationMode") else {
         reading.note(Fate::Defaulted, phase.at(), "says nothing of illumination: taken is DART's solar spectrum");
         return (0, Vec::new());
@@ -95,29 +93,42 @@ fn irradiance(phase: &Element, bands: usize, reading: &mut Reading) -> (u32, Vec
         }
         return (if mode == 1 { 0 } else { mode }, Vec::new());
     };
-    let elements = numbered(list.all("SpectralIrradianceValue").collect(), mode == 1, reading);
-    let mut values: Vec<(f64, f64)> =
-        elements.iter().map(|e| (reading.number_or(e, "irradiance", 0.0), reading.number_or(e, "Skyl", 0.0))).collect();
-    if mode != 1 {
-        return (mode, values);
-    }
-    for (value, element) in values.iter().zip(&elements) {
-        if value.0 < 0.0 || !(0.0..=1.0).contains(&value.1) {
+    let mut values: Vec<Option<(f64, f64)>> = vec![None; bands];
+    let mut first = None;
+    for (i, element) in list.all("SpectralIrradianceValue").enumerate() {
+        let number =
+            if element.get("bandNumber").is_some() { reading.integer(element, "bandNumber") as usize } else { i };
+        let value = (reading.number_or(element, "irradiance", 0.0), reading.number_or(element, "Skyl", 0.0));
+        first.get_or_insert(value);
+        if mode == 1 && (value.0 < 0.0 || !(0.0..=1.0).contains(&value.1)) {
             let message = format!(
                 "irradiance {} with a diffuse share of {}: not below 0, and a share of 0 to 1",
                 value.0, value.1
             );
             reading.problem(element.at(), message);
         }
+        match values.get_mut(number) {
+            Some(known @ None) => *known = Some(value),
+            Some(Some(_)) if mode == 1 => {
+                reading.problem(element.at_attribute("bandNumber"), format!("a second irradiance of band {number}"));
+            }
+            None if mode == 1 => {
+                let message = format!("an irradiance of band {number}: there are {bands} bands, counted from 0");
+                reading.note(Fate::Dropped, element.at(), message);
+            }
+            _ => {}
+        }
+    }
+    if mode != 1 {
+        return (mode, values);
     }
     if let Some(common) = list.child("CommonParameters") {
-        let first = values.first().copied().unwrap_or_default();
+        let first = first.unwrap_or_default();
         if reading.flag(common, "commonIrradianceCheckBox") {
-            values.resize(bands, first);
-            values.iter_mut().for_each(|v| v.0 = first.0);
+            values.iter_mut().for_each(|v| *v = Some((first.0, v.map_or(first.1, |v| v.1))));
         }
         if reading.flag(common, "commonSkylCheckBox") {
-            values.iter_mut().for_each(|v| v.1 = first.1);
+            values.iter_mut().flatten().for_each(|v| v.1 = first.1);
         }
         if reading.integer_or(common, "irraDef", 0) != 0 {
             let message =
@@ -125,12 +136,18 @@ fn irradiance(phase: &Element, bands: usize, reading: &mut Reading) -> (u32, Vec
             reading.note(Fate::Approximated, common.at_attribute("irraDef"), message);
         }
     }
-    if let Some((_, element)) = values.iter().zip(&elements).find(|(v, _)| v.1 > 0.0) {
-        reading.note(
-            Fate::Dropped,
-            element.at_attribute("Skyl"),
-            "diffuse light from the sky: there is none without an atmosphere",
+    let missing: Vec<String> = (0..bands).filter(|i| values[*i].is_none()).map(|i| i.to_string()).collect();
+    if !missing.is_empty() {
+        let message = format!(
+            "no irradiance of the bands {}: there the solar spectrum is taken as the other bands have it",
+            missing.join(", ")
         );
+        reading.note(Fate::Defaulted, list.at(), message);
+    }
+    if values.iter().flatten().any(|v| v.1 > 0.0) {
+        let message = "diffuse light from the sky: there is none without an atmosphere";
+        let element = list.all("SpectralIrradianceValue").find(|e| e.get("Skyl").and_then(number) > Some(0.0));
+        reading.note(Fate::Dropped, element.map_or(list.at(), |e| e.at_attribute("Skyl")), message);
     }
     (mode, values)
 }

@@ -10,7 +10,7 @@ use crate::formats::input::Hashing;
 use crate::formats::obj::{self, ObjFile};
 use crate::geometry::{MaterialId, Mesh};
 use crate::progress::tell;
-use crate::report::Fate;
+use crate::report::{Fate, Report};
 
 use super::super::ground::{Ground, Standing};
 use super::super::simulation::Object;
@@ -43,10 +43,25 @@ impl Reader<'_> {
         self.report.notes.extend(report.notes);
         self.inputs.extend(files);
         let mut standing = Standing::default();
+        let [x, y] = maket.size_m;
+        let is_within =
+            |object: &Object| (0.0..=x).contains(&object.position_m.x) && (0.0..=y).contains(&object.position_m.y);
+        // Of a field DART leaves out what stands outside of the scene.
         let placed = || {
-            let of_fields = simulation.fields.iter().flat_map(|f| f.objects()).map(Cow::Owned);
+            let of_fields = simulation.fields.iter().flat_map(|f| f.objects()).filter(is_within).map(Cow::Owned);
             simulation.objects.iter().map(Cow::Borrowed).chain(of_fields)
         };
+        for field in &simulation.fields {
+            let outside = field.objects().filter(|object| !is_within(object)).count();
+            if outside > 0 {
+                let message = format!(
+                    "{outside} objects of the field {:?} stand outside of the scene: DART leaves them out",
+                    field.name
+                );
+                self.note(Fate::Dropped, &field.at, message);
+            }
+        }
+        let mut beyond = Beyond::default();
         // A field of a few lines can ask for more than any memory holds.
         let (mut vertices, mut facets) = (0, 0);
         for object in placed().filter(|object| !object.hidden) {
@@ -67,12 +82,15 @@ impl Reader<'_> {
             tell(self.watch, "reading meshes", 0, 1)?;
             let mut mesh = self.object(object, material_of)?;
             standing.settle(object, &mut mesh, &ground, &mut self.report);
-            self.beyond(object, &mesh);
+            if self.options.repeat == 0 {
+                beyond.look(object, &mesh, maket.size_m);
+            }
             meshes.push(mesh);
         }
         let mut meshes = meshes.into_iter();
         let mut all = meshes.next().unwrap_or_default();
         all.append_all(meshes);
+        beyond.tell(&mut self.report);
         standing.tell(&mut self.report);
         if let Some(sidecar) = self.sidecar.as_ref().filter(|_| simulation.objects.len() == 1) {
             all.face_of_facet = match sidecar.faces(all.facets.len()) {
@@ -93,20 +111,6 @@ impl Reader<'_> {
         all.vertices_m.iter_mut().for_each(|v| *v = place.local_m(*v));
         tell(self.watch, "reading meshes", 1, 1)?;
         Ok(all)
-    }
-
-    /// Says what is beyond the scene's edge, where there is no copy that it reaches into.
-    fn beyond(&mut self, object: &Object, mesh: &Mesh) {
-        let Some((low_m, high_m)) = mesh.bounds_m() else { return };
-        let [x, y] = self.simulation.maket.size_m;
-        let is_beyond = low_m.x < 0.0 || low_m.y < 0.0 || high_m.x > x || high_m.y > y;
-        if is_beyond && object.repeated_on_border && self.options.repeat == 0 {
-            let message = format!(
-                "{:?} reaches beyond the scene's edge, where DART lets it come in at the other side: it only stands where it is",
-                object.name
-            );
-            self.note(Fate::Dropped, &object.at, message);
-        }
     }
 
     /// An object in DART's frame, where its position says.
@@ -185,6 +189,40 @@ impl Reader<'_> {
             mesh.facets.iter_mut().for_each(|f| f.swap(1, 2));
         }
         Ok(mesh)
+    }
+}
+
+/// Objects that reach beyond the scene's edges, where there are no copies: those that DART lets come in at the other side, and others.
+#[derive(Default)]
+struct Beyond {
+    repeated: Option<(Location, String, usize)>,
+    alone: Option<(Location, String, usize)>,
+}
+
+impl Beyond {
+    fn look(&mut self, object: &Object, mesh: &Mesh, [x, y]: [f64; 2]) {
+        let Some((low_m, high_m)) = mesh.bounds_m() else { return };
+        // Rounding of a turn is no reach.
+        let slack_m = 1e-9 * x.max(y);
+        let is_within =
+            low_m.x >= -slack_m && low_m.y >= -slack_m && high_m.x <= x + slack_m && high_m.y <= y + slack_m;
+        if !is_within {
+            let list = if object.repeated_on_border { &mut self.repeated } else { &mut self.alone };
+            list.get_or_insert_with(|| (object.at.clone(), object.name.clone(), 0)).2 += 1;
+        }
+    }
+
+    fn tell(self, report: &mut Report) {
+        let mut told = |list: Option<(Location, String, usize)>, fate, what: &str| {
+            let Some((at, name, count)) = list else { return };
+            let who =
+                if count > 1 { format!("{name:?} and {} more reach", count - 1) } else { format!("{name:?} reaches") };
+            report.note(fate, at, format!("{who} beyond the scene's edge, {what}"));
+        };
+        let comes_in = "where DART lets it come in at the other side: it only stands where it is";
+        told(self.repeated, Fate::Dropped, comes_in);
+        let kept = "where DART may leave it out (that is not documented): it stands where it is";
+        told(self.alone, Fate::Approximated, kept);
     }
 }
 

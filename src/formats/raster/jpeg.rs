@@ -1,0 +1,62 @@
+//! JPEG: grey or colours as shares of 255, as they are stored; no gamma is undone.
+
+use std::path::Path;
+
+use zune_jpeg::JpegDecoder;
+use zune_jpeg::zune_core::bytestream::ZCursor;
+use zune_jpeg::zune_core::colorspace::ColorSpace;
+use zune_jpeg::zune_core::options::DecoderOptions;
+
+use crate::error::{Error, Location, Result};
+use crate::formats::input;
+use crate::formats::number::DataType;
+use crate::report::Fate;
+
+use super::{MOST_PIXELS, Raster, RasterBand, Reader, check_size, resize};
+
+/// Longer files are refused, bytes.
+const LIMIT: u64 = 1 << 30;
+
+/// Opens a photograph. Its blocks hold all colours: it is decoded here, once.
+pub(super) fn open(path: &Path) -> Result<Raster> {
+    let bytes = input::bytes(path, LIMIT)?;
+    let at = || Location::file(path);
+    let damaged = |e: zune_jpeg::errors::DecodeErrors| Error::syntax(at(), format!("not a complete JPEG: {e:?}"));
+    let most = MOST_PIXELS as usize;
+    // What is cut short would have grey where nothing is known: an end must follow the last begin of a scan. Neither occurs in its numbers.
+    let last = |mark: u8| bytes.windows(2).rposition(|pair| pair == [0xff, mark]);
+    let (scan, end) = (last(0xda), last(0xd9));
+    if scan.is_none() || end < scan {
+        return Err(Error::syntax(at(), "not a complete JPEG: it is cut short"));
+    }
+    let options = DecoderOptions::default().set_strict_mode(true).set_max_width(most).set_max_height(most);
+    let mut decoder = JpegDecoder::new_with_options(ZCursor::new(&bytes), options);
+    decoder.decode_headers().map_err(damaged)?;
+    let unknown = || Error::syntax(at(), "not a complete JPEG: without a size");
+    let (columns, rows) = decoder.dimensions().ok_or_else(unknown)?;
+    let (space, names): (ColorSpace, &[&str]) = match decoder.input_colorspace().ok_or_else(unknown)? {
+        ColorSpace::Luma => (ColorSpace::Luma, &["grey"]),
+        ColorSpace::YCbCr | ColorSpace::RGB => (ColorSpace::RGB, &["red", "green", "blue"]),
+        other => {
+            let feature =
+                format!("JPEG in the colours of print, {other:?} (`magick IN OUT.png` makes a picture that is read)");
+            return Err(Error::Unsupported { at: at(), feature });
+        }
+    };
+    check_size(at(), rows, columns, names.len())?;
+    decoder.set_options(options.jpeg_set_out_colorspace(space));
+    let stored = decoder.decode().map_err(damaged)?;
+    let pixels = rows * columns;
+    if stored.len() != pixels * names.len() {
+        return Err(Error::syntax(at(), "not a complete JPEG"));
+    }
+    let mut values = Vec::new();
+    resize(&mut values, stored.len(), path)?;
+    for (band, plane) in values.chunks_exact_mut(pixels).enumerate() {
+        plane.iter_mut().zip(stored[band..].iter().step_by(names.len())).for_each(|(v, s)| *v = f64::from(*s) / 255.0);
+    }
+    let bands = names.iter().map(|name| RasterBand { name: (*name).to_owned(), ..RasterBand::default() }).collect();
+    let mut raster = Raster::of(path, (rows, columns), bands, DataType::F64, Reader::Held(values));
+    raster.report.note(Fate::Defaulted, at(), "values: shares of the largest number, as stored");
+    Ok(raster)
+}

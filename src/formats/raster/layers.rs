@@ -1,0 +1,216 @@
+//! Which bands of a file with channels by name are an image: renderers put coverage, depth, previews and other passes beside it.
+
+use crate::formats::located;
+
+use super::names::{self, Order};
+
+/// Channels that belong together.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Layer {
+    /// What stands before the last dot of their names; empty for most.
+    name: String,
+    /// Bands, in order.
+    bands: Vec<usize>,
+    /// The band that is their coverage.
+    alpha: Option<usize>,
+    /// What orders them; `None` if nothing does.
+    order: Option<Order>,
+    /// Whether all names give wavelengths.
+    is_spectral: bool,
+}
+
+/// What of a file is an image.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Chosen {
+    pub(super) bands: Vec<usize>,
+    pub(super) alpha: Option<usize>,
+}
+
+/// As many names are told.
+const TOLD: usize = 30;
+
+/// The order in which the channels of these names become bands, and what belongs together, as numbers of bands.
+pub(super) fn of(channels: &[&str]) -> (Vec<usize>, Vec<Layer>) {
+    let is_alpha =
+        |i: usize| channels.len() > 1 && names::is_alpha(channels[i]) && names::wavelength(channels[i]).is_none();
+    // The spectral channels of a layer are an image, and so are the others.
+    let key = |i: usize| (names::layer(channels[i]), names::wavelength(channels[i]).is_some());
+    let mut groups: Vec<((&str, bool), Vec<usize>)> = Vec::new();
+    for i in (0..channels.len()).filter(|i| !is_alpha(*i)) {
+        match groups.iter_mut().find(|group| group.0 == key(i)) {
+            Some(group) => group.1.push(i),
+            None => groups.push((key(i), vec![i])),
+        }
+    }
+    let alphas: Vec<usize> = (0..channels.len()).filter(|i| is_alpha(*i)).collect();
+    let mut order = Vec::new();
+    let mut layers = Vec::new();
+    for ((name, is_spectral), members) in groups {
+        let auxiliary: Vec<usize> = members.iter().copied().filter(|i| names::is_auxiliary(channels[*i])).collect();
+        let is_axes = members.iter().any(|i| ["x", "y"].contains(&names::base(channels[*i]).to_lowercase().as_str()));
+        let (shown, rest) = if auxiliary.len() < members.len() && !is_axes {
+            (members.into_iter().filter(|i| !auxiliary.contains(i)).collect(), auxiliary)
+        } else {
+            (members, vec![])
+        };
+        let shown: Vec<usize> = shown;
+        let texts: Vec<&str> = shown.iter().map(|i| channels[*i]).collect();
+        let (by, sorted) =
+            names::order(&texts).map_or((None, (0..shown.len()).collect()), |(by, sorted)| (Some(by), sorted));
+        let first = order.len();
+        order.extend(sorted.iter().map(|i| shown[*i]));
+        layers.push(Layer {
+            name: name.to_owned(),
+            bands: (first..order.len()).collect(),
+            alpha: None,
+            order: by,
+            is_spectral,
+        });
+        order.extend(rest);
+    }
+    order.extend(&alphas);
+    // Coverage is that of its own layer, or of the whole image.
+    let of_layer = |name: &str| alphas.iter().copied().find(|i| names::layer(channels[*i]) == name);
+    for layer in &mut layers {
+        let alpha = of_layer(&layer.name).or_else(|| of_layer(""));
+        layer.alpha = alpha.and_then(|alpha| order.iter().position(|i| *i == alpha));
+    }
+    (order, layers)
+}
+
+/// The image in a file: what is asked for by name, or the layer that is clearly meant: a spectral one, one of colours, the only one.
+///
+/// # Errors
+/// A message and a help.
+pub(super) fn choose(
+    layers: &[Layer],
+    all: &[&str],
+    wanted: Option<&[String]>,
+) -> std::result::Result<Chosen, (String, String)> {
+    let list = |names: &mut dyn Iterator<Item = &str>| -> String {
+        let names: Vec<&str> = names.collect();
+        let more = if names.len() > TOLD { ", ..." } else { "" };
+        names.iter().take(TOLD).map(|n| format!("{n:?}")).collect::<Vec<_>>().join(", ") + more
+    };
+    let channels = || list(&mut all.iter().copied());
+    if let Some(wanted) = wanted {
+        let bands = wanted.iter().map(|name| named(all, name)).collect::<std::result::Result<Vec<usize>, _>>()?;
+        if let Some(i) = (1..bands.len()).find(|i| bands[..*i].contains(&bands[*i])) {
+            return Err((format!("names {:?} twice", wanted[i]), "each channel is a band".into()));
+        }
+        // Coverage of all of them, unless it is a band itself.
+        let of = |band: &usize| layers.iter().find(|layer| layer.bands.contains(band)).and_then(|layer| layer.alpha);
+        let alpha = bands.first().and_then(of).filter(|alpha| bands.iter().all(|b| of(b) == Some(*alpha)));
+        let alpha = alpha.filter(|alpha| !bands.contains(alpha));
+        return Ok(Chosen { bands, alpha });
+    }
+    if layers.is_empty() {
+        return Ok(Chosen { bands: (0..all.len()).collect(), alpha: None });
+    }
+    // Of the best kind: the only one, the total of polarised light, or what is in no layer.
+    let rank = |layer: &Layer| if layer.is_spectral { 0 } else { 1 + u8::from(layer.order != Some(Order::Colour)) };
+    let best = layers.iter().map(rank).min().unwrap_or(0);
+    let of_best: Vec<&Layer> = layers.iter().filter(|layer| rank(layer) == best).collect();
+    let taken = match of_best[..] {
+        [one] => (best < 2 || layers.len() == 1).then_some(one),
+        _ if best == 2 => None,
+        _ => {
+            let is_stokes = of_best.iter().all(|l| ["S0", "S1", "S2", "S3"].contains(&l.name.as_str()));
+            let main = if is_stokes { "S0" } else { "" };
+            of_best.into_iter().find(|layer| layer.name == main)
+        }
+    };
+    let taken = taken.filter(|layer| layer.order.is_some());
+    let Some(layer) = taken else {
+        let message = match layers {
+            [_] => {
+                format!("does not say which of its channels comes first: OpenEXR sorts names as text: {}", channels())
+            }
+            _ => format!("does not say which of its channels are the image: {}", channels()),
+        };
+        let example: Vec<&str> = layers[0].bands.iter().take(3).map(|b| all[*b]).collect();
+        return Err((message, format!("name them in the order of the bands: `channels = {example:?}`")));
+    };
+    Ok(Chosen { bands: layer.bands.clone(), alpha: layer.alpha })
+}
+
+/// The band of a name: its whole name, or what of it no other has.
+fn named(all: &[&str], name: &str) -> std::result::Result<usize, (String, String)> {
+    let only = |is: &dyn Fn(&str) -> bool| {
+        let mut found = (0..all.len()).filter(|i| is(all[*i]));
+        found.next().filter(|_| found.next().is_none())
+    };
+    only(&|other| other == name)
+        .or_else(|| only(&|other| other.eq_ignore_ascii_case(name)))
+        .or_else(|| only(&|other| names::base(other).eq_ignore_ascii_case(name)))
+        .ok_or_else(|| {
+            let help = match located::nearest(name, all) {
+                Some(near) => format!("did you mean {near:?}?"),
+                None if all.iter().all(|name| name.is_empty()) => "its bands have no names".into(),
+                None => {
+                    let names: Vec<String> = all.iter().take(TOLD).map(|name| format!("{name:?}")).collect();
+                    format!("it has {}", names.join(", "))
+                }
+            };
+            (format!("{name:?} is no channel of the raster, or of several"), help)
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Names in the order of bands; what is taken; its coverage.
+    fn taken(channels: &[&str], wanted: Option<&[&str]>) -> std::result::Result<(Vec<String>, Option<String>), String> {
+        let mut channels = channels.to_vec();
+        channels.sort_unstable();
+        let (order, layers) = of(&channels);
+        let all: Vec<&str> = order.iter().map(|i| channels[*i]).collect();
+        assert_eq!(all.len(), channels.len());
+        let wanted: Option<Vec<String>> = wanted.map(|names| names.iter().map(|n| (*n).to_owned()).collect());
+        let chosen = choose(&layers, &all, wanted.as_deref()).map_err(|(message, _)| message)?;
+        let name = |band: usize| all[band].to_owned();
+        Ok((chosen.bands.into_iter().map(name).collect(), chosen.alpha.map(name)))
+    }
+
+    fn image(names: &[&str], alpha: Option<&str>) -> std::result::Result<(Vec<String>, Option<String>), String> {
+        Ok((names.iter().map(|n| (*n).to_owned()).collect(), alpha.map(str::to_owned)))
+    }
+
+    #[test]
+    fn the_image_is_found_among_what_renderers_write() {
+        assert_eq!(taken(&["R", "G", "B", "A", "Z"], None), image(&["R", "G", "B"], Some("A")));
+        assert_eq!(
+            taken(&["V.Combined.R", "V.Combined.G", "V.Combined.B", "V.Combined.A", "V.Depth.Z"], None),
+            image(&["V.Combined.R", "V.Combined.G", "V.Combined.B"], Some("V.Combined.A"))
+        );
+        // A spectral image with its preview.
+        assert_eq!(
+            taken(&["R", "G", "B", "S0.900,0nm", "S0.1000,0nm"], None),
+            image(&["S0.900,0nm", "S0.1000,0nm"], None)
+        );
+        assert_eq!(taken(&["S0.500nm", "S1.500nm", "S2.500nm", "S3.500nm"], None), image(&["S0.500nm"], None));
+        assert_eq!(taken(&["R", "G", "B", "nn.X", "nn.Y", "nn.Z", "dd.y"], None), image(&["R", "G", "B"], None));
+        assert_eq!(taken(&["ch 10", "ch 9"], None), image(&["ch 9", "ch 10"], None));
+        assert_eq!((taken(&["A"], None), taken(&["Z"], None)), (image(&["A"], None), image(&["Z"], None)));
+        assert_eq!(taken(&["900nm", "1000nm", "A"], None), image(&["900nm", "1000nm"], Some("A")));
+    }
+
+    #[test]
+    fn what_is_not_clear_is_asked_for() {
+        for names in [
+            &["swir", "visible"][..],
+            &["left.R", "left.G", "left.B", "right.R", "right.G", "right.B"],
+            &["a.X", "b.X"],
+            &["S0.500nm", "T.500nm"],
+            &["1000nm", "1000,0nm"],
+        ] {
+            let message = taken(names, None).unwrap_err();
+            assert!(names.iter().all(|name| message.contains(name)), "{message}");
+        }
+        assert_eq!(taken(&["swir", "visible"], Some(&["visible", "SWIR"])), image(&["visible", "swir"], None));
+        assert_eq!(taken(&["a.R", "a.A", "b.R"], Some(&["a.R"])), image(&["a.R"], Some("a.A")));
+        assert_eq!(taken(&["V.Combined.R", "V.Depth.Z"], Some(&["z"])), image(&["V.Depth.Z"], None));
+        assert!(taken(&["R", "G"], Some(&["X"])).is_err() && taken(&["R", "G"], Some(&["R", "R"])).is_err());
+    }
+}
