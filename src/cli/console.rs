@@ -15,7 +15,7 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// Where there is no terminal, a line this often.
 const LINE_EVERY: Duration = Duration::from_secs(10);
 /// A step that has not asked for so long whether it should stop is stopped where it is, ...
-const UNHEARD: Duration = Duration::from_millis(800);
+const UNHEARD: Duration = Duration::from_millis(500);
 /// ... and so is what has not ended for so long after it heard that it should.
 const UNENDED: Duration = Duration::from_secs(10);
 
@@ -163,6 +163,13 @@ impl Console {
             Ok(())
         } else {
             self.print(text)
+        }
+    }
+
+    /// The result of a command that has written what it was asked to: a standard output that is full does not undo that.
+    pub(crate) fn done(&self, text: &str, json: &serde_json::Value) {
+        if let Err(error) = self.result(text, json) {
+            self.note(&format!("warning: {error}; the output is complete"));
         }
     }
 

@@ -212,9 +212,11 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
             Ok(if lines.is_empty() { Outcome::Done } else { Outcome::Failed })
         }
         (Some(input), Some(output)) => {
+            super::settle(output, console)?;
+            super::settle_input(input, console)?;
             let conversion = convert::convert(input, output, &options, &watch)?;
             let path = output.display().to_string();
-            console.result(&text(&conversion, &path), &json(&conversion, &path))?;
+            console.done(&text(&conversion, &path), &json(&conversion, &path));
             Ok(if conversion.written { Outcome::Done } else { Outcome::Lost })
         }
         _ => list_formats(console),

@@ -56,6 +56,7 @@ type Facts = Vec<(&'static str, Value)>;
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let path = &arguments.file;
+    super::settle_input(path, console)?;
     if arguments.pixel.is_some() || (path == Path::new(BUILT_IN_SUN) && !path.exists()) {
         return spectrum_of(arguments, console);
     }
@@ -77,7 +78,10 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let text = facts.iter().map(|(name, value)| line(name, value)).collect::<String>();
     let json: serde_json::Map<String, Value> =
         facts.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
-    console.result(&text, &Value::Object(json))?;
+    match arguments.picture {
+        Some(_) => console.done(&text, &Value::Object(json)),
+        None => console.result(&text, &Value::Object(json))?,
+    }
     Ok(Outcome::Done)
 }
 
@@ -124,11 +128,18 @@ fn spectrum_of(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     }
     let written = [(&arguments.csv, csv), (&arguments.picture, picture)];
     for (target, content) in written.iter().filter_map(|(target, content)| Some((target.as_ref()?, content))) {
+        super::settle(target, console)?;
         let staged = Staged::file(target, arguments.force)?;
+        let parts = arguments.file.read_dir().into_iter().flatten().filter_map(|part| Some(part.ok()?.path()));
+        let inputs: Vec<PathBuf> = parts.chain([arguments.file.clone()]).collect();
+        staged.spares(inputs.iter().map(PathBuf::as_path))?;
         std::fs::write(staged.path(), content).map_err(|e| staged.named(Error::io(staged.path(), "writing", e)))?;
         staged.commit()?;
     }
-    console.result(&text, &json)?;
+    match arguments.csv.is_some() || arguments.picture.is_some() {
+        true => console.done(&text, &json),
+        false => console.result(&text, &json)?,
+    }
     Ok(Outcome::Done)
 }
 
@@ -528,7 +539,9 @@ fn image(format: Format, arguments: &Arguments, console: &Console) -> Result<Fac
         ("statistics", json!(bands)),
     ]);
     if let Some(picture) = &arguments.picture {
+        super::settle(picture, console)?;
         let staged = Staged::file(picture, arguments.force)?;
+        staged.spares(raster.files().iter().map(PathBuf::as_path))?;
         let size = [raster.rows, raster.columns];
         quicklook::write_bands(staged.path(), size, &pictured).map_err(|e| staged.named(e))?;
         staged.commit()?;

@@ -74,14 +74,21 @@ fn fill(text: &str) -> std::result::Result<Fill, String> {
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let watch = |progress| console.watch(progress);
-    let staged = arguments.product.stage()?;
+    for input in arguments.table.iter().chain([&arguments.scene]) {
+        super::settle_input(input, console)?;
+    }
+    let staged = arguments.product.stage(console)?;
     let mut opened = scene::open(&arguments.scene, &watch)?;
     let topology = Topology::new(&opened.scene.mesh);
     let table = arguments.table.as_deref().map(|path| table(path, &arguments.scene, &opened)).transpose()?;
+    // Files that tables come from: one at most.
+    let mut tables_from: Vec<PathBuf> = arguments.table.clone().into_iter().collect();
     if arguments.radiance.is_empty() {
         let Some(table) = table else { return Err(no_radiance()) };
+        arguments.product.admit(&staged, &opened, &tables_from, false, Extras::default())?;
         let observation = study::observe(&opened.scene, &topology, &table, &watch)?;
-        let made = Made { opened, table, observation, maps: None };
+        let table_from = tables_from.pop();
+        let made = Made { opened, table, table_from, observation, maps: None };
         return product::write("integrate", &arguments.product, staged, &made, Extras::default(), console);
     }
     let mut options = MapOptions {
@@ -104,12 +111,14 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     for text in &arguments.radiance {
         let mut term = 0;
         for (path, weight) in summands(text)? {
+            super::settle_input(&path, console)?;
             if is_table(&path) {
                 if weight != 1.0 || options.add_solved || arguments.table.is_some() {
                     let problem = Problem::new(Location::file(&path), "a facet table counts once, and whole")
                         .with_help("its light and heat are of this scene: other maps may have weights");
                     return Err(Error::Invalid(vec![problem]));
                 }
+                tables_from.push(path.clone());
                 tables = Some(self::table(&path, &arguments.scene, &opened)?);
                 options.add_solved = true;
                 continue;
@@ -131,13 +140,15 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         return Err(Error::Invalid(vec![problem]));
     }
     terms.retain(|term| !term.is_empty());
+    arguments.product.admit(&staged, &opened, &tables_from, true, Extras::default())?;
     let table = match tables {
         Some(table) => table,
         None if options.fill == Fill::Solved => solve::solve(&opened.scene, &topology, &watch)?,
         None => solve::lit(&opened.scene, &topology, &watch)?,
     };
     let (observation, maps) = study::observe_maps(&opened.scene, &topology, &table, terms, &options, &watch)?;
-    let made = Made { opened, table, observation, maps: Some(maps) };
+    let table_from = tables_from.pop();
+    let made = Made { opened, table, table_from, observation, maps: Some(maps) };
     product::write("integrate", &arguments.product, staged, &made, Extras::default(), console)
 }
 

@@ -12,10 +12,11 @@ mod solve;
 mod validate;
 
 use std::io::IsTerminal;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use mmxrt::formats::folder;
 use mmxrt::{Error, Location, Problem};
 
 use console::Console;
@@ -126,6 +127,18 @@ fn dispatch(command: Command, console: &Console) -> mmxrt::Result<Outcome> {
         Command::Inspect(arguments) => inspect::run(&arguments, console),
         Command::Validate(arguments) => validate::run(&arguments, console),
     }
+}
+
+/// Finishes and removes what runs that were stopped have left of an output, and says so.
+fn settle(output: &Path, console: &Console) -> mmxrt::Result<()> {
+    folder::settle(output, true)?.iter().for_each(|said| console.note(said));
+    Ok(())
+}
+
+/// Finishes what a run that was stopped had begun to put in the place of an input, and says so.
+fn settle_input(input: &Path, console: &Console) -> mmxrt::Result<()> {
+    folder::settle(input, false)?.iter().for_each(|said| console.note(said));
+    Ok(())
 }
 
 /// A place's file as JSON: a name that is not UTF-8, which JSON cannot hold, as nearly as it can be shown.

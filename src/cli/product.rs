@@ -1,12 +1,12 @@
 //! The product folder that `simulate` and `integrate` write.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use mmxrt::formats::envi::{self, Interleave, Precision};
 use mmxrt::formats::folder::Staged;
 use mmxrt::formats::report_json::{self, BandEntry, Image, Report};
-use mmxrt::formats::{exr_cube, npz, quicklook};
+use mmxrt::formats::{exr_cube, machine, npz, quicklook};
 use mmxrt::product::FacetTable;
 use mmxrt::progress::tell;
 use mmxrt::spectral::Band;
@@ -60,8 +60,29 @@ enum PrecisionName {
 
 impl ProductOptions {
     /// Makes the folder to write into, before anything is computed: it may not be possible.
-    pub(super) fn stage(&self) -> Result<Staged> {
+    pub(super) fn stage(&self, console: &Console) -> Result<Staged> {
+        super::settle(&self.output, console)?;
         Staged::folder(&self.output, self.force)
+    }
+
+    /// Says, before anything is computed, if the product has no room, or would replace what it is made from.
+    pub(super) fn admit(
+        &self,
+        staged: &Staged,
+        opened: &Opened,
+        more_inputs: &[PathBuf],
+        has_maps: bool,
+        extras: Extras,
+    ) -> Result<()> {
+        let inputs = opened.inputs.iter().map(|input| Path::new(&input.path));
+        staged.spares(inputs.chain(more_inputs.iter().map(PathBuf::as_path)))?;
+        study::has_room(&opened.scene, has_maps, machine::memory_bytes())?;
+        let number_bytes = match self.dtype {
+            PrecisionName::F32 => 4,
+            PrecisionName::F64 => 8,
+        };
+        let cubes_bytes = number_bytes * if extras.with_split { 2 } else { 1 } + if self.exr { 4 } else { 0 };
+        staged.has_room(study::product_bytes(&opened.scene, cubes_bytes))
     }
 }
 
@@ -69,6 +90,8 @@ impl ProductOptions {
 pub(super) struct Made {
     pub(super) opened: Opened,
     pub(super) table: FacetTable,
+    /// The file that the table was read from, if it was.
+    pub(super) table_from: Option<PathBuf>,
     pub(super) observation: Observation,
     /// The maps that it was made from, if it was.
     pub(super) maps: Option<MapAccount>,
@@ -83,9 +106,7 @@ pub(super) struct Extras {
     pub(super) with_split: bool,
 }
 
-/// Writes everything into the staged folder, gives it its name, and says so.
-///
-/// A product of which a check does not hold is kept, for whoever looks for the reason, but the command has failed.
+/// Writes everything into the staged folder, gives it its name, and says so. A product of which a check does not hold is not written.
 pub(super) fn write(
     command: &str,
     options: &ProductOptions,
@@ -94,30 +115,46 @@ pub(super) fn write(
     Extras { with_table, with_split }: Extras,
     console: &Console,
 ) -> Result<Outcome> {
+    verify(&made.observation.checks, made.table_from.as_deref())?;
     let report = write_files(command, options, &staged, made, Extras { with_table, with_split }, console)
         .map_err(|e| staged.named(e))?;
+    let kept: Vec<String> = staged.kept().iter().map(|path| path.display().to_string()).collect();
     staged.commit()?;
+    if !kept.is_empty() {
+        let output = options.output.display();
+        console.note(&format!(
+            "{output}: kept what other programs had put there, of what was replaced: {}",
+            kept.join(", ")
+        ));
+    }
     made.opened.say_defaults(console);
     report.warnings.iter().for_each(|warning| console.note(&format!("warning: {warning}")));
-    let failed: Vec<Problem> = report.checks.iter().filter(|c| !c.passed()).map(failure).collect();
     let output = options.output.display().to_string();
     let Image { samples, lines, bands, .. } = report.image;
     let text = format!("{output}: {samples} x {lines} pixels, {bands} bands");
     let json = serde_json::json!({
         "product": output, "image": report.image, "defaults": report.defaults, "warnings": report.warnings
     });
-    console.result(&text, &json)?;
-    if failed.is_empty() {
-        return Ok(Outcome::Done);
-    }
-    console.error(&Error::Invalid(failed));
-    Ok(Outcome::Failed)
+    console.done(&text, &json);
+    Ok(Outcome::Done)
 }
 
-fn failure(check: &Check) -> Problem {
-    let message = format!("a check of the product failed: {} is above {}", check.value, check.limit);
-    Problem::new(Location::item(&check.name), message)
-        .with_help("do not use it: report this with its scene, it is a fault of mmxrt")
+/// Says which checks of a product do not hold, and whose fault that is: of what a table from elsewhere says, or ours.
+fn verify(checks: &[Check], table: Option<&Path>) -> Result<()> {
+    let failure = |check: &Check| {
+        let message =
+            format!("a check of the product failed, so it is not written: {} is above {}", check.value, check.limit);
+        let help = match table {
+            Some(table) => format!(
+                "what {} holds cannot be so; if it is as `mmxrt solve` wrote it, report this with the scene: it is a fault of mmxrt",
+                table.display()
+            ),
+            None => "report this with the scene: it is a fault of mmxrt".to_owned(),
+        };
+        Problem::new(Location::item(&check.name), message).with_help(help)
+    };
+    let failed: Vec<Problem> = checks.iter().filter(|check| !check.passed()).map(failure).collect();
+    if failed.is_empty() { Ok(()) } else { Err(Error::Invalid(failed)) }
 }
 
 fn write_files(
@@ -130,7 +167,7 @@ fn write_files(
 ) -> Result<Report> {
     let watch = |progress| console.watch(progress);
     let file = |name: &str| staged.path().join(name);
-    let Made { opened, table, observation, maps } = made;
+    let Made { opened, table, observation, maps, .. } = made;
     let (cube, planes) = (&observation.cube, &observation.backplanes);
     let coverage = planes.plane("COVERAGE").map_or(&[][..], |plane| &plane.values);
     let title = |what: &str| format!("{what} by mmxrt {} of {}", env!("CARGO_PKG_VERSION"), opened.scene.sensor.name);

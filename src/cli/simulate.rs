@@ -24,10 +24,12 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let watch = |progress| console.watch(progress);
-    let staged = arguments.product.stage()?;
+    super::settle_input(&arguments.scene, console)?;
+    let staged = arguments.product.stage(console)?;
     let opened = scene::open(&arguments.scene, &watch)?;
-    let (table, observation) = study::simulate(&opened.scene, &watch)?;
-    let made = Made { opened, table, observation, maps: None };
     let extras = Extras { with_table: arguments.table, with_split: arguments.split };
+    arguments.product.admit(&staged, &opened, &[], false, extras)?;
+    let (table, observation) = study::simulate(&opened.scene, &watch)?;
+    let made = Made { opened, table, table_from: None, observation, maps: None };
     product::write("simulate", &arguments.product, staged, &made, extras, console)
 }

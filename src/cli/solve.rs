@@ -1,6 +1,6 @@
 //! `mmxrt solve`: a scene becomes a facet table.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use mmxrt::formats::folder::Staged;
 use mmxrt::formats::npz;
@@ -29,8 +29,11 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     if arguments.output.extension().is_none_or(|e| e != "npz") {
         return Err(Error::invalid(Location::file(&arguments.output), "a facet table's name ends in .npz"));
     }
+    super::settle(&arguments.output, console)?;
+    super::settle_input(&arguments.scene, console)?;
     let staged = Staged::file(&arguments.output, arguments.force)?;
     let opened = scene::open(&arguments.scene, &watch)?;
+    staged.spares(opened.inputs.iter().map(|input| Path::new(&input.path)))?;
     opened.say_defaults(console);
     opened.warnings.iter().for_each(|warning| console.note(&format!("warning: {warning}")));
     let table = solve::solve(&opened.scene, &Topology::new(&opened.scene.mesh), &watch)?;
@@ -40,6 +43,6 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     staged.commit()?;
     let (path, facets) = (arguments.output.display().to_string(), table.sun_irradiance.len());
     let json = serde_json::json!({ "table": path, "facets": facets, "defaults": opened.defaults, "warnings": opened.warnings });
-    console.result(&format!("{path}: {facets} facets"), &json)?;
+    console.done(&format!("{path}: {facets} facets"), &json);
     Ok(Outcome::Done)
 }

@@ -691,7 +691,9 @@ pub fn pair(path: &Path) -> Result<(PathBuf, PathBuf)> {
             .find(|p| p.is_file())
             .map(|header| (header, path.to_owned()))
     };
-    found.ok_or_else(|| {
+    // Of a link, where it leads to: the other is there too, or the error tells of the link.
+    let target = || path.canonicalize().ok().filter(|_| path.is_symlink()).and_then(|target| pair(&target).ok());
+    found.or_else(target).ok_or_else(|| {
         let (other, help) = if is_header {
             ("data file", "it has the header's name with .img, .dat, .bsq, .bil, .bip, .raw, .sli, or without .hdr")
         } else {
@@ -700,6 +702,23 @@ pub fn pair(path: &Path) -> Result<(PathBuf, PathBuf)> {
         let problem = Problem::new(Location::file(path), format!("its {other} is not beside it")).with_help(help);
         Error::Invalid(vec![problem])
     })
+}
+
+/// The header to write for a data file; not one by which another image is read, which would be lost.
+///
+/// # Errors
+/// [`Error::Invalid`] if there is such an image.
+pub(super) fn header_of(data: &Path) -> Result<PathBuf> {
+    let header = data.with_extension("hdr");
+    let is_there = |path: &Path| path.symlink_metadata().is_ok();
+    match pair(&header) {
+        Ok((_, other)) if is_there(&header) && !is_there(data) => {
+            let problem = Problem::new(Location::file(&header), format!("is the header of {}", other.display()))
+                .with_help("choose another name for the output");
+            Err(Error::Invalid(vec![problem]))
+        }
+        _ => Ok(header),
+    }
 }
 
 /// What the numbers of one band are like.

@@ -1,21 +1,31 @@
 //! What is half written never stands under its final name.
 
+use std::ffi::OsStr;
+use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Location, Problem, Result};
 
-/// A file or folder that is written under a hidden name beside its final one, and renamed when complete.
+use super::staging::{self, Staging};
+
+pub use super::staging::settle;
+
+/// A file, with those that go with it, or a folder, that is written in a hidden folder beside its final place, and moved there when
+/// complete.
 ///
-/// Dropped before [`commit`](Staged::commit), it leaves nothing: not even the folders made to hold it.
+/// Dropped before [`commit`](Staged::commit), it leaves nothing: not even the folders made to hold it. No other process writes
+/// the same output meanwhile.
 #[derive(Debug)]
 pub struct Staged {
     target: PathBuf,
     path: PathBuf,
+    staging: Option<Staging>,
     replace: bool,
+    /// What other programs had put into the folder that is replaced: names from there.
+    kept: Vec<PathBuf>,
     /// Folders above the target that were not there before, outermost first.
     made: Vec<PathBuf>,
-    committed: bool,
 }
 
 /// A kind of folder that is written, and so may be replaced.
@@ -23,8 +33,8 @@ pub struct Staged {
 pub struct FolderKind {
     /// A folder that holds one of these is of the kind, or one staged as such; no other folder is ever replaced.
     pub marks: &'static [&'static str],
-    /// What such a folder may hold; with another ending behind it, what other programs put beside it (`cube.img.aux.xml`).
-    /// A folder with anything else in it is not replaced either.
+    /// What such a folder may hold: names, or how names begin, if they end in a dot. A folder with anything else in it is not replaced
+    /// either, but for what other programs leave everywhere.
     pub parts: &'static [&'static str],
 }
 
@@ -66,7 +76,7 @@ impl Staged {
         if replace && target.is_file() {
             return Err(Error::invalid(Location::file(target), "is a file; name a folder"));
         }
-        let staged = Self::new(target, replace)?;
+        let mut staged = Self::new(target, replace)?;
         if replace && target.exists() {
             let reading = |e| Error::io(target, "reading", e);
             let entries = target.read_dir().map_err(reading)?;
@@ -75,64 +85,75 @@ impl Staged {
                 let help = "remove it yourself, or choose another name";
                 Err(Error::Invalid(vec![Problem::new(Location::file(target), message).with_help(help)]))
             };
-            if !names.is_empty() && !kind.marks.iter().any(|mark| target.join(mark).is_file()) {
+            if names.iter().any(|name| !is_stray(&name.to_string_lossy()))
+                && !kind.marks.iter().any(|mark| target.join(mark).is_file())
+            {
                 return refused("is not a product folder, so it is not replaced".into());
             }
             let is_part = |name: &str| {
-                let after =
-                    |part: &str| name.strip_prefix(part).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
-                kind.parts.iter().any(|part| after(part))
+                kind.parts.iter().any(|part| *part == name || (part.ends_with('.') && name.starts_with(part)))
             };
-            if let Some(other) = names.iter().map(|name| name.to_string_lossy()).find(|name| !is_part(name)) {
+            let is_known = |name: &str| is_part(name) || is_stray(name);
+            if let Some(other) = names.iter().map(|name| name.to_string_lossy()).find(|name| !is_known(name)) {
                 return refused(format!("holds {other:?}, which is no part of a product, so it is not replaced"));
             }
         }
-        std::fs::create_dir(&staged.path).map_err(|e| Error::io(target, "making this folder", e))?;
+        fs::create_dir(&staged.path).map_err(|e| Error::io(target, "making this folder", e))?;
+        if replace && staged.target.is_dir() {
+            strays(&staged.target, Path::new(""), &mut staged.kept);
+        }
         Ok(staged)
     }
 
     /// A name to write a file to.
     ///
     /// # Errors
-    /// [`Error::Invalid`] if the target exists and `replace` is false, or is a folder or a device;
+    /// [`Error::Invalid`] if the target exists and `replace` is false, or is a folder or a device, or if another process is writing it;
     /// [`Error::Io`] if the folder around it cannot be made.
     pub fn file(target: &Path, replace: bool) -> Result<Self> {
-        if target.is_dir() {
-            return Err(Error::invalid(Location::file(target), "is a folder; name a file"));
-        }
-        if replace && target.exists() && !target.is_file() {
-            return Err(Error::invalid(Location::file(target), "is no file, so it is not replaced"));
-        }
+        is_file_name(target, replace)?;
         Self::new(target, replace)
     }
 
-    fn new(target: &Path, replace: bool) -> Result<Self> {
-        // What a link leads to is replaced, not the link.
-        let target = match replace && target.is_symlink() {
-            true => &target.canonicalize().map_err(|e| Error::io(target, "following this link", e))?,
-            false => target,
-        };
-        let Some(name) = target.file_name() else {
-            return Err(Error::invalid(
-                Location::file(target),
-                "has no name that a product could take: give a path that ends in one",
-            ));
-        };
-        if !replace && target.symlink_metadata().is_ok() {
-            let problem = Problem::new(Location::file(target), "exists")
-                .with_help("choose another name, or replace it with --force");
-            return Err(Error::Invalid(vec![problem]));
+    /// A name to write a file to that goes with this one, in the same folder: all take their places together.
+    ///
+    /// # Errors
+    /// As [`file`](Staged::file); [`Error::Invalid`] if a link leads one of them to another folder.
+    pub fn beside(&mut self, target: &Path) -> Result<PathBuf> {
+        is_file_name(target, self.replace)?;
+        let target = &resolved(target, self.replace)?;
+        let staging = self.staging()?;
+        let (parent, name) = (staging::folder_of(target), named_by(target)?);
+        let is_same =
+            |a: &Path, b: &Path| a == b || a.canonicalize().ok().is_some_and(|a| Some(a) == b.canonicalize().ok());
+        if !is_same(parent, staging.parent()) {
+            let message =
+                format!("goes with {}, but a link leads one of them to another folder", self.target.display());
+            let problem = Problem::new(Location::file(target), message);
+            return Err(Error::Invalid(vec![problem.with_help("name the file that the link leads to")]));
         }
-        let parent = match target.parent() {
-            Some(parent) if !parent.as_os_str().is_empty() => parent,
-            _ => Path::new("."),
-        };
+        Ok(staging.beside(name))
+    }
+
+    fn staging(&self) -> Result<&Staging> {
+        self.staging.as_ref().ok_or_else(|| Error::io(&self.target, "writing", ErrorKind::NotFound.into()))
+    }
+
+    fn new(target: &Path, replace: bool) -> Result<Self> {
+        settle(target, false)?;
+        let target = &resolved(target, replace)?;
+        let name = named_by(target)?;
+        let parent = staging::folder_of(target);
         let mut made: Vec<PathBuf> =
             parent.ancestors().take_while(|p| !p.as_os_str().is_empty() && !p.exists()).map(Path::to_owned).collect();
         made.reverse();
-        let mut staged = Staged { target: target.to_owned(), path: PathBuf::new(), replace, made, committed: false };
-        std::fs::create_dir_all(parent).map_err(|e| Error::io(parent, "making this folder", e))?;
-        staged.path = free_name(parent, name, "partial")?;
+        let mut staged =
+            Staged { target: target.to_owned(), path: PathBuf::new(), staging: None, replace, kept: Vec::new(), made };
+        let staging = Staging::new(parent, name)?;
+        staged.path = staging.main();
+        staged.staging = Some(staging);
+        // Another process may have been quicker.
+        resolved(target, replace)?;
         Ok(staged)
     }
 
@@ -141,14 +162,37 @@ impl Staged {
         &self.path
     }
 
+    /// Names in the folder that is replaced of what other programs have put there: it is kept.
+    pub fn kept(&self) -> &[PathBuf] {
+        &self.kept
+    }
+
+    /// Says if the disk has no room for so many bytes.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`]; nothing is said of a disk that does not tell.
+    pub fn has_room(&self, bytes: u64) -> Result<()> {
+        let free = self.path.parent().and_then(staging::free_bytes).filter(|free| *free < bytes);
+        let Some(free) = free else { return Ok(()) };
+        let message = format!("takes {}, and the disk has {} left", size(bytes), size(free));
+        Err(Error::invalid(Location::file(&self.target), message))
+    }
+
+    /// Says if one of the files that it is made from would be replaced, under whatever name.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`].
+    pub fn spares<'a>(&self, inputs: impl IntoIterator<Item = &'a Path>) -> Result<()> {
+        let mut targets = vec![self.target.clone()];
+        targets.extend(self.staging()?.companions());
+        spares(&targets, inputs)
+    }
+
     /// An error that names what is written by the final name, which is the one its reader knows.
     #[must_use]
     pub fn named(&self, error: Error) -> Error {
-        let named = |path: PathBuf| match path.strip_prefix(&self.path) {
-            Ok(inside) if inside.as_os_str().is_empty() => self.target.clone(),
-            Ok(inside) => self.target.join(inside),
-            Err(_) => path,
-        };
+        let final_path = |path: &Path| self.staging.as_ref()?.final_path(path);
+        let named = |path: PathBuf| final_path(&path).unwrap_or(path);
         match error {
             Error::Io { path, action, source } => Error::Io { path: named(path), action, source },
             Error::Invalid(mut problems) => {
@@ -167,62 +211,153 @@ impl Staged {
         }
     }
 
-    /// Gives what is written its final name. What stood there before is removed only after that.
+    /// Gives what is written its final name, when it is on the disk. What stood there before is removed only after that.
     ///
     /// # Errors
     /// [`Error::Io`] if it cannot be renamed: then what stood there before still does.
     pub fn commit(mut self) -> Result<()> {
-        let failed = |path: &Path, e| Error::io(path, "giving the product its final name", e);
-        if self.path.is_file() {
-            std::fs::rename(&self.path, &self.target).map_err(|e| failed(&self.target, e))?;
-        } else if self.replace && self.target.exists() {
-            let parent = self.path.parent().unwrap_or(Path::new("."));
-            let old = free_name(parent, self.target.file_name().unwrap_or_default(), "old")?;
-            std::fs::rename(&self.target, &old).map_err(|e| failed(&self.target, e))?;
-            if let Err(e) = std::fs::rename(&self.path, &self.target) {
-                let back = std::fs::rename(&old, &self.target);
-                return Err(failed(if back.is_ok() { &self.target } else { &old }, e));
+        for stray in &self.kept {
+            let (from, to) = (self.target.join(stray), self.path.join(stray));
+            if to.symlink_metadata().is_err() && to.parent().is_some_and(Path::is_dir) {
+                let kept = fs::hard_link(&from, &to).or_else(|_| fs::copy(&from, &to).map(drop));
+                kept.map_err(|e| Error::io(&from, "keeping this file", e))?;
             }
-            self.committed = true;
-            std::fs::remove_dir_all(&old).map_err(|e| Error::io(&old, "removing what was replaced", e))?;
-        } else if self.target.symlink_metadata().is_ok() {
-            return Err(failed(&self.target, ErrorKind::AlreadyExists.into()));
-        } else {
-            std::fs::rename(&self.path, &self.target).map_err(|e| failed(&self.target, e))?;
         }
-        self.committed = true;
-        Ok(())
+        let Some(staging) = self.staging.take() else { return Ok(()) };
+        match staging.commit(self.replace) {
+            Ok(()) => {
+                self.made.clear();
+                Ok(())
+            }
+            Err(error) => {
+                self.staging = Some(staging);
+                Err(error)
+            }
+        }
     }
 }
 
 impl Drop for Staged {
     fn drop(&mut self) {
-        if self.committed {
-            return;
-        }
+        self.staging = None;
         // Nothing more can be done about what fails here: the error that led here is the one to tell.
-        if self.path.is_dir() {
-            let _ = std::fs::remove_dir_all(&self.path);
-        } else if self.path.is_file() {
-            let _ = std::fs::remove_file(&self.path);
-        }
         for folder in self.made.iter().rev() {
-            let _ = std::fs::remove_dir(folder);
+            let _ = fs::remove_dir(folder);
         }
     }
 }
 
-/// A hidden name in `parent` that nothing has yet.
-fn free_name(parent: &Path, name: &std::ffi::OsStr, suffix: &str) -> Result<PathBuf> {
-    (0..1000)
-        .map(|i| {
-            let mut hidden = std::ffi::OsString::from(".");
-            hidden.push(name);
-            hidden.push(format!(".{i}.{suffix}"));
-            parent.join(hidden)
-        })
-        .find(|p| p.symlink_metadata().is_err())
-        .ok_or_else(|| Error::io(parent, "finding a free hidden name", ErrorKind::AlreadyExists.into()))
+/// A target as it is replaced: what a link leads to, not the link.
+fn resolved(target: &Path, replace: bool) -> Result<PathBuf> {
+    match target.symlink_metadata() {
+        Ok(_) if !replace => {
+            let problem = Problem::new(Location::file(target), "exists")
+                .with_help("choose another name, or replace it with --force");
+            Err(Error::Invalid(vec![problem]))
+        }
+        Ok(about) if about.is_symlink() => {
+            target.canonicalize().map_err(|e| Error::io(target, "following this link", e))
+        }
+        Err(e) if e.kind() == ErrorKind::InvalidFilename => Err(Error::io(target, "making this file", e)),
+        _ => Ok(target.to_owned()),
+    }
+}
+
+fn named_by(target: &Path) -> Result<&OsStr> {
+    target.file_name().ok_or_else(|| {
+        let message = "has no name that a product could take: give a path that ends in one";
+        Error::invalid(Location::file(target), message)
+    })
+}
+
+fn is_file_name(target: &Path, replace: bool) -> Result<()> {
+    if target.is_dir() {
+        return Err(Error::invalid(Location::file(target), "is a folder; name a file"));
+    }
+    if replace && target.exists() && !target.is_file() {
+        return Err(Error::invalid(Location::file(target), "is no file, so it is not replaced"));
+    }
+    Ok(())
+}
+
+/// Says if a file that something is made from is one of its targets, or lies in one that is a folder: by whatever name, link, or case of
+/// letters.
+///
+/// # Errors
+/// [`Error::Invalid`] with all of them.
+pub fn spares<'a>(targets: &[PathBuf], inputs: impl IntoIterator<Item = &'a Path>) -> Result<()> {
+    let targets: Vec<(&PathBuf, Option<FileId>, Option<PathBuf>)> =
+        targets.iter().map(|target| (target, file_id(target), target.canonicalize().ok())).collect();
+    let mut problems = Vec::new();
+    for input in inputs {
+        let (id, real) = (file_id(input), input.canonicalize().ok());
+        let is_in = |(_, target_id, target): &&(&PathBuf, Option<FileId>, Option<PathBuf>)| {
+            (id.is_some() && *target_id == id)
+                || real.as_ref().zip(target.as_ref()).is_some_and(|(real, target)| real.starts_with(target))
+        };
+        if let Some((target, ..)) = targets.iter().find(is_in) {
+            let target = target.strip_prefix(".").unwrap_or(target);
+            let message = format!("would be replaced, but {} is read for it", input.display());
+            let problem = Problem::new(Location::file(target), message).with_help("choose another name for the output");
+            if !problems.contains(&problem) {
+                problems.push(problem);
+            }
+        }
+    }
+    if problems.is_empty() { Ok(()) } else { Err(Error::Invalid(problems)) }
+}
+
+/// What tells one file from another, whatever they are called.
+#[cfg(unix)]
+type FileId = (u64, u64);
+#[cfg(not(unix))]
+type FileId = PathBuf;
+
+#[cfg(unix)]
+fn file_id(path: &Path) -> Option<FileId> {
+    use std::os::unix::fs::MetadataExt;
+    path.metadata().ok().map(|about| (about.dev(), about.ino()))
+}
+
+#[cfg(not(unix))]
+fn file_id(path: &Path) -> Option<FileId> {
+    path.canonicalize().ok()
+}
+
+/// Whether a file is one that other programs leave wherever they look: file managers, editors, image viewers.
+fn is_stray(name: &str) -> bool {
+    const NAMES: [&str; 5] = [".DS_Store", ".directory", "Thumbs.db", "desktop.ini", ".localized"];
+    // Resource forks of macOS; locks of editors; files that were open when they were removed.
+    const STARTS: [&str; 5] = ["._", ".#", ".~lock.", ".nfs", ".fuse_hidden"];
+    // Statistics and overviews of GDAL and ENVI; what editors keep.
+    const ENDS: [&str; 9] = [".aux.xml", ".ovr", ".enp", ".sta", "~", ".bak", ".swp", ".swo", ".orig"];
+    NAMES.iter().any(|n| name.eq_ignore_ascii_case(n))
+        || STARTS.iter().any(|start| name.starts_with(start))
+        || ENDS.iter().any(|end| name.ends_with(end))
+}
+
+/// All strays in a folder, by their names from there.
+fn strays(folder: &Path, inside: &Path, found: &mut Vec<PathBuf>) {
+    // What cannot be looked at is no reason not to write: it is told when it is in the way.
+    let Ok(entries) = folder.join(inside).read_dir() else { return };
+    for entry in entries.filter_map(std::result::Result::ok) {
+        let path = inside.join(entry.file_name());
+        match entry.file_type() {
+            Ok(kind) if kind.is_dir() => strays(folder, &path, found),
+            Ok(kind) if kind.is_file() && is_stray(&entry.file_name().to_string_lossy()) => found.push(path),
+            _ => {}
+        }
+    }
+    found.sort();
+}
+
+/// A size for people.
+fn size(bytes: u64) -> String {
+    let (unit, name) = [(1e9, "GB"), (1e6, "MB"), (1e3, "kB")]
+        .into_iter()
+        .find(|(unit, _)| bytes as f64 >= *unit)
+        .unwrap_or((1.0, "bytes"));
+    format!("{:.3} {name}", bytes as f64 / unit)
 }
 
 #[cfg(test)]

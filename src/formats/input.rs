@@ -74,15 +74,25 @@ pub(crate) fn bytes(path: &Path, limit: u64) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// Where a name that stands in a file begins: in that file's folder; and if it is a link and there is nothing of that name beside it, in the
+/// folder of what it leads to.
+pub(crate) fn home(file: &Path, name: &Path) -> PathBuf {
+    let of = |path: &Path| match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),
+        _ => PathBuf::from("."),
+    };
+    let is_there = |folder: &PathBuf| folder.join(name).exists();
+    let near = of(file);
+    let target = || if file.is_symlink() { file.canonicalize().ok() } else { None };
+    if is_there(&near) { near } else { target().map(|target| of(&target)).filter(is_there).unwrap_or(near) }
+}
+
 /// The path that `name` in `file` leads to, which must not leave the file's folder unless `outside` allows it.
 ///
 /// # Errors
 /// What is wrong with the name, as a sentence.
 pub(crate) fn beside(file: &Path, name: &str, outside: bool) -> std::result::Result<PathBuf, String> {
-    let folder = match file.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
+    let folder = &home(file, Path::new(name));
     let path = folder.join(name);
     if name.contains("://") {
         return Err(format!("{name:?} is an address: nothing is fetched; put the file beside this one"));

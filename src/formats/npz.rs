@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
-use crate::error::{Error, Location, Problem, Result};
+use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::Direction;
 use crate::product::{FacetTable, Footprints, Lit, Sunlit};
 
@@ -395,6 +395,9 @@ pub fn read_f64s(path: &Path, names: &[&str]) -> Result<Vec<Option<Shaped>>> {
         .collect()
 }
 
+/// What is refused as out of range is so by more than numbers of far or thin facets are by rounding: finer bounds are those of the product.
+const ROUNDING: f64 = 1e-3;
+
 /// Tells what of a table does not fit together or is out of range: (item, message). Lengths are compared only on request.
 fn check(
     columns: [(&str, &[f64]); 4],
@@ -425,13 +428,25 @@ fn check(
             problem(format!("{name}[{i}]"), format!("{} is not a number from 0", values[i]));
         }
     }
-    if let Some(i) = sunlit.uv.iter().position(|[u, v]| !(u.is_finite() && v.is_finite())) {
-        problem(format!("sun_polygon_uv[{i}]"), "is not a point".into());
+    for (name, values) in &columns[..2] {
+        if let Some(i) = values.iter().position(|v| *v > 1.0 + ROUNDING) {
+            let what =
+                if *name == "sun_irradiance" { "the cosine of an angle" } else { "a share of what Mars could send" };
+            problem(format!("{name}[{i}]"), format!("{} is above 1: it is {what}", number(values[i])));
+        }
+    }
+    let is_inside = |[u, v]: &[f64; 2]| [*u, *v, 1.0 - u - v].iter().all(|x| *x >= -ROUNDING && x.is_finite());
+    if let Some(i) = sunlit.uv.iter().position(|uv| !is_inside(uv)) {
+        let [u, v] = sunlit.uv[i];
+        problem(format!("sun_polygon_uv[{i}]"), format!("{} {} is not a point of the facet", number(u), number(v)));
     }
     if let Err(message) = sunlit.validate() {
         problem("sun_polygon_start".into(), message);
     } else if let Some(i) = sunlit.polygon_start.windows(2).position(|w| w[1] - w[0] < 3) {
         problem(format!("sun_polygon_start[{i}]"), "a polygon needs three vertices".into());
+    } else if let Some((facet, share)) = sunlit.overfull(1.0 + ROUNDING) {
+        let message = format!("the sunlit polygons of facet {facet} are {} of it", number(share));
+        problem("sun_polygon_uv".into(), message);
     }
 }
 

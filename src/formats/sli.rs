@@ -227,12 +227,11 @@ pub fn write(path: &Path, spectra: &[SpectralLibrary], replace: bool) -> Result<
     envi::list(&mut text, "spectra names", spectra_flat.iter().map(|s| s.0.clone()));
     envi::list(&mut text, "wavelength", wavelength_um.iter().map(f64::to_string));
     let bytes: Vec<u8> = spectra_flat.iter().flat_map(|s| s.2).flat_map(|v| v.to_le_bytes()).collect();
-    let header = Staged::file(&path.with_extension("hdr"), replace)?;
-    let data = Staged::file(path, replace)?;
-    for (staged, bytes) in [(&header, text.as_bytes()), (&data, bytes.as_slice())] {
-        std::fs::write(staged.path(), bytes).map_err(|e| staged.named(Error::io(staged.path(), "writing", e)))?;
+    let mut staged = Staged::file(path, replace)?;
+    let header = staged.beside(&envi::header_of(path)?)?;
+    for (path, bytes) in [(header.as_path(), text.as_bytes()), (staged.path(), bytes.as_slice())] {
+        std::fs::write(path, bytes).map_err(|e| staged.named(Error::io(path, "writing", e)))?;
     }
-    header.commit()?;
-    data.commit()?;
+    staged.commit()?;
     Ok(report)
 }

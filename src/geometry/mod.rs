@@ -12,4 +12,4 @@ pub use direction::{Direction, angle_rad};
 pub use mesh::{Facet, MaterialId, Mesh, NO_UV};
 pub use overlay::{Chart, Overlay, Texels};
 pub use pose::{Pose, body_from_site};
-pub use solid_angle::signed_solid_angle_sr;
+pub use solid_angle::{signed_solid_angle_sr, solid_angle_off_surface_sr};

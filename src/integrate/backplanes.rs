@@ -76,11 +76,22 @@ impl Hit {
     }
 }
 
+/// The dictionary entries that materials are mixed of, ascending.
+fn entries_used(scene: &Scene) -> Vec<usize> {
+    let mut used: Vec<usize> = scene.materials.iter().flat_map(|m| &m.mixture).map(|part| part.0).collect();
+    used.sort_unstable();
+    used.dedup();
+    used
+}
+
+/// How many planes an image of a scene has, apart from those of maps.
+pub fn plane_count(scene: &Scene) -> usize {
+    FIXED.len() + 2 * entries_used(scene).len()
+}
+
 impl<'a> Planes<'a> {
     pub(super) fn new(scene: &'a Scene, table: &FacetTable) -> Self {
-        let mut used: Vec<usize> = scene.materials.iter().flat_map(|m| &m.mixture).map(|part| part.0).collect();
-        used.sort_unstable();
-        used.dedup();
+        let used = entries_used(scene);
         let mut entries: Vec<String> = used.iter().map(|i| format!("entry {i}")).collect();
         let place = |entry: usize| used.partition_point(|i| *i < entry);
         for material in &scene.materials {

@@ -17,14 +17,9 @@ use crate::visibility::{Coverage, Drawing, Grid, Scratch, Topology, View};
 /// The drawing of a mesh in a camera.
 pub(super) fn draw<'a>(mesh: &'a Mesh, topology: &'a Topology, camera: &FrameCamera) -> Drawing<'a> {
     let axes = camera.world_from_sensor.rotation;
-    let view = View::Pinhole {
-        centre_m: camera.centre_m(),
-        h: axes.x_axis,
-        v: axes.y_axis,
-        u: axes.z_axis,
-        scale: camera.pitch.map(|pitch| 1.0 / pitch),
-        offset: camera.boresight_px,
-    };
+    let axes = [axes.x_axis, axes.y_axis, axes.z_axis];
+    let scale = camera.pitch.map(|pitch| 1.0 / pitch);
+    let view = View::pinhole(mesh, camera.centre_m(), axes, scale, camera.boresight_px);
     Drawing::new(mesh, topology, view, Grid { columns: camera.samples, rows: camera.lines })
 }
 

@@ -31,6 +31,7 @@ use parts::Polygons;
 use pixel::{Entry, Pixel};
 use textures::Textures;
 
+pub use backplanes::plane_count;
 pub use footprints::footprints;
 pub use maps::{Choice, MapImage, MapView, Maps, Unknown, meets};
 pub use sky::texels_seen;

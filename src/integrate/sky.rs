@@ -20,7 +20,7 @@ pub fn texels_seen(
     topology: &Topology,
     watch: Watch<'_>,
 ) -> Result<Option<Vec<f64>>> {
-    let Some((view, grid, is_mirrored)) = image.drawn() else { return Ok(None) };
+    let Some((view, grid, is_mirrored)) = image.drawn(&scene.mesh) else { return Ok(None) };
     let drawing = Drawing::new(&scene.mesh, topology, view, grid);
     let share = |[outer, inner]: [f64; 2]| {
         let share = if image.occlusion { outer } else { outer + inner };

@@ -12,13 +12,14 @@ use crate::visibility::{OnFacet, View};
 /// The ray d from the camera c meets the facet's plane (normal n, corner a) at c + d (n.(a - c)) / (n.d); times n.d, all is
 /// linear in d, which is linear in (x, y, 1).
 pub(super) fn of_projection(projection: &Projection, view: &View, facet: &Facet) -> Option<Chart> {
-    let View::Pinhole { centre_m, h, v, u, scale, offset } = view else { return None };
+    let View::Pinhole { centre_m, .. } = view else { return None };
+    let ([right, down, ahead], offset) = view.rays()?;
     let normal = facet.cross_m2();
     let away = normal.dot(facet.corners_m[0] - *centre_m);
     let eye = projection.linear * (*centre_m - projection.origin_m) + projection.offset;
     let of_ray = |d: DVec3| eye * normal.dot(d) + projection.linear * d * away;
-    let (right, down) = (of_ray(*h / scale[0]), of_ray(*v / scale[1]));
-    let ahead = of_ray(*u) - right * offset[0] - down * offset[1];
+    let (right, down) = (of_ray(right), of_ray(down));
+    let ahead = of_ray(ahead) - right * offset[0] - down * offset[1];
     // n.d is negative on the side that is seen: w shall be positive in front of the map's eye.
     let [s, t, w] = [0, 1, 2].map(|k| [-right[k], -down[k], -ahead[k]]);
     Some(Chart { s, t, w })

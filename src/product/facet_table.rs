@@ -46,6 +46,22 @@ impl Sunlit {
         }
     }
 
+    /// The first facet whose polygons fill more than `most` of its area, overlaps counted twice, and what they fill.
+    pub fn overfull(&self, most: f64) -> Option<(u32, f64)> {
+        // Polygons are in the order of their facets.
+        let (mut facet, mut sum) = (None, 0.0);
+        for (of, bounds) in self.polygon_facet.iter().zip(self.polygon_start.windows(2)) {
+            if facet != Some(*of) {
+                (facet, sum) = (Some(*of), 0.0);
+            }
+            sum += 2.0 * crate::geometry::polygon::area(&self.uv[bounds[0] as usize..bounds[1] as usize]).abs();
+            if sum > most {
+                return Some((*of, sum));
+            }
+        }
+        None
+    }
+
     /// Says what is inconsistent; `Ok` if nothing is.
     ///
     /// # Errors

@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use crate::error::Result;
-use crate::geometry::Direction;
+use crate::geometry::{Direction, Mesh};
 use crate::scene::FrameCamera;
 use crate::spectral::Band;
 use crate::visibility::{Grid, View};
@@ -84,36 +84,33 @@ impl ViewImage {
     /// from its eye, the image is a mirror image.
     ///
     /// `None` if the projection has no directions, or the image more texels in a line than can be drawn.
-    pub fn drawn(&self) -> Option<(View, Grid, bool)> {
+    pub fn drawn(&self, mesh: &Mesh) -> Option<(View, Grid, bool)> {
         let grid = Grid { columns: u32::try_from(self.columns).ok()?, rows: u32::try_from(self.rows).ok()? };
         let Projection { linear, origin_m, offset } = self.projection;
         let [s, t, w] = [0, 1, 2].map(|k| linear.row(k));
         let along = |axis: DVec3| Direction::new(axis).map(|d| (d.vec(), axis.length()));
-        let view = match self.eye {
+        // Rows of a mirror image are counted from the last one: seen from its eye, what is right and down must be so.
+        let down = |h: DVec3, v: DVec3, u: DVec3, row: f64| {
+            let is_mirrored = h.cross(v).dot(u) < 0.0;
+            if is_mirrored { (-v, self.rows as f64 - row, true) } else { (v, row, false) }
+        };
+        match self.eye {
             Eye::Towards(towards) => {
-                let ((h, columns), (v, rows)) = (along(s)?, along(t)?);
-                let at_origin = [offset.x - s.dot(origin_m), offset.y - t.dot(origin_m)];
-                View::Parallel { h, v, u: -towards.vec(), scale: [columns, rows], offset: at_origin }
+                let ((h, columns), (v, rows), u) = (along(s)?, along(t)?, -towards.vec());
+                let (v, row, is_mirrored) = down(h, v, u, offset.y - t.dot(origin_m));
+                let offset = [offset.x - s.dot(origin_m), row];
+                Some((View::Parallel { h, v, u, scale: [columns, rows], offset }, grid, is_mirrored))
             }
             Eye::At(centre_m) => {
                 let (u, per_m) = along(w)?;
-                let boresight = [s.dot(u) / per_m, t.dot(u) / per_m];
-                let ((h, columns), (v, rows)) =
-                    (along(s / per_m - u * boresight[0])?, along(t / per_m - u * boresight[1])?);
-                View::Pinhole { centre_m, h, v, u, scale: [columns, rows], offset: boresight }
+                let boresight = [s, t].map(|axis| axis.dot(u) / per_m);
+                let (h, columns) = along(s / per_m - u * boresight[0])?;
+                let (v, rows) = along(t / per_m - u * boresight[1])?;
+                let (v, row, is_mirrored) = down(h, v, u, boresight[1]);
+                let view = View::pinhole(mesh, centre_m, [h, v, u], [columns, rows], [boresight[0], row]);
+                Some((view, grid, is_mirrored))
             }
-        };
-        Some(match view {
-            View::Parallel { h, v, u, scale, offset } if h.cross(v).dot(u) < 0.0 => {
-                let offset = [offset[0], self.rows as f64 - offset[1]];
-                (View::Parallel { h, v: -v, u, scale, offset }, grid, true)
-            }
-            View::Pinhole { centre_m, h, v, u, scale, offset } if h.cross(v).dot(u) < 0.0 => {
-                let offset = [offset[0], self.rows as f64 - offset[1]];
-                (View::Pinhole { centre_m, h, v: -v, u, scale, offset }, grid, true)
-            }
-            view => (view, grid, false),
-        })
+        }
     }
 }
 

@@ -13,9 +13,11 @@ use glam::DVec3;
 use crate::error::{Error, Location, Problem, Result};
 use crate::geometry::{Mesh, signed_solid_angle_sr};
 use crate::spectral::{ALL_UM, Band, Light, MOST_BEYOND, Spectrum};
+use crate::visibility::Topology;
 
 pub use material::Material;
 pub use photometry::{Hapke, Photometry, Rpv};
+pub(crate) use sensor::LEAST_PITCH;
 pub use sensor::{FrameCamera, Sensor};
 pub use source::{Mars, MarsModel, Sun, Thermal};
 pub use texture::{Texture, TextureKind};
@@ -48,8 +50,7 @@ impl Scene {
     /// Checks what the parts owe each other; below this call no code asks again.
     ///
     /// # Errors
-    /// [`Error::Invalid`] with everything that is missing or out of range; if nothing is, with a camera inside the surface or
-    /// behind it.
+    /// [`Error::Invalid`] with everything that is missing or out of range; if nothing is, with a camera inside the only body.
     pub fn check(self) -> Result<Self> {
         let mut problems = Vec::new();
         let mut problem = |item: &str, message: String| {
@@ -109,7 +110,7 @@ impl Scene {
             problems.extend(self.overcut());
         }
         if problems.is_empty() {
-            problems.extend(seen_from_behind(mesh, self.sensor.camera.centre_m()));
+            problems.extend(inside_the_body(mesh, self.sensor.camera.centre_m()));
         }
         if problems.is_empty() { Ok(self) } else { Err(Error::Invalid(problems)) }
     }
@@ -187,31 +188,26 @@ impl Scene {
 /// Nothing of a scene is farther away, m (100 light years): products of lengths stay far from what overflows.
 pub const FARTHEST_M: f64 = 1e18;
 
-/// A camera away from the mesh is judged by this many facets.
-const SAMPLE: usize = 4096;
-
-/// Says that the camera is inside a body or under the ground, where it would see a black image, or nothing.
-///
-/// With the camera among the mesh's coordinates the sum of all facets' solid angles decides: 4 pi inside a closed body, 2 pi
-/// under a wide sheet. From elsewhere a closed body shows as much front as back, a sheet of terrain only its front.
-fn seen_from_behind(mesh: &Mesh, eye_m: DVec3) -> Option<Problem> {
+/// Says that the camera is inside the only body there is, of which it would see nothing but the dark inner side.
+fn inside_the_body(mesh: &Mesh, eye_m: DVec3) -> Option<Problem> {
     let first_m = *mesh.vertices_m.first()?;
     let (low_m, high_m) = mesh.vertices_m.iter().fold((first_m, first_m), |(lo, hi), v| (lo.min(*v), hi.max(*v)));
     let among = low_m.cmple(eye_m).all() && eye_m.cmple(high_m).all();
-    let (mut front_sr, mut back_sr) = (0.0, 0.0);
-    for facet in mesh.spread(if among { usize::MAX } else { SAMPLE }) {
-        let omega_sr = signed_solid_angle_sr(mesh.facet(facet).corners_m.map(|p| p - eye_m));
-        if omega_sr > 0.0 { back_sr += omega_sr } else { front_sr -= omega_sr }
-    }
-    let message = if among && back_sr - front_sr > 3.0 * PI {
-        "the camera is inside the surface"
-    } else if (among && back_sr - front_sr > PI) || back_sr > 9.0 * front_sr {
-        "the camera sees the surface from behind: it is under the ground, or the mesh's facets are inside out"
-    } else {
+    if !among {
         return None;
-    };
+    }
+    // Cheaper than to find out what hangs together: 4 pi inside a closed body.
+    let of = |f: usize| signed_solid_angle_sr(mesh.facet(f).corners_m.map(|p| p - eye_m));
+    let omega_sr: f64 = (0..mesh.facets.len()).map(of).sum();
+    if omega_sr < 2.0 * PI {
+        return None;
+    }
+    let topology = Topology::new(mesh);
+    if !topology.is_one_body() || topology.enclosure(mesh, eye_m).inside == 0 {
+        return None;
+    }
     let help = "positions are in metres from the body's centre: check their unit and `origin_m`, and the mesh's `unit_m`, `up` and `coordinates`";
-    Some(Problem::new(Location::item("observer.position_m"), message).with_help(help))
+    Some(Problem::new(Location::item("observer.position_m"), "the camera is inside the surface").with_help(help))
 }
 
 /// The first of the bands that count which looks too far outside what a spectrum is known for, as a sentence.

@@ -9,6 +9,8 @@ use super::percent;
 
 /// Farther from the image than this, in sizes of the image, no boresight is taken for meant: beyond, digits of pixels are lost.
 const FARTHEST: f64 = 1e6;
+/// Smaller pixels, rad, are refused: coordinates of 16 digits would be off by a thousandth of them.
+pub(crate) const LEAST_PITCH: f64 = 1e-12;
 
 /// A pinhole camera without distortion. Sensor axes: +X sample (right), +Y line (down), +Z boresight.
 ///
@@ -58,9 +60,14 @@ impl FrameCamera {
         if self.pitch[0] == self.pitch[1] { self.pitch[0] } else { (self.pitch[0] * self.pitch[1]).sqrt() }
     }
 
-    /// Angle that a pixel on the boresight subtends, along a line and across, rad.
-    pub fn ifov_rad(&self) -> [f64; 2] {
-        self.pitch.map(|pitch| 2.0 * (0.5 * pitch).atan())
+    /// By how much rounding may move what is drawn, pixels: 4 eps x range over the width of a pixel at that range.
+    pub fn rounding_px(&self) -> f64 {
+        4.0 * f64::EPSILON / self.pitch[0].min(self.pitch[1])
+    }
+
+    /// Angle that a pixel on the boresight subtends along its line, rad.
+    pub fn ifov_rad(&self) -> f64 {
+        2.0 * (0.5 * self.pitch[0]).atan()
     }
 }
 
@@ -86,6 +93,13 @@ impl Sensor {
         }
         if let Some(pitch) = camera.pitch.into_iter().find(|pitch| !(*pitch > 0.0 && pitch.is_finite())) {
             problem("sensor", format!("pixel pitch {pitch} is not positive"));
+        } else if let Some(pitch) = camera.pitch.into_iter().find(|pitch| *pitch < LEAST_PITCH) {
+            problem(
+                "sensor",
+                format!(
+                    "pixels of {pitch:e} rad are smaller than {LEAST_PITCH:e}: the digits of coordinates do not tell them apart"
+                ),
+            );
         }
         let size_px = f64::from(camera.samples.max(camera.lines));
         if let Some(at) = camera.boresight_px.into_iter().find(|at| !(at.abs() <= FARTHEST * size_px)) {

@@ -5,10 +5,11 @@ use serde::{Deserialize, Serialize};
 
 use super::partly_sky;
 use super::simulate::{Observation, account_for, has_room};
+use super::warnings::enclosed;
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::Texels;
 use crate::integrate::{self, Choice, MapImage, MapView, Maps, Unknown};
-use crate::product::{Cube, Eye, FacetTable, Placement, RadianceMap, Registration, Sky, TexelSource};
+use crate::product::{Cube, Eye, FacetTable, Placement, RadianceMap, Registration, Sky, TexelSource, ViewImage};
 use crate::progress::{Watch, tell};
 use crate::scene::{Scene, Thermal};
 use crate::spectral::{Band, Mixes, mixes};
@@ -137,7 +138,7 @@ pub fn observe_maps(
     watch: Watch<'_>,
 ) -> Result<(Observation, MapAccount)> {
     super::simulate::fits(scene, table)?;
-    has_room(scene, true)?;
+    has_room(scene, true, None)?;
     fit(scene, &terms)?;
     let mut notes = heat_counts_once(scene, &terms, options)?;
     let subtracts = terms.iter().flatten().any(|map| map.weight < 0.0);
@@ -190,6 +191,7 @@ pub fn observe_maps(
     let unknown = pixels_of_nothing(&on_scene);
     notes.extend(told(unknown_share, unknown.len(), options));
     notes.extend(terms.iter().flat_map(|t| &t.views).flat_map(View::told));
+    notes.extend(terms.iter().flat_map(|t| &t.views).filter_map(|v| v.enclosed(scene, topology)));
     let account = MapAccount {
         maps: terms.iter().enumerate().flat_map(|(t, term)| term.entries(t)).collect(),
         unknown_share,
@@ -247,6 +249,16 @@ struct View {
     sky: Vec<bool>,
     /// How many texels of each source have no value.
     undefined: Vec<u64>,
+}
+
+impl View {
+    /// Says that its eye is inside closed parts of the scene, or on them, if what hides what is asked at all.
+    fn enclosed(&self, scene: &Scene, topology: &Topology) -> Option<String> {
+        let Placement::View(image) = &self.placement else { return None };
+        let ViewImage { eye: Eye::At(centre_m), occlusion: true, .. } = &**image else { return None };
+        let name = self.sources.first().map_or("a map", |s| s.name.as_str());
+        enclosed(&format!("the eye of {name}"), topology.enclosure(&scene.mesh, *centre_m))
+    }
 }
 
 /// Maps from different views, each of the same sum.

@@ -12,6 +12,6 @@ mod warnings;
 
 pub use effects::Effect;
 pub use maps::{Fill, MapAccount, MapEntry, MapOptions, RegistrationEntry, observe_maps};
-pub use simulate::{Check, Counts, Observation, observe, simulate};
+pub use simulate::{Check, Counts, Observation, has_room, memory_bytes, observe, product_bytes, simulate};
 pub use summary::{Summary, summary};
 pub use table_id::table_id;

@@ -6,10 +6,10 @@ use serde::{Deserialize, Serialize};
 use super::effects::{Account, Effect, mars_seen};
 use super::site::Site;
 use super::warnings::warnings;
-use crate::error::{Error, Location, Problem, Result};
+use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::polygon::area;
 use crate::integrate::{self, Image};
-use crate::physics::bounds;
+use crate::physics::{bounds, heat, sun};
 use crate::product::{Backplanes, Cube, FacetTable, Lit};
 use crate::progress::{Watch, tell};
 use crate::scene::{MarsModel, Scene, Thermal};
@@ -93,7 +93,7 @@ pub fn simulate(scene: &Scene, watch: Watch<'_>) -> Result<(FacetTable, Observat
 /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
 pub fn observe(scene: &Scene, topology: &Topology, table: &FacetTable, watch: Watch<'_>) -> Result<Observation> {
     fits(scene, table)?;
-    has_room(scene, false)?;
+    has_room(scene, false, None)?;
     let image = integrate::integrate(scene, topology, table, watch)?;
     account_for(scene, topology, table, image, watch)
 }
@@ -122,7 +122,11 @@ pub(super) fn account_for(
     tracing::info!(?counts, "observed");
     let observation = Observation {
         effects: account.effects(),
-        warnings: [scene.remarks(), warnings(&account, &counts, &image)].concat(),
+        warnings: [
+            scene.remarks(),
+            warnings(&account, &counts, &image, topology.enclosure(&scene.mesh, scene.sensor.camera.centre_m())),
+        ]
+        .concat(),
         checks: checks(&account, &image),
         counts,
         cube: image.cube,
@@ -151,6 +155,16 @@ pub(super) fn fits(scene: &Scene, table: &FacetTable) -> Result<()> {
             .with_help("the table is of another mesh, or of a scene with other sources or heat: solve the scene again")
     })
     .collect();
+    let warmest_k = warmest_k(scene);
+    for (name, values) in
+        [("temperature_lit_k", &table.temperature_lit_k), ("temperature_shaded_k", &table.temperature_shaded_k)]
+    {
+        if let Some(i) = values.iter().position(|t_k| *t_k > warmest_k) {
+            let message = format!("is {} K: nothing in this scene is warmer than {warmest_k:.1} K", number(values[i]));
+            problems
+                .push(Problem::new(Location::item(format!("{name}[{i}]")), message).with_help("solve the scene again"));
+        }
+    }
     let angle_rad = table.sun_direction.angle_rad(scene.sun.direction);
     if angle_rad > DIRECTION_TOLERANCE {
         let message = format!("is {:.3e} deg from where the scene has the Sun", angle_rad.to_degrees());
@@ -159,26 +173,60 @@ pub(super) fn fits(scene: &Scene, table: &FacetTable) -> Result<()> {
     if problems.is_empty() { Ok(()) } else { Err(Error::Invalid(problems)) }
 }
 
-/// Says if the machine cannot hold the image: asked for in vain later, memory would end the program where it stands.
-pub(super) fn has_room(scene: &Scene, has_maps: bool) -> Result<()> {
+/// No facet is warmer, K: one that faces the Sun under a Mars that sends it as much light again, and all its heat.
+fn warmest_k(scene: &Scene) -> f64 {
+    let sun_w_m2 = sun::irradiance_at(scene.sun.total_irradiance_1au_w_m2, scene.sun.distance_m);
+    let mars_w_m2 = scene.mars.as_ref().map_or(0.0, |mars| mars.thermal_exitance_w_m2);
+    let emissivity = scene.materials.iter().map(|m| m.emissivity_bolometric).fold(1.0, f64::min);
+    match scene.thermal {
+        Thermal::Equilibrium => heat::equilibrium_temperature_k(2.0 * sun_w_m2 + mars_w_m2, emissivity),
+        // Tables of our own have rounding too.
+        Thermal::Thesis => heat::thesis_temperature_k(1.0 + 1e-9),
+        Thermal::Off => f64::INFINITY,
+    }
+}
+
+/// About what an image takes in memory, bytes.
+pub fn memory_bytes(scene: &Scene, has_maps: bool) -> u64 {
     let (samples, lines) = (scene.sensor.camera.samples, scene.sensor.camera.lines);
     // Every plane is there twice while lines become an image: some 30, and two for each material. What maps add is kept as it is.
     let of_maps = if has_maps { 8 * scene.sensor.bands.len() } else { 0 };
     let pixel_bytes = 2 * 8 * (30 + 2 * scene.materials.len()) + of_maps;
-    let bytes = u64::from(samples) * u64::from(lines) * pixel_bytes as u64;
+    (u64::from(samples) * u64::from(lines)).saturating_mul(pixel_bytes as u64)
+}
+
+/// Says if the machine cannot hold the image: asked for in vain later, memory would end the program where it stands.
+///
+/// # Errors
+/// [`Error::Invalid`] if it takes more than `memory_bytes`, or the system does not give as much.
+pub fn has_room(scene: &Scene, has_maps: bool, memory_bytes: Option<u64>) -> Result<()> {
+    let bytes = self::memory_bytes(scene, has_maps);
     let mut room: Vec<u8> = Vec::new();
-    let asked = usize::try_from(bytes).is_ok_and(|bytes| room.try_reserve_exact(bytes).is_ok());
+    let asked = memory_bytes.is_none_or(|memory| bytes <= memory)
+        && usize::try_from(bytes).is_ok_and(|bytes| room.try_reserve_exact(bytes).is_ok());
     // Memory that nobody looks at may be asked for by nobody.
     std::hint::black_box(&room);
     if asked {
         return Ok(());
     }
-    let message =
-        format!("{samples} x {lines} pixels take some {:.0} GB of memory, which cannot be had", bytes as f64 / 1e9);
+    let (samples, lines) = (scene.sensor.camera.samples, scene.sensor.camera.lines);
+    let there = match memory_bytes {
+        Some(memory) if memory < bytes => format!("the machine has {:.1} GB", memory as f64 / 1e9),
+        _ => "which cannot be had".to_owned(),
+    };
+    let message = format!("{samples} x {lines} pixels take some {:.1} GB of memory, {there}", bytes as f64 / 1e9);
     let problem = Problem::new(Location::item("sensor"), message).with_help(
         "fewer samples and lines; a large image can be made of several, each with an observer that looks at its part",
     );
     Err(Error::Invalid(vec![problem]))
+}
+
+/// About what a product takes on the disk, bytes: `number_bytes` for each pixel and band, the planes, and no more.
+pub fn product_bytes(scene: &Scene, number_bytes: u64) -> u64 {
+    let pixels = u64::from(scene.sensor.camera.samples) * u64::from(scene.sensor.camera.lines);
+    let planes = integrate::plane_count(scene) as u64;
+    let pixel_bytes = number_bytes.saturating_mul(scene.sensor.bands.len() as u64).saturating_add(8 * planes);
+    pixels.saturating_mul(pixel_bytes)
 }
 
 /// What must hold whatever the scene.
@@ -189,7 +237,11 @@ fn checks(account: &Account, image: &Image) -> Vec<Check> {
     let bad =
         image.cube.weight.iter().chain(&image.cube.spectra).chain(&image.cube.added).filter(|v| !v.is_finite()).count();
     let mut checks = vec![
-        check("areas in a pixel exceed the pixel by, pixels", image.excess_px, 1e-12),
+        check(
+            "areas in a pixel exceed the pixel by, pixels",
+            image.excess_px,
+            1e-12_f64.max(scene.sensor.camera.rounding_px()),
+        ),
         check("lit part of a facet reaches beyond it by, sizes of the scene", largest_lit_excess(scene, table), 1e-11),
         check(
             "largest irradiance by the Sun, over that normal to its beam",

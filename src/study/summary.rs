@@ -73,7 +73,7 @@ pub fn summary(scene: &Scene) -> Summary {
         range_m: eye_m.length(),
         mars_elevation_deg: scene.mars.as_ref().and_then(|mars| elevation(mars.centre_m)),
         mars_radius_deg: scene.mars.as_ref().map(|m| (m.radius_m / m.centre_m.length()).asin().to_degrees()),
-        ifov_mrad: 1e3 * camera.ifov_rad()[0],
+        ifov_mrad: 1e3 * camera.ifov_rad(),
         pixel_m,
         image_m: [f64::from(camera.samples) * pixel_m, f64::from(camera.lines) * pixel_m],
     }

@@ -5,11 +5,12 @@ use super::simulate::Counts;
 use crate::integrate::Image;
 use crate::physics::sun::Eclipse;
 use crate::product::Lit;
+use crate::visibility::Enclosure;
 
 /// Less of the image than this may show facets from behind without a word: rims of open sheets do.
 const BACK_SHARE: f64 = 0.01;
 
-pub(super) fn warnings(account: &Account, counts: &Counts, image: &Image) -> Vec<String> {
+pub(super) fn warnings(account: &Account, counts: &Counts, image: &Image, enclosure: Enclosure) -> Vec<String> {
     let mut all = Vec::new();
     let facets = |n: u64| if n == 1 { "1 facet".to_owned() } else { format!("{n} facets") };
     if counts.visible_facets == 0 {
@@ -31,6 +32,7 @@ pub(super) fn warnings(account: &Account, counts: &Counts, image: &Image) -> Vec
             100.0 * image.back_area_px / covered_px
         ));
     }
+    all.extend(enclosed("the camera", enclosure));
     match account.eclipse {
         Some(Eclipse::Total) => {
             all.push("the site is in eclipse: Mars covers the Sun, but the image is lit as if it did not".into())
@@ -62,4 +64,16 @@ pub(super) fn warnings(account: &Account, counts: &Counts, image: &Image) -> Vec
         all.push(format!("the body is not closed: {} open edges", counts.open_edges));
     }
     all
+}
+
+/// Says that an eye is inside closed parts of the mesh, or on them.
+pub(super) fn enclosed(whose: &str, enclosure: Enclosure) -> Option<String> {
+    let where_is = match (enclosure.inside, enclosure.on) {
+        (0, 0) => return None,
+        (0, 1) => "on the surface of a closed part of the mesh".to_owned(),
+        (0, on) => format!("on the surface of {on} closed parts of the mesh"),
+        (1, _) => "inside a closed part of the mesh".to_owned(),
+        (inside, _) => format!("inside {inside} closed parts of the mesh"),
+    };
+    Some(format!("{whose} is {where_is}: it sees inner sides, which are dark and hide what is behind them"))
 }

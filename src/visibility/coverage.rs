@@ -141,16 +141,6 @@ impl<'a> Coverage<'a> {
         // The stack holds rectangles with their candidates, a stretch of `waiting` each; the last one is the last stretch.
         waiting.clear();
         waiting.extend(0..candidates.len() as u32);
-        if waiting.len() > MANY {
-            let originals = originals(self.drawing, triangles);
-            waiting.retain(|i| {
-                let original = originals[*i as usize];
-                if !original {
-                    visit.cut(triangles[*i as usize], &rect);
-                }
-                original
-            });
-        }
         stack.clear();
         stack.push((rect, 0, 0, waiting.len()));
         while let Some((rect, depth, from, to)) = stack.pop() {
@@ -162,6 +152,17 @@ impl<'a> Coverage<'a> {
             }
             pulse.beat(list.len())?;
             front.find(self.drawing, &rect, candidates, list);
+            if depth == 0 && list.len() > MANY && front.sees_copies(candidates) {
+                let originals = originals(self.drawing, triangles);
+                list.retain(|i| {
+                    let original = originals[*i as usize];
+                    if !original {
+                        visit.cut(candidates[*i as usize].triangle, &rect);
+                    }
+                    original
+                });
+                front.find(self.drawing, &rect, candidates, list);
+            }
             list.retain(|i| {
                 let hidden = front.hides(*i, &candidates[*i as usize]);
                 if hidden {
@@ -208,8 +209,11 @@ fn originals(drawing: &Drawing, triangles: &[u32]) -> Vec<bool> {
     by_place.sort_unstable();
     let mut originals = vec![false; triangles.len()];
     for copies in by_place.chunk_by(|a, b| a.0 == b.0) {
-        let first = copies.iter().map(|c| c.1).min_by_key(|i| drawing.rank(drawing.facet(triangles[*i])));
-        first.into_iter().for_each(|i| originals[i] = true);
+        let original = match copies {
+            [(_, only)] => Some(*only),
+            _ => copies.iter().map(|c| c.1).min_by_key(|i| drawing.rank(drawing.facet(triangles[*i]))),
+        };
+        original.into_iter().for_each(|i| originals[i] = true);
     }
     originals
 }
@@ -263,6 +267,15 @@ impl Front {
             }
             self.sheet.clear();
         }
+    }
+
+    /// Whether two that cover the centre may be drawn alike.
+    fn sees_copies(&self, candidates: &[Candidate]) -> bool {
+        let extent = |i: &u32| {
+            let c = &candidates[*i as usize];
+            (c.nearest, c.farthest, c.bounds)
+        };
+        self.at_centre.windows(2).any(|w| extent(&w[0]) == extent(&w[1]))
     }
 
     /// Follows a facet to its continuations. Whether they make a sheet that covers the rectangle once.

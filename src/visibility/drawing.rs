@@ -2,13 +2,15 @@
 //!
 //! The rounded drawing is the exact input of everything that follows: neighbours share vertices, so they fit to the last bit.
 
+use std::borrow::Cow;
+
 use glam::DVec3;
 use rayon::prelude::*;
-use robust::{Coord, orient2d};
+use robust::{Coord, Coord3D, orient2d, orient3d};
 
 use super::topology::{NONE, Topology};
 use crate::geometry::polygon::{Point, Rect, area};
-use crate::geometry::{Direction, Mesh};
+use crate::geometry::{Direction, Facet, Mesh};
 
 /// How points of space become points of the drawing. The drawing's unit is a cell; h points right, v down, u away from the viewer.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,21 +28,88 @@ pub enum View {
         /// Drawing coordinates of the origin.
         offset: [f64; 2],
     },
-    /// All rays through one point.
+    /// All rays through one point. See [`View::pinhole`].
     Pinhole {
         /// Projection centre, m.
         centre_m: DVec3,
-        /// Right, unit vector.
+        /// What vertices are measured from, m: the centre itself, or from afar a point amid the mesh.
+        from_m: DVec3,
+        /// Depth of that point, m; 0 for the centre.
+        depth_m: f64,
+        /// Right, across the ray to that point.
         h: DVec3,
-        /// Down, unit vector.
+        /// Down, across the ray to that point.
         v: DVec3,
         /// Boresight, unit vector.
         u: DVec3,
         /// Cells per unit of tangent along h and v.
         scale: [f64; 2],
-        /// Drawing coordinates of the boresight.
+        /// Drawing coordinates of that point; of the boresight, if it is the centre.
         offset: [f64; 2],
     },
+}
+
+/// From so many times the mesh's size vertices are measured from amid the mesh.
+const AFAR: f64 = 16.0;
+
+impl View {
+    /// A central view of a mesh: projection centre, m, unit vectors right, down and along the boresight, cells per unit of tangent
+    /// along the first two, and the drawing coordinates of the boresight.
+    ///
+    /// From afar the distance costs no digits: vertices are measured from a point amid the mesh, with axes sheared so that its ray
+    /// is drawn as a point. With tangents t of that ray, x / z = t + (dx - t dz) / (z0 + dz).
+    pub fn pinhole(mesh: &Mesh, centre_m: DVec3, [h, v, u]: [DVec3; 3], scale: [f64; 2], offset: [f64; 2]) -> Self {
+        let near = View::Pinhole { centre_m, from_m: centre_m, depth_m: 0.0, h, v, u, scale, offset };
+        let Some((low, high)) = mesh.bounds_m() else { return near };
+        let from_m = 0.5 * (low + high);
+        let depth_m = dot_difference(from_m, centre_m, u);
+        let is_afar = depth_m > AFAR * (high - low).length() && depth_m.is_finite();
+        if !is_afar {
+            return near;
+        }
+        let [right, down] = [h, v].map(|axis| dot_difference(from_m, centre_m, axis) / depth_m);
+        View::Pinhole {
+            centre_m,
+            from_m,
+            depth_m,
+            h: h - right * u,
+            v: v - down * u,
+            u,
+            scale,
+            offset: [offset[0] + right * scale[0], offset[1] + down * scale[1]],
+        }
+    }
+}
+
+impl View {
+    /// Rays of a central view: those through (x, y) and (x0, y0) differ by `right` (x - x0) + `down` (y - y0).
+    /// Gives right, down, and the ray through (x0, y0), 1 along the boresight; and (x0, y0). None if rays are parallel.
+    pub fn rays(&self) -> Option<([DVec3; 3], [f64; 2])> {
+        let View::Pinhole { depth_m, h, v, u, scale, offset, .. } = *self else { return None };
+        if depth_m == 0.0 {
+            return Some(([h / scale[0], v / scale[1], u], offset));
+        }
+        // Axes before they were sheared, and the tangents that they were sheared by.
+        let (right, down) = (-h.dot(u), -v.dot(u));
+        let (h, v) = (h + right * u, v + down * u);
+        Some(([h / scale[0], v / scale[1], u + right * h + down * v], offset))
+    }
+}
+
+/// (a - b) . axis, to the last digits even where its parts cancel: Ogita, Rump & Oishi (2005), SIAM J. Sci. Comput. 26, 1955.
+fn dot_difference(a: DVec3, b: DVec3, axis: DVec3) -> f64 {
+    let (mut sum, mut rest) = (0.0, 0.0);
+    for k in 0..3 {
+        for (x, sign) in [(a[k], 1.0), (b[k], -1.0)] {
+            let product = sign * x * axis[k];
+            let error = (sign * x).mul_add(axis[k], -product);
+            let next = sum + product;
+            let part = next - sum;
+            rest += (sum - (next - part)) + (product - part) + error;
+            sum = next;
+        }
+    }
+    sum + rest
 }
 
 /// The cells of a drawing: unit squares from (0, 0) to (columns, rows).
@@ -99,7 +168,7 @@ pub struct Drawing<'a> {
     pub view: View,
     /// The cells.
     pub grid: Grid,
-    /// x, y in cells; nearness: height towards the viewer, m (parallel) or 1 / depth, 1/m (pinhole). Affine over a facet.
+    /// x, y in cells; nearness: height towards the viewer, m (parallel) or 1 / depth, 1/m, less a constant (pinhole). Affine over a facet.
     points: Vec<[f64; 3]>,
     extra: Vec<Extra>,
     flags: Vec<u8>,
@@ -114,6 +183,11 @@ const CUT_AT: f64 = 1.0;
 
 /// Triangles narrower than this, cells, may be drawn no wider than their corners are rounded: it depends on where they are.
 const NARROW: f64 = 1e-3;
+
+/// Corners lie in a facet's plane within this, times the magnitude of coordinates: their rounding.
+const PLANE_ROUNDING: f64 = 4.0 * f64::EPSILON;
+/// Facets lie in one plane within this, times the magnitude of coordinates: closer than some view can tell, so that no view shall.
+const SAME_PLANE: f64 = 512.0 * f64::EPSILON;
 
 impl<'a> Drawing<'a> {
     /// Draws a mesh for light from a direction, with cells fitted to what is there.
@@ -144,8 +218,13 @@ impl<'a> Drawing<'a> {
         let points: Vec<[f64; 3]> = mesh.vertices_m.par_iter().with_min_len(4096).map(|p| project(&view, *p)).collect();
         let mut drawing =
             Drawing { mesh, topology, view, grid, points, extra: vec![], flags: vec![], magnitude: [0.0; 2] };
-        drawing.decide_sides();
-        drawing.cut_far_facets();
+        let hides_inner = match view {
+            // The Sun is outside of everything.
+            View::Parallel { .. } => Cow::Borrowed(&topology.closed[..]),
+            View::Pinhole { centre_m, .. } => topology.hides_inner_sides(mesh, centre_m),
+        };
+        drawing.decide_sides(&hides_inner);
+        drawing.cut_far_facets(&hides_inner);
         drawing.mark_open_edges();
         drawing.measure();
         drawing
@@ -277,18 +356,53 @@ impl<'a> Drawing<'a> {
         self.magnitude
     }
 
-    /// What decides between two facets at the same depth: material, then the sorted corners. Not the index, which a user may shuffle.
-    pub(super) fn rank(&self, facet: u32) -> (u16, [[u64; 3]; 3], u32) {
-        let mut corners = self.mesh.facet(facet as usize).corners_m.map(|p| p.to_array().map(ordered_bits));
-        corners.sort_unstable();
-        (self.mesh.material[facet as usize].0, corners, facet)
+    /// Whether a facet hides another that is close to it wherever they overlap, as they lie in space: the same from everywhere, so
+    /// that what the camera sees is what the Sun lights.
+    ///
+    /// If they lie in one plane, to [`SAME_PLANE`], the outer side goes before the inner one, then material and sorted corners decide;
+    /// else, if all of one lies on one side of the other's plane, that does. `None`: they cross, and depth decides.
+    pub(super) fn is_before(&self, facet: u32, other: u32) -> Option<bool> {
+        let (one, two) = (self.mesh.facet(facet as usize), self.mesh.facet(other as usize));
+        let in_plane = |a, b| matches!(lies(a, b, SAME_PLANE), Lies::Within);
+        if in_plane(&one, &two) && in_plane(&two, &one) {
+            return Some(self.goes_before(facet, other));
+        }
+        let faces_away = |facet: u32| self.side(facet) == Side::Back;
+        match lies(&one, &two, PLANE_ROUNDING) {
+            Lies::Above => return Some(!faces_away(other)),
+            Lies::Below => return Some(faces_away(other)),
+            Lies::Within | Lies::Across => {}
+        }
+        match lies(&two, &one, PLANE_ROUNDING) {
+            Lies::Above => Some(faces_away(facet)),
+            Lies::Below => Some(!faces_away(facet)),
+            Lies::Within | Lies::Across => None,
+        }
     }
 
-    fn decide_sides(&mut self) {
+    /// Whether a facet wins a tie against another.
+    pub(super) fn goes_before(&self, facet: u32, other: u32) -> bool {
+        self.rank(facet) < self.rank(other)
+    }
+
+    /// What decides ties: an outer side before an inner one, then material, then the sorted corners. Not the index, which a user
+    /// may shuffle.
+    pub(super) fn rank(&self, facet: u32) -> (bool, u16, [[u64; 3]; 3], u32) {
+        let mut corners = self.mesh.facet(facet as usize).corners_m.map(|p| p.to_array().map(ordered_bits));
+        corners.sort_unstable();
+        (self.side(facet) != Side::Front, self.mesh.material[facet as usize].0, corners, facet)
+    }
+
+    /// `hides_inner`: of each facet, whether its inner side cannot be seen from here.
+    fn decide_sides(&mut self, hides_inner: &[bool]) {
         let image = self.grid.bounds();
         let reach = [0, 1].map(|k| CUT_BEYOND * image.max[k]);
-        let pinhole = matches!(self.view, View::Pinhole { .. });
-        let (points, topology) = (&self.points, self.topology);
+        // From afar everything is in front of the camera.
+        let (pinhole, afar) = match self.view {
+            View::Pinhole { depth_m, .. } => (true, depth_m > 0.0),
+            View::Parallel { .. } => (false, true),
+        };
+        let points = &self.points;
         self.flags = self
             .mesh
             .facets
@@ -299,7 +413,8 @@ impl<'a> Drawing<'a> {
                 let corners = facet.map(|v| points[v as usize]);
                 if pinhole {
                     let far = |p: &[f64; 3]| {
-                        let near = p[2] > 0.0 && (0..2).all(|k| -reach[k] <= p[k] && p[k] <= image.max[k] + reach[k]);
+                        let near = (afar || p[2] > 0.0)
+                            && (0..2).all(|k| -reach[k] <= p[k] && p[k] <= image.max[k] + reach[k]);
                         !near
                     };
                     if corners.iter().any(far) {
@@ -316,7 +431,7 @@ impl<'a> Drawing<'a> {
                 } else {
                     return 0;
                 };
-                let hidden = side == BACK && topology.closed[i];
+                let hidden = side == BACK && hides_inner[i];
                 let drawn = !hidden && Rect::of(&[a, b, c]).overlaps(&image);
                 side | if drawn { DRAWN } else { 0 }
             })
@@ -324,17 +439,17 @@ impl<'a> Drawing<'a> {
     }
 
     /// Cuts facets that cross the camera plane or reach far beyond the image, in homogeneous coordinates, at planes beside the image.
-    fn cut_far_facets(&mut self) {
-        let View::Pinhole { centre_m, h, v, u, scale, offset } = self.view else { return };
+    fn cut_far_facets(&mut self, hides_inner: &[bool]) {
+        let View::Pinhole { centre_m, from_m, depth_m, h, v, u, scale, offset } = self.view else { return };
         let image = self.grid.bounds();
-        // Planes through the projection centre: w = (n . (p - centre)) >= 0 inside.
+        // Planes through the projection centre: w = n . (p - from) + constant >= 0 inside.
         let mut planes = Vec::new();
         for (axis, side) in [(0, h), (1, v)] {
             let margin = CUT_AT * image.max[axis];
             let low = (-margin - offset[axis]) / scale[axis];
             let high = (image.max[axis] + margin - offset[axis]) / scale[axis];
-            planes.push(side - low * u);
-            planes.push(high * u - side);
+            planes.push((side - low * u, -low * depth_m));
+            planes.push((high * u - side, high * depth_m));
         }
         let mut places: std::collections::HashMap<(u32, u32, usize), u32> = Default::default();
         for facet in 0..self.mesh.facets.len() as u32 {
@@ -344,7 +459,7 @@ impl<'a> Drawing<'a> {
             let corners = self.mesh.facets[facet as usize];
             // Polygon of (drawing vertex or original vertex, position, original edge it lies on).
             let mut polygon: Vec<(DVec3, Name)> =
-                corners.iter().map(|&i| (self.mesh.vertices_m[i as usize] - centre_m, Name::Corner(i))).collect();
+                corners.iter().map(|&i| (self.mesh.vertices_m[i as usize] - from_m, Name::Corner(i))).collect();
             for (number, plane) in planes.iter().enumerate() {
                 polygon = cut(&polygon, *plane, number);
                 if polygon.len() < 3 {
@@ -360,30 +475,31 @@ impl<'a> Drawing<'a> {
                     // A corner inside all planes: drawn where it was, if it has a finite place.
                     Name::Corner(i) => *i,
                     Name::Cut(a, b, plane) => *places.entry((*a, *b, *plane)).or_insert_with(|| {
-                        self.points.push(project(&self.view, *p + centre_m));
+                        self.points.push(project(&self.view, *p + from_m));
                         self.points.len() as u32 - 1
                     }),
                     Name::Inner => {
-                        self.points.push(project(&self.view, *p + centre_m));
+                        self.points.push(project(&self.view, *p + from_m));
                         self.points.len() as u32 - 1
                     }
                 })
                 .collect();
+            // Of the whole facet: a narrow piece may be turned over by rounding.
+            let side = match seen_from_above(&self.mesh.facet(facet as usize), centre_m) {
+                Some(true) => FRONT,
+                Some(false) => BACK,
+                None => continue,
+            };
+            self.flags[facet as usize] |= side;
+            if side == BACK && hides_inner[facet as usize] {
+                continue;
+            }
             for k in 2..ids.len() {
                 let vertices = [ids[0], ids[k - 1], ids[k]];
                 let [a, b, c] = vertices.map(|v| self.points[v as usize]);
-                let sound = [a, b, c].iter().all(|p| p.iter().all(|x| x.is_finite()) && p[2] > 0.0);
+                let sound = [a, b, c].iter().all(|p| p.iter().all(|x| x.is_finite()) && (depth_m > 0.0 || p[2] > 0.0));
                 let turn = turn([a[0], a[1]], [b[0], b[1]], [c[0], c[1]]);
-                if !sound || turn == 0.0 {
-                    continue;
-                }
-                let side = if turn < 0.0 { FRONT } else { BACK };
-                let mine = &mut self.flags[facet as usize];
-                if *mine & (FRONT | BACK) == 0 {
-                    *mine |= side;
-                }
-                let hidden = side == BACK && self.topology.closed[facet as usize];
-                if *mine & side != 0 && !hidden {
+                if sound && (if side == FRONT { turn < 0.0 } else { turn > 0.0 }) {
                     self.extra.push(Extra { facet, vertices });
                 }
             }
@@ -421,6 +537,21 @@ impl<'a> Drawing<'a> {
             .filter(|t| self.is_drawn(*t))
             .flat_map(|t| self.corners(t))
             .fold(0.0, |m, p| m.max(p[2].abs()));
+        if let View::Parallel { .. } = self.view {
+            // Heights are sums of products of coordinates, however flat the mesh.
+            let coordinates = self.mesh.vertices_m.iter().map(|p| p.abs().max_element());
+            self.magnitude[1] = self.magnitude[1].max(coordinates.fold(0.0, f64::max));
+        }
+        if let View::Pinhole { depth_m, scale, offset, .. } = self.view
+            && depth_m > 0.0
+        {
+            // Heights above the point amid the mesh are as good as what lies across, however flat the mesh.
+            let across = (0..self.len() as u32)
+                .filter(|t| self.is_drawn(*t))
+                .flat_map(|t| self.corners(t))
+                .fold(0.0_f64, |m, p| m.max((p[0] - offset[0]).abs()).max((p[1] - offset[1]).abs()));
+            self.magnitude[1] = self.magnitude[1].max(across / (scale[0].min(scale[1]) * depth_m));
+        }
     }
 }
 
@@ -432,12 +563,12 @@ enum Name {
     Inner,
 }
 
-/// The part of a polygon (about the projection centre) where n . p >= 0. Crossings are computed in the order of the original edge's ends.
-fn cut(polygon: &[(DVec3, Name)], plane: DVec3, number: usize) -> Vec<(DVec3, Name)> {
+/// The part of a polygon where n . p + constant >= 0. Crossings are computed in the order of the original edge's ends.
+fn cut(polygon: &[(DVec3, Name)], (normal, constant): (DVec3, f64), number: usize) -> Vec<(DVec3, Name)> {
     let mut out = Vec::new();
     for i in 0..polygon.len() {
         let ((p, a), (q, b)) = (polygon[i], polygon[(i + 1) % polygon.len()]);
-        let (d, e) = (plane.dot(p), plane.dot(q));
+        let (d, e) = (normal.dot(p) + constant, normal.dot(q) + constant);
         if d >= 0.0 {
             out.push((p, a));
         }
@@ -458,10 +589,13 @@ pub(super) fn project(view: &View, p_m: DVec3) -> [f64; 3] {
         View::Parallel { h, v, u, scale, offset } => {
             [p_m.dot(*h) * scale[0] + offset[0], p_m.dot(*v) * scale[1] + offset[1], -p_m.dot(*u)]
         }
-        View::Pinhole { centre_m, h, v, u, scale, offset } => {
-            let p = p_m - *centre_m;
-            let near = 1.0 / p.dot(*u);
-            [p.dot(*h) * near * scale[0] + offset[0], p.dot(*v) * near * scale[1] + offset[1], near]
+        View::Pinhole { from_m, depth_m, h, v, u, scale, offset, .. } => {
+            let p = p_m - *from_m;
+            let along = p.dot(*u);
+            let near = 1.0 / (along + depth_m);
+            // What 1 / depth is more than that of the point amid the mesh: as affine, and with all its digits.
+            let nearness = if *depth_m > 0.0 { -along * near / depth_m } else { near };
+            [p.dot(*h) * near * scale[0] + offset[0], p.dot(*v) * near * scale[1] + offset[1], nearness]
         }
     }
 }
@@ -472,10 +606,55 @@ fn turn(a: Point, b: Point, c: Point) -> f64 {
     orient2d(coord(a), coord(b), coord(c))
 }
 
+/// Whether a place is on the outer side of a facet, in exact arithmetic; `None` in its plane.
+fn seen_from_above(facet: &Facet, eye_m: DVec3) -> Option<bool> {
+    let coord = |p: DVec3| Coord3D { x: p.x, y: p.y, z: p.z };
+    let [a, b, c] = facet.corners_m.map(coord);
+    let below = orient3d(a, b, c, coord(eye_m));
+    (below != 0.0).then_some(below < 0.0)
+}
+
 /// Half the length of a triangle's outline, up to a factor of 2.
 fn around(outline: &[Point; 3]) -> f64 {
     let Rect { min, max } = Rect::of(outline);
     max[0] - min[0] + max[1] - min[1]
+}
+
+/// Where a facet lies, seen from another's plane.
+enum Lies {
+    /// On the outer side.
+    Above,
+    /// On the inner side.
+    Below,
+    /// In the plane.
+    Within,
+    /// On both sides.
+    Across,
+}
+
+/// Where a facet lies, seen from the plane of `of`; corners within `rounding` of their coordinates lie in it.
+fn lies(facet: &Facet, of: &Facet, rounding: f64) -> Lies {
+    let [a, b, c] = of.corners_m;
+    let largest = facet.corners_m.iter().chain(&of.corners_m).fold(0.0_f64, |m, p| m.max(p.abs().max_element()));
+    let (to_b, to_c) = (b - a, c - a);
+    let normal = to_b.cross(to_c);
+    let (lb, lc) = (to_b.length(), to_c.length());
+    let (mut above, mut below) = (false, false);
+    for corner in facet.corners_m {
+        let to_corner = corner - a;
+        let height = normal.dot(to_corner);
+        // What a change of every coordinate by its rounding makes of the volume.
+        let l = to_corner.length();
+        let least = rounding * largest * (lb * lc + lb * l + lc * l);
+        above |= height > least;
+        below |= height < -least;
+    }
+    match (above, below) {
+        (true, false) => Lies::Above,
+        (false, true) => Lies::Below,
+        (false, false) => Lies::Within,
+        (true, true) => Lies::Across,
+    }
 }
 
 /// A key whose order is that of the numbers.

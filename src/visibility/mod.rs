@@ -18,4 +18,4 @@ pub use coverage::{Coverage, Scratch, Visit};
 pub use covered::covered;
 pub use drawing::{Drawing, Grid, Side, View};
 pub use on_facet::OnFacet;
-pub use topology::{NONE, Topology};
+pub use topology::{Enclosure, NONE, Topology};

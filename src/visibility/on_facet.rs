@@ -20,13 +20,13 @@ pub enum OnFacet {
     },
     /// In a central view: corner a and the edges, (x, y) in cells per tangent times depth, and depth, m.
     Pinhole {
-        /// Corner a, from the projection centre.
+        /// Corner a.
         a: DVec3,
         /// From a to b.
         to_b: DVec3,
         /// From a to c.
         to_c: DVec3,
-        /// Drawing coordinates of the boresight.
+        /// Where x and y are 0 in the drawing.
         centre: Point,
     },
 }
@@ -39,12 +39,12 @@ impl OnFacet {
                 let [a, b, c] = facet.corners_m.map(|p| project(view, p)).map(|p| [p[0], p[1]]);
                 OnFacet::Parallel { a, to_b: [b[0] - a[0], b[1] - a[1]], to_c: [c[0] - a[0], c[1] - a[1]] }
             }
-            View::Pinhole { centre_m, h, v, u, scale, offset } => {
+            View::Pinhole { from_m, depth_m, h, v, u, scale, offset, .. } => {
                 let [a, b, c] = facet.corners_m.map(|p| {
-                    let p = p - *centre_m;
+                    let p = p - *from_m;
                     DVec3::new(p.dot(*h) * scale[0], p.dot(*v) * scale[1], p.dot(*u))
                 });
-                OnFacet::Pinhole { a, to_b: b - a, to_c: c - a, centre: *offset }
+                OnFacet::Pinhole { a: a + *depth_m * DVec3::Z, to_b: b - a, to_c: c - a, centre: *offset }
             }
         }
     }
@@ -84,13 +84,14 @@ impl OnFacet {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Mesh;
 
     #[test]
     fn drawn_points_and_points_of_the_facet_are_inverse() {
         let facet =
             Facet { corners_m: [DVec3::new(-3.0, 1.0, 20.0), DVec3::new(5.0, 2.0, 30.0), DVec3::new(0.5, -4.0, 25.0)] };
         let (h, v, u) = (DVec3::X, DVec3::Y, DVec3::Z);
-        let pinhole = View::Pinhole { centre_m: DVec3::ZERO, h, v, u, scale: [10.0; 2], offset: [4.0, 3.0] };
+        let pinhole = View::pinhole(&Mesh::default(), DVec3::ZERO, [h, v, u], [10.0; 2], [4.0, 3.0]);
         let parallel = View::Parallel { h, v, u, scale: [2.0, 0.5], offset: [7.0, 1.0] };
         // Corner a: x = -3/20 * 10 + 4, y = 1/20 * 10 + 3; in parallel -6 + 7, 0.5 + 1.
         for (view, expected) in [(pinhole, [2.5, 3.5]), (parallel, [1.0, 1.5])] {

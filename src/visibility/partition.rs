@@ -16,6 +16,8 @@ const SKY: u32 = u32::MAX;
 const SLIVER: f64 = 1e-15;
 /// Forward error of a nearness, in units of eps x (magnitude of nearness + slope x magnitude of coordinates).
 const DEPTH_ROUNDING: f64 = 16.0 * f64::EPSILON;
+/// Facets are close if nowhere one leads by more than this, in units of that error: another view may take them to be tied.
+const CLOSE: f64 = 4096.0;
 
 /// A triangle, with what its contests need: made once for a cell, however often the cell is quartered.
 #[derive(Debug, Clone, Copy)]
@@ -425,16 +427,23 @@ impl Cutter {
     ) -> Won {
         let error = candidate.error + owner.error;
         self.value.clear();
+        let mut largest = 0.0_f64;
         self.value.extend(self.overlap.iter().map(|p| {
             let lead = candidate.nearness(*p) - owner.nearness(*p);
+            largest = largest.max(lead.abs());
             if lead.abs() <= error { 0.0 } else { lead }
         }));
+        if largest <= CLOSE * error
+            && let Some(before) = drawing.is_before(candidate.facet, owner.facet)
+        {
+            return if before { Won::All } else { Won::Nothing };
+        }
         let ahead = self.value.iter().any(|d| *d > 0.0);
         let behind = self.value.iter().any(|d| *d < 0.0);
         match (ahead, behind) {
             (true, false) => Won::All,
             (false, true) => Won::Nothing,
-            (false, false) if drawing.rank(candidate.facet) < drawing.rank(owner.facet) => Won::All,
+            (false, false) if drawing.goes_before(candidate.facet, owner.facet) => Won::All,
             (false, false) => Won::Nothing,
             (true, true) => {
                 split(&self.overlap, &self.value, &mut self.spare, &mut self.outside);

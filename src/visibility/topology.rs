@@ -1,8 +1,12 @@
 //! Which facets meet at an edge, and which parts of a mesh are closed.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
+use std::f64::consts::PI;
 
-use crate::geometry::Mesh;
+use glam::DVec3;
+
+use crate::geometry::{Mesh, solid_angle_off_surface_sr};
 
 /// No facet.
 pub const NONE: u32 = u32::MAX;
@@ -12,12 +16,31 @@ pub const NONE: u32 = u32::MAX;
 pub struct Topology {
     /// For each facet and each of its edges (a-b, b-c, c-a): the one facet that runs along it the other way, or [`NONE`].
     pub neighbour: Vec<[u32; 3]>,
-    /// Whether a facet belongs to a part proven closed and outward-oriented: its back faces can never be seen from outside.
+    /// Whether a facet belongs to a part proven closed and outward-oriented: its inner side can never be seen from outside.
     pub closed: Vec<bool>,
+    /// The connected part of each facet, and what is known of each part that is closed.
+    part: Vec<u32>,
+    bodies: Vec<Option<Body>>,
     /// Facets' edges without exactly one other facet along them: one where a facet ends, three where three facets meet.
     pub open_edges: usize,
     /// Facets that must be turned over to agree with the larger part of their surroundings.
     pub flipped_facets: usize,
+}
+
+/// A part that is proven closed: the least and the greatest of its coordinates, m.
+#[derive(Debug, Clone, Copy)]
+struct Body {
+    low_m: DVec3,
+    high_m: DVec3,
+}
+
+/// Where an eye is that is not for certain outside of all closed parts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Enclosure {
+    /// Closed parts that it is inside of.
+    pub inside: usize,
+    /// Closed parts on whose surface it is, to rounding.
+    pub on: usize,
 }
 
 /// One end of a matching: the larger vertex of an edge, and 4 x facet + edge.
@@ -41,8 +64,59 @@ impl Topology {
             has_open_edge[*code as usize / 4] = true;
         }
         let parts = Parts::new(&neighbour, &same_way);
-        let (closed, flipped_facets) = parts.closed_and_flipped(mesh, &has_open_edge, &same_way);
-        Topology { neighbour, closed, open_edges: open.len(), flipped_facets }
+        let (bodies, flipped_facets) = parts.bodies_and_flipped(mesh, &has_open_edge, &same_way);
+        let closed = parts.part.iter().map(|p| bodies[*p as usize].is_some()).collect();
+        Topology { neighbour, closed, part: parts.part, bodies, open_edges: open.len(), flipped_facets }
+    }
+
+    /// Whether the mesh is one part, and that one closed.
+    pub fn is_one_body(&self) -> bool {
+        matches!(self.bodies[..], [Some(_)])
+    }
+
+    /// For each facet whether its inner side cannot be seen from a place: it belongs to a closed part, and the place is outside.
+    pub(super) fn hides_inner_sides(&self, mesh: &Mesh, eye_m: DVec3) -> Cow<'_, [bool]> {
+        let around = self.around(mesh, eye_m);
+        if around.is_empty() {
+            return Cow::Borrowed(&self.closed);
+        }
+        let is_around = |part: &u32| around.iter().any(|(p, _)| p == part);
+        Cow::Owned(self.closed.iter().zip(&self.part).map(|(closed, part)| *closed && !is_around(part)).collect())
+    }
+
+    /// How many closed parts a place is inside of, and on.
+    pub fn enclosure(&self, mesh: &Mesh, eye_m: DVec3) -> Enclosure {
+        let around = self.around(mesh, eye_m);
+        let on = around.iter().filter(|(_, on)| *on).count();
+        Enclosure { inside: around.len() - on, on }
+    }
+
+    /// The closed parts that a place is not outside of for certain, and whether it is on their surface, to rounding.
+    ///
+    /// Solid angles add up to 4 pi times the number of turns of the part around the place: 0 outside, also of a part that crosses itself.
+    fn around(&self, mesh: &Mesh, eye_m: DVec3) -> Vec<(u32, bool)> {
+        let may_hold = |body: &Body| {
+            let margin = 16.0 * f64::EPSILON * body.low_m.abs().max(body.high_m.abs()).max(eye_m.abs()).max_element();
+            (body.low_m - margin).cmple(eye_m).all() && eye_m.cmple(body.high_m + margin).all()
+        };
+        let near: Vec<u32> =
+            (0..self.bodies.len() as u32).filter(|p| self.bodies[*p as usize].as_ref().is_some_and(may_hold)).collect();
+        if near.is_empty() {
+            return vec![];
+        }
+        let mut sums_sr = vec![Some(0.0); near.len()];
+        for (f, part) in self.part.iter().enumerate() {
+            if let Ok(i) = near.binary_search(part) {
+                let omega_sr = solid_angle_off_surface_sr(mesh.facet(f).corners_m.map(|p| p - eye_m));
+                sums_sr[i] = sums_sr[i].zip(omega_sr).map(|(sum, omega)| sum + omega);
+            }
+        }
+        let turns = |sum_sr: f64| (sum_sr / (4.0 * PI)).round();
+        near.into_iter()
+            .zip(sums_sr)
+            .filter(|(_, sum_sr)| sum_sr.is_none_or(|sum_sr| turns(sum_sr) != 0.0))
+            .map(|(part, sum_sr)| (part, sum_sr.is_none()))
+            .collect()
     }
 }
 
@@ -188,7 +262,13 @@ impl Parts {
         Parts { part, turned, count: count as usize }
     }
 
-    fn closed_and_flipped(&self, mesh: &Mesh, has_open_edge: &[bool], same_way: &[[u32; 2]]) -> (Vec<bool>, usize) {
+    /// The parts that are closed, and how many facets are turned against the rest of their part.
+    fn bodies_and_flipped(
+        &self,
+        mesh: &Mesh,
+        has_open_edge: &[bool],
+        same_way: &[[u32; 2]],
+    ) -> (Vec<Option<Body>>, usize) {
         let mut facets = vec![0usize; self.count];
         let mut turned = vec![0usize; self.count];
         let mut closed = vec![true; self.count];
@@ -201,6 +281,7 @@ impl Parts {
             closed[self.part[f as usize] as usize] = false;
         }
         // Volume about a vertex of the part: positive when normals point outward.
+        let mut bodies: Vec<Option<Body>> = vec![None; self.count];
         let mut about = vec![None; self.count];
         let mut volume_m3 = vec![0.0; self.count];
         for (f, &part) in self.part.iter().enumerate() {
@@ -209,11 +290,16 @@ impl Parts {
                 let [a, b, c] = mesh.facet(f).corners_m;
                 let o = *about[part].get_or_insert(a);
                 volume_m3[part] += (a - o).dot((b - o).cross(c - o)) / 6.0;
+                let body = bodies[part].get_or_insert(Body { low_m: a, high_m: a });
+                body.low_m = body.low_m.min(a).min(b).min(c);
+                body.high_m = body.high_m.max(a).max(b).max(c);
             }
         }
-        let proven: Vec<bool> = (0..self.count).map(|p| closed[p] && volume_m3[p] > 0.0).collect();
+        for (body, volume_m3) in bodies.iter_mut().zip(volume_m3) {
+            body.take_if(|_| volume_m3 <= 0.0 || volume_m3.is_nan());
+        }
         let flipped = (0..self.count).map(|p| turned[p].min(facets[p] - turned[p])).sum();
-        (self.part.iter().map(|p| proven[*p as usize]).collect(), flipped)
+        (bodies, flipped)
     }
 }
 

@@ -175,7 +175,7 @@ fn written_scenes_have_the_same_responses_and_lights() {
     ] {
         let scene = scratch.scene(&plate(bands, ""));
         let (files, _) = scene_toml::write(&scene, &scratch.join("again.toml"), true).unwrap();
-        files.into_iter().for_each(|file| file.commit().unwrap());
+        files.commit().unwrap();
         let again = scene_toml::read(&scratch.join("again.toml"), &unwatched).unwrap().scene;
         let pairs = || again.sensor.bands.iter().zip(&scene.sensor.bands);
         assert!(

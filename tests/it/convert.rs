@@ -122,7 +122,7 @@ fn the_shipped_scene_keeps_its_radiance() {
     assert_eq!(differ(&a, &b), [""; 0]);
     assert!(a.mesh == b.mesh && a.materials == b.materials);
     // A folder of a scene is one, and is replaced if asked for and if nothing else is in it.
-    let again = ["convert", &scratch.argument("folder"), &scratch.argument("folder"), "--to", "scene"];
+    let again = ["convert", &scratch.argument("scene.toml"), &scratch.argument("folder"), "--to", "scene"];
     assert_eq!(run(&again).0, 1);
     let (code, _, err) = run(&[&again[..], &["--force"]].concat());
     assert_eq!(code, 0, "{err}");

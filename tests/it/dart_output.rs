@@ -330,6 +330,13 @@ fn the_name_tells_the_direction_if_the_properties_do_not() {
     camera.write(&output);
     let opened = output::open(&output).unwrap();
     assert_eq!((opened.views().len(), opened.passed_over()), (1, &["ima_camera001".to_owned()][..]));
+    // What else lies there is told by name: of all bands as one.
+    for folder in ["2_Ground/BRF", "BAND0/BRF/ITER1/IMAGES_DART", "BAND0/Tau"] {
+        std::fs::create_dir_all(output.join(folder)).unwrap();
+    }
+    std::fs::write(output.join("brf_Iter3"), "").unwrap();
+    let opened = output::open(&output).unwrap();
+    assert_eq!(opened.passed_over(), ["ima_camera001", "2_Ground/", "BAND*/BRF/ITER1/", "BAND*/Tau/", "brf_Iter3"]);
     let mut nameless = oblique("BAND0/BRF/ITER3");
     nameless.name = "ima05";
     nameless.write(&output);

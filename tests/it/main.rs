@@ -1,5 +1,6 @@
 //! The integration tests: one binary, one module for each kind of promise.
 
+mod afar;
 mod bands;
 mod bodies;
 mod cameras;
@@ -19,6 +20,7 @@ mod dart_terrain;
 mod dart_write;
 mod determinism;
 mod differences;
+mod disk;
 mod envi_headers;
 mod exact;
 mod flat_plane;
@@ -46,8 +48,10 @@ mod scene_files;
 mod schema;
 mod scratch;
 mod shapes;
+mod sides;
 mod spectra;
 mod spectra_from_the_wild;
 mod textures;
+mod truth;
 mod unsaid;
 mod wild_obj;

@@ -151,12 +151,6 @@ const CASES: &[(&str, &str, &str, &str)] = &[
         ":5:12 mesh[0].material",
         "did you mean \"ground\"?",
     ),
-    (
-        "position_m = [0, 0, 20000]",
-        "position_m = [0, 0, 5000]",
-        ":17:14 observer.position_m",
-        "sees the surface from behind",
-    ),
     ("obj = \"plate.obj\"", "obj = \"plate.obj\"\nunit_m = 0", ":5:10 mesh[0].unit_m", "0 is not more than 0"),
     ("obj = \"plate.obj\"", "obj = \"plate.obj\"\npose = \"up\"", ":5:8 mesh[0].pose", "expected"),
     (

@@ -319,7 +319,7 @@ fn table() -> FacetTable {
             lit: vec![Lit::Dark, Lit::Full, Lit::Part, Lit::Part],
             polygon_facet: vec![2, 2, 3],
             polygon_start: vec![0, 3, 7, 10],
-            uv: (0..10).map(|i| [f64::from(i) / 7.0, -0.0]).collect(),
+            uv: (0..10).map(|i| [f64::from(i) / 9.0, -0.0]).collect(),
         },
         mars_direction: Some(direction(0.3, 0.2, 0.1)),
         mars_irradiance: vec![0.25, 0.0, 1e-300, 0.1 + 0.2],

@@ -46,7 +46,7 @@ fn expected() -> Vec<Vec<f64>> {
 fn envi_keeps_everything_in_another_order() {
     let folder = Scratch::new();
     let input = source(&folder);
-    for name in ["out.bip", "out.bil", "out.bsq"] {
+    for name in ["pixels.bip", "lines.bil", "out.bsq"] {
         let out = converted(&folder, &input, name, &["--strict", "--force"]);
         assert!(!out.contains("Dropped"), "{out}");
         assert_same(&read(&folder, name), &expected());
@@ -57,7 +57,7 @@ fn envi_keeps_everything_in_another_order() {
     }
     assert_eq!(std::fs::read(folder.join("out.bsq")).unwrap(), std::fs::read(&input).unwrap());
     // Pixel by pixel: the first has 0 and 100.
-    assert_eq!(std::fs::read(folder.join("out.bip")).unwrap()[..6], [0, 0, 100, 0, 1, 0]);
+    assert_eq!(std::fs::read(folder.join("pixels.bip")).unwrap()[..6], [0, 0, 100, 0, 1, 0]);
     let (code, out, _) = run(&["convert", "--diff", &input, &folder.argument("out.bsq")]);
     assert_eq!((code, out.trim_end()), (0, "the same in meaning"));
 }

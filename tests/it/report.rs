@@ -1,7 +1,6 @@
 //! What a result says of itself: effects with bounds, warnings, checks; and what is refused.
 
 use glam::DVec3;
-use mmxrt::Error;
 use mmxrt::geometry::{Direction, Mesh};
 use mmxrt::product::FacetTable;
 use mmxrt::progress::unwatched;
@@ -266,37 +265,6 @@ fn a_site_in_eclipse_says_so() {
         // All the light of a facet that faces the Sun: that of the median one over its cosine, and what it emits.
         let bound = effect(&seen, "eclipse by Mars").bound.unwrap();
         assert!(if expected > 0 { bound > 1.0 / 30f64.to_radians().cos() } else { bound == 0.0 }, "{off_deg}: {bound}");
-    }
-}
-
-#[test]
-fn a_camera_inside_or_under_the_surface_is_refused() {
-    let down = |z: f64| camera([3.0, 4.0, z], [3.0, 4.0, z - 1.0], [0.0, 1.0, 0.0], 8, 1e-2);
-    let told = |mesh: &Mesh, camera: FrameCamera| match scene(mesh.clone(), sun(30.0, 0.0), camera).check() {
-        Ok(_) => String::new(),
-        Err(Error::Invalid(problems)) => {
-            assert_eq!((problems.len(), problems[0].at.item.as_deref()), (1, Some("observer.position_m")));
-            problems[0].message.clone()
-        }
-        Err(other) => panic!("{other}"),
-    };
-    let (inside, under) = ("inside the surface", "from behind");
-    let ball = sphere([0.0; 3], 10.0, 3);
-    let site = joined(&[hills(), cuboid([0.0, 0.0, -10.0], [10.0, 10.0, 30.0])]);
-    let cases = [
-        ("in a ball", &ball, down(1.0), inside),
-        ("above a ball", &ball, down(11.0), ""),
-        ("far above a ball", &ball, down(1e6), ""),
-        ("just below hills", &hills(), down(-8.0), under),
-        ("among hills", &hills(), down(3.9), ""),
-        ("far below hills", &hills(), down(-1e5), under),
-        ("above hills", &hills(), down(50.0), ""),
-        ("in a block on hills", &site, down(20.0), under),
-        ("above a block on hills", &site, down(40.0), ""),
-    ];
-    for (what, mesh, camera, words) in cases {
-        let told = told(mesh, camera);
-        assert!(told.contains(words) && told.is_empty() == words.is_empty(), "{what}: {told:?}");
     }
 }
 

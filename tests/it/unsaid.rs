@@ -68,7 +68,7 @@ fn a_scene_keeps_what_it_says_and_no_more() {
     // The library states everything.
     let scene = read(&scratch, "s.toml").scene;
     let (files, _) = scene_toml::write(&scene, &scratch.join("all.toml"), false).unwrap();
-    files.into_iter().for_each(|f| f.commit().unwrap());
+    files.commit().unwrap();
     let all = std::fs::read_to_string(scratch.join("all.toml")).unwrap();
     for key in
         ["emissivity_bolometric = 0.95", "radius_m = 3389500", "thermal_exitance_w_m2 = 110", "near_field", "e490"]

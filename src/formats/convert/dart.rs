@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use crate::error::{Error, Location, Problem, Result};
 use crate::formats::dart::{self, Coverage, Finding, Severity, Step, WriteOptions, database::Database};
 use crate::formats::dart::{SceneOptions, Target};
+use crate::formats::input::InputFile;
 use crate::progress::{Watch, unwatched};
 use crate::report::{Fate, Report};
 use crate::scene::Scene;
@@ -34,19 +35,24 @@ fn reading(options: &Options) -> Result<dart::ReadOptions> {
 }
 
 /// The scene of a simulation, and what flies over it.
-pub(super) fn read(path: &Path, options: &Options, watch: Watch<'_>) -> Result<(Scene, Flights, Report)> {
+pub(super) fn read(
+    path: &Path,
+    options: &Options,
+    watch: Watch<'_>,
+) -> Result<(Scene, Flights, Report, Vec<InputFile>)> {
     let reading = reading(options)?;
-    let (simulation, mut report, _) = dart::read(path, &reading)?;
+    let (simulation, mut report, mut inputs) = dart::read(path, &reading)?;
     let to_scene = SceneOptions { origin_m: options.origin_m, repeat: options.repeat };
     let converted = dart::to_scene(&simulation, &reading.folder(path), &to_scene, watch)?;
     report.notes.extend(converted.report.notes);
+    inputs.extend(converted.inputs);
     let mut flights = Vec::new();
     for sequence in &simulation.sequences {
         let (steps, more) = dart::flight(path, sequence, &reading)?;
         report.notes.extend(more.notes);
         flights.push((sequence.name.clone(), steps));
     }
-    Ok((converted.scene, flights, report))
+    Ok((converted.scene, flights, report, inputs))
 }
 
 /// The simulation of a scene, not written yet.
@@ -79,7 +85,7 @@ pub(super) fn diff(a: &Path, b: &Path, options: &Options, watch: Watch<'_>) -> R
     let reading = reading(options)?;
     let mut lines = dart::differences(a, b, &reading)?;
     let content = |path: &Path| -> Result<Content> {
-        let (scene, flights, _) = read(path, options, watch)?;
+        let (scene, flights, ..) = read(path, options, watch)?;
         Ok(Content::Scene(Box::new(scene), flights))
     };
     match (content(a), content(b)) {
@@ -123,7 +129,7 @@ pub fn check(input: &Path, options: &Options) -> Result<Vec<Finding>> {
 fn mars(path: &Path, options: &Options) -> Vec<Finding> {
     let has_mars = reading(options).is_ok_and(|reading| dart::has_mars(&reading.folder(path)));
     // What is wrong with the rest is told by the rest.
-    let Some((_, _, report)) = has_mars.then(|| read(path, options, &unwatched).ok()).flatten() else {
+    let Some((_, _, report, _)) = has_mars.then(|| read(path, options, &unwatched).ok()).flatten() else {
         return Vec::new();
     };
     let of_mars = report.notes.into_iter().filter(|note| note.at.item.as_deref() == Some("mars"));

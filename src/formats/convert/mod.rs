@@ -22,9 +22,10 @@ use crate::scene::{Photometry, Scene};
 use crate::spectral::{Band, Column, Extend, SpectralLibrary, Spectrum};
 
 use super::dart::Step;
-use super::envi::{DataType, Interleave};
+use super::envi::{self, DataType, Interleave};
 use super::file_name::shortened;
-use super::folder::{FolderKind, Staged};
+use super::folder::{FolderKind, Staged, spares};
+use super::input::InputFile;
 use super::raster::{self, Raster, Target};
 use super::scene_toml::{Axes, Unsaid, WriteOptions};
 use super::surface::{self, Surface};
@@ -114,7 +115,7 @@ pub enum Content {
 }
 
 /// The folder of a scene.
-const SCENE: FolderKind = FolderKind { marks: &["scene.toml"], parts: &["scene"] };
+const SCENE: FolderKind = FolderKind { marks: &["scene.toml"], parts: &["scene."] };
 
 /// Reads `input` and writes `output`.
 ///
@@ -127,15 +128,15 @@ pub fn convert(input: &Path, output: &Path, options: &Options, watch: Watch<'_>)
     };
     let (from, _) = format_of(input, options)?;
     without_effect(options, from, to)?;
-    let (_, content, mut report) = read(input, options, watch)?;
+    let (_, content, mut report, sources) = read_all(input, options, watch)?;
     tell(watch, "converting", 0, 1)?;
     let mut size = match &content {
         Content::Raster(raster) if !options.image_bands.is_empty() => raster_size(raster, options.image_bands.len()),
         _ => content.size(),
     };
-    let job = Job { input, from, output, options, report: &mut report, size: &mut size, watch };
+    let job = Job { input, from, output, options, sources: &sources, report: &mut report, size: &mut size, watch };
+    // What is written now is written: from here on nobody is asked whether to stop.
     let written = job.write(content, to).map_err(|e| of_input(e, input))?;
-    tell(watch, "converting", 1, 1)?;
     for note in &mut report.notes {
         // What is known without the file is of the input.
         note.at.file.get_or_insert_with(|| input.to_owned());
@@ -203,6 +204,12 @@ fn of_input(error: Error, input: &Path) -> Error {
 /// # Errors
 /// What the format's reader says; [`Error::Invalid`] if there is no telling what it is.
 pub fn read(input: &Path, options: &Options, watch: Watch<'_>) -> Result<(Format, Content, Report)> {
+    let (format, content, report, _) = read_all(input, options, watch)?;
+    Ok((format, content, report))
+}
+
+/// [`read`], with the files that were read.
+fn read_all(input: &Path, options: &Options, watch: Watch<'_>) -> Result<(Format, Content, Report, Vec<PathBuf>)> {
     let (format, path) = format_of(input, options)?;
     if options.repeat > 0 && format != Format::Dart {
         let message =
@@ -215,9 +222,12 @@ pub fn read(input: &Path, options: &Options, watch: Watch<'_>) -> Result<(Format
     }
     let Options { origin_m, unit_m, up, pose, flip, .. } = *options;
     let placing = Placing { origin_m, unit_m, up, pose, flip };
+    let mut sources = vec![path.clone()];
+    let mut read_from = |inputs: &[InputFile]| sources.extend(inputs.iter().map(|input| input.path.clone()));
     let (content, report) = match format {
         Format::Scene => {
             let file = scene_toml::read(&path, watch)?;
+            read_from(&file.inputs);
             let mut report = Report::default();
             for default in &file.defaults {
                 report.note(Fate::Defaulted, Location::file(&path).with_item(&default.item), &default.value);
@@ -226,6 +236,7 @@ pub fn read(input: &Path, options: &Options, watch: Watch<'_>) -> Result<(Format
         }
         Format::Obj => {
             let obj = obj::read_where(&path, options.allow_outside)?;
+            read_from(&obj.inputs);
             let mut report = Report::default();
             let mut dropped = |what: String| report.note(Fate::Dropped, Location::file(&path), what);
             if obj.texture_vertices > 0 && obj.uv.is_empty() {
@@ -241,11 +252,13 @@ pub fn read(input: &Path, options: &Options, watch: Watch<'_>) -> Result<(Format
             (Content::Surface(Surface::from(obj).placed(&placing, Up::Z)), report)
         }
         Format::Gltf | Format::Glb => {
-            let (surface, report, _) = gltf::read(&path, options.allow_outside)?;
+            let (surface, report, inputs) = gltf::read(&path, options.allow_outside)?;
+            read_from(&inputs);
             (Content::Surface(surface.placed(&placing, Up::Y)), report)
         }
         Format::Dart => {
-            let (scene, flights, report) = dart::read(&path, options, watch)?;
+            let (scene, flights, report, inputs) = dart::read(&path, options, watch)?;
+            read_from(&inputs);
             (Content::Scene(Box::new(scene), flights), report)
         }
         Format::Database | Format::DartText | Format::Sli | Format::Csv => {
@@ -254,20 +267,24 @@ pub fn read(input: &Path, options: &Options, watch: Watch<'_>) -> Result<(Format
                 false if format == Format::Csv => spectrum_csv::read_all(&path, options.wavelengths.as_deref())?,
                 false => spectra::read_as(&path, spectral(format))?,
             };
+            // The header of a library, or its numbers: whichever was not named.
+            sources.extend(envi::pair(&path).into_iter().flat_map(|(header, numbers)| [header, numbers]));
             (Content::Spectra(chosen(libraries, options, &path, &mut report)?), report)
         }
         Format::Grid => {
             let mut raster = raster::open_csv(&path)?;
             let report = std::mem::take(&mut raster.report);
+            sources.extend_from_slice(raster.files());
             (Content::Raster(Box::new(raster)), report)
         }
         Format::Envi | Format::Ilwis | Format::Exr | Format::Npy | Format::Npz | Format::Png | Format::Jpeg => {
             let mut raster = raster::open(&path)?;
             let report = std::mem::take(&mut raster.report);
+            sources.extend_from_slice(raster.files());
             (Content::Raster(Box::new(raster)), report)
         }
     };
-    Ok((format, content, report))
+    Ok((format, content, report, sources))
 }
 
 /// What two files or folders differ in, by meaning: one line each.
@@ -374,6 +391,8 @@ struct Job<'a> {
     from: Format,
     output: &'a Path,
     options: &'a Options,
+    /// Files that were read, none of which is replaced.
+    sources: &'a [PathBuf],
     report: &'a mut Report,
     /// How much is converted, in words.
     size: &'a mut String,
@@ -500,13 +519,16 @@ impl Job<'_> {
             let suffix = format!("flight.{}.csv", shortened(&plain));
             let file = path.with_extension(suffix);
             let text = dart::flight_csv(steps);
-            files.insert(0, put(&file, self.options.replace, |out| out.write_all(text.as_bytes())).map_err(named)?);
+            let written = files.beside(&file).and_then(|path| put(&files, &path, |out| out.write_all(text.as_bytes())));
+            written.map_err(named)?;
             dart::carried(name, steps.len(), &file_name(&file), Location::file(self.input), self.report);
         }
         if self.refused() {
             return Ok(false);
         }
-        files.into_iter().try_for_each(Staged::commit)?;
+        let main = staged.as_ref().unwrap_or(&files);
+        main.spares(self.sources.iter().map(PathBuf::as_path))?;
+        files.commit().map_err(named)?;
         staged.map_or(Ok(()), Staged::commit)?;
         Ok(true)
     }
@@ -516,12 +538,14 @@ impl Job<'_> {
         if self.refused() {
             return Ok(false);
         }
+        spares(&[self.output.to_owned()], self.sources.iter().map(PathBuf::as_path))?;
         super::dart::write(&package, self.output, self.options.replace, self.watch)?;
         Ok(true)
     }
 
     fn surface(self, surface: &Surface, to: Format) -> Result<bool> {
-        let Job { input, output, options, .. } = self;
+        let Job { input, output, options, sources, .. } = self;
+        let sources = || sources.iter().map(PathBuf::as_path);
         if surface.sun.is_some() {
             self.report.note(Fate::Dropped, Location::file(input).with_item("sun"), "where the light is");
         }
@@ -541,11 +565,12 @@ impl Job<'_> {
             let name = file_name(&materials);
             let write_mtl = |out: &mut BufWriter<File>| mtl::write(out, &surface.materials);
             let write_obj = |out: &mut BufWriter<File>| obj::write(out, &surface.mesh, &surface.materials, Some(&name));
-            let first = put(&materials, options.replace, write_mtl)?;
-            // The mesh last: it refers to the materials.
-            let second = put(output, options.replace, write_obj)?;
-            first.commit()?;
-            second.commit()?;
+            let mut staged = Staged::file(output, options.replace)?;
+            put(&staged, staged.path(), write_obj)?;
+            let beside = staged.beside(&materials)?;
+            put(&staged, &beside, write_mtl)?;
+            staged.spares(sources())?;
+            staged.commit()?;
             return Ok(true);
         }
         let is_cut = surface.mesh.face_of_facet.windows(2).any(|pair| pair[0] == pair[1]);
@@ -569,14 +594,19 @@ impl Job<'_> {
             return Ok(false);
         }
         if to == Format::Glb {
-            put(output, options.replace, |out| out.write_all(&encoded.glb()))?.commit()?;
+            let staged = Staged::file(output, options.replace)?;
+            put(&staged, staged.path(), |out| out.write_all(&encoded.glb()))?;
+            staged.spares(sources())?;
+            staged.commit()?;
         } else {
             let buffer = companion(output, "bin")?;
             let (text, bytes) = encoded.gltf(&file_name(&buffer));
-            let first = put(&buffer, options.replace, |out| out.write_all(bytes))?;
-            let second = put(output, options.replace, |out| out.write_all(text.as_bytes()))?;
-            first.commit()?;
-            second.commit()?;
+            let mut staged = Staged::file(output, options.replace)?;
+            put(&staged, staged.path(), |out| out.write_all(text.as_bytes()))?;
+            let beside = staged.beside(&buffer)?;
+            put(&staged, &beside, |out| out.write_all(bytes))?;
+            staged.spares(sources())?;
+            staged.commit()?;
         }
         Ok(true)
     }
@@ -617,7 +647,8 @@ impl Job<'_> {
         if self.refused() {
             return Ok(false);
         }
-        files.into_iter().try_for_each(Staged::commit)?;
+        files.spares(self.sources.iter().map(PathBuf::as_path))?;
+        files.commit()?;
         Ok(true)
     }
 
@@ -632,6 +663,11 @@ impl Job<'_> {
             false => spectra::write(self.output, format, libraries, self.options.replace),
         };
         tell(self.watch, "writing the spectra", 0, 1)?;
+        let mut targets = vec![self.output.to_owned()];
+        if to == Format::Sli {
+            targets.push(self.output.with_extension("hdr"));
+        }
+        spares(&targets, self.sources.iter().map(PathBuf::as_path))?;
         if self.options.strict {
             // The writers report when they have written: what a first writing, into a folder that goes, loses, is known before.
             let trial = Staged::folder(&self.output.with_file_name(".mmxrt-strict"), false)?;
@@ -665,13 +701,11 @@ fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// A file that is written, but not under its name yet.
-fn put(path: &Path, replace: bool, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<Staged> {
-    let staged = Staged::file(path, replace)?;
-    let writing = |e| staged.named(Error::io(staged.path(), "writing", e));
-    let mut out = BufWriter::with_capacity(1 << 20, File::create(staged.path()).map_err(writing)?);
-    write(&mut out).and_then(|()| out.flush()).map_err(writing)?;
-    Ok(staged)
+/// Writes a file of what is staged.
+fn put(staged: &Staged, path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<()> {
+    let writing = |e| staged.named(Error::io(path, "writing", e));
+    let mut out = BufWriter::with_capacity(1 << 20, File::create(path).map_err(writing)?);
+    write(&mut out).and_then(|()| out.flush()).map_err(writing)
 }
 
 /// The spectra of a scene's materials, each as the table that its photometry needs.

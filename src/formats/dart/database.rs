@@ -338,8 +338,9 @@ fn bytes(path: &Path) -> Result<Vec<u8>> {
 /// [`Error::Io`]; [`Error::Invalid`] if the file exists and is not to be replaced, for names that become the same, for
 /// values outside their range; [`Error::Unsupported`] without the feature `sqlite`.
 pub fn create(path: &Path, models: &[SpectralLibrary], replace: bool) -> Result<Report> {
+    let staged = Staged::file(path, replace)?;
     let store = Store::in_memory(path)?;
-    put(path, store, &[], models, replace)
+    put(path, staged, store, &[], models)
 }
 
 /// Adds models to a database: a copy of it takes its place when it is complete.
@@ -347,14 +348,15 @@ pub fn create(path: &Path, models: &[SpectralLibrary], replace: bool) -> Result<
 /// # Errors
 /// As [`create`] and [`Database::open`]; [`Error::Invalid`] for a model that is there already.
 pub fn append(path: &Path, models: &[SpectralLibrary]) -> Result<Report> {
+    // Read only when no other process can add to it any more.
+    let staged = Staged::file(path, true)?;
     let store = Store::copy(path, bytes(path)?)?;
     let tables = store.tables()?;
-    put(path, store, &tables, models, true)
+    put(path, staged, store, &tables, models)
 }
 
 /// Puts models into a database that holds `tables`, and that under its name.
-fn put(path: &Path, store: Store, tables: &[Table], models: &[SpectralLibrary], replace: bool) -> Result<Report> {
-    let staged = Staged::file(path, replace)?;
+fn put(path: &Path, staged: Staged, store: Store, tables: &[Table], models: &[SpectralLibrary]) -> Result<Report> {
     let mut report = Report::default();
     let at = |name: &str| Location::file(path).with_item(format!("table {name}"));
     let named = distinct_names(models, tables.iter().map(|t| t.name.as_str()), at, &mut report)?;

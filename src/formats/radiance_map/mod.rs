@@ -18,6 +18,7 @@ use glam::DVec3;
 
 use super::InputFile;
 use super::dart::{self, output as dart_output, output::Placing};
+use super::input;
 use super::located::Document;
 use super::raster::{self, Raster};
 use super::scene_toml::{self, Lens, Reader, Tiling};
@@ -103,7 +104,10 @@ fn map_file(path: &Path) -> Option<PathBuf> {
     }
     let mut appended = path.as_os_str().to_owned();
     appended.push(".map.toml");
-    [beside(path), PathBuf::from(appended)].into_iter().find(|p| p.is_file())
+    let near = [beside(path), PathBuf::from(appended)].into_iter().find(|p| p.is_file());
+    // Of a link, where it leads to.
+    let target = || path.canonicalize().ok().filter(|_| path.is_symlink());
+    near.or_else(|| target().map(|target| beside(&target)).filter(|p| p.is_file()))
 }
 
 /// Whether a TOML document is a map file.
@@ -197,7 +201,7 @@ fn read(file: &Path, asked: &Path, scene: &Scene, weight: f64, watch: Watch<'_>)
             (None, Some(RegistrationToml::Outline) | None) => Placing::Outline,
         };
         let options = dart_output::MapOptions { scene_from_dart, irradiance_w_m2_um, placing, sky: sky(toml.sky) };
-        let path = file.parent().unwrap_or(Path::new("")).join(toml.dart);
+        let path = input::home(file, Path::new(&toml.dart)).join(toml.dart);
         let mut opened = of_dart(&path, scene, weight, &options, watch)?;
         opened.inputs.push(input);
         return Ok(opened);

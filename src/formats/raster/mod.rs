@@ -424,6 +424,11 @@ impl Raster {
         }
     }
 
+    /// The files that it comes from.
+    pub fn files(&self) -> &[PathBuf] {
+        &self.files
+    }
+
     /// The files that it comes from, for reports. They are read to the end for their hashes.
     ///
     /// # Errors

@@ -32,6 +32,9 @@ pub enum Target {
     Csv,
 }
 
+/// Endings of the files of a map of ILWIS: header, numbers, georeference, its corners.
+const ILWIS: [&str; 4] = ["mpr", "mp#", "grf", "gr#"];
+
 /// What is left to the caller.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
@@ -55,7 +58,7 @@ pub fn write(
     options: &Options,
     report: &mut Report,
     watch: Watch<'_>,
-) -> Result<Vec<Staged>> {
+) -> Result<Staged> {
     let chosen: Vec<usize> =
         if options.bands.is_empty() { (0..raster.bands.len()).collect() } else { options.bands.clone() };
     if let Some(band) = chosen.iter().find(|band| **band >= raster.bands.len()) {
@@ -81,7 +84,10 @@ pub fn write(
     let all_bands = chosen.len() == raster.bands.len() && chosen.is_sorted();
     tell_places(raster, target, &bands, all_bands, report);
 
-    let staged = |path: &Path| Staged::file(path, options.replace);
+    // Of a map's four files one is named; if none is, the one by which it is read.
+    let is_part = path.extension().is_some_and(|e| ILWIS.iter().any(|part| e.eq_ignore_ascii_case(part)));
+    let main = if target == Target::Ilwis && !is_part { &path.with_extension(ILWIS[0]) } else { path };
+    let mut staged = Staged::file(main, options.replace)?;
     let mut job = Job { raster, chosen: chosen.clone(), data_type, loss: Loss::default(), watch };
     let (rows, columns) = (job.raster.rows, job.raster.columns);
     let flat = |order, start, gap| Flat {
@@ -94,15 +100,15 @@ pub fn write(
         order,
         gap,
     };
-    let mut files = Vec::new();
+    if target != Target::Csv {
+        staged.has_room(flat(Order::BandRowColumn, 0, 0).data_bytes().unwrap_or(u64::MAX))?;
+    }
     match target {
         Target::Envi(interleave) => {
-            let header = staged(&path.with_extension("hdr"))?;
-            let numbers = staged(path)?;
-            job.numbers(&numbers, &flat(Order::from(interleave), 0, 0), &[])?;
+            let header = staged.beside(&envi::header_of(path)?)?;
+            job.numbers(&staged, staged.path(), &flat(Order::from(interleave), 0, 0), &[])?;
             let text = envi_header(job.raster, &bands, all_bands, interleave, data_type, &job.loss);
-            put(&header, text.as_bytes())?;
-            files.extend([header, numbers]);
+            put(&staged, &header, text.as_bytes())?;
         }
         Target::Npy => {
             let shape = match bands.len() {
@@ -110,9 +116,7 @@ pub fn write(
                 n => format!("({rows}, {columns}, {n})"),
             };
             let preamble = npy_preamble(data_type, &shape);
-            let numbers = staged(path)?;
-            job.numbers(&numbers, &flat(Order::RowColumnBand, preamble.len() as u64, 0), &preamble)?;
-            files.push(numbers);
+            job.numbers(&staged, staged.path(), &flat(Order::RowColumnBand, preamble.len() as u64, 0), &preamble)?;
         }
         Target::Exr => {
             let (names, spectral) = channel_names(&bands, path, report)?;
@@ -124,20 +128,21 @@ pub fn write(
             let head = exr_cube::head(path, &sorted, [columns, rows], &about)?;
             let in_file: Vec<usize> = order.iter().map(|band| chosen[*band]).collect();
             job.chosen = in_file;
-            let numbers = staged(path)?;
-            job.numbers(&numbers, &flat(Order::RowBandColumn, head.len() as u64, 8), &head)?;
-            exr_cube::write_line_heads(numbers.path(), head.len() as u64, [columns, rows], names.len())
-                .map_err(|e| numbers.named(e))?;
-            files.push(numbers);
+            job.numbers(&staged, staged.path(), &flat(Order::RowBandColumn, head.len() as u64, 8), &head)?;
+            exr_cube::write_line_heads(staged.path(), head.len() as u64, [columns, rows], names.len())
+                .map_err(|e| staged.named(e))?;
         }
         Target::Ilwis => {
-            let numbers = staged(&path.with_extension("mp#"))?;
-            let others = ["gr#", "grf", "mpr"].map(|e| staged(&path.with_extension(e)));
-            let [corners, georeference, header] = others;
-            let (corners, georeference, header) = (corners?, georeference?, header?);
+            // One of them is what the output is called.
+            let mut file = |extension: &str| match main.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension)) {
+                true => Ok(staged.path().to_owned()),
+                false => staged.beside(&main.with_extension(extension)),
+            };
+            let [header, numbers, georeference, corners] = ILWIS.map(&mut file);
+            let (header, numbers, georeference, corners) = (header?, numbers?, georeference?, corners?);
             // As DART had it.
             job.loss.no_data_is = job.raster.ignore.filter(|ignore| *ignore == ilwis::NO_DATA);
-            job.numbers(&numbers, &flat(Order::BandRowColumn, 0, 0), &[])?;
+            job.numbers(&staged, &numbers, &flat(Order::BandRowColumn, 0, 0), &[])?;
             let place = match &job.raster.place {
                 Some(place) => place.clone(),
                 None => {
@@ -147,20 +152,17 @@ pub fn write(
             };
             let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
             let Loss { least, largest, .. } = job.loss;
-            put(&header, ilwis::header_text(&name, rows, columns, &place, [least, largest]).as_bytes())?;
-            put(&georeference, ilwis::georeference_text(&name, rows, columns).as_bytes())?;
-            put(&corners, &ilwis::corner_table(rows, columns, &place))?;
-            files.extend([numbers, corners, georeference, header]);
+            put(&staged, &header, ilwis::header_text(&name, rows, columns, &place, [least, largest]).as_bytes())?;
+            put(&staged, &georeference, ilwis::georeference_text(&name, rows, columns).as_bytes())?;
+            put(&staged, &corners, &ilwis::corner_table(rows, columns, &place))?;
         }
         Target::Csv => {
-            let numbers = staged(path)?;
-            job.text(&numbers)?;
-            files.push(numbers);
+            job.text(&staged)?;
         }
     }
     let loss = job.loss;
     loss.tell(raster, data_type, target, report);
-    Ok(files)
+    Ok(staged)
 }
 
 /// What the numbers lose.
@@ -295,9 +297,9 @@ struct Job<'a> {
 
 impl Job<'_> {
     /// Writes what comes first, and then all numbers.
-    fn numbers(&mut self, staged: &Staged, flat: &Flat, first: &[u8]) -> Result<()> {
-        let writing = |e| staged.named(Error::io(staged.path(), "writing", e));
-        let mut file = File::create(staged.path()).map_err(writing)?;
+    fn numbers(&mut self, staged: &Staged, path: &Path, flat: &Flat, first: &[u8]) -> Result<()> {
+        let writing = |e| staged.named(Error::io(path, "writing", e));
+        let mut file = File::create(path).map_err(writing)?;
         file.write_all(first).map_err(writing)?;
         let pixels = self.raster.pixels();
         let together = flat.together(PASS_BYTES);
@@ -337,8 +339,8 @@ impl Job<'_> {
     }
 }
 
-fn put(staged: &Staged, bytes: &[u8]) -> Result<()> {
-    std::fs::write(staged.path(), bytes).map_err(|e| staged.named(Error::io(staged.path(), "writing", e)))
+fn put(staged: &Staged, path: &Path, bytes: &[u8]) -> Result<()> {
+    std::fs::write(path, bytes).map_err(|e| staged.named(Error::io(path, "writing", e)))
 }
 
 fn envi_header(

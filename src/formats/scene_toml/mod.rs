@@ -25,6 +25,7 @@ use crate::spectral::{Extend, Spectrum, solar_e490};
 use crate::units::{AU_M, MARS_RADIUS_M, SUN_RADIUS_M, TSI_1AU_W_M2};
 
 use super::InputFile;
+use super::input;
 use super::located::{self, Document};
 use super::spectra;
 use super::spectrum_csv::{self, Quantity};
@@ -103,12 +104,14 @@ pub fn read(path: &Path, watch: Watch<'_>) -> Result<SceneFile> {
     let (document, input) = Document::open(path)?;
     let toml: SceneToml = document.read()?;
     let mut reader = Reader::new(path, document, DVec3::from_array(toml.origin_m), input, watch);
+    reader.is_beside_scene = false;
     reader.tell("reading the scene", 0, 1);
     let scene = reader.scene(&toml);
     reader.tell("reading the scene", 1, 1);
     if reader.interrupted {
         return Err(Error::Interrupted);
     }
+    reader.tell_link();
     let (Some(scene), true) = (scene, reader.problems.is_empty()) else {
         // Those of other files are in order already: a file at a time, and at its end how many more there are.
         let here = |p: &Problem| p.at.file.as_deref() == Some(path);
@@ -152,6 +155,8 @@ pub(super) struct Reader<'a> {
     problems: Vec<Problem>,
     defaults: Vec<Stated>,
     notes: Vec<String>,
+    /// Whether it is no scene file: what such a file leaves open is told as notes.
+    is_beside_scene: bool,
     inputs: Vec<InputFile>,
     watch: Watch<'a>,
     /// The caller has asked to stop.
@@ -168,6 +173,7 @@ impl<'a> Reader<'a> {
             problems: Vec::new(),
             defaults: Vec::new(),
             notes: Vec::new(),
+            is_beside_scene: true,
             inputs: vec![input],
             watch,
             interrupted: false,
@@ -182,13 +188,26 @@ impl<'a> Reader<'a> {
         if self.interrupted {
             return Err(Error::Interrupted);
         }
+        self.tell_link();
         if self.problems.is_empty() {
-            let defaults = self.defaults.iter().map(|default| format!("{}: {}", default.item, default.value));
-            self.notes.extend(defaults);
             return Ok((self.inputs, self.notes));
         }
         self.problems.sort_by_key(|p| p.at.span);
         Err(Error::Invalid(self.problems))
+    }
+
+    /// Says that files were not found where the file stands, but where the link leads to that it is.
+    fn tell_link(&mut self) {
+        let file = self.inputs[0].path.clone();
+        if file.is_symlink() && self.inputs[1..].iter().any(|input| !input.path.starts_with(&self.folder)) {
+            let real = file.canonicalize().ok().and_then(|real| Some(real.parent()?.display().to_string()));
+            let message = format!(
+                "{} is a link: what is not beside it is taken from beside what it leads to, in {}",
+                file.display(),
+                real.unwrap_or_default()
+            );
+            self.notes.push(message);
+        }
     }
 
     pub(super) fn origin_m(&self) -> DVec3 {
@@ -252,6 +271,14 @@ impl Reader<'_> {
         self.notes.push(format!("{item}: {message}"));
     }
 
+    /// What was taken of a raster that no text states.
+    fn taken_of_raster(&mut self, item: &str, value: impl std::fmt::Display) {
+        match self.is_beside_scene {
+            true => self.note(item, value),
+            false => self.stated(item, value.to_string()),
+        }
+    }
+
     fn stated(&mut self, item: &str, value: impl Into<String>) {
         self.defaults.push(Stated { item: item.to_owned(), value: value.into() });
     }
@@ -267,7 +294,10 @@ impl Reader<'_> {
     }
 
     pub(super) fn path(&self, name: &str) -> PathBuf {
-        self.folder.join(name)
+        let near = self.folder.join(name);
+        // As a path is written, not as it is found, so long as that is the same.
+        let file = &self.inputs[0].path;
+        if near.exists() || !file.is_symlink() { near } else { input::home(file, Path::new(name)).join(name) }
     }
 
     /// A value, or the problems of the file that was to give it. A file that cannot be read is a problem of the item that names it.

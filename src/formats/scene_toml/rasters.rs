@@ -61,7 +61,7 @@ impl Reader<'_> {
             }
             for note in &raster.report.notes {
                 match note.fate {
-                    Fate::Defaulted | Fate::Carried => self.stated(&note.at.to_string(), &note.message),
+                    Fate::Defaulted | Fate::Carried => self.taken_of_raster(&note.at.to_string(), &note.message),
                     Fate::Dropped => self.notes.push(format!("{}: left out: {}", note.at, note.message)),
                     Fate::Approximated => self.notes.push(format!("{}: {}", note.at, note.message)),
                 }
@@ -213,7 +213,7 @@ impl Reader<'_> {
                     number(*along_line_m),
                     number(*line_to_line_m)
                 );
-                self.stated(item, value);
+                self.taken_of_raster(item, value);
                 self.plane(item, &plane)
             }
             (None, Some(Georeference::Other(why))) => {

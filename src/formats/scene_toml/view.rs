@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3};
 use crate::error::number;
 use crate::formats::response_csv;
 use crate::geometry::{Direction, Mesh, Pose};
-use crate::scene::{FrameCamera, Sensor};
+use crate::scene::{FrameCamera, LEAST_PITCH, Sensor};
 use crate::spectral::{Band, Light, Response, Spectrum};
 
 use super::Reader;
@@ -65,6 +65,19 @@ impl Reader<'_> {
             self.optics(&lens, [samples, lines], preset.then(|| pitch_of_ifov(0.5)))
         };
         let (pitch, boresight_px) = optics?;
+        if let Some(pitch) = pitch.into_iter().find(|pitch| *pitch < LEAST_PITCH) {
+            let item = match (toml.fit, toml.fov_deg, toml.ifov_mrad) {
+                (Some(_), ..) => "sensor.fit",
+                (_, Some(_), _) => "sensor.fov_deg",
+                (_, _, Some(_)) => "sensor.ifov_mrad",
+                _ => "sensor",
+            };
+            let message = format!(
+                "makes pixels of {pitch:e} rad, below {LEAST_PITCH:e}: the digits of coordinates do not tell them apart"
+            );
+            self.problem(item, message);
+            return None;
+        }
         let camera = FrameCamera { world_from_sensor: pose?, samples, lines, pitch, boresight_px };
         Some(Sensor { name, camera, bands: bands? })
     }

@@ -71,12 +71,11 @@ pub enum Axes {
 /// Writes a scene to `path`, which ends in `.toml`, and what it refers to beside it, in files whose names begin with its own. Everything is
 /// stated.
 ///
-/// Gives the files, not yet under their final names, in the order to [commit](Staged::commit) them, and what is not said in
-/// them as the scene has it.
+/// Gives the files, which are to be [committed](Staged::commit), and what is not said in them as the scene has it.
 ///
 /// # Errors
 /// [`Error::Invalid`] if one of the files exists and `replace` is false; [`Error::Io`].
-pub fn write(scene: &Scene, path: &Path, replace: bool) -> Result<(Vec<Staged>, Report)> {
+pub fn write(scene: &Scene, path: &Path, replace: bool) -> Result<(Staged, Report)> {
     write_with(scene, path, &WriteOptions { replace, ..WriteOptions::default() })
 }
 
@@ -84,10 +83,8 @@ pub fn write(scene: &Scene, path: &Path, replace: bool) -> Result<(Vec<Staged>, 
 ///
 /// # Errors
 /// As [`write`].
-pub fn write_with(scene: &Scene, path: &Path, options: &WriteOptions) -> Result<(Vec<Staged>, Report)> {
+pub fn write_with(scene: &Scene, path: &Path, options: &WriteOptions) -> Result<(Staged, Report)> {
     let WriteOptions { replace, .. } = *options;
-    // Claimed first, so that what cannot be written is told before the work, and given up last: the folders made for it go with it.
-    let main = Staged::file(path, replace)?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
     let mut writer = Writer {
@@ -97,13 +94,11 @@ pub fn write_with(scene: &Scene, path: &Path, options: &WriteOptions) -> Result<
         options,
         names: names(scene),
         taken: BTreeSet::new(),
-        files: Vec::new(),
+        files: Staged::file(path, replace)?,
         report: Report::default(),
     };
     let text = writer.scene()?;
-    put(&main, |out| out.write_all(text.as_bytes()))?;
-    // Committed last, because it refers to the others.
-    writer.files.push(main);
+    put(&writer.files, writer.files.path(), |out| out.write_all(text.as_bytes()))?;
     Ok((writer.files, writer.report))
 }
 
@@ -143,13 +138,13 @@ struct Writer<'a> {
     names: Vec<String>,
     /// Names of files, in small letters: some disks do not tell the cases apart.
     taken: BTreeSet<String>,
-    files: Vec<Staged>,
+    files: Staged,
     report: Report,
 }
 
-fn put(staged: &Staged, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<()> {
-    let io = |e| staged.named(Error::io(staged.path(), "writing", e));
-    let mut out = BufWriter::with_capacity(1 << 20, File::create(staged.path()).map_err(io)?);
+fn put(staged: &Staged, path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<()> {
+    let io = |e| staged.named(Error::io(path, "writing", e));
+    let mut out = BufWriter::with_capacity(1 << 20, File::create(path).map_err(io)?);
     write(&mut out).and_then(|()| out.flush()).map_err(io)
 }
 
@@ -237,9 +232,8 @@ impl Writer<'_> {
             name.push('_');
         }
         let name = format!("{}{name}.{extension}", self.stem);
-        let staged = Staged::file(&self.folder.join(&name), self.options.replace)?;
-        put(&staged, write)?;
-        self.files.push(staged);
+        let path = self.files.beside(&self.folder.join(&name))?;
+        put(&self.files, &path, write)?;
         Ok(name)
     }
 
@@ -518,7 +512,7 @@ impl Writer<'_> {
             let _ = writeln!(text, "name = {}", quoted(&sensor.name));
         }
         let _ = writeln!(text, "samples = {}\nlines = {}", camera.samples, camera.lines);
-        let ifov_mrad = 1e3 * camera.ifov_rad()[0];
+        let ifov_mrad = 1e3 * camera.ifov_rad();
         let _ = if !camera.is_centred() {
             let focal_px = camera.pitch.map(|pitch| exact(1.0 / pitch, |focal_px| 1.0 / focal_px, pitch));
             writeln!(text, "focal_px = {focal_px:?}\nboresight_px = {:?}", camera.boresight_px)

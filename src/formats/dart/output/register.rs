@@ -75,7 +75,9 @@ struct Outline {
 
 impl Outline {
     fn draw(image: &ViewImage, valid: &[bool], scene: &Scene, watch: Watch<'_>) -> Result<Option<Outline>> {
-        let Some((View::Parallel { h, v, u, scale, offset }, _, is_mirrored)) = image.drawn() else { return Ok(None) };
+        let Some((View::Parallel { h, v, u, scale, offset }, _, is_mirrored)) = image.drawn(&scene.mesh) else {
+            return Ok(None);
+        };
         let size = [image.columns, image.rows];
         let per_m = scale[0].max(scale[1]);
         let margin = (FARTHEST_M * per_m).clamp(FARTHEST_TEXELS[0], FARTHEST_TEXELS[1]).ceil() as usize;
