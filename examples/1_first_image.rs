@@ -53,7 +53,7 @@ fn main() -> Result<()> {
         thermal: Thermal::Equilibrium,
         sensor: Sensor {
             name: "first camera".into(),
-            camera: FrameCamera { world_from_sensor, samples: 64, lines: 64, pitch: 0.02 }, // 10 m a pixel
+            camera: FrameCamera::centred(world_from_sensor, 64, 64, 0.02), // 10 m a pixel
             bands: [1.0, 2.0, 3.0, 3.6].map(|centre_um| Band::new(centre_um, None)).into(),
         },
     }

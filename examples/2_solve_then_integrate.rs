@@ -38,7 +38,7 @@ fn main() -> Result<()> {
 
     // Two cameras look at the same solution: the one of the file, and one with a narrower view and other bands.
     let mut narrow = file.scene.clone();
-    narrow.sensor.camera.pitch /= 4.0;
+    narrow.sensor.camera.pitch.iter_mut().for_each(|pitch| *pitch /= 4.0);
     narrow.sensor.bands = [2.0, 3.6].map(|centre_um| Band::new(centre_um, Some(0.02))).into();
     for scene in [file.scene, narrow.check()?] {
         let image = integrate(&scene, &topology, &table, &unwatched)?;

@@ -26,12 +26,7 @@ fn main() -> Result<()> {
     let (sin, cos) = 0.22_f64.sin_cos();
     let rotation = DMat3::from_cols(DVec3::X, DVec3::new(0.0, -sin, -cos), DVec3::new(0.0, cos, -sin));
     let eye_m = DVec3::new(0.3, -140.0, 5.0);
-    let camera = FrameCamera {
-        world_from_sensor: Pose { rotation, translation_m: eye_m },
-        samples: SAMPLES,
-        lines: LINES,
-        pitch: 0.6 / f64::from(LINES),
-    };
+    let camera = FrameCamera::centred(Pose { rotation, translation_m: eye_m }, SAMPLES, LINES, 0.6 / f64::from(LINES));
     let exact = study::simulate(&scene(camera.clone())?, &unwatched)?.1.cube.band(0);
     let white = exact.iter().copied().fold(0.0, f64::max);
     let exact: Vec<f64> = exact.iter().map(|l| l / white).collect();

@@ -51,7 +51,7 @@
 //!     thermal: Thermal::Off,
 //!     sensor: Sensor {
 //!         name: "tour".into(),
-//!         camera: FrameCamera { world_from_sensor, samples: 4, lines: 4, pitch: 5e-4 },
+//!         camera: FrameCamera::centred(world_from_sensor, 4, 4, 5e-4),
 //!         bands: vec![Band::new(1.0, None)],
 //!     },
 //! }

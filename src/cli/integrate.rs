@@ -37,8 +37,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_enum, default_value = "nearest", requires = "radiance")]
     texels: Between,
     /// What is shown where no map knows the radiance: `error` if that is over 0.1 % of what is seen, `solve` to fill it from the
-    /// scene's own sources, or a radiance in W m-2 sr-1 um-1
-    #[arg(long, value_name = "error|solve|VALUE", default_value = "error", value_parser = fill, requires = "radiance")]
+    /// scene's own sources, `nan` to mark pixels of which nothing is known, or a radiance in W m-2 sr-1 um-1
+    #[arg(long, value_name = "error|solve|nan|VALUE", default_value = "error", value_parser = fill, requires = "radiance")]
     unknown: Fill,
     #[command(flatten)]
     product: ProductOptions,
@@ -64,9 +64,10 @@ fn fill(text: &str) -> std::result::Result<Fill, String> {
     match text {
         "error" => Ok(Fill::default()),
         "solve" => Ok(Fill::Solved),
+        "nan" | "NaN" => Ok(Fill::Nan),
         _ => match text.parse::<f64>() {
             Ok(value) if value >= 0.0 && value.is_finite() => Ok(Fill::Value(value)),
-            _ => Err("give `error`, `solve`, or a radiance from 0".into()),
+            _ => Err("give `error`, `solve`, `nan`, or a radiance from 0".into()),
         },
     }
 }

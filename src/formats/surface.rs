@@ -214,7 +214,7 @@ impl Surface {
             thermal: Thermal::Equilibrium,
             sensor: Sensor {
                 name: SENSOR_NAME.into(),
-                camera: FrameCamera { world_from_sensor, samples: PIXELS, lines: PIXELS, pitch },
+                camera: FrameCamera::centred(world_from_sensor, PIXELS, PIXELS, pitch),
                 bands: vec![Band::new(1.0, None)],
             },
         }

@@ -120,6 +120,34 @@ impl Overlay {
         });
     }
 
+    /// Calls `put(around, outline)` for each part of a convex `piece`, counter-clockwise in the image, in which the same texels count:
+    /// those texels, (column, row), and the part's outline.
+    pub fn outlines(
+        &mut self,
+        chart: &Chart,
+        piece: &[Point],
+        [columns, rows]: [usize; 2],
+        texels: Texels,
+        mut put: impl FnMut(&[(usize, usize)], Vec<Point>),
+    ) {
+        let outline = |corners: &[Vertex]| corners.iter().map(|v| v.at).collect();
+        match texels {
+            Texels::Nearest => {
+                self.cells(chart, piece, 0.0, [columns, rows], |column, row, _, corners| {
+                    put(&[(column, row)], outline(corners))
+                });
+            }
+            Texels::Bilinear => {
+                let shifted = chart.shifted_by_half();
+                self.cells(&shifted, piece, 0.5, [columns + 1, rows + 1], |column, row, _, corners| {
+                    let (left, right) = (column.saturating_sub(1), column.min(columns - 1));
+                    let (above, below) = (row.saturating_sub(1), row.min(rows - 1));
+                    put(&[(left, above), (right, above), (left, below), (right, below)], outline(corners));
+                });
+            }
+        }
+    }
+
     /// The cells of a grid that a piece touches, but for what lies within `margin` of the grid's outer borders.
     fn cells(
         &mut self,

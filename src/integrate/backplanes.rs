@@ -182,7 +182,7 @@ impl<'a> Planes<'a> {
         let hit = self.hit(facet, f64::from(column) + 0.5, f64::from(row) + 0.5);
         let body_m = hit.point_m + self.scene.origin_m;
         let (latitude, longitude) = planetocentric_deg(body_m);
-        let resolution_m = hit.range_m * self.scene.sensor.camera.pitch;
+        let resolution_m = hit.range_m * self.scene.sensor.camera.mean_pitch();
         values[5..19].copy_from_slice(&[
             latitude,
             longitude,

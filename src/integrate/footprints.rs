@@ -18,7 +18,8 @@ use crate::visibility::{Coverage, Drawing, Grid, Scratch, Topology, View};
 pub(super) fn draw<'a>(mesh: &'a Mesh, topology: &'a Topology, camera: &FrameCamera) -> Drawing<'a> {
     let axes = camera.world_from_sensor.rotation;
     let axes = [axes.x_axis, axes.y_axis, axes.z_axis];
-    let view = View::pinhole(mesh, camera.centre_m(), axes, 1.0 / camera.pitch, camera.boresight_px());
+    let scale = camera.pitch.map(|pitch| 1.0 / pitch);
+    let view = View::pinhole(mesh, camera.centre_m(), axes, scale, camera.boresight_px);
     Drawing::new(mesh, topology, view, Grid { columns: camera.samples, rows: camera.lines })
 }
 

@@ -6,8 +6,9 @@ use glam::DVec3;
 use super::parts::{Parts, Polygons, Window, on_facet};
 use super::pixel::{Entry, Pixel};
 use super::texels::{of_corners, of_projection};
+use super::together::{Together, differ, without};
 use crate::error::Result;
-use crate::geometry::polygon::{Point, Rect, area};
+use crate::geometry::polygon::{Point, Rect, area, split};
 use crate::geometry::{Chart, Direction, Overlay, Texels, angle_rad};
 use crate::product::{Eye, Lit, Patches, Placement, Sunlit, TexelLine, TexelWeights, ViewImage};
 use crate::progress::Watch;
@@ -44,6 +45,8 @@ pub struct MapView<'a> {
     pub placement: &'a Placement,
     /// For each texel whether it holds a value.
     pub known: &'a [bool],
+    /// For each texel whether its eye sees nothing of the scene there; empty if that is not asked for.
+    pub sky: &'a [bool],
 }
 
 /// How maps are put onto a scene.
@@ -159,7 +162,7 @@ pub(super) struct Share {
 }
 
 impl Share {
-    fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         self.texels.clear();
         self.area = 0.0;
     }
@@ -172,6 +175,8 @@ pub(super) struct Lookup<'a> {
     kind: Kind<'a>,
     /// For each texel whether it holds a value; `None`: all do.
     known: Option<&'a [bool]>,
+    /// For each texel whether nothing of the scene is in it: between texel centres, such a texel does not count.
+    sky: &'a [bool],
     parts: Option<Parts<'a>>,
     texels: Texels,
     overlay: Overlay,
@@ -207,7 +212,8 @@ impl<'a> Lookup<'a> {
             Placement::View(image) => Kind::View(image, prepared.seen.as_ref()),
             Placement::Atlas(atlas) => Kind::Texture(&atlas.corners, [atlas.columns, atlas.rows]),
         };
-        Lookup::of(scene, drawing, kind, Some(prepared.view.known), polygons, texels)
+        let lookup = Lookup::of(scene, drawing, kind, Some(prepared.view.known), polygons, texels);
+        Lookup { sky: prepared.view.sky, ..lookup }
     }
 
     pub(super) fn of(
@@ -223,6 +229,7 @@ impl<'a> Lookup<'a> {
             drawing,
             kind,
             known,
+            sky: &[],
             parts: polygons.map(|p| Parts::new(drawing, p)),
             texels,
             overlay: Overlay::default(),
@@ -282,13 +289,121 @@ impl<'a> Lookup<'a> {
         }
     }
 
+    /// Divides a convex part of a facet's image into convex parts that the map knows and others that it does not: `put(is_known, part)`.
+    pub(super) fn divide(&mut self, facet: u32, part: &[Point], mut put: impl FnMut(bool, Vec<Point>)) {
+        let (mut inside, mut outside) = (vec![part.to_vec()], Vec::new());
+        match &self.kind {
+            Kind::Facets => {
+                let is_known = self.known.is_none_or(|known| known[facet as usize]);
+                return put(is_known, part.to_vec());
+            }
+            Kind::Patches(patches) => {
+                let (texels, known) = (&patches.polygon_texel, self.known);
+                self.keep_parts(facet, &mut inside, &mut outside, |i| {
+                    known.is_none_or(|known| known[texels[i] as usize])
+                });
+            }
+            Kind::View(..) | Kind::Texture(..) => {
+                let Some(chart) = self.chart(facet) else { return put(false, part.to_vec()) };
+                let size = self.size();
+                let [width, height] = size.map(|n| n as f64);
+                // The borders of the image; between them w is positive.
+                for (k, limit) in [(0, 0.0), (0, width), (1, 0.0), (1, height)] {
+                    let Some(part) = inside.pop() else { break };
+                    let value = |p: &Point| {
+                        let form = |f: &[f64; 3]| f[0] * p[0] + f[1] * p[1] + f[2];
+                        let along = form(if k == 0 { &chart.s } else { &chart.t });
+                        if limit == 0.0 { along } else { limit * form(&chart.w) - along }
+                    };
+                    let values: Vec<f64> = part.iter().map(value).collect();
+                    let (mut within, mut beyond) = (vec![], vec![]);
+                    split(&part, &values, &mut within, &mut beyond);
+                    outside.extend((beyond.len() > 2).then_some(beyond));
+                    inside.extend((within.len() > 2).then_some(within));
+                }
+                match &self.kind {
+                    Kind::View(_, Some(seen)) if seen.lit[facet as usize] == Lit::Dark => outside.append(&mut inside),
+                    Kind::View(_, Some(seen)) if seen.lit[facet as usize] == Lit::Part => {
+                        self.keep_parts(facet, &mut inside, &mut outside, |_| true);
+                    }
+                    _ => {}
+                }
+                if let Some(known) = self.known {
+                    let (sky, width) = (self.sky, size[0]);
+                    let is_known = |around: &[(usize, usize)]| {
+                        let shows = |i: &usize| !is_sky(sky, *i);
+                        let mut counting =
+                            around.iter().map(|(column, row)| row * width + column).filter(shows).peekable();
+                        counting.peek().is_some() && counting.all(|i| known[i])
+                    };
+                    for part in std::mem::take(&mut inside) {
+                        let mut cells = Vec::new();
+                        self.overlay.outlines(&chart, &part, size, self.texels, |around, outline| {
+                            cells.push((is_known(around), outline));
+                        });
+                        // As long as all are known, or none, there is nothing to divide.
+                        match cells.first() {
+                            Some((first, _)) if cells.iter().any(|(is_known, _)| is_known != first) => {
+                                for (is_known, outline) in cells {
+                                    if is_known { &mut inside } else { &mut outside }.push(outline);
+                                }
+                            }
+                            Some((true, _)) => inside.push(part),
+                            _ => outside.push(part),
+                        }
+                    }
+                }
+            }
+        }
+        inside.into_iter().for_each(|part| put(true, part));
+        outside.into_iter().for_each(|part| put(false, part));
+    }
+
+    /// Leaves inside what the map's parts of a facet that are `wanted` cover, and moves the rest outside.
+    fn keep_parts(
+        &mut self,
+        facet: u32,
+        inside: &mut Vec<Vec<Point>>,
+        outside: &mut Vec<Vec<Point>>,
+        wanted: impl Fn(usize) -> bool,
+    ) {
+        for part in std::mem::take(inside) {
+            let mut rest = vec![part.clone()];
+            if let Some(parts) = &mut self.parts {
+                parts.each(facet, &Window::Piece(&part), |i, common| {
+                    if wanted(i) && common.len() > 2 && area(common) > 0.0 {
+                        without(&mut rest, common);
+                        inside.push(common.to_vec());
+                    }
+                });
+            }
+            outside.append(&mut rest);
+        }
+    }
+
+    /// Columns and rows of the map's image, if it is one.
+    fn size(&self) -> [usize; 2] {
+        match &self.kind {
+            Kind::View(image, _) => [image.columns, image.rows],
+            Kind::Texture(_, size) => *size,
+            Kind::Facets | Kind::Patches(_) => [0, 0],
+        }
+    }
+
     /// Lays the map's texels over a convex part of a facet's image.
-    fn lay(&mut self, facet: u32, part: &[Point], sign: f64, is_lit: bool) {
+    pub(super) fn lay(&mut self, facet: u32, part: &[Point], sign: f64, is_lit: bool) {
         if part.len() < 3 {
             return;
         }
-        let size = match &self.kind {
-            Kind::Facets => return,
+        match &self.kind {
+            Kind::Facets => {
+                if self.known.is_none_or(|known| known[facet as usize]) {
+                    let share = if is_lit { &mut self.lit } else { &mut self.seen };
+                    share.texels.push((facet, sign * area(part)));
+                    share.area += sign * area(part);
+                }
+                return;
+            }
             Kind::Patches(patches) => {
                 let Some(parts) = &mut self.parts else { return };
                 let share = if is_lit { &mut self.lit } else { &mut self.seen };
@@ -302,27 +417,40 @@ impl<'a> Lookup<'a> {
                 });
                 return;
             }
-            Kind::View(image, _) => [image.columns, image.rows],
-            Kind::Texture(_, size) => *size,
-        };
+            Kind::View(..) | Kind::Texture(..) => {}
+        }
+        let size = self.size();
         let Some(chart) = self.chart(facet) else { return };
         let seen = match &self.kind {
             Kind::View(_, Some(seen)) => seen.lit[facet as usize],
             _ => Lit::Full,
         };
-        let Lookup { known, parts, texels, overlay, seen: all, lit, quadrature_error, .. } = self;
+        let Lookup { known, sky, parts, texels, overlay, seen: all, lit, quadrature_error, .. } = self;
         let share = if is_lit { lit } else { all };
         let known = |column: usize, row: usize| known.is_none_or(|known| known[row * size[0] + column]);
         let number = |column: usize, row: usize| (row * size[0] + column) as u32;
+        let shows = |column: usize, row: usize| !is_sky(sky, row * size[0] + column);
         let mut lay = |part: &[Point]| match texels {
             Texels::Nearest => overlay.texels(&chart, part, size, |column, row, area| {
-                if known(column, row) {
+                if known(column, row) && shows(column, row) {
                     share.texels.push((number(column, row), sign * area));
                     share.area += sign * area;
                 }
             }),
             Texels::Bilinear => overlay.centres(&chart, part, size, |around, area, error| {
-                if around.iter().all(|(column, row, _)| known(*column, *row)) {
+                let counts = |(column, row, _): &(usize, usize, f64)| shows(*column, *row);
+                if !around.iter().all(counts) {
+                    // Those that show the scene share what is between them all.
+                    let shown: f64 = around.iter().filter(|c| counts(c)).map(|c| c.2).sum();
+                    if shown > 0.0 && around.iter().filter(|c| counts(c)).all(|(column, row, _)| known(*column, *row)) {
+                        let scale = sign * area / shown;
+                        let counting = around.iter().filter(|c| counts(c));
+                        share
+                            .texels
+                            .extend(counting.map(|(column, row, weight)| (number(*column, *row), scale * weight)));
+                        share.area += sign * area;
+                    }
+                } else if around.iter().all(|(column, row, _)| known(*column, *row)) {
                     *quadrature_error = quadrature_error.max(error);
                     share.texels.extend(around.map(|(column, row, weight)| (number(column, row), sign * weight)));
                     share.area += sign * area;
@@ -356,6 +484,11 @@ impl<'a> Lookup<'a> {
         self.chart = chart.map(|chart| (facet, chart));
         chart
     }
+}
+
+/// Whether nothing of the scene is in a texel.
+fn is_sky(sky: &[bool], texel: usize) -> bool {
+    sky.get(texel).copied().unwrap_or(false)
 }
 
 /// Sums over texels, handed out in the order in which the texels came.
@@ -444,6 +577,7 @@ pub(super) struct MapLine {
 pub(super) struct Looker<'a> {
     scene: &'a Scene,
     terms: Vec<Vec<Lookup<'a>>>,
+    together: Together,
     choice: Choice,
     unknown: Unknown,
 }
@@ -463,7 +597,7 @@ impl<'a> Looker<'a> {
             views.iter().zip(polygons).map(one).collect()
         };
         let terms = prepared.iter().zip(polygons).map(lookups).collect();
-        Looker { scene, terms, choice: maps.choice, unknown: maps.unknown }
+        Looker { scene, terms, together: Together::default(), choice: maps.choice, unknown: maps.unknown }
     }
 
     pub(super) fn new_line(&mut self, row: u32) -> MapLine {
@@ -495,11 +629,19 @@ impl<'a> Looker<'a> {
                     let wants_lit = self.unknown == Unknown::Solved;
                     lookup.look(pixel, index, wants_lit);
                 }
-                let Some(best) = (0..views.len()).max_by(|a, b| views[*a].seen.area.total_cmp(&views[*b].seen.area))
-                else {
-                    continue;
+                let is_divided = differ(views, &angles[t], self.choice, entry.area);
+                let (most, lit_rest) = if is_divided {
+                    let together = &mut self.together;
+                    let wants_lit = self.unknown == Unknown::Solved;
+                    together.look(pixel, index, views, &angles[t], self.choice, wants_lit);
+                    (together.area.iter().sum::<f64>().min(entry.area), together.lit_rest)
+                } else {
+                    let most = views.iter().map(|v| &v.seen).max_by(|a, b| a.area.total_cmp(&b.area));
+                    let Some(most) = most.map(|seen| seen.area.min(entry.area)) else { continue };
+                    let lit =
+                        views.iter().max_by(|a, b| a.seen.area.total_cmp(&b.seen.area)).map_or(0.0, |v| v.lit.area);
+                    (most, if most > 0.0 { entry.lit - lit } else { entry.lit })
                 };
-                let most = views[best].seen.area.min(entry.area);
                 let rest = entry.area - most.max(0.0);
                 unknown[t] += rest;
                 let target = match self.unknown {
@@ -509,10 +651,20 @@ impl<'a> Looker<'a> {
                 };
                 unfilled[t] += entry.area - target;
                 if rest > 0.0 && self.unknown == Unknown::Solved {
-                    let lit = if most > 0.0 { (entry.lit - views[best].lit.area).clamp(0.0, rest) } else { entry.lit };
-                    solved(&entry, rest, lit);
+                    solved(&entry, rest, lit_rest.clamp(0.0, rest));
                 }
                 if target <= 0.0 {
+                    continue;
+                }
+                if is_divided {
+                    let scale = target / self.together.area.iter().sum::<f64>();
+                    for (view, texel, weight) in &self.together.texels {
+                        views[*view].sums.add(*texel, scale * weight);
+                    }
+                    for (area, angle) in self.together.area.iter().zip(&angles[t]).filter(|(_, a)| a.is_finite()) {
+                        angle_sum += scale * area * angle;
+                        angle_area += scale * area;
+                    }
                     continue;
                 }
                 let shares = shares(views, &angles[t], self.choice);
@@ -574,18 +726,20 @@ impl<'a> Looker<'a> {
 fn shares(views: &[Lookup], angles: &[f64], choice: Choice) -> Vec<f64> {
     let most = views.iter().map(|view| view.seen.area).fold(0.0, f64::max);
     let known = |i: &usize| views[*i].seen.area > 0.0 && views[*i].seen.area >= LEAST_KNOWN * most;
+    let knowing: Vec<usize> = (0..views.len()).filter(known).collect();
     let mut shares = vec![0.0; views.len()];
-    let Some(nearest) = (0..views.len()).filter(known).min_by(|a, b| angles[*a].total_cmp(&angles[*b])) else {
-        return shares;
-    };
+    knowing.iter().zip(views_shares(&knowing, angles, choice)).for_each(|(i, share)| shares[*i] = share);
+    shares
+}
+
+/// How much each of some maps counts that all know the same, relative to each other.
+pub(super) fn views_shares(knowing: &[usize], angles: &[f64], choice: Choice) -> Vec<f64> {
+    let Some(nearest) = knowing.iter().copied().min_by(|a, b| angles[*a].total_cmp(&angles[*b])) else { return vec![] };
     if choice == Choice::Nearest || angles[nearest].is_nan() || angles[nearest] == 0.0 {
-        shares[nearest] = 1.0;
-        return shares;
+        return knowing.iter().map(|i| if *i == nearest { 1.0 } else { 0.0 }).collect();
     }
     // Relative to the nearest, so that small angles do not overflow.
-    let directed = (0..views.len()).filter(known).filter(|i| angles[*i].is_finite());
-    directed.for_each(|i| shares[i] = (angles[nearest] / angles[i]).powi(2));
-    shares
+    knowing.iter().map(|i| if angles[*i].is_finite() { (angles[nearest] / angles[*i]).powi(2) } else { 0.0 }).collect()
 }
 
 /// Whether some facet of a scene lies, in part, within an image of it: its bounds do.

@@ -8,8 +8,10 @@ mod lit;
 mod maps;
 mod parts;
 mod pixel;
+mod sky;
 mod texels;
 mod textures;
+mod together;
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 
@@ -32,6 +34,7 @@ use textures::Textures;
 pub use backplanes::plane_count;
 pub use footprints::footprints;
 pub use maps::{Choice, MapImage, MapView, Maps, Unknown, meets};
+pub use sky::texels_seen;
 
 /// What a camera sees.
 #[derive(Debug, Clone, PartialEq)]

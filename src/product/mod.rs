@@ -11,5 +11,7 @@ pub use backplanes::{Backplanes, Plane};
 pub use cube::Cube;
 pub use facet_table::{FacetTable, Lit, Sunlit};
 pub use footprints::Footprints;
-pub use radiance_map::{Atlas, Eye, Patches, Placement, Projection, RadianceMap, TexelSource, ViewImage};
+pub use radiance_map::{
+    Atlas, Eye, Patches, Placement, Projection, RadianceMap, Registration, Sky, TexelSource, ViewImage,
+};
 pub use texel_weights::{TexelLine, TexelWeights};

@@ -3,9 +3,10 @@
 use glam::{DMat3, DVec3};
 
 use crate::error::Result;
-use crate::geometry::Direction;
+use crate::geometry::{Direction, Mesh};
 use crate::scene::FrameCamera;
 use crate::spectral::Band;
+use crate::visibility::{Grid, View};
 
 /// From a local point, m, to homogeneous texel coordinates: linear (p - origin) + offset = (column, row, 1) w.
 ///
@@ -24,11 +25,11 @@ impl Projection {
     /// That of a camera: texels are its pixels.
     pub fn of_camera(camera: &FrameCamera) -> Self {
         let sensor_from_world = camera.world_from_sensor.rotation.transpose();
-        let [x, y] = camera.boresight_px();
+        let [x, y] = camera.boresight_px;
         // Columns of the matrix that takes (x, y, z) of the sensor to pixels times depth.
         let pixels = DMat3::from_cols(
-            DVec3::new(1.0 / camera.pitch, 0.0, 0.0),
-            DVec3::new(0.0, 1.0 / camera.pitch, 0.0),
+            DVec3::new(1.0 / camera.pitch[0], 0.0, 0.0),
+            DVec3::new(0.0, 1.0 / camera.pitch[1], 0.0),
             DVec3::new(x, y, 1.0),
         );
         Projection { linear: pixels * sensor_from_world, origin_m: camera.centre_m(), offset: DVec3::ZERO }
@@ -76,6 +77,41 @@ pub struct ViewImage {
     pub columns: usize,
     /// Whether a surface that others hide from the eye is unknown; if not, the image goes through everything.
     pub occlusion: bool,
+}
+
+impl ViewImage {
+    /// The image's own view of the scene, in which cells are texels; rows are counted from the last one if the second is true: seen
+    /// from its eye, the image is a mirror image.
+    ///
+    /// `None` if the projection has no directions, or the image more texels in a line than can be drawn.
+    pub fn drawn(&self, mesh: &Mesh) -> Option<(View, Grid, bool)> {
+        let grid = Grid { columns: u32::try_from(self.columns).ok()?, rows: u32::try_from(self.rows).ok()? };
+        let Projection { linear, origin_m, offset } = self.projection;
+        let [s, t, w] = [0, 1, 2].map(|k| linear.row(k));
+        let along = |axis: DVec3| Direction::new(axis).map(|d| (d.vec(), axis.length()));
+        // Rows of a mirror image are counted from the last one: seen from its eye, what is right and down must be so.
+        let down = |h: DVec3, v: DVec3, u: DVec3, row: f64| {
+            let is_mirrored = h.cross(v).dot(u) < 0.0;
+            if is_mirrored { (-v, self.rows as f64 - row, true) } else { (v, row, false) }
+        };
+        match self.eye {
+            Eye::Towards(towards) => {
+                let ((h, columns), (v, rows), u) = (along(s)?, along(t)?, -towards.vec());
+                let (v, row, is_mirrored) = down(h, v, u, offset.y - t.dot(origin_m));
+                let offset = [offset.x - s.dot(origin_m), row];
+                Some((View::Parallel { h, v, u, scale: [columns, rows], offset }, grid, is_mirrored))
+            }
+            Eye::At(centre_m) => {
+                let (u, per_m) = along(w)?;
+                let boresight = [s, t].map(|axis| axis.dot(u) / per_m);
+                let (h, columns) = along(s / per_m - u * boresight[0])?;
+                let (v, rows) = along(t / per_m - u * boresight[1])?;
+                let (v, row, is_mirrored) = down(h, v, u, boresight[1]);
+                let view = View::pinhole(mesh, centre_m, [h, v, u], [columns, rows], [boresight[0], row]);
+                Some((view, grid, is_mirrored))
+            }
+        }
+    }
 }
 
 /// Convex parts of facets, each a texel's.
@@ -181,8 +217,36 @@ pub struct RadianceMap {
     pub source: Box<dyn TexelSource>,
     /// What the map's radiance is multiplied by.
     pub weight: f64,
-    /// Whether it is known to hold thermal emission, which must not count twice in a sum.
-    pub has_heat: bool,
+    /// Whether it holds thermal emission, which must not count twice in a sum, if that is known.
+    pub heat: Option<bool>,
+    /// What texels that show surface in part hold.
+    pub sky: Sky,
+    /// How its place was found by its outline, if it was.
+    pub registration: Option<Registration>,
+}
+
+/// What a texel of an image holds that shows the scene in part, and sky beside it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Sky {
+    /// Of a camera's image the mean over all of the texel, with a dark sky, unless its surroundings are as bright as the scene. Of
+    /// other images the mean over what shows the scene, unless texels beside the scene are dark.
+    #[default]
+    Guessed,
+    /// The mean over all of the texel, of which the sky is dark.
+    Included,
+    /// The mean over what shows the scene.
+    LeftOut,
+}
+
+/// Where an image was found to lie, by its outline against the scene's.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Registration {
+    /// Columns and rows by which what it shows lies beyond where it was said to be.
+    pub shift_texels: [f64; 2],
+    /// The same along its lines and across, m.
+    pub shift_m: [f64; 2],
+    /// Share of the outline's area that image and scene have in common, as it was said to be and after the shift.
+    pub overlap: [f64; 2],
 }
 
 impl std::fmt::Debug for RadianceMap {
@@ -201,7 +265,7 @@ mod tests {
         // Boresight down, right is +x: a point 2 m east and 1 m south of the axis, 100 m below, pitch 0.01: 2 and 1 pixels.
         let rotation = DMat3::from_cols(DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z);
         let world_from_sensor = Pose { rotation, translation_m: DVec3::new(5.0, 6.0, 107.0) };
-        let camera = FrameCamera { world_from_sensor, samples: 8, lines: 6, pitch: 0.01 };
+        let camera = FrameCamera::centred(world_from_sensor, 8, 6, 0.01);
         let projection = Projection::of_camera(&camera);
         assert_eq!(projection.texel(DVec3::new(7.0, 5.0, 7.0)), [6.0, 4.0]);
         assert!(projection.homogeneous(DVec3::new(7.0, 5.0, 108.0)).z < 0.0);

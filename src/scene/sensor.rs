@@ -7,10 +7,15 @@ use crate::spectral::{ALL_UM, Band, MOST_BEYOND};
 
 use super::percent;
 
+/// Farther from the image than this, in sizes of the image, no boresight is taken for meant: beyond, digits of pixels are lost.
+const FARTHEST: f64 = 1e6;
 /// Smaller pixels, rad, are refused: coordinates of 16 digits would be off by a thousandth of them.
 pub(crate) const LEAST_PITCH: f64 = 1e-12;
 
-/// A pinhole camera with square pixels. Sensor axes: +X sample (right), +Y line (down), +Z boresight.
+/// A pinhole camera without distortion. Sensor axes: +X sample (right), +Y line (down), +Z boresight.
+///
+/// The boresight is the axis of projection, and need not meet the image in its middle, or at all: shifted lenses and windows cut
+/// from larger images are cameras too.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrameCamera {
     /// Placement of the sensor in the scene: axes are h, v, u; translation is the projection centre, local to the origin, m.
@@ -19,11 +24,25 @@ pub struct FrameCamera {
     pub samples: u32,
     /// Lines.
     pub lines: u32,
-    /// Pixel size over focal length (dimensionless): 2 tan(IFOV / 2).
-    pub pitch: f64,
+    /// Width and height of a pixel over the focal length (dimensionless): 2 tan(IFOV / 2).
+    pub pitch: [f64; 2],
+    /// Where the boresight meets the image, pixels from the first pixel's outer corner.
+    pub boresight_px: [f64; 2],
 }
 
 impl FrameCamera {
+    /// A camera with square pixels whose boresight goes through the image's middle.
+    pub fn centred(world_from_sensor: Pose, samples: u32, lines: u32, pitch: f64) -> Self {
+        let boresight_px = [samples, lines].map(|n| 0.5 * f64::from(n));
+        FrameCamera { world_from_sensor, samples, lines, pitch: [pitch; 2], boresight_px }
+    }
+
+    /// Whether pixels are square, and the boresight goes through the image's middle.
+    pub fn is_centred(&self) -> bool {
+        let Self { samples, lines, pitch, boresight_px, .. } = self;
+        pitch[0] == pitch[1] && *boresight_px == [*samples, *lines].map(|n| 0.5 * f64::from(n))
+    }
+
     /// The projection centre, m.
     pub fn centre_m(&self) -> DVec3 {
         self.world_from_sensor.translation_m
@@ -31,24 +50,24 @@ impl FrameCamera {
 
     /// Direction (not of unit length: 1 along the boresight) of the ray through image point (x, y), pixels from the first pixel's outer corner.
     pub fn ray(&self, x_px: f64, y_px: f64) -> DVec3 {
-        let x = (x_px - 0.5 * f64::from(self.samples)) * self.pitch;
-        let y = (y_px - 0.5 * f64::from(self.lines)) * self.pitch;
+        let x = (x_px - self.boresight_px[0]) * self.pitch[0];
+        let y = (y_px - self.boresight_px[1]) * self.pitch[1];
         self.world_from_sensor.vector(DVec3::new(x, y, 1.0))
     }
 
-    /// Where the boresight meets the image, pixels from the first pixel's outer corner.
-    pub fn boresight_px(&self) -> [f64; 2] {
-        [0.5 * f64::from(self.samples), 0.5 * f64::from(self.lines)]
+    /// Size of a pixel over the focal length, of a square one of the same area.
+    pub fn mean_pitch(&self) -> f64 {
+        if self.pitch[0] == self.pitch[1] { self.pitch[0] } else { (self.pitch[0] * self.pitch[1]).sqrt() }
     }
 
     /// By how much rounding may move what is drawn, pixels: 4 eps x range over the width of a pixel at that range.
     pub fn rounding_px(&self) -> f64 {
-        4.0 * f64::EPSILON / self.pitch
+        4.0 * f64::EPSILON / self.pitch[0].min(self.pitch[1])
     }
 
-    /// Angle that the central pixel subtends, rad.
+    /// Angle that a pixel on the boresight subtends along its line, rad.
     pub fn ifov_rad(&self) -> f64 {
-        2.0 * (0.5 * self.pitch).atan()
+        2.0 * (0.5 * self.pitch[0]).atan()
     }
 }
 
@@ -72,15 +91,21 @@ impl Sensor {
                 format!("an image of {} x {} pixels: both must be at least 1", camera.samples, camera.lines),
             );
         }
-        if !(camera.pitch > 0.0 && camera.pitch.is_finite()) {
-            problem("sensor", format!("pixel pitch {} is not positive", camera.pitch));
-        } else if camera.pitch < LEAST_PITCH {
+        if let Some(pitch) = camera.pitch.into_iter().find(|pitch| !(*pitch > 0.0 && pitch.is_finite())) {
+            problem("sensor", format!("pixel pitch {pitch} is not positive"));
+        } else if let Some(pitch) = camera.pitch.into_iter().find(|pitch| *pitch < LEAST_PITCH) {
             problem(
                 "sensor",
                 format!(
-                    "pixels of {:e} rad are smaller than {LEAST_PITCH:e}: the digits of coordinates do not tell them apart",
-                    camera.pitch
+                    "pixels of {pitch:e} rad are smaller than {LEAST_PITCH:e}: the digits of coordinates do not tell them apart"
                 ),
+            );
+        }
+        let size_px = f64::from(camera.samples.max(camera.lines));
+        if let Some(at) = camera.boresight_px.into_iter().find(|at| !(at.abs() <= FARTHEST * size_px)) {
+            problem(
+                "sensor",
+                format!("a boresight {at} pixels from the image's corner, {FARTHEST} times the image's size"),
             );
         }
         if self.bands.is_empty() {

@@ -334,7 +334,7 @@ impl<'a> Account<'a> {
     /// Width of a pixel at the nearest point of the surface, square to the line of sight, m.
     fn pixel_m(&self) -> f64 {
         let camera = &self.scene.sensor.camera;
-        self.site.distance_m(camera.centre_m()) * camera.pitch
+        self.site.distance_m(camera.centre_m()) * camera.mean_pitch()
     }
 
     fn mars_light_bound(&self) -> Option<f64> {

@@ -3,12 +3,13 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::partly_sky;
 use super::simulate::{Observation, account_for, has_room};
 use super::warnings::enclosed;
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::Texels;
 use crate::integrate::{self, Choice, MapImage, MapView, Maps, Unknown};
-use crate::product::{Eye, FacetTable, Placement, RadianceMap, TexelSource, ViewImage};
+use crate::product::{Cube, Eye, FacetTable, Placement, RadianceMap, Registration, Sky, TexelSource, ViewImage};
 use crate::progress::{Watch, tell};
 use crate::scene::{Scene, Thermal};
 use crate::spectral::{Band, Mixes, mixes};
@@ -17,6 +18,18 @@ use crate::visibility::Topology;
 /// No radiance is larger, W m-2 sr-1 um-1: a solar surface at all wavelengths sends less than 1e8. Products in single precision hold
 /// sums of many such, and bytes in the wrong order, which make numbers of any size, are found.
 const LARGEST: f64 = 1e30;
+
+/// From this wavelength on, um, what is as warm as rock in sunlight may emit enough to matter (at 350 K, 1e-2 of what it reflects).
+const HEAT_FROM_UM: f64 = 2.5;
+
+/// Of a pixel's surface rounding leaves less than this share known, where nothing is.
+const NOTHING: f64 = 1e-9;
+
+/// A smaller share of what is seen is not worth a word if it is unknown: rims and rounding.
+const UNTOLD: f64 = 1e-6;
+
+/// A sum that is below 0 by less than this share of what was added and subtracted is 0: maps have the digits of single precision.
+const CANCELLED: f64 = 1e-6;
 
 /// What is shown where maps know nothing.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,6 +40,8 @@ pub enum Fill {
     Solved,
     /// This radiance, W m-2 sr-1 um-1.
     Value(f64),
+    /// What is known of a facet or pixel stands for the rest, however little it is; a pixel of which nothing is known is NaN.
+    Nan,
 }
 
 impl Default for Fill {
@@ -56,6 +71,8 @@ pub struct MapAccount {
     pub maps: Vec<MapEntry>,
     /// Share of what is seen that they know nothing of.
     pub unknown_share: f64,
+    /// Pixels that show a surface of which a term of the sum knows nothing at all; they are filled as asked for, else 0.
+    pub unknown_pixels: u64,
     /// Largest angle between the direction of a pixel and that from which the map that serves it was seen, deg.
     pub largest_angle_deg: f64,
     /// Bound of the error by quadrature between texel centres, relative to the largest value around; 0 where texels are constant.
@@ -78,6 +95,31 @@ pub struct MapEntry {
     pub undefined_texels: u64,
     /// Its bands that were used.
     pub bands: u64,
+    /// Texels that show the scene in part, and whose values, means over all of the texel, were divided by that share.
+    pub divided_texels: u64,
+    /// Where it was found to lie by its outline, if it was looked for.
+    pub registration: Option<RegistrationEntry>,
+}
+
+/// Where an image was found to lie.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RegistrationEntry {
+    /// Columns and rows by which what it shows lies beyond where it was said to be.
+    pub shift_texels: [f64; 2],
+    /// The same along its lines and across, m.
+    pub shift_m: [f64; 2],
+    /// Share of the outlines' area that image and scene have in common where it was said to be.
+    pub overlap_as_printed: f64,
+    /// The same after the shift.
+    pub overlap: f64,
+}
+
+impl From<&Registration> for RegistrationEntry {
+    fn from(found: &Registration) -> Self {
+        let Registration { shift_texels, shift_m, overlap: [overlap_as_printed, overlap] } = *found;
+        RegistrationEntry { shift_texels, shift_m, overlap_as_printed, overlap }
+    }
 }
 
 /// Looks at a scene by radiance maps: `terms` add up, and each is one of several maps of the scene from different views.
@@ -98,17 +140,20 @@ pub fn observe_maps(
     super::simulate::fits(scene, table)?;
     has_room(scene, true, None)?;
     fit(scene, &terms)?;
-    heat_counts_once(scene, &terms, options)?;
+    let mut notes = heat_counts_once(scene, &terms, options)?;
+    let subtracts = terms.iter().flatten().any(|map| map.weight < 0.0);
     if let Fill::Value(value) = options.fill
         && !(0.0..=LARGEST).contains(&value)
     {
         let message = format!("{} is no radiance: give one from 0 to {LARGEST:e} W m-2 sr-1 um-1", number(value));
         return Err(Error::invalid(Location::item("unknown"), message));
     }
-    let (mut terms, told) = Term::of(scene, terms)?;
+    let (mut terms, of_bands) = Term::of(scene, terms)?;
     let mut problems = Vec::new();
-    for term in terms.iter_mut().flat_map(|t| &mut t.views) {
-        term.find_known(&mut problems)?;
+    for view in terms.iter_mut().flat_map(|t| &mut t.views) {
+        view.read_first(&mut problems)?;
+        view.find_seen(scene, topology, options, watch)?;
+        view.find_known();
     }
     if !problems.is_empty() {
         return Err(Error::Invalid(problems));
@@ -118,7 +163,7 @@ pub fn observe_maps(
         choice: options.choice,
         texels: options.texels,
         unknown: match options.fill {
-            Fill::Refuse(_) => Unknown::Mean,
+            Fill::Refuse(_) | Fill::Nan => Unknown::Mean,
             Fill::Solved => Unknown::Solved,
             Fill::Value(_) => Unknown::Left,
         },
@@ -137,23 +182,40 @@ pub fn observe_maps(
     let on_scene = image.maps.take().unwrap_or_default();
     drop(maps);
     let unknown_share = refuse(&on_scene, options)?;
-    image.cube.added = add_up(scene, &mut terms, &on_scene, options, watch)?;
-    let enclosed_eyes: Vec<String> =
-        terms.iter().flat_map(|t| &t.views).filter_map(|v| v.enclosed(scene, topology)).collect();
+    let (added, magnitude) = add_up(scene, &mut terms, &on_scene, options, subtracts, watch)?;
+    image.cube.added = added;
+    if subtracts {
+        subtract(&mut image.cube, &magnitude)?;
+        notes.push(subtracted(&terms));
+    }
+    let unknown = pixels_of_nothing(&on_scene);
+    notes.extend(told(unknown_share, unknown.len(), options));
+    notes.extend(terms.iter().flat_map(|t| &t.views).flat_map(View::told));
+    notes.extend(terms.iter().flat_map(|t| &t.views).filter_map(|v| v.enclosed(scene, topology)));
     let account = MapAccount {
         maps: terms.iter().enumerate().flat_map(|(t, term)| term.entries(t)).collect(),
         unknown_share,
+        unknown_pixels: unknown.len() as u64,
         largest_angle_deg: on_scene.largest_angle_deg,
         quadrature_error: on_scene.quadrature_error,
     };
+    let on_scene_pixels = on_scene.area.len();
     drop(on_scene);
     let mut observation = account_for(scene, topology, table, image, watch)?;
-    observation.warnings.extend(enclosed_eyes);
     if !(options.add_solved || options.fill == Fill::Solved) {
         // What maps have in them and leave out is theirs to say.
         observation.effects.clear();
     }
-    observation.warnings.extend(told);
+    if options.fill == Fill::Nan {
+        // Only now: what is computed is checked for numbers that are none.
+        let pixels = on_scene_pixels;
+        for band in observation.cube.added.chunks_exact_mut(pixels.max(1)) {
+            unknown.iter().for_each(|pixel| band[*pixel] = f64::NAN);
+        }
+    }
+    notes.append(&mut observation.warnings);
+    notes.extend(of_bands);
+    observation.warnings = notes;
     Ok((observation, account))
 }
 
@@ -169,6 +231,11 @@ struct Source {
     uses: Vec<Use>,
     /// The first of these bands, until it has been used: it tells which texels have a value.
     first: Vec<f64>,
+    /// What texels that show the scene in part hold, as far as anybody says.
+    sky: Sky,
+    /// Whether values of such texels are divided by the share that shows the scene.
+    is_divided: bool,
+    registration: Option<Registration>,
 }
 
 /// Maps whose texels lie at the same places.
@@ -176,6 +243,10 @@ struct View {
     placement: Placement,
     sources: Vec<Source>,
     known: Vec<bool>,
+    /// For each texel the share of it in which its eye sees the scene; empty if nobody asks for it.
+    seen: Vec<f64>,
+    /// For each texel whether that is nothing; empty if texels count by themselves.
+    sky: Vec<bool>,
     /// How many texels of each source have no value.
     undefined: Vec<u64>,
 }
@@ -234,21 +305,41 @@ fn fit(scene: &Scene, terms: &[Vec<RadianceMap>]) -> Result<()> {
     if problems.is_empty() { Ok(()) } else { Err(Error::Invalid(problems)) }
 }
 
-/// Says if thermal emission would be added to itself.
-fn heat_counts_once(scene: &Scene, terms: &[Vec<RadianceMap>], options: &MapOptions) -> Result<()> {
-    let with_heat = terms.iter().filter_map(|views| views.iter().find(|map| map.has_heat));
-    let mut names: Vec<&str> = with_heat.map(|map| map.name.as_str()).collect();
+/// Says if thermal emission would be added to itself; what may hold it, as far as anybody knows, is only told.
+fn heat_counts_once(scene: &Scene, terms: &[Vec<RadianceMap>], options: &MapOptions) -> Result<Vec<String>> {
+    let holds = |heat: Option<bool>| {
+        // A term's views are of the same sum; what is subtracted does not count twice.
+        let of_term = move |views: &Vec<RadianceMap>| {
+            let weight = |map: &RadianceMap| if map.heat == heat { map.weight } else { 0.0 };
+            views.iter().map(|map| (weight(map), map.name.clone())).max_by(|a, b| a.0.total_cmp(&b.0))
+        };
+        terms.iter().filter_map(of_term).filter(|(weight, _)| *weight > 0.0).collect::<Vec<(f64, String)>>()
+    };
+    let mut known = holds(Some(true));
     if options.add_solved && scene.thermal != Thermal::Off {
-        names.push("the scene's own table");
+        known.push((1.0, "the scene's own table".into()));
     }
-    if names.len() < 2 {
-        return Ok(());
+    let names = |held: &[(f64, String)]| held.iter().map(|h| h.1.as_str()).collect::<Vec<_>>().join(", ");
+    let times: f64 = known.iter().map(|h| h.0).sum();
+    // Weights whose sum is 1 make a mean, which holds it once.
+    if known.len() > 1 && times > 1.0 + 1e-9 {
+        let message = format!("thermal emission would count {} times: it is in {}", number(times), names(&known));
+        let problem = Problem::new(Location::item("--radiance"), message).with_help(
+            "let one simulation emit, and set the bands of the others to reflection alone (mode R), or the scene's thermal model to \"off\"; \
+             weights whose sum is 1 make a mean",
+        );
+        return Err(Error::Invalid(vec![problem]));
     }
-    let message = format!("thermal emission would count {} times: it is in {}", names.len(), names.join(", "));
-    let problem = Problem::new(Location::item("--radiance"), message).with_help(
-        "let one simulation emit, and set the bands of the others to reflection alone (mode R), or the scene's thermal model to \"off\"",
-    );
-    Err(Error::Invalid(vec![problem]))
+    let unknown = holds(None);
+    let is_warm = scene.sensor.bands.iter().any(|band| band.centre_um > HEAT_FROM_UM);
+    if known.is_empty() || unknown.is_empty() || !is_warm {
+        return Ok(vec![]);
+    }
+    Ok(vec![format!(
+        "thermal emission is in {}; if it is in {} too, it counts twice: say `heat = true` or `heat = false` in a map file",
+        names(&known),
+        names(&unknown)
+    )])
 }
 
 impl Term {
@@ -269,11 +360,14 @@ impl Term {
                         told.push(said);
                     }
                 }
-                let RadianceMap { name, placement, source, weight, .. } = map;
+                let RadianceMap { name, placement, source, weight, heat: _, sky, registration } = map;
+                let (first, is_divided) = (vec![], false);
                 views.push(View {
                     placement,
-                    sources: vec![Source { name, weight, source, uses, first: vec![] }],
+                    sources: vec![Source { name, weight, source, uses, first, sky, is_divided, registration }],
                     known: vec![],
+                    seen: vec![],
+                    sky: vec![],
                     undefined: vec![],
                 });
             }
@@ -301,6 +395,8 @@ impl Term {
                 texels: view.known.len() as u64,
                 undefined_texels: *undefined,
                 bands: source.uses.len() as u64,
+                divided_texels: if source.is_divided { view.partly_seen() } else { 0 },
+                registration: source.registration.as_ref().map(RegistrationEntry::from),
             })
         })
     }
@@ -321,31 +417,126 @@ fn uses(map: &[Band], sensor: &[Band]) -> std::result::Result<(Vec<Use>, Vec<Str
 
 impl View {
     fn on_scene(&self) -> MapView<'_> {
-        MapView { placement: &self.placement, known: &self.known }
+        MapView { placement: &self.placement, known: &self.known, sky: &self.sky }
     }
 
-    /// Which texels have a value, by the first band of each source that is needed.
-    fn find_known(&mut self, problems: &mut Vec<Problem>) -> Result<()> {
-        let texels = self.placement.texels();
-        self.known = vec![true; texels];
+    /// In how much of each texel its eye sees the scene, if that matters; the first bands have been read.
+    fn find_seen(&mut self, scene: &Scene, topology: &Topology, options: &MapOptions, watch: Watch<'_>) -> Result<()> {
+        let Placement::View(image) = &self.placement else { return Ok(()) };
         for source in &mut self.sources {
-            let Some((band, _)) = source.uses.first() else { continue };
-            source.source.read(*band, &mut source.first)?;
-            let values = &source.first;
-            if values.len() != texels {
-                let message = format!("has {} values in a band, but its placement has {texels} texels", values.len());
-                problems.push(Problem::new(Location::item(&source.name), message));
-                continue;
+            // Values are means over the scene already.
+            if source.sky == Sky::Guessed && source.source.coverage()?.is_some() {
+                source.sky = Sky::LeftOut;
             }
-            let mut undefined = 0;
-            for (known, value) in self.known.iter_mut().zip(values) {
-                undefined += u64::from(value.is_nan());
-                *known &= !value.is_nan();
-            }
-            self.undefined.push(undefined);
+        }
+        let is_blended = options.texels == Texels::Bilinear;
+        let may_be = |source: &Source| partly_sky::may_be_in_means(source.sky, image, &source.first);
+        if is_blended || self.sources.iter().any(may_be) {
+            self.seen = integrate::texels_seen(image, scene, topology, watch)?.unwrap_or_default();
+        }
+        if is_blended {
+            self.sky = self.seen.iter().map(|share| *share == 0.0).collect();
         }
         Ok(())
     }
+
+    /// Texels that show the scene in part.
+    fn partly_seen(&self) -> u64 {
+        self.seen.iter().filter(|share| 0.0 < **share && **share < 1.0).count() as u64
+    }
+
+    /// What was done to texels at the rim of the scene, where it is not what anybody said.
+    fn told(&self) -> impl Iterator<Item = String> {
+        let partly = self.partly_seen();
+        let guessed = self.sources.iter().filter(move |source| source.sky == Sky::Guessed && partly > 0);
+        guessed.filter_map(move |source| {
+            let Placement::View(image) = &self.placement else { return None };
+            let is_camera = matches!(image.eye, Eye::At(_));
+            match (source.is_divided, is_camera) {
+                (true, _) => Some(format!(
+                    "{}: {partly} texels are partly sky and are divided by the share that shows the scene; if they are means over that share \
+                     already, say `sky = \"left_out\"` in its map file",
+                    source.name
+                )),
+                (false, true) => Some(format!(
+                    "{}: what lies around the scene is as bright as the scene, so that {partly} texels at its rim are taken as they are; \
+                     if the rest of them is dark sky, say `sky = \"included\"` in its map file",
+                    source.name
+                )),
+                (false, false) => None,
+            }
+        })
+    }
+
+    /// Reads the first band of each source that is needed.
+    fn read_first(&mut self, problems: &mut Vec<Problem>) -> Result<()> {
+        let texels = self.placement.texels();
+        for source in &mut self.sources {
+            let Some((band, _)) = source.uses.first() else { continue };
+            source.source.read(*band, &mut source.first)?;
+            let values = &mut source.first;
+            if values.len() != texels {
+                let message = format!("has {} values in a band, but its placement has {texels} texels", values.len());
+                problems.push(Problem::new(Location::item(&source.name), message));
+                values.clear();
+                continue;
+            }
+            self.undefined.push(values.iter().filter(|value| value.is_nan()).count() as u64);
+        }
+        Ok(())
+    }
+
+    /// Which texels have a value, by the first band of each source that is needed.
+    fn find_known(&mut self) {
+        self.known = vec![true; self.placement.texels()];
+        for source in self.sources.iter_mut().filter(|source| !source.first.is_empty()) {
+            source.is_divided = !self.seen.is_empty()
+                && partly_sky::is_in_means(source.sky, &self.placement, &self.seen, &source.first);
+            if source.is_divided {
+                divide(&mut source.first, &self.seen);
+            }
+            for (known, value) in self.known.iter_mut().zip(&source.first) {
+                *known &= !value.is_nan();
+            }
+        }
+    }
+}
+
+/// Makes means over all of each texel means over the share of it that is seen; NaN where that is nothing.
+fn divide(values: &mut [f64], seen: &[f64]) {
+    for (value, share) in values.iter_mut().zip(seen).filter(|(_, share)| **share < 1.0) {
+        *value = if *share > 0.0 { *value / share } else { f64::NAN };
+    }
+}
+
+/// Pixels that show outer sides of which some term knows nothing.
+fn pixels_of_nothing(maps: &MapImage) -> Vec<usize> {
+    let knows_nothing = |pixel: &usize| {
+        let area = maps.area[*pixel];
+        area > 0.0 && maps.unknown.iter().any(|term| term[*pixel] >= area * (1.0 - NOTHING))
+    };
+    (0..maps.area.len()).filter(knows_nothing).collect()
+}
+
+/// What is said of what maps do not know.
+fn told(share: f64, pixels: usize, options: &MapOptions) -> Option<String> {
+    let how = match options.fill {
+        Fill::Refuse(_) => "; what is known of a facet, or else of its pixel, stands for the rest of it",
+        Fill::Solved => ", and is filled from the scene's own sources",
+        Fill::Value(_) => ", and is filled with the radiance that was given for it",
+        Fill::Nan => "; what is known of a facet, or else of its pixel, stands for the rest of it",
+    };
+    let of_nothing = match (pixels, options.fill) {
+        (0, _) | (_, Fill::Solved | Fill::Value(_)) => String::new(),
+        (n, Fill::Nan) => format!("; {n} pixels of which nothing is known are NaN"),
+        (n, Fill::Refuse(_)) => format!(
+            "; {n} pixels of which nothing is known are 0, with MAP_COVERAGE below 1: --unknown nan marks them, --unknown solve or a \
+             radiance fills them"
+        ),
+    };
+    let percent = 100.0 * share;
+    (share > UNTOLD || pixels > 0)
+        .then(|| format!("{percent:.3} % of what the camera sees is unknown to the maps{how}{of_nothing}"))
 }
 
 /// The share of what is seen that is unknown, if it is not too much.
@@ -369,16 +560,18 @@ fn refuse(maps: &MapImage, options: &MapOptions) -> Result<f64> {
     }
 }
 
-/// Radiance by maps: [band, pixel], W m-2 sr-1 um-1.
+/// Radiance by maps: [band, pixel], W m-2 sr-1 um-1; and, if something is subtracted, the sum of the magnitudes of what was added up.
 fn add_up(
     scene: &Scene,
     terms: &mut [Term],
     on_scene: &MapImage,
     options: &MapOptions,
+    subtracts: bool,
     watch: Watch<'_>,
-) -> Result<Vec<f64>> {
+) -> Result<(Vec<f64>, Vec<f64>)> {
     let pixels = on_scene.area.len();
     let mut added = vec![0.0; pixels * scene.sensor.bands.len()];
+    let mut magnitude = vec![0.0; if subtracts { added.len() } else { 0 }];
     let total: usize = terms.iter().flat_map(|t| &t.views).flat_map(|v| &v.sources).map(|s| s.uses.len()).sum();
     let mut done = 0;
     let mut values = Vec::new();
@@ -392,6 +585,9 @@ fn add_up(
                     done += 1;
                     if source.first.is_empty() {
                         source.source.read(*band, &mut values)?;
+                        if source.is_divided {
+                            divide(&mut values, &view.seen);
+                        }
                     } else {
                         values = std::mem::take(&mut source.first);
                     }
@@ -418,10 +614,14 @@ fn add_up(
                         for (pixel, (out, sum)) in out.iter_mut().zip(&sums).enumerate() {
                             let mut value = source.weight * share * sum;
                             let filled = on_scene.area[pixel] - unfilled[pixel];
-                            if options.fill.is_by_mean() && filled > 0.0 && unfilled[pixel] > 0.0 {
+                            let is_something = filled > NOTHING * on_scene.area[pixel];
+                            if options.fill.is_by_mean() && is_something && unfilled[pixel] > 0.0 {
                                 value *= on_scene.area[pixel] / filled;
                             }
                             *out += value;
+                            if let Some(sum) = magnitude.get_mut(sensor_band * pixels + pixel) {
+                                *sum += value.abs();
+                            }
                         }
                     }
                 }
@@ -437,12 +637,49 @@ fn add_up(
         }
     }
     tell(watch, "maps", total as u64, total as u64)?;
-    Ok(added)
+    Ok((added, magnitude))
+}
+
+/// Says where a sum is below 0. Below by rounding it is made 0.
+fn subtract(cube: &mut Cube, magnitude: &[f64]) -> Result<()> {
+    let pixels = cube.samples * cube.lines;
+    let (mut worst, mut count): (Option<(f64, usize, usize)>, u64) = (None, 0);
+    for band in 0..cube.bands.len() {
+        for (pixel, sum) in cube.band(band).into_iter().enumerate() {
+            let at = band * pixels + pixel;
+            if sum < -CANCELLED * magnitude[at] {
+                count += 1;
+                if worst.is_none_or(|(least, ..)| sum < least) {
+                    worst = Some((sum, band, pixel));
+                }
+            } else if sum < 0.0 {
+                cube.added[at] -= sum;
+            }
+        }
+    }
+    let Some((sum, band, pixel)) = worst else { return Ok(()) };
+    let message = format!(
+        "the sum is {} W m-2 sr-1 um-1 at sample {}, line {} (from 0) of band {}, the least of {count} values below 0",
+        number(sum),
+        pixel % cube.samples,
+        pixel / cube.samples,
+        band + 1
+    );
+    let problem = Problem::new(Location::item("--radiance"), message)
+        .with_help("no surface sends less than nothing: a map with a weight below 0 must hold less than those that it is subtracted from");
+    Err(Error::Invalid(vec![problem]))
+}
+
+/// What is said of maps that are subtracted.
+fn subtracted(terms: &[Term]) -> String {
+    let sources = terms.iter().flat_map(|t| &t.views).flat_map(|v| &v.sources).filter(|s| s.weight < 0.0);
+    let names: Vec<String> = sources.map(|s| format!("{} times {}", s.name, s.weight)).collect();
+    format!("maps are subtracted: {}; the sum is nowhere below 0", names.join(", "))
 }
 
 impl Fill {
     fn is_by_mean(&self) -> bool {
-        matches!(self, Fill::Refuse(_))
+        matches!(self, Fill::Refuse(_) | Fill::Nan)
     }
 }
 

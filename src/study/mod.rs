@@ -2,6 +2,7 @@
 
 mod effects;
 mod maps;
+mod partly_sky;
 mod simulate;
 mod site;
 mod summary;
@@ -10,7 +11,7 @@ pub mod validate;
 mod warnings;
 
 pub use effects::Effect;
-pub use maps::{Fill, MapAccount, MapEntry, MapOptions, observe_maps};
+pub use maps::{Fill, MapAccount, MapEntry, MapOptions, RegistrationEntry, observe_maps};
 pub use simulate::{Check, Counts, Observation, has_room, memory_bytes, observe, product_bytes, simulate};
 pub use summary::{Summary, summary};
 pub use table_id::table_id;

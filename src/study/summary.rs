@@ -56,7 +56,7 @@ pub fn summary(scene: &Scene) -> Summary {
     let (towards_sun, eye_m) = (scene.sun.direction.vec(), camera.centre_m());
     let from_zenith = |v: DVec3| (scene.origin_m != DVec3::ZERO).then(|| angle_rad(scene.origin_m, v).to_degrees());
     let elevation = |v: DVec3| from_zenith(v).map(|angle| 90.0 - angle);
-    let pixel_m = camera.pitch * eye_m.length();
+    let pixel_m = camera.mean_pitch() * eye_m.length();
     let (low_m, high_m) = site.box_m;
     Summary {
         facets: scene.mesh.facets.len(),

@@ -42,8 +42,8 @@ pub enum View {
         v: DVec3,
         /// Boresight, unit vector.
         u: DVec3,
-        /// Cells per unit of tangent.
-        scale: f64,
+        /// Cells per unit of tangent along h and v.
+        scale: [f64; 2],
         /// Drawing coordinates of that point; of the boresight, if it is the centre.
         offset: [f64; 2],
     },
@@ -53,12 +53,12 @@ pub enum View {
 const AFAR: f64 = 16.0;
 
 impl View {
-    /// A central view of a mesh: projection centre, m, unit vectors right, down and along the boresight, cells per unit of tangent,
-    /// and the drawing coordinates of the boresight.
+    /// A central view of a mesh: projection centre, m, unit vectors right, down and along the boresight, cells per unit of tangent
+    /// along the first two, and the drawing coordinates of the boresight.
     ///
     /// From afar the distance costs no digits: vertices are measured from a point amid the mesh, with axes sheared so that its ray
     /// is drawn as a point. With tangents t of that ray, x / z = t + (dx - t dz) / (z0 + dz).
-    pub fn pinhole(mesh: &Mesh, centre_m: DVec3, [h, v, u]: [DVec3; 3], scale: f64, offset: [f64; 2]) -> Self {
+    pub fn pinhole(mesh: &Mesh, centre_m: DVec3, [h, v, u]: [DVec3; 3], scale: [f64; 2], offset: [f64; 2]) -> Self {
         let near = View::Pinhole { centre_m, from_m: centre_m, depth_m: 0.0, h, v, u, scale, offset };
         let Some((low, high)) = mesh.bounds_m() else { return near };
         let from_m = 0.5 * (low + high);
@@ -76,7 +76,7 @@ impl View {
             v: v - down * u,
             u,
             scale,
-            offset: [offset[0] + right * scale, offset[1] + down * scale],
+            offset: [offset[0] + right * scale[0], offset[1] + down * scale[1]],
         }
     }
 }
@@ -87,12 +87,12 @@ impl View {
     pub fn rays(&self) -> Option<([DVec3; 3], [f64; 2])> {
         let View::Pinhole { depth_m, h, v, u, scale, offset, .. } = *self else { return None };
         if depth_m == 0.0 {
-            return Some(([h / scale, v / scale, u], offset));
+            return Some(([h / scale[0], v / scale[1], u], offset));
         }
         // Axes before they were sheared, and the tangents that they were sheared by.
         let (right, down) = (-h.dot(u), -v.dot(u));
         let (h, v) = (h + right * u, v + down * u);
-        Some(([h / scale, v / scale, u + right * h + down * v], offset))
+        Some(([h / scale[0], v / scale[1], u + right * h + down * v], offset))
     }
 }
 
@@ -345,7 +345,7 @@ impl<'a> Drawing<'a> {
             View::Parallel { scale, offset, .. } => (reach_m * scale[0].max(scale[1]), offset),
             View::Pinhole { centre_m, scale, offset, .. } => {
                 let near = self.corners(triangle).iter().fold(0.0, |n: f64, p| n.max(p[2]));
-                ((reach_m + centre_m.abs().element_sum()) * near * scale, offset)
+                ((reach_m + centre_m.abs().element_sum()) * near * scale[0].max(scale[1]), offset)
             }
         };
         4.0 * f64::EPSILON * (far + offset[0].abs().max(offset[1].abs()))
@@ -446,8 +446,8 @@ impl<'a> Drawing<'a> {
         let mut planes = Vec::new();
         for (axis, side) in [(0, h), (1, v)] {
             let margin = CUT_AT * image.max[axis];
-            let low = (-margin - offset[axis]) / scale;
-            let high = (image.max[axis] + margin - offset[axis]) / scale;
+            let low = (-margin - offset[axis]) / scale[axis];
+            let high = (image.max[axis] + margin - offset[axis]) / scale[axis];
             planes.push((side - low * u, -low * depth_m));
             planes.push((high * u - side, high * depth_m));
         }
@@ -550,7 +550,7 @@ impl<'a> Drawing<'a> {
                 .filter(|t| self.is_drawn(*t))
                 .flat_map(|t| self.corners(t))
                 .fold(0.0_f64, |m, p| m.max((p[0] - offset[0]).abs()).max((p[1] - offset[1]).abs()));
-            self.magnitude[1] = self.magnitude[1].max(across / (scale * depth_m));
+            self.magnitude[1] = self.magnitude[1].max(across / (scale[0].min(scale[1]) * depth_m));
         }
     }
 }
@@ -595,7 +595,7 @@ pub(super) fn project(view: &View, p_m: DVec3) -> [f64; 3] {
             let near = 1.0 / (along + depth_m);
             // What 1 / depth is more than that of the point amid the mesh: as affine, and with all its digits.
             let nearness = if *depth_m > 0.0 { -along * near / depth_m } else { near };
-            [p.dot(*h) * near * scale + offset[0], p.dot(*v) * near * scale + offset[1], nearness]
+            [p.dot(*h) * near * scale[0] + offset[0], p.dot(*v) * near * scale[1] + offset[1], nearness]
         }
     }
 }

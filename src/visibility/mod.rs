@@ -6,6 +6,7 @@
 
 mod bins;
 mod coverage;
+mod covered;
 mod drawing;
 mod layers;
 mod on_facet;
@@ -14,6 +15,7 @@ mod topology;
 
 pub use bins::for_each_cell_of as cells_of;
 pub use coverage::{Coverage, Scratch, Visit};
+pub use covered::covered;
 pub use drawing::{Drawing, Grid, Side, View};
 pub use on_facet::OnFacet;
 pub use topology::{Enclosure, NONE, Topology};

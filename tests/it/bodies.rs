@@ -148,7 +148,7 @@ fn a_pinhole_draws_a_sphere_as_an_ellipse() {
             ball.vertices_m.iter_mut().for_each(|v| *v += centre);
             let camera = camera([0.0; 3], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0], 64, 2.0 / 64.0);
             let seen = see(&ball, direction([0.0, 0.0, -1.0]), &camera);
-            totals(&seen, |_| true).0 * camera.pitch.powi(2)
+            totals(&seen, |_| true).0 * camera.pitch[0].powi(2)
         });
         assert_converges(&format!("{inputs}"), errors);
     }

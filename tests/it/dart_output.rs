@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use glam::{DMat3, DVec3};
-use mmxrt::formats::dart::output::{self, MapOptions, Quantity};
+use mmxrt::formats::dart::output::{self, MapOptions, Output, Placing, Quantity};
 use mmxrt::formats::dart::{self, ReadOptions, SceneOptions, WriteOptions};
 use mmxrt::geometry::{Direction, Mesh, Pose};
 use mmxrt::product::{Eye, Placement, RadianceMap, ViewImage};
@@ -19,7 +19,7 @@ use crate::scratch::Scratch;
 use crate::shapes::{cuboid, joined, quad};
 
 /// A scene of a mesh, with what else there must be.
-fn scene(mesh: Mesh, origin_m: DVec3) -> Scene {
+pub(crate) fn scene(mesh: Mesh, origin_m: DVec3) -> Scene {
     let grey = Material {
         name: "grey".into(),
         reflectance: Spectrum::constant(0.1),
@@ -46,7 +46,7 @@ fn scene(mesh: Mesh, origin_m: DVec3) -> Scene {
         thermal: Thermal::Off,
         sensor: Sensor {
             name: "test".into(),
-            camera: FrameCamera { world_from_sensor, samples: 4, lines: 4, pitch: 5e-3 },
+            camera: FrameCamera::centred(world_from_sensor, 4, 4, 5e-3),
             bands: vec![Band::new(1.0, None)],
         },
     }
@@ -66,20 +66,30 @@ fn box_on_ground() -> Scene {
     scene(joined(&[ground, cuboid([-4.0, 0.0, 0.0], [4.0, 4.0, 4.0])]), DVec3::ZERO)
 }
 
-fn options() -> MapOptions {
+/// A view as a map, without what is told of its place.
+pub(crate) fn view_map(
+    output: &Output,
+    view: usize,
+    scene: &Scene,
+    options: &MapOptions,
+) -> mmxrt::Result<RadianceMap> {
+    output.view_map(view, scene, options, &unwatched).map(|(map, _)| map)
+}
+
+pub(crate) fn options() -> MapOptions {
     MapOptions { scene_from_dart: Some(pose()), ..MapOptions::default() }
 }
 
 /// An image as DART writes it.
-struct Image<'a> {
-    folder: &'a str,
-    name: &'a str,
-    number: u32,
-    size: [usize; 2],
-    pixel_m: f64,
+pub(crate) struct Image<'a> {
+    pub(crate) folder: &'a str,
+    pub(crate) name: &'a str,
+    pub(crate) number: u32,
+    pub(crate) size: [usize; 2],
+    pub(crate) pixel_m: f64,
     /// (first row, first column), (last, first), (last, last), (first, last), in DART's x and y.
-    corners_m: [[f64; 2]; 4],
-    values: Vec<f64>,
+    pub(crate) corners_m: [[f64; 2]; 4],
+    pub(crate) values: Vec<f64>,
 }
 
 impl Image<'_> {
@@ -137,7 +147,7 @@ const PROPERTIES: &str = "maket.lowerCorner.z:0\nphase.nbSpectralBands:2\ndart.p
      dart.band1.equivalentWavelength:9.9\n";
 
 /// A simulation's `output` with an oblique image in a folder.
-fn output_with(scratch: &Scratch, image: &Image<'_>) -> PathBuf {
+pub(crate) fn output_with(scratch: &Scratch, image: &Image<'_>) -> PathBuf {
     let output = scratch.join("output");
     std::fs::create_dir_all(&output).unwrap();
     std::fs::write(output.join("simulation.properties.txt"), PROPERTIES).unwrap();
@@ -171,7 +181,7 @@ fn an_oblique_image_lands_on_the_faces_that_it_shows() {
     assert_eq!((view.name.as_str(), view.quantity, view.iteration.as_str()), (NAME, Quantity::Brf, "ITER3"));
     assert_eq!(view.towards_deg, [36.869898, 90.0]);
     let scene = box_on_ground();
-    let mut map = output.view_map(0, &scene, &options()).unwrap();
+    let mut map = view_map(&output, 0, &scene, &options()).unwrap();
     let image = view_of(&map).clone();
     assert_eq!((image.rows, image.columns, image.occlusion, map.weight), (16, 12, true, 1.0));
     // y of DART is East, the scene's x.
@@ -231,7 +241,7 @@ fn a_scene_11_m_high_is_displaced_by_4_53_m() {
     let pose = Pose { translation_m: DVec3::ZERO, ..pose() };
     let scene = scene(cuboid([4.0, -16.0, 0.0], [29.0, -2.0, 10.0]), DVec3::ZERO);
     let map = output::open(&output).unwrap();
-    let map = map.view_map(0, &scene, &MapOptions { scene_from_dart: Some(pose), ..MapOptions::default() }).unwrap();
+    let map = view_map(&map, 0, &scene, &MapOptions { scene_from_dart: Some(pose), ..MapOptions::default() }).unwrap();
     let texel = |dart_m: [f64; 3]| view_of(&map).projection.texel(pose.point(DVec3::from_array(dart_m)));
     assert!(near(texel([30.0, 0.0, 11.0]), [0.0, 0.0]), "{:?}", texel([30.0, 0.0, 11.0]));
     assert!(near(texel([30.0, -4.534_975, 0.0]), [0.0, 0.0]));
@@ -265,13 +275,15 @@ fn temperatures_and_radiances_are_radiance() {
     assert_eq!(found, [(Quantity::Tapp, vec![1]), (Quantity::Radiance, vec![0, 1])]);
     let mut values = Vec::new();
     let scene = box_on_ground();
-    let mut map = output.view_map(0, &scene, &options()).unwrap();
+    // What has no value here is no outline.
+    let printed = MapOptions { placing: Placing::Shifted([0.0; 2]), ..options() };
+    let mut map = view_map(&output, 0, &scene, &printed).unwrap();
     map.source.read(0, &mut values).unwrap();
     assert!(values[0].is_nan() && values[1].is_nan());
     // Planck at 9.9 um and 300 K: 2 h c^2 / l^5 / (exp(14387.768775 / 2970) - 1) = 1.191042972e8 / 9.9^5 / 126.0336.
     let exponential = (14_387.768_775_f64 / 2970.0).exp() - 1.0;
     assert!((values[2] / (1.191_042_972e8 / 9.9_f64.powi(5) / exponential) - 1.0).abs() < 1e-9, "{}", values[2]);
-    let mut map = output.view_map(1, &scene, &options()).unwrap();
+    let mut map = view_map(&output, 1, &scene, &printed).unwrap();
     assert_eq!(map.source.bands()[1], Band::boxed(10.0, 2.0));
     map.source.read(1, &mut values).unwrap();
     assert!(values[0].is_nan() && values[2] == 4.5);
@@ -311,7 +323,7 @@ fn the_name_tells_the_direction_if_the_properties_do_not() {
     let opened = output::open(&output).unwrap();
     assert_eq!(opened.views()[0].towards_deg, [36.9, 90.0]);
     // 0.0301 deg more than the corners were made for: within what a name tells.
-    opened.view_map(0, &box_on_ground(), &options()).unwrap();
+    view_map(&opened, 0, &box_on_ground(), &options()).unwrap();
     // A camera's image is none of ours.
     let mut camera = oblique("BAND0/BRF/ITER3");
     camera.name = "ima_camera001";
@@ -341,7 +353,7 @@ fn damaged_images_are_told_at_their_place() {
         let output = output_with(&scratch, &oblique(folder));
         damage(&output, &output.join(folder).join("IMAGES_DART").join(NAME));
         let output = output::open(&output).unwrap();
-        match output.view_map(0, &scene, &options()) {
+        match view_map(&output, 0, &scene, &options()) {
             Err(error) => error.to_string(),
             Ok(mut map) => map.source.read(0, &mut Vec::new()).unwrap_err().to_string(),
         }
@@ -434,19 +446,19 @@ fn a_map_that_is_elsewhere_is_refused() {
     let scene = box_on_ground();
     let mut far = options();
     far.scene_from_dart.as_mut().unwrap().translation_m.x += 40.0;
-    let error = output.view_map(0, &scene, &far).unwrap_err().to_string();
+    let error = view_map(&output, 0, &scene, &far).unwrap_err().to_string();
     assert!(error.contains("does not overlap the scene") && error.contains("scene_from_dart"), "{error}");
     // Without inputs beside it, where it lies must be said.
-    let error = output.view_map(0, &scene, &MapOptions::default()).unwrap_err().to_string();
+    let error = view_map(&output, 0, &scene, &MapOptions::default()).unwrap_err().to_string();
     assert!(error.contains("is not beside its `output`") && error.contains("origin_in_dart_m"), "{error}");
-    assert!(output.view_map(1, &scene, &options()).unwrap_err().to_string().contains("no view 1"));
+    assert!(view_map(&output, 1, &scene, &options()).unwrap_err().to_string().contains("no view 1"));
     for wrong in [vec![], vec![1.0, 2.0], vec![-1.0], vec![f64::NAN]] {
         let options = MapOptions { irradiance_w_m2_um: Some(wrong), ..options() };
-        assert!(output.view_map(0, &scene, &options).unwrap_err().to_string().contains("1 irradiances belong"));
+        assert!(view_map(&output, 0, &scene, &options).unwrap_err().to_string().contains("1 irradiances belong"));
     }
     // Given irradiances, and a shift.
-    let given = MapOptions { irradiance_w_m2_um: Some(vec![PI]), shift_texels: [1.0, 0.5], ..options() };
-    let mut map = output.view_map(0, &scene, &given).unwrap();
+    let given = MapOptions { irradiance_w_m2_um: Some(vec![PI]), placing: Placing::Shifted([1.0, 0.5]), ..options() };
+    let mut map = view_map(&output, 0, &scene, &given).unwrap();
     assert!(near(view_of(&map).projection.texel(pose().point(DVec3::new(6.0, 12.0, 0.0))), [7.0, 12.5]));
     let mut values = Vec::new();
     map.source.read(0, &mut values).unwrap();
@@ -516,7 +528,7 @@ fn a_simulation_that_was_made_of_the_scene_lies_where_it_was_written() {
     std::fs::create_dir_all(folder.join("output")).unwrap();
     std::fs::write(folder.join("output/simulation.properties.txt"), PROPERTIES).unwrap();
     image.write(&folder.join("output"));
-    let map = output::open(&folder).unwrap().view_map(0, &made, &MapOptions::default()).unwrap();
+    let map = view_map(&output::open(&folder).unwrap(), 0, &made, &MapOptions::default()).unwrap();
     assert!(near(view_of(&map).projection.texel(DVec3::new(4.0, 4.0, 6.0)), [0.5, 0.5]));
     assert!(near(view_of(&map).projection.texel(DVec3::new(-3.0, 0.0, -5.0)), [7.5, 11.5]));
 }

@@ -65,8 +65,8 @@ pub(crate) fn tetrahedron() -> Scene {
         thermal: Thermal::Off,
         sensor: Sensor {
             name: "seeker".into(),
-            camera: FrameCamera {
-                world_from_sensor: Pose {
+            camera: FrameCamera::centred(
+                Pose {
                     rotation: DMat3::from_cols(
                         DVec3::Z,
                         DVec3::new(-slant, -slant, 0.0),
@@ -74,10 +74,10 @@ pub(crate) fn tetrahedron() -> Scene {
                     ),
                     translation_m: DVec3::new(-100.0, 100.0, 0.0),
                 },
-                samples: 300,
-                lines: 200,
-                pitch: 0.002,
-            },
+                300,
+                200,
+                0.002,
+            ),
             bands: vec![Band::new(1.0, Some(0.02)), Band::new(2.0, None)],
         },
     }
@@ -287,7 +287,7 @@ fn assert_same(a: &Scene, b: &Scene) {
     assert_eq!((&a.sensor.name, &a.sensor.bands), (&b.sensor.name, &b.sensor.bands));
     let (x, y) = (&a.sensor.camera, &b.sensor.camera);
     assert_eq!((x.samples, x.lines), (y.samples, y.lines));
-    assert!((x.pitch / y.pitch - 1.0).abs() < 1e-12);
+    assert!((x.pitch[0] / y.pitch[0] - 1.0).abs() < 1e-12);
     assert!((x.centre_m() - y.centre_m()).length() < 1e-9);
     let turn = x.world_from_sensor.rotation - y.world_from_sensor.rotation;
     assert!((0..3).all(|i| turn.col(i).length() < 1e-12), "{turn}");

@@ -325,7 +325,7 @@ fn the_shadow_of_a_box_is_exact_in_every_pixel() {
         let seen = see(&scene, sun, &cam);
         let image = |p: DVec3| {
             let q = cam.world_from_sensor.inverse().point(p);
-            [q.x / q.z / cam.pitch + 16.0, q.y / q.z / cam.pitch + 16.0]
+            [q.x / q.z / cam.pitch[0] + 16.0, q.y / q.z / cam.pitch[1] + 16.0]
         };
         let corner = |n: usize, z: Option<f64>| {
             DVec3::new([lo[0], hi[0]][n & 1], [lo[1], hi[1]][n >> 1 & 1], z.unwrap_or([0.0, hi[2]][n >> 2]))

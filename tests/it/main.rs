@@ -3,6 +3,7 @@
 mod afar;
 mod bands;
 mod bodies;
+mod cameras;
 mod cli;
 mod clipping;
 mod convert;
@@ -10,6 +11,7 @@ mod convert;
 mod dart_database;
 #[cfg(feature = "sqlite")]
 mod dart_mandatory;
+mod dart_outline;
 mod dart_output;
 mod dart_read;
 #[cfg(feature = "sqlite")]
@@ -31,11 +33,15 @@ mod invariance;
 mod layers;
 mod malformed_scene;
 mod map_files;
+mod map_sums;
 mod maps;
+mod mosaics;
 mod oracles;
+mod partly_sky;
 mod products;
 mod raster;
 mod raster_convert;
+mod renderers;
 mod report;
 mod sampler;
 mod scene_files;

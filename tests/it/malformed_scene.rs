@@ -83,7 +83,7 @@ fn the_good_scene_is_read() {
     assert_eq!(axes.x_axis.to_array(), [1.0, 0.0, 0.0]);
     assert_eq!(axes.y_axis.to_array(), [0.0, -1.0, 0.0]);
     assert_eq!(axes.z_axis.to_array(), [0.0, 0.0, -1.0]);
-    assert!((camera.pitch - 2.0 * 0.5_f64.to_radians().tan() / 8.0).abs() < 1e-18);
+    assert!((camera.pitch[0] - 2.0 * 0.5_f64.to_radians().tan() / 8.0).abs() < 1e-18);
     let centres: Vec<f64> = scene.sensor.bands.iter().map(|b| b.centre_um).collect();
     assert_eq!(centres, [1.0, 1.5, 2.0]);
     let read: Vec<&str> = file.inputs.iter().filter_map(|i| i.path.file_name()?.to_str()).collect();

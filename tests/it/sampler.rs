@@ -105,7 +105,7 @@ fn sampled(
     };
     let pixels = camera.samples * camera.lines;
     let coordinate = |pixel: u32, pixels: u32, part: f64| {
-        (f64::from(pixel) + part / f64::from(side) - 0.5 * f64::from(pixels)) * camera.pitch
+        (f64::from(pixel) + part / f64::from(side) - 0.5 * f64::from(pixels)) * camera.pitch[0]
     };
     (0..pixels)
         .map(|pixel| {
@@ -229,7 +229,7 @@ fn rays_agree_on_a_map_from_another_camera() {
     let hidden = Bins::new(&mesh, |p| through(&map_camera, p));
     let of_map = |facet: u32, point: DVec3, normal: DVec3| {
         let at = through(&map_camera, point);
-        let [column, row] = [at.x, at.y].map(|x| x / map_camera.pitch + 30.0);
+        let [column, row] = [at.x, at.y].map(|x| x / map_camera.pitch[0] + 30.0);
         let is_inside = (0.0..60.0).contains(&column) && (0.0..60.0).contains(&row);
         let ray = point - eye;
         // What lies between the eye and the point, short of it by more than rounding.

@@ -27,7 +27,7 @@ fn the_site_of_table_i_is_read_as_it_is_printed() {
     let east = glam::DVec3::Z.cross(outward.vec()).normalize();
     assert!((camera.world_from_sensor.rotation.x_axis - east).length() < 1e-4);
     // 2 km, and what perspective adds for relief, in 256 pixels: 7.8 m.
-    let pixel_m = camera.pitch * camera.centre_m().length();
+    let pixel_m = camera.pitch[0] * camera.centre_m().length();
     assert!((7.8..8.0).contains(&pixel_m), "{pixel_m}");
     assert_eq!((camera.samples, camera.lines, scene.sensor.bands.len()), (256, 256, 300));
     assert_eq!(scene.sensor.bands[299].centre_um, 3.6);

@@ -154,7 +154,7 @@ pub(crate) fn camera(from: [f64; 3], at: [f64; 3], up: [f64; 3], pixels: u32, pi
     let u = (DVec3::from_array(at) - from).normalize();
     let h = u.cross(DVec3::from_array(up)).normalize();
     let pose = Pose { rotation: DMat3::from_cols(h, u.cross(h), u), translation_m: from };
-    FrameCamera { world_from_sensor: pose, samples: pixels, lines: pixels, pitch }
+    FrameCamera::centred(pose, pixels, pixels, pitch)
 }
 
 /// A camera above the origin looking down that sees `width` metres of the plane z = 0; x to the right, y up.
@@ -164,7 +164,12 @@ pub(crate) fn nadir(height: f64, width: f64, pixels: u32) -> FrameCamera {
 
 /// A camera at the origin that sees (x, y, 1) at (x + columns / 2, y + rows / 2) in an image of columns x rows pixels.
 pub(crate) fn unit_camera(columns: u32, rows: u32) -> FrameCamera {
-    FrameCamera { samples: columns, lines: rows, ..camera([0.0; 3], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0], 1, 1.0) }
+    FrameCamera::centred(
+        camera([0.0; 3], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0], 1, 1.0).world_from_sensor,
+        columns,
+        rows,
+        1.0,
+    )
 }
 
 /// Numbers without a pattern, the same in every run: splitmix64 (Steele, Lea & Flood 2014).

@@ -303,7 +303,8 @@ impl Lines {
 
     fn sensors(&mut self, a: &Sensor, b: &Sensor) {
         let Sensor { name, camera, bands } = a;
-        let FrameCamera { world_from_sensor: Pose { rotation, translation_m }, samples, lines, pitch } = camera;
+        let FrameCamera { world_from_sensor: Pose { rotation, translation_m }, samples, lines, pitch, boresight_px } =
+            camera;
         self.places("observer.position_m", *translation_m, b.camera.world_from_sensor.translation_m);
         for (axis, i) in [("h", 0), ("v", 1), ("u", 2)] {
             let of_b = b.camera.world_from_sensor.rotation.col(i);
@@ -312,8 +313,15 @@ impl Lines {
         self.words("sensor.name", name, &b.name);
         self.numbers("sensor.samples", f64::from(*samples), f64::from(b.camera.samples));
         self.numbers("sensor.lines", f64::from(*lines), f64::from(b.camera.lines));
-        if !same(pitch / b.camera.pitch, 1.0) {
-            self.push("sensor pitch", pitch, b.camera.pitch);
+        if !(0..2).all(|k| same(pitch[k] / b.camera.pitch[k], 1.0)) {
+            let shown = |[across, down]: [f64; 2]| {
+                if across == down { format!("{across}") } else { format!("{across} x {down}") }
+            };
+            self.push("sensor pitch", shown(*pitch), shown(b.camera.pitch));
+        }
+        // Where the boresight is counts in pixels, and may be 0.
+        if !(0..2).all(|k| same(1.0 + boresight_px[k] - b.camera.boresight_px[k], 1.0)) {
+            self.push("sensor.boresight_px", format!("{boresight_px:?}"), format!("{:?}", b.camera.boresight_px));
         }
         if bands.len() != b.bands.len() {
             return self.push("sensor.bands", bands.len(), b.bands.len());

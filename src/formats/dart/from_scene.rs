@@ -213,7 +213,7 @@ fn pixel_m(scene: &Scene, size_m: DVec3) -> f64 {
     let (low_m, high_m) = scene.mesh.bounds_m().unwrap_or_default();
     let camera = &scene.sensor.camera;
     let extent_m = size_m.max_element();
-    let pixel_m = (camera.pitch * (camera.centre_m() - 0.5 * (low_m + high_m)).length())
+    let pixel_m = (camera.mean_pitch() * (camera.centre_m() - 0.5 * (low_m + high_m)).length())
         .clamp(extent_m / 2000.0, extent_m / 10.0)
         // A point has no extent.
         .max(1e-6);
@@ -276,13 +276,13 @@ impl Site<'_> {
 
     fn camera(&self) -> Camera {
         let camera = &self.scene.sensor.camera;
-        let (look_deg, roll_deg) = camera_deg(self.dart_from_body * camera.world_from_sensor.rotation, camera.pitch);
-        let angle_deg = |pixels: u32| (2.0 * (0.5 * f64::from(pixels) * camera.pitch).atan()).to_degrees();
+        let (look_deg, roll_deg) = camera_deg(self.dart_from_body * camera.world_from_sensor.rotation, camera.pitch[0]);
+        let angle_deg = |pixels: u32, pitch: f64| (2.0 * (0.5 * f64::from(pixels) * pitch).atan()).to_degrees();
         Camera {
             position_m: self.dart_from_body * camera.centre_m() + self.origin_in_dart_m,
             look_deg,
             roll_deg,
-            field_of_view_deg: [angle_deg(camera.samples), angle_deg(camera.lines)],
+            field_of_view_deg: [angle_deg(camera.samples, camera.pitch[0]), angle_deg(camera.lines, camera.pitch[1])],
             pixels: [camera.samples, camera.lines],
             at: Location::item("sensor"),
         }

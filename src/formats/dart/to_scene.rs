@@ -554,7 +554,7 @@ impl Reader<'_> {
             let rotation = place.dart_from_body.transpose() * frame::camera_rotation([180.0, 180.0], 0.0);
             let centre_m = 0.5 * (low_m + high_m) + rotation.z_axis * (-CAMERA_DISTANCE * extent_m);
             let world_from_sensor = Pose { rotation, translation_m: centre_m };
-            return FrameCamera { world_from_sensor, samples: 256, lines: 256, pitch: 1.0 / (CAMERA_DISTANCE * 256.0) };
+            return FrameCamera::centred(world_from_sensor, 256, 256, 1.0 / (CAMERA_DISTANCE * 256.0));
         };
         for other in &simulation.phase.cameras[1..] {
             self.note(Fate::Dropped, &other.at, "a scene has one camera: this is not the first");
@@ -563,11 +563,8 @@ impl Reader<'_> {
         let [width_deg, height_deg] = camera.field_of_view_deg;
         let [samples, lines] = camera.pixels;
         let (across, down) = (pitch(width_deg, samples), pitch(height_deg, lines));
-        if (across / down - 1.0).abs() > SAME.sqrt() {
-            let message =
-                format!("pixels are not square: {across:e} by {down:e} of the focal length; the first is taken");
-            self.note(Fate::Approximated, &camera.at, message);
-        }
+        // Angles are rounded: pixels that differ by no more are square.
+        let is_square = (across / down - 1.0).abs() <= SAME.sqrt();
         let is_written = |rotation: &DMat3| {
             let (look_deg, roll_deg) = camera_deg(place.dart_from_body * *rotation, across);
             place.is_kept && same_all(&look_deg, &camera.look_deg) && same(roll_deg, camera.roll_deg)
@@ -581,7 +578,8 @@ impl Reader<'_> {
         let given = || place.dart_from_body.transpose() * frame::camera_rotation(camera.look_deg, camera.roll_deg);
         let rotation = kept.unwrap_or_else(given);
         let world_from_sensor = Pose { rotation, translation_m: place.local_m(camera.position_m) };
-        FrameCamera { world_from_sensor, samples, lines, pitch: across }
+        let centred = FrameCamera::centred(world_from_sensor, samples, lines, across);
+        if is_square { centred } else { FrameCamera { pitch: [across, down], ..centred } }
     }
 
     /// Parallel views: one from the scene's middle towards the camera is the camera's own.

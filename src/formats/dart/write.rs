@@ -168,15 +168,15 @@ fn tetrahedron(target: Target) -> Result<(Package, [Face; 4])> {
         thermal: Thermal::Off,
         sensor: Sensor {
             name: "check".into(),
-            camera: FrameCamera {
-                world_from_sensor: Pose {
+            camera: FrameCamera::centred(
+                Pose {
                     rotation: DMat3::from_cols(DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z),
                     translation_m: DVec3::new(0.0, 0.0, 1000.0),
                 },
-                samples: 200,
-                lines: 200,
-                pitch: 1.25e-4,
-            },
+                200,
+                200,
+                1.25e-4,
+            ),
             bands: vec![Band::new(1.0, Some(0.02))],
         },
     };

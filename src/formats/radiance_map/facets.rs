@@ -6,7 +6,7 @@ use super::values::FacetTexels;
 use crate::error::{Error, Location, Problem, Result};
 use crate::formats::input::{self, InputFile, Problems};
 use crate::formats::npz;
-use crate::product::{Placement, RadianceMap};
+use crate::product::{Placement, RadianceMap, Sky};
 use crate::spectral::Band;
 
 /// Name of the array or columns.
@@ -43,7 +43,9 @@ pub(super) fn open(path: &Path, weight: f64) -> Result<Option<(RadianceMap, Inpu
         placement: Placement::Facets(facets),
         source: Box::new(texels),
         weight,
-        has_heat: false,
+        heat: None,
+        sky: Sky::LeftOut,
+        registration: None,
     };
     Ok(Some((map, input)))
 }

@@ -17,19 +17,19 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 use super::InputFile;
-use super::dart::{self, output as dart_output};
+use super::dart::{self, output as dart_output, output::Placing};
 use super::input;
 use super::located::Document;
 use super::raster::{self, Raster};
-use super::scene_toml::{self, Reader, Tiling};
+use super::scene_toml::{self, Lens, Reader, Tiling};
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::{Direction, Pose};
-use crate::product::{Eye, Placement, Projection, RadianceMap, TexelSource, ViewImage};
+use crate::product::{Eye, Placement, Projection, RadianceMap, Sky, TexelSource, ViewImage};
 use crate::progress::Watch;
 use crate::scene::{FrameCamera, Scene};
 use crate::spectral::Band;
 
-use types::{DartMapToml, MapToml, NumbersToml, PlacementToml, QuantityToml};
+use types::{DartMapToml, MapToml, NegativeToml, NumbersToml, PlacementToml, QuantityToml, RegistrationToml, SkyToml};
 use unit::Unit;
 use values::{Conversion, RasterTexels, TiledTexels};
 
@@ -78,7 +78,7 @@ pub fn open(path: &Path, scene: &Scene, weight: f64, watch: Watch<'_>) -> Result
         return Ok(Opened { maps: vec![map], inputs: vec![input], notes: vec![] });
     }
     if path.is_dir() || path.extension().is_some_and(|e| e == "mpr" || e == "mp#") {
-        return of_dart(path, scene, weight, &dart_output::MapOptions::default());
+        return of_dart(path, scene, weight, &dart_output::MapOptions::default(), watch);
     }
     // What is no raster either is told as that.
     let raster = raster::open(path)?;
@@ -133,8 +133,22 @@ pub fn describe(path: &Path) -> Result<Vec<(String, String)>> {
     Ok(document.keys("").into_iter().map(value).collect())
 }
 
+fn sky(toml: Option<SkyToml>) -> Sky {
+    match toml {
+        None => Sky::Guessed,
+        Some(SkyToml::Included) => Sky::Included,
+        Some(SkyToml::LeftOut) => Sky::LeftOut,
+    }
+}
+
 /// All views of a DART output, in one quantity; without any, the radiative budget of its triangles.
-fn of_dart(path: &Path, scene: &Scene, weight: f64, options: &dart_output::MapOptions) -> Result<Opened> {
+fn of_dart(
+    path: &Path,
+    scene: &Scene,
+    weight: f64,
+    options: &dart_output::MapOptions,
+    watch: Watch<'_>,
+) -> Result<Opened> {
     use dart_output::Quantity::{Brf, Radiance, Tapp};
     let output = dart_output::open(path)?;
     let mut notes = Vec::new();
@@ -151,7 +165,8 @@ fn of_dart(path: &Path, scene: &Scene, weight: f64, options: &dart_output::MapOp
     };
     for (i, view) in output.views().iter().enumerate() {
         if view.quantity == taken {
-            let map = output.view_map(i, scene, options)?;
+            let (map, note) = output.view_map(i, scene, options, watch)?;
+            notes.extend(note);
             maps.push(RadianceMap { weight: map.weight * weight, ..map });
         }
     }
@@ -175,10 +190,19 @@ fn read(file: &Path, asked: &Path, scene: &Scene, weight: f64, watch: Watch<'_>)
         let scene_from_dart =
             toml.origin_in_dart_m.map(|origin| dart::placed(scene.origin_m, DVec3::from_array(origin)));
         let irradiance_w_m2_um = toml.irradiance_w_m2_um;
-        let shift_texels = toml.shift_texels.unwrap_or_default();
-        let options = dart_output::MapOptions { scene_from_dart, irradiance_w_m2_um, shift_texels };
+        let placing = match (toml.shift_texels, toml.registration) {
+            (Some(_), Some(_)) => {
+                let message = "does not go with `shift_texels`, which says where the image lies";
+                return Err(Error::Invalid(vec![Problem::new(document.at("registration"), message)]));
+            }
+            (Some(shift_texels), None) => Placing::Shifted(shift_texels),
+            (None, Some(RegistrationToml::Printed)) => Placing::Shifted([0.0; 2]),
+            (None, Some(RegistrationToml::Forced)) => Placing::Forced,
+            (None, Some(RegistrationToml::Outline) | None) => Placing::Outline,
+        };
+        let options = dart_output::MapOptions { scene_from_dart, irradiance_w_m2_um, placing, sky: sky(toml.sky) };
         let path = input::home(file, Path::new(&toml.dart)).join(toml.dart);
-        let mut opened = of_dart(&path, scene, weight, &options)?;
+        let mut opened = of_dart(&path, scene, weight, &options, watch)?;
         opened.inputs.push(input);
         return Ok(opened);
     }
@@ -195,7 +219,9 @@ fn read(file: &Path, asked: &Path, scene: &Scene, weight: f64, watch: Watch<'_>)
     let map = rasters.and_then(|rasters| {
         let name = rasters[0].path.display().to_string();
         let (placement, source) = map(&mut reader, &toml, rasters, scene, watch)?;
-        Some(RadianceMap { name, placement, source, weight, has_heat: false })
+        let heat = toml.heat.or((toml.quantity == QuantityToml::BrightnessTemperature).then_some(true));
+        let sky = sky(toml.sky);
+        Some(RadianceMap { name, placement, source, weight, heat, sky, registration: None })
     });
     let (inputs, notes) = reader.finish()?;
     match map {
@@ -252,7 +278,8 @@ fn map(
     match bands.iter().enumerate().map(convert).collect() {
         Ok(conversion) => {
             let (placement, tiling) = placement?;
-            let texels = RasterTexels { rasters, bands, conversion };
+            let clips = toml.negative == Some(NegativeToml::Clip);
+            let texels = RasterTexels { rasters, bands, conversion, clips };
             Some((
                 placement,
                 match tiling {
@@ -307,8 +334,8 @@ fn placement(
     let (rows, columns) = (rasters[0].rows, rasters[0].columns);
     let occlusion = toml.occlusion.unwrap_or(true);
     let wanted = match toml.placement {
-        PlacementToml::Camera => ["observer", "sensor", "scene", "occlusion"].as_slice(),
-        PlacementToml::Plane => &["plane", "occlusion"],
+        PlacementToml::Camera => ["observer", "sensor", "scene", "occlusion", "sky"].as_slice(),
+        PlacementToml::Plane => &["plane", "occlusion", "sky"],
         PlacementToml::Atlas => &["wrap"],
         PlacementToml::Facets => &[],
     };
@@ -318,6 +345,7 @@ fn placement(
         ("scene", toml.scene.is_some()),
         ("plane", toml.plane.is_some()),
         ("occlusion", toml.occlusion.is_some()),
+        ("sky", toml.sky.is_some()),
         ("wrap", toml.wrap.is_some()),
     ];
     for (key, _) in given.into_iter().filter(|(key, is_given)| *is_given && !wanted.contains(key)) {
@@ -411,15 +439,8 @@ fn camera(
         }
         (None, Some(observer), Some(sensor)) => {
             let pose: Option<Pose> = reader.observer(observer);
-            let pitch = match (sensor.ifov_mrad, sensor.fov_deg) {
-                (Some(ifov_mrad), None) => scene_toml::pitch_of_ifov(ifov_mrad),
-                (None, Some(fov_deg)) => scene_toml::pitch_of_fov(fov_deg, samples),
-                _ => {
-                    reader.problem("sensor", "give one of `ifov_mrad` and `fov_deg`");
-                    return None;
-                }
-            };
-            Some(FrameCamera { world_from_sensor: pose?, samples, lines, pitch })
+            let (pitch, boresight_px) = reader.optics(&Lens::from(sensor), [samples, lines], None)?;
+            Some(FrameCamera { world_from_sensor: pose?, samples, lines, pitch, boresight_px })
         }
         _ => {
             reader.problem("placement", "a camera needs `observer` and `sensor`, or a `scene` that has them");

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::unit::Unit;
-use crate::formats::scene_toml::types::{BandsToml, ObserverToml, PlaneToml, RasterToml, WrapToml};
+use crate::formats::scene_toml::types::{BandsToml, MapSensorToml, ObserverToml, PlaneToml, RasterToml, WrapToml};
 
 /// A radiance map: the raster that holds it, what its numbers are, and where they lie in a scene. Relative paths start at this
 /// file's folder.
@@ -35,7 +35,7 @@ pub(super) struct MapToml {
     pub(super) placement: PlacementToml,
     /// For `placement = "camera"`: where the camera was, and where it looked.
     pub(super) observer: Option<ObserverToml>,
-    /// For `placement = "camera"`: its field of view. Its samples and lines are the raster's.
+    /// For `placement = "camera"`: its lens. Its samples and lines are the raster's.
     pub(super) sensor: Option<MapSensorToml>,
     /// For `placement = "camera"`: a scene file whose `observer` and `sensor` the image was made by, instead of the two above.
     pub(super) scene: Option<String>,
@@ -47,6 +47,33 @@ pub(super) struct MapToml {
     /// For a camera or a plane: whether a surface that others hide from it is unknown (the default); if not, the image goes
     /// through everything.
     pub(super) occlusion: Option<bool>,
+    /// For a camera or a plane: what texels hold that show the scene in part, and sky beside it. Default: `included` for a camera, unless
+    /// its raster knows their coverage, or what lies around the scene is as bright; `left_out` for a plane, unless that is dark.
+    pub(super) sky: Option<SkyToml>,
+    /// Whether the numbers hold thermal emission, which a sum must hold once. Default: brightness temperatures do, of others nobody knows.
+    pub(super) heat: Option<bool>,
+    /// What becomes of small numbers below 0, as filters of renderers leave them beside bright edges. Default "error".
+    pub(super) negative: Option<NegativeToml>,
+}
+
+/// What a texel holds that shows the scene in part.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum SkyToml {
+    /// The mean over all of the texel, with a dark sky, as cameras and renderers have it: it is divided by the share that shows the scene.
+    Included,
+    /// The mean over what shows the scene.
+    LeftOut,
+}
+
+/// What becomes of numbers below 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum NegativeToml {
+    /// They are an error.
+    Error,
+    /// Those whose magnitude is below a fifth of the band's largest number are 0; others are an error.
+    Clip,
 }
 
 /// What DART computed, where its folder does not say how it lies in the scene, or under which light.
@@ -64,8 +91,24 @@ pub(super) struct DartMapToml {
     pub(super) origin_in_dart_m: Option<[f64; 3]>,
     /// Columns and rows by which what an image shows lies beyond where its corners put it. Default 0: as DART says.
     pub(super) shift_texels: Option<[f64; 2]>,
+    /// How an image's place is found. Default "outline".
+    pub(super) registration: Option<RegistrationToml>,
+    /// What texels of an image hold that show the scene in part. Default: whichever those at its rim look like.
+    pub(super) sky: Option<SkyToml>,
     /// Irradiance of a horizontal plane that reflectance factors refer to, W m-2 um-1, one for each band. Default: as the output says.
     pub(super) irradiance_w_m2_um: Option<Vec<f64>>,
+}
+
+/// How an image's place is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum RegistrationToml {
+    /// By its outline against the scene's; an image whose outline is another one is refused.
+    Outline,
+    /// As above, but whatever fits best is taken.
+    Forced,
+    /// By its corners, as DART says.
+    Printed,
 }
 
 /// One number for all bands, or one for each.
@@ -154,16 +197,4 @@ pub(super) enum PlacementToml {
     Camera,
     /// Squares of a plane, put onto the scene along one direction.
     Plane,
-}
-
-/// A camera's field of view: one of the two.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct MapSensorToml {
-    /// Angle that the central pixel subtends, mrad.
-    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1000))]
-    pub(super) ifov_mrad: Option<f64>,
-    /// Angle that a line of pixels subtends, deg.
-    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 180))]
-    pub(super) fov_deg: Option<f64>,
 }

@@ -81,7 +81,13 @@ pub(super) struct RasterTexels {
     pub(super) bands: Vec<Band>,
     /// For each band.
     pub(super) conversion: Vec<Conversion>,
+    /// Whether small numbers below 0 are 0.
+    pub(super) clips: bool,
 }
+
+/// Numbers below 0 that a filter leaves are smaller than this share of the largest number: the side lobes of Lanczos' filter in two
+/// dimensions reach a sixth.
+const SIDE_LOBES: f64 = 0.2;
 
 impl RasterTexels {
     /// The raster of a band, and its number there.
@@ -108,6 +114,10 @@ impl TexelSource for RasterTexels {
         };
         self.rasters[raster].read(within, values)?;
         let conversion = self.conversion[band];
+        if self.clips {
+            let largest = values.iter().copied().fold(0.0, f64::max);
+            values.iter_mut().filter(|v| -SIDE_LOBES * largest < **v && **v < 0.0).for_each(|v| *v = 0.0);
+        }
         // A chunk at a time without a way out of it, so that several values are compared at once.
         let is_negative = |chunk: &[f64]| chunk.iter().fold(false, |found, v| found | (*v < 0.0));
         if let Some(chunk) = values.chunks(1024).position(is_negative)
@@ -174,8 +184,10 @@ impl RasterTexels {
         ));
         let help = if value == -1.0 {
             "if -1 stands for what is not known, say `no_data = -1`"
+        } else if self.clips {
+            "`negative = \"clip\"` makes numbers 0 whose magnitude is below a fifth of the band's largest; this one is more"
         } else {
-            "say which number stands for what is not known: `no_data`"
+            "say which number stands for what is not known: `no_data`; if a filter left it beside a bright edge: `negative = \"clip\"`"
         };
         Error::Invalid(vec![
             Problem::new(at, format!("{} is negative, which nothing that a map holds can be", number(value)))

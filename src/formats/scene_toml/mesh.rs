@@ -144,7 +144,7 @@ impl Reader<'_> {
         let item = format!("mesh[{i}].{}", if meshes[i].unit_m.is_some() { "unit_m" } else { "obj" });
         let size_m = (high - low).length();
         let away_m = (camera.centre_m() - 0.5 * (low + high)).length();
-        let pixel_m = camera.pitch * away_m;
+        let pixel_m = camera.mean_pitch() * away_m;
         let (times_away, pixels) = (away_m / size_m, size_m / pixel_m);
         if !(size_m > 0.0 && (times_away > FAR || pixels < 1.0)) {
             return;

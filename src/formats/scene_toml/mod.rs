@@ -4,6 +4,8 @@
 //! ([`located`]); each part against itself and the files it names; the whole, by [`Scene::check`].
 
 mod atlas;
+mod attitude;
+mod lens;
 mod materials;
 mod mesh;
 mod rasters;
@@ -28,6 +30,7 @@ use super::located::{self, Document};
 use super::spectra;
 use super::spectrum_csv::{self, Quantity};
 pub(super) use atlas::Tiling;
+pub(super) use lens::Lens;
 pub(super) use materials::EMISSIVITY_BOLOMETRIC;
 pub(crate) use materials::hex_from_linear;
 pub(super) use view::SENSOR_NAME;

@@ -359,14 +359,14 @@ pub(crate) enum ThermalModelToml {
     Off,
 }
 
-/// Where the camera is, and one of: `target_m` and `up`; `h`, `v` and `u`; `world_from_sensor_xyzw`.
+/// Where the camera is, and one of: `target_m` and `up`; `h`, `v` and `u`; `world_from_sensor_xyzw`. Or all of it as `camera_to_world`.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ObserverToml {
     /// What all positions, directions and rotations of this table are given in. Default "body".
     pub(crate) frame: Option<Frame>,
     /// Projection centre in the body-fixed frame, from the body's centre, m.
-    pub(crate) position_m: [f64; 3],
+    pub(crate) position_m: Option<[f64; 3]>,
     /// Point that the boresight goes through, in the body-fixed frame, m.
     pub(crate) target_m: Option<[f64; 3]>,
     /// Direction that points to the top of the image, axes of the body; any length.
@@ -379,6 +379,28 @@ pub(crate) struct ObserverToml {
     pub(crate) u: Option<[f64; 3]>,
     /// Unit quaternion (x, y, z, w) that carries sensor axes into body axes.
     pub(crate) world_from_sensor_xyzw: Option<[f64; 4]>,
+    /// Position and axes as renderers give them, instead of all of the above: the rows of the 4 x 4 matrix that carries the camera's
+    /// axes into those of the body, positions in m; which way the camera looks, `convention` says.
+    pub(crate) camera_to_world: Option<[[f64; 4]; 4]>,
+    /// Which axes the camera of `camera_to_world` has.
+    pub(crate) convention: Option<ConventionToml>,
+    /// Whether the position in `camera_to_world` is local to `origin_m` of the scene, or starts at the body's centre, as `position_m`
+    /// does. Default "body".
+    pub(crate) coordinates: Option<Coordinates>,
+}
+
+/// Axes of a camera.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum ConventionToml {
+    /// x right, y down, looks along +z: OpenCV, COLMAP.
+    Opencv,
+    /// x right, y up, looks along -z: OpenGL, glTF, NeRF.
+    Opengl,
+    /// As OpenGL: `matrix_world` of a camera in Blender.
+    Blender,
+    /// x left, y up, looks along +z: `to_world` of a sensor in Mitsuba.
+    Mitsuba,
 }
 
 /// A frame camera, by preset or by its own numbers; what is given beside a preset replaces the preset's.
@@ -395,16 +417,100 @@ pub(crate) struct SensorToml {
     /// Lines.
     #[schemars(range(min = 1, max = 16384))]
     pub(crate) lines: Option<u32>,
-    /// Angle that the central pixel subtends, mrad.
+    /// Angle that a pixel on the boresight subtends, along a line, mrad.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub(crate) ifov_mrad: Option<f64>,
-    /// Angle that a line of pixels subtends, deg.
+    /// Angle that a line of pixels subtends, seen about its middle, deg; with `window` a line of the larger image.
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 180))]
     pub(crate) fov_deg: Option<f64>,
+    /// Focal length in pixels: one number, or that along a line and that across (fx, fy).
+    pub(crate) focal_px: Option<FocalToml>,
+    /// Focal length, mm, with `sensor_mm`.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub(crate) focal_mm: Option<f64>,
+    /// Size of the sensor, mm: of the side that `sensor_fit` says.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub(crate) sensor_mm: Option<f64>,
+    /// The side that `sensor_mm` and `shift` go by. Default "auto", the longer one.
+    pub(crate) sensor_fit: Option<SensorFitToml>,
+    /// Height of a pixel over its width. Default 1.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub(crate) pixel_aspect: Option<f64>,
+    /// Where the boresight meets the image (principal point), sample and line, pixels from the outer corner of the first pixel: what
+    /// counts from that pixel's centre (cx, cy of OpenCV), plus 0.5. Default: the middle. With `window` it is of the larger image.
+    pub(crate) boresight_px: Option<[f64; 2]>,
+    /// Shift of the lens to the right and up, in sizes of the sensor, as Blender's `shift_x` and `shift_y`; instead of `boresight_px`.
+    pub(crate) shift: Option<[f64; 2]>,
+    /// The image is a window of a larger one, which the keys above are about.
+    pub(crate) window: Option<WindowToml>,
     /// "scene": the smallest field of view that holds every vertex in front of the camera; the boresight stays.
     pub(crate) fit: Option<Fit>,
     /// Bands.
     pub(crate) bands: Option<BandsToml>,
+}
+
+/// A focal length in pixels.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(crate) enum FocalToml {
+    /// Of square pixels.
+    Both(#[schemars(extend("exclusiveMinimum" = 0))] f64),
+    /// Along a line, and across.
+    Each([f64; 2]),
+}
+
+/// The side of an image that a sensor's size is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum SensorFitToml {
+    /// The longer one.
+    Auto,
+    /// The width.
+    Horizontal,
+    /// The height.
+    Vertical,
+}
+
+/// A window cut from a larger image.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct WindowToml {
+    /// Sample and line of the larger image at which the window begins, from 0.
+    pub(crate) first_px: [f64; 2],
+    /// Samples and lines of the larger image.
+    pub(crate) of_px: [u32; 2],
+}
+
+/// The lens of a camera whose samples and lines are an image's: one of `ifov_mrad`, `fov_deg`, `focal_px`, and `focal_mm` with `sensor_mm`.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct MapSensorToml {
+    /// Angle that a pixel on the boresight subtends, along a line, mrad.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub(crate) ifov_mrad: Option<f64>,
+    /// Angle that a line of pixels subtends, seen about its middle, deg; with `window` a line of the larger image.
+    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 180))]
+    pub(crate) fov_deg: Option<f64>,
+    /// Focal length in pixels: one number, or that along a line and that across (fx, fy).
+    pub(crate) focal_px: Option<FocalToml>,
+    /// Focal length, mm, with `sensor_mm`.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub(crate) focal_mm: Option<f64>,
+    /// Size of the sensor, mm: of the side that `sensor_fit` says.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub(crate) sensor_mm: Option<f64>,
+    /// The side that `sensor_mm` and `shift` go by. Default "auto", the longer one.
+    pub(crate) sensor_fit: Option<SensorFitToml>,
+    /// Height of a pixel over its width. Default 1.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub(crate) pixel_aspect: Option<f64>,
+    /// Where the boresight meets the image (principal point), sample and line, pixels from the outer corner of the first pixel: what
+    /// counts from that pixel's centre (cx, cy of OpenCV), plus 0.5. Default: the middle. With `window` it is of the larger image.
+    pub(crate) boresight_px: Option<[f64; 2]>,
+    /// Shift of the lens to the right and up, in sizes of the sensor, as Blender's `shift_x` and `shift_y`; instead of `boresight_px`.
+    pub(crate) shift: Option<[f64; 2]>,
+    /// The image is a window of a larger one, which the keys above are about.
+    pub(crate) window: Option<WindowToml>,
 }
 
 /// Known instruments.

@@ -9,10 +9,11 @@ use crate::scene::{FrameCamera, LEAST_PITCH, Sensor};
 use crate::spectral::{Band, Light, Response, Spectrum};
 
 use super::Reader;
+use super::lens::Lens;
 use super::mesh::{ROUNDED, UNIT_TOLERANCE};
 use super::types::{
-    BandsToml, Fit, Frame, Fwhm, LightToml, LightsToml, ObserverToml, Preset, ResponseToml, SensorToml, ShapeToml,
-    ShapesToml,
+    BandsToml, Coordinates, Frame, Fwhm, LightToml, LightsToml, ObserverToml, Preset, ResponseToml, SensorToml,
+    ShapeToml, ShapesToml,
 };
 
 /// A camera that has no name.
@@ -50,44 +51,34 @@ impl Reader<'_> {
             }
         };
         let (samples, lines) = (samples?, lines?);
-        let pitch = match (toml.ifov_mrad, toml.fov_deg, toml.fit) {
-            (Some(ifov_mrad), None, None) => {
-                let message = format!("a pixel of {} mrad", number(ifov_mrad));
-                let help = "if this is microradians, write a thousandth";
-                // Half a turn has no tangent.
-                if ifov_mrad >= 1e3 * std::f64::consts::PI {
-                    self.helped("sensor.ifov_mrad", message, help);
-                    return None;
-                }
-                if ifov_mrad > 1000.0 {
-                    self.notes.push(format!("sensor.ifov_mrad: {message}; {help}"));
-                }
-                Some(pitch_of_ifov(ifov_mrad))
-            }
-            (None, Some(fov_deg), None) => Some(pitch_of_fov(fov_deg, samples)),
-            (None, None, Some(Fit::Scene)) => match (pose, mesh) {
+        let lens = Lens::from(toml);
+        let optics = if self.is_fitted(toml.fit, &lens)? {
+            let pitch = match (pose, mesh) {
                 (Some(pose), Some(mesh)) => self.fitted(&pose, samples, lines, mesh),
                 _ => None,
-            },
-            (None, None, None) if preset => {
+            };
+            pitch.map(|pitch| ([pitch; 2], [samples, lines].map(|n| 0.5 * f64::from(n))))
+        } else {
+            if preset && !lens.says_field() {
                 self.stated("sensor.ifov_mrad", "0.5: MacrOmega");
-                Some(2.0 * (0.5 * 0.5e-3_f64).tan())
             }
-            _ => {
-                self.problem("sensor", "give one of `ifov_mrad`, `fov_deg` and `fit`");
-                None
-            }
+            self.optics(&lens, [samples, lines], preset.then(|| pitch_of_ifov(0.5)))
         };
-        let pitch = pitch?;
-        if pitch < LEAST_PITCH {
-            let item = if toml.fov_deg.is_some() { "sensor.fov_deg" } else { "sensor.ifov_mrad" };
+        let (pitch, boresight_px) = optics?;
+        if let Some(pitch) = pitch.into_iter().find(|pitch| *pitch < LEAST_PITCH) {
+            let item = match (toml.fit, toml.fov_deg, toml.ifov_mrad) {
+                (Some(_), ..) => "sensor.fit",
+                (_, Some(_), _) => "sensor.fov_deg",
+                (_, _, Some(_)) => "sensor.ifov_mrad",
+                _ => "sensor",
+            };
             let message = format!(
                 "makes pixels of {pitch:e} rad, below {LEAST_PITCH:e}: the digits of coordinates do not tell them apart"
             );
-            self.problem(if toml.fit.is_some() { "sensor.fit" } else { item }, message);
+            self.problem(item, message);
             return None;
         }
-        let camera = FrameCamera { world_from_sensor: pose?, samples, lines, pitch };
+        let camera = FrameCamera { world_from_sensor: pose?, samples, lines, pitch, boresight_px };
         Some(Sensor { name, camera, bands: bands? })
     }
 
@@ -122,7 +113,36 @@ impl Reader<'_> {
     }
 
     pub(in crate::formats) fn observer(&mut self, toml: &ObserverToml) -> Option<Pose> {
-        let position_m = DVec3::from_array(toml.position_m);
+        if let Some(matrix) = &toml.camera_to_world {
+            let beside = toml.position_m.is_some() || toml.target_m.is_some() || toml.up.is_some();
+            if toml.frame == Some(Frame::Site) && toml.coordinates == Some(Coordinates::Body) {
+                self.problem("observer.coordinates", "the site's frame starts at `origin_m`: leave this out");
+                return None;
+            }
+            if beside || toml.h.or(toml.v).or(toml.u).is_some() || toml.world_from_sensor_xyzw.is_some() {
+                self.problem("observer.camera_to_world", "says all of position and axes: leave the other keys out");
+                return None;
+            }
+            let (rotation, position_m) = self.camera_to_world(matrix, toml.convention)?;
+            if toml.frame == Some(Frame::Site) {
+                let axes = self.body_from_site("observer.frame", "the frame of a site")?;
+                return Some(Pose { rotation: axes * rotation, translation_m: axes * position_m });
+            }
+            let is_local = toml.coordinates == Some(Coordinates::Local);
+            let translation_m = if is_local { position_m } else { position_m - self.origin_m };
+            return Some(Pose { rotation, translation_m });
+        }
+        for (key, is_given) in [("convention", toml.convention.is_some()), ("coordinates", toml.coordinates.is_some())]
+        {
+            if is_given {
+                self.problem(&format!("observer.{key}"), "goes with `camera_to_world` alone");
+                return None;
+            }
+        }
+        let Some(position_m) = toml.position_m.map(DVec3::from_array) else {
+            self.problem("observer", "`position_m` is missing");
+            return None;
+        };
         let axes = (toml.h, toml.v, toml.u);
         let rotation = match (toml.target_m, toml.up, axes, toml.world_from_sensor_xyzw) {
             (Some(target_m), Some(up), (None, None, None), None) => {
@@ -179,16 +199,7 @@ impl Reader<'_> {
             self.helped("observer.u", "h x v is not u", help);
             return None;
         }
-        let off = [h, v, u].iter().map(|axis| (axis.length() - 1.0).abs()).fold(off, f64::max);
-        if off <= UNIT_TOLERANCE {
-            return Some(DMat3::from_cols(h, v, u));
-        }
-        self.notes.push(format!(
-            "observer: h, v and u are rounded, and {off:.1e} off axes of length 1 at right angles: they are made such, and u stays"
-        ));
-        let u = u.normalize();
-        let h = (h - u * h.dot(u)).normalize();
-        Some(DMat3::from_cols(h, u.cross(h), u))
+        self.unrounded("observer", DMat3::from_cols(h, v, u))
     }
 
     /// Bands, called `item` in the text.

@@ -513,11 +513,14 @@ impl Writer<'_> {
         }
         let _ = writeln!(text, "samples = {}\nlines = {}", camera.samples, camera.lines);
         let ifov_mrad = 1e3 * camera.ifov_rad();
-        let _ = if ifov_mrad <= WIDEST_PIXEL_MRAD {
-            let ifov_mrad = exact(ifov_mrad, pitch_of_ifov, camera.pitch);
+        let _ = if !camera.is_centred() {
+            let focal_px = camera.pitch.map(|pitch| exact(1.0 / pitch, |focal_px| 1.0 / focal_px, pitch));
+            writeln!(text, "focal_px = {focal_px:?}\nboresight_px = {:?}", camera.boresight_px)
+        } else if ifov_mrad <= WIDEST_PIXEL_MRAD {
+            let ifov_mrad = exact(ifov_mrad, pitch_of_ifov, camera.pitch[0]);
             writeln!(text, "ifov_mrad = {ifov_mrad:?}")
         } else {
-            let half = 0.5 * camera.pitch * f64::from(camera.samples);
+            let half = 0.5 * camera.pitch[0] * f64::from(camera.samples);
             writeln!(text, "fov_deg = {:?}", (2.0 * half.atan()).to_degrees())
         };
         text += &self.bands()?;

@@ -142,10 +142,5 @@ pub(super) fn camera(from_m: DVec3, pixels: u32, pitch: f64) -> Option<FrameCame
     let boresight = Direction::new(-from_m)?;
     let (h, v) = boresight.frame();
     let rotation = DMat3::from_cols(h, v, boresight.vec());
-    Some(FrameCamera {
-        world_from_sensor: Pose { rotation, translation_m: from_m },
-        samples: pixels,
-        lines: pixels,
-        pitch,
-    })
+    Some(FrameCamera::centred(Pose { rotation, translation_m: from_m }, pixels, pixels, pitch))
 }

@@ -114,8 +114,8 @@ fn shadow_of_a_box(incidence_deg: f64) -> Result<Row> {
 /// Share of each pixel (row, column; a unit square from (column, row)) that a convex polygon covers.
 pub(super) fn coverage(polygon: &[[f64; 2]], columns: u32, rows: u32) -> Vec<Vec<f64>> {
     // Axes of the image, and a distance of 1.
-    let camera = FrameCamera { world_from_sensor: Pose::IDENTITY, samples: columns, lines: rows, pitch: 1.0 };
-    let [x0, y0] = camera.boresight_px();
+    let camera = FrameCamera::centred(Pose::IDENTITY, columns, rows, 1.0);
+    let [x0, y0] = camera.boresight_px;
     let corners_m: Vec<DVec3> = polygon.iter().map(|[x, y]| DVec3::new(x - x0, y - y0, 1.0)).collect();
     let fan: Vec<[u32; 3]> = (2..corners_m.len() as u32).map(|i| [0, i - 1, i]).collect();
     let mesh = mesh(&corners_m, &fan);

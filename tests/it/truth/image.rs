@@ -103,7 +103,7 @@ fn plane(w: Vector, through: Vector) -> (Vector, Double) {
 impl Facet {
     fn new(mesh: &Mesh, index: usize, camera: &FrameCamera, towards_sun: DVec3) -> Facet {
         let axes = camera.world_from_sensor.rotation;
-        let pitch = Double::from(camera.pitch);
+        let pitch = Double::from(camera.pitch[0]);
         let in_camera = |v: Vector| {
             let [h, v, u] = [axes.x_axis, axes.y_axis, axes.z_axis].map(|axis| dot(v, vector(axis)));
             [h / pitch, v / pitch, u]

@@ -73,7 +73,7 @@ fn along(from: [f64; 3], axis: usize, back: bool, size: [u32; 2], pitch: f64) ->
     let h = axes[(axis + 1) % 3];
     let rotation = DMat3::from_cols(h, u.cross(h), u);
     let pose = Pose { rotation, translation_m: DVec3::from_array(from) };
-    FrameCamera { world_from_sensor: pose, samples: size[0], lines: size[1], pitch }
+    FrameCamera::centred(pose, size[0], size[1], pitch)
 }
 
 fn image_size(r: &mut Random) -> [u32; 2] {
@@ -103,7 +103,7 @@ fn view(r: &mut Random, reach: f64, above: bool) -> FrameCamera {
     let from = distance * v.normalize_or(DVec3::Z);
     let target = [(); 3].map(|()| 0.3 * reach * (r.share() - 0.5));
     let camera = camera(from.to_array(), target, [0.1, 0.3, 0.9], 1, pitch);
-    FrameCamera { samples: size[0], lines: size[1], ..camera }
+    FrameCamera::centred(camera.world_from_sensor, size[0], size[1], pitch)
 }
 
 /// Triangles around a centre, the ring in whole numbers.
@@ -400,6 +400,6 @@ pub(super) fn far(r: &mut Random) -> Scene {
     let distance = 10f64.powi(r.whole(3, 8) as i32);
     let back = camera.world_from_sensor.rotation.z_axis * distance;
     camera.world_from_sensor.translation_m -= back;
-    camera.pitch = 12.0 / (distance * f64::from(camera.samples));
+    camera.pitch = [12.0 / (distance * f64::from(camera.samples)); 2];
     scene
 }

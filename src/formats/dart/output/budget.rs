@@ -13,7 +13,7 @@ use crate::formats::input;
 use crate::geometry::coplanar::{self, Overlaps};
 use crate::geometry::{Facet, Pose};
 use crate::physics::reflectance;
-use crate::product::{Patches, Placement, RadianceMap, TexelSource};
+use crate::product::{Patches, Placement, RadianceMap, Sky, TexelSource};
 use crate::scene::Scene;
 use crate::spectral::Band;
 
@@ -99,7 +99,9 @@ pub(super) fn map(
         placement: Placement::Patches(patches),
         source: Box::new(source),
         weight: 1.0,
-        has_heat: bands.iter().any(|band| properties.is_told_to_emit(band.number)),
+        heat: properties.heat(bands.iter().map(|band| band.number)),
+        sky: Sky::LeftOut,
+        registration: None,
     };
     Ok((map, mismatch))
 }

@@ -13,13 +13,15 @@ use crate::error::{Error, Location, Problem, Result};
 use crate::formats::ilwis;
 use crate::geometry::Pose;
 use crate::physics::{blackbody, reflectance};
-use crate::product::{Eye, Placement, Projection, RadianceMap, TexelSource, ViewImage};
+use crate::product::{Eye, Placement, Projection, RadianceMap, Registration, TexelSource, ViewImage};
+use crate::progress::Watch;
 use crate::scene::Scene;
 use crate::spectral::Band;
 
 use super::georef::{self, Corners};
 use super::properties::Properties;
-use super::{MapOptions, OutputView, Quantity, frame};
+use super::register::{self, Found};
+use super::{MapOptions, OutputView, Placing, Quantity, frame};
 
 /// Angles have six digits behind the point in `simulation.properties.txt`, one in names, deg.
 pub(super) const PROPERTY_ROUNDING_DEG: f64 = 0.5e-6;
@@ -47,29 +49,94 @@ pub(super) fn map(
     pose: Result<Pose>,
     scene: &Scene,
     options: &MapOptions,
-) -> Result<RadianceMap> {
+    watch: Watch<'_>,
+) -> Result<(RadianceMap, Option<String>)> {
     let mut problems = Vec::new();
     let pose = keep(pose, &mut problems)?;
     let image = keep(Image::read(view, properties), &mut problems)?;
     let units = keep(units(view, properties, options.irradiance_w_m2_um.as_deref()), &mut problems)?;
     let (Some(pose), Some(image), Some(units)) = (pose, image, units) else { return Err(Error::Invalid(problems)) };
-    let projection = image.projection(&pose, options.shift_texels);
     let [rows, columns] = image.size;
-    overlaps(&projection, image.size, scene, &view.bands[0].path)?;
-    let source = Source {
+    let at = |shift_texels| {
+        let projection = image.projection(&pose, shift_texels);
+        ViewImage { projection, eye: Eye::Towards(view.towards(&pose)), rows, columns, occlusion: true }
+    };
+    let mut source = Source {
         bands: view.bands.iter().map(|b| b.band.clone()).collect(),
         images: view.bands.iter().map(|b| b.path.clone()).zip(units).collect(),
         texels: rows * columns,
     };
-    let view_image = ViewImage { projection, eye: Eye::Towards(view.towards(&pose)), rows, columns, occlusion: true };
-    Ok(RadianceMap {
-        name: format!("DART {} ({} {})", view.name, view.quantity.name(), view.iteration),
+    let name = format!("DART {} ({} {})", view.name, view.quantity.name(), view.iteration);
+    let (shift_texels, registration, note) = match options.placing {
+        Placing::Shifted(shift_texels) => (shift_texels, None, None),
+        Placing::Outline | Placing::Forced => {
+            let mut values = Vec::new();
+            source.read(0, &mut values)?;
+            let valid: Vec<bool> = values.iter().map(|value| !value.is_nan()).collect();
+            match register::register(&at([0.0; 2]), &valid, scene, watch)? {
+                Found::Nothing(why) => {
+                    ([0.0; 2], None, Some(format!("{name}: {why}: it lies where its printed corners put it")))
+                }
+                Found::Place(found) => {
+                    let is_refused = options.placing == Placing::Outline && found.overlap[1] < LEAST_OVERLAP;
+                    if is_refused {
+                        return Err(misfit(&found, &view.bands[0].path));
+                    }
+                    let note = (found.shift_texels != [0.0; 2] || found.overlap[1] < LEAST_OVERLAP)
+                        .then(|| told(&name, &found));
+                    (found.shift_texels, Some(found), note)
+                }
+            }
+        }
+    };
+    let view_image = at(shift_texels);
+    overlaps(&view_image.projection, image.size, scene, &view.bands[0].path)?;
+    let map = RadianceMap {
+        name,
         placement: Placement::View(Box::new(view_image)),
         source: Box::new(source),
         weight: 1.0,
-        has_heat: view.quantity == Quantity::Tapp
-            || view.bands.iter().any(|band| properties.is_told_to_emit(band.number)),
-    })
+        heat: match view.quantity {
+            Quantity::Tapp => Some(true),
+            Quantity::Brf | Quantity::Radiance => properties.heat(view.bands.iter().map(|band| band.number)),
+        },
+        sky: options.sky,
+        registration,
+    };
+    Ok((map, note))
+}
+
+/// An image whose outline has less than this in common with the scene's, after the best shift, is not one of this scene.
+const LEAST_OVERLAP: f64 = 0.95;
+
+/// Where an image was found to lie, in words.
+fn told(name: &str, found: &Registration) -> String {
+    // Not "-0.00".
+    let hundredths = |x: f64| (100.0 * x).round() / 100.0 + 0.0;
+    let ([columns, rows], [x_m, y_m]) = (found.shift_texels.map(hundredths), found.shift_m.map(hundredths));
+    let [printed, shifted] = found.overlap;
+    format!(
+        "{name}: by its outline, what it shows lies {columns:.2} columns and {rows:.2} rows ({x_m:.2} m and {y_m:.2} m) beyond its printed \
+         corners, and is moved there: {:.1} % of its outline fit the scene's, {:.1} % as printed",
+        100.0 * shifted,
+        100.0 * printed
+    )
+}
+
+fn misfit(found: &Registration, path: &Path) -> Error {
+    let Registration { shift_texels: [columns, rows], overlap: [printed, shifted], .. } = found;
+    let message = format!(
+        "its outline has {:.1} % in common with the scene's where its corners put it, and {:.1} % at best, {columns:.2} columns and {rows:.2} rows \
+         beyond: below {:.0} % it is no image of this scene",
+        100.0 * printed,
+        100.0 * shifted,
+        100.0 * LEAST_OVERLAP
+    );
+    let problem = Problem::new(Location::file(path), message).with_help(
+        "give the scene that the simulation was made of, all of it; else say in a map file `registration = \"printed\"` (as its corners say), \
+         `registration = \"forced\"` (as it fits best), or the shift, `shift_texels = [columns, rows]`",
+    );
+    Error::Invalid(vec![problem])
 }
 
 /// What was found; of what is wrong with it, the problems are kept.

@@ -9,6 +9,7 @@ mod georef;
 mod images;
 mod others;
 mod properties;
+mod register;
 
 use std::path::{Component, Path, PathBuf};
 
@@ -16,7 +17,8 @@ use glam::DVec3;
 
 use crate::error::{Error, Location, Problem, Result};
 use crate::geometry::{Direction, Pose};
-use crate::product::RadianceMap;
+use crate::product::{RadianceMap, Sky};
+use crate::progress::Watch;
 use crate::scene::Scene;
 use crate::spectral::Band;
 
@@ -109,9 +111,22 @@ pub struct MapOptions {
     /// Irradiance of a horizontal plane under the atmosphere that reflectance factors refer to, W m-2 um-1, for each band of
     /// the map; `None`: as in `simulation.properties.txt`.
     pub irradiance_w_m2_um: Option<Vec<f64>>,
-    /// Columns and rows by which what an image shows lies beyond where its corners put it. 0 is as DART says;
-    /// adapters/dart/README.md tells of an image that is off.
-    pub shift_texels: [f64; 2],
+    /// How an image's place is found.
+    pub placing: Placing,
+    /// What texels at the scene's rim hold.
+    pub sky: Sky,
+}
+
+/// How an image's place is found: oblique images of DART-FT lie beside the corners that DART prints.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub enum Placing {
+    /// By the outline of texels with a value against the scene's own; if they do not fit, it is an error.
+    #[default]
+    Outline,
+    /// As above, but what fits best is taken, however bad it is.
+    Forced,
+    /// What it shows lies so many columns and rows beyond where its corners put it.
+    Shifted([f64; 2]),
 }
 
 /// Finds what a simulation computed, at the path of its folder, of its `output/`, of a folder therein (a band, an iteration,
@@ -232,19 +247,25 @@ impl Output {
         &self.passed_over
     }
 
-    /// A view as a map of a scene: an image of it, each texel at what is seen there.
+    /// A view as a map of a scene: an image of it, each texel at what is seen there; and what is worth knowing of its place.
     ///
     /// # Errors
     /// [`Error::Io`]; [`Error::Invalid`] with all that is wrong: images that are cut short, of different sizes or without
     /// corners; corners that do not go with the size, the pixel and the direction; irradiances that are missing; a placement
-    /// that is not known; a map that does not overlap the scene.
-    pub fn view_map(&self, view: usize, scene: &Scene, options: &MapOptions) -> Result<RadianceMap> {
+    /// that is not known; a map that does not overlap the scene, or has another outline. [`Error::Interrupted`] if `watch` asks to stop.
+    pub fn view_map(
+        &self,
+        view: usize,
+        scene: &Scene,
+        options: &MapOptions,
+        watch: Watch<'_>,
+    ) -> Result<(RadianceMap, Option<String>)> {
         let Some(view) = self.views.get(view) else {
             let message = format!("there is no view {view}: there are {}, counted from 0", self.views.len());
             return Err(Error::invalid(Location::file(&self.folder), message));
         };
         let pose = self.scene_from_dart(scene, options);
-        images::map(view, &self.properties, pose, scene, options)
+        images::map(view, &self.properties, pose, scene, options, watch)
     }
 
     /// Bands whose radiative budget is told for each triangle, ascending.

@@ -111,9 +111,13 @@ impl Properties {
         self.mode(number) != Some("R")
     }
 
-    /// Whether DART says that a band has thermal emission.
-    pub(super) fn is_told_to_emit(&self, number: usize) -> bool {
-        self.mode(number).is_some_and(|mode| mode.contains('T'))
+    /// Whether any of some bands has thermal emission, if DART says the mode of them all.
+    pub(super) fn heat(&self, numbers: impl Iterator<Item = usize>) -> Option<bool> {
+        let modes: Vec<Option<&str>> = numbers.map(|number| self.mode(number)).collect();
+        if modes.iter().flatten().any(|mode| mode.contains('T')) {
+            return Some(true);
+        }
+        modes.iter().all(Option::is_some).then_some(false)
     }
 
     /// What is known of an image by the first part of its name.

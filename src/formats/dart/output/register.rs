@@ -1,0 +1,208 @@
+//! Where an image lies, by its outline: texels with a value are those that show the scene, whose outline from there is known exactly.
+
+use rayon::prelude::*;
+
+use crate::error::Result;
+use crate::product::{Registration, ViewImage};
+use crate::progress::Watch;
+use crate::scene::Scene;
+use crate::visibility::{Drawing, Grid, Topology, View, covered};
+
+/// What an outline tells.
+pub(super) enum Found {
+    /// Nothing, and why.
+    Nothing(&'static str),
+    /// A place; the printed one if it is that within half a texel.
+    Place(Registration),
+}
+
+/// Shifts are looked for as far as this, m ...
+const FARTHEST_M: f64 = 5.0;
+/// ... but no less than this and no more than that, texels.
+const FARTHEST_TEXELS: [f64; 2] = [8.0, 48.0];
+/// The scene is drawn in so many cells a texel, along each axis, ...
+const FINEST: usize = 4;
+/// ... or in fewer, so that there are not more cells than this.
+const MOST_CELLS: usize = 6_000_000;
+/// A shift by up to this is none: what the outlines of texels tell is not known better.
+const RESIDUAL: f64 = 0.5;
+/// An axis along which shifts change the misfit by less than this, texels, has no outline across it.
+const FLAT: f64 = 0.5;
+/// Texels covered by less than this are beside the outline, by more than all but this within it.
+const ROUNDING: f64 = 1e-9;
+
+/// Finds the shift by which the scene's outline, seen from where an image was, fits the texels with a value best.
+///
+/// `valid` tells for each texel whether it has one. What is minimised is the sum over texels of (valid - covered share) squared.
+///
+/// # Errors
+/// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
+pub(super) fn register(image: &ViewImage, valid: &[bool], scene: &Scene, watch: Watch<'_>) -> Result<Found> {
+    if valid.iter().all(|v| *v) {
+        return Ok(Found::Nothing("all of its texels have a value, so that it has no outline"));
+    }
+    if !valid.contains(&true) {
+        return Ok(Found::Nothing("none of its texels has a value"));
+    }
+    let Some(outline) = Outline::draw(image, valid, scene, watch)? else {
+        return Ok(Found::Nothing("its outline cannot be drawn"));
+    };
+    let Some(shift) = outline.best() else {
+        return Ok(Found::Nothing("the scene fills all of it, so that there is no outline"));
+    };
+    let shift = if shift.iter().all(|s| s.abs() <= RESIDUAL) { [0.0; 2] } else { shift };
+    let overlap = [[0.0; 2], shift].map(|shift| outline.overlap(outline.cells(shift)));
+    // Rows of a mirror image are counted from the other side.
+    let shift_texels = if outline.is_mirrored { [shift[0], 0.0 - shift[1]] } else { shift };
+    let shift_m = [0, 1].map(|k| shift_texels[k] / image.projection.linear.row(k).length());
+    Ok(Found::Place(Registration { shift_texels, shift_m, overlap }))
+}
+
+/// The outlines of an image and of the scene.
+struct Outline {
+    /// Columns and rows.
+    size: [usize; 2],
+    /// Row by row: which texels have a value.
+    valid: Vec<bool>,
+    /// Cells along a texel's side.
+    fine: usize,
+    /// Texels around the image that are drawn as well.
+    margin: usize,
+    /// For each corner of cells the area, cells, that is covered above and to the left of it.
+    sums: Vec<f64>,
+    is_mirrored: bool,
+}
+
+impl Outline {
+    fn draw(image: &ViewImage, valid: &[bool], scene: &Scene, watch: Watch<'_>) -> Result<Option<Outline>> {
+        let Some((View::Parallel { h, v, u, scale, offset }, _, is_mirrored)) = image.drawn(&scene.mesh) else {
+            return Ok(None);
+        };
+        let size = [image.columns, image.rows];
+        let per_m = scale[0].max(scale[1]);
+        let margin = (FARTHEST_M * per_m).clamp(FARTHEST_TEXELS[0], FARTHEST_TEXELS[1]).ceil() as usize;
+        let texels = size.map(|n| n + 2 * margin);
+        let fits = |fine: &usize| (texels[0] * texels[1]).saturating_mul(fine * fine) <= MOST_CELLS;
+        let fine = (1..=FINEST).rev().find(fits).unwrap_or(1);
+        let [columns, rows] = texels.map(|n| u32::try_from(n * fine).ok());
+        let (Some(columns), Some(rows)) = (columns, rows) else { return Ok(None) };
+        let cells = |texels: f64| texels * fine as f64;
+        let view = View::Parallel {
+            h,
+            v,
+            u,
+            scale: scale.map(cells),
+            offset: offset.map(|offset| cells(offset + margin as f64)),
+        };
+        let topology = Topology::new(&scene.mesh);
+        let drawing = Drawing::new(&scene.mesh, &topology, view, Grid { columns, rows });
+        let shares = covered(&drawing, "outline of an image", |[outer, inner]| (outer + inner).min(1.0), watch)?;
+        let width = columns as usize + 1;
+        let mut sums = vec![0.0; width * (rows as usize + 1)];
+        for (row, line) in shares.chunks_exact(columns as usize).enumerate() {
+            let mut so_far = 0.0;
+            for (column, share) in line.iter().enumerate() {
+                so_far += share;
+                sums[(row + 1) * width + column + 1] = sums[row * width + column + 1] + so_far;
+            }
+        }
+        let mut valid = valid.to_vec();
+        if is_mirrored {
+            valid = valid.chunks(size[0]).rev().flatten().copied().collect();
+        }
+        Ok(Some(Outline { size, valid, fine, margin, sums, is_mirrored }))
+    }
+
+    /// A shift in whole cells.
+    fn cells(&self, shift: [f64; 2]) -> [isize; 2] {
+        shift.map(|s| (s * self.fine as f64).round() as isize)
+    }
+
+    /// The covered share of a texel, if what the image shows is shifted by so many cells.
+    fn covered(&self, column: usize, row: usize, shift: [isize; 2]) -> f64 {
+        let width = (self.size[0] + 2 * self.margin) * self.fine + 1;
+        let first = |texel: usize, k: usize| (((texel + self.margin) * self.fine) as isize - shift[k]) as usize;
+        let (x, y) = (first(column, 0), first(row, 1));
+        let at = |x: usize, y: usize| self.sums[y * width + x];
+        let area = at(x + self.fine, y + self.fine) - at(x, y + self.fine) - at(x + self.fine, y) + at(x, y);
+        (area / (self.fine * self.fine) as f64).clamp(0.0, 1.0)
+    }
+
+    fn misfit(&self, shift: [isize; 2]) -> f64 {
+        let of_row = |row: usize| {
+            let of_texel = |column: usize| {
+                let valid = f64::from(u8::from(self.valid[row * self.size[0] + column]));
+                (valid - self.covered(column, row, shift)).powi(2)
+            };
+            (0..self.size[0]).map(of_texel).sum::<f64>()
+        };
+        let rows: Vec<f64> = (0..self.size[1]).into_par_iter().map(of_row).collect();
+        rows.iter().sum()
+    }
+
+    /// The shift of the least misfit, texels; 0 along an axis that has no outline across it, `None` if neither has one.
+    fn best(&self) -> Option<[f64; 2]> {
+        let fine = self.fine as isize;
+        let farthest = self.margin as isize * fine;
+        let mut best = (self.misfit([0, 0]), [0_isize; 2]);
+        let mut step = 4 * fine;
+        let mut reach = farthest / step;
+        while step > 0 {
+            let middle = best.1;
+            for i in -reach..=reach {
+                for j in -reach..=reach {
+                    let shift = [middle[0] + i * step, middle[1] + j * step];
+                    if shift.iter().any(|s| s.abs() > farthest) {
+                        continue;
+                    }
+                    let misfit = self.misfit(shift);
+                    if misfit < best.0 {
+                        best = (misfit, shift);
+                    }
+                }
+            }
+            step /= 2;
+            reach = 2;
+        }
+        // An axis without an outline: along it, nothing changes.
+        let mut range = [[best.0; 2]; 2];
+        for k in 0..2 {
+            for by in [-farthest / 2, -fine, fine, farthest / 2] {
+                let mut shift = best.1;
+                shift[k] = (shift[k] + by).clamp(-farthest, farthest);
+                let misfit = self.misfit(shift);
+                range[k] = [range[k][0].min(misfit), range[k][1].max(misfit)];
+            }
+        }
+        let has_outline = range.map(|[least, most]| most - least > FLAT);
+        if has_outline == [false, false] {
+            return None;
+        }
+        let mut shift = [0.0; 2];
+        for k in (0..2).filter(|k| has_outline[*k]) {
+            let beside = |by: isize| {
+                let mut shift = best.1;
+                shift[k] += by;
+                if shift[k].abs() > farthest { f64::INFINITY } else { self.misfit(shift) }
+            };
+            // Between cells, the misfit is taken for a parabola.
+            let (before, after) = (beside(-1), beside(1));
+            let bend = before - 2.0 * best.0 + after;
+            let part =
+                if bend > 0.0 && bend.is_finite() { (0.5 * (before - after) / bend).clamp(-0.5, 0.5) } else { 0.0 };
+            shift[k] = (best.1[k] as f64 + part) / self.fine as f64;
+        }
+        Some(shift)
+    }
+
+    /// The share of what either of the outlines holds that both hold. A texel on the scene's outline may have a value or not.
+    fn overlap(&self, shift: [isize; 2]) -> f64 {
+        let (mut both, mut either) = (0_u64, 0_u64);
+        for (i, valid) in self.valid.iter().enumerate() {
+            let covered = self.covered(i % self.size[0], i / self.size[0], shift);
+            both += u64::from(*valid && covered > ROUNDING);
+            either += u64::from(*valid || covered > 1.0 - ROUNDING);
+        }
+        if either > 0 { both as f64 / either as f64 } else { 0.0 }
+    }
+}

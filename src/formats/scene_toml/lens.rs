@@ -1,0 +1,184 @@
+//! From what cameras come with (angles, focal lengths in pixels or mm, shifted lenses, windows of larger images) to one linear camera.
+
+use super::Reader;
+use super::types::{Fit, FocalToml, MapSensorToml, SensorFitToml, SensorToml, WindowToml};
+use crate::error::number;
+
+/// What a text says of a camera's lens, in a scene or in a map file.
+pub(in crate::formats) struct Lens<'a> {
+    ifov_mrad: Option<f64>,
+    fov_deg: Option<f64>,
+    focal_px: Option<&'a FocalToml>,
+    focal_mm: Option<f64>,
+    sensor_mm: Option<f64>,
+    sensor_fit: Option<SensorFitToml>,
+    pixel_aspect: Option<f64>,
+    boresight_px: Option<[f64; 2]>,
+    shift: Option<[f64; 2]>,
+    window: Option<&'a WindowToml>,
+}
+
+/// Size of a pixel over the focal length, and where the boresight is, pixels from the image's corner.
+pub(in crate::formats) type Optics = ([f64; 2], [f64; 2]);
+
+macro_rules! lens {
+    ($toml:expr) => {
+        Lens {
+            ifov_mrad: $toml.ifov_mrad,
+            fov_deg: $toml.fov_deg,
+            focal_px: $toml.focal_px.as_ref(),
+            focal_mm: $toml.focal_mm,
+            sensor_mm: $toml.sensor_mm,
+            sensor_fit: $toml.sensor_fit,
+            pixel_aspect: $toml.pixel_aspect,
+            boresight_px: $toml.boresight_px,
+            shift: $toml.shift,
+            window: $toml.window.as_ref(),
+        }
+    };
+}
+
+impl<'a> From<&'a SensorToml> for Lens<'a> {
+    fn from(toml: &'a SensorToml) -> Self {
+        lens!(toml)
+    }
+}
+
+impl<'a> From<&'a MapSensorToml> for Lens<'a> {
+    fn from(toml: &'a MapSensorToml) -> Self {
+        lens!(toml)
+    }
+}
+
+impl Lens<'_> {
+    /// Whether anything is said of the field of view.
+    pub(super) fn says_field(&self) -> bool {
+        self.ifov_mrad.is_some() || self.fov_deg.is_some() || self.focal_px.is_some() || self.focal_mm.is_some()
+    }
+
+    /// Whether the boresight may be elsewhere than in the middle, or pixels not square.
+    pub(super) fn is_plain(&self) -> bool {
+        self.pixel_aspect.is_none() && self.boresight_px.is_none() && self.shift.is_none() && self.window.is_none()
+    }
+}
+
+impl Reader<'_> {
+    /// The lens of an image of `samples` x `lines` pixels; `preset` is the pixel's size over the focal length where nothing is said of it.
+    pub(in crate::formats) fn optics(
+        &mut self,
+        lens: &Lens<'_>,
+        [samples, lines]: [u32; 2],
+        preset: Option<f64>,
+    ) -> Option<Optics> {
+        let at = |key: &str| format!("sensor.{key}");
+        let (first_px, of_px) = match lens.window {
+            None => ([0.0; 2], [samples, lines]),
+            Some(WindowToml { first_px, of_px }) => {
+                let is_within = (0..2)
+                    .all(|k| first_px[k] >= 0.0 && first_px[k] + f64::from([samples, lines][k]) <= f64::from(of_px[k]));
+                if !is_within {
+                    let message = format!(
+                        "{samples} x {lines} pixels from {first_px:?} on do not lie within an image of {} x {}",
+                        of_px[0], of_px[1]
+                    );
+                    self.problem(&at("window"), message);
+                    return None;
+                }
+                (*first_px, *of_px)
+            }
+        };
+        let whole = of_px.map(f64::from);
+        // What an AUTO fit of Blender goes by: the longer side.
+        let is_wide = match lens.sensor_fit.unwrap_or(SensorFitToml::Auto) {
+            SensorFitToml::Auto => whole[0] >= whole[1],
+            SensorFitToml::Horizontal => true,
+            SensorFitToml::Vertical => false,
+        };
+        let size = if is_wide { whole[0] } else { whole[1] };
+        let across = match (lens.ifov_mrad, lens.fov_deg, lens.focal_px, lens.focal_mm) {
+            (Some(ifov_mrad), None, None, None) => {
+                let message = format!("a pixel of {} mrad", number(ifov_mrad));
+                let help = "if this is microradians, write a thousandth";
+                // Half a turn has no tangent.
+                if ifov_mrad >= 1e3 * std::f64::consts::PI {
+                    self.helped(&at("ifov_mrad"), message, help);
+                    return None;
+                }
+                if ifov_mrad > 1000.0 {
+                    self.notes.push(format!("sensor.ifov_mrad: {message}; {help}"));
+                }
+                [super::pitch_of_ifov(ifov_mrad); 2]
+            }
+            (None, Some(fov_deg), None, None) => [super::pitch_of_fov(fov_deg, of_px[0]); 2],
+            (None, None, Some(focal), None) => match focal {
+                FocalToml::Both(focal_px) => [1.0 / focal_px; 2],
+                FocalToml::Each(focal_px) => focal_px.map(|f| 1.0 / f),
+            },
+            (None, None, None, Some(focal_mm)) => {
+                let Some(sensor_mm) = lens.sensor_mm else {
+                    self.problem(&at("sensor_mm"), "is missing: a focal length in mm needs the size of the sensor");
+                    return None;
+                };
+                [sensor_mm / (focal_mm * size); 2]
+            }
+            (None, None, None, None) if preset.is_some() => [preset?; 2],
+            _ => {
+                self.problem(
+                    "sensor",
+                    "give one of `ifov_mrad`, `fov_deg`, `focal_px`, `focal_mm` with `sensor_mm`, and, in a scene, `fit`",
+                );
+                return None;
+            }
+        };
+        for (key, is_given) in [("sensor_mm", lens.sensor_mm.is_some())] {
+            if is_given && lens.focal_mm.is_none() {
+                self.problem(&at(key), "goes with `focal_mm` alone");
+                return None;
+            }
+        }
+        if lens.sensor_fit.is_some() && lens.focal_mm.is_none() && lens.shift.is_none() {
+            self.problem(&at("sensor_fit"), "goes with `focal_mm` or `shift` alone");
+            return None;
+        }
+        let aspect = lens.pixel_aspect.unwrap_or(1.0);
+        if lens.pixel_aspect.is_some() && matches!(lens.focal_px, Some(FocalToml::Each(_))) {
+            self.problem(&at("pixel_aspect"), "is in the two numbers of `focal_px` already: leave one of them out");
+            return None;
+        }
+        let pitch = [across[0], across[1] * aspect];
+        if let Some(pitch) = pitch.into_iter().find(|pitch| !(*pitch > 0.0 && pitch.is_finite())) {
+            self.problem("sensor", format!("a pixel of {} focal lengths", number(pitch)));
+            return None;
+        }
+        let boresight_px = match (lens.boresight_px, lens.shift) {
+            (Some(_), Some(_)) => {
+                self.problem(
+                    &at("shift"),
+                    "says where the boresight is, as `boresight_px` does: leave one of them out",
+                );
+                return None;
+            }
+            (Some(boresight_px), None) => boresight_px,
+            (None, None) => whole.map(|n| 0.5 * n),
+            // The image moves against the lens: to the right and up, in sizes of the sensor.
+            (None, Some([right, up])) => [0.5 * whole[0] - right * size, 0.5 * whole[1] + up * size / aspect],
+        };
+        Some((pitch, [boresight_px[0] - first_px[0], boresight_px[1] - first_px[1]]))
+    }
+
+    /// Says if a fitted field of view is asked for together with what it does not go with.
+    pub(super) fn is_fitted(&mut self, fit: Option<Fit>, lens: &Lens<'_>) -> Option<bool> {
+        if fit.is_none() {
+            return Some(false);
+        }
+        if lens.says_field() {
+            self.problem("sensor", "give one of `ifov_mrad`, `fov_deg` and `fit`, or a focal length");
+            return None;
+        }
+        if !lens.is_plain() {
+            self.problem("sensor.fit", "goes with square pixels and a boresight in the middle of the image alone");
+            return None;
+        }
+        Some(true)
+    }
+}

@@ -1,0 +1,167 @@
+//! What several maps know together of a facet in a pixel: each point of it by the maps that know that very point.
+
+use super::maps::{Choice, Lookup, views_shares};
+use super::parts::Window;
+use super::pixel::Pixel;
+use crate::geometry::polygon::{Point, area, side, split};
+use crate::product::Lit;
+
+/// Of a facet that a map knows all over, rounding leaves less than this share unknown; one that it does not know at all it knows
+/// to less than this share.
+const ROUNDING: f64 = 1e-9;
+
+/// Whether maps know different parts of a facet, so that those have to be told apart.
+pub(super) fn differ(views: &[Lookup], angles: &[f64], choice: Choice, facet_area: f64) -> bool {
+    let knows = |i: &usize| views[*i].seen.area > ROUNDING * facet_area;
+    let all = |i: usize| views[i].seen.area >= (1.0 - ROUNDING) * facet_area;
+    let mut knowing = (0..views.len()).filter(knows);
+    let Some(first) = knowing.next() else { return false };
+    if knowing.clone().next().is_none() {
+        return false;
+    }
+    let nearest = knowing.clone().fold(first, |n, i| if angles[i].total_cmp(&angles[n]).is_lt() { i } else { n });
+    let is_alone = choice == Choice::Nearest || angles[nearest].is_nan() || angles[nearest] == 0.0;
+    if is_alone { !all(nearest) } else { !(all(first) && knowing.all(all)) }
+}
+
+/// What is known of a facet in a pixel, and by which texels.
+#[derive(Debug, Default)]
+pub(super) struct Together {
+    /// Map, texel and area, pixels.
+    pub(super) texels: Vec<(usize, u32, f64)>,
+    /// For each map the area that it serves, pixels.
+    pub(super) area: Vec<f64>,
+    /// Lit area that no map knows, pixels.
+    pub(super) lit_rest: f64,
+    cells: Vec<Cell>,
+    next: Vec<Cell>,
+}
+
+/// A convex part of a facet's image and the maps that know it, by their angle.
+#[derive(Debug)]
+struct Cell {
+    outline: Vec<Point>,
+    knowing: Vec<usize>,
+}
+
+impl Together {
+    /// Divides what a pixel sees of a facet, its entry `index`, among maps; fragments have been sorted.
+    pub(super) fn look(
+        &mut self,
+        pixel: &mut Pixel,
+        index: usize,
+        views: &mut [Lookup],
+        angles: &[f64],
+        choice: Choice,
+        wants_lit: bool,
+    ) {
+        self.texels.clear();
+        self.area.clear();
+        self.area.resize(views.len(), 0.0);
+        self.lit_rest = 0.0;
+        let facet = pixel.entries[index].facet;
+        let mut order: Vec<usize> = (0..views.len()).filter(|i| views[*i].seen.area > 0.0).collect();
+        order.sort_by(|a, b| angles[*a].total_cmp(&angles[*b]));
+        for k in pixel.fragments.of(index) {
+            let (of, sign, outline) = pixel.fragments.get(k);
+            if of != facet {
+                continue;
+            }
+            self.cells.clear();
+            self.cells.push(Cell { outline: outline.to_vec(), knowing: vec![] });
+            for &view in &order {
+                self.next.clear();
+                for cell in self.cells.drain(..) {
+                    let is_served = match choice {
+                        Choice::Nearest => !cell.knowing.is_empty(),
+                        // One without a direction serves what no other knows.
+                        Choice::Interpolated => angles[view].is_nan() && !cell.knowing.is_empty(),
+                    };
+                    if is_served {
+                        self.next.push(cell);
+                        continue;
+                    }
+                    let next = &mut self.next;
+                    views[view].divide(facet, &cell.outline, |is_known, outline| {
+                        let mut knowing = cell.knowing.clone();
+                        knowing.extend(is_known.then_some(view));
+                        next.push(Cell { outline, knowing });
+                    });
+                }
+                std::mem::swap(&mut self.cells, &mut self.next);
+            }
+            for cell in &self.cells {
+                if cell.knowing.is_empty() {
+                    if wants_lit {
+                        self.lit_rest += sign * lit_area(pixel, facet, &cell.outline);
+                    }
+                    continue;
+                }
+                let shares = views_shares(&cell.knowing, angles, choice);
+                let all: f64 = shares.iter().sum();
+                for (&view, share) in cell.knowing.iter().zip(shares).filter(|(_, share)| *share > 0.0) {
+                    let share = share / all;
+                    let lookup = &mut views[view];
+                    lookup.seen.clear();
+                    lookup.lay(facet, &cell.outline, sign, false);
+                    self.area[view] += share * lookup.seen.area;
+                    self.texels.extend(lookup.seen.texels.iter().map(|(texel, weight)| (view, *texel, share * weight)));
+                }
+            }
+        }
+    }
+}
+
+/// Lit area of a part of a facet.
+fn lit_area(pixel: &mut Pixel, facet: u32, part: &[Point]) -> f64 {
+    match pixel.lit_of(facet) {
+        Lit::Dark => 0.0,
+        Lit::Full => area(part),
+        Lit::Part => {
+            let mut lit = 0.0;
+            pixel.lit_parts(facet, &Window::Piece(part), |part| lit += area(part));
+            lit
+        }
+    }
+}
+
+/// Takes a convex hole out of convex parts, all counter-clockwise: what is left of them, in convex parts.
+pub(super) fn without(parts: &mut Vec<Vec<Point>>, hole: &[Point]) {
+    let mut left = Vec::new();
+    let mut value = Vec::new();
+    for mut part in parts.drain(..) {
+        for (i, a) in hole.iter().enumerate() {
+            let b = hole[(i + 1) % hole.len()];
+            value.clear();
+            value.extend(part.iter().map(|p| side(*a, b, *p)));
+            let (mut inside, mut outside) = (vec![], vec![]);
+            split(&part, &value, &mut inside, &mut outside);
+            if outside.len() > 2 {
+                left.push(outside);
+            }
+            part = inside;
+            if part.len() < 3 {
+                break;
+            }
+        }
+    }
+    *parts = left;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_square_without_a_triangle() {
+        let mut parts = vec![vec![[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]]];
+        without(&mut parts, &[[1.0, 1.0], [3.0, 1.0], [2.0, 3.0]]);
+        // 16 - 2 * 2 / 2.
+        assert!((parts.iter().map(|p| area(p)).sum::<f64>() - 14.0).abs() < 1e-15);
+        // A hole that lies beside takes nothing, whatever cuts it makes.
+        without(&mut parts, &[[5.0, 0.0], [6.0, 0.0], [6.0, 4.0]]);
+        assert!((parts.iter().map(|p| area(p)).sum::<f64>() - 14.0).abs() < 1e-14);
+        without(&mut parts, &[[-1.0, -1.0], [9.0, -1.0], [9.0, 9.0], [-1.0, 9.0]]);
+        assert!(parts.is_empty());
+    }
+}

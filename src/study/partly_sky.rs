@@ -1,0 +1,135 @@
+//! Texels of an image that show the scene in part, and sky beside it: whether what they hold is a mean over all of the texel.
+
+use crate::product::{Eye, Placement, Sky, ViewImage};
+
+/// Texels around the scene that are less bright than this, over those of the scene, are dark: what a filter spreads there is less.
+const DARK: f64 = 0.5;
+
+/// Whether values of partly seen texels are means over all of the texel, so that they have to be divided by the share that is seen.
+///
+/// `seen` is that share, `values` a band's radiances: [texel]. Where nobody says it the texels around the scene tell: if they are dark,
+/// sky is in the means. If there are none with a value, as in DART's images, those at the rim tell, by how much darker they are than
+/// what they border on. If that is not enough, a camera's image has sky in its means; a map of a plane, which may well be cut along the
+/// scene, has not.
+pub(super) fn is_in_means(sky: Sky, placement: &Placement, seen: &[f64], values: &[f64]) -> bool {
+    let Placement::View(image) = placement else { return false };
+    match sky {
+        Sky::Included => return true,
+        Sky::LeftOut => return false,
+        Sky::Guessed => {}
+    }
+    let columns = image.columns;
+    let beside = |i: usize| {
+        let column = i % columns;
+        let left = (column > 0).then(|| seen[i - 1]);
+        let right = (column + 1 < columns).then(|| seen[i + 1]);
+        let above = i.checked_sub(columns).map(|i| seen[i]);
+        let below = seen.get(i + columns).copied();
+        seen[i] == 0.0 && [left, right, above, below].into_iter().flatten().any(|share| share > 0.0)
+    };
+    let mean = |wanted: &dyn Fn(usize) -> bool| {
+        let values = (0..values.len()).filter(|i| !values[*i].is_nan() && wanted(*i)).map(|i| values[i]);
+        let (count, sum) = values.fold((0.0, 0.0), |(count, sum), value| (count + 1.0, sum + value));
+        if count > 0.0 { Some(sum / count) } else { None }
+    };
+    match (mean(&beside), mean(&|i| seen[i] > 0.5)) {
+        (Some(around), Some(scene)) => around < DARK * scene,
+        _ => is_dark_at_rim(columns, seen, values).unwrap_or(matches!(image.eye, Eye::At(_))),
+    }
+}
+
+/// Less of an image's border than this is no sky around a scene, if it is dark; and what is darker than this share of the mean is.
+const HARDLY: [f64; 2] = [0.05, 1e-3];
+
+/// Whether it is worth to find out in how much of each texel the scene is seen: sky around a scene reaches the border of its image, and
+/// there is dark, or without a value.
+pub(super) fn may_be_in_means(sky: Sky, image: &ViewImage, values: &[f64]) -> bool {
+    match (sky, image.eye) {
+        (Sky::Included, _) | (Sky::Guessed, Eye::At(_)) => return true,
+        (Sky::LeftOut, _) => return false,
+        (Sky::Guessed, Eye::Towards(_)) => {}
+    }
+    let (columns, rows) = (image.columns, image.rows);
+    if values.len() != columns * rows {
+        return false;
+    }
+    let (sum, count) = values.iter().filter(|v| !v.is_nan()).fold((0.0, 0.0), |(s, n), v| (s + v, n + 1.0));
+    let is_dark = |i: usize| values[i].is_nan() || values[i] * count <= HARDLY[1] * sum;
+    let sides = (0..rows).flat_map(|row| [row * columns, (row + 1) * columns - 1]);
+    let border = (0..columns).chain((rows - 1) * columns..rows * columns).chain(sides);
+    let (dark, all) = border.fold((0.0, 0.0), |(dark, all), i| (dark + f64::from(u8::from(is_dark(i))), all + 1.0));
+    dark >= HARDLY[0] * all
+}
+
+/// As few texels as these at the rim tell nothing.
+const FEW: usize = 8;
+
+/// Whether texels at the rim are darker than the whole ones beside them, by about the share that they show: nearer to that than to
+/// as bright. `None` if there are too few.
+fn is_dark_at_rim(columns: usize, seen: &[f64], values: &[f64]) -> Option<bool> {
+    let rows = seen.len() / columns;
+    let whole_beside = |i: usize| {
+        let (row, column) = (i / columns, i % columns);
+        let (mut sum, mut count) = (0.0, 0.0);
+        for r in row.saturating_sub(1)..=(row + 1).min(rows - 1) {
+            for c in column.saturating_sub(1)..=(column + 1).min(columns - 1) {
+                let j = r * columns + c;
+                if seen[j] == 1.0 && values[j] > 0.0 {
+                    (sum, count) = (sum + values[j], count + 1.0);
+                }
+            }
+        }
+        (count > 0.0).then(|| sum / count)
+    };
+    let at_rim = (0..seen.len()).filter(|i| 0.1 < seen[*i] && seen[*i] < 0.9 && !values[*i].is_nan());
+    let pairs: Vec<(f64, f64)> =
+        at_rim.filter_map(|i| whole_beside(i).map(|whole| (seen[i], (values[i] / whole).min(2.0)))).collect();
+    let [shares, ratios] = [0, 1].map(|k| pairs.iter().map(|p| if k == 0 { p.0 } else { p.1 }).sum::<f64>());
+    (pairs.len() >= FEW).then(|| ratios < 0.5 * (shares + pairs.len() as f64))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Direction;
+    use crate::product::{Projection, ViewImage};
+    use glam::DVec3;
+
+    fn image(eye: Eye) -> Placement {
+        let projection = Projection::parallel(DVec3::X, DVec3::Y, DVec3::ZERO, [0.0; 2]);
+        Placement::View(Box::new(ViewImage { projection, eye, rows: 1, columns: 4, occlusion: true }))
+    }
+
+    #[test]
+    fn where_nothing_lies_around_the_rim_tells() {
+        // Two rows: a rim of half-seen texels above whole ones of various brightness.
+        let columns = 12;
+        let seen: Vec<f64> = (0..24).map(|i| if i < columns { 0.5 } else { 1.0 }).collect();
+        let whole = |i: usize| 3.0 + (i % 5) as f64;
+        for (share, is_dark) in [(0.5, true), (1.0, false), (0.62, true), (0.9, false)] {
+            let values: Vec<f64> = (0..24).map(|i| if i < columns { share * whole(i) } else { whole(i) }).collect();
+            assert_eq!(is_dark_at_rim(columns, &seen, &values), Some(is_dark), "{share}");
+        }
+        assert_eq!(is_dark_at_rim(2, &[0.5, 0.5, 1.0, 1.0], &[1.0; 4]), None);
+    }
+
+    #[test]
+    fn what_lies_around_the_scene_tells() {
+        let (eye, plane) = (image(Eye::At(DVec3::ZERO)), image(Eye::Towards(Direction::new(DVec3::Z).unwrap())));
+        let seen = [0.0, 0.25, 1.0, 0.0];
+        let nan = f64::NAN;
+        for (values, of_eye, of_plane) in [
+            ([0.0, 1.0, 4.0, 0.3], true, true),
+            ([4.0, 4.0, 4.0, 3.0], false, false),
+            ([nan, 4.0, 4.0, nan], true, false),
+            // Dark all over: nothing to divide.
+            ([0.0, 0.0, 0.0, 0.0], false, false),
+        ] {
+            assert_eq!(is_in_means(Sky::Guessed, &eye, &seen, &values), of_eye, "{values:?}");
+            assert_eq!(is_in_means(Sky::Guessed, &plane, &seen, &values), of_plane, "{values:?}");
+            assert!(is_in_means(Sky::Included, &plane, &seen, &values));
+            assert!(!is_in_means(Sky::LeftOut, &eye, &seen, &values));
+        }
+        assert!(!is_in_means(Sky::Included, &Placement::Facets(4), &seen, &[1.0; 4]));
+    }
+}

@@ -1,0 +1,187 @@
+//! Images of DART whose printed corners are beside what they show: their place is found by their outline. Outlines are made by rays.
+
+use glam::{DVec2, DVec3};
+use mmxrt::formats::dart::output::{self, MapOptions, Placing};
+use mmxrt::product::{Placement, RadianceMap};
+use mmxrt::progress::unwatched;
+use mmxrt::scene::Scene;
+
+use crate::dart_output::{Image, options, output_with, scene};
+use crate::scratch::Scratch;
+use crate::shapes::{cuboid, joined, quad};
+
+/// Half-extents of the ground, and a box on it, local: x East, y North, m. The ground's outline alone would tell nothing from its
+/// mirror image.
+const GROUND: [f64; 2] = [8.0, 6.0];
+const BOX: [[f64; 3]; 2] = [[-5.0, 1.0, 0.0], [-2.0, 4.0, 6.0]];
+
+fn made() -> Scene {
+    let [x, y] = GROUND;
+    let ground = quad([-x, -y, 0.0], [x, -y, 0.0], [x, y, 0.0], [-x, y, 0.0]);
+    scene(crate::shapes::of_material(joined(&[ground, cuboid(BOX[0], BOX[1])]), 0), DVec3::new(0.0, 0.0, 11_000.0))
+}
+
+/// Whether the line of sight through a point of the ground (DART's frame: x South, y East, the scene's origin at (6, 8)) meets the scene.
+fn meets(ground: DVec2, towards: DVec3) -> bool {
+    let p = DVec3::new(ground.y - 8.0, 6.0 - ground.x, 0.0);
+    let d = DVec3::new(towards.y, -towards.x, towards.z);
+    if p.x.abs() <= GROUND[0] && p.y.abs() <= GROUND[1] {
+        return true;
+    }
+    let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
+    for k in 0..3 {
+        if d[k] == 0.0 {
+            if p[k] < BOX[0][k] || p[k] > BOX[1][k] {
+                return false;
+            }
+            continue;
+        }
+        let (a, b) = ((BOX[0][k] - p[k]) / d[k], (BOX[1][k] - p[k]) / d[k]);
+        near = near.max(a.min(b));
+        far = far.min(a.max(b));
+    }
+    near <= far
+}
+
+const PIXEL_M: f64 = 0.5;
+const SIZE: [usize; 2] = [56, 60];
+
+/// An image from a direction whose corners are printed `shift` (columns, rows) away from where it lies; `rule` says of how many of 64
+/// rays that meet the scene a texel has a value.
+fn image(view_deg: [f64; 2], shift: [f64; 2], rule: impl Fn(usize) -> bool) -> (String, [[f64; 2]; 4], Vec<f64>) {
+    let [zenith, azimuth] = view_deg.map(f64::to_radians);
+    let towards = DVec3::new(zenith.sin() * azimuth.cos(), zenith.sin() * azimuth.sin(), zenith.cos());
+    let row = DVec2::new(azimuth.cos(), azimuth.sin()) * PIXEL_M / zenith.cos();
+    let column = DVec2::new(-azimuth.sin(), azimuth.cos()) * PIXEL_M;
+    let [rows, columns] = SIZE.map(|n| n as f64);
+    // The scene's middle, 2 m above ground, in the middle of the image.
+    let middle = DVec2::new(6.0, 8.0) - towards.truncate() / towards.z * 2.0;
+    let first = middle - 0.5 * rows * row - 0.5 * columns * column;
+    let values = (0..SIZE[0] * SIZE[1]).map(|i| {
+        let (r, c) = ((i / SIZE[1]) as f64, (i % SIZE[1]) as f64);
+        let sub = |k: usize| (k as f64 + 0.5) / 8.0;
+        let hits =
+            (0..64).filter(|k| meets(first + (r + sub(k / 8)) * row + (c + sub(k % 8)) * column, towards)).count();
+        if rule(hits) { 1.0 + r / 100.0 } else { -1.0 }
+    });
+    let values = values.collect();
+    let printed = first + shift[0] * column + shift[1] * row;
+    let corners = [printed, printed + rows * row, printed + rows * row + columns * column, printed + columns * column];
+    let angle = |deg: f64| format!("{deg:05.1}").replace('.', "_");
+    let name = format!("ima02_VZ={}_VA={}", angle(view_deg[0]), angle(view_deg[1]));
+    (name, corners.map(|p| p.to_array()), values)
+}
+
+fn opened(
+    view_deg: [f64; 2],
+    shift: [f64; 2],
+    rule: impl Fn(usize) -> bool,
+    placing: Placing,
+) -> mmxrt::Result<(RadianceMap, Option<String>)> {
+    let scratch = Scratch::new();
+    let (name, corners_m, values) = image(view_deg, shift, rule);
+    let folder = "BAND0/BRF/ITERX";
+    let image = Image { folder, name: &name, number: 2, size: SIZE, pixel_m: PIXEL_M, corners_m, values };
+    let output = output_with(&scratch, &image);
+    let properties = output.join("simulation.properties.txt");
+    let text = std::fs::read_to_string(&properties).unwrap();
+    let text = text.replace("teta:36.869898", &format!("teta:{:.6}", view_deg[0]));
+    std::fs::write(properties, text.replace("phi:90.000000", &format!("phi:{:.6}", view_deg[1]))).unwrap();
+    let options = MapOptions { placing, ..options() };
+    output::open(&output)?.view_map(0, &made(), &options, &unwatched)
+}
+
+/// Where the scene's north-western corner of the ground is, texels.
+fn corner(map: &RadianceMap) -> [f64; 2] {
+    match &map.placement {
+        Placement::View(view) => view.projection.texel(DVec3::new(-GROUND[0], GROUND[1], 0.0)),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn an_image_beside_its_printed_corners_is_put_where_it_shows_the_scene() {
+    let any = |hits: usize| hits > 0;
+    let half = |hits: usize| hits >= 32;
+    let all = |hits: usize| hits == 64;
+    for (view_deg, shift) in [
+        ([22.4, 90.0], [0.0, 6.0]),
+        ([22.4, 270.0], [-3.3, 2.6]),
+        ([36.9, 30.0], [3.75, -1.0]),
+        ([50.2, 195.0], [-1.75, -7.2]),
+        ([62.0, 300.0], [0.7, -0.6]),
+        ([0.0, 0.0], [-1.5, 0.47]),
+    ] {
+        let truth = corner(&opened(view_deg, [0.0; 2], half, Placing::Shifted([0.0; 2])).unwrap().0);
+        for rule in [&any as &dyn Fn(usize) -> bool, &half, &all] {
+            let (map, note) = opened(view_deg, shift, rule, Placing::Outline).unwrap();
+            let found = map.registration.as_ref().unwrap();
+            let place = corner(&map);
+            let off = (0..2).map(|k| (place[k] - truth[k]).abs()).fold(0.0, f64::max);
+            assert!(off <= 0.5, "{view_deg:?} {shift:?}: off by {off}, {found:?}");
+            assert!(
+                found.overlap[1] > 0.97 && found.overlap[0] < found.overlap[1],
+                "{view_deg:?} {shift:?}: {found:?}"
+            );
+            for k in 0..2 {
+                assert!((found.shift_texels[k] - shift[k]).abs() <= 0.5, "{found:?}");
+                assert!((found.shift_m[k] - found.shift_texels[k] * PIXEL_M).abs() < 1e-9, "{found:?}");
+            }
+            assert!(note.unwrap().contains("by its outline"));
+        }
+    }
+}
+
+#[test]
+fn printed_corners_stand_where_the_outline_fits_them() {
+    for (view_deg, shift) in [([22.4, 90.0], [0.0; 2]), ([36.9, 30.0], [0.3, -0.2]), ([50.2, 195.0], [0.0, 0.25])] {
+        let (map, note) = opened(view_deg, shift, |hits| hits >= 32, Placing::Outline).unwrap();
+        let found = map.registration.as_ref().unwrap();
+        assert!(found.shift_texels == [0.0; 2] && found.overlap[0] > 0.97 && note.is_none(), "{found:?} {note:?}");
+        let printed = opened(view_deg, shift, |hits| hits >= 32, Placing::Shifted([0.0; 2])).unwrap().0;
+        assert_eq!(map.placement, printed.placement);
+    }
+}
+
+#[test]
+fn an_outline_that_is_not_the_scenes_is_refused_unless_forced() {
+    // Only what lies in every other stripe of eight rows has a value.
+    let view_deg = [22.4, 90.0];
+    let (name, corners_m, mut values) = image(view_deg, [1.0, 2.0], |hits| hits > 0);
+    for (i, value) in values.iter_mut().enumerate() {
+        if (i / SIZE[1] / 8) % 2 == 0 {
+            *value = -1.0;
+        }
+    }
+    let scratch = Scratch::new();
+    let image =
+        Image { folder: "BAND0/BRF/ITERX", name: &name, number: 2, size: SIZE, pixel_m: PIXEL_M, corners_m, values };
+    let output = output_with(&scratch, &image);
+    let properties = output.join("simulation.properties.txt");
+    let text = std::fs::read_to_string(&properties).unwrap();
+    std::fs::write(&properties, text.replace("teta:36.869898", "teta:22.400000")).unwrap();
+    let output = output::open(&output).unwrap();
+    let map = |placing| output.view_map(0, &made(), &MapOptions { placing, ..options() }, &unwatched);
+    let error = map(Placing::Outline).unwrap_err().to_string();
+    assert!(error.contains("its outline has") && error.contains("below 95 %"), "{error}");
+    assert!(
+        error.contains("registration = \"printed\"") && error.contains("shift_texels = [columns, rows]"),
+        "{error}"
+    );
+    let (forced, note) = map(Placing::Forced).unwrap();
+    assert!(forced.registration.unwrap().overlap[1] < 0.95 && note.unwrap().contains("by its outline"));
+    let (given, note) = map(Placing::Shifted([1.0, 2.0])).unwrap();
+    assert!(given.registration.is_none() && note.is_none());
+    let printed = map(Placing::Shifted([0.0; 2])).unwrap().0;
+    let moved = (0..2).map(|k| corner(&given)[k] - corner(&printed)[k]).collect::<Vec<_>>();
+    assert!((moved[0] - 1.0).abs() < 1e-9 && (moved[1] - 2.0).abs() < 1e-9, "{moved:?}");
+}
+
+#[test]
+fn an_image_without_an_outline_lies_where_it_was_printed() {
+    let (map, note) = opened([22.4, 90.0], [2.0, 3.0], |_| true, Placing::Outline).unwrap();
+    assert!(map.registration.is_none());
+    assert!(note.unwrap().contains("all of its texels have a value, so that it has no outline"));
+    let printed = opened([22.4, 90.0], [2.0, 3.0], |_| true, Placing::Shifted([0.0; 2])).unwrap().0;
+    assert_eq!(map.placement, printed.placement);
+}
