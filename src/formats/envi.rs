@@ -341,7 +341,7 @@ impl Header {
         };
         let in_unit = |unit: Unit| -> Option<Vec<f64>> {
             let all = self.wavelength.iter().zip(centres_um).zip(&self.fwhm);
-            let widths = all.map(|((centre, um), width)| unit.width_um(*centre, *width).filter(|w| *w < *um));
+            let widths = all.map(|((centre, um), width)| unit.width_um(*centre, *width).filter(|w| *w <= 2.0 * um));
             widths.collect()
         };
         if self.fwhm.is_empty() || centres_um.len() != self.fwhm.len() {
@@ -353,10 +353,10 @@ impl Header {
         // Wavelengths in um beside widths in nm.
         let in_nm = in_unit(Unit::PerUm(1e3)).filter(|_| unit == Unit::Um(1.0));
         match &in_nm {
-            Some(_) => report.note(Fate::Defaulted, at(), "wider than the wavelengths are long: taken as nanometres"),
-            None => {
-                report.note(Fate::Dropped, at(), "widths that are none: as wide as the wavelengths are long, or wider")
+            Some(_) => {
+                report.note(Fate::Defaulted, at(), "wider than any band around these wavelengths: taken as nanometres")
             }
+            None => report.note(Fate::Dropped, at(), "widths that are none: of more than twice the wavelength"),
         }
         in_nm
     }
