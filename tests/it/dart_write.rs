@@ -12,7 +12,7 @@ use mmxrt::geometry::{Direction, MaterialId, Mesh, Pose};
 use mmxrt::progress::unwatched;
 use mmxrt::report::{Fate, Report};
 use mmxrt::scene::{FrameCamera, Hapke, Mars, MarsModel, Material, Photometry, Rpv, Scene, Sensor, Sun, Thermal};
-use mmxrt::spectral::{Band, Extend, Spectrum};
+use mmxrt::spectral::{Band, Extend, Light, Spectrum};
 use mmxrt::units::AU_M;
 
 use crate::scratch::Scratch;
@@ -328,7 +328,6 @@ fn without_the_sidecar_what_is_missing_is_told() {
         told,
         [
             (Fate::Defaulted, "DART does not say where on the body the scene is"),
-            (Fate::Approximated, "DART's bands are rectangles"),
             (Fate::Defaulted, "DART has irradiances of bands only"),
             (Fate::Defaulted, "Bond albedo"),
             (Fate::Approximated, "a turn about the line of sight"),
@@ -381,15 +380,12 @@ fn an_edited_file_wins() {
     let (again, _) = dart::from_scene(&back, &options(Target::V5_7_4)).unwrap();
     let in_the_band = again.simulation.phase.irradiance[0].unwrap().0;
     assert!((in_the_band - 411.111_111_111_111_1).abs() < 1e-9, "{in_the_band}");
-    assert_eq!(
-        back.sensor.bands,
-        [(1.0, Some(0.04)), (2.0, None)].map(|(centre_um, fwhm_um)| Band::new(centre_um, fwhm_um))
-    );
+    assert_eq!(back.sensor.bands, [Band { light: Light::Sunlight, ..Band::boxed(1.0, 0.04) }, Band::new(2.0, None)]);
     let turned = back.sun.direction.angle_rad(tetrahedron().sun.direction);
     assert!(turned > 1.0, "{turned}");
     // What was not edited is as it was.
     assert_eq!(back.materials, tetrahedron().materials);
-    assert_eq!(report.notes.len(), 2, "{:#?}", report.notes);
+    assert_eq!(report.notes.len(), 1, "{:#?}", report.notes);
 }
 
 #[test]
@@ -585,8 +581,8 @@ fn e490_is_recognized_by_its_irradiances() {
     // The sum of all wavelengths stays that of a sun: 1366 to 2 x 1366 at the same distance.
     let total = back.sun.total_irradiance_1au_w_m2 * (1.5 * AU_M / back.sun.distance_m).powi(2);
     assert!((1366.0..2732.2).contains(&total), "{total}");
-    // Bands that have a width come back with it, and so the Sun as it was.
-    scene.sensor.bands = [1.0, 2.0].map(|centre_um| Band::new(centre_um, Some(0.02))).to_vec();
+    // Boxes come back as they were, and so does the Sun.
+    scene.sensor.bands = [1.0, 2.0].map(|centre_um| Band::boxed(centre_um, 0.02)).to_vec();
     let folder = scratch.path().join("wide");
     written(&scene, &options(Target::V5_7_4), &folder);
     std::fs::remove_file(folder.join("mmxrt.toml")).unwrap();
