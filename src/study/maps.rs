@@ -147,9 +147,10 @@ pub fn observe_maps(
         quadrature_error: on_scene.quadrature_error,
     };
     drop(on_scene);
-    let mut observation = account_for(scene, topology, table, image, watch)?;
+    let uses_sun = options.add_solved || options.fill == Fill::Solved;
+    let mut observation = account_for(scene, topology, table, image, uses_sun, watch)?;
     observation.warnings.extend(enclosed_eyes);
-    if !(options.add_solved || options.fill == Fill::Solved) {
+    if !uses_sun {
         // What maps have in them and leave out is theirs to say.
         observation.effects.clear();
     }
