@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant, SystemTime};
 
 use indicatif::{ProgressBar, ProgressStyle};
+use mmxrt::formats::folder;
 use mmxrt::formats::report_json::{FORMAT_VERSION, Run, Stage, rfc3339};
 use mmxrt::progress::Progress;
 use mmxrt::{Error, Result};
@@ -21,6 +22,7 @@ const UNENDED: Duration = Duration::from_secs(10);
 
 pub(crate) struct Console {
     quiet: bool,
+    verbose: bool,
     json: bool,
     terminal: bool,
     date: SystemTime,
@@ -57,9 +59,10 @@ impl Stages {
 }
 
 impl Console {
-    pub(crate) fn new(quiet: bool, json: bool) -> Self {
+    pub(crate) fn new(quiet: bool, verbose: bool, json: bool) -> Self {
         Console {
             quiet,
+            verbose,
             json,
             terminal: std::io::stderr().is_terminal(),
             date: SystemTime::now(),
@@ -80,8 +83,11 @@ impl Console {
             if heard.load(Ordering::Relaxed) {
                 std::thread::sleep(UNENDED);
             }
-            say(&Error::Interrupted, json);
-            std::process::exit(1);
+            // What has begun to take its place is finished: it would not be true that nothing was written.
+            if folder::abandon() {
+                say(&Error::Interrupted, json);
+                std::process::exit(1);
+            }
         })
     }
 
@@ -144,6 +150,11 @@ impl Console {
             wall_s: self.began.elapsed().as_secs_f64(),
             stages: stages.done.clone(),
         }
+    }
+
+    /// Whether everything is to be said.
+    pub(crate) fn is_verbose(&self) -> bool {
+        self.verbose
     }
 
     /// A remark for people: on standard error, unless quiet.

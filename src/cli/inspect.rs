@@ -197,7 +197,7 @@ fn inspect(path: &Path, console: &Console) -> Result<Facts> {
                 );
             Err(Error::Invalid(vec![problem]))
         }
-        _ => Err(Error::io(path, "reading", std::io::ErrorKind::NotFound.into())),
+        _ => Err(Error::io(path, "reading", path.metadata().err().unwrap_or(std::io::ErrorKind::NotFound.into()))),
     }
 }
 

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use mmxrt::formats::folder::{Staged, spares};
 use mmxrt::formats::{mtl, obj, recipe_toml};
 use mmxrt::progress::{Progress, tell};
-use mmxrt::{Error, Result, landscape};
+use mmxrt::{Error, Location, Problem, Result, landscape};
 
 use super::Outcome;
 use super::console::Console;
@@ -31,6 +31,14 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
+    let extension = arguments.output.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    // Of a folder's name an ending may be a version.
+    if extension != "obj" && !extension.is_empty() && extension.chars().all(char::is_alphabetic) {
+        let problem =
+            Problem::new(Location::file(&arguments.output), format!("a landscape is written as OBJ, not .{extension}"))
+                .with_help("end the name in .obj, or name a folder; `mmxrt convert` makes glTF and others of it");
+        return Err(Error::Invalid(vec![problem]));
+    }
     let is_obj = arguments.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
     let path = if is_obj { arguments.output.clone() } else { arguments.output.join("landscape.obj") };
     let mtl_path = path.with_extension("mtl");

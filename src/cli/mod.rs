@@ -87,7 +87,7 @@ pub(crate) fn run() -> ExitCode {
             return ExitCode::from(error.exit_code() as u8);
         }
     };
-    let console = Console::new(cli.global.quiet, cli.global.json);
+    let console = Console::new(cli.global.quiet, cli.global.verbose, cli.global.json);
     match start(&cli.global, &console).and_then(|()| dispatch(cli.command, &console)) {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::Failed) => ExitCode::from(1),

@@ -10,6 +10,9 @@ use mmxrt::scene::{Scene, Thermal};
 
 use super::console::Console;
 
+/// Of more defaults only so many are named in a line.
+const TOLD: usize = 4;
+
 /// A scene with what the report says of its files.
 pub(super) struct Opened {
     pub(super) scene: Scene,
@@ -21,12 +24,23 @@ pub(super) struct Opened {
 }
 
 impl Opened {
-    /// Says which values of the heat balance the scene left open: temperatures depend on them.
+    /// Says which values of the heat balance the scene left open: temperatures depend on them. In a line, or each with its value.
     pub(super) fn say_defaults(&self, console: &Console) {
         let of_heat = |d: &&String| d.contains(".bond_albedo = ") || d.contains(".emissivity_bolometric = ");
-        if self.scene.thermal == Thermal::Equilibrium {
-            self.defaults.iter().filter(of_heat).for_each(|d| console.note(&format!("default: {d}")));
+        let open: Vec<&String> = self.defaults.iter().filter(of_heat).collect();
+        if self.scene.thermal != Thermal::Equilibrium || open.is_empty() {
+            return;
         }
+        if console.is_verbose() {
+            open.iter().for_each(|d| console.note(&format!("default: {d}")));
+            return;
+        }
+        let items: Vec<&str> = open.iter().filter_map(|d| Some(d.split_once(" = ")?.0)).collect();
+        let told = match items.len() {
+            0..=TOLD => items.join(", "),
+            n => format!("{} and {} more", items[..TOLD].join(", "), n - TOLD),
+        };
+        console.note(&format!("defaults of the heat balance: {told} (values: --verbose, or the report)"));
     }
 }
 

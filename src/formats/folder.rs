@@ -9,7 +9,7 @@ use crate::error::{Error, Location, Problem, Result};
 
 use super::staging::{self, Staging};
 
-pub use super::staging::settle;
+pub use super::staging::{abandon, settle};
 
 /// A file, with those that go with it, or a folder, that is written in a hidden folder beside its final place, and moved there when
 /// complete.

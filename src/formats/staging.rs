@@ -16,6 +16,7 @@ use std::ffi::{OsStr, OsString};
 use std::fs::{self, File, TryLockError};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU8, Ordering};
 
 use rayon::prelude::*;
 
@@ -33,6 +34,21 @@ const OLD: &str = "old";
 const COMMIT: &str = "commit";
 /// What `commit` says if what is there may be replaced.
 const REPLACE: &[u8] = b"replace\n";
+
+/// Whether outputs of this process may still take their places, or one has begun to, or none ever will.
+static PLACES: AtomicU8 = AtomicU8::new(OPEN);
+const OPEN: u8 = 0;
+const BEGUN: u8 = 1;
+const ABANDONED: u8 = 2;
+
+fn move_places(to: u8) -> bool {
+    PLACES.compare_exchange(OPEN, to, Ordering::SeqCst, Ordering::SeqCst).is_ok() || PLACES.load(Ordering::SeqCst) == to
+}
+
+/// For a process that is about to end: no output takes its place any more. `false` if one has begun to, or has.
+pub fn abandon() -> bool {
+    move_places(ABANDONED)
+}
 
 /// A hidden folder that this process holds.
 #[derive(Debug)]
@@ -123,7 +139,7 @@ impl Staging {
     /// Gives all that is written its place, in one step as far as the disk can: what is there is replaced if it may be.
     ///
     /// # Errors
-    /// [`Error::Io`]: then everything is where it was.
+    /// [`Error::Io`], and [`Error::Interrupted`] after [`abandon`]: then everything is where it was.
     pub(super) fn commit(&self, replace: bool) -> Result<()> {
         self.commit_by(replace, exchange)
     }
@@ -136,6 +152,9 @@ impl Staging {
         let beside = names(&self.folder.join(BESIDE)).map_err(|e| failed(&target, e))?;
         sync(&self.folder.join(MAIN))?;
         sync(&self.folder.join(BESIDE))?;
+        if !move_places(BEGUN) {
+            return Err(Error::Interrupted);
+        }
         let is_there = target.symlink_metadata().is_ok();
         let done = if !beside.is_empty() {
             false

@@ -201,8 +201,9 @@ pub fn observe_maps(
     };
     let on_scene_pixels = on_scene.area.len();
     drop(on_scene);
-    let mut observation = account_for(scene, topology, table, image, watch)?;
-    if !(options.add_solved || options.fill == Fill::Solved) {
+    let uses_sun = options.add_solved || options.fill == Fill::Solved;
+    let mut observation = account_for(scene, topology, table, image, uses_sun, watch)?;
+    if !uses_sun {
         // What maps have in them and leave out is theirs to say.
         observation.effects.clear();
     }

@@ -95,7 +95,7 @@ pub fn observe(scene: &Scene, topology: &Topology, table: &FacetTable, watch: Wa
     fits(scene, table)?;
     has_room(scene, false, None)?;
     let image = integrate::integrate(scene, topology, table, watch)?;
-    account_for(scene, topology, table, image, watch)
+    account_for(scene, topology, table, image, true, watch)
 }
 
 /// An image with an account of how good it is.
@@ -104,6 +104,7 @@ pub(super) fn account_for(
     topology: &Topology,
     table: &FacetTable,
     image: Image,
+    uses_sun: bool,
     watch: Watch<'_>,
 ) -> Result<Observation> {
     tell(watch, "report", 0, 1)?;
@@ -124,7 +125,13 @@ pub(super) fn account_for(
         effects: account.effects(),
         warnings: [
             scene.remarks(),
-            warnings(&account, &counts, &image, topology.enclosure(&scene.mesh, scene.sensor.camera.centre_m())),
+            warnings(
+                &account,
+                &counts,
+                &image,
+                topology.enclosure(&scene.mesh, scene.sensor.camera.centre_m()),
+                uses_sun,
+            ),
         ]
         .concat(),
         checks: checks(&account, &image),

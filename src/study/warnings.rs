@@ -2,6 +2,7 @@
 
 use super::effects::Account;
 use super::simulate::Counts;
+use crate::geometry::angle_rad;
 use crate::integrate::Image;
 use crate::physics::sun::Eclipse;
 use crate::product::Lit;
@@ -10,13 +11,21 @@ use crate::visibility::Enclosure;
 /// Less of the image than this may show facets from behind without a word: rims of open sheets do.
 const BACK_SHARE: f64 = 0.01;
 
-pub(super) fn warnings(account: &Account, counts: &Counts, image: &Image, enclosure: Enclosure) -> Vec<String> {
+/// `uses_sun` says whether anything in the image is sunlight of this scene: if not, where the Sun stands is of no interest.
+pub(super) fn warnings(
+    account: &Account,
+    counts: &Counts,
+    image: &Image,
+    enclosure: Enclosure,
+    uses_sun: bool,
+) -> Vec<String> {
     let mut all = Vec::new();
+    all.extend(mars_in_view(account, image));
     let facets = |n: u64| if n == 1 { "1 facet".to_owned() } else { format!("{n} facets") };
     if counts.visible_facets == 0 {
         all.push("nothing is in view: no pixel sees a facet; check the observer's position and target, and the field of view".into());
     }
-    if account.table.sunlit.lit.iter().all(|l| *l == Lit::Dark) {
+    if uses_sun && account.table.sunlit.lit.iter().all(|l| *l == Lit::Dark) {
         let rest = match (account.largest_mars_irradiance > 0.0, account.warmest_k > 0.0) {
             (false, false) => "the image is black",
             (false, true) => "what the image shows is heat",
@@ -33,7 +42,7 @@ pub(super) fn warnings(account: &Account, counts: &Counts, image: &Image, enclos
         ));
     }
     all.extend(enclosed("the camera", enclosure));
-    match account.eclipse {
+    match account.eclipse.filter(|_| uses_sun) {
         Some(Eclipse::Total) => {
             all.push("the site is in eclipse: Mars covers the Sun, but the image is lit as if it did not".into())
         }
@@ -45,7 +54,7 @@ pub(super) fn warnings(account: &Account, counts: &Counts, image: &Image, enclos
         }
         _ => {}
     }
-    if account.open_to_shadow > 0.0 {
+    if uses_sun && account.open_to_shadow > 0.0 {
         all.push(format!(
             "{:.1} % of the site might be shadowed by terrain outside it: from there, rays to the Sun leave the site below its highest point",
             100.0 * account.open_to_shadow
@@ -76,4 +85,45 @@ pub(super) fn enclosed(whose: &str, enclosure: Enclosure) -> Option<String> {
         (inside, _) => format!("inside {inside} closed parts of the mesh"),
     };
     Some(format!("{whose} is {where_is}: it sees inner sides, which are dark and hide what is behind them"))
+}
+
+/// Mars is neither drawn nor does it hide anything: where it is in view the image shows the sky behind it, or the surface.
+fn mars_in_view(account: &Account, image: &Image) -> Option<String> {
+    let mars = account.scene.mars.as_ref()?;
+    let camera = &account.scene.sensor.camera;
+    let towards_m = mars.centre_m - camera.centre_m();
+    let boresight = camera.world_from_sensor.rotation.z_axis;
+    let corner_rad = angle_rad(boresight, camera.ray(0.0, 0.0));
+    let mars_rad = (mars.radius_m / towards_m.length()).min(1.0).asin();
+    if angle_rad(boresight, towards_m) > corner_rad + mars_rad {
+        return None;
+    }
+    let range_m = image.backplanes.plane("RANGE")?;
+    let (mut seen, mut before) = (0_u64, 0_u64);
+    for (i, surface_m) in range_m.values.iter().enumerate() {
+        let (x, y) = (i % camera.samples as usize, i / camera.samples as usize);
+        let ray = camera.ray(x as f64 + 0.5, y as f64 + 0.5).normalize();
+        let along_m = towards_m.dot(ray);
+        let aside2_m2 = (towards_m - along_m * ray).length_squared();
+        let half2_m2 = mars.radius_m * mars.radius_m - aside2_m2;
+        if along_m > 0.0 && half2_m2 > 0.0 {
+            let near_m = along_m - half2_m2.sqrt();
+            // NaN: nothing but the sky is behind it.
+            if surface_m.is_nan() {
+                seen += 1;
+            } else if near_m < *surface_m {
+                before += 1;
+            }
+        }
+    }
+    let pixels = |n: u64| if n == 1 { "1 pixel".to_owned() } else { format!("{n} pixels") };
+    match (seen, before) {
+        (0, 0) => None,
+        (_, 0) => Some(format!("Mars is in view and is not drawn: {} of it are black, as the sky", pixels(seen))),
+        _ => Some(format!(
+            "Mars is in view and is not drawn: {} of it are black, as the sky, and in {} it stands before the surface, which is shown through it",
+            pixels(seen),
+            pixels(before)
+        )),
+    }
 }

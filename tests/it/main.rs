@@ -52,6 +52,7 @@ mod sides;
 mod spectra;
 mod spectra_from_the_wild;
 mod textures;
+mod told;
 mod truth;
 mod unsaid;
 mod wild_obj;

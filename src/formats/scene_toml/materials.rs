@@ -15,6 +15,9 @@ use super::Reader;
 use super::mesh::ROUNDED;
 use super::types::{ExtendToml, MaterialToml};
 
+/// As much more than 1 may be the sum of numbers of three digits.
+const EXCESS: f64 = 2e-3;
+
 /// Bolometric emissivity of a surface that does not state one; Phobos and most powders lie between 0.9 and 1.
 pub(in crate::formats) const EMISSIVITY_BOLOMETRIC: f64 = 0.95;
 /// No surface radiates less: polished metals have 0.02.
@@ -162,6 +165,9 @@ impl Reader<'_> {
                 reflectance.as_ref().map(|r| r.map(kirchhoff_emissivity))
             }
         };
+        if let (Some(reflectance), Some(emissivity), Some(_)) = (&reflectance, &emissivity, &entry.emissivity) {
+            self.note_excess(&item, reflectance, emissivity);
+        }
         let photometry = self.photometry(&item, entry, extend);
         if mixed.iter().any(|(_, part)| part.photometry != Photometry::Lambert) {
             self.problem(
@@ -182,6 +188,21 @@ impl Reader<'_> {
             emissivity_bolometric: emissivity_bolometric?,
             mixture: if mixed.is_empty() { vec![(i, 1.0)] } else { shares(&mixed) },
         })
+    }
+
+    /// Says if an opaque surface reflects and emits more than there is.
+    fn note_excess(&mut self, item: &str, reflectance: &Spectrum, emissivity: &Spectrum) {
+        let um = reflectance.wavelength_um().iter().chain(emissivity.wavelength_um());
+        let sums = um.filter_map(|&um| Some((reflectance.at(um)? + emissivity.at(um)?, um)));
+        let (most, um) = sums.fold((0.0, 0.0), |most, sum| if sum.0 > most.0 { sum } else { most });
+        // Tables are rounded to a few digits.
+        if most > 1.0 + EXCESS {
+            let is_table = reflectance.wavelength_um().len() + emissivity.wavelength_um().len() > 2;
+            let place = if is_table { format!(" at {um} um") } else { String::new() };
+            self.notes.push(format!(
+                "{item}: reflectance and emissivity add up to {most:.3}{place}: an opaque surface has 1 at most (Kirchhoff)"
+            ));
+        }
     }
 
     fn photometry(&mut self, item: &str, entry: &MaterialToml, extend: Extend) -> Option<Photometry> {

@@ -84,7 +84,6 @@ pub fn write(scene: &Scene, path: &Path, replace: bool) -> Result<(Staged, Repor
 /// # Errors
 /// As [`write`].
 pub fn write_with(scene: &Scene, path: &Path, options: &WriteOptions) -> Result<(Staged, Report)> {
-    let WriteOptions { replace, .. } = *options;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
     let mut writer = Writer {
@@ -94,7 +93,7 @@ pub fn write_with(scene: &Scene, path: &Path, options: &WriteOptions) -> Result<
         options,
         names: names(scene),
         taken: BTreeSet::new(),
-        files: Staged::file(path, replace)?,
+        files: Staged::file(path, options.replace)?,
         report: Report::default(),
     };
     let text = writer.scene()?;

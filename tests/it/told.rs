@@ -1,0 +1,86 @@
+//! What is said of a result that is not wrong, but not what somebody may think.
+
+use crate::cli::run;
+use crate::scratch::Scratch;
+
+const SCENE: &str = r#"mmxrt_scene = 1
+origin_m = [0.0, 12000.0, 0.0]
+[[mesh]]
+recipe = { version = 1, seed = 7, facets = 1000 }
+[materials]
+phobos_blue = { reflectance = 0.07 }
+phobos_red = { reflectance = 0.1 }
+[sun]
+direction = [0.0, 1.0, 0.5]
+distance_au = 1.5
+[mars]
+position_m = [0.0, MARS, 0.0]
+[observer]
+position_m = [0.0, 82000.0, 0.0]
+target_m = [0.0, TARGET, 0.0]
+up = [0, 0, 1]
+[sensor]
+samples = 16
+lines = 16
+fov_deg = 1.0
+bands = { centres_um = [1.0] }
+"#;
+
+fn warned(mars_m: &str, target_m: &str) -> String {
+    let scratch = Scratch::new();
+    let scene = scratch.write("s.toml", SCENE.replace("MARS", mars_m).replace("TARGET", target_m));
+    let (code, _, err) = run(&["simulate", scene.to_str().unwrap(), "-o", &scratch.argument("p")]);
+    assert_eq!(code, 0, "{err}");
+    err
+}
+
+#[test]
+fn mars_in_view_is_told() {
+    // Away from the site, towards a Mars that fills the field of view: 256 pixels.
+    let err = warned("9.4e6", "1e6");
+    assert!(err.contains("Mars is in view and is not drawn: 256 pixels of it are black"), "{err}");
+    // Behind the camera.
+    let err = warned("9.4e6", "12000.0");
+    assert!(!err.contains("Mars is in view"), "{err}");
+}
+
+#[test]
+fn more_than_all_the_light_is_told() {
+    let scratch = Scratch::new();
+    let text = SCENE.replace("MARS", "9.4e6").replace("TARGET", "12000.0");
+    for (emissivity, is_told) in [("0.9", false), ("0.95", true)] {
+        let scene = scratch.write("s.toml", text.replace("0.1 }", &format!("0.1, emissivity = {emissivity} }}")));
+        let (code, out, err) = run(&["inspect", scene.to_str().unwrap()]);
+        assert_eq!(code, 0, "{err}");
+        assert_eq!(out.contains("reflectance and emissivity add up to 1.050"), is_told, "{out}");
+    }
+}
+
+#[test]
+fn defaults_take_one_line_and_all_are_said_on_request() {
+    let scratch = Scratch::new();
+    let scene = scratch.write("s.toml", SCENE.replace("MARS", "9.4e6").replace("TARGET", "12000.0"));
+    let table = scratch.argument("t.npz");
+    let lines = |more: &[&str]| {
+        let arguments = [&["solve", scene.to_str().unwrap(), "-o", &table, "--force"], more].concat();
+        let (code, _, err) = run(&arguments);
+        assert_eq!(code, 0, "{err}");
+        err.lines().filter(|line| line.starts_with("default")).count()
+    };
+    // Two materials and Mars: five values.
+    assert_eq!((lines(&[]), lines(&["--verbose"]), lines(&["--quiet"])), (1, 5, 0));
+}
+
+#[test]
+fn a_landscape_in_another_format_is_refused() {
+    let scratch = Scratch::new();
+    let recipe = scratch.write("r.toml", "version = 1\nseed = 7\nfacets = 1000\n");
+    for name in ["x.stl", "x.ply"] {
+        let (code, _, err) = run(&["landscape", recipe.to_str().unwrap(), "-o", &scratch.argument(name)]);
+        assert!(code == 1 && err.contains("is written as OBJ"), "{err}");
+    }
+    assert_eq!(run(&["-q", "landscape", recipe.to_str().unwrap(), "-o", &scratch.argument("site.v2")]).0, 0);
+    assert_eq!(scratch.names(), ["r.toml", "site.v2"]);
+    let (code, _, err) = run(&["inspect", &scratch.argument("nope")]);
+    assert!(code == 1 && err.contains("No such file"), "{err}");
+}
