@@ -343,9 +343,11 @@ impl<'a> Drawing<'a> {
         let reach_m = self.vertices(triangle).map(reach).into_iter().fold(0.0, f64::max);
         let (far, offset) = match &self.view {
             View::Parallel { scale, offset, .. } => (reach_m * scale[0].max(scale[1]), offset),
-            View::Pinhole { centre_m, scale, offset, .. } => {
-                let near = self.corners(triangle).iter().fold(0.0, |n: f64, p| n.max(p[2]));
-                ((reach_m + centre_m.abs().element_sum()) * near * scale[0].max(scale[1]), offset)
+            View::Pinhole { from_m, depth_m, scale, offset, .. } => {
+                // Nearness is 1 / depth; from afar, what that is more than the inverse depth of the point amid the mesh.
+                let amid = if *depth_m > 0.0 { 1.0 / depth_m } else { 0.0 };
+                let near = self.corners(triangle).iter().fold(0.0, |n: f64, p| n.max(p[2] + amid));
+                ((reach_m + from_m.abs().element_sum()) * near * scale[0].max(scale[1]), offset)
             }
         };
         4.0 * f64::EPSILON * (far + offset[0].abs().max(offset[1].abs()))
