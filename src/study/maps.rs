@@ -207,6 +207,7 @@ pub fn observe_maps(
         // What maps have in them and leave out is theirs to say.
         observation.effects.clear();
     }
+    if options.fill == Fill::Nan {
         // Only now: what is computed is checked for numbers that are none.
         let pixels = on_scene_pixels;
         for band in observation.cube.added.chunks_exact_mut(pixels.max(1)) {
