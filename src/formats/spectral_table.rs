@@ -22,6 +22,9 @@ pub(super) const DELETED_BELOW: f64 = -1e30;
 const UM: std::ops::RangeInclusive<f64> = 0.05..=100.0;
 const NM: std::ops::RangeInclusive<f64> = 150.0..=100_000.0;
 
+/// A number, and the cell that it is written in; none is a gap.
+type Cell<'a> = Option<(f64, &'a str)>;
+
 /// What a header says that a column holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Unit {
@@ -44,7 +47,7 @@ pub(super) struct TableColumn<'a> {
     pub(super) cell: &'a str,
     pub(super) unit: Unit,
     /// What is written, as number and cell, by ascending wavelength; `None` is a gap.
-    pub(super) values: Vec<Option<(f64, &'a str)>>,
+    pub(super) values: Vec<Cell<'a>>,
 }
 
 /// A table, whoever wrote it.
@@ -404,7 +407,7 @@ fn guessed(text: &str, path: &Path, cell: &str, rows: &[Vec<&str>], report: &mut
 }
 
 /// A title and the numbers below it; below [`DELETED_BELOW`] is a gap.
-fn one_column<'a>(lines: &Lines<'a>, text: &str, path: &Path) -> Result<(&'a str, Vec<Option<(f64, &'a str)>>)> {
+fn one_column<'a>(lines: &Lines<'a>, text: &str, path: &Path) -> Result<(&'a str, Vec<Cell<'a>>)> {
     let mut problems = Problems::default();
     let title = lines.all.first().copied().unwrap_or("");
     let values = lines.all.iter().skip(1).map(|cell| {
@@ -438,8 +441,7 @@ fn values_alone<'a>(
         return Err(Error::invalid(at(), message));
     }
     let mut report = Report::default();
-    let mut rows: Vec<(f64, Option<(f64, &str)>)> =
-        um.iter().copied().zip(values).filter(|(um, _)| um.is_finite()).collect();
+    let mut rows: Vec<(f64, Cell<'_>)> = um.iter().copied().zip(values).filter(|(um, _)| um.is_finite()).collect();
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
     let before = rows.len();
     rows.dedup_by(|b, a| a.0 == b.0);
@@ -475,7 +477,7 @@ fn assembled<'a>(
     mut report: Report,
 ) -> Result<SpectralTable<'a>> {
     let mut problems = Problems::default();
-    let mut read: Vec<(f64, Vec<Option<(f64, &str)>>, &str)> = Vec::with_capacity(rows.len());
+    let mut read: Vec<(f64, Vec<Cell<'_>>, &str)> = Vec::with_capacity(rows.len());
     for row in rows {
         let first = row.first().copied().unwrap_or_default();
         if row.len() != columns.len() {

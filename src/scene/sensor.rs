@@ -102,7 +102,7 @@ impl Sensor {
             );
         }
         let size_px = f64::from(camera.samples.max(camera.lines));
-        if let Some(at) = camera.boresight_px.into_iter().find(|at| !(at.abs() <= FARTHEST * size_px)) {
+        if let Some(at) = camera.boresight_px.into_iter().find(|at| at.is_nan() || at.abs() > FARTHEST * size_px) {
             problem(
                 "sensor",
                 format!("a boresight {at} pixels from the image's corner, {FARTHEST} times the image's size"),

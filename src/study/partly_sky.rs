@@ -85,7 +85,7 @@ fn is_dark_at_rim(columns: usize, seen: &[f64], values: &[f64]) -> Option<bool> 
     let pairs: Vec<(f64, f64)> =
         at_rim.filter_map(|i| whole_beside(i).map(|whole| (seen[i], (values[i] / whole).min(2.0)))).collect();
     let [shares, ratios] = [0, 1].map(|k| pairs.iter().map(|p| if k == 0 { p.0 } else { p.1 }).sum::<f64>());
-    (pairs.len() >= FEW).then(|| ratios < 0.5 * (shares + pairs.len() as f64))
+    (pairs.len() >= FEW).then_some(ratios < 0.5 * (shares + pairs.len() as f64))
 }
 
 #[cfg(test)]

@@ -149,7 +149,7 @@ fn an_outline_that_is_not_the_scenes_is_refused_unless_forced() {
     let view_deg = [22.4, 90.0];
     let (name, corners_m, mut values) = image(view_deg, [1.0, 2.0], |hits| hits > 0);
     for (i, value) in values.iter_mut().enumerate() {
-        if (i / SIZE[1] / 8) % 2 == 0 {
+        if (i / SIZE[1] / 8).is_multiple_of(2) {
             *value = -1.0;
         }
     }

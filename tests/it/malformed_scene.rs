@@ -337,9 +337,9 @@ fn what_is_unusual_and_defined_is_computed_and_told() {
     let turned = GOOD.replace("obj = \"plate.obj\"", UNUSUAL[5].1);
     let corner_m = folder.scene(&turned).mesh.vertices_m[2];
     assert!((corner_m - glam::DVec3::new(-1.0, 1.0, 0.0)).length() < 1e-15, "{corner_m}");
-    // At the north pole, east is x of the body, so that north is y.
+    // At the north pole, east is y of the body, as on the meridian of longitude 0, so that north is -x.
     let polar = GOOD.replace("obj = \"plate.obj\"", UNUSUAL[6].1);
-    assert_eq!(folder.scene(&polar).mesh.vertices_m[2], glam::DVec3::new(1.0, 1.0, 0.0));
+    assert_eq!(folder.scene(&polar).mesh.vertices_m[2], glam::DVec3::new(-1.0, 1.0, 0.0));
 }
 
 #[test]

@@ -293,7 +293,8 @@ fn inside_view(r: &mut Random, half: f64) -> FrameCamera {
         return along(from, r.whole(0, 2) as usize, chance(r, 0.5), size, pick(r, &[0.25, 0.5, 0.3]));
     }
     let at = [(); 3].map(|()| 10.0 * (r.share() - 0.5));
-    FrameCamera { samples: size[0], lines: size[1], ..camera(from, at, [0.1, 0.3, 0.9], 1, 0.4) }
+    let pose = camera(from, at, [0.1, 0.3, 0.9], 1, 0.4).world_from_sensor;
+    FrameCamera::centred(pose, size[0], size[1], 0.4)
 }
 
 /// The eye on a face, an edge or a corner of a body, or inside one of several bodies, which may overlap and be in a room.
