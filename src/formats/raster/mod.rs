@@ -2,7 +2,7 @@
 //!
 //! A band is f64, row by row, whatever the file stores; what the file says is no data is NaN. Of a file that interleaves its
 //! bands, as many are read in one pass as 256 MiB hold; no more of any file is in memory, but of those that are compressed as a whole:
-//! OpenEXR (see [`exr`]).
+//! OpenEXR (see `exr.rs`).
 
 mod compare;
 mod exr;

@@ -79,10 +79,10 @@ pub fn write(scene: &Scene, path: &Path, replace: bool) -> Result<(Staged, Repor
     write_with(scene, path, &WriteOptions { replace, ..WriteOptions::default() })
 }
 
-/// As [`write`], without what was not said.
+/// As [`write()`], without what was not said.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_with(scene: &Scene, path: &Path, options: &WriteOptions) -> Result<(Staged, Report)> {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
