@@ -196,7 +196,11 @@ pub(super) fn lit_by_mars(scene: &Scene, dart_from_body: DMat3, simulation: &Sim
     }
     let sun = &scene.sun;
     let irradiance = scene.sensor.bands.iter().map(|band| {
-        let product = band_mean(band, &[&sun.irradiance_1au, &mars.reflectance]);
+        // A band of heat alone has no light of Mars either.
+        let product = match band.light.is_lit() {
+            true => band_mean(band, &[&sun.irradiance_1au, &mars.reflectance]),
+            false => 0.0,
+        };
         Some((share * sun::irradiance_at(product, sun.distance_m), 0.0))
     });
     let mut by_mars = simulation.clone();
