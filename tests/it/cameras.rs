@@ -197,3 +197,22 @@ fn the_image_of_a_shifted_oblong_camera_is_put_back_where_it_was_seen() {
     assert!(own.iter().any(|l| *l > 0.0));
     assert_near(&bench.integrate(&["--radiance", "{}m.csv"]), &own, 1e-9);
 }
+
+#[test]
+fn what_darts_camera_cannot_be_is_told() {
+    let bench = Bench::new();
+    scene_with(&bench, OBSERVER, "samples = 6\nlines = 4\nfocal_px = [1100, 700]\nboresight_px = [2, 2]\n");
+    let (from, to) = (bench.0.argument("scene.toml"), bench.0.argument("dart"));
+    let (code, out, err) = run(&["convert", &from, &to, "--to", "dart"]);
+    let said = format!("{out}{err}");
+    assert!(
+        code == 0 && said.contains("Dropped") && said.contains("the boresight at sample and line [2.0, 2.0]"),
+        "{said}"
+    );
+    // Oblong pixels are two fields of view, 2 atan(n / 2 f), and come back.
+    let back = bench.0.argument("back/scene.toml");
+    let (code, out, err) = run(&["convert", &to, &back]);
+    assert_eq!(code, 0, "{out}{err}");
+    let pitch = scene_toml::read(&bench.0.join("back/scene.toml"), &unwatched).unwrap().scene.sensor.camera.pitch;
+    assert!((pitch[0] * 1100.0 - 1.0).abs() < 1e-9 && (pitch[1] * 700.0 - 1.0).abs() < 1e-9, "{pitch:?}");
+}

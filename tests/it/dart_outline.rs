@@ -123,8 +123,8 @@ fn an_image_beside_its_printed_corners_is_put_where_it_shows_the_scene() {
                 found.overlap[1] > 0.97 && found.overlap[0] < found.overlap[1],
                 "{view_deg:?} {shift:?}: {found:?}"
             );
-            for k in 0..2 {
-                assert!((found.shift_texels[k] - shift[k]).abs() <= 0.5, "{found:?}");
+            for (k, shift) in shift.iter().enumerate() {
+                assert!((found.shift_texels[k] - shift).abs() <= 0.5, "{found:?}");
                 assert!((found.shift_m[k] - found.shift_texels[k] * PIXEL_M).abs() < 1e-9, "{found:?}");
             }
             assert!(note.unwrap().contains("by its outline"));

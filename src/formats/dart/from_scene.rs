@@ -312,6 +312,18 @@ impl Site<'_> {
     fn notes(&self, simulation: &Simulation, size: &Size, options: &WriteOptions, report: &mut Report) {
         let scene = self.scene;
         let item = Location::item;
+        let camera = &scene.sensor.camera;
+        let middle_px = [camera.samples, camera.lines].map(|n| 0.5 * f64::from(n));
+        if camera.boresight_px != middle_px {
+            report.note(
+                Fate::Dropped,
+                item("sensor"),
+                format!(
+                    "the boresight at sample and line {:?}: DART's camera looks through the middle of its image, {middle_px:?}",
+                    camera.boresight_px
+                ),
+            );
+        }
         report.note(
             Fate::Carried,
             item("origin_m"),
