@@ -3,6 +3,7 @@
 #![allow(clippy::print_stderr, clippy::print_stdout, clippy::type_complexity, clippy::needless_range_loop)]
 
 mod afar;
+mod angles;
 mod bands;
 mod bodies;
 mod cameras;

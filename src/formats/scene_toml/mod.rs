@@ -3,6 +3,7 @@
 //! Reading goes in three steps, and each tells all its problems: the text against the schema
 //! ([`located`]); each part against itself and the files it names; the whole, by [`Scene::check`].
 
+mod angles;
 mod atlas;
 mod attitude;
 mod lens;
@@ -18,7 +19,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 use crate::error::{Error, Location, Problem, Result, number};
-use crate::geometry::Direction;
+use crate::geometry::{Direction, Pose};
 use crate::progress::{Progress, Watch};
 use crate::scene::{FARTHEST_M, Mars, MarsModel, Scene, Sun, Texture, Thermal};
 use crate::spectral::{Extend, Spectrum, solar_e490};
@@ -39,7 +40,7 @@ pub(super) use view::pitch_of_fov;
 pub(super) use view::pitch_of_ifov;
 pub use write::{Axes, Unsaid, WriteOptions, write, write_with};
 
-use types::{Frame, MarsModelToml, MarsToml, SceneToml, SunToml, ThermalModelToml, ThermalToml, Values};
+use types::{Frame, MarsModelToml, MarsToml, ObserverToml, SceneToml, SunToml, ThermalModelToml, ThermalToml, Values};
 
 /// A scene and what its report should say about where it came from.
 #[derive(Debug, Clone)]
@@ -219,10 +220,12 @@ impl Reader<'_> {
     fn scene(&mut self, toml: &SceneToml) -> Option<Scene> {
         let mut dictionary = self.dictionary(&toml.materials);
         let mesh = self.meshes(&toml.mesh, &mut dictionary);
-        let sun = self.sun(&toml.sun);
+        let by_angles = toml.geometry.as_ref().map(|geometry| self.by_angles(geometry)).unwrap_or_default();
+        let sun = self.sun(&toml.sun, by_angles.sun);
         let mars = toml.mars.as_ref().map(|mars| self.mars(mars));
         let thermal = self.thermal(toml.thermal.as_ref());
-        let sensor = self.sensor(&toml.sensor, &toml.observer, mesh.as_ref());
+        let pose = self.camera_pose(toml.observer.as_ref(), by_angles.camera);
+        let sensor = self.sensor(&toml.sensor, pose, mesh.as_ref());
         if let (Some(mesh), Some(sensor)) = (&mesh, &sensor) {
             self.suspect_scale(&toml.mesh, mesh, &sensor.camera);
         }
@@ -363,13 +366,42 @@ impl Reader<'_> {
         None
     }
 
-    fn sun(&mut self, toml: &SunToml) -> Option<Sun> {
+    /// The camera's pose, from the one of two tables that states it.
+    fn camera_pose(&mut self, observer: Option<&ObserverToml>, by_angles: Option<Option<Pose>>) -> Option<Pose> {
+        match (observer, by_angles) {
+            (Some(observer), None) => self.observer(observer),
+            (None, Some(pose)) => pose,
+            (None, None) => {
+                let help = "or place the camera by angles: `emission_deg` and more in `[geometry]`";
+                self.helped("observer", "is missing: where the camera is, and where it looks", help);
+                None
+            }
+            (Some(_), Some(_)) => {
+                self.problem("observer", "`geometry.emission_deg` places the camera too: leave one of them out");
+                None
+            }
+        }
+    }
+
+    /// The Sun, in a direction that may be given by angles.
+    fn sun(&mut self, toml: &SunToml, by_angles: Option<Option<Direction>>) -> Option<Sun> {
         let body_from_site = match toml.frame {
             Some(Frame::Site) => Some(self.body_from_site("sun.frame", "the frame of a site")?),
             _ => None,
         };
         // A direction, if there is one, and a distance, m.
         let place = match (toml.position_m, toml.direction, toml.distance_au) {
+            (None, None, Some(distance_au)) if by_angles.is_some() => {
+                by_angles.flatten().map(|d| (Some(d), distance_au * AU_M))
+            }
+            (None, None, None) if by_angles.is_some() => {
+                self.problem("sun", "`distance_au` is missing: `geometry` says only where the Sun stands");
+                None
+            }
+            _ if by_angles.is_some() => {
+                self.problem("sun", "`geometry.incidence_deg` places the Sun: give only `distance_au` beside it");
+                None
+            }
             (Some(position_m), None, None) => {
                 let v = match body_from_site {
                     Some(axes) => axes * DVec3::from_array(position_m),
@@ -388,7 +420,9 @@ impl Reader<'_> {
                 direction.map(|d| (Some(d), distance_au * AU_M))
             }
             _ => {
-                self.problem("sun", "give `position_m`, or `direction` and `distance_au`");
+                let message =
+                    "give `position_m`, or `direction` and `distance_au`, or `distance_au` and angles in `[geometry]`";
+                self.problem("sun", message);
                 None
             }
         };

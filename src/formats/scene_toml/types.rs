@@ -29,8 +29,10 @@ pub(crate) struct SceneToml {
     pub(crate) mars: Option<MarsToml>,
     /// How warm the surface is.
     pub(crate) thermal: Option<ThermalToml>,
-    /// Where the camera is, and where it looks.
-    pub(crate) observer: ObserverToml,
+    /// Sun, camera or both by angles above a target, instead of their positions.
+    pub(crate) geometry: Option<GeometryToml>,
+    /// Where the camera is, and where it looks; left out where `geometry` says it.
+    pub(crate) observer: Option<ObserverToml>,
     /// The camera.
     pub(crate) sensor: SensorToml,
 }
@@ -357,6 +359,55 @@ pub(crate) enum ThermalModelToml {
     Thesis,
     /// No thermal emission.
     Off,
+}
+
+/// Sun and camera by angles above a target. `incidence_deg` places the Sun, `emission_deg` the camera; the phase angle stands for one of the
+/// azimuths.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct GeometryToml {
+    /// What `target_m` and `normal` are given in. Default "body".
+    pub(crate) frame: Option<Frame>,
+    /// Point that the camera looks at, in the body-fixed frame, m; with `frame = "site"` from `origin_m`. Default: `origin_m`.
+    pub(crate) target_m: Option<[f64; 3]>,
+    /// The target's zenith, any length. Default: the outward radius at the target; z with `frame = "site"`.
+    pub(crate) normal: Option<[f64; 3]>,
+    /// Angle from the zenith to the Sun, deg.
+    #[schemars(range(min = 0, max = 180))]
+    pub(crate) incidence_deg: Option<f64>,
+    /// Azimuth of the Sun, from north through east, deg.
+    #[schemars(range(min = -360, max = 360))]
+    pub(crate) sun_azimuth_deg: Option<f64>,
+    /// Angle from the zenith to the camera, deg.
+    #[schemars(range(min = 0, max = 180))]
+    pub(crate) emission_deg: Option<f64>,
+    /// Azimuth of the camera, from north through east, deg.
+    #[schemars(range(min = -360, max = 360))]
+    pub(crate) observer_azimuth_deg: Option<f64>,
+    /// Angle at the target between Sun and camera, deg, instead of one of the azimuths: the camera is then clockwise of the Sun, seen from
+    /// the zenith.
+    #[schemars(range(min = 0, max = 180))]
+    pub(crate) phase_deg: Option<f64>,
+    /// Height of the camera above the target's horizontal plane, m; or `range_m`.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub(crate) altitude_m: Option<f64>,
+    /// Distance of the camera from the target, m; or `altitude_m`.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub(crate) range_m: Option<f64>,
+    /// What is at the top of the image, as seen from the target. Default "north".
+    pub(crate) up: Option<Top>,
+}
+
+/// What is at the top of an image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Top {
+    /// North.
+    North,
+    /// The zenith: the horizon is level.
+    Zenith,
+    /// The Sun.
+    Sun,
 }
 
 /// Where the camera is, and one of: `target_m` and `up`; `h`, `v` and `u`; `world_from_sensor_xyzw`. Or all of it as `camera_to_world`.

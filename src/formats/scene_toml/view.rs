@@ -26,9 +26,9 @@ pub(in crate::formats) const USUAL_UM: f64 = 100.0;
 const TOLD: usize = 20;
 
 impl Reader<'_> {
-    pub(super) fn sensor(&mut self, toml: &SensorToml, observer: &ObserverToml, mesh: Option<&Mesh>) -> Option<Sensor> {
+    /// The sensor, at a pose that is `None` if what is wrong with it has been told.
+    pub(super) fn sensor(&mut self, toml: &SensorToml, pose: Option<Pose>, mesh: Option<&Mesh>) -> Option<Sensor> {
         let preset = toml.preset == Some(Preset::Macromega);
-        let pose = self.observer(observer);
         let samples = self.given("sensor.samples", toml.samples, preset.then_some(256));
         let lines = self.given("sensor.lines", toml.lines, preset.then_some(256));
         let bands = match (&toml.bands, preset) {
@@ -150,18 +150,8 @@ impl Reader<'_> {
                     self.problem("observer.target_m", "is where the camera is: there is no direction to look in");
                     return None;
                 };
-                let up = DVec3::from_array(up);
-                // The right of the image is normal to the boresight and to up. Up along the boresight leaves only rounding.
-                let h = Direction::new(up).map(|up| u.vec().cross(up.vec()));
-                let Some(h) = h.filter(|h| h.length() > UNIT_TOLERANCE).and_then(Direction::new) else {
-                    self.helped(
-                        "observer.up",
-                        "has no length across the line of sight: the image has no top",
-                        "give a direction that is not along the line of sight, as [0, 0, 1] for north",
-                    );
-                    return None;
-                };
-                DMat3::from_cols(h.vec(), u.vec().cross(h.vec()), u.vec())
+                let help = "give a direction that is not along the line of sight, as [0, 0, 1] for north";
+                self.upright("observer.up", u, DVec3::from_array(up), help)?
             }
             (None, None, (Some(h), Some(v), Some(u)), None) => self.axes([h, v, u].map(DVec3::from_array))?,
             (None, None, (None, None, None), Some(xyzw)) => self.rotation("observer.world_from_sensor_xyzw", xyzw)?,
@@ -178,6 +168,17 @@ impl Reader<'_> {
             }
             Some(Frame::Body) | None => Some(Pose { rotation, translation_m: position_m - self.origin_m }),
         }
+    }
+
+    /// The sensor's axes as columns, with the boresight `u` and `up`, of any length, towards the top of the image; `help` where there is none.
+    pub(super) fn upright(&mut self, item: &str, u: Direction, up: DVec3, help: &str) -> Option<DMat3> {
+        // The right of the image is normal to the boresight and to up. Up along the boresight leaves only rounding.
+        let h = Direction::new(up).map(|up| u.vec().cross(up.vec()));
+        let Some(h) = h.filter(|h| h.length() > UNIT_TOLERANCE).and_then(Direction::new) else {
+            self.helped(item, "has no length across the line of sight: the image has no top", help);
+            return None;
+        };
+        Some(DMat3::from_cols(h.vec(), u.vec().cross(h.vec()), u.vec()))
     }
 
     /// The rotation whose columns are the axes h, v, u, which may be rounded.
