@@ -271,21 +271,6 @@ fn write_header(data: &Path, text: &str) -> Result<()> {
 /// The file type of a spectral library.
 pub(super) const SPECTRAL_LIBRARY: &str = "ENVI Spectral Library";
 
-/// Value = (number x gain + offset) / divisor.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Scale {
-    pub(super) gain: f64,
-    pub(super) offset: f64,
-    /// What a file has for a reflectance of 1.
-    pub(super) divisor: f64,
-}
-
-impl Scale {
-    pub(super) fn value(self, number: f64) -> f64 {
-        (number * self.gain + self.offset) / self.divisor
-    }
-}
-
 /// What a header says.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Header {
@@ -328,39 +313,6 @@ impl Header {
     /// Whether it is that of a spectral library, whose lines are spectra.
     pub fn is_library(&self) -> bool {
         self.field("file type").is_some_and(|t| t.eq_ignore_ascii_case(SPECTRAL_LIBRARY))
-    }
-
-    /// How the numbers of `count` bands, or channels of a spectral library, become values; none if they are the values. One gain or offset
-    /// is for all of them.
-    pub(super) fn scales(&self, count: usize, problems: &mut Vec<Problem>) -> Vec<Scale> {
-        let mut list = |key: &str, default: f64| -> Option<Vec<f64>> {
-            let text = self.field(key)?;
-            let numbers: Option<Vec<f64>> = text.split(',').map(|t| t.trim().parse().ok()).collect();
-            let is_whole = |n: &Vec<f64>| n.len() == count || (n.len() == 1 && self.is_library());
-            let numbers = numbers.filter(|n| is_whole(n) && n.iter().all(|v| v.is_finite()));
-            if numbers.is_none() {
-                let each = if self.is_library() { "channel, or a single one" } else { "band" };
-                let message = format!("is no list of {count} finite numbers, one for each {each}");
-                problems.push(Problem::new(Location::file(&self.path).with_item(key), message));
-            }
-            numbers.filter(|n| n.iter().any(|v| *v != default))
-        };
-        let gains = list("data gain values", 1.0);
-        let offsets = list("data offset values", 0.0);
-        let divisor = match self.field("reflectance scale factor").map(str::parse::<f64>) {
-            None => 1.0,
-            Some(Ok(divisor)) if divisor > 0.0 && divisor.is_finite() => divisor,
-            Some(_) => {
-                let at = Location::file(&self.path).with_item("reflectance scale factor");
-                problems.push(Problem::new(at, "is no positive number"));
-                1.0
-            }
-        };
-        if gains.is_none() && offsets.is_none() && divisor == 1.0 {
-            return Vec::new();
-        }
-        let of = |list: &Option<Vec<f64>>, i: usize, default| list.as_ref().map_or(default, |l| l[i % l.len()]);
-        (0..count).map(|i| Scale { gain: of(&gains, i, 1.0), offset: of(&offsets, i, 0.0), divisor }).collect()
     }
 
     /// Wavelengths in um, and the unit that was taken for granted if the header gives none; `None` for other units, as an index.
@@ -547,16 +499,16 @@ fn is_of_esri(text: &str) -> bool {
 
 /// Whether a text begins as one more `key = value` does.
 fn begins_a_field(text: &str) -> bool {
-    text.split_once('=').is_some_and(|(key, _)| {
-        let key = key.trim();
-        key.starts_with(|c: char| c.is_alphabetic()) && key.chars().all(|c| c.is_alphanumeric() || " _-".contains(c))
-    })
+    let text = text.trim_start();
+    let behind_key = text.trim_start_matches(|c: char| c.is_alphanumeric() || " _-".contains(c)).trim_start();
+    text.starts_with(char::is_alphabetic) && behind_key.starts_with('=')
 }
 
 /// Where a list ends: at a brace behind which the line ends, or the next field begins. Those inside of texts do not end it.
 fn end_of_list(line: &str) -> Option<usize> {
+    let line = line.trim_end();
     line.match_indices('}').map(|(i, _)| i).find(|i| {
-        let rest = line[i + 1..].trim();
+        let rest = line[i + 1..].trim_start();
         rest.is_empty() || rest.starts_with(';') || begins_a_field(rest)
     })
 }
@@ -564,7 +516,7 @@ fn end_of_list(line: &str) -> Option<usize> {
 impl<'a> Fields<'a> {
     fn parse(path: &'a Path, text: &str) -> Result<Self> {
         let text = text.trim_start_matches('\u{feff}');
-        let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line)).peekable();
+        let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim_end())).peekable();
         if lines.next().is_none_or(|(_, first)| !first.trim().eq_ignore_ascii_case("ENVI")) {
             if is_of_esri(text) {
                 let feature = "a header of ESRI for BIL, BIP or BSQ (`gdal_translate -of ENVI IN OUT.img` makes an image that is read)";

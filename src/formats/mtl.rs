@@ -119,7 +119,8 @@ impl MtlFile {
     /// Notes what is lost of the material at hand, once.
     fn lose(&mut self, line: usize, what: &'static str) {
         let Some(ObjMaterial { name, .. }) = self.materials.last() else { return };
-        if !self.losses.iter().any(|(of, _, told)| of == name && *told == what) {
+        let mut of_this = self.losses.iter().rev().take_while(|(of, ..)| of == name);
+        if !of_this.any(|(.., told)| *told == what) {
             self.losses.push((name.clone(), line, what));
         }
     }

@@ -5,6 +5,7 @@
 //! relative or absolute, in any unit: only their shape counts. An empty cell is no point of its column; beyond a column's points the
 //! response is 0.
 
+use std::collections::BTreeSet;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -113,8 +114,9 @@ pub fn parse(text: &str, path: &Path) -> Result<Responses> {
         problems.push(|| Problem::new(place(path, text, cell), message).with_help(help));
     }
     let mut columns = Vec::new();
+    let mut known = BTreeSet::new();
     for (i, column) in names[1..].iter().enumerate() {
-        if column.is_empty() || names[1..=i].iter().any(|other| other.eq_ignore_ascii_case(column)) {
+        if column.is_empty() || !known.insert(column.to_ascii_lowercase()) {
             let message =
                 if column.is_empty() { "a column has no name".into() } else { format!("`{column}` is there twice") };
             let at = if column.is_empty() { header } else { column };

@@ -21,7 +21,7 @@ use super::dart::kind::{Kind, outside, range};
 use super::folder::Staged;
 use super::input::{self, InputFile, Problems};
 use super::spectral_table::{self, SpectralTable, TableColumn, Unit};
-use super::table::{Labelled, gathered, is_plain, labelled, parts, place};
+use super::table::{Labelled, Places, gathered, is_plain, labelled, parts, place};
 
 /// What a table must hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -153,7 +153,9 @@ fn refused(quantity: Quantity, unit: Unit, cell: &str, number: f64) -> Option<(S
 fn tell_gaps(all_um: &[f64], known_um: &[f64], at: Location, report: &mut Report) {
     let gaps = all_um.len() - known_um.len();
     if gaps > 0 {
-        let first = all_um.iter().find(|um| !known_um.contains(um)).copied().unwrap_or_default();
+        // What is known is some of all, in the same order.
+        let is_gap = |(i, um): &(usize, &f64)| known_um.get(*i) != Some(um);
+        let first = all_um.iter().enumerate().find(is_gap).map_or(0.0, |(_, um)| *um);
         let message = format!("{gaps} rows have no value, the first at {} um: linear across gaps", number(first));
         report.note(Fate::Approximated, at, message);
     }
@@ -232,6 +234,7 @@ pub fn parse_all(text: &str, path: &Path, given_um: Option<&[f64]>) -> Result<(V
     }
     let one = of_one_material(table.columns.iter().map(|c| c.name.as_str()));
     let mut problems = Problems::default();
+    let mut places = Places::of(path, text);
     for column in &table.columns {
         let quantity = if one { column.name.as_str() } else { parts(&column.name).1 };
         let limits = if quantity == IRRADIANCE { (0.0, f64::INFINITY) } else { range(quantity) };
@@ -248,7 +251,7 @@ pub fn parse_all(text: &str, path: &Path, given_um: Option<&[f64]>) -> Result<(V
         }
         if column.unit == Unit::Percent {
             let fractions: Vec<f64> = column.values.iter().flatten().map(|v| fraction_from_percent(v.0)).collect();
-            tell_doubtful_percent(&fractions, place(path, text, column.cell), &mut report);
+            tell_doubtful_percent(&fractions, places.place(column.cell), &mut report);
         }
     }
     if let Some(problem) = suspect_unit(&table.wavelength_um, place(path, text, table.header)) {
@@ -281,10 +284,11 @@ pub fn parse_all(text: &str, path: &Path, given_um: Option<&[f64]>) -> Result<(V
         return Ok((vec![library], report));
     }
     let mut labelled = Vec::new();
+    let mut places = Places::of(path, text);
     for column in &table.columns {
         let (um, values): (Vec<f64>, Vec<f64>) =
             table.wavelength_um.iter().enumerate().filter_map(|(i, um)| Some((*um, value(column, i)?))).unzip();
-        let at = place(path, text, column.cell);
+        let at = places.place(column.cell);
         match um.is_empty() {
             true => report.note(Fate::Dropped, at, format!("{:?} has no values", column.name)),
             false => {

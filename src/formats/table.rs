@@ -30,6 +30,34 @@ pub(super) fn place(path: &Path, text: &str, part: &str) -> Location {
     Location::span(path, text, start, start + part.len())
 }
 
+/// The places of parts of a text, one after the other: each is counted from the one before it.
+pub(super) struct Places<'a> {
+    path: &'a Path,
+    text: &'a str,
+    /// Where the last part began, and its line and column.
+    last: (usize, usize, usize),
+}
+
+impl<'a> Places<'a> {
+    pub(super) fn of(path: &'a Path, text: &'a str) -> Self {
+        Places { path, text, last: (0, 1, 1) }
+    }
+
+    /// The place of a part, as [`place`] tells it.
+    pub(super) fn place(&mut self, part: &str) -> Location {
+        let start = (part.as_ptr() as usize).saturating_sub(self.text.as_ptr() as usize);
+        let (last, line, column) = self.last;
+        let Some(between) = self.text.get(last..start) else { return place(self.path, self.text, part) };
+        let (line, column) = match between.rfind('\n') {
+            None => (line, column + between.chars().count()),
+            Some(end) => (line + between.matches('\n').count(), 1 + between[end + 1..].chars().count()),
+        };
+        self.last = (start, line, column);
+        let span = Some((start, (start + part.len()).min(self.text.len())));
+        Location { column: Some(column), span, ..Location::line(self.path, line) }
+    }
+}
+
 /// Numbers of all columns; the first is wavelength, which must be positive and ascend. Rows begin within `text`.
 ///
 /// # Errors

@@ -125,8 +125,10 @@ impl Band {
             let from = um[0] - table.wavelength_um()[0];
             moment += width * (0.5 * from * (v[0] + v[1]) + width * (v[0] + 2.0 * v[1]) / 6.0);
         }
+        // Of points that are next to one another, and next to 0, nothing is left.
         let centre_um = table.wavelength_um()[0] + moment / area;
-        Some(Band { response: Response::Table(Arc::new(table)), ..Band::new(centre_um, Some(area)) })
+        (area > 0.0 && centre_um > 0.0)
+            .then(|| Band { response: Response::Table(Arc::new(table)), ..Band::new(centre_um, Some(area)) })
     }
 
     /// First and last wavelength that the band looks at, um; not below 0.

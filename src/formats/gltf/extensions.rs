@@ -1,5 +1,7 @@
 //! Which extensions are read, which say nothing of geometry, and which cannot be passed over.
 
+use std::collections::BTreeSet;
+
 use crate::error::{Error, Result};
 
 use super::accessor::Data;
@@ -92,8 +94,9 @@ pub(super) fn known(data: &Data<'_>) -> Result<()> {
         }
     }
     // What only surfaces and pictures have moves nothing; what is found nowhere may change the meaning of all, as quantization does.
-    let of_surfaces = |name: &String| root.materials.iter().any(|material| material.extensions.contains_key(name));
-    let unknown = |(_, name): &(usize, &String)| !is_known(name) && !of_surfaces(name);
+    let of_surfaces: BTreeSet<&String> =
+        root.materials.iter().flat_map(|material| material.extensions.keys()).collect();
+    let unknown = |(_, name): &(usize, &String)| !is_known(name) && !of_surfaces.contains(*name);
     match root.extensions_used.iter().enumerate().find(unknown) {
         Some((i, name)) => refused(format!("extensionsUsed[{i}]"), doubtful(name)),
         None => Ok(()),

@@ -173,7 +173,7 @@ pub(super) struct Lights {
     pub(super) lights: Vec<Light>,
 }
 
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Clone, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Light {
     #[serde(rename = "type")]

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+use std::rc::Rc;
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use serde_json::Value;
@@ -14,9 +15,9 @@ use crate::geometry::{Direction, MaterialId, Mesh};
 use crate::report::{Fate, Report};
 
 use super::accessor::Data;
-use super::extensions::{self, LIGHTS, SPECULAR, VISIBILITY};
+use super::extensions::{self, INSTANCING, LIGHTS, SPECULAR, VISIBILITY};
 use super::instances::instances;
-use super::json::{LightOfNode, Lights, Node, Primitive, Root, SpecularGlossiness, Visibility, extension};
+use super::json::{Light, LightOfNode, Lights, Node, Primitive, Root, SpecularGlossiness, Visibility, extension};
 use super::{MAGIC, MOST, RESIDUAL};
 
 /// Normals of a face's corners that differ by more are not those of a flat face.
@@ -63,11 +64,19 @@ pub fn parse(bytes: &[u8], path: &Path, outside: bool) -> Result<(Surface, Repor
     let mut data = Data { path, root, buffers: Vec::new() };
     known(&data)?;
     data.buffers = buffers(&data, binary, outside, &mut inputs)?;
+    let mut uses = vec![0; data.root.meshes.len()];
+    for mesh in data.root.nodes.iter().filter_map(|node| node.mesh) {
+        uses.get_mut(mesh).into_iter().for_each(|uses| *uses += 1);
+    }
     let mut reader = Reader {
         data: &data,
         mesh: Mesh::default(),
         objects: 0,
+        uses,
+        known: BTreeMap::new(),
         materials: Vec::new(),
+        index_of_material: BTreeMap::new(),
+        lights: None,
         sun: None,
         report: Report::default(),
         told: BTreeSet::new(),
@@ -137,6 +146,7 @@ fn known(data: &Data<'_>) -> Result<()> {
 /// The bytes of all buffers, as long as the file says they are.
 fn buffers(data: &Data<'_>, binary: Option<&[u8]>, outside: bool, inputs: &mut Vec<InputFile>) -> Result<Vec<Vec<u8>>> {
     let mut all = Vec::new();
+    let mut held = 0;
     for (i, buffer) in data.root.buffers.iter().enumerate() {
         let item = format!("buffers[{i}]");
         let mut bytes = match (&buffer.uri, binary) {
@@ -172,6 +182,10 @@ fn buffers(data: &Data<'_>, binary: Option<&[u8]>, outside: bool, inputs: &mut V
         if bytes.len() < buffer.byte_length {
             let message = format!("`byteLength` {}, but there are {} bytes", buffer.byte_length, bytes.len());
             return data.wrong(item, message);
+        }
+        held += bytes.len() as u64;
+        if held > LIMIT {
+            return data.wrong(item, format!("with those before it, more than the {LIMIT} bytes that are read"));
         }
         bytes.truncate(buffer.byte_length);
         all.push(bytes);
@@ -227,7 +241,14 @@ struct Reader<'a> {
     mesh: Mesh,
     /// Meshes that were taken, instance by instance.
     objects: usize,
+    /// Of each mesh, the nodes that have it.
+    uses: Vec<usize>,
+    /// Meshes that several nodes have.
+    known: BTreeMap<usize, Rc<Parts>>,
     materials: Vec<ObjMaterial>,
+    index_of_material: BTreeMap<MaterialKey, usize>,
+    /// The file's lights, once a node has one.
+    lights: Option<Vec<Light>>,
     sun: Option<SunLight>,
     report: Report,
     /// Items and messages of what has been told.
@@ -240,6 +261,9 @@ struct SunLight {
     intensity_lx: f64,
     item: String,
 }
+
+/// A material's name, and the bits of its colour.
+type MaterialKey = (String, Option<[u64; 3]>);
 
 /// A mesh as it is before it is placed.
 struct Parts {
@@ -354,9 +378,8 @@ impl Reader<'_> {
 
     /// Takes the mesh of a node, once or as often as it is instanced.
     fn mesh_of(&mut self, node: &Node, world: &DAffine3, item: &str) -> Result<()> {
-        let instances = instances(self.data, node, item)?;
         let Some(mesh) = node.mesh else {
-            if instances.is_some() {
+            if node.extensions.contains_key(INSTANCING) {
                 self.dropped(item, "instances of nothing: the node has no mesh");
             }
             return Ok(());
@@ -364,8 +387,20 @@ impl Reader<'_> {
         if node.skin.is_some() {
             self.dropped(item, "the skin: the mesh is taken as it stands without it");
         }
-        let parts = self.parts(mesh, item)?;
-        let Some((places, others)) = instances else { return self.place(&parts, world) };
+        let parts = match self.known.get(&mesh) {
+            Some(parts) => Rc::clone(parts),
+            None => {
+                let parts = Rc::new(self.parts(mesh, item)?);
+                if self.uses[mesh] > 1 {
+                    self.known.insert(mesh, Rc::clone(&parts));
+                }
+                parts
+            }
+        };
+        if parts.blocks.iter().all(|block| block.vertices.is_empty()) {
+            return Ok(());
+        }
+        let Some((places, others)) = instances(self.data, node, item)? else { return self.place(&parts, world) };
         if !others.is_empty() {
             self.dropped(item, format!("of its instances: {}", others.join(", ")));
         }
@@ -388,12 +423,14 @@ impl Reader<'_> {
             Some(Ok(LightOfNode { light })) => light,
             Some(Err(message)) => return data.wrong(item, message),
         };
-        let lights = match extension::<Lights>(&data.root.extensions, LIGHTS) {
-            None => Lights::default(),
-            Some(Ok(lights)) => lights,
-            Some(Err(message)) => return data.wrong("extensions", message),
-        };
-        let light = data.element(&lights.lights, "lights", index, &item)?;
+        if self.lights.is_none() {
+            self.lights = match extension::<Lights>(&data.root.extensions, LIGHTS) {
+                None => Some(Vec::new()),
+                Some(Ok(lights)) => Some(lights.lights),
+                Some(Err(message)) => return data.wrong("extensions", message),
+            };
+        }
+        let light = data.element(self.lights.as_deref().unwrap_or_default(), "lights", index, &item)?.clone();
         let intensity_lx = light.intensity.unwrap_or(1.0);
         // Light goes along -z of the node, so that the Sun is along z.
         let direction = Direction::new(z_up(world.matrix3.z_axis));
@@ -613,10 +650,12 @@ impl Reader<'_> {
             let base = entry.kd.unwrap_or([1.0; 3]);
             entry.kd = Some([0, 1, 2].map(|i| base[i] * tint[i]));
         }
-        let known = self.materials.iter().position(|m| *m == entry).unwrap_or_else(|| {
+        // + 0.0 makes -0.0 and 0.0 one number.
+        let key = (entry.name.clone(), entry.kd.map(|kd| kd.map(|c| (c + 0.0).to_bits())));
+        let known = *self.index_of_material.entry(key).or_insert(self.materials.len());
+        if known == self.materials.len() {
             self.materials.push(entry);
-            self.materials.len() - 1
-        });
+        }
         match u16::try_from(known) {
             Ok(known) => Ok(MaterialId(known)),
             Err(_) => data.wrong(item, format!("more than {} materials", u16::MAX)),

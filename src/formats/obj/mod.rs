@@ -24,7 +24,7 @@ mod polygon;
 mod triangulate;
 mod write;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
@@ -104,8 +104,9 @@ pub fn read_where(path: &Path, outside: bool) -> Result<ObjFile> {
     obj.inputs.push(source.finish(path));
     obj.inputs.append(&mut libraries.inputs);
     obj.material_doubts.append(&mut libraries.doubts);
+    let used: BTreeSet<&str> = obj.materials.iter().map(|material| material.name.as_str()).collect();
     for (name, at, what) in libraries.losses {
-        if obj.materials.iter().any(|material| material.name == name) {
+        if used.contains(name.as_str()) {
             obj.report.note(Fate::Dropped, at, format!("of material {name:?}: {what}"));
         }
     }

@@ -1,6 +1,6 @@
 //! The statements of an OBJ text.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
@@ -54,6 +54,8 @@ pub(super) struct Parser<'a> {
     texture_vertices: Vec<[f64; 2]>,
     faces: Faces,
     materials: Materials,
+    /// What `mtllib` has named.
+    libraries: BTreeSet<String>,
     objects: usize,
     ignored: BTreeMap<String, usize>,
     problems: Problems,
@@ -109,6 +111,7 @@ impl<'a> Parser<'a> {
             texture_vertices: Vec::new(),
             faces: Faces::default(),
             materials: Materials::default(),
+            libraries: BTreeSet::new(),
             objects: 0,
             ignored: BTreeMap::new(),
             problems: Problems::default(),
@@ -434,6 +437,10 @@ impl<'a> Parser<'a> {
     }
 
     fn libraries(&mut self, text: &str, place: Place) {
+        // Some exporters name it before every object.
+        if !self.libraries.insert(text.to_owned()) {
+            return;
+        }
         let (whole, parts) = library::names(text);
         let libraries = match (self.load_mtl)(&whole) {
             Err(Error::Io { .. }) if parts.len() > 1 => {

@@ -42,6 +42,9 @@ const PREFIXES: [(&str, i32); 17] = [
     ("G", 9),
 ];
 
+/// A longer text is no unit, bytes.
+const LONGEST: usize = 255;
+
 impl Unit {
     /// A pure number.
     pub(super) const ONE: Unit = Unit { powers: [0; 4], number: 1.0, tens: 0 };
@@ -49,6 +52,9 @@ impl Unit {
     /// What a text says; `None` if it is not understood.
     pub(super) fn of(text: &str) -> Option<Self> {
         let text = text.trim();
+        if text.len() > LONGEST {
+            return None;
+        }
         let whole = Parser { rest: text }.product();
         // As in `Radiance (W/m^2/sr/um)` or `Radiance [W/m^2/sr/um]`.
         let inner = || {

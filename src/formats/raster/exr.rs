@@ -282,21 +282,22 @@ pub(super) fn read(
     let failed = |e| exr_cube::failed(path, e);
     let file = File::open(path).map_err(|e| Error::io(path, "reading", e))?;
     let reader = exr::block::read(BufReader::with_capacity(1 << 20, file), false).map_err(failed)?;
-    let band_of = |part: usize, index: usize| {
-        channels.list[bands.clone()].iter().position(|c| (c.part, c.index) == (part, index))
-    };
-    let of_channel: Vec<Vec<Option<usize>>> = (reader.headers().iter().enumerate())
-        .map(|(part, header)| (0..header.channels.list.len()).map(|index| band_of(part, index)).collect())
-        .collect();
+    let mut of_channel: Vec<Vec<Option<usize>>> =
+        reader.headers().iter().map(|header| vec![None; header.channels.list.len()]).collect();
+    for (band, channel) in channels.list[bands.clone()].iter().enumerate() {
+        if let Some(of) = of_channel.get_mut(channel.part).and_then(|part| part.get_mut(channel.index)) {
+            *of = Some(band);
+        }
+    }
     let are_wanted: Vec<bool> = of_channel.iter().map(|of| of.iter().any(Option::is_some)).collect();
     let fill = if channels.has_margin { f32::NAN } else { 0.0 };
     let mut numbers = Numbers::of(bands.len() * rows * columns, fill, channels.are_f32())
         .map_err(|e| Error::io(path, "reading", e.into()))?;
-    // Of each line of each band, the numbers that have come.
+    // Of each line of the image in each band, the numbers that have come, those beside the image as well.
     let heights: Vec<usize> = reader.headers().iter().map(|header| header.layer_size.height()).collect();
     let widths: Vec<usize> = reader.headers().iter().map(|header| header.layer_size.width()).collect();
     let of_band = |band: usize| channels.list[bands.start + band].part;
-    let mut there: Vec<Vec<u32>> = (0..bands.len()).map(|band| vec![0; heights[of_band(band)]]).collect();
+    let mut there: Vec<Vec<u32>> = vec![vec![0; rows]; bands.len()];
     let mut is_outside = false;
     let mut chunks = reader
         .filter_chunks(false, |_, _, block| are_wanted[block.layer] && block.level == Vec2(0, 0))
@@ -323,13 +324,17 @@ pub(super) fn read(
                     is_outside = true;
                     continue;
                 }
-                there[band][y] = there[band][y].saturating_add(count as u32);
                 let [left, above] = channels.corners[part];
                 let row = y as i64 + above;
+                if !(0..rows as i64).contains(&row) {
+                    continue;
+                }
+                let come = &mut there[band][row as usize];
+                *come = come.saturating_add(count as u32);
                 // Of the line, what lies in the image.
                 let first = (-left - x as i64).clamp(0, count as i64) as usize;
                 let last = (columns as i64 - left - x as i64).clamp(0, count as i64) as usize;
-                if !(0..rows as i64).contains(&row) || first >= last {
+                if first >= last {
                     continue;
                 }
                 let column = (x as i64 + left + first as i64) as usize;
@@ -340,7 +345,12 @@ pub(super) fn read(
             }
         }
     }
-    let is_short = (0..bands.len()).any(|band| there[band].iter().any(|n| (*n as usize) < widths[of_band(band)]));
+    let is_short = (0..bands.len()).any(|band| {
+        let part = of_band(band);
+        let above = channels.corners[part][1];
+        let of_part = above.max(0) as usize..(above + heights[part] as i64).clamp(0, rows as i64) as usize;
+        there[band].get(of_part).is_some_and(|lines| lines.iter().any(|n| (*n as usize) < widths[part]))
+    });
     if is_outside || is_short {
         let message = if is_outside { "a block lies outside the image" } else { "lines are missing" };
         return Err(Error::syntax(Location::file(path), message));

@@ -16,6 +16,9 @@ use super::{MOST_PIXELS, Raster, RasterBand, Reader, check_size, resize};
 
 /// Longer files are refused, bytes.
 const LIMIT: u64 = 1 << 30;
+/// A byte stands for no more pixels: a block takes a bit at least, and in the thinnest of samplings, four blocks of one colour in a row and
+/// four of another in a column, eight blocks are 32 x 32 pixels.
+const MOST_COMPRESSED: u64 = 32 * 32;
 
 /// Opens a photograph. Its blocks hold all colours: it is decoded here, once.
 pub(super) fn open(path: &Path) -> Result<Raster> {
@@ -44,6 +47,10 @@ pub(super) fn open(path: &Path) -> Result<Raster> {
         }
     };
     check_size(at(), rows, columns, names.len())?;
+    if (rows * columns) as u64 > MOST_COMPRESSED * bytes.len() as u64 {
+        let message = format!("not a complete JPEG: {} bytes cannot hold {columns} x {rows} pixels", bytes.len());
+        return Err(Error::syntax(at(), message));
+    }
     decoder.set_options(options.jpeg_set_out_colorspace(space));
     let stored = decoder.decode().map_err(damaged)?;
     let pixels = rows * columns;

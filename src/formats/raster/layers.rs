@@ -1,5 +1,7 @@
 //! Which bands of a file with channels by name are an image: renderers put coverage, depth, previews and other passes beside it.
 
+use std::collections::BTreeMap;
+
 use crate::formats::located;
 
 use super::names::{self, Order};
@@ -36,8 +38,10 @@ pub(super) fn of(channels: &[&str]) -> (Vec<usize>, Vec<Layer>) {
     // The spectral channels of a layer are an image, and so are the others.
     let key = |i: usize| (names::layer(channels[i]), names::wavelength(channels[i]).is_some());
     let mut groups: Vec<((&str, bool), Vec<usize>)> = Vec::new();
+    let mut known: BTreeMap<(&str, bool), usize> = BTreeMap::new();
     for i in (0..channels.len()).filter(|i| !is_alpha(*i)) {
-        match groups.iter_mut().find(|group| group.0 == key(i)) {
+        let group = *known.entry(key(i)).or_insert(groups.len());
+        match groups.get_mut(group) {
             Some(group) => group.1.push(i),
             None => groups.push((key(i), vec![i])),
         }
@@ -68,12 +72,14 @@ pub(super) fn of(channels: &[&str]) -> (Vec<usize>, Vec<Layer>) {
         });
         order.extend(rest);
     }
-    order.extend(&alphas);
     // Coverage is that of its own layer, or of the whole image.
-    let of_layer = |name: &str| alphas.iter().copied().find(|i| names::layer(channels[*i]) == name);
+    let mut alpha_of: BTreeMap<&str, usize> = BTreeMap::new();
+    for (k, i) in alphas.iter().enumerate() {
+        alpha_of.entry(names::layer(channels[*i])).or_insert(order.len() + k);
+    }
+    order.extend(&alphas);
     for layer in &mut layers {
-        let alpha = of_layer(&layer.name).or_else(|| of_layer(""));
-        layer.alpha = alpha.and_then(|alpha| order.iter().position(|i| *i == alpha));
+        layer.alpha = alpha_of.get(layer.name.as_str()).or_else(|| alpha_of.get("")).copied();
     }
     (order, layers)
 }
@@ -194,6 +200,16 @@ mod tests {
         assert_eq!(taken(&["ch 10", "ch 9"], None), image(&["ch 9", "ch 10"], None));
         assert_eq!((taken(&["A"], None), taken(&["Z"], None)), (image(&["A"], None), image(&["Z"], None)));
         assert_eq!(taken(&["900nm", "1000nm", "A"], None), image(&["900nm", "1000nm"], Some("A")));
+    }
+
+    #[test]
+    fn thousands_of_layers_each_with_its_coverage() {
+        let names: Vec<String> = (0..10_000).flat_map(|i| [format!("l{i}.A"), format!("l{i}.R")]).collect();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let (order, layers) = of(&names);
+        assert_eq!((order.len(), layers.len()), (20_000, 10_000));
+        // Coverage comes last: that of the fifth layer is the fifth of them.
+        assert_eq!((order[5], order[10_005], layers[5].alpha), (11, 10, Some(10_005)));
     }
 
     #[test]

@@ -30,6 +30,9 @@ pub(super) struct Wavelength {
 /// Wavelengths outside of this are no one's, um: digits that belong to a name were taken for a part of a number.
 const PLAUSIBLE_UM: std::ops::RangeInclusive<f64> = 0.01..=1000.0;
 
+/// A longer name is no one's, bytes: OpenEXR has none, and in ENVI it is a text that was taken for one.
+const LONGEST: usize = 255;
+
 /// Where a name's layer ends, and what it says behind that: `ViewLayer.Combined.R`, `S0.0950,000000nm`, `L.1000nm`.
 pub(super) fn layer(name: &str) -> &str {
     let end = match spectral(name) {
@@ -58,6 +61,9 @@ pub(super) fn wavelength(name: &str) -> Option<Wavelength> {
 
 /// Where the wavelength that a name ends with begins, and that.
 fn spectral(name: &str) -> Option<(usize, Wavelength)> {
+    if name.len() > LONGEST {
+        return None;
+    }
     layout(name).or_else(|| free(name))
 }
 

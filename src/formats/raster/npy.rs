@@ -133,6 +133,7 @@ pub(super) fn open_npz(path: &Path) -> Result<Raster> {
             }
             _ => {}
         }
+        check_size(at(&array.name), flat.rows, flat.columns, flat.bands)?;
     }
     let mut raster = raster(path, flat.clone());
     if array.is_packed {

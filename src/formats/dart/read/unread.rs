@@ -55,12 +55,12 @@ fn elements(a: &Element, b: &Element, known: &BTreeMap<&str, &str>, all: bool, l
             lines.push(format!("{}/@{attribute}: {} | {}", a.path(), shown(of_a), shown(of_b)));
         }
     }
-    let mut children: Vec<&str> = a.children.iter().chain(&b.children).map(|child| child.name.as_str()).collect();
-    children.sort_unstable();
-    children.dedup();
-    for child in children.into_iter().filter(|name| all || !LISTED.contains(name)).filter(|name| !LABELS.contains(name))
-    {
-        let (of_a, of_b): (Vec<_>, Vec<_>) = (a.all(child).collect(), b.all(child).collect());
+    let mut children: BTreeMap<&str, [Vec<&Element>; 2]> = BTreeMap::new();
+    for (k, element) in [a, b].into_iter().enumerate() {
+        element.children.iter().for_each(|child| children.entry(&child.name).or_default()[k].push(child));
+    }
+    let is_looked_at = |name: &str| (all || !LISTED.contains(&name)) && !LABELS.contains(&name);
+    for (child, [of_a, of_b]) in children.into_iter().filter(|(name, _)| is_looked_at(name)) {
         let is_unread = all || known.get(child).is_none_or(|attributes| *attributes == "*");
         if of_a.len() != of_b.len() && is_unread {
             lines.push(format!("{}/{child}: {} of them | {}", a.path(), of_a.len(), of_b.len()));
