@@ -271,6 +271,21 @@ fn write_header(data: &Path, text: &str) -> Result<()> {
 /// The file type of a spectral library.
 pub(super) const SPECTRAL_LIBRARY: &str = "ENVI Spectral Library";
 
+/// Value = (number x gain + offset) / divisor.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Scale {
+    pub(super) gain: f64,
+    pub(super) offset: f64,
+    /// What a file has for a reflectance of 1.
+    pub(super) divisor: f64,
+}
+
+impl Scale {
+    pub(super) fn value(self, number: f64) -> f64 {
+        (number * self.gain + self.offset) / self.divisor
+    }
+}
+
 /// What a header says.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Header {
@@ -313,6 +328,39 @@ impl Header {
     /// Whether it is that of a spectral library, whose lines are spectra.
     pub fn is_library(&self) -> bool {
         self.field("file type").is_some_and(|t| t.eq_ignore_ascii_case(SPECTRAL_LIBRARY))
+    }
+
+    /// How the numbers of `count` bands, or channels of a spectral library, become values; none if they are the values. One gain or offset
+    /// is for all of them.
+    pub(super) fn scales(&self, count: usize, problems: &mut Vec<Problem>) -> Vec<Scale> {
+        let mut list = |key: &str, default: f64| -> Option<Vec<f64>> {
+            let text = self.field(key)?;
+            let numbers: Option<Vec<f64>> = text.split(',').map(|t| t.trim().parse().ok()).collect();
+            let is_whole = |n: &Vec<f64>| n.len() == count || (n.len() == 1 && self.is_library());
+            let numbers = numbers.filter(|n| is_whole(n) && n.iter().all(|v| v.is_finite()));
+            if numbers.is_none() {
+                let each = if self.is_library() { "channel, or a single one" } else { "band" };
+                let message = format!("is no list of {count} finite numbers, one for each {each}");
+                problems.push(Problem::new(Location::file(&self.path).with_item(key), message));
+            }
+            numbers.filter(|n| n.iter().any(|v| *v != default))
+        };
+        let gains = list("data gain values", 1.0);
+        let offsets = list("data offset values", 0.0);
+        let divisor = match self.field("reflectance scale factor").map(str::parse::<f64>) {
+            None => 1.0,
+            Some(Ok(divisor)) if divisor > 0.0 && divisor.is_finite() => divisor,
+            Some(_) => {
+                let at = Location::file(&self.path).with_item("reflectance scale factor");
+                problems.push(Problem::new(at, "is no positive number"));
+                1.0
+            }
+        };
+        if gains.is_none() && offsets.is_none() && divisor == 1.0 {
+            return Vec::new();
+        }
+        let of = |list: &Option<Vec<f64>>, i: usize, default| list.as_ref().map_or(default, |l| l[i % l.len()]);
+        (0..count).map(|i| Scale { gain: of(&gains, i, 1.0), offset: of(&offsets, i, 0.0), divisor }).collect()
     }
 
     /// Wavelengths in um, and the unit that was taken for granted if the header gives none; `None` for other units, as an index.

@@ -1,7 +1,7 @@
 //! ENVI spectral libraries: a file of numbers (`.sli`), one spectrum after the other, and a text header beside it.
 //!
 //! A spectrum's name stands for its reflectance; with `:column` behind it, for another quantity of the same material.
-//! Reflectances are fractions times the header's `reflectance scale factor`.
+//! Numbers times `data gain values`, plus `data offset values`, are fractions times the header's `reflectance scale factor`.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -68,11 +68,11 @@ pub fn parse(header: &Header, bytes: &[u8], path: &Path) -> Result<(Vec<Spectral
     let order = ascending(&stored_um, at("wavelength"), &mut report);
     let wavelength_um: Vec<f64> = order.iter().map(|i| stored_um[*i]).collect();
     let names = names(header, &mut report)?;
-    let scale = match header.field("reflectance scale factor").map(str::parse::<f64>) {
-        None => 1.0,
-        Some(Ok(scale)) if scale > 0.0 && scale.is_finite() => scale,
-        Some(_) => return Err(Error::invalid(at("reflectance scale factor"), "is no positive number")),
-    };
+    let mut problems = Vec::new();
+    let scales = header.scales(count, &mut problems);
+    if !problems.is_empty() {
+        return Err(Error::Invalid(problems));
+    }
     let good = good_channels(header)?;
 
     let bytes_each = header.data_type.bytes();
@@ -83,10 +83,10 @@ pub fn parse(header: &Header, bytes: &[u8], path: &Path) -> Result<(Vec<Spectral
         header.data_type.decode(header.big_endian, spectrum, &mut stored);
         let values: Vec<Option<f64>> = order
             .iter()
-            .map(|i| (stored[*i], good[*i]))
-            .map(|(value, good)| {
-                let there = good && value.is_finite() && value > DELETED_BELOW && header.ignore != Some(value);
-                there.then_some(value / scale)
+            .map(|i| {
+                let number = stored[*i];
+                let there = good[*i] && number.is_finite() && number > DELETED_BELOW && header.ignore != Some(number);
+                there.then(|| scales.get(*i).map_or(number, |scale| scale.value(number)))
             })
             .collect();
         deleted += values.iter().filter(|v| v.is_none()).count();

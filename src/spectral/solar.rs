@@ -49,6 +49,14 @@ pub fn solar_mean(spectrum: &Spectrum) -> Option<f64> {
     if weight > 0.0 { Some(weighted / weight) } else { spectrum.at(lo) }
 }
 
+/// Share of the integral of [`solar_e490`] that lies from one wavelength, um, to another.
+pub fn sunlight_share(first_um: f64, last_um: f64) -> f64 {
+    let sun = solar_e490();
+    let (low, high) = sun.coverage_um();
+    let within = sun.integral(first_um.clamp(low, high), last_um.clamp(low, high));
+    within.unwrap_or(0.0) / sun.integral(low, high).unwrap_or(f64::INFINITY)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

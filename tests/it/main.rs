@@ -58,5 +58,6 @@ mod spectra_from_the_wild;
 mod textures;
 mod told;
 mod truth;
+mod units_of_spectra;
 mod unsaid;
 mod wild_obj;

@@ -297,6 +297,16 @@ fn map(
 
 /// The unit of a map's numbers: that which its file gives, compared with what the rasters state; or theirs.
 fn unit(reader: &mut Reader<'_>, toml: &MapToml, rasters: &[Raster]) -> Option<Unit> {
+    let unit = stated_unit(reader, toml, rasters)?;
+    if unit.over(&Unit::ONE) == Some(0.01)
+        && let Some(message) = rasters.iter().find_map(Raster::percent_of_fractions)
+    {
+        reader.note("unit", message);
+    }
+    Some(unit)
+}
+
+fn stated_unit(reader: &mut Reader<'_>, toml: &MapToml, rasters: &[Raster]) -> Option<Unit> {
     let stated: Vec<(&str, Unit)> =
         rasters.iter().filter_map(|r| r.stated_unit()).filter_map(|text| Some((text, Unit::of(text)?))).collect();
     let Some(given) = toml.unit else {

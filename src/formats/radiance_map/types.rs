@@ -131,7 +131,7 @@ pub(super) enum QuantityToml {
     BandRadiance,
     /// Reflectance factor (BRF): pi times radiance over `irradiance_w_m2_um`.
     ReflectanceFactor,
-    /// Temperature of a black body of the same spectral radiance.
+    /// Temperature of a black body of the same spectral radiance at the band's centre, whatever the band's width.
     BrightnessTemperature,
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::error::{Error, Location, Problem, Result};
-use crate::formats::envi::{self, Header};
+use crate::formats::envi::{self, Scale};
 use crate::formats::ilwis;
 use crate::formats::number::DataType;
 use crate::report::{Fate, Report};
@@ -11,7 +11,7 @@ use crate::report::{Fate, Report};
 use super::flat::{Flat, Order};
 use super::names;
 use super::place::Georeference;
-use super::{Raster, RasterBand, Reader, Scale, check_length, check_size};
+use super::{Raster, RasterBand, Reader, check_length, check_size};
 
 /// Opens an ENVI image by its header or its data file.
 pub(super) fn open_envi(path: &Path) -> Result<Raster> {
@@ -55,7 +55,7 @@ pub(super) fn open_envi(path: &Path) -> Result<Raster> {
     if let Some(i) = centres_um.iter().position(|um| !(*um > 0.0 && um.is_finite())) {
         problems.push(Problem::new(at("wavelength"), format!("that of band {} is not positive", i + 1)));
     }
-    let scale = scale(&header, &mut problems);
+    let scale = header.scales(header.bands, &mut problems);
     if !problems.is_empty() {
         return Err(Error::Invalid(problems));
     }
@@ -90,36 +90,6 @@ pub(super) fn open_envi(path: &Path) -> Result<Raster> {
         files: vec![header_path, data.clone()],
         ..Raster::of(&data, (header.lines, header.samples), bands, data_type, Reader::Flat(flat))
     })
-}
-
-/// How each band's numbers become values; none if the numbers are the values.
-fn scale(header: &Header, problems: &mut Vec<Problem>) -> Vec<Scale> {
-    let mut list = |key: &str, default: f64| -> Option<Vec<f64>> {
-        let text = header.field(key)?;
-        let numbers: Option<Vec<f64>> = text.split(',').map(|t| t.trim().parse().ok()).collect();
-        let numbers = numbers.filter(|n| n.len() == header.bands && n.iter().all(|v: &f64| v.is_finite()));
-        if numbers.is_none() {
-            let message = format!("is no list of {} finite numbers, one for each band", header.bands);
-            problems.push(Problem::new(Location::file(&header.path).with_item(key), message));
-        }
-        numbers.filter(|n| n.iter().any(|v| *v != default))
-    };
-    let gains = list("data gain values", 1.0);
-    let offsets = list("data offset values", 0.0);
-    let divisor = match header.field("reflectance scale factor").map(str::parse::<f64>) {
-        None => 1.0,
-        Some(Ok(divisor)) if divisor > 0.0 && divisor.is_finite() => divisor,
-        Some(_) => {
-            let at = Location::file(&header.path).with_item("reflectance scale factor");
-            problems.push(Problem::new(at, "is no positive number"));
-            1.0
-        }
-    };
-    if gains.is_none() && offsets.is_none() && divisor == 1.0 {
-        return Vec::new();
-    }
-    let of = |list: &Option<Vec<f64>>, i: usize, default| list.as_ref().map_or(default, |l| l[i]);
-    (0..header.bands).map(|i| Scale { gain: of(&gains, i, 1.0), offset: of(&offsets, i, 0.0), divisor }).collect()
 }
 
 /// Opens an ILWIS map by its header or its values.

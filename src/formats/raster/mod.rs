@@ -23,7 +23,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::error::{Error, Location, Problem, Result};
+use crate::error::{Error, Location, Problem, Result, number};
 use crate::report::{Fate, Report};
 use crate::spectral::Band;
 
@@ -32,6 +32,7 @@ pub(crate) use self::names::colour;
 pub(crate) use self::place::Georeference;
 pub(crate) use self::text::{is_grid, open as open_csv};
 pub use self::write::{Options, Target, write};
+use super::envi::Scale;
 use super::input::{Hashing, InputFile};
 pub use super::number::DataType;
 use super::quicklook;
@@ -108,14 +109,6 @@ pub struct RasterBand {
     pub centre_um: Option<f64>,
     /// Full width at half maximum, um.
     pub fwhm_um: Option<f64>,
-}
-
-/// Value = (number x gain + offset) / divisor.
-#[derive(Debug, Clone, Copy)]
-struct Scale {
-    gain: f64,
-    offset: f64,
-    divisor: f64,
 }
 
 /// How bands are read.
@@ -276,6 +269,15 @@ impl Raster {
         self.unit.as_deref().filter(|_| !is_open)
     }
 
+    /// The sentence that tells that a header made fractions of the numbers which `percent` divides by 100 once more; `None` if it did not.
+    pub(crate) fn percent_of_fractions(&self) -> Option<String> {
+        let divisor = self.scale.first().map(|scale| scale.divisor).filter(|divisor| *divisor != 1.0)?;
+        Some(format!(
+            "the header's `reflectance scale factor = {}` makes fractions of the numbers, which the unit % divides by 100 once more",
+            number(divisor)
+        ))
+    }
+
     /// Takes one more number for "nothing here": as it is stored, or as it is among the values.
     pub fn set_no_data(&mut self, no_data: Option<f64>) {
         self.no_data = no_data;
@@ -323,8 +325,8 @@ impl Raster {
         if ignored.iter().any(Option::is_some) {
             values.iter_mut().filter(|v| ignored.contains(&Some(**v))).for_each(|v| *v = f64::NAN);
         }
-        if let Some(Scale { gain, offset, divisor }) = self.scale.get(band).copied() {
-            values.iter_mut().for_each(|v| *v = (*v * gain + offset) / divisor);
+        if let Some(scale) = self.scale.get(band).copied() {
+            values.iter_mut().for_each(|v| *v = scale.value(*v));
             if let Some(no_data) = self.no_data {
                 values.iter_mut().filter(|v| **v == no_data).for_each(|v| *v = f64::NAN);
             }

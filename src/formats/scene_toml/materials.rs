@@ -7,7 +7,7 @@ use crate::formats::mtl::ObjMaterial;
 use crate::geometry::MaterialId;
 use crate::physics::reflectance::kirchhoff_emissivity;
 use crate::scene::{Hapke, Material, Photometry, Rpv};
-use crate::spectral::{Extend, Spectrum, solar_mean};
+use crate::spectral::{Extend, Spectrum, solar_mean, sunlight_share};
 
 use super::super::located::{self, member};
 use super::super::photometry_csv;
@@ -24,6 +24,8 @@ pub(in crate::formats) const EMISSIVITY_BOLOMETRIC: f64 = 0.95;
 const LEAST_EMISSIVITY: f64 = 1e-3;
 /// Two colours are the same if no channel differs by more: one step of the 8 bits that most programs keep.
 const COLOUR_STEP: f64 = 1.0 / 255.0;
+/// A table that covers less of sunlight does not tell a Bond albedo; 0.4 to 2.5 um are 0.89 of it.
+const LEAST_SUNLIGHT: f64 = 0.8;
 /// A facet's material is a number of 16 bits.
 const MOST_ENTRIES: usize = 1 << 16;
 /// Entry for faces without a material.
@@ -160,10 +162,21 @@ impl Reader<'_> {
         };
         let emissivity = match &entry.emissivity {
             Some(values) => self.fraction_spectrum(&member(&item, "emissivity"), values, extend),
-            None => {
+            None if mixed.is_empty() => {
                 self.stated(&member(&item, "emissivity"), "1 - reflectance");
                 reflectance.as_ref().map(|r| r.map(kirchhoff_emissivity))
             }
+            None => reflectance.as_ref().and_then(|reflectance| {
+                let at = member(&item, "emissivity");
+                let is_kirchhoff = mixed.iter().all(|(_, part)| has_kirchhoff_emissivity(part));
+                let said = if is_kirchhoff { "1 - reflectance" } else { "that of its parts, by their shares" };
+                let emissivity = mixed_emissivity(&mixed, reflectance);
+                match emissivity {
+                    Some(_) => self.stated(&at, said),
+                    None => _ = self.problem(&at, "its parts' tables have no wavelength in common: give it"),
+                }
+                emissivity
+            }),
         };
         if let (Some(reflectance), Some(emissivity), Some(_)) = (&reflectance, &emissivity, &entry.emissivity) {
             self.note_excess(&item, reflectance, emissivity);
@@ -247,9 +260,23 @@ impl Reader<'_> {
             self.stated(item, format!("{value:.4}: that of its parts, by their shares"));
             return Some(value);
         }
-        let value = solar_mean(reflectance?);
+        let reflectance = reflectance?;
+        let value = solar_mean(reflectance);
         match value {
-            Some(value) => self.stated(item, format!("{value:.4}: mean of the reflectance, weighted with E490")),
+            Some(value) => {
+                self.stated(item, format!("{value:.4}: mean of the reflectance, weighted with E490"));
+                let (first, last) = reflectance.coverage_um();
+                let share = sunlight_share(first, last);
+                if share < LEAST_SUNLIGHT {
+                    self.notes.push(format!(
+                        "{item}: {value:.4} is the mean over {:.1} % of sunlight only, which the table of the reflectance covers ({} to {} um): \
+                         temperatures follow from it; give `bond_albedo`, or a table of all sunlight",
+                        100.0 * share,
+                        number(first),
+                        number(last)
+                    ));
+                }
+            }
             None => {
                 self.problem(item, "cannot be found from the reflectance, which E490 does not overlap: give it");
             }
@@ -340,6 +367,21 @@ impl Reader<'_> {
             self.notes.push(format!("{}: no mesh uses this material", member("materials", &dictionary.names[i])));
         }
     }
+}
+
+/// Whether what a material does not reflect is its emissivity.
+fn has_kirchhoff_emissivity(material: &Material) -> bool {
+    material.emissivity == material.reflectance.map(kirchhoff_emissivity)
+}
+
+/// The emissivity of a mixture with a reflectance: that of its parts, by their shares; `None` if it is known nowhere.
+pub(super) fn mixed_emissivity(mixed: &[(f64, &Material)], reflectance: &Spectrum) -> Option<Spectrum> {
+    // The same but for rounding, of which nobody need hear.
+    if mixed.iter().all(|(_, part)| has_kirchhoff_emissivity(part)) {
+        return Some(reflectance.map(kirchhoff_emissivity));
+    }
+    let parts: Vec<(f64, &Spectrum)> = mixed.iter().map(|(share, part)| (*share, &part.emissivity)).collect();
+    Some(Spectrum::mixture(&parts)?.map(|emissivity| emissivity.min(1.0)))
 }
 
 /// The mean over a mixture's parts, by their shares.

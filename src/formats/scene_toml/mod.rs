@@ -489,7 +489,12 @@ impl Reader<'_> {
             self.notes.push(format!("sun.spectrum: {message}"));
         }
         let Some(wanted) = toml.total_irradiance_w_m2 else {
-            self.stated("sun.total_irradiance_w_m2", format!("{total:.2}: the spectrum as it is, not scaled"));
+            let of = match beyond > 0.0 {
+                true => format!(", {table:.2} in the table and {beyond:.2} of E490 beyond its ends"),
+                false => String::new(),
+            };
+            let message = format!("{total:.2}: the spectrum as it is, not scaled{of}");
+            self.stated("sun.total_irradiance_w_m2", message);
             return Some((spectrum, total));
         };
         let message = format!("{wanted} W m-2 is not the Sun at 1 au, where it is {TSI_1AU_W_M2}");

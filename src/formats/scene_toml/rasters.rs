@@ -306,6 +306,9 @@ impl Reader<'_> {
         let mut layer = 0;
         let (mut band, mut larger) = (Vec::new(), Vec::new());
         let scale = if toml.unit == Some(FactorUnitToml::Percent) { 0.01 } else { 1.0 };
+        if let Some(message) = rasters.iter().find_map(Raster::percent_of_fractions).filter(|_| scale != 1.0) {
+            self.notes.push(format!("{}: {message}", at("unit")));
+        }
         for raster in &mut rasters {
             for number in 0..raster.bands.len() {
                 self.taken(&at("raster"), raster.read(number, &mut band))?;

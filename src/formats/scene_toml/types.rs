@@ -134,7 +134,7 @@ pub(crate) struct MaterialToml {
     pub(crate) mixture: Option<BTreeMap<String, f64>>,
     /// What tables are beyond their ends: unknown ("error", the default), or their last value ("hold").
     pub(crate) extend: Option<ExtendToml>,
-    /// Emissivity, 0 to 1: a number, or the path of a CSV table. Default 1 - reflectance.
+    /// Emissivity, 0 to 1: a number, or the path of a CSV table. Default 1 - reflectance; of a mixture, that of its parts by their shares.
     pub(crate) emissivity: Option<Values>,
     /// Share of all sunlight that is not absorbed. Default: mean of the reflectance, weighted with the solar spectrum.
     pub(crate) bond_albedo: Option<f64>,
@@ -309,7 +309,8 @@ pub(crate) struct SunToml {
     pub(crate) distance_au: Option<f64>,
     /// Irradiance at 1 au: "e490" (ASTM E490-00a, built in, the default) or the path of a CSV table.
     pub(crate) spectrum: Option<String>,
-    /// Total irradiance at 1 au that the spectrum is scaled to, W m-2. Default: the spectrum as it is.
+    /// Total irradiance at 1 au that the spectrum is scaled to, W m-2. Default: the spectrum as it is, with E490 beyond a table's
+    /// ends.
     pub(crate) total_irradiance_w_m2: Option<f64>,
 }
 
@@ -600,7 +601,8 @@ pub(crate) struct BandsToml {
     /// `response` are given, "table" stands for the next column of `response`, whose centre and width count then.
     pub(crate) shape: Option<ShapesToml>,
     /// Path of a CSV table of responses, or of several: `wavelength_nm` or `wavelength_um`, then a column for each band, relative or
-    /// absolute. Instead of centres and widths, which follow from it.
+    /// absolute. Instead of centres and widths, which follow from it. It weights energy (W), not photons: a quantum efficiency, which is per
+    /// photon, is multiplied by the wavelength first.
     pub(crate) response: Option<ResponseToml>,
     /// Names of the columns of `response` that are taken, in the order of the bands. Default: all.
     #[schemars(length(min = 1, max = 100_000))]

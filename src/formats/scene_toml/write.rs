@@ -19,14 +19,13 @@ use crate::formats::folder::Staged;
 use crate::formats::located::LONGEST_NAME;
 use crate::formats::mtl::{self, ObjMaterial};
 use crate::formats::{obj, photometry_csv, response_csv};
-use crate::physics::reflectance::kirchhoff_emissivity;
 use crate::report::{Fate, Report};
 use crate::scene::{MarsModel, Material, Scene, Thermal};
 use crate::spectral::{Band, Extend, Response, Spectrum, solar_e490, solar_mean};
 use crate::units::{AU_M, MARS_RADIUS_M};
 
 use super::super::located::member;
-use super::materials::{EMISSIVITY_BOLOMETRIC, linear_from_hex, mean};
+use super::materials::{EMISSIVITY_BOLOMETRIC, linear_from_hex, mean, mixed_emissivity};
 use super::view::{SENSOR_NAME, pitch_of_ifov};
 use super::{MARS_ALBEDO, MARS_BOND_ALBEDO, MARS_THERMAL_EXITANCE_W_M2, irradiances};
 
@@ -327,10 +326,10 @@ impl Writer<'_> {
                 tables.extend(Some(&material.reflectance).filter(|s| constant(s).is_none()));
             }
         }
-        let is_kirchhoff = material.emissivity == material.reflectance.map(kirchhoff_emissivity);
+        let is_usual = self.usual_emissivity(i, material).as_ref() == Some(&material.emissivity);
         // Everything is stated by `write` but this: one table more for each material would say nothing new.
         let is_stated = matches!(self.options.unsaid, Unsaid::Nothing);
-        if !(is_kirchhoff && (is_stated || self.is_left_out(&key("emissivity"), true))) {
+        if !(is_usual && (is_stated || self.is_left_out(&key("emissivity"), true))) {
             let values = self.values(&file("emissivity"), "emissivity", &material.emissivity)?;
             let _ = writeln!(text, "emissivity = {values}");
             tables.extend(Some(&material.emissivity).filter(|s| constant(s).is_none()));
@@ -363,12 +362,25 @@ impl Writer<'_> {
 
     /// Bond albedo and bolometric emissivity of a material that does not state them.
     fn usual(&self, i: usize, material: &Material) -> Option<(f64, f64)> {
-        if material.mixture.is_empty() || material.mixture == [(i, 1.0)] {
+        let parts = self.parts(i, material)?;
+        if parts.is_empty() {
             return Some((solar_mean(&material.reflectance)?, EMISSIVITY_BOLOMETRIC));
         }
-        let part = |&(part, share): &(usize, f64)| Some((share, self.scene.materials.get(part)?));
-        let parts: Vec<(f64, &Material)> = material.mixture.iter().map(part).collect::<Option<_>>()?;
         Some((mean(&parts, |m| m.bond_albedo), mean(&parts, |m| m.emissivity_bolometric)))
+    }
+
+    /// The emissivity of a material that does not state it.
+    fn usual_emissivity(&self, i: usize, material: &Material) -> Option<Spectrum> {
+        mixed_emissivity(&self.parts(i, material)?, &material.reflectance)
+    }
+
+    /// What a mixture consists of, with shares; nothing for an entry of its own, `None` for parts that are not there.
+    fn parts(&self, i: usize, material: &Material) -> Option<Vec<(f64, &Material)>> {
+        if material.mixture == [(i, 1.0)] {
+            return Some(Vec::new());
+        }
+        let part = |&(part, share): &(usize, f64)| Some((share, self.scene.materials.get(part)?));
+        material.mixture.iter().map(part).collect()
     }
 
     /// The shares of a mixture; `None` for an entry with a reflectance of its own.
