@@ -9,5 +9,5 @@ mod spectrum;
 pub use band::{ALL_UM, Band, Light, MOST_BEYOND, Response};
 pub use library::{Column, SpectralLibrary};
 pub use matching::{Mix, Mixes, mixes};
-pub use solar::{solar_e490, solar_mean, sunlight_share};
+pub use solar::{SunTotal, solar_e490, solar_mean, sunlight_share};
 pub use spectrum::{Extend, Spectrum, between};

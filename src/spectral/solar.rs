@@ -20,6 +20,50 @@ pub fn solar_e490() -> &'static Spectrum {
     })
 }
 
+/// What a table of the Sun's irradiance at 1 au has in all.
+///
+/// A table that ends within sunlight lacks what lies beyond its ends: that is E490's, scaled by the ratio of the two over the
+/// wavelengths of the table. A table with more than twice or less than half of the Sun's irradiance is something else, as a lamp or a unit,
+/// and has nothing beyond its ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SunTotal {
+    /// Integral of the table, W m-2.
+    pub table_w_m2: f64,
+    /// What is added beyond its ends, W m-2.
+    pub beyond_w_m2: f64,
+    /// Irradiance of the table over that of E490 at the same wavelengths; `None` where E490 has none.
+    pub times_e490: Option<f64>,
+}
+
+impl SunTotal {
+    /// That of a table, W m-2 um-1.
+    pub fn of(table: &Spectrum) -> Self {
+        let e490 = solar_e490();
+        let integral = |of: &Spectrum, from_um: f64, to_um: f64| {
+            if from_um < to_um { of.integral(from_um, to_um).unwrap_or(0.0) } else { 0.0 }
+        };
+        let (first, last) = table.coverage_um();
+        let (low, high) = e490.coverage_um();
+        let (from, to) = (first.max(low), last.min(high));
+        // A table of one point has a value, and no integral.
+        let both = [table, e490].map(|of| if from < to { integral(of, from, to) } else { of.at(from).unwrap_or(0.0) });
+        let times_e490 = (from <= to && both[1] > 0.0).then(|| both[0] / both[1]);
+        let beyond = integral(e490, low, first.min(high)) + integral(e490, last.max(low), high);
+        let scale = times_e490.filter(|times| SunTotal::is_the_suns(*times)).unwrap_or(0.0);
+        SunTotal { table_w_m2: integral(table, first, last), beyond_w_m2: scale * beyond, times_e490 }
+    }
+
+    /// Whether a table with so many times the irradiance of E490 may be the Sun's.
+    pub fn is_the_suns(times_e490: f64) -> bool {
+        (0.5..=2.0).contains(&times_e490)
+    }
+
+    /// The table and what is beyond it, W m-2.
+    pub fn w_m2(&self) -> f64 {
+        self.table_w_m2 + self.beyond_w_m2
+    }
+}
+
 /// Mean of a spectrum over the wavelengths it is known at, weighted with [`solar_e490`]; `None` if the two do not overlap.
 ///
 /// For a Lambert surface's reflectance this is its Bond albedo, as far as the table goes. Trapezoids on the union of

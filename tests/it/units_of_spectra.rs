@@ -72,13 +72,10 @@ fn a_bond_albedo_from_little_sunlight_is_warned_of() {
 #[test]
 fn the_total_says_what_is_of_the_table_and_what_is_beyond() {
     let scratch = prepared();
-    // E = 100 (um - 0.2): 100 x 13 x 13 / 2.
-    scratch.write("sun.csv", "wavelength_um,irradiance_w_m2_um\n0.2,0\n13.2,1300\n");
+    // E = 20 (um - 0.2): 20 x 13 x 13 / 2.
+    scratch.write("sun.csv", "wavelength_um,irradiance_w_m2_um\n0.2,0\n13.2,260\n");
     let told = defaults(&opened(&scratch, "ground = { reflectance = 0.1 }", "spectrum = \"sun.csv\""));
-    assert!(
-        told.contains("not scaled, 8450.00 in the table and ") && told.contains("of E490 beyond its ends"),
-        "{told}"
-    );
+    assert!(told.contains("1690.00 W m-2 in the table + ") && told.contains("of E490 beyond its ends"), "{told}");
     let told = defaults(&opened(&scratch, "ground = { reflectance = 0.1 }", ""));
     assert!(told.contains("1366.09: the spectrum as it is, not scaled") && !told.contains("beyond its ends"), "{told}");
 }

@@ -22,7 +22,7 @@ use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::{Direction, Pose};
 use crate::progress::{Progress, Watch};
 use crate::scene::{FARTHEST_M, Mars, MarsModel, Scene, Sun, Texture, Thermal};
-use crate::spectral::{Extend, Spectrum, solar_e490};
+use crate::spectral::{Extend, Spectrum, SunTotal, solar_e490};
 use crate::units::{AU_M, MARS_RADIUS_M, SUN_RADIUS_M, TSI_1AU_W_M2};
 
 use super::InputFile;
@@ -133,19 +133,6 @@ pub fn read(path: &Path, watch: Watch<'_>) -> Result<SceneFile> {
 /// The JSON Schema of `scene.toml`.
 pub fn schema() -> schemars::Schema {
     schemars::schema_for!(SceneToml)
-}
-
-fn integral(spectrum: &Spectrum, from_um: f64, to_um: f64) -> f64 {
-    if from_um < to_um { spectrum.integral(from_um, to_um).unwrap_or(0.0) } else { 0.0 }
-}
-
-/// The integral of a solar spectrum, and that of E490 beyond its ends, W m-2.
-fn irradiances(spectrum: &Spectrum) -> (f64, f64) {
-    let e490 = solar_e490();
-    let (first, last) = spectrum.coverage_um();
-    let (low, high) = e490.coverage_um();
-    let beyond = integral(e490, low, first.min(high)) + integral(e490, last.max(low), high);
-    (integral(spectrum, first, last), beyond)
 }
 
 /// What the parts of a scene file are read with, and of other files that share them.
@@ -458,7 +445,7 @@ impl Reader<'_> {
         Some(Sun { direction, distance_m, irradiance_1au: spectrum, total_irradiance_1au_w_m2: total })
     }
 
-    /// The spectrum at 1 au and its total, W m-2: its integral, with E490 where it is not known.
+    /// The spectrum at 1 au and its total, W m-2.
     fn sun_spectrum(&mut self, toml: &SunToml) -> Option<(Spectrum, f64)> {
         let e490 = solar_e490();
         let spectrum = match toml.spectrum.as_deref() {
@@ -469,13 +456,23 @@ impl Reader<'_> {
                 e490.clone()
             }
         };
-        let (first, last) = spectrum.coverage_um();
-        let (lo, hi) = e490.coverage_um();
-        let (table, beyond) = irradiances(&spectrum);
-        let total = table + beyond;
-        let usual = integral(e490, first.max(lo), last.min(hi));
-        let times = table / usual;
-        if usual > 0.0 && !(0.5..=2.0).contains(&times) {
+        let SunTotal { table_w_m2, beyond_w_m2, times_e490 } = SunTotal::of(&spectrum);
+        let total = table_w_m2 + beyond_w_m2;
+        let is_e490 = spectrum == *e490;
+        let shown = |w_m2: f64| if w_m2 >= 0.1 { format!("{w_m2:.2}") } else { number(w_m2) };
+        let mut parts = match times_e490 {
+            _ if is_e490 => "the spectrum as it is, not scaled".to_owned(),
+            Some(times) if SunTotal::is_the_suns(times) => format!(
+                "{} W m-2 in the table + {} of E490 beyond its ends, scaled by {times:.4} so as to join it",
+                shown(table_w_m2),
+                shown(beyond_w_m2)
+            ),
+            _ => format!(
+                "{} W m-2 in the table, which is not that of the Sun: nothing is added beyond its ends",
+                shown(table_w_m2)
+            ),
+        };
+        if let Some(times) = times_e490.filter(|times| !SunTotal::is_the_suns(*times)) {
             let message = format!(
                 "the table has {} times the irradiance of the Sun (E490) at the same wavelengths",
                 number(times)
@@ -489,12 +486,10 @@ impl Reader<'_> {
             self.notes.push(format!("sun.spectrum: {message}"));
         }
         let Some(wanted) = toml.total_irradiance_w_m2 else {
-            let of = match beyond > 0.0 {
-                true => format!(", {table:.2} in the table and {beyond:.2} of E490 beyond its ends"),
-                false => String::new(),
-            };
-            let message = format!("{total:.2}: the spectrum as it is, not scaled{of}");
-            self.stated("sun.total_irradiance_w_m2", message);
+            if !(total > 0.0) {
+                parts.push_str("; the Sun warms nothing");
+            }
+            self.stated("sun.total_irradiance_w_m2", format!("{}: {parts}", shown(total)));
             return Some((spectrum, total));
         };
         let message = format!("{wanted} W m-2 is not the Sun at 1 au, where it is {TSI_1AU_W_M2}");
@@ -506,7 +501,9 @@ impl Reader<'_> {
         if !(1000.0..=2000.0).contains(&wanted) {
             self.notes.push(format!("sun.total_irradiance_w_m2: {message}; {help}"));
         }
-        self.notes.push(format!("sun.total_irradiance_w_m2: the spectrum is scaled by {:.6}", wanted / total));
+        let by = wanted / total;
+        let parts = if is_e490 { String::new() } else { format!(": {} W m-2, {parts}", shown(total)) };
+        self.notes.push(format!("sun.total_irradiance_w_m2: the spectrum is scaled by {by:.6}{parts}"));
         Some((spectrum.map(|v| v * (wanted / total)), wanted))
     }
 

@@ -309,8 +309,8 @@ pub(crate) struct SunToml {
     pub(crate) distance_au: Option<f64>,
     /// Irradiance at 1 au: "e490" (ASTM E490-00a, built in, the default) or the path of a CSV table.
     pub(crate) spectrum: Option<String>,
-    /// Total irradiance at 1 au that the spectrum is scaled to, W m-2. Default: the spectrum as it is, with E490 beyond a table's
-    /// ends.
+    /// Total irradiance at 1 au that the spectrum is scaled to, with what is added beyond its ends, W m-2. Default: the spectrum as it is; beyond its
+    /// ends E490, scaled to join it, if it may be the Sun's (0.5 to 2 times E490), else nothing.
     pub(crate) total_irradiance_w_m2: Option<f64>,
 }
 

@@ -21,13 +21,13 @@ use crate::formats::mtl::{self, ObjMaterial};
 use crate::formats::{obj, photometry_csv, response_csv};
 use crate::report::{Fate, Report};
 use crate::scene::{MarsModel, Material, Scene, Thermal};
-use crate::spectral::{Band, Extend, Response, Spectrum, solar_e490, solar_mean};
+use crate::spectral::{Band, Extend, Response, Spectrum, SunTotal, solar_e490, solar_mean};
 use crate::units::{AU_M, MARS_RADIUS_M};
 
 use super::super::located::member;
 use super::materials::{EMISSIVITY_BOLOMETRIC, linear_from_hex, mean, mixed_emissivity};
 use super::view::{SENSOR_NAME, pitch_of_ifov};
-use super::{MARS_ALBEDO, MARS_BOND_ALBEDO, MARS_THERMAL_EXITANCE_W_M2, irradiances};
+use super::{MARS_ALBEDO, MARS_BOND_ALBEDO, MARS_THERMAL_EXITANCE_W_M2};
 
 /// A larger pixel is written by its line's field of view, mrad.
 const WIDEST_PIXEL_MRAD: f64 = 1000.0;
@@ -436,27 +436,27 @@ impl Writer<'_> {
             self.total_irradiance(None);
             return Ok(text);
         }
-        // Beyond a table's ends E490 is added to the total, and a total that is given scales the table: s (table / s + E490 beyond)
-        // is the total, and with s known both are as they were.
+        // What has nothing beyond its ends, though it may be the Sun's, was scaled to be so: a part of it is not the Sun's, and a total
+        // that is given scales it to what it was.
         let table = self.known(&sun.irradiance_1au, "sun.spectrum");
         let total = sun.total_irradiance_1au_w_m2;
-        let (within, beyond) = irradiances(&table);
-        let scale = (total - within) / beyond;
-        let is_scaled = (scale - 1.0).abs() > SAME && scale > 0.0 && scale.is_finite();
-        let written = if is_scaled { table.map(|v| v / scale) } else { table };
+        let own = SunTotal::of(&table);
+        let is_same = |a: f64, b: f64| (a / b - 1.0).abs() <= SAME;
+        let is_scaled = !is_same(own.w_m2(), total) && is_same(own.table_w_m2, total);
+        let written = if is_scaled { table.map(|v| v / 16.0) } else { table };
         let name = self.file(".sun", "csv", |out| photometry_csv::write(out, &[("irradiance_w_m2_um", &written)]))?;
         let _ = writeln!(text, "spectrum = {}", quoted(&name));
         if is_scaled {
             let _ = writeln!(text, "total_irradiance_w_m2 = {total:?}");
         } else {
-            self.total_irradiance(Some(within + beyond));
+            self.total_irradiance(Some(own.w_m2()));
         }
         Ok(text)
     }
 
     /// Notes a total that is not that of the spectrum as it is written.
     fn total_irradiance(&mut self, written: Option<f64>) {
-        let written = written.unwrap_or_else(|| irradiances(solar_e490()).0);
+        let written = written.unwrap_or_else(|| SunTotal::of(solar_e490()).w_m2());
         let total = self.scene.sun.total_irradiance_1au_w_m2;
         if (written / total - 1.0).abs() > SAME {
             let message = format!("{written} W m-2, the integral of the spectrum, instead of {total}");
