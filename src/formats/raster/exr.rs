@@ -179,7 +179,10 @@ pub(super) fn open(path: &Path) -> Result<Raster> {
         return Err(Error::Invalid(problems));
     }
     let all: Vec<&str> = found.iter().map(|f| f.0.name.as_str()).collect();
-    let (order, layers): (Vec<usize>, Vec<Layer>) = layers::of(&all);
+    let (order, layers): (Vec<usize>, Vec<Layer>) = layers::of(&all, |a, b| {
+        let window = |i: usize| (corners[found[i].1.part], meta.headers[found[i].1.part].layer_size);
+        window(a) == window(b)
+    });
     let mut found: Vec<Option<(RasterBand, Channel)>> = found.into_iter().map(Some).collect();
     let (bands, list): (Vec<RasterBand>, Vec<Channel>) = order.iter().filter_map(|i| found[*i].take()).unzip();
     let attributes = first.own_attributes.other.iter().chain(&first.shared_attributes.other);

@@ -31,8 +31,12 @@ pub(super) struct Chosen {
 /// As many names are told.
 const TOLD: usize = 30;
 
-/// The order in which the channels of these names become bands, and what belongs together, as numbers of bands.
-pub(super) fn of(channels: &[&str]) -> (Vec<usize>, Vec<Layer>) {
+/// Names of layers whose wavelengths are those of several quantities: components of polarised light, transmittance.
+const QUANTITIES: [&str; 5] = ["S0", "S1", "S2", "S3", "T"];
+
+/// The order in which the channels of these names become bands, and what belongs together, as numbers of bands. `fit` says whether
+/// two channels show the same part of the image: layers of one wavelength each that do are one image.
+pub(super) fn of(channels: &[&str], fit: impl Fn(usize, usize) -> bool) -> (Vec<usize>, Vec<Layer>) {
     let is_alpha =
         |i: usize| channels.len() > 1 && names::is_alpha(channels[i]) && names::wavelength(channels[i]).is_none();
     // The spectral channels of a layer are an image, and so are the others.
@@ -47,6 +51,20 @@ pub(super) fn of(channels: &[&str]) -> (Vec<usize>, Vec<Layer>) {
         }
     }
     let alphas: Vec<usize> = (0..channels.len()).filter(|i| is_alpha(*i)).collect();
+    let spectral: Vec<&((&str, bool), Vec<usize>)> = groups.iter().filter(|group| group.0.1).collect();
+    let ones: Vec<usize> = spectral.iter().filter(|group| group.1.len() == 1).map(|group| group.1[0]).collect();
+    let mut um: Vec<f64> = ones.iter().filter_map(|i| Some(names::wavelength(channels[*i])?.centre_um)).collect();
+    um.sort_by(f64::total_cmp);
+    let are_one_image = ones.len() > 1
+        && ones.len() == spectral.len()
+        && um.windows(2).all(|pair| pair[0] < pair[1])
+        && spectral.iter().all(|((name, _), _)| !QUANTITIES.contains(&name.rsplit('.').next().unwrap_or(name)))
+        && alphas.iter().all(|i| names::layer(channels[*i]).is_empty())
+        && ones.iter().all(|i| fit(ones[0], *i));
+    if are_one_image {
+        groups.retain(|group| !group.0.1);
+        groups.push((("", true), ones));
+    }
     let mut order = Vec::new();
     let mut layers = Vec::new();
     for ((name, is_spectral), members) in groups {
@@ -170,7 +188,7 @@ mod tests {
     fn taken(channels: &[&str], wanted: Option<&[&str]>) -> std::result::Result<(Vec<String>, Option<String>), String> {
         let mut channels = channels.to_vec();
         channels.sort_unstable();
-        let (order, layers) = of(&channels);
+        let (order, layers) = of(&channels, |_, _| true);
         let all: Vec<&str> = order.iter().map(|i| channels[*i]).collect();
         assert_eq!(all.len(), channels.len());
         let wanted: Option<Vec<String>> = wanted.map(|names| names.iter().map(|n| (*n).to_owned()).collect());
@@ -206,10 +224,22 @@ mod tests {
     fn thousands_of_layers_each_with_its_coverage() {
         let names: Vec<String> = (0..10_000).flat_map(|i| [format!("l{i}.A"), format!("l{i}.R")]).collect();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        let (order, layers) = of(&names);
+        let (order, layers) = of(&names, |_, _| true);
         assert_eq!((order.len(), layers.len()), (20_000, 10_000));
         // Coverage comes last: that of the fifth layer is the fifth of them.
         assert_eq!((order[5], order[10_005], layers[5].alpha), (11, 10, Some(10_005)));
+    }
+
+    #[test]
+    fn layers_of_one_wavelength_each_are_an_image() {
+        assert_eq!(taken(&["a.1050nm", "b.450nm"], None), image(&["b.450nm", "a.1050nm"], None));
+        assert_eq!(taken(&["a.1050nm", "b.450nm", "R", "G", "B"], None), image(&["b.450nm", "a.1050nm"], None));
+        assert!(taken(&["S0.450nm", "S1.1050nm"], None).unwrap() == image(&["S0.450nm"], None).unwrap());
+        for names in [&["a.450nm", "b.450nm"][..], &["a.450nm", "a.550nm", "b.650nm"], &["S0.450nm", "T.550nm"]] {
+            assert!(taken(names, None).is_err(), "{names:?}");
+        }
+        // Parts that show other pieces of the image are not laid over one another.
+        assert_eq!(of(&["a.1050nm", "b.450nm"], |_, _| false).1.len(), 2);
     }
 
     #[test]

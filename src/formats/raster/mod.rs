@@ -28,7 +28,7 @@ use crate::report::{Fate, Report};
 use crate::spectral::Band;
 
 pub use self::compare::{differences, statistics};
-pub(crate) use self::names::colour;
+pub(crate) use self::names::{bare_number, colour};
 pub(crate) use self::place::Georeference;
 pub(crate) use self::text::{is_grid, open as open_csv};
 pub use self::write::{Options, Target, write};

@@ -136,6 +136,11 @@ fn number_at_end(text: &str, accepted: impl Fn(f64) -> bool) -> Option<(usize, f
     }
 }
 
+/// The number that a name is, without a unit: `450`, `L.0.45`.
+pub(crate) fn bare_number(name: &str) -> Option<f64> {
+    base(name).trim().replace(',', ".").parse().ok().filter(|number: &f64| *number > 0.0 && number.is_finite())
+}
+
 /// Whether a channel is coverage: `A`, `alpha`.
 pub(super) fn is_alpha(name: &str) -> bool {
     ["a", "alpha"].contains(&base(name).to_lowercase().as_str())

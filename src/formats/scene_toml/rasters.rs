@@ -24,8 +24,24 @@ const LEAST_SINE: f64 = 1e-6;
 const SAME_PLACE: f64 = 1e-3;
 /// Centres that differ by no more than this, relative, are the same.
 const SAME_WAVELENGTH: f64 = 1e-3;
+/// Names without a unit are wavelengths if they are those of the bands to this, relative.
+const ALIKE: f64 = 0.1;
 /// Textures are held in memory: no more values than this (8 GiB).
 const MOST_VALUES: usize = 1 << 30;
+
+/// The wavelengths, um, that names say without a unit, where in nm or um they are those of the bands, in whatever order.
+fn um_of_numbers(names: &[&str], bands: &[Band]) -> Option<Vec<f64>> {
+    let numbers: Vec<f64> = names.iter().map(|name| raster::bare_number(name)).collect::<Option<_>>()?;
+    let sorted = |mut um: Vec<f64>| {
+        um.sort_by(f64::total_cmp);
+        um
+    };
+    let wanted = sorted(bands.iter().map(|band| band.centre_um).collect());
+    [1e-3, 1.0].into_iter().map(|unit| numbers.iter().map(|number| unit * number).collect::<Vec<f64>>()).find(|um| {
+        let own = sorted(um.clone());
+        own.len() == wanted.len() && own.iter().zip(&wanted).all(|(a, b)| (a / b - 1.0).abs() <= ALIKE)
+    })
+}
 
 impl Reader<'_> {
     /// The rasters that an item names: one or more, all of the same size.
@@ -138,7 +154,8 @@ impl Reader<'_> {
             let pairs = pairs.collect::<Vec<_>>().join(", ");
             self.notes.push(format!("{item}: bands are laid over red, green and blue in this order: {pairs}"));
         }
-        let Some(own_um) = own_um.iter().copied().collect::<Option<Vec<f64>>>() else { return Some(()) };
+        let stated = own_um.iter().copied().collect::<Option<Vec<f64>>>();
+        let Some(own_um) = stated.or_else(|| um_of_numbers(names, given)) else { return Some(()) };
         let differs = |a: f64, b: f64| (a / b - 1.0).abs() > SAME_WAVELENGTH;
         let Some(first) = (0..given.len()).find(|i| differs(given[*i].centre_um, own_um[*i])) else { return Some(()) };
         let away = |i: usize, um: f64| (given[i].centre_um - um).abs();
