@@ -1,5 +1,6 @@
 //! ENVI: a file of numbers and a text header beside it. Cubes and backplanes are written; any header can be inspected.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom, Write};
@@ -464,8 +465,17 @@ pub fn parse_header(path: &Path, text: &str) -> Result<Header> {
     let wavelength = fields.numbers("wavelength", counted, &mut problems);
     let fwhm = fields.numbers("fwhm", counted, &mut problems);
     let ignore = fields.number("data ignore value", &mut problems);
+    let mut report = Report::default();
+    fields.tell_doubled(&mut problems, &mut report);
     if !problems.is_empty() {
         return Err(Error::Invalid(problems));
+    }
+    // Programs differ in whether they skip these bytes: ENVI Classic does, ENVI does not.
+    for key in ["major frame offsets", "minor frame offsets"] {
+        if fields.items(key).iter().any(|item| item.parse() != Ok(0.0)) {
+            let feature = "bytes before or behind each frame (write the image without them)".to_owned();
+            return Err(Error::Unsupported { at: fields.at(key), feature });
+        }
     }
     let Some(data_type) = CODES.iter().find(|c| c.0 == code).map(|c| c.1) else {
         let complex = if matches!(code, 6 | 9) { " (complex numbers)" } else { "" };
@@ -474,7 +484,6 @@ pub fn parse_header(path: &Path, text: &str) -> Result<Header> {
             feature: format!("ENVI data type {code}{complex}"),
         });
     };
-    let mut report = Report::default();
     let band_names = fields.names("band names", bands, &mut report);
     fields.tell_misspelt(&mut report);
     let header = Header {
@@ -514,7 +523,7 @@ struct Field {
 }
 
 /// Keys that have a meaning here.
-pub(super) const KEYS: [&str; 19] = [
+pub(super) const KEYS: [&str; 21] = [
     "samples",
     "lines",
     "bands",
@@ -534,6 +543,8 @@ pub(super) const KEYS: [&str; 19] = [
     "data gain values",
     "data offset values",
     "reflectance scale factor",
+    "major frame offsets",
+    "minor frame offsets",
 ];
 
 /// Lines that a header of ESRI has.
@@ -614,6 +625,24 @@ impl<'a> Fields<'a> {
             list.push(Field { line: number, key, value });
         }
         Ok(Fields { path, list })
+    }
+
+    /// Keys that are there twice: what they say must be the same.
+    fn tell_doubled(&self, problems: &mut Vec<Problem>, report: &mut Report) {
+        let plain = |text: &str| text.split([' ', '\t', '\n', '\r']).collect::<String>().to_lowercase();
+        let mut known: BTreeMap<&str, &Field> = BTreeMap::new();
+        for field in self.list.iter().filter(|field| KEYS.contains(&field.key.as_str())) {
+            let Some(first) = known.get(field.key.as_str()) else {
+                known.insert(&field.key, field);
+                continue;
+            };
+            let at = Location::line(self.path, field.line).with_item(&field.key);
+            if plain(&first.value) == plain(&field.value) {
+                report.note(Fate::Defaulted, at, format!("is there twice, the same as in line {}", first.line));
+            } else {
+                problems.push(Problem::new(at, format!("is there twice, and in line {} it is another", first.line)));
+            }
+        }
     }
 
     /// Tells keys that may be meant for others, which are not there.

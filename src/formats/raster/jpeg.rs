@@ -53,6 +53,7 @@ pub(super) fn open(path: &Path) -> Result<Raster> {
     }
     decoder.set_options(options.jpeg_set_out_colorspace(space));
     let stored = decoder.decode().map_err(damaged)?;
+    let orientation = decoder.exif().and_then(|exif| orientation(exif)).unwrap_or(1);
     let pixels = rows * columns;
     if stored.len() != pixels * names.len() {
         return Err(Error::syntax(at(), "not a complete JPEG"));
@@ -65,5 +66,35 @@ pub(super) fn open(path: &Path) -> Result<Raster> {
     let bands = names.iter().map(|name| RasterBand { name: (*name).to_owned(), ..RasterBand::default() }).collect();
     let mut raster = Raster::of(path, (rows, columns), bands, DataType::F64, Reader::Held(values));
     raster.report.note(Fate::Defaulted, at(), "values: shares of the largest number, as stored");
+    if orientation != 1 {
+        let message = format!(
+            "orientation {orientation} of EXIF, by which viewers turn the picture: lines and columns are those of the file \
+             (`magick IN -auto-orient OUT.png` turns them)"
+        );
+        raster.report.note(Fate::Dropped, at().with_item("orientation"), message);
+    }
     Ok(raster)
+}
+
+/// The tag 0x0112 of an EXIF block, a TIFF file (TIFF 6.0, section 2; 1 is as stored).
+fn orientation(exif: &[u8]) -> Option<u16> {
+    let exif = exif.strip_prefix(b"Exif\0\0").unwrap_or(exif);
+    let is_big = match exif.get(..2)? {
+        b"MM" => true,
+        b"II" => false,
+        _ => return None,
+    };
+    let u16_at = |at: usize| {
+        let bytes: [u8; 2] = exif.get(at..at.checked_add(2)?)?.try_into().ok()?;
+        Some(if is_big { u16::from_be_bytes(bytes) } else { u16::from_le_bytes(bytes) })
+    };
+    let u32_at = |at: usize| {
+        let bytes: [u8; 4] = exif.get(at..at.checked_add(4)?)?.try_into().ok()?;
+        Some(if is_big { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) })
+    };
+    let first = u32_at(4)? as usize;
+    let entries = usize::from(u16_at(first)?);
+    let entry = |i: usize| first.checked_add(2 + 12 * i);
+    let place = (0..entries).filter_map(entry).find(|at| u16_at(*at) == Some(0x0112))?;
+    u16_at(place.checked_add(8)?)
 }
