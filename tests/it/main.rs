@@ -60,4 +60,5 @@ mod told;
 mod truth;
 mod units_of_spectra;
 mod unsaid;
+mod wild_inputs;
 mod wild_obj;

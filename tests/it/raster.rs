@@ -331,7 +331,7 @@ fn an_array_of_a_npz_file_is_read_with_its_wavelengths() {
 }
 
 /// An OpenEXR file of uncompressed scan lines, by the file layout of OpenEXR 2: channels are (name, type, sampling).
-fn exr(channels: &[(&str, i32, i32)], size: [i32; 2], lines: &[Vec<u8>], unit: Option<&str>) -> Vec<u8> {
+pub(crate) fn exr(channels: &[(&str, i32, i32)], size: [i32; 2], lines: &[Vec<u8>], unit: Option<&str>) -> Vec<u8> {
     let [columns, rows] = size;
     let mut bytes = vec![0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0];
     let mut attribute = |name: &str, kind: &str, value: &[u8]| {

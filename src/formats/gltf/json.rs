@@ -56,6 +56,7 @@ pub(super) struct Node {
     pub(super) mesh: Option<usize>,
     pub(super) camera: Option<usize>,
     pub(super) skin: Option<usize>,
+    pub(super) weights: Vec<f64>,
     pub(super) matrix: Option<[f64; 16]>,
     pub(super) translation: Option<[f64; 3]>,
     pub(super) rotation: Option<[f64; 4]>,
@@ -68,6 +69,7 @@ pub(super) struct Node {
 pub(super) struct Mesh {
     pub(super) extensions: Extensions,
     pub(super) primitives: Vec<Primitive>,
+    pub(super) weights: Vec<f64>,
     pub(super) extras: Value,
 }
 
@@ -79,7 +81,7 @@ pub(super) struct Primitive {
     pub(super) indices: Option<usize>,
     pub(super) material: Option<usize>,
     pub(super) mode: Option<u64>,
-    pub(super) targets: Vec<IgnoredAny>,
+    pub(super) targets: Vec<BTreeMap<String, usize>>,
 }
 
 #[derive(Debug, Default, Deserialize)]

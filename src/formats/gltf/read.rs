@@ -243,8 +243,8 @@ struct Reader<'a> {
     objects: usize,
     /// Of each mesh, the nodes that have it.
     uses: Vec<usize>,
-    /// Meshes that several nodes have.
-    known: BTreeMap<usize, Rc<Parts>>,
+    /// Meshes that several nodes have, with the nodes' own weights of morph targets.
+    known: BTreeMap<(usize, Vec<u64>), Rc<Parts>>,
     materials: Vec<ObjMaterial>,
     index_of_material: BTreeMap<MaterialKey, usize>,
     /// The file's lights, once a node has one.
@@ -385,14 +385,16 @@ impl Reader<'_> {
             return Ok(());
         };
         if node.skin.is_some() {
-            self.dropped(item, "the skin: the mesh is taken as it stands without it");
+            let feature = "a skin, whose joints say where the mesh is (apply it in the program that made the file, in Blender the modifier Armature)";
+            return Err(Error::Unsupported { at: self.data.at(format!("{item}.skin")), feature: feature.into() });
         }
-        let parts = match self.known.get(&mesh) {
+        let known = (mesh, node.weights.iter().map(|weight| weight.to_bits()).collect::<Vec<u64>>());
+        let parts = match self.known.get(&known) {
             Some(parts) => Rc::clone(parts),
             None => {
-                let parts = Rc::new(self.parts(mesh, item)?);
+                let parts = Rc::new(self.parts(mesh, &node.weights, item)?);
                 if self.uses[mesh] > 1 {
-                    self.known.insert(mesh, Rc::clone(&parts));
+                    self.known.insert(known, Rc::clone(&parts));
                 }
                 parts
             }
@@ -455,13 +457,14 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// A mesh's primitives.
-    fn parts(&mut self, mesh: usize, item: &str) -> Result<Parts> {
+    /// A mesh's primitives, with morph targets by the weights of its node, or its own where the node has none.
+    fn parts(&mut self, mesh: usize, weights: &[f64], item: &str) -> Result<Parts> {
         let data = self.data;
         // Primitives that share their positions share vertices, so that edges join by index.
-        let mut shared: BTreeMap<(usize, Option<usize>), usize> = BTreeMap::new();
+        let mut shared: BTreeMap<(usize, Option<usize>, Vec<(usize, u64)>), usize> = BTreeMap::new();
         let mut parts = Parts { blocks: Vec::new(), triangles: Vec::new() };
         let taken = data.element(&data.root.meshes, "meshes", mesh, item)?;
+        let weights = if weights.is_empty() { &taken.weights } else { weights };
         self.extras(&format!("meshes[{mesh}]"), &taken.extras, "");
         for (i, primitive) in taken.primitives.iter().enumerate() {
             let item = format!("meshes[{mesh}].primitives[{i}]");
@@ -474,8 +477,15 @@ impl Reader<'_> {
                 continue;
             }
             if !primitive.targets.is_empty() {
-                self.dropped(&*item, "morph targets: the mesh is taken at rest");
+                self.dropped(&*item, "morph targets: the mesh is taken as the file's weights have it");
             }
+            if weights.iter().skip(primitive.targets.len()).any(|weight| *weight != 0.0) {
+                let message = format!("{} weights for {} morph targets", weights.len(), primitive.targets.len());
+                return data.wrong(&*item, message);
+            }
+            let moved = primitive.targets.iter().zip(weights).filter(|(_, weight)| **weight != 0.0);
+            let moved: Vec<(usize, f64)> =
+                moved.filter_map(|(target, weight)| Some((*target.get("POSITION")?, *weight))).collect();
             let Some(&position) = primitive.attributes.get("POSITION") else {
                 return data.wrong(format!("{item}.attributes"), "`POSITION` is missing");
             };
@@ -490,12 +500,13 @@ impl Reader<'_> {
                 self.dropped(format!("{item}.attributes"), others.join(", "));
             }
             let residual = primitive.attributes.get(RESIDUAL).copied();
-            let block = match shared.get(&(position, residual)) {
+            let key = (position, residual, moved.iter().map(|(target, weight)| (*target, weight.to_bits())).collect());
+            let block = match shared.get(&key) {
                 Some(known) => *known,
                 None => {
-                    let vertices = self.vertices(position, residual, &format!("{item}.attributes"))?;
+                    let vertices = self.vertices(position, residual, &moved, &format!("{item}.attributes"))?;
                     parts.blocks.push(Block { item: item.clone(), vertices });
-                    *shared.entry((position, residual)).or_insert(parts.blocks.len() - 1)
+                    *shared.entry(key).or_insert(parts.blocks.len() - 1)
                 }
             };
             let count = parts.blocks[block].vertices.len();
@@ -576,8 +587,14 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// The positions of a primitive, in glTF's axes.
-    fn vertices(&self, position: usize, residual: Option<usize>, item: &str) -> Result<Vec<DVec3>> {
+    /// The positions of a primitive, in glTF's axes; `moved` are accessors of displacements and their weights.
+    fn vertices(
+        &self,
+        position: usize,
+        residual: Option<usize>,
+        moved: &[(usize, f64)],
+        item: &str,
+    ) -> Result<Vec<DVec3>> {
         let points = |accessor: usize, name: &str| -> Result<Vec<DVec3>> {
             let numbers = self.data.numbers(accessor, &["VEC3"], &format!("{item}.{name}"))?;
             Ok(numbers.chunks_exact(3).map(DVec3::from_slice).collect())
@@ -590,6 +607,14 @@ impl Reader<'_> {
                 return self.data.wrong(format!("{item}.{RESIDUAL}"), message);
             }
             vertices.iter_mut().zip(residuals).for_each(|(v, r)| *v += r);
+        }
+        for &(target, weight) in moved {
+            let displacements = points(target, "POSITION")?;
+            if displacements.len() != vertices.len() {
+                let message = format!("{} displacements for {} positions", displacements.len(), vertices.len());
+                return self.data.wrong(format!("accessors[{target}]"), message);
+            }
+            vertices.iter_mut().zip(displacements).for_each(|(v, d)| *v += weight * d);
         }
         match vertices.iter().position(|v| !v.is_finite()) {
             Some(i) => self.data.wrong(format!("accessors[{position}]"), format!("position {i} is not finite")),
