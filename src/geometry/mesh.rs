@@ -53,10 +53,19 @@ impl Facet {
         (a + b + c) / 3.0
     }
 
-    /// Where a ray from `from_m` meets the facet's plane, in lengths of `ray`.
+    /// Where a ray from `from_m`, which meets the facet, meets its plane, in lengths of `ray`.
+    ///
+    /// Within [`EDGE_ON`] of the plane rounding would decide; there it is at least no nearer or farther than the corners.
     pub fn met_by(&self, from_m: DVec3, ray: DVec3) -> f64 {
         let normal = self.cross_m2();
-        normal.dot(self.corners_m[0] - from_m) / normal.dot(ray)
+        let along = normal.dot(ray);
+        let met = normal.dot(self.corners_m[0] - from_m) / along;
+        if along * along > EDGE_ON * EDGE_ON * normal.length_squared() * ray.length_squared() {
+            return met;
+        }
+        let [a, b, c] = self.corners_m.map(|p| (p - from_m).dot(ray) / ray.length_squared());
+        let (nearest, farthest) = (a.min(b).min(c), a.max(b).max(c));
+        if met.is_nan() { 0.5 * (nearest + farthest) } else { met.max(nearest).min(farthest) }
     }
 
     /// The point with barycentric coordinates (1 - u - v, u, v), m.
@@ -65,6 +74,9 @@ impl Facet {
         a + u * (b - a) + v * (c - a)
     }
 }
+
+/// Sine of the angle between a ray and a plane that it nearly lies in.
+const EDGE_ON: f64 = 1e-6;
 
 /// Normals of closed meshes, times areas, add up to no more than this share of the area: coordinates are often of 6 digits, and unwelded.
 const CLOSED: f64 = 1e-4;
@@ -135,15 +147,15 @@ impl Mesh {
     ///
     /// It is found by sums alone: the normals of what is closed, times areas, add up to 0, to rounding of the coordinates.
     pub fn enclosed_m3(&self) -> Option<f64> {
-        let (low, high) = self.bounds_m()?;
-        let middle = 0.5 * (low + high);
+        // Any point of the mesh serves: what is closed has the same volume about all.
+        let about = self.vertices_m[self.facets.first()?[0] as usize];
         let (mut sum_m2, mut area_m2, mut volume_m3) = (DVec3::ZERO, 0.0, 0.0);
         for facet in 0..self.facets.len() {
             let facet = self.facet(facet);
             let cross_m2 = facet.cross_m2();
             sum_m2 += cross_m2;
             area_m2 += cross_m2.length();
-            volume_m3 += (facet.corners_m[0] - middle).dot(cross_m2) / 6.0;
+            volume_m3 += (facet.corners_m[0] - about).dot(cross_m2) / 6.0;
         }
         (sum_m2.length() <= CLOSED * area_m2).then_some(volume_m3)
     }

@@ -197,7 +197,7 @@ impl<'a> Planes<'a> {
             hit.local_emission_rad().to_degrees(),
             resolution_m,
             resolution_m / hit.local_emission_rad().cos().abs(),
-            f64::from(u8::from(pixel.centre_is_lit())),
+            f64::from(u8::from(pixel.centre_is_lit)),
         ]);
     }
 

@@ -47,24 +47,17 @@ impl<'a> LitArea<'a> {
         self.parts.each(facet, window, |_, common| put(common));
     }
 
-    /// Whether a facet is lit at an image point that sees it: whether most of it is, in the smallest neighbourhood that areas tell
-    /// something of. No single polygon is asked, since between two of them rounding leaves gaps.
-    pub(super) fn is_lit_at(&mut self, facet: u32, at: Point) -> bool {
-        match self.sunlit.lit[facet as usize] {
-            Lit::Dark => false,
-            Lit::Full => true,
-            Lit::Part => {
-                let rect = around(at);
-                let (mut seen, mut lit) = (0.0, 0.0);
-                for triangle in self.drawing.triangles(facet) {
-                    clip_to_rect(&self.drawing.outline(triangle), &rect, &mut self.clipped, &mut self.spare);
-                    seen += area(&self.clipped);
-                }
-                let window = Window::Rect { rect: &rect, outline: &rect.corners() };
-                self.parts.each(facet, &window, |_, common| lit += area(common));
-                lit > 0.0 && lit >= 0.5 * seen
-            }
+    /// Area of what is drawn of a facet in the neighbourhood of an image point, hidden or not, and the lit part of it.
+    pub(super) fn around(&mut self, facet: u32, at: Point) -> (f64, f64) {
+        let rect = around(at);
+        let (mut drawn, mut lit) = (0.0, 0.0);
+        for triangle in self.drawing.triangles(facet) {
+            clip_to_rect(&self.drawing.outline(triangle), &rect, &mut self.clipped, &mut self.spare);
+            drawn += area(&self.clipped);
         }
+        let window = Window::Rect { rect: &rect, outline: &rect.corners() };
+        self.parts.each(facet, &window, |_, common| lit += area(common));
+        (drawn, lit)
     }
 }
 

@@ -580,6 +580,9 @@ pub(super) struct Looker<'a> {
     together: Together,
     choice: Choice,
     unknown: Unknown,
+    /// Of the entry at hand: see [`Looker::measure_angles`] and [`measure_shares`].
+    angles: Vec<Vec<f64>>,
+    shares: Vec<f64>,
 }
 
 impl<'a> Looker<'a> {
@@ -596,8 +599,10 @@ impl<'a> Looker<'a> {
             };
             views.iter().zip(polygons).map(one).collect()
         };
-        let terms = prepared.iter().zip(polygons).map(lookups).collect();
-        Looker { scene, terms, together: Together::default(), choice: maps.choice, unknown: maps.unknown }
+        let terms: Vec<Vec<Lookup>> = prepared.iter().zip(polygons).map(lookups).collect();
+        let angles = terms.iter().map(|views| vec![f64::NAN; views.len()]).collect();
+        let (together, choice, unknown) = (Together::default(), maps.choice, maps.unknown);
+        Looker { scene, terms, together, choice, unknown, angles, shares: vec![] }
     }
 
     pub(super) fn new_line(&mut self, row: u32) -> MapLine {
@@ -623,7 +628,8 @@ impl<'a> Looker<'a> {
                 continue;
             }
             front += entry.area;
-            let angles: Vec<Vec<f64>> = self.angles(pixel, &entry);
+            self.measure_angles(pixel, &entry);
+            let angles = &self.angles;
             for (t, views) in self.terms.iter_mut().enumerate() {
                 for lookup in views.iter_mut() {
                     let wants_lit = self.unknown == Unknown::Solved;
@@ -667,9 +673,9 @@ impl<'a> Looker<'a> {
                     }
                     continue;
                 }
-                let shares = shares(views, &angles[t], self.choice);
-                let known: f64 = shares.iter().zip(views.iter()).map(|(g, v)| g * v.seen.area).sum();
-                for ((lookup, share), angle) in views.iter_mut().zip(&shares).zip(&angles[t]) {
+                measure_shares(views, &angles[t], self.choice, &mut self.shares);
+                let known: f64 = self.shares.iter().zip(views.iter()).map(|(g, v)| g * v.seen.area).sum();
+                for ((lookup, share), angle) in views.iter_mut().zip(&self.shares).zip(&angles[t]) {
                     if *share == 0.0 {
                         continue;
                     }
@@ -704,7 +710,7 @@ impl<'a> Looker<'a> {
     }
 
     /// For each term and map the angle between its direction and that to the camera, rad, where what is seen of a facet lies.
-    fn angles(&self, pixel: &Pixel, entry: &Entry) -> Vec<Vec<f64>> {
+    fn measure_angles(&mut self, pixel: &Pixel, entry: &Entry) {
         let [x, y] = entry.centroid(&pixel.rect);
         let camera = &self.scene.sensor.camera;
         let ray = camera.ray(x, y);
@@ -717,19 +723,25 @@ impl<'a> Looker<'a> {
             },
             _ => f64::NAN,
         };
-        self.terms.iter().map(|views| views.iter().map(of).collect()).collect()
+        for (angles, views) in self.angles.iter_mut().zip(&self.terms) {
+            angles.iter_mut().zip(views).for_each(|(angle, lookup)| *angle = of(lookup));
+        }
     }
 }
 
 /// How much each map counts for a facet, relative to each other. One that knows less than [`LEAST_KNOWN`] of what the best one
 /// knows does not count; one without a direction only if no other does.
-fn shares(views: &[Lookup], angles: &[f64], choice: Choice) -> Vec<f64> {
+fn measure_shares(views: &[Lookup], angles: &[f64], choice: Choice, shares: &mut Vec<f64>) {
+    shares.clear();
+    shares.resize(views.len(), 0.0);
+    if let ([view], [share]) = (views, &mut shares[..]) {
+        *share = if view.seen.area > 0.0 { 1.0 } else { 0.0 };
+        return;
+    }
     let most = views.iter().map(|view| view.seen.area).fold(0.0, f64::max);
     let known = |i: &usize| views[*i].seen.area > 0.0 && views[*i].seen.area >= LEAST_KNOWN * most;
     let knowing: Vec<usize> = (0..views.len()).filter(known).collect();
-    let mut shares = vec![0.0; views.len()];
     knowing.iter().zip(views_shares(&knowing, angles, choice)).for_each(|(i, share)| shares[*i] = share);
-    shares
 }
 
 /// How much each of some maps counts that all know the same, relative to each other.

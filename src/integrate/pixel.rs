@@ -6,6 +6,7 @@ use crate::visibility::{Drawing, Scratch, Side, Visit};
 
 use super::lit::{LitArea, around};
 use super::parts::Window;
+use crate::product::Lit;
 
 /// Of a facet that is hidden all over, subtraction leaves less than this, pixels.
 const REMAINDER: f64 = 1e-14;
@@ -94,9 +95,12 @@ pub(super) struct Pixel<'a> {
     lit: LitArea<'a>,
     /// Facets, ascending, one entry each, once [`Pixel::look`] is done.
     pub(super) entries: Vec<Entry>,
-    /// The facet at the pixel's centre, and whether it is lit there.
+    /// The facet at the pixel's centre.
     pub(super) centre: Option<u32>,
-    /// Whether a piece lies beside the centre, by no more than rounding may have moved it.
+    /// Whether it is lit there.
+    pub(super) centre_is_lit: bool,
+    /// Whether rounding decides what is at the centre: a piece lies beside it, by no more than its corners may have moved, or holds it
+    /// and is no wider than that.
     is_beside: bool,
     /// Whether some entries are the rest after a subtraction.
     subtracted: bool,
@@ -117,6 +121,7 @@ impl<'a> Pixel<'a> {
             lit,
             entries: vec![],
             centre: None,
+            centre_is_lit: false,
             is_beside: false,
             subtracted: false,
             rect: drawing.grid.cell(0, 0),
@@ -146,18 +151,81 @@ impl<'a> Pixel<'a> {
         self.is_beside = false;
         coverage.cell(column, row, scratch, self)?;
         if self.is_beside {
-            let mut around = Around::new(self.drawing, self.at);
-            coverage.cell(column, row, scratch, &mut around)?;
-            self.centre = around.most();
+            self.centre = self.most_around(coverage, column, row, scratch)?;
         }
+        self.centre_is_lit = match self.centre {
+            // An inner side is dark, whatever reaches the outer one.
+            Some(facet) if self.drawing.side(facet) == Side::Front => {
+                self.is_lit_around(facet, coverage, column, row, scratch)?
+            }
+            _ => false,
+        };
         self.merge();
         Ok(())
     }
 
-    /// Whether the facet at the pixel's centre is lit there.
-    pub(super) fn centre_is_lit(&mut self) -> bool {
-        // An inner side is dark, whatever reaches the outer one.
-        self.centre.is_some_and(|f| self.drawing.side(f) == Side::Front && self.lit.is_lit_at(f, self.at))
+    /// The facet of which most is seen in the centre's neighbourhood; none where most is sky.
+    fn most_around(
+        &mut self,
+        coverage: &crate::visibility::Coverage,
+        column: u32,
+        row: u32,
+        scratch: &mut Scratch,
+    ) -> Result<Option<u32>> {
+        // Facets in the order in which they come, and their areas.
+        let mut seen: Vec<(u32, f64)> = vec![];
+        let mut near = Near::new(self.drawing, self.at, |facet, part: &[Point], sign| {
+            let area = sign * area(part);
+            match seen.iter_mut().find(|s| s.0 == facet) {
+                Some(seen) => seen.1 += area,
+                None => seen.push((facet, area)),
+            }
+        });
+        coverage.cell(column, row, scratch, &mut near)?;
+        let covered: f64 = seen.iter().map(|s| s.1).sum();
+        let most = seen.iter().fold((None, 0.0), |most, s| if s.1 > most.1 { (Some(s.0), s.1) } else { most });
+        Ok(if 2.0 * covered > around(self.at).area() { most.0 } else { None })
+    }
+
+    /// Whether a facet is lit at the centre: whether most of what is seen of it in the smallest neighbourhood that areas tell something
+    /// of. No single polygon is asked, since between two of them rounding leaves gaps.
+    fn is_lit_around(
+        &mut self,
+        facet: u32,
+        coverage: &crate::visibility::Coverage,
+        column: u32,
+        row: u32,
+        scratch: &mut Scratch,
+    ) -> Result<bool> {
+        match self.lit.state(facet) {
+            Lit::Dark => return Ok(false),
+            Lit::Full => return Ok(true),
+            Lit::Part => {}
+        }
+        let (drawn, lit) = self.lit.around(facet, self.at);
+        // All or nothing of the facet is lit there, to rounding; else what another one hides does not count.
+        if lit >= (1.0 - 1e-4) * drawn || lit <= 0.0 {
+            return Ok(lit > 0.0);
+        }
+        let (mut seen, mut lit) = (0.0, 0.0);
+        let areas = &mut self.lit;
+        let mut near = Near::new(self.drawing, self.at, |of, part: &[Point], sign| {
+            if of == facet {
+                let area = area(part);
+                seen += sign * area;
+                lit += sign * areas.of(facet, &Window::Piece(part), area);
+            }
+        });
+        coverage.cell(column, row, scratch, &mut near)?;
+        Ok(lit > 0.0 && lit >= 0.5 * seen)
+    }
+
+    /// Takes a triangle that holds the centre for what is seen there, unless it is drawn no wider than its rounding.
+    fn take_centre(&mut self, triangle: u32) {
+        match self.drawing.is_edge_on(triangle) {
+            true => self.is_beside = true,
+            false => self.centre = Some(self.drawing.facet(triangle)),
+        }
     }
 
     /// How much of a facet is lit.
@@ -235,7 +303,7 @@ impl Visit for Pixel<'_> {
             self.clipped = clipped;
         }
         if self.centre.is_none() && bounds.holds(self.at) && rect.holds(self.at) && holds(&outline, self.at) {
-            self.centre = Some(facet);
+            self.take_centre(triangle);
         }
     }
 
@@ -253,7 +321,7 @@ impl Visit for Pixel<'_> {
         self.add(facet, polygon, &Window::Piece(polygon), 1.0);
         if self.centre.is_none() && may_touch(polygon, &around(self.at)) {
             if holds(polygon, self.at) {
-                self.centre = Some(facet);
+                self.take_centre(triangle);
             } else {
                 self.is_beside = true;
             }
@@ -261,42 +329,30 @@ impl Visit for Pixel<'_> {
     }
 }
 
-/// What is seen around a point in its neighbourhood.
-struct Around<'a> {
+/// Hands out the parts of facets that are seen in the neighbourhood of a point, with their signs.
+struct Near<'a, F> {
     drawing: &'a Drawing<'a>,
     rect: Rect,
-    /// Facets in the order in which they come, and their areas.
-    seen: Vec<(u32, f64)>,
+    put: F,
     clipped: Vec<Point>,
     spare: Vec<Point>,
 }
 
-impl<'a> Around<'a> {
-    fn new(drawing: &'a Drawing<'a>, at: Point) -> Self {
-        Around { drawing, rect: around(at), seen: vec![], clipped: vec![], spare: vec![] }
+impl<'a, F: FnMut(u32, &[Point], f64)> Near<'a, F> {
+    fn new(drawing: &'a Drawing<'a>, at: Point, put: F) -> Self {
+        Near { drawing, rect: around(at), put, clipped: vec![], spare: vec![] }
     }
 
     fn add(&mut self, triangle: u32, polygon: &[Point], rect: &Rect, sign: f64) {
         let rect = rect.common(&self.rect);
         if rect.overlaps(&self.rect) {
             clip_to_rect(polygon, &rect, &mut self.clipped, &mut self.spare);
-            let (facet, area) = (self.drawing.facet(triangle), sign * area(&self.clipped));
-            match self.seen.iter_mut().find(|s| s.0 == facet) {
-                Some(seen) => seen.1 += area,
-                None => self.seen.push((facet, area)),
-            }
+            (self.put)(self.drawing.facet(triangle), &self.clipped, sign);
         }
-    }
-
-    /// The facet of which most is seen; none where most is sky.
-    fn most(&self) -> Option<u32> {
-        let covered: f64 = self.seen.iter().map(|s| s.1).sum();
-        let most = self.seen.iter().fold((None, 0.0), |most, s| if s.1 > most.1 { (Some(s.0), s.1) } else { most });
-        if 2.0 * covered > self.rect.area() { most.0 } else { None }
     }
 }
 
-impl Visit for Around<'_> {
+impl<F: FnMut(u32, &[Point], f64)> Visit for Near<'_, F> {
     const SIGNED: bool = true;
 
     fn whole(&mut self, triangle: u32, rect: &Rect) {

@@ -290,10 +290,15 @@ impl Gather {
         for triangle in drawing.triangles(facet) {
             let outline = drawing.outline(triangle);
             let least_area = SLIVER * area(&outline);
+            let around = |polygon: &[Point]| {
+                let Rect { min, max } = Rect::of(polygon);
+                max[0] - min[0] + max[1] - min[1]
+            };
+            // No polygon is longer than its facet: most need no closer look.
+            let ample = narrow * around(&outline);
             let mut add = |polygon: &[Point]| {
                 let area = area(polygon);
-                let Rect { min, max } = Rect::of(polygon);
-                if area > least_area && area > narrow * (max[0] - min[0] + max[1] - min[1]) {
+                if area > least_area && (area > ample || area > narrow * around(polygon)) {
                     out.uv.extend(polygon.iter().map(|p| frame.uv(*p)));
                     out.polygon_facet.push(facet);
                     out.polygon_start.push(out.uv.len() as u32);

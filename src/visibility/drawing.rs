@@ -535,25 +535,29 @@ impl<'a> Drawing<'a> {
     fn measure(&mut self) {
         let image = self.grid.bounds();
         self.magnitude[0] = (1.0 + 2.0 * CUT_BEYOND) * image.max[0].max(image.max[1]);
-        self.magnitude[1] = (0..self.len() as u32)
-            .filter(|t| self.is_drawn(*t))
-            .flat_map(|t| self.corners(t))
-            .fold(0.0, |m, p| m.max(p[2].abs()));
-        if let View::Parallel { .. } = self.view {
-            // Heights are sums of products of coordinates, however flat the mesh.
-            let coordinates = self.mesh.vertices_m.iter().map(|p| p.abs().max_element());
-            self.magnitude[1] = self.magnitude[1].max(coordinates.fold(0.0, f64::max));
+        let offset = match self.view {
+            View::Pinhole { offset, .. } | View::Parallel { offset, .. } => offset,
+        };
+        // Of nearness, and of what lies across, cells.
+        let (mut near, mut across) = (0.0_f64, 0.0_f64);
+        for triangle in (0..self.len() as u32).filter(|t| self.is_drawn(*t)) {
+            for p in self.corners(triangle) {
+                near = near.max(p[2].abs());
+                across = across.max((p[0] - offset[0]).abs()).max((p[1] - offset[1]).abs());
+            }
         }
-        if let View::Pinhole { depth_m, scale, offset, .. } = self.view
-            && depth_m > 0.0
-        {
+        self.magnitude[1] = match self.view {
+            View::Parallel { .. } => {
+                // Heights are sums of products of coordinates, however flat the mesh.
+                let coordinates = self.mesh.vertices_m.iter().map(|p| p.abs().max_element());
+                coordinates.fold(near, f64::max)
+            }
             // Heights above the point amid the mesh are as good as what lies across, however flat the mesh.
-            let across = (0..self.len() as u32)
-                .filter(|t| self.is_drawn(*t))
-                .flat_map(|t| self.corners(t))
-                .fold(0.0_f64, |m, p| m.max((p[0] - offset[0]).abs()).max((p[1] - offset[1]).abs()));
-            self.magnitude[1] = self.magnitude[1].max(across / (scale[0].min(scale[1]) * depth_m));
-        }
+            View::Pinhole { depth_m, scale, .. } if depth_m > 0.0 => {
+                near.max(across / (scale[0].min(scale[1]) * depth_m))
+            }
+            View::Pinhole { .. } => near,
+        };
     }
 }
 
@@ -618,8 +622,9 @@ fn seen_from_above(facet: &Facet, eye_m: DVec3) -> Option<bool> {
 
 /// Half the length of a triangle's outline, up to a factor of 2.
 fn around(outline: &[Point; 3]) -> f64 {
-    let Rect { min, max } = Rect::of(outline);
-    max[0] - min[0] + max[1] - min[1]
+    let [a, b, c] = outline;
+    let side = |p: &Point, q: &Point| (q[0] - p[0]).abs() + (q[1] - p[1]).abs();
+    side(a, b).max(side(a, c))
 }
 
 /// Where a facet lies, seen from another's plane.

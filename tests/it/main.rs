@@ -7,6 +7,7 @@ mod angles;
 mod bands;
 mod bodies;
 mod cameras;
+mod centres;
 mod cli;
 mod clipping;
 mod convert;

@@ -101,7 +101,9 @@ impl Reader<'_> {
         if toml.flip == Some(true) {
             mesh.flip();
         }
-        self.suspect_unit(item, toml, &mesh);
+        if toml.obj.is_some() {
+            self.suspect_unit(item, toml, &mesh);
+        }
         if toml.obj.is_some()
             && let Some(volume_m3) = mesh.enclosed_m3().filter(|volume_m3| *volume_m3 < 0.0)
         {
@@ -164,7 +166,7 @@ impl Reader<'_> {
         let Some((lo, hi)) = mesh.bounds_m() else { return };
         let (size_m, away_m) = ((hi - lo).length(), lo.max(DVec3::ZERO).max(-hi).length());
         let item = format!("{item}.{}", if toml.unit_m.is_some() { "unit_m" } else { "obj" });
-        if toml.obj.is_some() && away_m > 100.0 * size_m.max(1.0) {
+        if away_m > 100.0 * size_m.max(1.0) {
             self.notes.push(format!(
                 "{item}: the mesh is {size_m:.1} m across and {away_m:.1} m away from the origin: check `unit_m` and `coordinates`"
             ));
