@@ -14,7 +14,7 @@ use mmxrt::formats::spectrum_csv::{self, Quantity};
 use mmxrt::formats::{envi, exr_cube, gltf, npz, obj, pixel, quicklook, radiance_map, recipe_toml, spectrum_svg};
 use mmxrt::progress::tell;
 use mmxrt::spectral::{Extend, solar_e490};
-use mmxrt::{Error, Location, Problem, Result, study};
+use mmxrt::{Error, Location, Problem, Result};
 use serde_json::{Value, json};
 
 use super::Outcome;
@@ -73,6 +73,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         _ if arguments.picture.is_some() => {
             return Err(Error::invalid(Location::file(path), "is no image, of which a picture could be made"));
         }
+        _ if is_scene(path)? => return super::dry_run::run(path, console),
         _ => inspect(path, console)?,
     };
     let text = facts.iter().map(|(name, value)| line(name, value)).collect::<String>();
@@ -179,12 +180,12 @@ fn inspect(path: &Path, console: &Console) -> Result<Facts> {
         let is_convertible = !path.join("report.json").is_file() && Format::of_input(path).is_ok();
         return if is_convertible { converted(path, console) } else { folder(path) };
     }
-    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let extension = extension(path);
     match extension.as_str() {
         "json" => report(path),
         "obj" => mesh(path),
         "gltf" | "glb" => surface(path),
-        "toml" => toml(path, console),
+        "toml" => toml(path),
         "csv" | "tab" | "asc" | "tsv" | "dat" => spectrum(path, console),
         "txt" if Format::of_input(path).is_ok_and(|(format, _)| format == Format::Csv) => spectrum(path, console),
         "db" | "hdr" | "sli" | "txt" => converted(path, console),
@@ -260,14 +261,22 @@ fn surface(path: &Path) -> Result<Facts> {
     ])
 }
 
-/// A scene or a recipe: a recipe has a seed.
-fn toml(path: &Path, console: &Console) -> Result<Facts> {
-    let (document, _) = Document::open(path)?;
-    match (document.has("seed"), radiance_map::is_map(&document)) {
-        (true, _) => recipe(path),
-        (_, true) => map_file(path),
-        _ => scene(path, console),
+/// Whether a file is a scene: other TOML files are maps, or recipes, which have a seed.
+fn is_scene(path: &Path) -> Result<bool> {
+    if !path.is_file() || extension(path) != "toml" {
+        return Ok(false);
     }
+    let (document, _) = Document::open(path)?;
+    Ok(!document.has("seed") && !radiance_map::is_map(&document))
+}
+
+fn extension(path: &Path) -> String {
+    path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
+}
+
+fn toml(path: &Path) -> Result<Facts> {
+    let (document, _) = Document::open(path)?;
+    if radiance_map::is_map(&document) { map_file(path) } else { recipe(path) }
 }
 
 fn map_file(path: &Path) -> Result<Facts> {
@@ -286,52 +295,6 @@ fn recipe(path: &Path) -> Result<Facts> {
         ("relief", json!(recipe.relief)),
         ("craters", json!(recipe.craters)),
         ("boulders", json!(recipe.boulders)),
-    ])
-}
-
-fn scene(path: &Path, console: &Console) -> Result<Facts> {
-    let opened = super::scene::open_to_inspect(path, &|progress| console.watch(progress))?;
-    let scene = &opened.scene;
-    let about = study::summary(scene);
-    let materials = scene.materials.iter().map(|m| {
-        let middle = scene.sensor.bands.get(scene.sensor.bands.len() / 2).map(|b| b.centre_um);
-        json!({
-            "name": m.name, "bond_albedo": m.bond_albedo, "photometry": m.photometry.key().unwrap_or("lambert"),
-            "reflectance": middle.and_then(|um| m.reflectance.at(um)), "at_um": middle,
-        })
-    });
-    let bands = &scene.sensor.bands;
-    let [x, y, z] = about.size_m;
-    Ok(vec![
-        ("kind", json!("scene")),
-        ("facets", json!(about.facets)),
-        ("vertices", json!(about.vertices)),
-        ("open_edges", json!(about.open_edges)),
-        ("flipped_facets", json!(about.flipped_facets)),
-        ("zero_area_facets", json!(about.zero_area_facets)),
-        ("size_m", json!({ "x": x, "y": y, "z": z })),
-        ("materials", materials.collect()),
-        ("sun_distance_au", json!(about.sun_distance_au)),
-        ("sun_elevation_deg", json!(about.sun_elevation_deg)),
-        ("mean_incidence_deg", json!(about.mean_incidence_deg)),
-        ("phase_deg", json!(about.phase_deg)),
-        ("emission_deg", json!(about.emission_deg)),
-        ("range_m", json!(about.range_m)),
-        ("mars_elevation_deg", json!(about.mars_elevation_deg)),
-        ("mars_radius_deg", json!(about.mars_radius_deg)),
-        ("sensor", json!(scene.sensor.name)),
-        ("samples", json!(scene.sensor.camera.samples)),
-        ("lines", json!(scene.sensor.camera.lines)),
-        ("ifov_mrad", json!(about.ifov_mrad)),
-        ("pixel_m", json!(about.pixel_m)),
-        ("image_m", json!({ "across": about.image_m[0], "down": about.image_m[1] })),
-        ("bands", json!(bands.len())),
-        ("first_band_um", json!(bands.first().map(|b| b.centre_um))),
-        ("last_band_um", json!(bands.last().map(|b| b.centre_um))),
-        ("fwhm_um", json!(bands.first().and_then(|b| b.fwhm_um))),
-        ("table_id", json!(study::table_id(scene))),
-        ("defaults", json!(opened.defaults)),
-        ("warnings", json!([opened.warnings.clone(), scene.remarks()].concat())),
     ])
 }
 

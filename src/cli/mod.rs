@@ -2,6 +2,7 @@
 
 mod console;
 mod convert;
+mod dry_run;
 mod inspect;
 mod integrate;
 mod landscape;
@@ -53,7 +54,7 @@ struct Global {
 
 #[derive(Subcommand)]
 enum Command {
-    /// A scene becomes a radiance cube, backplanes, pictures and a report
+    /// A scene becomes a radiance cube, backplanes, pictures and a report (`inspect SCENE` is a dry run)
     Simulate(simulate::Arguments),
     /// What reaches each facet of a scene, as a table
     Solve(solve::Arguments),
@@ -63,7 +64,7 @@ enum Command {
     Landscape(landscape::Arguments),
     /// One format becomes another: scenes, meshes, spectra, images, and inputs of DART
     Convert(convert::Arguments),
-    /// Says what a file holds
+    /// Says what a file holds; of a scene also what simulating it would take and tell
     Inspect(inspect::Arguments),
     /// Runs the closed-form cases and prints what passes
     Validate(validate::Arguments),

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use mmxrt::Result;
 use mmxrt::formats::report_json::Input;
-use mmxrt::formats::scene_toml::{self, SceneFile};
+use mmxrt::formats::scene_toml;
 use mmxrt::progress::Watch;
 use mmxrt::scene::{Scene, Thermal};
 
@@ -46,22 +46,20 @@ impl Opened {
 
 /// Reads a scene and all that it names, to simulate it.
 pub(super) fn open(path: &Path, watch: Watch<'_>) -> Result<Opened> {
+    let (opened, simulable) = open_to_inspect(path, watch)?;
+    simulable.map(|()| opened)
+}
+
+/// Reads a scene and all that it names, to say what it holds, and whether it can be simulated.
+pub(super) fn open_to_inspect(path: &Path, watch: Watch<'_>) -> Result<(Opened, Result<()>)> {
     let file = scene_toml::read(path, watch)?;
-    file.simulable()?;
-    Ok(opened(file))
-}
-
-/// Reads a scene and all that it names, to say what it holds.
-pub(super) fn open_to_inspect(path: &Path, watch: Watch<'_>) -> Result<Opened> {
-    Ok(opened(scene_toml::read(path, watch)?))
-}
-
-fn opened(file: SceneFile) -> Opened {
-    Opened {
+    let simulable = file.simulable();
+    let opened = Opened {
         id: scene_toml::id(&file.inputs),
         scene: file.scene,
         inputs: file.inputs.iter().map(Input::from).collect(),
         defaults: file.defaults.iter().map(|d| format!("{} = {}", d.item, d.value)).collect(),
         warnings: file.notes,
-    }
+    };
+    Ok((opened, simulable))
 }

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Location, Problem, Result};
 
+use super::machine;
 use super::staging::{self, Staging};
 
 pub use super::staging::{abandon, settle};
@@ -174,7 +175,7 @@ impl Staged {
     pub fn has_room(&self, bytes: u64) -> Result<()> {
         let free = self.path.parent().and_then(staging::free_bytes).filter(|free| *free < bytes);
         let Some(free) = free else { return Ok(()) };
-        let message = format!("takes {}, and the disk has {} left", size(bytes), size(free));
+        let message = format!("takes {}, and the disk has {} left", machine::size(bytes, 3), machine::size(free, 3));
         Err(Error::invalid(Location::file(&self.target), message))
     }
 
@@ -349,15 +350,6 @@ fn strays(folder: &Path, inside: &Path, found: &mut Vec<PathBuf>) {
         }
     }
     found.sort();
-}
-
-/// A size for people.
-fn size(bytes: u64) -> String {
-    let (unit, name) = [(1e9, "GB"), (1e6, "MB"), (1e3, "kB")]
-        .into_iter()
-        .find(|(unit, _)| bytes as f64 >= *unit)
-        .unwrap_or((1.0, "bytes"));
-    format!("{:.3} {name}", bytes as f64 / unit)
 }
 
 #[cfg(test)]

@@ -29,10 +29,15 @@ impl<'a> Emission<'a> {
     pub fn new(scene: &'a Scene, table: &'a FacetTable) -> Self {
         let temperatures_k = table.temperature_lit_k.iter().chain(&table.temperature_shaded_k).copied();
         let grid = TemperatureGrid::new(temperatures_k);
-        let row_per_band = grid.len() > 0 && scene.sensor.bands.len() <= POINTS;
+        let row_per_band = grid.len() > 0 && Emission::has_row_per_band(&scene.sensor.bands);
         let mut emission = Emission { scene, table, grid, thermal: vec![], row_per_band };
         emission.thermal = emission.thermal();
         emission
+    }
+
+    /// Whether so few bands take a row each for thermal emission.
+    pub(crate) fn has_row_per_band(bands: &[Band]) -> bool {
+        bands.len() <= POINTS
     }
 
     /// Number of rows.

@@ -73,6 +73,14 @@ pub(super) struct Account<'a> {
     bands_um: Vec<f64>,
 }
 
+/// Whether Mars covers the Sun; `None` without Mars.
+pub(super) fn eclipse(scene: &Scene) -> Option<Eclipse> {
+    let mars = scene.mars.as_ref()?;
+    let (towards_m, sun_rad) = (Direction::new(mars.centre_m)?, sun::angular_radius_rad(scene.sun.distance_m));
+    let separation_rad = scene.sun.direction.angle_rad(towards_m);
+    Some(sun::eclipse(separation_rad, (mars.radius_m / mars.centre_m.length()).asin(), sun_rad))
+}
+
 impl<'a> Account<'a> {
     pub(super) fn new(scene: &'a Scene, table: &'a FacetTable, site: &'a Site, backplanes: &Backplanes) -> Self {
         let mut used = vec![false; scene.materials.len()];
@@ -88,18 +96,13 @@ impl<'a> Account<'a> {
             heat::equilibrium_temperature_k(absorbed_w_m2, m.emissivity_bolometric)
         };
         let noon_k = materials.iter().map(at_noon_k).fold(warmest_k, f64::max);
-        let eclipse = scene.mars.as_ref().and_then(|mars| {
-            let (towards_m, sun_rad) = (Direction::new(mars.centre_m)?, sun::angular_radius_rad(scene.sun.distance_m));
-            let separation_rad = scene.sun.direction.angle_rad(towards_m);
-            Some(sun::eclipse(separation_rad, (mars.radius_m / mars.centre_m.length()).asin(), sun_rad))
-        });
         Account {
             scene,
             table,
             site,
             cos_incidence: median_cos_incidence(backplanes),
             open_to_shadow: site.open_to_shadow(&scene.mesh, scene.sun.direction.vec()),
-            eclipse,
+            eclipse: eclipse(scene),
             largest_mars_irradiance: largest(&table.mars_irradiance),
             warmest_k,
             noon_k,

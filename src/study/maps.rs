@@ -3,8 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::cost::has_room;
 use super::partly_sky;
-use super::simulate::{Observation, account_for, has_room};
+use super::simulate::{Observation, account_for};
 use super::warnings::enclosed;
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::Texels;

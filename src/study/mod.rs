@@ -1,6 +1,9 @@
 //! Studies: what spans several layers. Takes values and callbacks, touches no disk.
 
+mod cost;
+mod dry_run;
 mod effects;
+mod glimpse;
 mod maps;
 mod partly_sky;
 mod simulate;
@@ -10,8 +13,10 @@ mod table_id;
 pub mod validate;
 mod warnings;
 
+pub use cost::{WITHIN, has_room, memory_bytes, product_bytes};
+pub use dry_run::{DryRun, dry_run};
 pub use effects::Effect;
 pub use maps::{Fill, MapAccount, MapEntry, MapOptions, RegistrationEntry, observe_maps};
-pub use simulate::{Check, Counts, Observation, has_room, memory_bytes, observe, product_bytes, simulate};
-pub use summary::{Summary, summary};
+pub use simulate::{Check, Counts, Observation, observe, simulate};
+pub use summary::Summary;
 pub use table_id::table_id;

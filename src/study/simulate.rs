@@ -3,9 +3,10 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::cost::has_room;
 use super::effects::{Account, Effect, mars_seen};
 use super::site::Site;
-use super::warnings::warnings;
+use super::warnings;
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::polygon::area;
 use crate::integrate::{self, Image};
@@ -125,13 +126,8 @@ pub(super) fn account_for(
         effects: account.effects(),
         warnings: [
             scene.remarks(),
-            warnings(
-                &account,
-                &counts,
-                &image,
-                topology.enclosure(&scene.mesh, scene.sensor.camera.centre_m()),
-                uses_sun,
-            ),
+            warnings::of_image(&account, &counts, &image, uses_sun),
+            warnings::of_scene(scene, topology, &site, account.open_to_shadow, uses_sun),
         ]
         .concat(),
         checks: checks(&account, &image),
@@ -191,49 +187,6 @@ fn warmest_k(scene: &Scene) -> f64 {
         Thermal::Thesis => heat::thesis_temperature_k(1.0 + 1e-9),
         Thermal::Off => f64::INFINITY,
     }
-}
-
-/// About what an image takes in memory, bytes.
-pub fn memory_bytes(scene: &Scene, has_maps: bool) -> u64 {
-    let (samples, lines) = (scene.sensor.camera.samples, scene.sensor.camera.lines);
-    // Every plane is there twice while lines become an image: some 30, and two for each material. What maps add is kept as it is.
-    let of_maps = if has_maps { 8 * scene.sensor.bands.len() } else { 0 };
-    let pixel_bytes = 2 * 8 * (30 + 2 * scene.materials.len()) + of_maps;
-    (u64::from(samples) * u64::from(lines)).saturating_mul(pixel_bytes as u64)
-}
-
-/// Says if the machine cannot hold the image: asked for in vain later, memory would end the program where it stands.
-///
-/// # Errors
-/// [`Error::Invalid`] if it takes more than `memory_bytes`, or the system does not give as much.
-pub fn has_room(scene: &Scene, has_maps: bool, memory_bytes: Option<u64>) -> Result<()> {
-    let bytes = self::memory_bytes(scene, has_maps);
-    let mut room: Vec<u8> = Vec::new();
-    let asked = memory_bytes.is_none_or(|memory| bytes <= memory)
-        && usize::try_from(bytes).is_ok_and(|bytes| room.try_reserve_exact(bytes).is_ok());
-    // Memory that nobody looks at may be asked for by nobody.
-    std::hint::black_box(&room);
-    if asked {
-        return Ok(());
-    }
-    let (samples, lines) = (scene.sensor.camera.samples, scene.sensor.camera.lines);
-    let there = match memory_bytes {
-        Some(memory) if memory < bytes => format!("the machine has {:.1} GB", memory as f64 / 1e9),
-        _ => "which cannot be had".to_owned(),
-    };
-    let message = format!("{samples} x {lines} pixels take some {:.1} GB of memory, {there}", bytes as f64 / 1e9);
-    let problem = Problem::new(Location::item("sensor"), message).with_help(
-        "fewer samples and lines; a large image can be made of several, each with an observer that looks at its part",
-    );
-    Err(Error::Invalid(vec![problem]))
-}
-
-/// About what a product takes on the disk, bytes: `number_bytes` for each pixel and band, the planes, and no more.
-pub fn product_bytes(scene: &Scene, number_bytes: u64) -> u64 {
-    let pixels = u64::from(scene.sensor.camera.samples) * u64::from(scene.sensor.camera.lines);
-    let planes = integrate::plane_count(scene) as u64;
-    let pixel_bytes = number_bytes.saturating_mul(scene.sensor.bands.len() as u64).saturating_add(8 * planes);
-    pixels.saturating_mul(pixel_bytes)
 }
 
 /// What must hold whatever the scene.

@@ -48,10 +48,7 @@ pub struct Summary {
     pub image_m: [f64; 2],
 }
 
-/// Describes a scene.
-pub fn summary(scene: &Scene) -> Summary {
-    let topology = Topology::new(&scene.mesh);
-    let site = Site::new(&scene.mesh, &topology);
+pub(super) fn summary(scene: &Scene, topology: &Topology, site: &Site) -> Summary {
     let camera = &scene.sensor.camera;
     let (towards_sun, eye_m) = (scene.sun.direction.vec(), camera.centre_m());
     let from_zenith = |v: DVec3| (scene.origin_m != DVec3::ZERO).then(|| angle_rad(scene.origin_m, v).to_degrees());

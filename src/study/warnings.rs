@@ -1,48 +1,92 @@
 //! What a reader of a result should know, as sentences.
 
-use super::effects::Account;
+use glam::DVec3;
+
+use super::effects::{Account, eclipse};
 use super::simulate::Counts;
+use super::site::Site;
 use crate::geometry::angle_rad;
 use crate::integrate::Image;
 use crate::physics::sun::Eclipse;
 use crate::product::Lit;
-use crate::visibility::Enclosure;
+use crate::scene::Scene;
+use crate::visibility::{Enclosure, Topology};
 
 /// Less of the image than this may show facets from behind without a word: rims of open sheets do.
 const BACK_SHARE: f64 = 0.01;
 
-/// `uses_sun` says whether anything in the image is sunlight of this scene: if not, where the Sun stands is of no interest.
-pub(super) fn warnings(
-    account: &Account,
-    counts: &Counts,
-    image: &Image,
-    enclosure: Enclosure,
+/// What is known of an image, or of a few rays of one that is not made yet.
+pub(super) struct Sight {
+    /// Whether anything of the mesh is in view.
+    pub(super) sees_mesh: bool,
+    /// Share of what is seen that are facets from behind.
+    pub(super) back_share: f64,
+    /// Mars in view.
+    pub(super) mars: MarsInView,
+    /// Said before numbers that are not exact.
+    pub(super) about: &'static str,
+}
+
+/// What only the image tells. `uses_sun` says whether anything in it is sunlight of this scene: if not, where the Sun stands is of
+/// no interest.
+pub(super) fn of_image(account: &Account, counts: &Counts, image: &Image, uses_sun: bool) -> Vec<String> {
+    let covered_px: f64 = image.backplanes.plane("COVERAGE").map_or(0.0, |p| p.values.iter().sum());
+    let camera = &account.scene.sensor.camera;
+    let samples = camera.samples as usize;
+    let ranges_m = image.backplanes.plane("RANGE").map_or(&[][..], |plane| &plane.values);
+    let rays = ranges_m.iter().enumerate().map(|(i, range_m)| {
+        // NaN: nothing but the sky is behind it.
+        let range_m = if range_m.is_nan() { f64::INFINITY } else { *range_m };
+        (camera.ray((i % samples) as f64 + 0.5, (i / samples) as f64 + 0.5), range_m)
+    });
+    let sight = Sight {
+        sees_mesh: counts.visible_facets > 0,
+        back_share: if covered_px > 0.0 { image.back_area_px / covered_px } else { 0.0 },
+        mars: MarsInView::new(account.scene, rays, 1.0),
+        about: "",
+    };
+    let is_dark = uses_sun && account.table.sunlit.lit.iter().all(|l| *l == Lit::Dark);
+    let rest = match (account.largest_mars_irradiance > 0.0, account.warmest_k > 0.0) {
+        (false, false) => "the image is black",
+        (false, true) => "what the image shows is heat",
+        (true, false) => "what the image shows is Mars-light",
+        (true, true) => "what the image shows is Mars-light and heat",
+    };
+    let dark = format!("nothing is lit: the Sun is below every facet or behind the terrain; {rest}");
+    of_sight(&sight, is_dark.then_some(dark))
+}
+
+/// What a sight tells; `dark` says that nothing is lit.
+pub(super) fn of_sight(sight: &Sight, dark: Option<String>) -> Vec<String> {
+    let mut all = Vec::new();
+    all.extend(sight.mars.told(sight.about));
+    if !sight.sees_mesh {
+        all.push("nothing is in view: no pixel sees a facet; check the observer's position and target, and the field of view".into());
+    }
+    all.extend(dark);
+    if sight.back_share > BACK_SHARE {
+        all.push(format!(
+            "{}{:.1} % of what the camera sees are facets from behind, which are black: the camera is under the terrain, or facets are inside out",
+            sight.about,
+            100.0 * sight.back_share
+        ));
+    }
+    all
+}
+
+/// What the scene tells by itself. `open_to_shadow` is the share of the site that terrain outside it might shadow; `uses_sun` is as
+/// for [`of_image`].
+pub(super) fn of_scene(
+    scene: &Scene,
+    topology: &Topology,
+    site: &Site,
+    open_to_shadow: f64,
     uses_sun: bool,
 ) -> Vec<String> {
     let mut all = Vec::new();
-    all.extend(mars_in_view(account, image));
     let facets = |n: u64| if n == 1 { "1 facet".to_owned() } else { format!("{n} facets") };
-    if counts.visible_facets == 0 {
-        all.push("nothing is in view: no pixel sees a facet; check the observer's position and target, and the field of view".into());
-    }
-    if uses_sun && account.table.sunlit.lit.iter().all(|l| *l == Lit::Dark) {
-        let rest = match (account.largest_mars_irradiance > 0.0, account.warmest_k > 0.0) {
-            (false, false) => "the image is black",
-            (false, true) => "what the image shows is heat",
-            (true, false) => "what the image shows is Mars-light",
-            (true, true) => "what the image shows is Mars-light and heat",
-        };
-        all.push(format!("nothing is lit: the Sun is below every facet or behind the terrain; {rest}"));
-    }
-    let covered_px: f64 = image.backplanes.plane("COVERAGE").map_or(0.0, |p| p.values.iter().sum());
-    if image.back_area_px > BACK_SHARE * covered_px {
-        all.push(format!(
-            "{:.1} % of what the camera sees are facets from behind, which are black: the camera is under the terrain, or facets are inside out",
-            100.0 * image.back_area_px / covered_px
-        ));
-    }
-    all.extend(enclosed("the camera", enclosure));
-    match account.eclipse.filter(|_| uses_sun) {
+    all.extend(enclosed("the camera", topology.enclosure(&scene.mesh, scene.sensor.camera.centre_m())));
+    match eclipse(scene).filter(|_| uses_sun) {
         Some(Eclipse::Total) => {
             all.push("the site is in eclipse: Mars covers the Sun, but the image is lit as if it did not".into())
         }
@@ -54,23 +98,23 @@ pub(super) fn warnings(
         }
         _ => {}
     }
-    if uses_sun && account.open_to_shadow > 0.0 {
+    if uses_sun && open_to_shadow > 0.0 {
         all.push(format!(
             "{:.1} % of the site might be shadowed by terrain outside it: from there, rays to the Sun leave the site below its highest point",
-            100.0 * account.open_to_shadow
+            100.0 * open_to_shadow
         ));
     }
-    if counts.flipped_facets > 0 {
+    if topology.flipped_facets > 0 {
         all.push(format!(
             "{} with the inner side out, against their neighbours: seen from outside they are black",
-            facets(counts.flipped_facets)
+            facets(topology.flipped_facets as u64)
         ));
     }
-    if counts.zero_area_facets > 0 {
-        all.push(format!("{} without area: they neither shine nor block", facets(counts.zero_area_facets)));
+    if site.zero_area_facets > 0 {
+        all.push(format!("{} without area: they neither shine nor block", facets(site.zero_area_facets)));
     }
-    if account.site.is_open && account.site.up.is_none() {
-        all.push(format!("the body is not closed: {} open edges", counts.open_edges));
+    if site.is_open && site.up.is_none() {
+        all.push(format!("the body is not closed: {} open edges", topology.open_edges));
     }
     all
 }
@@ -87,43 +131,56 @@ pub(super) fn enclosed(whose: &str, enclosure: Enclosure) -> Option<String> {
     Some(format!("{whose} is {where_is}: it sees inner sides, which are dark and hide what is behind them"))
 }
 
-/// Mars is neither drawn nor does it hide anything: where it is in view the image shows the sky behind it, or the surface.
-fn mars_in_view(account: &Account, image: &Image) -> Option<String> {
-    let mars = account.scene.mars.as_ref()?;
-    let camera = &account.scene.sensor.camera;
-    let towards_m = mars.centre_m - camera.centre_m();
-    let boresight = camera.world_from_sensor.rotation.z_axis;
-    let corner_rad = angle_rad(boresight, camera.ray(0.0, 0.0));
-    let mars_rad = (mars.radius_m / towards_m.length()).min(1.0).asin();
-    if angle_rad(boresight, towards_m) > corner_rad + mars_rad {
-        return None;
-    }
-    let range_m = image.backplanes.plane("RANGE")?;
-    let (mut seen, mut before) = (0_u64, 0_u64);
-    for (i, surface_m) in range_m.values.iter().enumerate() {
-        let (x, y) = (i % camera.samples as usize, i / camera.samples as usize);
-        let ray = camera.ray(x as f64 + 0.5, y as f64 + 0.5).normalize();
-        let along_m = towards_m.dot(ray);
-        let aside2_m2 = (towards_m - along_m * ray).length_squared();
-        let half2_m2 = mars.radius_m * mars.radius_m - aside2_m2;
-        if along_m > 0.0 && half2_m2 > 0.0 {
-            let near_m = along_m - half2_m2.sqrt();
-            // NaN: nothing but the sky is behind it.
-            if surface_m.is_nan() {
-                seen += 1;
-            } else if near_m < *surface_m {
-                before += 1;
+/// Mars in view, pixels. It is neither drawn nor does it hide anything: where it is in view the image shows the sky behind it, or
+/// the surface.
+#[derive(Default)]
+pub(super) struct MarsInView {
+    /// Before the sky.
+    sky_px: f64,
+    /// Before the surface.
+    surface_px: f64,
+}
+
+impl MarsInView {
+    /// From rays of the camera, each with the range of the surface that it meets, m, or infinity; each stands for `ray_px` pixels.
+    pub(super) fn new(scene: &Scene, rays: impl Iterator<Item = (DVec3, f64)>, ray_px: f64) -> Self {
+        let mut found = MarsInView::default();
+        let Some(mars) = &scene.mars else { return found };
+        let camera = &scene.sensor.camera;
+        let towards_m = mars.centre_m - camera.centre_m();
+        let boresight = camera.world_from_sensor.rotation.z_axis;
+        let corner_rad = angle_rad(boresight, camera.ray(0.0, 0.0));
+        let mars_rad = (mars.radius_m / towards_m.length()).min(1.0).asin();
+        if angle_rad(boresight, towards_m) > corner_rad + mars_rad {
+            return found;
+        }
+        for (ray, surface_m) in rays {
+            let ray = ray.normalize();
+            let along_m = towards_m.dot(ray);
+            let aside2_m2 = (towards_m - along_m * ray).length_squared();
+            let half2_m2 = mars.radius_m * mars.radius_m - aside2_m2;
+            if along_m > 0.0 && half2_m2 > 0.0 {
+                let near_m = along_m - half2_m2.sqrt();
+                if surface_m.is_infinite() {
+                    found.sky_px += ray_px;
+                } else if near_m < surface_m {
+                    found.surface_px += ray_px;
+                }
             }
         }
+        found
     }
-    let pixels = |n: u64| if n == 1 { "1 pixel".to_owned() } else { format!("{n} pixels") };
-    match (seen, before) {
-        (0, 0) => None,
-        (_, 0) => Some(format!("Mars is in view and is not drawn: {} of it are black, as the sky", pixels(seen))),
-        _ => Some(format!(
-            "Mars is in view and is not drawn: {} of it are black, as the sky, and in {} it stands before the surface, which is shown through it",
-            pixels(seen),
-            pixels(before)
-        )),
+
+    fn told(&self, about: &str) -> Option<String> {
+        let pixels = |n: f64| if n == 1.0 { "1 pixel".to_owned() } else { format!("{about}{n:.0} pixels") };
+        let sky = pixels(self.sky_px);
+        match (self.sky_px > 0.0, self.surface_px > 0.0) {
+            (false, false) => None,
+            (_, false) => Some(format!("Mars is in view and is not drawn: {sky} of it are black, as the sky")),
+            _ => Some(format!(
+                "Mars is in view and is not drawn: {sky} of it are black, as the sky, and in {} it stands before the surface, which is shown through it",
+                pixels(self.surface_px)
+            )),
+        }
     }
 }

@@ -142,7 +142,7 @@ fn what_cannot_be_simulated_says_where_it_is_asked_for() {
         assert!(err.contains("scene.toml:9:38") && err.contains("`hapke` parameters is not supported"), "{err}");
     }
     let (code, out, err) = run(&["inspect", &path]);
-    assert!(code == 0 && out.contains("photometry hapke"), "{out}{err}");
+    assert!(code == 1 && out.contains(": hapke, reflectance") && err.contains("scene.toml:9:38"), "{out}{err}");
     assert!(!scratch.names().contains(&"out.npz".to_owned()));
 }
 

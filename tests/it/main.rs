@@ -25,6 +25,7 @@ mod dart_write;
 mod determinism;
 mod differences;
 mod disk;
+mod dry_run;
 mod envi_headers;
 mod exact;
 mod flat_plane;

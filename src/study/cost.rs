@@ -1,0 +1,124 @@
+//! What a simulation takes: memory, room on the disk, time. Estimates, made before anything is computed.
+
+use crate::error::{Error, Location, Problem, Result};
+use crate::integrate::plane_count;
+use crate::scene::{Scene, Texture, Thermal};
+use crate::solve::Emission;
+
+/// A process without facets and pixels holds this, bytes.
+const PROCESS_BYTES: u64 = 16_000_000;
+/// A facet and its share of vertices, neighbours, light and drawing. Measured: 124 at 60 deg of incidence, 147 at 85 deg, where shadows
+/// have more polygons.
+const FACET_BYTES: u64 = 140;
+/// Weights of a pixel, if there are few bands or no heat, and otherwise: temperatures share rows then.
+const WEIGHTS: [u64; 2] = [5, 16];
+/// A weight and its row, once in the lines and once in the image.
+const WEIGHT_BYTES: u64 = 2 * 12;
+
+/// Estimates of CPU time are within this factor of the truth, up or down, on a machine of 2022.
+pub const WITHIN: f64 = 3.0;
+/// CPU seconds (user + system) of whole processes of `simulate`, release build, on 2 cores of an AMD EPYC (family 25, model 17: 2022),
+/// 2026-11-28, median of 3. Fitted to 42 scenes: the landscape of `benches/` with 1e3 to 2e6 facets as OBJ, 64 x 64 to 1024 x 1024 pixels, 1 to
+/// 300 bands, the Sun at 0 to 85 deg of incidence, with and without Mars, heat and textures: all between 0.65 and 1.4 of the truth.
+/// Mars and heat take less than a fifth, and have no term.
+mod seconds {
+    pub(super) const PROCESS: f64 = 0.006;
+    /// To read it, to join it to its neighbours, and to find what the Sun sees of it.
+    pub(super) const FACET: f64 = 1.0e-6;
+    /// More of that for each unit of the tangent of the Sun's incidence on the mean surface, up to [`MOST_TANGENT`]: facets hide one another.
+    pub(super) const FACET_TANGENT: f64 = 1.2e-7;
+    pub(super) const MOST_TANGENT: f64 = 12.0;
+    /// To look through it, and to find its planes and write them.
+    pub(super) const PIXEL: f64 = 1.6e-6;
+    /// Pieces that pixels and facets cut each other into along their edges: as many as the root of facets x pixels.
+    pub(super) const CROSSING: f64 = 2.9e-6;
+    /// A pixel in a band.
+    pub(super) const NUMBER: f64 = 1.1e-8;
+    /// A texel in a layer.
+    pub(super) const TEXEL: f64 = 2.3e-7;
+}
+
+/// What of a scene's work is not plain from its sizes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Workload {
+    /// Facets that the image's frame might hold.
+    pub(super) facets_in_frame: u64,
+    /// Share of the image that the surface fills.
+    pub(super) filled: f64,
+    /// Of sunlight on the mean surface; `None` for a body.
+    pub(super) mean_incidence_deg: Option<f64>,
+}
+
+/// About the CPU time, s, within a factor of [`WITHIN`] on such a machine.
+pub(super) fn cpu_s(scene: &Scene, workload: &Workload) -> f64 {
+    let (facets, pixels) = (scene.mesh.facets.len() as f64, pixels(scene) as f64);
+    // A Sun below the mean surface grazes as well. A body has all incidences.
+    let tangent = workload.mean_incidence_deg.map_or(1.0, |deg| deg.to_radians().tan().abs());
+    let facet_s = seconds::FACET + seconds::FACET_TANGENT * tangent.min(seconds::MOST_TANGENT);
+    let texels: usize = scene.textures.iter().map(|t| t.values.len()).sum();
+    seconds::PROCESS
+        + facet_s * facets
+        + seconds::PIXEL * pixels
+        + seconds::CROSSING * (workload.facets_in_frame as f64 * workload.filled * pixels).sqrt()
+        + seconds::NUMBER * pixels * scene.sensor.bands.len() as f64
+        + seconds::TEXEL * texels as f64
+}
+
+fn pixels(scene: &Scene) -> u64 {
+    u64::from(scene.sensor.camera.samples) * u64::from(scene.sensor.camera.lines)
+}
+
+/// About what an image takes in memory, bytes.
+fn image_bytes(scene: &Scene, has_maps: bool) -> u64 {
+    let (planes, bands) = (plane_count(scene) as u64, scene.sensor.bands.len() as u64);
+    let weights =
+        WEIGHTS[usize::from(scene.thermal != Thermal::Off && !Emission::has_row_per_band(&scene.sensor.bands))];
+    // What maps add is kept as it is; planes of their own and weights of texels are about as much as the others.
+    let of_maps = if has_maps { 8 * (planes + bands) } else { 0 };
+    pixels(scene).saturating_mul(8 * planes + WEIGHT_BYTES * weights + of_maps)
+}
+
+/// About what a process that makes an image holds at most, bytes.
+pub fn memory_bytes(scene: &Scene, has_maps: bool) -> u64 {
+    let of_texture = |t: &Texture| 8 * (t.values.len() + 6 * t.corners.len()) as u64;
+    let held = PROCESS_BYTES
+        + FACET_BYTES * scene.mesh.facets.len() as u64
+        + scene.textures.iter().map(of_texture).sum::<u64>();
+    image_bytes(scene, has_maps).saturating_add(held)
+}
+
+/// Says if the machine cannot hold the image: asked for in vain later, memory would end the program where it stands.
+///
+/// # Errors
+/// [`Error::Invalid`] if it all takes more than `memory_bytes`, or the system does not give as much as the image takes.
+pub fn has_room(scene: &Scene, has_maps: bool, memory_bytes: Option<u64>) -> Result<()> {
+    let (bytes, of_image) = (self::memory_bytes(scene, has_maps), image_bytes(scene, has_maps));
+    let mut room: Vec<u8> = Vec::new();
+    let asked = memory_bytes.is_none_or(|memory| bytes <= memory)
+        && usize::try_from(of_image).is_ok_and(|bytes| room.try_reserve_exact(bytes).is_ok());
+    // Memory that nobody looks at may be asked for by nobody.
+    std::hint::black_box(&room);
+    if asked {
+        return Ok(());
+    }
+    let (samples, lines) = (scene.sensor.camera.samples, scene.sensor.camera.lines);
+    let gb = |bytes: u64| bytes as f64 / 1e9;
+    let there = match memory_bytes {
+        Some(memory) if memory < bytes => format!("the machine has {:.1} GB", gb(memory)),
+        _ => "which cannot be had".to_owned(),
+    };
+    let (image, rest) = (gb(of_image), gb(bytes - of_image));
+    let message =
+        format!("{samples} x {lines} pixels take some {image:.1} GB of memory and the scene {rest:.1} GB, {there}");
+    let problem = Problem::new(Location::item("sensor"), message).with_help(
+        "fewer samples and lines; a large image can be made of several, each with an observer that looks at its part",
+    );
+    Err(Error::Invalid(vec![problem]))
+}
+
+/// About what a product takes on the disk, bytes: `number_bytes` for each pixel and band, the planes, and no more.
+pub fn product_bytes(scene: &Scene, number_bytes: u64) -> u64 {
+    let pixel_bytes =
+        number_bytes.saturating_mul(scene.sensor.bands.len() as u64).saturating_add(8 * plane_count(scene) as u64);
+    pixels(scene).saturating_mul(pixel_bytes)
+}

@@ -1,0 +1,61 @@
+//! What can be told of a simulation before it is made: what it will take, and what its reader should know.
+
+use super::cost::{self, Workload};
+use super::glimpse::Glimpse;
+use super::site::Site;
+use super::summary::{self, Summary};
+use super::warnings::{self, MarsInView, Sight};
+use crate::scene::Scene;
+use crate::visibility::Topology;
+
+/// What can be told of a simulation before it is made.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DryRun {
+    /// The scene in a few numbers.
+    pub summary: Summary,
+    /// About the share of the image that the surface fills: of some 4000 rays.
+    pub filled: f64,
+    /// About what the process will hold at most, bytes.
+    pub memory_bytes: u64,
+    /// About what the product will take on the disk, as it is without options, bytes.
+    pub product_bytes: u64,
+    /// About the CPU time, s, within a factor of [`WITHIN`](super::WITHIN) on a machine of 2022.
+    pub cpu_s: f64,
+    /// What a reader of the result will be told, as sentences. What is hidden or in shadow is known only by what a few rays meet.
+    pub warnings: Vec<String>,
+}
+
+/// Looks at a scene without simulating it.
+pub fn dry_run(scene: &Scene) -> DryRun {
+    let topology = Topology::new(&scene.mesh);
+    let site = Site::new(&scene.mesh, &topology);
+    let glimpse = Glimpse::new(scene);
+    let camera = &scene.sensor.camera;
+    let summary = summary::summary(scene, &topology, &site);
+    let sight = Sight {
+        sees_mesh: glimpse.facets_in_frame > 0,
+        back_share: glimpse.back_share(scene),
+        mars: MarsInView::new(scene, glimpse.ranges_m(camera), glimpse.ray_px(camera)),
+        about: "about ",
+    };
+    let dark = (!glimpse.faces_sun).then(|| "nothing is lit: the Sun is below every facet".to_owned());
+    let open_to_shadow = site.open_to_shadow(&scene.mesh, scene.sun.direction.vec());
+    let workload = Workload {
+        facets_in_frame: glimpse.facets_in_frame,
+        filled: glimpse.filled(),
+        mean_incidence_deg: summary.mean_incidence_deg,
+    };
+    DryRun {
+        filled: workload.filled,
+        memory_bytes: cost::memory_bytes(scene, false),
+        product_bytes: cost::product_bytes(scene, 4),
+        cpu_s: cost::cpu_s(scene, &workload),
+        warnings: [
+            scene.remarks(),
+            warnings::of_sight(&sight, dark),
+            warnings::of_scene(scene, &topology, &site, open_to_shadow, true),
+        ]
+        .concat(),
+        summary,
+    }
+}
