@@ -219,7 +219,7 @@ fn a_scene_is_inspected() {
     assert!((1900.0..2100.0).contains(&number("facets")) && number("mean_incidence_deg") > 20.0);
     assert_eq!(facts["mars_elevation_deg"], serde_json::Value::Null);
     let (code, out, _) = run(&["inspect", &scene]);
-    assert!(code == 0 && out.starts_with("kind: scene\nfacets: ") && out.contains("\nphase_deg: 26.56"), "{out}");
+    assert!(code == 0 && out.starts_with("kind: scene\ndry run: ") && out.contains(", phase 26.57 deg\n"), "{out}");
     let table = written(&scratch, "grey.csv", "wavelength_nm,reflectance_percent\n900,5\n2500,15\n");
     let (code, out, _) = run(&["inspect", &table]);
     assert!(code == 0 && out.contains("first_um: 0.9\nlast_um: 2.5\nunit: 1\nmin: 0.05\nmax: 0.15"), "{out}");
