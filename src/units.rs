@@ -4,6 +4,8 @@
 pub const PLANCK_J_S: f64 = 6.626_070_15e-34;
 /// Speed of light in vacuum, m/s (SI, exact).
 pub const LIGHT_SPEED_M_S: f64 = 299_792_458.0;
+/// Energy of 1 eV, J (SI 2019, exact).
+pub const ELECTRONVOLT_J: f64 = 1.602_176_634e-19;
 /// Boltzmann constant, J/K (SI 2019, exact).
 pub const BOLTZMANN_J_K: f64 = 1.380_649e-23;
 /// Stefan-Boltzmann constant, W m-2 K-4: 2 pi^5 k^4 / (15 h^3 c^2).

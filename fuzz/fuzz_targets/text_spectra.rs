@@ -32,7 +32,7 @@ fuzz_target!(|text: &str| {
             assert_eq!(back[0].wavelength_um, libraries[0].wavelength_um);
         }
     }
-    for quantity in [spectrum_csv::Quantity::Fraction, spectrum_csv::Quantity::Irradiance] {
+    for quantity in [spectrum_csv::Quantity::Reflectance, spectrum_csv::Quantity::Emissivity, spectrum_csv::Quantity::Irradiance] {
         told(spectrum_csv::parse(text, path, quantity, Extend::Error));
     }
     told(photometry_csv::parse(text, path, Hapke::NAMES, Extend::Hold));

@@ -300,25 +300,22 @@ fn recipe(path: &Path) -> Result<Facts> {
 
 /// A spectrum: of a surface or of the Sun.
 fn spectrum(path: &Path, console: &Console) -> Result<Facts> {
-    let read = |quantity| spectrum_csv::read(path, quantity, Extend::Error);
-    let (unit, read) = match (read(Quantity::Fraction), read(Quantity::Irradiance)) {
-        (Err(_), Ok(irradiance)) => ("W m-2 um-1", Ok(irradiance)),
-        (fraction, _) => ("1", fraction),
-    };
-    let (spectrum, _, report) = match (read, spectrum_csv::read_all(path, None)) {
-        (Ok(read), _) => read,
-        // A table of several.
-        (Err(_), Ok(_)) => return converted(path, console),
-        (Err(error), Err(_)) => return Err(error),
-    };
+    let (quantity, spectrum, report) =
+        match (spectrum_csv::read_any(path, Extend::Error), spectrum_csv::read_all(path, None)) {
+            (Ok(read), _) => read,
+            // A table of several.
+            (Err(_), Ok(_)) => return converted(path, console),
+            (Err(error), Err(_)) => return Err(error),
+        };
     let (first, last) = spectrum.coverage_um();
     let values = spectrum.value().iter().copied();
     Ok(vec![
         ("kind", json!("spectrum")),
+        ("quantity", json!(quantity.name())),
         ("points", json!(spectrum.value().len())),
         ("first_um", json!(first)),
         ("last_um", json!(last)),
-        ("unit", json!(unit)),
+        ("unit", json!(if quantity == Quantity::Irradiance { "W m-2 um-1" } else { "1" })),
         ("min", json!(values.clone().fold(f64::INFINITY, f64::min))),
         ("max", json!(values.fold(f64::NEG_INFINITY, f64::max))),
         ("notes", report.notes.iter().map(|note| json!(note.to_string())).collect()),

@@ -1,7 +1,6 @@
 //! Units of wavelengths, as people spell them.
 
-/// Speed of light, m/s (CODATA, exact).
-const LIGHT_M_S: f64 = 299_792_458.0;
+use crate::units::{ELECTRONVOLT_J, LIGHT_SPEED_M_S, PLANCK_J_S};
 
 /// What a wavelength, or what stands for it, is counted in.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,9 +13,14 @@ pub(super) enum Unit {
     Waves(f64),
     /// A frequency of so many Hz.
     Hz(f64),
+    /// A photon's energy of so many eV.
+    Ev(f64),
 }
 
 impl Unit {
+    pub(super) const MICROMETRES: Unit = Unit::Um(1.0);
+    pub(super) const NANOMETRES: Unit = Unit::PerUm(1e3);
+
     /// The unit that a text names: in the singular or the plural, in American or British spelling, in capitals or not, with either of the
     /// two letters that look like a mu, and with the sign that stands for what was no UTF-8.
     pub(super) fn of(text: &str) -> Option<Self> {
@@ -58,6 +62,8 @@ impl Unit {
             | "reciprocal centimeter"
             | "inverse cm"
             | "/cm" => Unit::Waves(1e4),
+            "ev" | "electronvolt" | "electronvolts" | "electron volt" => Unit::Ev(1.0),
+            "kev" => Unit::Ev(1e3),
             "hz" | "hertz" => Unit::Hz(1.0),
             "ghz" | "gigahertz" => Unit::Hz(1e9),
             "mhz" | "megahertz" => Unit::Hz(1e6),
@@ -72,7 +78,8 @@ impl Unit {
             Unit::PerUm(per_um) => number / per_um,
             Unit::Um(um) => number * um,
             Unit::Waves(um) => um / number,
-            Unit::Hz(hz) => 1e6 * LIGHT_M_S / (number * hz),
+            Unit::Hz(hz) => 1e6 * LIGHT_SPEED_M_S / (number * hz),
+            Unit::Ev(ev) => 1e6 * PLANCK_J_S * LIGHT_SPEED_M_S / (number * ev * ELECTRONVOLT_J),
         };
         um.is_finite().then_some(um)
     }
@@ -82,13 +89,19 @@ impl Unit {
         match self {
             Unit::PerUm(_) | Unit::Um(_) => self.um(width),
             // From end to end.
-            Unit::Waves(_) | Unit::Hz(_) if width == 0.0 => Some(0.0),
-            Unit::Waves(_) | Unit::Hz(_) => {
+            Unit::Waves(_) | Unit::Hz(_) | Unit::Ev(_) if width == 0.0 => Some(0.0),
+            Unit::Waves(_) | Unit::Hz(_) | Unit::Ev(_) => {
                 let [from, to] = [centre - 0.5 * width, centre + 0.5 * width].map(|end| self.um(end));
                 from.zip(to).map(|(from, to)| from - to).filter(|um| *um > 0.0)
             }
         }
     }
+}
+
+/// Words of a heading, in lower case; a mu of either alphabet is a u.
+pub(super) fn words(heading: &str) -> Vec<String> {
+    let plain = heading.to_lowercase().replace(['\u{b5}', '\u{3bc}'], "u");
+    plain.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).map(str::to_owned).collect()
 }
 
 #[cfg(test)]

@@ -33,6 +33,7 @@ pub mod spectrum_csv;
 pub mod spectrum_svg;
 mod staging;
 pub mod surface;
+mod spectral_heading;
 mod spectral_table;
 mod table;
 pub mod xml;

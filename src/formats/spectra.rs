@@ -6,12 +6,14 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Location, Problem, Result};
 use crate::report::{Fate, Report};
-use crate::spectral::{Band, SpectralLibrary};
+use crate::spectral::{Band, Extend, SpectralLibrary, Spectrum};
 
 use super::dart::database::{self, Database};
 use super::dart::kind::distinct_names;
 use super::dart::text_spectra;
 use super::folder::Staged;
+use super::input::{self, InputFile};
+use super::spectrum_csv::Quantity;
 use super::{sli, spectrum_csv};
 
 /// A format that holds spectra.
@@ -56,7 +58,7 @@ impl Format {
         };
         let is_table = TABLES.contains(&extension.as_str()) && !text.contains('\0');
         match is_table {
-            true if text_spectra::begins(text) => Some(Format::DartText),
+            true if text_spectra::begins(path, text) => Some(Format::DartText),
             true => Some(Format::Csv),
             false => None,
         }
@@ -106,6 +108,27 @@ pub fn read_as(path: &Path, format: Format) -> Result<(Vec<SpectralLibrary>, Rep
         Format::Sli => sli::read(path),
         Format::Csv => spectrum_csv::read_all(path, None),
     }
+}
+
+/// Reads one spectrum of a quantity, from a table or from DART's text; fractions, or W m-2 um-1.
+///
+/// # Errors
+/// Those of the format's reader; [`Error::Invalid`] if the file holds other quantities.
+pub fn read_one(path: &Path, quantity: Quantity, extend: Extend) -> Result<(Spectrum, InputFile, Report)> {
+    if Format::of(path) != Some(Format::DartText) {
+        return spectrum_csv::read(path, quantity, extend);
+    }
+    let (library, mut report) = text_spectra::read(path)?;
+    let name = if quantity == Quantity::Albedo { Quantity::Reflectance.name() } else { quantity.name() };
+    let Some(spectrum) = library.spectrum(name, extend) else {
+        let names: Vec<&str> = library.columns.iter().map(|c| c.name.as_str()).collect();
+        let message = format!("a text of DART with {}, but no {name}", names.join(", "));
+        return Err(Error::invalid(Location::file(path), message));
+    };
+    if quantity != Quantity::Irradiance {
+        report.note(Fate::Defaulted, Location::file(path), "a text of DART: its reflectances are percent");
+    }
+    Ok((spectrum, InputFile::of(path, &input::bytes(path, 1 << 30)?), report))
 }
 
 fn read_folder(path: &Path) -> Result<(Vec<SpectralLibrary>, Report)> {

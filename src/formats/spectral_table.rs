@@ -14,6 +14,8 @@ use crate::error::{Error, Location, Problem, Result, number};
 use crate::report::{Fate, Report};
 
 use super::input::Problems;
+use super::length;
+use super::spectral_heading::{Unit, WAVE_UNITS, is_of_wavelength, of_column, of_wavelength};
 use super::table::place;
 
 /// Numbers below this are not there: the library of the US Geological Survey has -1.23e34 in deleted channels.
@@ -24,19 +26,6 @@ const NM: std::ops::RangeInclusive<f64> = 150.0..=100_000.0;
 
 /// A number, and the cell that it is written in; none is a gap.
 type Cell<'a> = Option<(f64, &'a str)>;
-
-/// What a header says that a column holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Unit {
-    /// Nothing, or a fraction.
-    Plain,
-    /// Percent.
-    Percent,
-    /// W m-2 um-1.
-    PerUm,
-    /// W m-2 nm-1.
-    PerNm,
-}
 
 /// A column of values.
 #[derive(Debug)]
@@ -62,6 +51,10 @@ pub(super) struct SpectralTable<'a> {
     /// Ascending, um.
     pub(super) wavelength_um: Vec<f64>,
     pub(super) columns: Vec<TableColumn<'a>>,
+    /// The unit of wavelengths that it states, or that was taken.
+    pub(super) wave_unit: length::Unit,
+    /// How its layout says percent.
+    pub(super) percent_help: &'static str,
     /// What was taken that the text does not say.
     pub(super) report: Report,
 }
@@ -89,90 +82,28 @@ pub(super) fn wavelengths(text: &str, path: &Path) -> Result<Vec<f64>> {
     let lines = Lines::of(text);
     let (title, values) = one_column(&lines, text, path)?;
     let values: Vec<f64> = values.iter().map(|v| v.map_or(f64::NAN, |v| v.0)).collect();
-    let stated = wave_unit(title).or_else(|| plain_unit(&values));
-    let Some((to_um, _)) = stated else {
+    let words = length::words(title);
+    let stated = words.iter().filter(|word| word.len() > 1).find_map(|word| length::Unit::of(word));
+    let stated = stated.or_else(|| plain_unit(&values));
+    let Some(unit) = stated else {
         return Err(Error::invalid(place(path, text, title), "does not state the unit of its wavelengths"));
     };
-    Ok(values.into_iter().map(to_um).collect())
-}
-
-/// A conversion to um, and how its unit is called.
-type WaveUnit = (fn(f64) -> f64, &'static str);
-
-const MICROMETRES: WaveUnit = (|um| um, "um");
-const NANOMETRES: WaveUnit = (crate::units::um_from_nm, "nm");
-const ANGSTROM: WaveUnit = (|a| a / 1e4, "angstrom");
-
-/// Lower-case words of a cell; µ of both alphabets is u.
-fn words(cell: &str) -> Vec<String> {
-    let plain = cell.to_lowercase().replace(['µ', 'μ'], "u");
-    plain.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).map(str::to_owned).collect()
-}
-
-fn is_um(word: &str) -> bool {
-    ["um", "micron", "microns", "micrometer", "micrometers", "micrometre", "micrometres"].contains(&word)
-}
-
-fn is_nm(word: &str) -> bool {
-    ["nm", "nanometer", "nanometers", "nanometre", "nanometres"].contains(&word)
-}
-
-fn wave_unit(cell: &str) -> Option<WaveUnit> {
-    let words = words(cell);
-    let has = |is: fn(&str) -> bool| words.iter().any(|word| is(word));
-    match () {
-        () if has(is_um) => Some(MICROMETRES),
-        () if has(is_nm) => Some(NANOMETRES),
-        () if has(|word| ["angstrom", "angstroms", "å"].contains(&word)) => Some(ANGSTROM),
-        () => None,
-    }
+    Ok(values.into_iter().map(|written| unit.um(written).unwrap_or(f64::NAN)).collect())
 }
 
 /// The unit that numbers have if they are wavelengths of light.
-fn plain_unit(values: &[f64]) -> Option<WaveUnit> {
+fn plain_unit(values: &[f64]) -> Option<length::Unit> {
     let all_in = |range: std::ops::RangeInclusive<f64>| values.iter().all(|v| range.contains(v));
     match () {
-        () if all_in(UM) => Some(MICROMETRES),
-        () if all_in(NM) => Some(NANOMETRES),
+        () if all_in(UM) => Some(length::Unit::MICROMETRES),
+        () if all_in(NM) => Some(length::Unit::NANOMETRES),
         () => None,
     }
 }
 
-fn names_wavelength(cell: &str) -> bool {
-    let words = words(cell);
-    words.iter().any(|w| w.starts_with("wavelen") || ["lambda", "wl", "wave", "wvl"].contains(&w.as_str()))
-        || (words.len() == 1 && (is_um(&words[0]) || is_nm(&words[0])))
-}
-
-/// A column's name without what says its unit, and the unit.
-fn named(cell: &str) -> (String, Unit) {
-    let words = words(cell);
-    let has = |word: &str| words.iter().any(|w| w == word);
-    let unit = match () {
-        () if has("irradiance") || (has("w") && (has("nm") || has("um") || has("micron"))) => {
-            if words.iter().any(|w| is_nm(w) || w == "nm1") { Unit::PerNm } else { Unit::PerUm }
-        }
-        () if has("percent") || has("pct") || cell.contains('%') => Unit::Percent,
-        () => Unit::Plain,
-    };
-    if matches!(unit, Unit::PerNm | Unit::PerUm) {
-        let states = words.iter().any(|w| is_nm(w) || is_um(w) || w == "nm1" || w == "um1");
-        // An irradiance per nobody knows what keeps its whole name, by which it is refused.
-        return (if states { "irradiance".to_owned() } else { cell.to_owned() }, unit);
-    }
-    // A quantity with nothing but units around it.
-    const QUANTITIES: [&str; 3] = ["reflectance", "emissivity", "albedo"];
-    let around = ["percent", "pct", "fraction", "refl", "reflectivity", "unitless", "y"];
-    let rest: Vec<&str> = words.iter().map(String::as_str).filter(|w| !around.contains(w)).collect();
-    match rest.as_slice() {
-        [one] if QUANTITIES.contains(one) => ((*one).to_owned(), unit),
-        [] if has("refl") || has("reflectivity") => ("reflectance".to_owned(), unit),
-        _ => {
-            let name = cell.strip_suffix("_percent").unwrap_or(cell);
-            let name = name.split(['(', '[']).next().unwrap_or(name).trim();
-            (name.trim_end_matches('%').trim().to_owned(), unit)
-        }
-    }
+/// Whether a line, or its first cell, names wavelengths.
+fn names_wavelength(text: &str) -> bool {
+    is_of_wavelength(text) || length::words(text).iter().any(|word| word.starts_with("wavelen"))
 }
 
 /// The lines of a text that hold something.
@@ -241,8 +172,8 @@ impl<'a> Lines<'a> {
             })
         };
         let (x, y) = (said("x units").unwrap_or_default(), said("y units").unwrap_or_default());
-        let Some(to_um) = wave_unit(x) else {
-            let message = format!("X Units are {x:?}: micrometres and nanometres are read");
+        let Some(unit) = of_wavelength(x).unwrap_or_default() else {
+            let message = format!("X Units are {x:?}: {WAVE_UNITS} are read");
             return Err(Error::invalid(place(path, text, self.all[0]), message));
         };
         let rows: Vec<Vec<&str>> = self.all[rows_at..]
@@ -250,9 +181,10 @@ impl<'a> Lines<'a> {
             .map(|line| line.split([' ', '\t', ',']).filter(|cell| !cell.is_empty()).collect())
             .collect();
         let name = said("name").filter(|name| !name.is_empty());
-        let mut table = assembled(text, path, self.all[0], to_um, &[("X", ""), (y, y)], &rows, Report::default())?;
+        let mut table = assembled(text, path, self.all[0], unit, &[("X", ""), (y, y)], &rows, Report::default())?;
         table.name = name;
         table.comment = head.to_vec();
+        table.percent_help = "if these are percent, the line `Y Units` says so: `Y Units: Reflectance (percent)`";
         Ok(table)
     }
 
@@ -321,12 +253,16 @@ impl<'a> Lines<'a> {
             cells.pop();
             rows.iter_mut().for_each(|row| row.truncate(cells.len()));
         }
-        let to_um = match wave_unit(cells[0]) {
-            Some(unit) => unit,
-            None => guessed(text, path, cells[0], &rows, &mut report)?,
+        let unit = match of_wavelength(cells[0]) {
+            Ok(Some(unit)) => unit,
+            Ok(None) => guessed(text, path, cells[0], &rows, &mut report)?,
+            Err((message, help)) => {
+                let problem = Problem::new(place(path, text, cells[0]), message);
+                return Err(Error::Invalid(vec![problem.with_help(help)]));
+            }
         };
         let columns: Vec<(&str, &str)> = cells.iter().map(|cell| (*cell, *cell)).collect();
-        let mut table = assembled(text, path, cells[0], to_um, &columns, &rows, report)?;
+        let mut table = assembled(text, path, cells[0], unit, &columns, &rows, report)?;
         table.comment = comment.into_iter().filter(|line| Some(*line) != in_comment).collect();
         Ok(table)
     }
@@ -339,16 +275,18 @@ impl<'a> Lines<'a> {
         comment: Vec<&'a str>,
     ) -> Result<SpectralTable<'a>> {
         let mut report = Report::default();
-        let to_um = guessed(text, path, first, rows, &mut report)?;
+        let unit = guessed(text, path, first, rows, &mut report)?;
         let count = rows[0].len();
         if count < 2 {
             let message = "one column: a wavelength and a value, parted by a comma, are needed";
             return Err(Error::invalid(place(path, text, first), message));
         }
         let columns = vec![("", first); count];
-        let mut table = assembled(text, path, first, to_um, &columns, rows, report)?;
+        let mut table = assembled(text, path, first, unit, &columns, rows, report)?;
         table.comment = comment;
         table.has_header = false;
+        table.percent_help =
+            "put a header above it, as in `wavelength_nm,reflectance_percent`, or `wavelength_um,irradiance_w_m2_um`";
         Ok(table)
     }
 }
@@ -387,7 +325,7 @@ fn headings(line: &str, count: usize) -> Vec<&str> {
 }
 
 /// The unit of wavelengths that do not say it, by their size; told.
-fn guessed(text: &str, path: &Path, cell: &str, rows: &[Vec<&str>], report: &mut Report) -> Result<WaveUnit> {
+fn guessed(text: &str, path: &Path, cell: &str, rows: &[Vec<&str>], report: &mut Report) -> Result<length::Unit> {
     let at = place(path, text, cell);
     let values: Vec<f64> = rows.iter().filter_map(|row| row.first()?.parse().ok()).collect();
     let Some(unit) = plain_unit(&values).filter(|_| !values.is_empty()) else {
@@ -400,7 +338,7 @@ fn guessed(text: &str, path: &Path, cell: &str, rows: &[Vec<&str>], report: &mut
         "no unit of wavelengths is stated; from {} to {} they are taken as {}",
         number(low),
         number(high),
-        unit.1
+        if unit == length::Unit::MICROMETRES { "um" } else { "nm" }
     );
     report.note(Fate::Defaulted, at, message);
     Ok(unit)
@@ -462,6 +400,8 @@ fn values_alone<'a>(
         header: title,
         wavelength_um,
         columns: vec![column],
+        wave_unit: length::Unit::MICROMETRES,
+        percent_help: "divide them by 100 if these are percent",
         report,
     })
 }
@@ -471,7 +411,7 @@ fn assembled<'a>(
     text: &'a str,
     path: &Path,
     header: &'a str,
-    (to_um, _): WaveUnit,
+    unit: length::Unit,
     columns: &[(&'a str, &'a str)],
     rows: &[Vec<&'a str>],
     mut report: Report,
@@ -517,9 +457,9 @@ fn assembled<'a>(
                 }
             })
             .collect();
-        match wavelength.map(to_um) {
-            Some(um) if um > 0.0 => read.push((um, values, first)),
-            Some(_) => {
+        match wavelength.map(|written| unit.um(written).filter(|um| *um > 0.0)) {
+            Some(Some(um)) => read.push((um, values, first)),
+            Some(None) => {
                 problems.push(|| Problem::new(place(path, text, first), format!("wavelength {first} is not positive")))
             }
             None => {}
@@ -542,7 +482,7 @@ fn assembled<'a>(
         return Err(Error::invalid(Location::file(path), message));
     }
     let table_columns = columns.iter().enumerate().skip(1).map(|(i, (name, cell))| {
-        let (name, unit) = named(name);
+        let (name, unit) = of_column(name);
         TableColumn { name, cell, unit, values: read.iter().map(|row| row.1[i - 1]).collect() }
     });
     Ok(SpectralTable {
@@ -551,6 +491,8 @@ fn assembled<'a>(
         has_header: true,
         header,
         columns: table_columns.collect(),
+        wave_unit: unit,
+        percent_help: "if these are percent, say so in the header: `reflectance_percent`",
         wavelength_um: read.iter().map(|row| row.0).collect(),
         report,
     })

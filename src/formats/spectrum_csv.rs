@@ -20,16 +20,54 @@ use crate::units::fraction_from_percent;
 use super::dart::kind::{Kind, outside, range};
 use super::folder::Staged;
 use super::input::{self, InputFile, Problems};
-use super::spectral_table::{self, SpectralTable, TableColumn, Unit};
+use super::length;
+use super::spectral_heading::{ALBEDO, EMISSIVITY, IRRADIANCE, LOG, REFLECTANCE, Unit, quantities};
+use super::spectral_table::{self, SpectralTable, TableColumn};
 use super::table::{Labelled, Places, gathered, is_plain, labelled, parts, place};
 
 /// What a table must hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
-    /// Reflectance, emissivity or albedo, 0 to 1.
-    Fraction,
+    /// Reflectance, 0 to 1.
+    Reflectance,
+    /// Emissivity, 0 to 1.
+    Emissivity,
+    /// Albedo, 0 to 1: of a Lambert surface, its reflectance.
+    Albedo,
     /// Spectral irradiance, W m-2 um-1.
     Irradiance,
+}
+
+impl Quantity {
+    /// What it is called in a header.
+    pub fn name(self) -> &'static str {
+        self.names()[0]
+    }
+
+    /// The names of columns that hold it, the best first.
+    fn names(self) -> &'static [&'static str] {
+        match self {
+            Quantity::Reflectance => &[REFLECTANCE, ALBEDO],
+            Quantity::Emissivity => &[EMISSIVITY],
+            Quantity::Albedo => &[ALBEDO, REFLECTANCE],
+            Quantity::Irradiance => &[IRRADIANCE],
+        }
+    }
+
+    /// What to do with a table of another quantity.
+    fn help(self, found: &str) -> String {
+        match (self, found) {
+            (Quantity::Reflectance | Quantity::Albedo, EMISSIVITY) => {
+                "of an opaque surface reflectance is 1 - emissivity (Kirchhoff): write that into a column `reflectance`".to_owned()
+            }
+            (Quantity::Emissivity, REFLECTANCE | ALBEDO) => {
+                "of an opaque surface emissivity is 1 - reflectance (Kirchhoff), which it is if `emissivity` is left out".to_owned()
+            }
+            (_, LOG) => "reflectance is 10^-x of it: write that into a column `reflectance`".to_owned(),
+            (Quantity::Irradiance, _) => "a Sun has a column `irradiance_w_m2_um` or `irradiance_w_m2_nm`".to_owned(),
+            _ => format!("give a table with a column `{}`, or `{}_percent`", self.name(), self.name()),
+        }
+    }
 }
 
 /// Longer files are refused, bytes.
@@ -56,27 +94,41 @@ pub fn parse(text: &str, path: &Path, quantity: Quantity, extend: Extend) -> Res
     let column = chosen(&table, text, path, quantity, &mut report)?;
     let (mut wavelength_um, mut value) = (Vec::new(), Vec::new());
     let mut problems = Problems::default();
+    let limits = if quantity == Quantity::Irradiance { (0.0, f64::INFINITY) } else { (0.0, 1.0) };
+    tell_outside(column, &table, quantity.name(), limits, |cell| place(path, text, cell), &mut problems);
     for (um, cell) in table.wavelength_um.iter().zip(&column.values) {
-        let Some((written, cell)) = cell else { continue };
-        let number = converted(column.unit, *written);
-        if let Some((message, help)) = refused(quantity, column.unit, cell, number) {
-            problems.push(|| Problem { at: place(path, text, cell), message, help: help.map(str::to_owned) });
-        }
+        let Some((written, _)) = cell else { continue };
         wavelength_um.push(*um);
-        value.push(number);
+        value.push(converted(&column.unit, *written));
     }
     let at = || place(path, text, column.cell);
+    tell_unit(column, at, &mut report);
     tell_gaps(&table.wavelength_um, &wavelength_um, at(), &mut report);
-    if column.unit == Unit::Percent && quantity == Quantity::Fraction {
+    if column.unit == Unit::Percent {
         tell_doubtful_percent(&value, at(), &mut report);
     }
-    if let Some(problem) = suspect_unit(&wavelength_um, place(path, text, table.header)) {
+    tell_like_dart(&table, column, at, &mut report);
+    if let Some(problem) = suspect(&table, &wavelength_um, place(path, text, table.header)) {
         problems.push(|| problem);
     }
     problems.finish(path)?;
     let spectrum = Spectrum::new(wavelength_um, value, extend)
         .ok_or_else(|| Error::invalid(Location::file(path), "no rows: all of its values are gaps"))?;
     Ok((spectrum, report))
+}
+
+/// Reads the spectrum of the first quantity that a table has a column of; of reflectances if it names none.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_any(path: &Path, extend: Extend) -> Result<(Quantity, Spectrum, Report)> {
+    let (text, _) = input::text(path, LIMIT)?;
+    let table = spectral_table::parse(&text, path, None)?;
+    let all = [Quantity::Reflectance, Quantity::Emissivity, Quantity::Albedo, Quantity::Irradiance];
+    let has = |quantity: &Quantity| table.columns.iter().any(|column| column.name == quantity.name());
+    let quantity = all.into_iter().find(has).unwrap_or(Quantity::Reflectance);
+    let (spectrum, report) = parse(&text, path, quantity, extend)?;
+    Ok((quantity, spectrum, report))
 }
 
 /// The column that holds a quantity.
@@ -87,66 +139,136 @@ fn chosen<'t, 'a>(
     quantity: Quantity,
     report: &mut Report,
 ) -> Result<&'t TableColumn<'a>> {
-    let is_fraction = |c: &&TableColumn<'_>| matches!(c.unit, Unit::Plain | Unit::Percent);
     let columns = &table.columns;
-    let found = match quantity {
-        Quantity::Fraction => columns.iter().filter(is_fraction).find(|c| FRACTIONS.contains(&c.name.as_str())),
-        Quantity::Irradiance => columns.iter().find(|c| c.name == "irradiance"),
+    let refused = |cell: &str, message: String, help: String| {
+        Err(Error::Invalid(vec![Problem::new(place(path, text, cell), message).with_help(help)]))
     };
-    if let Some(found) = found {
-        return Ok(found);
+    for name in quantity.names() {
+        let mut found = columns.iter().filter(|column| column.name == *name);
+        let Some(column) = found.next() else { continue };
+        if let Some(second) = found.next() {
+            return Err(Error::invalid(place(path, text, second.cell), format!("`{name}` is there twice")));
+        }
+        if let Unit::Unread(message, help) = &column.unit {
+            return refused(column.cell, message.clone(), help.clone());
+        }
+        if *name != quantity.name() {
+            let message = format!("`{name}` is taken as {}: that of a Lambert surface", quantity.name());
+            report.note(Fate::Defaulted, place(path, text, column.cell), message);
+        }
+        return Ok(column);
     }
     let first = &columns[0];
-    let at = place(path, text, first.cell);
-    if quantity == Quantity::Fraction && is_fraction(&first) {
-        if columns.len() == 1 || !table.has_header {
-            let what =
-                if table.has_header { format!("`{}` is", first.name) } else { "no header says what it is:".into() };
-            report.note(Fate::Defaulted, at, format!("{what} taken as a fraction, 0 to 1"));
-            return Ok(first);
-        }
+    let wanted = quantity.name();
+    // Of other quantities, and of light, nothing is a share of it.
+    let others: Vec<&str> = columns
+        .iter()
+        .flat_map(|column| match column.unit {
+            Unit::Irradiance(..) => vec![IRRADIANCE],
+            _ => quantities(column.cell),
+        })
+        .filter(|other| !quantity.names().contains(other))
+        .collect();
+    if let Some(other) = others.first().filter(|_| table.has_header) {
+        let names: Vec<&str> = columns.iter().map(|c| c.name.as_str()).take(8).collect();
+        let message = format!("holds {}, but no {wanted}", names.join(", "));
+        return refused(first.cell, message, quantity.help(other));
+    }
+    if quantity == Quantity::Irradiance {
+        let help = "the first line is `wavelength_um` or `wavelength_nm`, then `irradiance_w_m2_um` or `irradiance_w_m2_nm`; as in \
+                    `wavelength_um,irradiance_w_m2_um`";
+        let message = match table.has_header {
+            true => format!("the header `{},{}` names no irradiance", table.header, first.cell),
+            false => format!("no header: it begins with `{}`", table.header),
+        };
+        return refused(table.header, message, help.to_owned());
+    }
+    if columns.len() > 1 && table.has_header {
         let names: Vec<&str> = columns.iter().map(|c| c.name.as_str()).take(8).collect();
         let message = format!("holds {} spectra: {}", columns.len(), names.join(", "));
         let help = format!("take one: mmxrt convert {} {}.csv --model {}", path.display(), names[0], names[0]);
-        return Err(Error::Invalid(vec![Problem::new(at, message).with_help(help)]));
+        return refused(first.cell, message, help);
     }
-    let (expected, line) = match quantity {
-        Quantity::Fraction => {
-            ("`reflectance` or `reflectance_percent` (emissivity and albedo likewise)", "wavelength_um,reflectance")
-        }
-        Quantity::Irradiance => ("`irradiance_w_m2_um` or `irradiance_w_m2_nm`", "wavelength_um,irradiance_w_m2_um"),
-    };
-    let message = match table.has_header {
-        true => format!("the header `{},{}` does not state the units", table.header, first.cell),
-        false => format!("no header: it begins with `{}`", table.header),
-    };
-    let help = format!("the first line is `wavelength_um` or `wavelength_nm`, then {expected}; as in `{line}`");
-    Err(Error::Invalid(vec![Problem::new(place(path, text, table.header), message).with_help(help)]))
+    let what = if table.has_header { format!("`{}` is", first.name) } else { "no header says what it is:".into() };
+    report.note(
+        Fate::Defaulted,
+        place(path, text, first.cell),
+        format!("{what} taken as a fraction, 0 to 1: {wanted}"),
+    );
+    Ok(first)
 }
 
 /// What a fraction of something is called.
-const FRACTIONS: [&str; 3] = ["reflectance", "emissivity", "albedo"];
+const FRACTIONS: [&str; 3] = [REFLECTANCE, EMISSIVITY, ALBEDO];
 
-fn converted(unit: Unit, written: f64) -> f64 {
+fn converted(unit: &Unit, written: f64) -> f64 {
     match unit {
-        Unit::Plain | Unit::PerUm => written,
         Unit::Percent => fraction_from_percent(written),
-        Unit::PerNm => 1000.0 * written,
+        Unit::Irradiance(times, _) => times * written,
+        Unit::Plain | Unit::Doubtful(_) | Unit::Unread(..) => written,
     }
 }
 
-/// Why a value cannot be used, and what to do.
-fn refused(quantity: Quantity, unit: Unit, cell: &str, number: f64) -> Option<(String, Option<&'static str>)> {
-    match quantity {
-        Quantity::Fraction if !(0.0..=1.0).contains(&number) => {
-            let most = if unit == Unit::Percent { 100 } else { 1 };
-            let is_percent = unit == Unit::Plain && number > 1.0;
-            let help = "if these are percent, say so in the header: `reflectance_percent`";
-            Some((format!("{cell} is outside 0 to {most}"), is_percent.then_some(help)))
-        }
-        Quantity::Irradiance if number < 0.0 => Some((format!("irradiance {cell} is negative"), None)),
-        _ => None,
+/// Tells the numbers of a column that its quantity cannot have: once those that are too large, and once those that are negative.
+fn tell_outside<'a>(
+    column: &TableColumn<'a>,
+    table: &SpectralTable<'a>,
+    quantity: &str,
+    limits: (f64, f64),
+    mut at: impl FnMut(&'a str) -> Location,
+    problems: &mut Problems,
+) {
+    let unit = if column.unit == Unit::Percent { 100.0 } else { 1.0 };
+    let too_large = |value: f64| value > limits.1;
+    let too_small = |value: f64| value < limits.0;
+    let is_plain = !matches!(column.unit, Unit::Percent | Unit::Irradiance(..));
+    for (is_bad, help) in
+        [(&too_large as &dyn Fn(f64) -> bool, is_plain.then_some(table.percent_help)), (&too_small, None)]
+    {
+        let mut bad = column.values.iter().flatten().filter(|(written, _)| is_bad(converted(&column.unit, *written)));
+        let Some((_, cell)) = bad.next() else { continue };
+        let more = match bad.count() {
+            0 => String::new(),
+            n => format!(", as are {n} more values"),
+        };
+        let message = format!("{quantity} {cell} {}{more}", outside(limits, unit));
+        problems.push(|| Problem { at: at(cell), message, help: help.map(str::to_owned) });
     }
+}
+
+/// Tells what was taken for a unit that is not our own, and what is perhaps none.
+fn tell_unit(column: &TableColumn<'_>, at: impl FnOnce() -> Location, report: &mut Report) {
+    let message = match &column.unit {
+        Unit::Doubtful(said) => format!("`{said}` is no unit that is known: taken as fractions, 0 to 1"),
+        Unit::Irradiance(times, spelt) if !["w_m2_um", "w_m2_nm"].contains(&spelt.to_lowercase().as_str()) => {
+            format!("read as irradiance in {spelt}, which is {} W m-2 um-1", number(*times))
+        }
+        _ => return,
+    };
+    report.note(Fate::Defaulted, at(), message);
+}
+
+/// Tells fractions whose header is as DART's would begin, where they would be percent.
+fn tell_like_dart(
+    table: &SpectralTable<'_>,
+    column: &TableColumn<'_>,
+    at: impl FnOnce() -> Location,
+    report: &mut Report,
+) {
+    let is_like_dart = ["wavelength", "lambda"].contains(&table.header.to_lowercase().as_str())
+        && column.cell.eq_ignore_ascii_case(REFLECTANCE)
+        && table.has_header;
+    if is_like_dart {
+        let message = "taken as fractions, 0 to 1: a text of DART, in percent, has the columns \
+                       wavelength;reflectance;direct_transmittance;diffuse_transmittance, or is called 2D-LAM_*.txt";
+        report.note(Fate::Defaulted, at(), message);
+    }
+}
+
+/// What is said of wavelengths that are in another unit than their header says.
+fn suspect(table: &SpectralTable<'_>, wavelength_um: &[f64], at: Location) -> Option<Problem> {
+    let is_plain = [length::Unit::MICROMETRES, length::Unit::NANOMETRES].contains(&table.wave_unit);
+    suspect_unit(wavelength_um, at).filter(|_| is_plain)
 }
 
 /// Tells of rows without a value: between their neighbours a spectrum is linear.
@@ -221,8 +343,12 @@ pub fn parse_all(text: &str, path: &Path, given_um: Option<&[f64]>) -> Result<(V
     }
     let mut known = BTreeSet::new();
     for column in &mut table.columns {
-        if column.name == "irradiance" {
-            column.name = IRRADIANCE.to_owned();
+        if let Unit::Unread(message, help) = &column.unit {
+            let problem = Problem::new(place(path, text, column.cell), message.clone()).with_help(help.clone());
+            return Err(Error::Invalid(vec![problem]));
+        }
+        if column.name == IRRADIANCE {
+            column.name = IRRADIANCE_W_M2_UM.to_owned();
         }
         if column.name.is_empty() || !known.insert(column.name.to_lowercase()) {
             let message = match column.name.as_str() {
@@ -237,29 +363,21 @@ pub fn parse_all(text: &str, path: &Path, given_um: Option<&[f64]>) -> Result<(V
     let mut places = Places::of(path, text);
     for column in &table.columns {
         let quantity = if one { column.name.as_str() } else { parts(&column.name).1 };
-        let limits = if quantity == IRRADIANCE { (0.0, f64::INFINITY) } else { range(quantity) };
-        let unit = if column.unit == Unit::Percent { 100.0 } else { 1.0 };
-        for (written, cell) in column.values.iter().flatten() {
-            if !(limits.0..=limits.1).contains(&converted(column.unit, *written)) {
-                problems.push(|| {
-                    let help = (quantity == "reflectance" && is_headless)
-                        .then(|| "put a header above it, as in `wavelength_nm,reflectance_percent`, or `wavelength_um,irradiance_w_m2_um`".to_owned());
-                    let message = format!("{quantity} {cell} {}", outside(limits, unit));
-                    Problem { at: place(path, text, cell), message, help }
-                });
-            }
-        }
+        let limits = if quantity == IRRADIANCE_W_M2_UM { (0.0, f64::INFINITY) } else { range(quantity) };
+        tell_outside(column, &table, quantity, limits, |cell| places.place(cell), &mut problems);
+        tell_unit(column, || places.place(column.cell), &mut report);
+        tell_like_dart(&table, column, || places.place(column.cell), &mut report);
         if column.unit == Unit::Percent {
             let fractions: Vec<f64> = column.values.iter().flatten().map(|v| fraction_from_percent(v.0)).collect();
             tell_doubtful_percent(&fractions, places.place(column.cell), &mut report);
         }
     }
-    if let Some(problem) = suspect_unit(&table.wavelength_um, place(path, text, table.header)) {
+    if let Some(problem) = suspect(&table, &table.wavelength_um, place(path, text, table.header)) {
         problems.push(|| problem);
     }
     problems.finish(path)?;
     let value =
-        |column: &TableColumn<'_>, i: usize| column.values[i].map(|(written, _)| converted(column.unit, written));
+        |column: &TableColumn<'_>, i: usize| column.values[i].map(|(written, _)| converted(&column.unit, written));
     if one {
         // Quantities of one material are known where all of them are.
         let rows: Vec<usize> = (0..table.wavelength_um.len())
@@ -304,11 +422,11 @@ pub fn parse_all(text: &str, path: &Path, given_um: Option<&[f64]>) -> Result<(V
 }
 
 /// What a column of irradiances is called.
-const IRRADIANCE: &str = "irradiance_w_m2_um";
+const IRRADIANCE_W_M2_UM: &str = "irradiance_w_m2_um";
 
 /// Whether columns are quantities of one material, not names of several.
 fn of_one_material<'a>(names: impl Iterator<Item = &'a str> + Clone) -> bool {
-    let is_quantity = |name: &str| name == IRRADIANCE || FRACTIONS.contains(&name);
+    let is_quantity = |name: &str| name == IRRADIANCE_W_M2_UM || FRACTIONS.contains(&name);
     Kind::of(names.clone()) != Kind::Other || names.clone().any(is_quantity)
 }
 
@@ -395,7 +513,7 @@ mod tests {
         let a = "# assumed\nwavelength_um,reflectance,sigma\n0.5,0.05,0.01\n\n1.0,0.125,0.01\n";
         let b = "wavelength_nm, reflectance_percent\r\n500,5\r\n1000,12.5\r\n";
         for text in [a, b] {
-            let (s, report) = parse(text, Path::new("a.csv"), Quantity::Fraction, Extend::Error).unwrap();
+            let (s, report) = parse(text, Path::new("a.csv"), Quantity::Reflectance, Extend::Error).unwrap();
             assert!(report.notes.is_empty(), "{report:?}");
             assert_eq!((s.wavelength_um(), s.value()), (&[0.5, 1.0][..], &[0.05, 0.125][..]));
         }
@@ -423,10 +541,13 @@ mod tests {
             ),
             (
                 "wavelength_um,reflectance\n4,7\n5,-0.1\n",
-                &["a.csv:2:3: 7 is outside 0 to 1 (help: if these are percent", "a.csv:3:3: -0.1 is outside 0 to 1"],
+                &[
+                    "a.csv:2:3: reflectance 7 is outside 0 to 1 (help: if these are percent",
+                    "a.csv:3:3: reflectance -0.1 is outside 0 to 1",
+                ],
             ),
         ] {
-            let told = told(text, Quantity::Fraction);
+            let told = told(text, Quantity::Reflectance);
             assert_eq!(told.lines().count(), expected.len(), "{told}");
             for (line, expected) in told.lines().zip(expected) {
                 assert!(line.starts_with(expected), "{line}");
@@ -436,19 +557,22 @@ mod tests {
 
     #[test]
     fn a_header_without_units_is_refused() {
-        assert!(told("wavelength_um,irradiance_w_m2_um\n1,2\n", Quantity::Fraction).contains("a.csv:1:1: the header"));
+        assert!(
+            told("wavelength_um,irradiance_w_m2_um\n1,2\n", Quantity::Reflectance)
+                .contains("a.csv:1:15: holds irradiance, but no reflectance")
+        );
         // Neither um nor nm, whatever they are.
         for text in ["wavelength,a\n120,0.1\n", "120,0.1\n", "lambda,red\n90,0.1\n200,0.1\n"] {
-            assert!(told(text, Quantity::Fraction).contains("does not state the unit"), "{text}");
+            assert!(told(text, Quantity::Reflectance).contains("does not state the unit"), "{text}");
         }
         assert!(told("wavelength_um,reflectance\n1,0.1\n", Quantity::Irradiance).contains("irradiance_w_m2_nm"));
-        assert!(told("# nothing\n", Quantity::Fraction).contains("no rows"));
-        assert!(told("wavelength\n", Quantity::Fraction).contains("one column"));
+        assert!(told("# nothing\n", Quantity::Reflectance).contains("no rows"));
+        assert!(told("wavelength\n", Quantity::Reflectance).contains("one column"));
     }
 
     #[test]
     fn nanometres_that_are_called_micrometres_are_suspected() {
-        assert!(told("wavelength_um,reflectance\n400,0.1\n2500,0.1\n", Quantity::Fraction).contains("nanometres"));
-        assert!(told("wavelength_nm,reflectance\n0.4,0.1\n2.5,0.1\n", Quantity::Fraction).contains("micrometres"));
+        assert!(told("wavelength_um,reflectance\n400,0.1\n2500,0.1\n", Quantity::Reflectance).contains("nanometres"));
+        assert!(told("wavelength_nm,reflectance\n0.4,0.1\n2.5,0.1\n", Quantity::Reflectance).contains("micrometres"));
     }
 }

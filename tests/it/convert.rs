@@ -16,7 +16,7 @@ origin_m = [-2743.5946, 11860.0360, 0.51269]
 obj = "ground.obj"
 [materials]
 "blue unit" = { reflectance = "blue.csv", extend = "hold", emissivity_bolometric = 0.9 }
-mix = { mixture = { "blue unit" = 0.3, "#b03020" = 0.7 }, emissivity = "blue.csv" }
+mix = { mixture = { "blue unit" = 0.3, "#b03020" = 0.7 }, emissivity = "heat.csv" }
 "#b03020" = { reflectance = 0.123456789012345678, bond_albedo = 0.1 }
 shiny = { reflectance = 0.1, hapke = "hapke.csv" }
 bowl = { reflectance = 0.1, emissivity = 0.8, rpv = "rpv.csv" }
@@ -54,6 +54,7 @@ fn prepared(text: &str) -> Scratch {
         format!("{vertices}{faces}usemtl bowl\nf 1 2 3\nf 1 2 5 7\nf 7 1 2 5\nf 1 2 5 6 7\nf 2 5 6 7 1\n"),
     );
     scratch.write("blue.csv", "wavelength_nm,reflectance_percent\n900,5\n1333.3,7.7\n2500,15\n");
+    scratch.write("heat.csv", "wavelength_nm,emissivity_percent\n900,5\n1333.3,7.7\n2500,15\n");
     scratch.write("mars.csv", "wavelength_um,albedo\n0.9,0.1\n2.5,0.3\n");
     scratch.write("sun.csv", "wavelength_um,irradiance_w_m2_um\n0.9,900\n1.5,300\n2.5,50\n");
     scratch.write(
@@ -175,7 +176,7 @@ fn parameters_that_cannot_be_are_told() {
     for (from, to, told) in [
         ("hapke = \"hapke.csv\"", "hapke = \"hapke.csv\", rpv = \"rpv.csv\"", "give either `hapke` or `rpv`"),
         ("\"#b03020\" = 0.7 }", "shiny = 0.7 }", "only Lambert surfaces are mixed"),
-        ("emissivity = \"blue.csv\"", "hapke = \"hapke.csv\"", "a mixture has no parameters"),
+        ("emissivity = \"heat.csv\"", "hapke = \"hapke.csv\"", "a mixture has no parameters"),
         ("reflectance = 0.1, hapke", "hapke", "give either `reflectance` or `mixture`"),
     ] {
         let scratch = prepared(&SCENE.replace(from, to));

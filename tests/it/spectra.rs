@@ -264,9 +264,10 @@ fn many_materials_pass_through_libraries_tables_and_folders() {
     // What materials in scenes read is what is written.
     let one = scratch.path().join("basalt.csv");
     assert!(spectra::write(&one, Format::Csv, &all[1..], false).unwrap().notes.is_empty());
-    let (reflectance, _) = spectrum_csv::read(&one, spectrum_csv::Quantity::Fraction, mmxrt::spectral::Extend::Error)
-        .map(|r| (r.0, r.1))
-        .unwrap();
+    let (reflectance, _) =
+        spectrum_csv::read(&one, spectrum_csv::Quantity::Reflectance, mmxrt::spectral::Extend::Error)
+            .map(|r| (r.0, r.1))
+            .unwrap();
     assert_eq!(reflectance.value(), all[1].columns[0].values);
 
     // Texts: one material in a file, Lambertian ones only; nothing half done is left.

@@ -23,11 +23,16 @@ pub(crate) const PREFIX: &str = "2D-LAM_";
 /// The same in version 5.4.
 const PREFIX_5_4: &str = "2D_";
 
-/// Whether a text begins as one of DART does: with a comment between asterisks, or with columns by DART's names and separator.
-pub(crate) fn begins(text: &str) -> bool {
+/// Whether a text is one of DART's: it begins with a comment between asterisks, or has all columns of a kind of table by DART's names and
+/// separator, or fewer and is called as DART calls them. What says `wavelength;reflectance` alone is anybody's, and in fractions.
+pub(crate) fn begins(path: &Path, text: &str) -> bool {
     let header = text.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with('#'));
+    let cells: Vec<&str> = header.unwrap_or_default().split(';').map(str::trim).collect();
+    let is_named = || path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(PREFIX));
+    // Sunlight has a single column, which states no unit.
+    let is_kind = || ![Kind::Other, Kind::SolarIrradiance].contains(&Kind::of(cells.iter().copied()));
     text.trim_start().starts_with('*')
-        || header.is_some_and(|line| line.contains(';') && line.split(';').any(|cell| is_wavelength(cell.trim())))
+        || (cells.len() > 1 && cells.iter().any(|cell| is_wavelength(cell)) && (is_kind() || is_named()))
 }
 
 /// The name of the file that DART's database manager imports as this model.
@@ -60,6 +65,13 @@ pub fn parse(text: &str, path: &Path) -> Result<(SpectralLibrary, Report)> {
     let name = [PREFIX, PREFIX_5_4].iter().find_map(|prefix| stem.strip_prefix(*prefix)).unwrap_or(&stem);
     library.name = name.to_owned();
     suspect_fractions(&library, Location::file(path), &mut report);
+    if let (Some(first), Some(last)) = (library.wavelength_um.first(), library.wavelength_um.last())
+        && (*first > 100.0 || *last < 0.1)
+    {
+        let message =
+            format!("wavelengths from {} to {}: taken as um, which DART's are", number(*first), number(*last));
+        report.note(Fate::Defaulted, Location::file(path), message);
+    }
     Ok((library, report))
 }
 

@@ -9,7 +9,7 @@
 
 mod facets;
 mod types;
-mod unit;
+pub(in crate::formats) mod unit;
 mod values;
 
 use std::path::{Path, PathBuf};

@@ -2,7 +2,7 @@
 
 /// Powers of W, m, sr and K, times a number and a power of ten.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Unit {
+pub(in crate::formats) struct Unit {
     powers: [i32; 4],
     number: f64,
     tens: i32,
@@ -47,10 +47,10 @@ const LONGEST: usize = 255;
 
 impl Unit {
     /// A pure number.
-    pub(super) const ONE: Unit = Unit { powers: [0; 4], number: 1.0, tens: 0 };
+    pub(in crate::formats) const ONE: Unit = Unit { powers: [0; 4], number: 1.0, tens: 0 };
 
     /// What a text says; `None` if it is not understood.
-    pub(super) fn of(text: &str) -> Option<Self> {
+    pub(in crate::formats) fn of(text: &str) -> Option<Self> {
         let text = text.trim();
         if text.len() > LONGEST {
             return None;
@@ -67,7 +67,7 @@ impl Unit {
     }
 
     /// This over another of the same dimension.
-    pub(super) fn over(&self, other: &Unit) -> Option<f64> {
+    pub(in crate::formats) fn over(&self, other: &Unit) -> Option<f64> {
         let tens = self.tens - other.tens;
         let ten = 10_f64.powi(tens.abs());
         let ratio = self.number / other.number;

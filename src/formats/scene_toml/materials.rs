@@ -11,6 +11,7 @@ use crate::spectral::{Extend, Spectrum, solar_mean, sunlight_share};
 
 use super::super::located::{self, member};
 use super::super::photometry_csv;
+use super::super::spectrum_csv::Quantity;
 use super::Reader;
 use super::mesh::ROUNDED;
 use super::types::{ExtendToml, MaterialToml};
@@ -150,7 +151,9 @@ impl Reader<'_> {
             })
             .collect::<Option<_>>()?;
         let reflectance = match &entry.reflectance {
-            Some(values) => self.fraction_spectrum(&member(&item, "reflectance"), values, extend),
+            Some(values) => {
+                self.fraction_spectrum(&member(&item, "reflectance"), values, Quantity::Reflectance, extend)
+            }
             None => {
                 let parts: Vec<(f64, &Spectrum)> = mixed.iter().map(|(share, m)| (*share, &m.reflectance)).collect();
                 let mixture = Spectrum::mixture(&parts);
@@ -161,7 +164,7 @@ impl Reader<'_> {
             }
         };
         let emissivity = match &entry.emissivity {
-            Some(values) => self.fraction_spectrum(&member(&item, "emissivity"), values, extend),
+            Some(values) => self.fraction_spectrum(&member(&item, "emissivity"), values, Quantity::Emissivity, extend),
             None if mixed.is_empty() => {
                 self.stated(&member(&item, "emissivity"), "1 - reflectance");
                 reflectance.as_ref().map(|r| r.map(kirchhoff_emissivity))

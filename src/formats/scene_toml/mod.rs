@@ -29,7 +29,7 @@ use super::InputFile;
 use super::input;
 use super::located::{self, Document};
 use super::spectra;
-use super::spectrum_csv::{self, Quantity};
+use super::spectrum_csv::Quantity;
 pub(super) use atlas::Tiling;
 pub(super) use lens::Lens;
 pub(super) use materials::EMISSIVITY_BOLOMETRIC;
@@ -314,7 +314,7 @@ impl Reader<'_> {
             self.helped(item, format!("{name} is {what}"), help);
             return None;
         }
-        let read = spectrum_csv::read(&path, quantity, extend);
+        let read = spectra::read_one(&path, quantity, extend);
         let (spectrum, input, report) = self.taken(item, read)?;
         self.notes.extend(report.notes.iter().map(|note| format!("{item}: {}: {}", note.at, note.message)));
         if !self.inputs.contains(&input) {
@@ -324,10 +324,16 @@ impl Reader<'_> {
     }
 
     /// A share of something: a number or a table, 0 to 1.
-    fn fraction_spectrum(&mut self, item: &str, values: &Values, extend: Extend) -> Option<Spectrum> {
+    fn fraction_spectrum(
+        &mut self,
+        item: &str,
+        values: &Values,
+        quantity: Quantity,
+        extend: Extend,
+    ) -> Option<Spectrum> {
         match values {
             Values::Constant(value) => self.fraction(item, *value).map(Spectrum::constant),
-            Values::File(name) => self.spectrum_file(item, name, Quantity::Fraction, extend),
+            Values::File(name) => self.spectrum_file(item, name, quantity, extend),
         }
     }
 
@@ -520,7 +526,7 @@ impl Reader<'_> {
             None => Some(self.default("mars.radius_m", MARS_RADIUS_M)),
         };
         let reflectance = match &toml.albedo {
-            Some(values) => self.fraction_spectrum("mars.albedo", values, Extend::Error),
+            Some(values) => self.fraction_spectrum("mars.albedo", values, Quantity::Albedo, Extend::Error),
             None => {
                 self.stated("mars.albedo", format!("{MARS_ALBEDO} at all wavelengths"));
                 Some(Spectrum::constant(MARS_ALBEDO))
