@@ -26,6 +26,11 @@ pub fn um_from_nm(nm: f64) -> f64 {
     nm / 1000.0
 }
 
+/// How many wavenumbers, cm-1, a um is wide at a wavelength: of nu = 1e4 / lambda the derivative, 1e4 / lambda^2.
+pub fn cm_1_per_um(wavelength_um: f64) -> f64 {
+    1e4 / (wavelength_um * wavelength_um)
+}
+
 /// A fraction from percent: the decimal point moves, so that 7 becomes the number nearest to 0.07 and comes back as 7.
 ///
 /// Exact both ways for numbers of up to 15 digits; others are off by at most a rounding.

@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3};
 use crate::error::Result;
 use crate::geometry::{Direction, Mesh};
 use crate::scene::FrameCamera;
-use crate::spectral::Band;
+use crate::spectral::{Band, KnownLight};
 use crate::visibility::{Grid, View};
 
 /// From a local point, m, to homogeneous texel coordinates: linear (p - origin) + offset = (column, row, 1) w.
@@ -217,12 +217,23 @@ pub struct RadianceMap {
     pub source: Box<dyn TexelSource>,
     /// What the map's radiance is multiplied by.
     pub weight: f64,
-    /// Whether it holds thermal emission, which must not count twice in a sum, if that is known.
-    pub heat: Option<bool>,
+    /// What light its bands hold, as far as anybody knows: one for each; of bands beyond the list nobody knows.
+    pub light: Vec<KnownLight>,
     /// What texels that show surface in part hold.
     pub sky: Sky,
     /// How its place was found by its outline, if it was.
     pub registration: Option<Registration>,
+}
+
+impl RadianceMap {
+    /// Whether any of its bands holds thermal emission, if that is known.
+    pub fn heat(&self) -> Option<bool> {
+        if self.light.iter().any(|light| light.heat == Some(true)) {
+            return Some(true);
+        }
+        let all = self.light.len() == self.source.bands().len() && self.light.iter().all(|l| l.heat == Some(false));
+        all.then_some(false)
+    }
 }
 
 /// What a texel of an image holds that shows the scene in part, and sky beside it.

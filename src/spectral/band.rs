@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Extend, Spectrum};
+use super::{Extend, Light, Spectrum};
 
 /// A band: monochromatic, or a mean over a response.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,18 +29,6 @@ pub enum Response {
     Table(Arc<Spectrum>),
 }
 
-/// What light a band has: radiative-transfer codes can leave out sunlight, or heat, band by band.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Light {
-    /// Sunlight that surfaces and Mars reflect; no thermal emission.
-    Sunlight,
-    /// Thermal emission; no sunlight.
-    Heat,
-    /// Both.
-    #[default]
-    Both,
-}
-
 impl Response {
     /// The points of a table: relative, the largest is 1.
     pub fn table(&self) -> Option<&Spectrum> {
@@ -56,27 +44,6 @@ impl Response {
             Response::Gaussian => "gaussian",
             Response::Box => "box",
             Response::Table(_) => "table",
-        }
-    }
-}
-
-impl Light {
-    /// Whether there is sunlight.
-    pub fn is_lit(self) -> bool {
-        self != Light::Heat
-    }
-
-    /// Whether surfaces glow.
-    pub fn glows(self) -> bool {
-        self != Light::Sunlight
-    }
-
-    /// What it is called in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Light::Sunlight => "sunlight",
-            Light::Heat => "heat",
-            Light::Both => "both",
         }
     }
 }

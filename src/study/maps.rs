@@ -4,24 +4,21 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::cost::has_room;
-use super::partly_sky;
 use super::simulate::{Observation, account_for};
 use super::warnings::enclosed;
+use super::{map_light, partly_sky};
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::Texels;
 use crate::integrate::{self, Choice, MapImage, MapView, Maps, Unknown};
 use crate::product::{Cube, Eye, FacetTable, Placement, RadianceMap, Registration, Sky, TexelSource, ViewImage};
 use crate::progress::{Watch, tell};
-use crate::scene::{Scene, Thermal};
+use crate::scene::Scene;
 use crate::spectral::{Band, Mixes, mixes};
 use crate::visibility::Topology;
 
 /// No radiance is larger, W m-2 sr-1 um-1: a solar surface at all wavelengths sends less than 1e8. Products in single precision hold
 /// sums of many such, and bytes in the wrong order, which make numbers of any size, are found.
 const LARGEST: f64 = 1e30;
-
-/// From this wavelength on, um, what is as warm as rock in sunlight may emit enough to matter (at 350 K, 1e-2 of what it reflects).
-const HEAT_FROM_UM: f64 = 2.5;
 
 /// Of a pixel's surface rounding leaves less than this share known, where nothing is.
 const NOTHING: f64 = 1e-9;
@@ -141,7 +138,7 @@ pub fn observe_maps(
     super::simulate::fits(scene, table)?;
     has_room(scene, true, None)?;
     fit(scene, &terms)?;
-    let mut notes = heat_counts_once(scene, &terms, options)?;
+    let mut notes = map_light::heat_counts_once(scene, &terms, options)?;
     let subtracts = terms.iter().flatten().any(|map| map.weight < 0.0);
     if let Fill::Value(value) = options.fill
         && !(0.0..=LARGEST).contains(&value)
@@ -233,12 +230,30 @@ struct Source {
     uses: Vec<Use>,
     /// The first of these bands, until it has been used: it tells which texels have a value.
     first: Vec<f64>,
+    /// For each texel whether that has no value; empty if no other band is needed.
+    valueless: Vec<bool>,
     /// What texels that show the scene in part hold, as far as anybody says.
     sky: Sky,
     /// Whether values of such texels are divided by the share that shows the scene.
     is_divided: bool,
     registration: Option<Registration>,
 }
+
+impl Source {
+    /// Says if a band has a value where the first one has none: texels without a value are unknown in all bands.
+    fn knows_the_same(&self, band: usize, values: &[f64], placement: &Placement) -> Result<()> {
+        let odd = self.valueless.iter().zip(values).position(|(is_valueless, value)| *is_valueless && !value.is_nan());
+        let Some(texel) = odd else { return Ok(()) };
+        let first = self.uses.first().map_or(0, |(first, _)| *first);
+        let message = format!("texel {} has a value here, and none in band {}", place(placement, texel), first + 1);
+        let at = Location::item(format!("{}, band {}", self.name, band + 1));
+        Err(Error::Invalid(vec![Problem::new(at, message).with_help(SAME_IN_ALL)]))
+    }
+}
+
+/// What helps where bands of a map know different texels.
+const SAME_IN_ALL: &str = "what a map knows must be the same in all of its bands: mark what one of them lacks as unknown in all, or make a \
+                           scene for each band";
 
 /// Maps whose texels lie at the same places.
 struct View {
@@ -307,43 +322,6 @@ fn fit(scene: &Scene, terms: &[Vec<RadianceMap>]) -> Result<()> {
     if problems.is_empty() { Ok(()) } else { Err(Error::Invalid(problems)) }
 }
 
-/// Says if thermal emission would be added to itself; what may hold it, as far as anybody knows, is only told.
-fn heat_counts_once(scene: &Scene, terms: &[Vec<RadianceMap>], options: &MapOptions) -> Result<Vec<String>> {
-    let holds = |heat: Option<bool>| {
-        // A term's views are of the same sum; what is subtracted does not count twice.
-        let of_term = move |views: &Vec<RadianceMap>| {
-            let weight = |map: &RadianceMap| if map.heat == heat { map.weight } else { 0.0 };
-            views.iter().map(|map| (weight(map), map.name.clone())).max_by(|a, b| a.0.total_cmp(&b.0))
-        };
-        terms.iter().filter_map(of_term).filter(|(weight, _)| *weight > 0.0).collect::<Vec<(f64, String)>>()
-    };
-    let mut known = holds(Some(true));
-    if options.add_solved && scene.thermal != Thermal::Off {
-        known.push((1.0, "the scene's own table".into()));
-    }
-    let names = |held: &[(f64, String)]| held.iter().map(|h| h.1.as_str()).collect::<Vec<_>>().join(", ");
-    let times: f64 = known.iter().map(|h| h.0).sum();
-    // Weights whose sum is 1 make a mean, which holds it once.
-    if known.len() > 1 && times > 1.0 + 1e-9 {
-        let message = format!("thermal emission would count {} times: it is in {}", number(times), names(&known));
-        let problem = Problem::new(Location::item("--radiance"), message).with_help(
-            "let one simulation emit, and set the bands of the others to reflection alone (mode R), or the scene's thermal model to \"off\"; \
-             weights whose sum is 1 make a mean",
-        );
-        return Err(Error::Invalid(vec![problem]));
-    }
-    let unknown = holds(None);
-    let is_warm = scene.sensor.bands.iter().any(|band| band.centre_um > HEAT_FROM_UM);
-    if known.is_empty() || unknown.is_empty() || !is_warm {
-        return Ok(vec![]);
-    }
-    Ok(vec![format!(
-        "thermal emission is in {}; if it is in {} too, it counts twice: say `heat = true` or `heat = false` in a map file",
-        names(&known),
-        names(&unknown)
-    )])
-}
-
 impl Term {
     /// Terms with the same placements become one, whose texels are looked up once; and what is to be told of their bands.
     fn of(scene: &Scene, terms: Vec<Vec<RadianceMap>>) -> Result<(Vec<Term>, Vec<String>)> {
@@ -352,7 +330,7 @@ impl Term {
         for maps in terms {
             let mut views = Vec::new();
             for map in maps {
-                let (uses, said) = uses(map.source.bands(), &scene.sensor.bands).unwrap_or_else(|wrong| {
+                let (uses, said) = uses(&map, &scene.sensor.bands).unwrap_or_else(|wrong| {
                     problems.extend(wrong.into_iter().map(|w| Problem::new(Location::item(&map.name), w)));
                     (vec![], vec![])
                 });
@@ -362,11 +340,21 @@ impl Term {
                         told.push(said);
                     }
                 }
-                let RadianceMap { name, placement, source, weight, heat: _, sky, registration } = map;
+                let RadianceMap { name, placement, source, weight, light: _, sky, registration } = map;
                 let (first, is_divided) = (vec![], false);
                 views.push(View {
                     placement,
-                    sources: vec![Source { name, weight, source, uses, first, sky, is_divided, registration }],
+                    sources: vec![Source {
+                        name,
+                        weight,
+                        source,
+                        uses,
+                        first,
+                        valueless: vec![],
+                        sky,
+                        is_divided,
+                        registration,
+                    }],
                     known: vec![],
                     seen: vec![],
                     sky: vec![],
@@ -405,8 +393,10 @@ impl Term {
 }
 
 /// For each band of a map that is needed, ascending, its weights in the sensor's bands; and what is to be told of them.
-fn uses(map: &[Band], sensor: &[Band]) -> std::result::Result<(Vec<Use>, Vec<String>), Vec<String>> {
-    let Mixes { mixes, told } = mixes(map, sensor)?;
+fn uses(map: &RadianceMap, sensor: &[Band]) -> std::result::Result<(Vec<Use>, Vec<String>), Vec<String>> {
+    let bands = map.source.bands();
+    let Mixes { mixes, mut told } = mixes(bands, &map.light, sensor)?;
+    told.extend(map_light::may_hold_more(map, sensor, &mixes));
     let of = |band: usize| {
         let weights = mixes
             .iter()
@@ -414,7 +404,7 @@ fn uses(map: &[Band], sensor: &[Band]) -> std::result::Result<(Vec<Use>, Vec<Str
             .filter_map(|(s, mix)| mix.iter().find(|(m, _)| *m == band).map(|(_, weight)| (s, *weight)));
         (band, weights.collect::<Vec<_>>())
     };
-    Ok(((0..map.len()).map(of).filter(|(_, weights)| !weights.is_empty()).collect(), told))
+    Ok(((0..bands.len()).map(of).filter(|(_, weights)| !weights.is_empty()).collect(), told))
 }
 
 impl View {
@@ -484,6 +474,9 @@ impl View {
                 continue;
             }
             self.undefined.push(values.iter().filter(|value| value.is_nan()).count() as u64);
+            if source.uses.len() > 1 && values.iter().any(|value| value.is_nan()) {
+                source.valueless = values.iter().map(|value| value.is_nan()).collect();
+            }
         }
         Ok(())
     }
@@ -587,6 +580,7 @@ fn add_up(
                     done += 1;
                     if source.first.is_empty() {
                         source.source.read(*band, &mut values)?;
+                        source.knows_the_same(*band, &values, &view.placement)?;
                         if source.is_divided {
                             divide(&mut values, &view.seen);
                         }
@@ -603,7 +597,7 @@ fn add_up(
                             false => format!("texel {place} holds the radiance {}", number(value)),
                         };
                         let help = if value.is_nan() {
-                            "what a map knows must be the same in all of its bands: its first one has a value there"
+                            SAME_IN_ALL
                         } else if value > most {
                             "no surface sends so much: are its unit, its weight and the order of its bytes right?"
                         } else {

@@ -4,6 +4,7 @@ mod cost;
 mod dry_run;
 mod effects;
 mod glimpse;
+mod map_light;
 mod maps;
 mod partly_sky;
 mod simulate;

@@ -149,9 +149,8 @@ impl MarsInView {
         let camera = &scene.sensor.camera;
         let towards_m = mars.centre_m - camera.centre_m();
         let boresight = camera.world_from_sensor.rotation.z_axis;
-        let corner_rad = angle_rad(boresight, camera.ray(0.0, 0.0));
         let mars_rad = (mars.radius_m / towards_m.length()).min(1.0).asin();
-        if angle_rad(boresight, towards_m) > corner_rad + mars_rad {
+        if angle_rad(boresight, towards_m) > camera.half_cone_rad() + mars_rad {
             return found;
         }
         for (ray, surface_m) in rays {

@@ -109,6 +109,15 @@ fn lenses_are_those_of_blender_and_opencv() {
     assert_near(&optics(&format!("{fit}{lens}")), &[2.0 * wide, 2.0 * wide, 40.0, 80.0], 1e-12);
     let fit = "samples = 200\nlines = 100\nsensor_fit = \"vertical\"\n";
     assert_near(&optics(&format!("{fit}{lens}")), &[2.0 * wide, 2.0 * wide, 90.0, 30.0], 1e-12);
+    // Pixels twice as high as wide: 10 x 10 of them are 10 x 20 widths, of which 20 mm are the height, or the width. By Blender's
+    // `BKE_camera_params_compute_viewplane`: a fit goes by max(W, H aspect), and is W or H aspect wide.
+    let tall = "samples = 10\nlines = 10\nfocal_mm = 50\nsensor_mm = 20\npixel_aspect = 2\nshift = [0.1, 0.2]\n";
+    for (fit, width, boresight) in
+        [("vertical", 0.02, [3.0, 7.0]), ("auto", 0.02, [3.0, 7.0]), ("horizontal", 0.04, [4.0, 6.0])]
+    {
+        let found = optics(&format!("{tall}sensor_fit = \"{fit}\"\n"));
+        assert_near(&found, &[width, 2.0 * width, boresight[0], boresight[1]], 1e-12);
+    }
     // fx, fy, cx, cy of OpenCV, which counts from the first pixel's centre.
     let size = "samples = 20\nlines = 10\n";
     let opencv = optics(&format!("{size}focal_px = [1000, 500]\nboresight_px = [9.0, 4.5]\n"));

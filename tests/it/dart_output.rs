@@ -290,6 +290,23 @@ fn temperatures_and_radiances_are_radiance() {
 }
 
 #[test]
+fn modes_tell_what_light_bands_hold() {
+    let scratch = Scratch::new();
+    let output = output_with(&scratch, &oblique("BAND0/Radiance/ITER2"));
+    oblique("BAND1/Radiance/ITER2").write(&output);
+    let light = |modes: &str| {
+        std::fs::write(output.join("simulation.properties.txt"), format!("{PROPERTIES}{modes}")).unwrap();
+        let opened = output::open(&output).unwrap();
+        let map = view_map(&opened, 0, &box_on_ground(), &options()).unwrap();
+        (map.light.iter().map(|l| (l.sunlight, l.heat)).collect::<Vec<_>>(), map.heat())
+    };
+    let (yes, no) = (Some(true), Some(false));
+    assert_eq!(light("dart.band0.mode:T\ndart.band1.mode:R+T\n"), (vec![(no, yes), (yes, yes)], yes));
+    assert_eq!(light("dart.band0.mode:R\ndart.band1.mode:R\n"), (vec![(yes, no), (yes, no)], no));
+    assert_eq!(light("dart.band0.mode:R\n"), (vec![(yes, no), (None, None)], None));
+}
+
+#[test]
 fn the_last_iteration_is_taken_unless_another_is_named() {
     let scratch = Scratch::new();
     let output = output_with(&scratch, &oblique("BAND0/BRF/ITER9"));

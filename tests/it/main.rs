@@ -39,6 +39,7 @@ mod layers;
 mod long_inputs;
 mod malformed_scene;
 mod map_files;
+mod map_light;
 mod map_sums;
 mod maps;
 mod mosaics;

@@ -63,6 +63,11 @@ fn heat_counts_once() {
         let (code, err) = bench.try_to(&["--radiance", sum]);
         assert!(code == 1 && err.contains("thermal emission would count 2 times"), "{err}");
     }
+    // Nor two or three times of one.
+    for (sum, times) in [("{}tb.csv*2", 2), ("{}tb.csv*3", 3)] {
+        let (code, err) = bench.try_to(&["--radiance", sum]);
+        assert!(code == 1 && err.contains(&format!("thermal emission would count {times} times")), "{err}");
+    }
     // A mean of two holds it once, a difference not at all.
     let one = bench.integrate(&["--radiance", "{}tb.csv"])[0];
     assert!((bench.integrate(&["--radiance", "{}tb.csv*0.25+{}tb.csv*0.75"])[0] - one).abs() < 1e-12 * one);

@@ -38,7 +38,7 @@ pub(crate) fn map(placement: Placement, values: Vec<f64>) -> RadianceMap {
         placement,
         source: Box::new(Texels(at_1_um(), vec![values])),
         weight: 1.0,
-        heat: None,
+        light: vec![],
         sky: Sky::LeftOut,
         registration: None,
     }

@@ -39,6 +39,21 @@ fn mars_in_view_is_told() {
     // Away from the site, towards a Mars that fills the field of view: 256 pixels.
     let err = warned("9.4e6", "1e6");
     assert!(err.contains("Mars is in view and is not drawn: 256 pixels of it are black"), "{err}");
+    // Beside the boresight, which is at the left edge of the image: Mars is 50 deg to the right, and 42 deg across.
+    let scratch = Scratch::new();
+    let (sin, cos) = 50f64.to_radians().sin_cos();
+    let observer = format!("u = [{}, {cos}, 0]\nh = [{cos}, {sin}, 0]\nv = [0, 0, -1]\n", -sin);
+    let text = SCENE.replace("MARS", "9.376e6");
+    let (from, to) = (text.find("target_m").unwrap(), text.find("[sensor]").unwrap());
+    let text = format!("{}{observer}{}", &text[..from], &text[to..]);
+    for (boresight, is_seen) in [("0.0", true), ("200.0", false)] {
+        let lens = format!("samples = 200\nlines = 100\nfocal_px = 100\nboresight_px = [{boresight}, 50.0]\n");
+        let from = text.find("samples").unwrap();
+        let end = text.find("bands").unwrap();
+        let scene = scratch.write("s.toml", format!("{}{lens}{}", &text[..from], &text[end..]));
+        let (code, _, err) = run(&["simulate", scene.to_str().unwrap(), "-o", &scratch.argument("p"), "--force"]);
+        assert!(code == 0 && err.contains("Mars is in view") == is_seen, "{err}");
+    }
     // Behind the camera.
     let err = warned("9.4e6", "12000.0");
     assert!(!err.contains("Mars is in view"), "{err}");

@@ -43,7 +43,7 @@ pub(super) fn open(path: &Path, weight: f64) -> Result<Option<(RadianceMap, Inpu
         placement: Placement::Facets(facets),
         source: Box::new(texels),
         weight,
-        heat: None,
+        light: vec![],
         sky: Sky::LeftOut,
         registration: None,
     };

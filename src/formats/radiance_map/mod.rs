@@ -27,7 +27,7 @@ use crate::geometry::{Direction, Pose};
 use crate::product::{Eye, Placement, Projection, RadianceMap, Sky, TexelSource, ViewImage};
 use crate::progress::Watch;
 use crate::scene::{FrameCamera, Scene};
-use crate::spectral::Band;
+use crate::spectral::{Band, KnownLight, Light};
 
 use types::{DartMapToml, MapToml, NegativeToml, NumbersToml, PlacementToml, QuantityToml, RegistrationToml, SkyToml};
 use unit::Unit;
@@ -219,15 +219,32 @@ fn read(file: &Path, asked: &Path, scene: &Scene, weight: f64, watch: Watch<'_>)
     let map = rasters.and_then(|rasters| {
         let name = rasters[0].path.display().to_string();
         let (placement, source) = map(&mut reader, &toml, rasters, scene, watch)?;
-        let heat = toml.heat.or((toml.quantity == QuantityToml::BrightnessTemperature).then_some(true));
+        let light = light(&mut reader, &toml, source.bands())?;
         let sky = sky(toml.sky);
-        Some(RadianceMap { name, placement, source, weight, heat, sky, registration: None })
+        Some(RadianceMap { name, placement, source, weight, light, sky, registration: None })
     });
     let (inputs, notes) = reader.finish()?;
     match map {
         Some(map) => Ok(Opened { maps: vec![map], inputs, notes }),
         None => Err(Error::invalid(Location::file(file), "cannot be used")),
     }
+}
+
+/// What light bands hold, as the map file says.
+fn light(reader: &mut Reader<'_>, toml: &MapToml, bands: &[Band]) -> Option<Vec<KnownLight>> {
+    let is_said = toml.bands.as_ref().is_some_and(|bands| bands.light.is_some());
+    let of_all = match toml.heat {
+        Some(_) if is_said => {
+            reader.problem("heat", "is in `light` of `bands` already: leave one of them out");
+            return None;
+        }
+        Some(false) => KnownLight::from(Light::Sunlight),
+        Some(true) => KnownLight::HEAT,
+        None if is_said => return Some(bands.iter().map(|band| band.light.into()).collect()),
+        None if toml.quantity == QuantityToml::BrightnessTemperature => KnownLight::HEAT,
+        None => KnownLight::default(),
+    };
+    Some(vec![of_all; bands.len()])
 }
 
 fn map(
@@ -309,13 +326,14 @@ fn unit(reader: &mut Reader<'_>, toml: &MapToml, rasters: &[Raster]) -> Option<U
 fn stated_unit(reader: &mut Reader<'_>, toml: &MapToml, rasters: &[Raster]) -> Option<Unit> {
     let stated: Vec<(&str, Unit)> =
         rasters.iter().filter_map(|r| r.stated_unit()).filter_map(|text| Some((text, Unit::of(text)?))).collect();
-    let Some(given) = toml.unit else {
+    let Some(given) = &toml.unit else {
         return match (&stated[..], rasters.iter().find_map(Raster::stated_unit)) {
             ([(_, unit), rest @ ..], _) if stated.len() == rasters.len() && rest.iter().all(|(_, u)| u == unit) => {
                 Some(unit.clone())
             }
             ([], Some(text)) => {
-                reader.problem("unit", format!("is missing, and {text:?}, as the raster states it, is not understood"));
+                let message = format!("is missing, and {text:?}, as the raster states it, is not understood");
+                reader.helped("unit", message, unit::KNOWN);
                 None
             }
             _ => {
@@ -324,12 +342,14 @@ fn stated_unit(reader: &mut Reader<'_>, toml: &MapToml, rasters: &[Raster]) -> O
             }
         };
     };
-    let unit = given.unit();
+    let Some(unit) = Unit::of(given) else {
+        reader.helped("unit", format!("{given:?} is not understood"), unit::KNOWN);
+        return None;
+    };
     if let Some((text, of_raster)) = stated.into_iter().find(|(_, stated)| stated.over(&unit) != Some(1.0)) {
         let factor =
             of_raster.over(&unit).map_or_else(String::new, |times| format!(", {} times as much", number(times)));
-        reader
-            .note("unit", format!("the raster states {text:?}{factor}: {:?} is taken, as it says here", given.name()));
+        reader.note("unit", format!("the raster states {text:?}{factor}: {given:?} is taken, as it says here"));
     }
     Some(unit)
 }

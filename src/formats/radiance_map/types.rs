@@ -3,7 +3,6 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::unit::Unit;
 use crate::formats::scene_toml::types::{BandsToml, MapSensorToml, ObserverToml, PlaneToml, RasterToml, WrapToml};
 
 /// A radiance map: the raster that holds it, what its numbers are, and where they lie in a scene. Relative paths start at this
@@ -23,13 +22,14 @@ pub(super) struct MapToml {
     pub(super) channels: Option<Vec<String>>,
     /// What the numbers are.
     pub(super) quantity: QuantityToml,
-    /// Their unit. Default: that which the raster states.
-    pub(super) unit: Option<UnitToml>,
+    /// Their unit, as "W m-2 sr-1 um-1", "W/m2/sr/um", "mW m-2 sr-1 nm-1", "uW/(cm^2 sr nm)", "mW/(m2 sr cm-1)" (per wavenumber) for radiance,
+    /// "W m-2 sr-1" for that in a band, "1" or "%" for a factor, "K" for a temperature. Default: that which the raster states.
+    pub(super) unit: Option<String>,
     /// For a reflectance factor: the irradiance that it refers to, W m-2 um-1, its cosine already in it; one for all bands, or one for each.
     pub(super) irradiance_w_m2_um: Option<NumbersToml>,
     /// The number that stands for "not known", beside NaN and what the raster itself says.
     pub(super) no_data: Option<f64>,
-    /// The bands, where the raster does not know its wavelengths; they replace the raster's.
+    /// The bands, where the raster does not know its wavelengths; they replace the raster's. Their `light` is what the numbers hold.
     pub(super) bands: Option<BandsToml>,
     /// Where the numbers lie.
     pub(super) placement: PlacementToml,
@@ -51,6 +51,7 @@ pub(super) struct MapToml {
     /// its raster knows their coverage, or what lies around the scene is as bright; `left_out` for a plane, unless that is dark.
     pub(super) sky: Option<SkyToml>,
     /// Whether the numbers hold thermal emission, which a sum must hold once. Default: brightness temperatures do, of others nobody knows.
+    /// Of bands that differ, `light` in `bands` says it.
     pub(super) heat: Option<bool>,
     /// What becomes of small numbers below 0, as filters of renderers leave them beside bright edges. Default "error".
     pub(super) negative: Option<NegativeToml>,
@@ -133,56 +134,6 @@ pub(super) enum QuantityToml {
     ReflectanceFactor,
     /// Temperature of a black body of the same spectral radiance at the band's centre, whatever the band's width.
     BrightnessTemperature,
-}
-
-/// Units that maps may have.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
-pub(super) enum UnitToml {
-    /// Spectral radiance.
-    #[serde(rename = "W m-2 sr-1 um-1")]
-    PerUm,
-    /// Spectral radiance: 1000 W m-2 sr-1 um-1.
-    #[serde(rename = "W m-2 sr-1 nm-1")]
-    PerNm,
-    /// Spectral radiance: 1 W m-2 sr-1 um-1.
-    #[serde(rename = "mW m-2 sr-1 nm-1")]
-    MilliPerNm,
-    /// Spectral radiance: 10 W m-2 sr-1 um-1.
-    #[serde(rename = "uW cm-2 sr-1 nm-1")]
-    MicroPerCm2PerNm,
-    /// Radiance in a band.
-    #[serde(rename = "W m-2 sr-1")]
-    InBand,
-    /// A factor.
-    #[serde(rename = "1")]
-    One,
-    /// A factor, times 100.
-    #[serde(rename = "%")]
-    Percent,
-    /// Temperature.
-    #[serde(rename = "K")]
-    Kelvin,
-}
-
-impl UnitToml {
-    /// As it is written.
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            UnitToml::PerUm => "W m-2 sr-1 um-1",
-            UnitToml::PerNm => "W m-2 sr-1 nm-1",
-            UnitToml::MilliPerNm => "mW m-2 sr-1 nm-1",
-            UnitToml::MicroPerCm2PerNm => "uW cm-2 sr-1 nm-1",
-            UnitToml::InBand => "W m-2 sr-1",
-            UnitToml::One => "1",
-            UnitToml::Percent => "%",
-            UnitToml::Kelvin => "K",
-        }
-    }
-
-    /// What it is.
-    pub(super) fn unit(self) -> Unit {
-        Unit::of(self.name()).unwrap_or(Unit::ONE)
-    }
 }
 
 /// Where a map's numbers lie.

@@ -1,5 +1,10 @@
 //! Units as files spell them: `W m-2 sr-1 um-1`, `W.m^-2.sr^-1.nm^-1`, `uW/(cm^2 sr nm)`, `%`, `K`.
 
+/// What units may be, for people.
+pub(super) const KNOWN: &str = "units are W, m, sr and K with prefixes, a stroke or negative exponents: \"W m-2 sr-1 um-1\", \"W/m2/sr/um\", \
+                                \"W/(m^2 sr nm)\", \"uW cm-2 sr-1 nm-1\"; \"mW/(m2 sr cm-1)\" per wavenumber; \"W m-2 sr-1\" in a band; \"1\", \"%\", \
+                                \"K\"; a number stands before all of it, as in \"0.1 W/m2/sr/um\"";
+
 /// Powers of W, m, sr and K, times a number and a power of ten.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::formats) struct Unit {
@@ -55,15 +60,21 @@ impl Unit {
         if text.len() > LONGEST {
             return None;
         }
-        let whole = Parser { rest: text }.product();
+        let whole = Parser { rest: text }.whole();
         // As in `Radiance (W/m^2/sr/um)` or `Radiance [W/m^2/sr/um]`.
         let inner = || {
             let begin = text.find(['(', '['])?;
             let end = text.rfind([')', ']']).filter(|end| *end > begin)?;
             let words = text[..begin].chars().all(|c| c.is_alphabetic() || c == ' ' || c == '_');
-            words.then(|| Parser { rest: &text[begin + 1..end] }.product())?
+            words.then(|| Parser { rest: &text[begin + 1..end] }.whole())?
         };
         whole.or_else(inner)
+    }
+
+    fn multiply(&mut self, other: &Unit, exponent: i32) {
+        self.powers.iter_mut().zip(other.powers).for_each(|(ours, power)| *ours += exponent * power);
+        self.number *= other.number.powi(exponent);
+        self.tens += exponent * other.tens;
     }
 
     /// This over another of the same dimension.
@@ -80,26 +91,49 @@ struct Parser<'a> {
 }
 
 impl Parser<'_> {
-    fn product(mut self) -> Option<Unit> {
+    fn whole(mut self) -> Option<Unit> {
+        let unit = self.product(false, false)?;
+        self.rest.is_empty().then_some(unit)
+    }
+
+    /// Up to the end, or to the parenthesis that closes a group; `is_under` says whether a stroke stands before that.
+    fn product(&mut self, is_group: bool, is_under: bool) -> Option<Unit> {
         let mut unit = Unit::ONE;
         let mut found = false;
-        // What follows a stroke is below it, unless its exponent says so already.
+        // What follows a stroke is below it, as in `W/m2 sr um`.
         let mut below = false;
+        let mut after_stroke = false;
         loop {
-            self.rest = self.rest.trim_start_matches([' ', '*', '.', '\u{b7}', '\u{d7}', '(', ')', '_']);
+            self.rest = self.rest.trim_start_matches([' ', '*', '.', '\u{b7}', '\u{d7}', '_']);
             if let Some(rest) = self.rest.strip_prefix('/').or_else(|| self.rest.strip_prefix("per ")) {
-                (self.rest, below) = (rest, true);
+                (self.rest, below, after_stroke) = (rest, true, true);
                 continue;
             }
-            if self.rest.is_empty() {
+            if let (true, Some(rest)) = (is_group, self.rest.strip_prefix(')')) {
+                self.rest = rest;
                 return found.then_some(unit);
             }
+            if self.rest.is_empty() {
+                return (found && !is_group).then_some(unit);
+            }
             found = true;
+            let sign = if below { -1 } else { 1 };
+            let is_first = std::mem::take(&mut after_stroke);
+            if let Some(rest) = self.rest.strip_prefix('(') {
+                self.rest = rest;
+                let group = self.product(true, is_under != below)?;
+                unit.multiply(&group, sign * self.exponent()?);
+                continue;
+            }
             if let Some(rest) = self.rest.strip_prefix('%') {
                 (self.rest, unit.tens) = (rest, unit.tens - 2);
                 continue;
             }
             if self.rest.starts_with(|c: char| c.is_ascii_digit()) {
+                // `W/m2/sr/um*10`: ten times, or a tenth?
+                if below && !is_first {
+                    return None;
+                }
                 self.number(&mut unit, below)?;
                 continue;
             }
@@ -119,9 +153,12 @@ impl Parser<'_> {
                 _ => named(word)?,
             };
             let exponent = self.exponent()?;
-            let exponent = if below && exponent > 0 { -exponent } else { exponent };
-            unit.powers[axis] += exponent;
-            unit.tens += tens * exponent;
+            // Below a stroke, cm-1 is a wavenumber; of others nobody knows whether that is meant, or the minus is said twice.
+            if is_under != below && exponent < 0 && (word, exponent) != ("cm", -1) {
+                return None;
+            }
+            unit.powers[axis] += sign * exponent;
+            unit.tens += tens * sign * exponent;
         }
     }
 
@@ -151,6 +188,7 @@ impl Parser<'_> {
 
     /// `2`, `-1`, `^-1`, `**-1`, `^{-1}`; 1 if there is none.
     fn exponent(&mut self) -> Option<i32> {
+        let before = self.rest;
         let marked = self.rest.trim_start_matches(['^', '*', '{', '(']);
         let is_marked = self.rest.starts_with('^') || self.rest.starts_with("**");
         let text = if is_marked { marked } else { self.rest };
@@ -174,7 +212,10 @@ impl Parser<'_> {
         }
         let end = text.len() - signed.len() + digits;
         let exponent: i32 = text[..end].parse().ok().filter(|n: &i32| n.abs() <= 30)?;
-        self.rest = text[end..].trim_start_matches(['}']);
+        self.rest = text[end..].trim_start_matches('}');
+        if is_marked && self.rest.starts_with(')') && marked.len() < before.trim_start_matches(['^', '*', '{']).len() {
+            self.rest = &self.rest[1..];
+        }
         Some(exponent)
     }
 }
@@ -217,6 +258,10 @@ mod tests {
             ("1e-6 W cm-2 sr-1 nm-1", 10.0),
             ("W m-3 sr-1", 1e-6),
             ("100 W m-2 sr-1 um-1", 100.0),
+            ("W m-2 sr-1 (nm)-1", 1e3),
+            ("W m^(-2) sr^(-1) um^(-1)", 1.0),
+            ("W m-2 sr-1 um-1 / 10", 0.1),
+            ("W/(m2 sr 10 nm)", 100.0),
         ] {
             let unit = Unit::of(text).unwrap_or_else(|| panic!("{text}"));
             assert_eq!(unit.over(&per_um), Some(times), "{text}");
@@ -224,7 +269,28 @@ mod tests {
         assert_eq!(Unit::of("%").unwrap().over(&Unit::of("1").unwrap()), Some(0.01));
         assert!(Unit::of("kelvin") == Unit::of("K") && Unit::of("K").is_some());
         assert_eq!(Unit::of("W m-2 sr-1").unwrap().over(&per_um), None);
-        for text in ["", "DN", "reflectance", "counts", "W m^", "m-99", "W m-2 sr-1 furlong-1", "0 W"] {
+        for text in
+            ["", "DN", "reflectance", "counts", "W m^", "m-99", "W m-2 sr-1 furlong-1", "0 W", "W/(m2 sr um", "W m-2)"]
+        {
+            assert_eq!(Unit::of(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_wavenumber_is_no_wavelength_and_what_could_be_either_is_nothing() {
+        let per_wavenumber = Unit::of("W m-2 sr-1 (cm-1)-1").unwrap();
+        assert_eq!(per_wavenumber.over(&Unit::of("W m-2 sr-1 um-1").unwrap()), None);
+        for (text, times) in [
+            ("mW/(m2 sr cm-1)", 1e-3),
+            ("W/m2/sr/cm-1", 1.0),
+            ("W/m^2/sr/cm^-1", 1.0),
+            ("uW/(cm2 sr cm-1)", 1e-2),
+            ("W cm m-2 sr-1", 1.0),
+            ("Radiance [mW/(m^2 sr cm^{-1})]", 1e-3),
+        ] {
+            assert_eq!(Unit::of(text).and_then(|unit| unit.over(&per_wavenumber)), Some(times), "{text}");
+        }
+        for text in ["W/m2/sr/um*10", "W/(m2 sr um) 10", "W/m2/sr/um-1", "W/(m2 sr um-1)", "W/m-2/sr-1/um-1"] {
             assert_eq!(Unit::of(text), None, "{text}");
         }
     }

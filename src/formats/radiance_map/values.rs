@@ -10,6 +10,7 @@ use crate::formats::scene_toml::Tiling;
 use crate::physics::{blackbody, reflectance};
 use crate::product::TexelSource;
 use crate::spectral::Band;
+use crate::units::cm_1_per_um;
 
 /// What is done to a number of a band to make it spectral radiance, W m-2 sr-1 um-1.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,7 +34,9 @@ impl Conversion {
         use QuantityToml::{BandRadiance, BrightnessTemperature, Radiance, ReflectanceFactor};
         let of = |wanted: &str| Unit::of(wanted).and_then(|wanted| unit.over(&wanted));
         let times = match quantity {
-            Radiance => of("W m-2 sr-1 um-1").ok_or("is no unit of spectral radiance: \"W m-2 sr-1 um-1\", say"),
+            Radiance => of("W m-2 sr-1 um-1")
+                .or_else(|| Some(of("W m-2 sr-1 (cm-1)-1")? * cm_1_per_um(band.centre_um)))
+                .ok_or("is no unit of spectral radiance: \"W m-2 sr-1 um-1\", say"),
             BandRadiance => of("W m-2 sr-1").ok_or("is no unit of radiance in a band: \"W m-2 sr-1\""),
             ReflectanceFactor => of("1").ok_or("is no unit of a factor: \"1\" or \"%\""),
             BrightnessTemperature => of("K").filter(|times| *times == 1.0).ok_or("is no unit of temperature: \"K\""),
@@ -247,38 +250,39 @@ impl TexelSource for FacetTexels {
 
 #[cfg(test)]
 mod tests {
-    use super::super::types::UnitToml;
     use super::*;
 
     fn band(centre_um: f64, fwhm_um: Option<f64>) -> Band {
         Band::new(centre_um, fwhm_um)
     }
 
-    fn radiance(quantity: QuantityToml, unit: UnitToml, band: Band, irradiance: Option<f64>, value: f64) -> f64 {
-        Conversion::new(quantity, &unit.unit(), &band, irradiance).unwrap().radiance(value)
+    fn radiance(quantity: QuantityToml, unit: &str, band: Band, irradiance: Option<f64>, value: f64) -> f64 {
+        Conversion::new(quantity, &Unit::of(unit).unwrap(), &band, irradiance).unwrap().radiance(value)
     }
 
     #[test]
     fn all_quantities_become_radiance() {
         use QuantityToml::*;
-        use UnitToml::*;
         let at_1 = || band(1.0, None);
-        assert_eq!(radiance(Radiance, PerUm, at_1(), None, 3.0), 3.0);
-        assert_eq!(radiance(Radiance, PerNm, at_1(), None, 0.003), 3.0);
-        assert_eq!(radiance(Radiance, MilliPerNm, at_1(), None, 3.0), 3.0);
+        assert_eq!(radiance(Radiance, "W m-2 sr-1 um-1", at_1(), None, 3.0), 3.0);
+        assert_eq!(radiance(Radiance, "W m-2 sr-1 nm-1", at_1(), None, 0.003), 3.0);
+        assert_eq!(radiance(Radiance, "mW m-2 sr-1 nm-1", at_1(), None, 3.0), 3.0);
         // 1 uW cm-2 nm-1 = 1e-6 W 1e4 m-2 1e3 um-1.
-        assert_eq!(radiance(Radiance, MicroPerCm2PerNm, at_1(), None, 0.3), 3.0);
-        assert_eq!(radiance(BandRadiance, InBand, band(1.0, Some(0.25)), None, 3.0), 12.0);
+        assert_eq!(radiance(Radiance, "uW cm-2 sr-1 nm-1", at_1(), None, 0.3), 3.0);
+        // At 10 um a cm-1 is 1e-2 um wide: 1 mW per cm-1 is 0.1 W per um.
+        assert!((radiance(Radiance, "mW/(m2 sr cm-1)", band(10.0, None), None, 3.0) - 0.3).abs() < 1e-15);
+        assert_eq!(radiance(BandRadiance, "W m-2 sr-1", band(1.0, Some(0.25)), None, 3.0), 12.0);
         // White under pi W m-2 um-1 sends 1 W m-2 sr-1 um-1.
-        assert!((radiance(ReflectanceFactor, One, at_1(), Some(std::f64::consts::PI), 0.5) - 0.5).abs() < 1e-16);
-        assert!((radiance(ReflectanceFactor, Percent, at_1(), Some(std::f64::consts::PI), 50.0) - 0.5).abs() < 1e-16);
+        assert!((radiance(ReflectanceFactor, "1", at_1(), Some(std::f64::consts::PI), 0.5) - 0.5).abs() < 1e-16);
+        assert!((radiance(ReflectanceFactor, "%", at_1(), Some(std::f64::consts::PI), 50.0) - 0.5).abs() < 1e-16);
         // Planck at 10 um and 300 K: c1L l^-5 / (exp(c2 / l T) - 1) = 1.19104297e8 1e-5 / (exp(4.79592561) - 1).
         let planck = 1.191_042_972e8 * 1e-5 / (14_387.768_775_f64 / 3000.0).exp_m1();
-        assert!((radiance(BrightnessTemperature, Kelvin, band(10.0, None), None, 300.0) / planck - 1.0).abs() < 1e-8);
-        let refused = |quantity, unit: UnitToml| Conversion::new(quantity, &unit.unit(), &at_1(), None).unwrap_err();
-        assert!(refused(ReflectanceFactor, One).contains("irradiance"));
-        assert!(refused(BandRadiance, InBand).contains("width"));
-        assert!(refused(Radiance, Kelvin).contains("no unit of spectral radiance"));
-        assert!(refused(Radiance, InBand).contains("no unit of spectral radiance"));
+        assert!((radiance(BrightnessTemperature, "K", band(10.0, None), None, 300.0) / planck - 1.0).abs() < 1e-8);
+        let refused =
+            |quantity, unit: &str| Conversion::new(quantity, &Unit::of(unit).unwrap(), &at_1(), None).unwrap_err();
+        assert!(refused(ReflectanceFactor, "1").contains("irradiance"));
+        assert!(refused(BandRadiance, "W m-2 sr-1").contains("width"));
+        assert!(refused(Radiance, "K").contains("no unit of spectral radiance"));
+        assert!(refused(Radiance, "W m-2 sr-1").contains("no unit of spectral radiance"));
     }
 }

@@ -88,13 +88,15 @@ impl Reader<'_> {
             }
         };
         let whole = of_px.map(f64::from);
-        // What an AUTO fit of Blender goes by: the longer side.
+        let aspect = lens.pixel_aspect.unwrap_or(1.0);
+        // Both sides, in widths of a pixel. An AUTO fit of Blender goes by the longer one.
+        let sides = [whole[0], whole[1] * aspect];
         let is_wide = match lens.sensor_fit.unwrap_or(SensorFitToml::Auto) {
-            SensorFitToml::Auto => whole[0] >= whole[1],
+            SensorFitToml::Auto => sides[0] >= sides[1],
             SensorFitToml::Horizontal => true,
             SensorFitToml::Vertical => false,
         };
-        let size = if is_wide { whole[0] } else { whole[1] };
+        let size = if is_wide { sides[0] } else { sides[1] };
         let across = match (lens.ifov_mrad, lens.fov_deg, lens.focal_px, lens.focal_mm) {
             (Some(ifov_mrad), None, None, None) => {
                 let message = format!("a pixel of {} mrad", number(ifov_mrad));
@@ -140,7 +142,6 @@ impl Reader<'_> {
             self.problem(&at("sensor_fit"), "goes with `focal_mm` or `shift` alone");
             return None;
         }
-        let aspect = lens.pixel_aspect.unwrap_or(1.0);
         if lens.pixel_aspect.is_some() && matches!(lens.focal_px, Some(FocalToml::Each(_))) {
             self.problem(&at("pixel_aspect"), "is in the two numbers of `focal_px` already: leave one of them out");
             return None;

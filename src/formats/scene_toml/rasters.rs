@@ -107,10 +107,6 @@ impl Reader<'_> {
     ) -> Option<Vec<Band>> {
         let of_raster: Vec<_> = rasters.iter().flat_map(|r| &r.bands).collect();
         if let Some(given) = given {
-            if given.light.is_some() {
-                self.problem(&format!("{item}.light"), "is a matter of a scene's sensor: the raster has what it has");
-                return None;
-            }
             let bands = self.bands(item, given)?;
             if bands.len() != of_raster.len() {
                 let message = format!(
@@ -303,6 +299,10 @@ impl Reader<'_> {
         let in_file_um: Vec<f64> = if layers == 1 && toml.bands.is_none() {
             vec![]
         } else {
+            if toml.bands.as_ref().is_some_and(|given| given.light.is_some()) {
+                self.problem(&at("bands.light"), "is a matter of sensors and maps: a texture is of what is reflected");
+                return None;
+            }
             let bands = self.raster_bands(&at("bands"), toml.bands.as_ref(), &rasters)?;
             bands.iter().map(|b| b.centre_um).collect()
         };

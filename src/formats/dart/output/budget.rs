@@ -99,7 +99,7 @@ pub(super) fn map(
         placement: Placement::Patches(patches),
         source: Box::new(source),
         weight: 1.0,
-        heat: properties.heat(bands.iter().map(|band| band.number)),
+        light: bands.iter().map(|band| properties.light(band.number)).collect(),
         sky: Sky::LeftOut,
         registration: None,
     };

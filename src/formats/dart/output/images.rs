@@ -16,7 +16,7 @@ use crate::physics::{blackbody, reflectance};
 use crate::product::{Eye, Placement, Projection, RadianceMap, Registration, TexelSource, ViewImage};
 use crate::progress::Watch;
 use crate::scene::Scene;
-use crate::spectral::Band;
+use crate::spectral::{Band, KnownLight};
 
 use super::georef::{self, Corners};
 use super::properties::Properties;
@@ -96,14 +96,19 @@ pub(super) fn map(
         placement: Placement::View(Box::new(view_image)),
         source: Box::new(source),
         weight: 1.0,
-        heat: match view.quantity {
-            Quantity::Tapp => Some(true),
-            Quantity::Brf | Quantity::Radiance => properties.heat(view.bands.iter().map(|band| band.number)),
-        },
+        light: view.bands.iter().map(|band| light(view.quantity, properties.light(band.number))).collect(),
         sky: options.sky,
         registration,
     };
     Ok((map, note))
+}
+
+/// An apparent temperature is one of heat, whatever is said of the mode.
+fn light(quantity: Quantity, of_mode: KnownLight) -> KnownLight {
+    match quantity {
+        Quantity::Tapp => KnownLight { heat: Some(true), ..of_mode },
+        Quantity::Brf | Quantity::Radiance => of_mode,
+    }
 }
 
 /// An image whose outline has less than this in common with the scene's, after the best shift, is not one of this scene.

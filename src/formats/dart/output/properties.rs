@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Location, Problem, Result};
 use crate::formats::input;
-use crate::spectral::Band;
+use crate::spectral::{Band, KnownLight};
 
 /// Its name in `output/`.
 pub(super) const FILE: &str = "simulation.properties.txt";
@@ -111,13 +111,10 @@ impl Properties {
         self.mode(number) != Some("R")
     }
 
-    /// Whether any of some bands has thermal emission, if DART says the mode of them all.
-    pub(super) fn heat(&self, numbers: impl Iterator<Item = usize>) -> Option<bool> {
-        let modes: Vec<Option<&str>> = numbers.map(|number| self.mode(number)).collect();
-        if modes.iter().flatten().any(|mode| mode.contains('T')) {
-            return Some(true);
-        }
-        modes.iter().all(Option::is_some).then_some(false)
+    /// What light a band holds, as its mode says: R, T, or R+T.
+    pub(super) fn light(&self, number: usize) -> KnownLight {
+        let has = |letter: char| self.mode(number).map(|mode| mode.contains(letter));
+        KnownLight { sunlight: has('R'), heat: has('T') }
     }
 
     /// What is known of an image by the first part of its name.
