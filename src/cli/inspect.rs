@@ -100,10 +100,13 @@ fn spectrum_of(arguments: &Arguments, console: &Console) -> Result<Outcome> {
             for (name, values) in &columns {
                 json[*name] = json!(values);
             }
+            if found.has_names() {
+                json["band"] = json!(found.names);
+            }
             let title = format!("{}, sample {sample}, line {line}", path.display());
-            let curves: Vec<_> = columns.into_iter().map(|(n, v)| (n.trim_end_matches("_w_m2_sr_um"), v)).collect();
+            let (um, curves) = found.curves();
             let y = "radiance, W m-2 sr-1 um-1";
-            (found.csv(), json, found.csv(), spectrum_svg::draw(&title, "um", y, &found.wavelength_um, &curves))
+            (found.csv(), json, found.csv(), spectrum_svg::draw(&title, "um", y, &um, &curves))
         }
         None => {
             let sun = solar_e490();

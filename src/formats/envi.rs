@@ -17,6 +17,7 @@ use crate::error::{Error, Location, Problem, Result};
 use crate::product::{Backplanes, Cube, Plane};
 use crate::progress::{Watch, tell};
 use crate::report::{Fate, Report};
+use crate::spectral::Band;
 
 /// Order of the numbers in the file, slowest index first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -123,6 +124,13 @@ pub fn write_cube(
     list(&mut text, "wavelength", cube.bands.iter().map(|b| b.centre_um.to_string()));
     if cube.bands.iter().any(|b| b.fwhm_um.is_some()) {
         list(&mut text, "fwhm", cube.bands.iter().map(|b| b.fwhm_um.unwrap_or(0.0).to_string()));
+    }
+    if cube.bands.iter().any(|b| !b.name.is_empty()) {
+        let name = |(i, band): (usize, &Band)| match plain(&band.name) {
+            name if name.is_empty() => format!("band {}", i + 1),
+            name => name,
+        };
+        list(&mut text, "band names", cube.bands.iter().enumerate().map(name));
     }
     let [red, green, blue] = super::quicklook::colour_bands(&cube.bands);
     if cube.bands.len() >= 3 {

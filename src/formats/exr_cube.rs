@@ -3,6 +3,7 @@
 //! Layout: Fichet, Pacanowski and Wilkie (2021), "An OpenEXR layout for spectral images", JCGT 10(3): channels
 //! `S0.<wavelength>nm` with a decimal comma, attributes `spectralLayoutVersion` and `emissiveUnits`. The layout's unit,
 //! W.m^-2.sr^-1, leaves open per which wavelength; ours is in the attribute `radianceUnits`: W.m^-2.sr^-1.um^-1.
+//! Full widths at half maximum, um, are in the attribute `bandWidths`, names of bands, where they have any, in `bandNames`: in the order of channels.
 //! Wavelengths have leading zeros, so that OpenEXR's alphabetical order of channels is the order of wavelength.
 //!
 //! The file is uncompressed and written line by line, without the crate `exr`: that holds all channels in memory and
@@ -42,7 +43,13 @@ pub fn write(path: &Path, cube: &Cube, description: &str, watch: Watch<'_>) -> R
         return Err(Error::Invalid(vec![problem]));
     }
     let channels: Vec<&str> = order.iter().map(|band| names[*band].as_str()).collect();
-    let about = About { description, spectral: true, unit: Some("W.m^-2.sr^-1.um^-1") };
+    let about = About {
+        description,
+        spectral: true,
+        unit: Some("W.m^-2.sr^-1.um^-1"),
+        widths: widths(order.iter().map(|band| cube.bands[*band].fwhm_um)),
+        names: band_names(order.iter().map(|band| cube.bands[*band].name.as_str())),
+    };
     let head = head(path, &channels, [cube.samples, cube.lines], &about)?;
     let line_bytes = 4 * cube.samples * cube.bands.len();
 
@@ -72,7 +79,32 @@ pub(super) struct About<'a> {
     pub(super) spectral: bool,
     /// Unit of the values.
     pub(super) unit: Option<&'a str>,
+    /// What [`widths`] says.
+    pub(super) widths: Option<String>,
+    /// What [`band_names`] says.
+    pub(super) names: Option<String>,
 }
+
+/// Widths of bands, um, in the order of channels, 0 where a band has none; `None` if none has one.
+pub(super) fn widths(widths_um: impl Iterator<Item = Option<f64>> + Clone) -> Option<String> {
+    let texts = widths_um.clone().map(|width| width.unwrap_or(0.0).to_string());
+    widths_um.flatten().next().map(|_| texts.collect::<Vec<_>>().join(" "))
+}
+
+/// What [`widths`] has made, if it is of so many bands.
+pub(super) fn read_widths(text: &str, count: usize) -> Option<Vec<Option<f64>>> {
+    let width = |text: &str| text.parse().ok().filter(|um: &f64| *um >= 0.0 && um.is_finite());
+    let widths_um: Vec<f64> = text.split_whitespace().map(width).collect::<Option<_>>()?;
+    (widths_um.len() == count).then(|| widths_um.into_iter().map(|um| (um > 0.0).then_some(um)).collect())
+}
+
+/// Names of bands in the order of channels; `None` if none has one.
+pub(super) fn band_names<'a>(names: impl Iterator<Item = &'a str> + Clone) -> Option<String> {
+    names.clone().any(|name| !name.is_empty()).then(|| names.collect::<Vec<_>>().join(", "))
+}
+
+/// The attribute that holds [`widths`].
+pub(super) const WIDTHS: &str = "bandWidths";
 
 /// All before the first of the scan lines, each of which then takes 8 bytes and its numbers, f32, channel by channel.
 /// `size` is columns and rows.
@@ -135,6 +167,11 @@ fn header(names: &[&str], window: [i32; 4], about: &About<'_>) -> Vec<u8> {
         header.extend((value.len() as i32).to_le_bytes());
         header.extend(value);
     };
+    for (name, text) in [("bandNames", &about.names), (WIDTHS, &about.widths)] {
+        if let Some(text) = text {
+            attribute(name, "string", text.as_bytes());
+        }
+    }
     attribute("channels", "chlist", &channels);
     if !about.description.is_empty() {
         attribute("comments", "string", about.description.as_bytes());

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use crate::error::{Error, Location, Result, number};
 
+use super::number::DataType;
 use super::raster;
 
 /// What a product says of one pixel.
@@ -14,6 +15,8 @@ pub struct Pixel {
     pub sample: usize,
     /// Its line, from 0.
     pub line: usize,
+    /// What bands are called, as filters; empty if nothing.
+    pub names: Vec<String>,
     /// Centres of the bands, um.
     pub wavelength_um: Vec<f64>,
     /// Radiance in each band, W m-2 sr-1 um-1.
@@ -22,6 +25,8 @@ pub struct Pixel {
     pub thermal_w_m2_sr_um: Option<Vec<f64>>,
     /// Names and values of the backplanes; NaN: no surface.
     pub planes: Vec<(String, f64)>,
+    /// By what share of itself the number after a radiance is larger: 2^-23 of single precision; 0 of double precision.
+    pub epsilon: f64,
 }
 
 /// Reads a pixel of a product folder.
@@ -31,16 +36,19 @@ pub struct Pixel {
 pub fn read(folder: &Path, sample: usize, line: usize) -> Result<Pixel> {
     let cube = folder.join("cube.img");
     let radiance = spectrum(&cube, sample, line)?;
+    let is_single = radiance.iter().any(|band| band.is_single);
     let thermal = folder.join("thermal.img");
     let thermal = if thermal.is_file() { Some(spectrum(&thermal, sample, line)?) } else { None };
     let planes = spectrum(&folder.join("backplanes.img"), sample, line)?;
     Ok(Pixel {
         sample,
         line,
+        names: radiance.iter().map(|b| b.name.clone()).collect(),
         wavelength_um: radiance.iter().map(|b| b.centre_um.unwrap_or(f64::NAN)).collect(),
         radiance_w_m2_sr_um: radiance.into_iter().map(|b| b.value).collect(),
         thermal_w_m2_sr_um: thermal.map(|bands| bands.into_iter().map(|b| b.value).collect()),
         planes: planes.into_iter().map(|b| (b.name, b.value)).collect(),
+        epsilon: if is_single { f64::from(f32::EPSILON) } else { 0.0 },
     })
 }
 
@@ -49,6 +57,12 @@ struct AtPixel {
     name: String,
     centre_um: Option<f64>,
     value: f64,
+    is_single: bool,
+}
+
+/// A number of single precision as the shortest decimal that is it: 0.1, not 0.10000000149.
+fn decimal(value: f64) -> f64 {
+    (value as f32).to_string().parse().unwrap_or(value)
 }
 
 fn spectrum(path: &Path, sample: usize, line: usize) -> Result<Vec<AtPixel>> {
@@ -61,12 +75,14 @@ fn spectrum(path: &Path, sample: usize, line: usize) -> Result<Vec<AtPixel>> {
         return Err(Error::invalid(Location::file(path), message));
     }
     let at = line * raster.columns + sample;
+    let is_single = raster.data_type == DataType::F32;
     let mut values = Vec::new();
     let mut bands = Vec::with_capacity(raster.bands.len());
     for i in 0..raster.bands.len() {
         raster.read(i, &mut values)?;
         let band = &raster.bands[i];
-        bands.push(AtPixel { name: band.name.clone(), centre_um: band.centre_um, value: values[at] });
+        let value = if is_single { decimal(values[at]) } else { values[at] };
+        bands.push(AtPixel { name: band.name.clone(), centre_um: band.centre_um, value, is_single });
     }
     Ok(bands)
 }
@@ -77,11 +93,37 @@ impl Pixel {
         let total = &self.radiance_w_m2_sr_um;
         let mut columns = vec![("radiance_w_m2_sr_um", total.clone())];
         if let Some(thermal) = &self.thermal_w_m2_sr_um {
-            columns
-                .push(("reflected_w_m2_sr_um", total.iter().zip(thermal).map(|(total, heat)| total - heat).collect()));
+            let reflected = total.iter().zip(thermal).map(|(total, heat)| self.known_digits(total - heat, *total));
+            columns.push(("reflected_w_m2_sr_um", reflected.collect()));
             columns.push(("thermal_w_m2_sr_um", thermal.clone()));
         }
         columns
+    }
+
+    /// A difference of two numbers of about this size, without digits beyond those of the numbers.
+    fn known_digits(&self, difference: f64, of: f64) -> f64 {
+        if self.epsilon == 0.0 || difference == 0.0 || !difference.is_finite() {
+            return difference;
+        }
+        let digits = difference.abs().log10().floor() - (self.epsilon * of.abs()).log10().ceil();
+        if digits < 0.0 {
+            return 0.0;
+        }
+        format!("{difference:.0$e}", digits.min(16.0) as usize).parse().unwrap_or(difference)
+    }
+
+    /// Whether any band has a name.
+    pub fn has_names(&self) -> bool {
+        self.names.iter().any(|name| !name.is_empty())
+    }
+
+    /// Wavelengths, ascending, and the [columns](Self::columns) in that order, called without their unit.
+    pub fn curves(&self) -> (Vec<f64>, Vec<(&'static str, Vec<f64>)>) {
+        let mut order: Vec<usize> = (0..self.wavelength_um.len()).collect();
+        order.sort_by(|a, b| self.wavelength_um[*a].total_cmp(&self.wavelength_um[*b]));
+        let sorted = |values: &[f64]| order.iter().map(|i| values[*i]).collect::<Vec<f64>>();
+        let curve = |(name, values): (&'static str, Vec<f64>)| (name.trim_end_matches("_w_m2_sr_um"), sorted(&values));
+        (sorted(&self.wavelength_um), self.columns().into_iter().map(curve).collect())
     }
 
     /// As CSV: comments with the pixel and its planes, a header with units, a row for each band.
@@ -92,8 +134,12 @@ impl Pixel {
         }
         let columns = self.columns();
         let names: Vec<&str> = columns.iter().map(|c| c.0).collect();
-        let _ = writeln!(text, "wavelength_um,{}", names.join(","));
+        let band = if self.has_names() { "band," } else { "" };
+        let _ = writeln!(text, "{band}wavelength_um,{}", names.join(","));
         for (i, um) in self.wavelength_um.iter().enumerate() {
+            if self.has_names() {
+                let _ = write!(text, "{},", self.names[i].replace([',', '"'], " "));
+            }
             let _ = write!(text, "{}", number(*um));
             columns.iter().for_each(|(_, values)| text.push_str(&format!(",{}", number(values[i]))));
             text.push('\n');

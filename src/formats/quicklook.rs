@@ -22,8 +22,12 @@ pub fn grey_band(bands: &[Band]) -> usize {
     bands.len() / 2
 }
 
+/// Light of longer waves is not seen, um.
+const VISIBLE_UM: f64 = 0.78;
+
 /// The bands shown as red, green and blue: those nearest to 0.65, 0.55 and 0.45 um if the bands reach that far into
-/// the visible, else those nearest to 5/6, 1/2 and 1/6 of their range: longer waves are redder.
+/// the visible, else those nearest to 5/6, 1/2 and 1/6 of their range: longer waves are redder. If these are not three, the longest, the
+/// shortest, and the one nearest to their middle, of the visible ones if they are three, else of all.
 pub fn colour_bands(bands: &[Band]) -> [usize; 3] {
     let centres = || bands.iter().map(|b| b.centre_um);
     let (first, last) = (centres().fold(f64::INFINITY, f64::min), centres().fold(f64::NEG_INFINITY, f64::max));
@@ -32,10 +36,21 @@ pub fn colour_bands(bands: &[Band]) -> [usize; 3] {
     } else {
         [5.0, 3.0, 1.0].map(|sixths| first + (last - first) * sixths / 6.0)
     };
-    wanted.map(|um| {
+    let nearest = |of: &[usize], um: f64| {
         let distance = |band: &usize| (bands[*band].centre_um - um).abs();
-        (0..bands.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
-    })
+        of.iter().copied().min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
+    };
+    let mut order: Vec<usize> = (0..bands.len()).collect();
+    let [red, green, blue] = wanted.map(|um| nearest(&order, um));
+    if bands.len() < 3 || (red != green && green != blue && blue != red) {
+        return [red, green, blue];
+    }
+    order.sort_by(|a, b| bands[*a].centre_um.total_cmp(&bands[*b].centre_um));
+    let visible = order.iter().filter(|band| bands[**band].centre_um <= VISIBLE_UM).count();
+    let shown = if visible >= 3 { &order[..visible] } else { &order };
+    let (blue, red) = (shown[0], shown[shown.len() - 1]);
+    let middle_um = 0.5 * (bands[blue].centre_um + bands[red].centre_um);
+    [red, nearest(&shown[1..shown.len() - 1], middle_um), blue]
 }
 
 /// Writes one band as a grey PNG of 8 bits, from the 0.5th to the 99.5th percentile of the covered pixels.
@@ -193,6 +208,10 @@ mod tests {
         assert_eq!(colour_bands(&bands(&[7.0, 5.9, 4.0, 2.0, 1.0])), [1, 2, 3]);
         assert_eq!(colour_bands(&bands(&[0.4, 0.45, 0.55, 0.65, 1.0])), [3, 2, 1]);
         assert_eq!(colour_bands(&bands(&[2.0])), [0, 0, 0]);
+        // Three of them are three colours, whatever their centres.
+        assert_eq!(colour_bands(&bands(&[0.48, 0.55, 0.7])), [2, 1, 0]);
+        assert_eq!(colour_bands(&bands(&[3.5, 0.7, 0.48, 0.55])), [1, 3, 2]);
+        assert_eq!(colour_bands(&bands(&[1.0, 1.0, 10.0])), [2, 1, 0]);
     }
 
     #[test]

@@ -97,6 +97,9 @@ pub struct Image {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BandEntry {
+    /// What it is called, if it is called anything.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
     /// Centre, um: of a table, the mean of wavelength over its response.
     pub centre_um: f64,
     /// Full width at half maximum, um: of a table, its equivalent width; 0 for a monochromatic band.
@@ -113,6 +116,7 @@ impl BandEntry {
     /// The bands of a scene; none if all are as they mostly are.
     pub fn of(scene: &Scene) -> Vec<Self> {
         let entry = |band: &Band| BandEntry {
+            name: Some(band.name.clone()).filter(|name| !name.is_empty()),
             centre_um: band.centre_um,
             fwhm_um: band.fwhm_um.unwrap_or(0.0),
             response: band.fwhm_um.map_or("monochromatic", |_| band.response.name()).into(),
@@ -121,7 +125,10 @@ impl BandEntry {
         };
         let bands: Vec<BandEntry> = scene.sensor.bands.iter().map(entry).collect();
         let is_usual = |b: &BandEntry| {
-            ["monochromatic", "gaussian"].contains(&b.response.as_str()) && b.light == "both" && b.left_out == 0.0
+            ["monochromatic", "gaussian"].contains(&b.response.as_str())
+                && b.light == "both"
+                && b.left_out == 0.0
+                && b.name.is_none()
         };
         if bands.iter().all(is_usual) { vec![] } else { bands }
     }
@@ -168,7 +175,8 @@ impl Statistic {
             name: name.into(),
             unit: unit.into(),
             count,
-            min: some(min),
+            // Not -0.
+            min: some(min + 0.0),
             max: some(max),
             mean: some(sum / count as f64),
         }
@@ -194,7 +202,9 @@ pub fn statistics(cube: &Cube, coverage: &[f64], backplanes: &Backplanes) -> Vec
         values.filter(|(_, c)| **c > 0.0).map(|(value, _)| value).collect::<Vec<f64>>()
     };
     let of_band = |band: usize| {
-        let name = format!("radiance at {} um", cube.bands[band].centre_um);
+        let Band { name, centre_um, .. } = &cube.bands[band];
+        let called = if name.is_empty() { String::new() } else { format!(" ({name})") };
+        let name = format!("radiance at {centre_um} um{called}");
         Statistic::of(name, "W m-2 sr-1 um-1", &covered(band))
     };
     let of_planes = backplanes.planes.iter().map(|p| Statistic::of(&p.name, &p.unit, &p.values));

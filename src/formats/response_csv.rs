@@ -184,19 +184,30 @@ pub fn parse(text: &str, path: &Path) -> Result<Responses> {
     Ok(Responses { columns, notes })
 }
 
-/// Writes responses as the columns `band_1`, `band_2` ... of a table; a column has no cell where it has no point.
+/// Writes responses as the columns of a table, by their names, or as `band_1`, `band_2` ... where they have none, or one that no header
+/// holds, or one twice; a column has no cell where it has no point.
 ///
 /// # Errors
 /// Those of the output.
-pub fn write(out: &mut impl Write, responses: &[&Spectrum]) -> io::Result<()> {
-    let mut all_um: Vec<f64> = responses.iter().flat_map(|r| r.wavelength_um()).copied().collect();
+pub fn write(out: &mut impl Write, responses: &[(&str, &Spectrum)]) -> io::Result<()> {
+    let mut all_um: Vec<f64> = responses.iter().flat_map(|r| r.1.wavelength_um()).copied().collect();
     all_um.sort_by(f64::total_cmp);
     all_um.dedup();
-    let names = (1..=responses.len()).map(|i| format!(",band_{i}")).collect::<String>();
-    writeln!(out, "wavelength_um{names}")?;
+    let is_plain = |name: &str| {
+        !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || "_-. ".contains(c)) && name.trim() == name
+    };
+    let is_one = |name: &str| responses.iter().filter(|r| r.0.eq_ignore_ascii_case(name)).count() == 1;
+    write!(out, "wavelength_um")?;
+    for (i, (name, _)) in responses.iter().enumerate() {
+        match is_plain(name) && is_one(name) && !name.starts_with("band_") {
+            true => write!(out, ",{name}")?,
+            false => write!(out, ",band_{}", i + 1)?,
+        }
+    }
+    writeln!(out)?;
     for um in all_um {
         write!(out, "{um:?}")?;
-        for response in responses {
+        for (_, response) in responses {
             match response.wavelength_um().binary_search_by(|x| x.total_cmp(&um)) {
                 Ok(i) => write!(out, ",{:?}", response.value()[i])?,
                 Err(_) => write!(out, ",")?,

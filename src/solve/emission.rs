@@ -61,13 +61,14 @@ impl<'a> Emission<'a> {
         2 * (self.scene.materials.len() + layers)
     }
 
-    /// Adds to `add(row, weight)` what a facet sends towards `to_observer` when `area` of it is seen, `lit` of that lit.
+    /// Adds to `add(row, weight)` what a facet sends towards `to_observer` when `area` of it is seen, `lit` of that lit: both as shares of the
+    /// pixel, 0 to 1, and weights are those of the pixel's mean.
     pub fn towards(&self, facet: u32, _to_observer: DVec3, area: f64, lit: f64, mut add: impl FnMut(u32, f64)) {
         self.reflected(facet, area, lit, &mut add);
         self.heat(facet, area, lit, &mut add);
     }
 
-    /// Adds what a facet reflects with its material's own reflectance.
+    /// Adds what a facet reflects with its material's own reflectance; `area` and `lit`, shares of the pixel, as of [`towards`](Self::towards).
     pub fn reflected(&self, facet: u32, area: f64, lit: f64, add: &mut impl FnMut(u32, f64)) {
         let f = facet as usize;
         let row = 2 * u32::from(self.scene.mesh.material[f].0);
@@ -81,7 +82,8 @@ impl<'a> Emission<'a> {
         }
     }
 
-    /// Adds what a facet reflects by a texture: the area that is seen, and that of it that is lit, each with the layers' means over it.
+    /// Adds what a facet reflects by a texture: the area that is seen, and that of it that is lit, each with the layers' means over it;
+    /// areas are shares of the pixel.
     pub fn textured(
         &self,
         facet: u32,
@@ -103,7 +105,7 @@ impl<'a> Emission<'a> {
         }
     }
 
-    /// Adds what a facet emits.
+    /// Adds what a facet emits; `area` and `lit`, shares of the pixel, as of [`towards`](Self::towards).
     pub fn heat(&self, facet: u32, area: f64, lit: f64, add: &mut impl FnMut(u32, f64)) {
         if self.grid.len() == 0 {
             return;

@@ -7,6 +7,8 @@ use super::{Extend, Light, Spectrum};
 /// A band: monochromatic, or a mean over a response.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Band {
+    /// What it is called, as a filter; mostly nothing.
+    pub name: String,
     /// Centre wavelength, um. Of a tabulated response R, the mean of wavelength over it: integral of R l / integral of R.
     pub centre_um: f64,
     /// Full width at half maximum, um; `None`: monochromatic. Of a tabulated response, its equivalent width: its integral over its largest value.
@@ -62,7 +64,7 @@ pub const ALL_UM: (f64, f64) = (0.0, f64::INFINITY);
 impl Band {
     /// A Gaussian response of this full width at half maximum, um; `None`: monochromatic.
     pub fn new(centre_um: f64, fwhm_um: Option<f64>) -> Self {
-        Band { centre_um, fwhm_um, response: Response::Gaussian, light: Light::Both }
+        Band { name: String::new(), centre_um, fwhm_um, response: Response::Gaussian, light: Light::Both }
     }
 
     /// The same response all over a full width, um.
@@ -93,9 +95,9 @@ impl Band {
             moment += width * (0.5 * from * (v[0] + v[1]) + width * (v[0] + 2.0 * v[1]) / 6.0);
         }
         // Of points that are next to one another, and next to 0, nothing is left.
-        let centre_um = table.wavelength_um()[0] + moment / area;
-        (area > 0.0 && centre_um > 0.0)
-            .then(|| Band { response: Response::Table(Arc::new(table)), ..Band::new(centre_um, Some(area)) })
+        let (centre_um, width_um) = (decimals(table.wavelength_um()[0] + moment / area), decimals(area));
+        (width_um > 0.0 && centre_um > 0.0)
+            .then(|| Band { response: Response::Table(Arc::new(table)), ..Band::new(centre_um, Some(width_um)) })
     }
 
     /// First and last wavelength that the band looks at, um; not below 0.
@@ -217,6 +219,11 @@ impl Band {
         }
         nodes
     }
+}
+
+/// A sum of many, without the digits that are rounding: to 13 of them.
+fn decimals(sum: f64) -> f64 {
+    format!("{sum:.12e}").parse().unwrap_or(sum)
 }
 
 #[cfg(test)]

@@ -14,6 +14,7 @@ use crate::physics::{blackbody, bounds, heat};
 use crate::product::{Backplanes, FacetTable};
 use crate::scene::{MarsModel, Material, Scene, Thermal};
 use crate::solve;
+use crate::spectral::Light;
 use crate::units::{MARS_RADIUS_M, PHOBOS_ORBIT_M};
 
 /// Something that shapes the light, modelled or left out.
@@ -69,8 +70,9 @@ pub(super) struct Account<'a> {
     /// Mars as it can send; or the warmest of the table.
     noon_k: f64,
     materials: Vec<&'a Material>,
-    /// Where spectra are looked at, um: centres of the bands, and ends and corners of their tables in those that are wide.
-    bands_um: Vec<f64>,
+    /// Where spectra are looked at, um, and what light the band has: centres of the bands, and ends and corners of their tables in those that
+    /// are wide.
+    bands_um: Vec<(f64, Light)>,
 }
 
 /// Whether Mars covers the Sun; `None` without Mars.
@@ -131,7 +133,21 @@ impl<'a> Account<'a> {
                 "the cube is radiance at the aperture: no PSF, distortion, smear, stray light or noise",
             ),
         ];
-        effects.into_iter().map(ranked).collect()
+        effects.into_iter().map(|effect| self.of_no_band(effect)).map(ranked).collect()
+    }
+
+    /// What is in none of the bands changes nothing.
+    fn of_no_band(&self, effect: Effect) -> Effect {
+        const OF_SUNLIGHT: [&str; 4] = ["sunlight", "photometric function", "Mars-light", "shadows in Mars-light"];
+        const OF_HEAT: [&str; 3] = ["thermal emission", "thermal inertia", "heat from Mars"];
+        let has = |is: fn(Light) -> bool| self.bands_um.iter().any(|(_, light)| is(*light));
+        let absent = |names: &[&str], is| names.contains(&effect.name.as_str()) && !has(is);
+        let note = match (absent(&OF_SUNLIGHT, Light::is_lit), absent(&OF_HEAT, Light::glows)) {
+            (true, _) => "no band has sunlight",
+            (_, true) => "no band has heat",
+            (false, false) => return effect,
+        };
+        left_out(&effect.name, Some(0.0), note)
     }
 
     fn sunlight(&self) -> Effect {
@@ -250,14 +266,15 @@ impl<'a> Account<'a> {
     fn interreflection(&self) -> Effect {
         let form_factor = bounds::surroundings_form_factor(self.site.cos_steepest);
         let bound = self.cos_incidence.and_then(|cos| {
-            let at = |um| {
+            let at = |um, light: Light| {
                 let largest = |of: &dyn Fn(&Material) -> f64| self.materials.iter().map(|m| of(m)).fold(0.0, f64::max);
                 let reflectance = largest(&|m| m.reflectance.at(um).unwrap_or(0.0));
-                let emitted = largest(&|m| emission(m, um, self.noon_k)) / white_radiance(self.scene, um)?;
+                let heat = if light.glows() { largest(&|m| emission(m, um, self.noon_k)) } else { 0.0 };
+                let emitted = heat / white_radiance(self.scene, um)?;
                 let bounded = reflectance * form_factor < 1.0;
                 bounded.then(|| bounds::interreflection(reflectance, emitted, form_factor, cos))
             };
-            self.bands_um.iter().copied().try_fold(0.0, |most, um| Some(f64::max(most, at(um)?)))
+            self.bands_um.iter().try_fold(0.0, |most, (um, light)| Some(f64::max(most, at(*um, *light)?)))
         });
         let slopes = match self.site.up {
             Some(_) => format!("slopes up to {:.0} deg", self.site.cos_steepest.acos().to_degrees()),
@@ -326,7 +343,13 @@ impl<'a> Account<'a> {
 
     /// Most that a facet sends by sunlight: reflected at normal incidence, and emitted when warmest; relative as all bounds.
     fn all_light(&self) -> Option<f64> {
-        Some(1.0 / self.cos_incidence? + self.emitted(self.noon_k)?)
+        let reflected = if self.lit_um().next().is_some() { 1.0 / self.cos_incidence? } else { 0.0 };
+        Some(reflected + self.emitted(self.noon_k)?)
+    }
+
+    /// Where bands have sunlight, um.
+    fn lit_um(&self) -> impl Iterator<Item = f64> {
+        self.bands_um.iter().filter(|(_, light)| light.is_lit()).map(|(um, _)| *um)
     }
 
     /// Longest way, m, from what casts a shadow to where it falls.
@@ -343,7 +366,7 @@ impl<'a> Account<'a> {
     fn mars_light_bound(&self) -> Option<f64> {
         let (q, _) = mars_seen(self.scene, self.site);
         let albedo = match &self.scene.mars {
-            Some(mars) => self.bands_um.iter().copied().filter_map(|um| mars.reflectance.at(um)).fold(0.0, f64::max),
+            Some(mars) => self.lit_um().filter_map(|um| mars.reflectance.at(um)).fold(0.0, f64::max),
             None => MARS_ALBEDO,
         };
         self.cos_incidence.map(|cos| bounds::mars_light(albedo, q, cos))
@@ -361,12 +384,12 @@ impl<'a> Account<'a> {
         self.largest(|um, m| (1..=STEPS).map(|i| at(um, m, i)).fold(0.0, f64::max))
     }
 
-    /// The largest ratio, over bands and materials, of a radiance (of wavelength, um, and material; W m-2 sr-1 um-1) to the
+    /// The largest ratio, over bands with heat and materials, of a radiance (of wavelength, um, and material; W m-2 sr-1 um-1) to the
     /// median sunlit radiance.
     fn largest(&self, radiance: impl Fn(f64, &Material) -> f64) -> Option<f64> {
         let cos = self.cos_incidence?;
         let mut largest = 0.0_f64;
-        for um in self.bands_um.iter().copied() {
+        for (um, _) in self.bands_um.iter().copied().filter(|(_, light)| light.glows()) {
             for material in &self.materials {
                 let ratio = radiance(um, material) / sunlit_radiance(self.scene, material, um, cos)?;
                 largest = largest.max(if ratio.is_nan() { 0.0 } else { ratio });
@@ -377,7 +400,7 @@ impl<'a> Account<'a> {
 }
 
 /// Centres of all bands; of wide ones also the ends, and the corners between them of reflectances and emissivities; um, ascending.
-fn bands_um(scene: &Scene, materials: &[&Material]) -> Vec<f64> {
+fn bands_um(scene: &Scene, materials: &[&Material]) -> Vec<(f64, Light)> {
     let of_materials = materials.iter().flat_map(|m| [&m.reflectance, &m.emissivity]);
     let mut corners_um: Vec<f64> = of_materials
         .chain(scene.mars.iter().map(|m| &m.reflectance))
@@ -385,14 +408,14 @@ fn bands_um(scene: &Scene, materials: &[&Material]) -> Vec<f64> {
         .collect();
     corners_um.sort_by(f64::total_cmp);
     corners_um.dedup();
-    let mut all_um: Vec<f64> = Vec::new();
+    let mut all_um: Vec<(f64, Light)> = Vec::new();
     for band in &scene.sensor.bands {
         let (lo, hi) = band.support_within_um(scene.known_um(band.light));
         let from = corners_um.partition_point(|um| *um <= lo);
         let inside = corners_um[from..].iter().copied().take_while(|um| *um < hi);
-        all_um.extend(inside.chain([lo, band.centre_um, hi]));
+        all_um.extend(inside.chain([lo, band.centre_um, hi]).map(|um| (um, band.light)));
     }
-    all_um.sort_by(f64::total_cmp);
+    all_um.sort_by(|a, b| a.0.total_cmp(&b.0));
     all_um.dedup();
     all_um
 }

@@ -86,6 +86,28 @@ fn a_pixel_is_its_spectrum_its_planes_and_on_request_light_and_heat_apart() {
 }
 
 #[test]
+fn numbers_of_single_precision_have_no_more_digits_than_they_have() {
+    let scratch = Scratch::new();
+    product(&scratch, true);
+    // At 10 um and 330 K some 10 W m-2 sr-1 um-1 of heat beside 0.8 / 40 of them: 7 digits of the sum are 5 of the rest.
+    let sun = 0.1 * std::f64::consts::PI;
+    scratch.write("sun.csv", format!("wavelength_um,irradiance_w_m2_um\n0.3,{sun}\n20,{sun}\n"));
+    scratch.write("scene.toml", SCENE.replace("[1.0, 3.0]", "[3.0, 10.0]"));
+    let (scene, out) = (scratch.argument("scene.toml"), scratch.argument("single"));
+    let (code, _, err) = run(&["simulate", &scene, "-o", &out, "--split"]);
+    assert_eq!(code, 0, "{err}");
+    let svg = scratch.argument("s.svg");
+    let (code, text, err) = run(&["inspect", &out, "--pixel", "2,1", "--picture", &svg]);
+    assert_eq!(code, 0, "{err}");
+    let row = std::fs::read_to_string(&svg).map(|_| text.lines().last().unwrap_or_default().to_owned()).unwrap();
+    let cells: Vec<&str> = row.split(',').collect();
+    let digits = |cell: &str| cell.trim_start_matches(['0', '.']).replace('.', "").len();
+    // 0.2 x 0.1 = 0.02 is reflected.
+    assert!(cells[0] == "10" && (cells[2].parse::<f64>().unwrap() - 0.02).abs() < 2e-6, "{row}");
+    assert!(digits(cells[1]) <= 9 && digits(cells[3]) <= 9 && digits(cells[2]) <= 5, "{row}");
+}
+
+#[test]
 fn what_is_no_pixel_is_told() {
     let scratch = Scratch::new();
     let out = product(&scratch, false);

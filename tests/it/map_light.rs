@@ -181,3 +181,22 @@ fn bands_without_widths_are_points_and_wavelengths_in_nm_are_noticed() {
     assert!(said(&bench, "{}w.map.toml", "are taken as points of a spectrum"));
     assert!((bench.integrate(&["--radiance", "{}w.map.toml"])[0] - (1.0 + 0.07 / 0.15)).abs() < 1e-9);
 }
+
+#[test]
+fn our_own_image_is_a_map_of_the_same_bands() {
+    // Bands as wide as the Sun's lines are deep: were they points, they would be averaged again.
+    let bench = Bench::new();
+    sensor(&bench, "centres_um = [0.40, 0.43, 0.46]\nfwhm_um = 0.03");
+    let (scene, out) = (bench.0.argument("scene.toml"), bench.0.argument("first"));
+    let (code, _, err) = crate::cli::run(&["simulate", &scene, "-o", &out, "--exr", "--dtype", "f64"]);
+    assert_eq!(code, 0, "{err}");
+    let bytes = std::fs::read(bench.0.join("first/cube.img")).unwrap();
+    let expected: Vec<f64> = bytes.as_chunks::<8>().0.iter().map(|b| f64::from_le_bytes(*b)).collect();
+    bench.0.write(
+        "own.map.toml",
+        "mmxrt_map = 1\nraster = \"first/cube.exr\"\nquantity = \"radiance\"\nplacement = \"camera\"\nscene = \"scene.toml\"\n",
+    );
+    let image = bench.integrate(&["--radiance", "{}own.map.toml"]);
+    assert_eq!(image.len(), 12);
+    assert!(image.iter().zip(&expected).all(|(a, b)| (a / b - 1.0).abs() < 1e-6), "{image:?} {expected:?}");
+}

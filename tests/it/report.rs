@@ -5,7 +5,7 @@ use mmxrt::geometry::{Direction, Mesh};
 use mmxrt::product::FacetTable;
 use mmxrt::progress::unwatched;
 use mmxrt::scene::{FrameCamera, Mars, MarsModel, Material, Photometry, Scene, Sensor, Sun, Thermal};
-use mmxrt::spectral::{Band, Spectrum, solar_e490};
+use mmxrt::spectral::{Band, Light, Spectrum, solar_e490};
 use mmxrt::study::{Effect, Observation, simulate, table_id};
 
 use crate::shapes::*;
@@ -146,6 +146,26 @@ fn bounds_of_what_is_left_out_hold() {
     let change = largest_change(&warm_seen, &observed(&heated));
     let bound = effect(&warm_seen, "heat from Mars").bound.unwrap() + effect(&warm_seen, "Mars-light").bound.unwrap();
     assert!(change > 0.0 && change <= bound, "heat: {change} {bound}");
+}
+
+#[test]
+fn what_no_band_has_changes_nothing() {
+    let mut warm = scene(hills(), sun(40.0, 10.0), nadir(1e4, 80.0, 24));
+    warm.thermal = Thermal::Equilibrium;
+    let with = |light: Light| {
+        let mut scene = warm.clone();
+        scene.sensor.bands = vec![Band { light, ..Band::new(3.6, None) }];
+        observed(&scene)
+    };
+    let (sunlight, heat) = (with(Light::Sunlight), with(Light::Heat));
+    for name in ["thermal emission", "thermal inertia", "heat from Mars"] {
+        assert_eq!((effect(&sunlight, name).bound, effect(&sunlight, name).modelled), (Some(0.0), false));
+        assert!(effect(&heat, name).bound.unwrap() > 0.0, "{name}");
+    }
+    for name in ["sunlight", "Mars-light"] {
+        assert_eq!((effect(&heat, name).bound, effect(&heat, name).modelled), (Some(0.0), false));
+        assert!(effect(&sunlight, name).bound.unwrap() > 0.0, "{name}");
+    }
 }
 
 #[test]

@@ -328,7 +328,7 @@ impl Lines {
         }
         let differ = |a: &Band, b: &Band| {
             // Shapes and lights are told by themselves.
-            let Band { centre_um, fwhm_um, response: _, light: _ } = a;
+            let Band { name: _, centre_um, fwhm_um, response: _, light: _ } = a;
             !same(*centre_um, b.centre_um) || !same(fwhm_um.unwrap_or(0.0), b.fwhm_um.unwrap_or(0.0))
         };
         let off: Vec<usize> = (0..bands.len()).filter(|&i| differ(&bands[i], &b.bands[i])).collect();

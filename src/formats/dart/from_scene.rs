@@ -9,19 +9,23 @@ use crate::error::{Error, Location, Result};
 use crate::geometry::{Direction, Mesh};
 use crate::physics::sun;
 use crate::report::{Fate, Report};
-use crate::scene::{Scene, Thermal};
-use crate::spectral::{Response, SpectralLibrary};
+use crate::scene::{Mars, Scene, Thermal};
+use crate::spectral::{Band, Response, SpectralLibrary};
 
 use super::frame;
 use super::inputs::Target;
 use super::sidecar::{self, Sidecar};
 use super::simulation::{Camera, Directions, Group, Links, Maket, Object, Phase, Simulation};
 use optics::{
-    MONOCHROMATIC_UM, band_mean, databases, emissivity_off, links, on_facet_from_mars, optical, sunlight, unique_names,
+    MONOCHROMATIC_UM, band_mean, databases, emissivity_off, links, on_facet_from_mars, optical, rectangle_off,
+    sunlight, unique_names,
 };
 pub(super) use optics::{intervals, irradiance, spectra, sun_deg, tabulated, thermal_functions, width_um};
 pub use surfaces::group_names;
 use surfaces::{GROUPS, surfaces};
+
+/// What differs by no more is the same in DART, for all that is told.
+const SAME: f64 = 1e-3;
 
 /// What a simulation's folder holds.
 #[derive(Debug, Clone)]
@@ -292,19 +296,56 @@ impl Site<'_> {
         }
     }
 
+    /// Share of the facets that have light of Mars above their own horizon.
+    fn under_mars(&self, mars: &Mars) -> f64 {
+        let (mesh, to_sun) = (&self.scene.mesh, self.scene.sun.direction.vec());
+        let Some(towards) = Direction::new(mars.centre_m).map(Direction::vec) else { return 0.0 };
+        if on_facet_from_mars(mars, towards, to_sun) <= 0.0 || mesh.facets.is_empty() {
+            return 0.0;
+        }
+        let sees =
+            |f: &usize| mesh.facet(*f).normal().dot(towards) > -(mars.radius_m / mars.centre_m.length()).min(1.0);
+        (0..mesh.facets.len()).filter(sees).count() as f64 / mesh.facets.len() as f64
+    }
+
+    /// What a beam from Mars' centre sends to level ground, against all of Mars: in words.
+    fn beam_on_level_ground(&self, mars: &Mars) -> String {
+        let (towards, up) = (Direction::new(mars.centre_m), Direction::new(self.scene.origin_m));
+        let (Some(towards), Some(up)) = (towards.map(Direction::vec), up.map(Direction::vec)) else {
+            return "another one".into();
+        };
+        let on_facet = |normal| on_facet_from_mars(mars, normal, self.scene.sun.direction.vec());
+        let off = on_facet(towards) * towards.dot(up).max(0.0) / on_facet(up) - 1.0;
+        if off.is_finite() { format!("{:.1} % off", 100.0 * off.abs()) } else { "another one".into() }
+    }
+
     /// The simulation with Mars in the Sun's place.
     fn by_mars(&self, simulation: &Simulation, report: &mut Report) -> Option<Simulation> {
         let mars = self.scene.mars.as_ref()?;
         let by_mars = lit_by_mars(self.scene, self.dart_from_body, simulation);
-        let message = match by_mars {
-            None => "Mars is below the site's horizon, or dark: no simulation has its light".into(),
-            Some(_) => format!(
-                "Mars is {:.1} deg in radius; DART has one source, a parallel one: the simulation in `mars` has Mars' \
-                 light as a beam from its centre, and its radiances are to be added to the Sun's",
-                (mars.radius_m / mars.centre_m.length()).asin().to_degrees()
+        let (fate, message): (Fate, String) = match by_mars {
+            None => match self.under_mars(mars) {
+                0.0 => (Fate::Carried, "Mars sends no light to the scene: no simulation has any".into()),
+                share => (
+                    Fate::Dropped,
+                    format!(
+                        "Mars' centre is below the site's horizon, where DART has no source, but {:.0} % of the facets see some of it: no \
+                         simulation has that light",
+                        100.0 * share
+                    ),
+                ),
+            },
+            Some(_) => (
+                Fate::Approximated,
+                format!(
+                    "Mars is {:.1} deg in radius; DART has one source, a parallel one: the simulation in `mars` has Mars' light as a beam from \
+                     its centre, right on a facet that faces it, {} on level ground; its radiances are to be added to the Sun's",
+                    (mars.radius_m / mars.centre_m.length()).asin().to_degrees(),
+                    self.beam_on_level_ground(mars)
+                ),
             ),
         };
-        report.note(Fate::Carried, Location::item("mars"), message);
+        report.note(fate, Location::item("mars"), message);
         by_mars
     }
 
@@ -368,14 +409,21 @@ impl Site<'_> {
         }
         let bands = &scene.sensor.bands;
         let monochromatic = bands.iter().filter(|b| b.fwhm_um.is_none()).count();
-        let are_wide = |is: fn(&Response) -> bool| bands.iter().any(|b| b.fwhm_um.is_some() && is(&b.response));
-        if are_wide(|r| *r == Response::Gaussian) {
-            let message = "Gaussian responses; DART's are rectangles of the same width";
-            report.note(Fate::Carried, item("sensor.bands"), message);
-        }
-        if are_wide(|r| matches!(r, Response::Table(_))) {
-            let message = "tabulated responses; DART's are rectangles of the same centre and equivalent width";
-            report.note(Fate::Carried, item("sensor.bands"), message);
+        for (is_table, message) in [
+            (false, "Gaussian responses; DART's are rectangles of the same width"),
+            (true, "tabulated responses; DART's are rectangles of the same centre and equivalent width"),
+        ] {
+            let is_one = |band: &&Band| match band.response {
+                Response::Gaussian => !is_table && band.fwhm_um.is_some(),
+                Response::Table(_) => is_table,
+                Response::Box => false,
+            };
+            if bands.iter().any(|band| is_one(&band)) {
+                let lit = bands.iter().filter(|band| is_one(band) && band.light.is_lit());
+                let off = lit.map(|band| rectangle_off(scene, band)).fold(0.0, f64::max);
+                let fate = if off > SAME { Fate::Approximated } else { Fate::Carried };
+                report.note(fate, item("sensor.bands"), format!("{message}: what is reflected is up to {off:.1e} off"));
+            }
         }
         if monochromatic > 0 {
             let message = format!("{monochromatic} monochromatic bands are {MONOCHROMATIC_UM} um wide in DART");

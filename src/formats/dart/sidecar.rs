@@ -73,6 +73,9 @@ struct UnusualBand {
     band: usize,
     response: ResponseName,
     light: LightName,
+    /// What it is called.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    name: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     table: Option<Table>,
 }
@@ -106,7 +109,7 @@ impl UnusualBand {
             Light::Both => LightName::Both,
         };
         let is_usual = response == ResponseName::Gaussian && light == LightName::Both;
-        (!is_usual).then_some(UnusualBand { band, response, light, table })
+        (!is_usual).then_some(UnusualBand { band, response, light, name: b.name.clone(), table })
     }
 }
 
@@ -335,7 +338,7 @@ impl Sidecar {
                 (band.centre_um == centre_um).then_some(band)?
             }
         };
-        Some(Band { light, ..band })
+        Some(Band { light, name: unusual.name.clone(), ..band })
     }
 
     /// The place of a material in the scene's dictionary.

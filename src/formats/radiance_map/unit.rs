@@ -71,10 +71,14 @@ impl Unit {
         whole.or_else(inner)
     }
 
-    fn multiply(&mut self, other: &Unit, exponent: i32) {
-        self.powers.iter_mut().zip(other.powers).for_each(|(ours, power)| *ours += exponent * power);
+    /// Times a power of another; `None` for powers that no unit has.
+    fn multiply(&mut self, other: &Unit, exponent: i32) -> Option<()> {
         self.number *= other.number.powi(exponent);
-        self.tens += exponent * other.tens;
+        let ours = self.powers.iter_mut().chain([&mut self.tens]);
+        for (ours, power) in ours.zip(other.powers.into_iter().chain([other.tens])) {
+            *ours = ours.checked_add(power.checked_mul(exponent)?)?;
+        }
+        (self.number > 0.0 && self.number.is_finite() && self.tens.abs() < 1000).then_some(())
     }
 
     /// This over another of the same dimension.
@@ -122,7 +126,7 @@ impl Parser<'_> {
             if let Some(rest) = self.rest.strip_prefix('(') {
                 self.rest = rest;
                 let group = self.product(true, is_under != below)?;
-                unit.multiply(&group, sign * self.exponent()?);
+                unit.multiply(&group, sign * self.exponent()?)?;
                 continue;
             }
             if let Some(rest) = self.rest.strip_prefix('%') {
@@ -269,9 +273,19 @@ mod tests {
         assert_eq!(Unit::of("%").unwrap().over(&Unit::of("1").unwrap()), Some(0.01));
         assert!(Unit::of("kelvin") == Unit::of("K") && Unit::of("K").is_some());
         assert_eq!(Unit::of("W m-2 sr-1").unwrap().over(&per_um), None);
-        for text in
-            ["", "DN", "reflectance", "counts", "W m^", "m-99", "W m-2 sr-1 furlong-1", "0 W", "W/(m2 sr um", "W m-2)"]
-        {
+        for text in [
+            "",
+            "DN",
+            "reflectance",
+            "counts",
+            "W m^",
+            "m-99",
+            "W m-2 sr-1 furlong-1",
+            "0 W",
+            "W/(m2 sr um",
+            "W m-2)",
+            "((((((((m30)30)30)30)30)30)30)30)30",
+        ] {
             assert_eq!(Unit::of(text), None, "{text}");
         }
     }

@@ -138,6 +138,9 @@ pub(super) fn open(path: &Path) -> Result<Raster> {
         {
             report.note(Fate::Dropped, at(), format!("{called}: all but the first of its levels of detail"));
         }
+        let widths_um = text(header, exr_cube::WIDTHS)
+            .and_then(|widths| exr_cube::read_widths(&widths, header.channels.list.len()))
+            .unwrap_or_default();
         for (index, channel) in header.channels.list.iter().enumerate() {
             let text = utf8(&channel.name.to_string());
             if channel.sampling.x() != 1 || channel.sampling.y() != 1 {
@@ -154,7 +157,7 @@ pub(super) fn open(path: &Path) -> Result<Raster> {
             let band = RasterBand {
                 name: text,
                 centre_um: wavelength.map(|w| w.centre_um),
-                fwhm_um: wavelength.and_then(|w| w.width_um),
+                fwhm_um: wavelength.and_then(|w| w.width_um.or_else(|| *widths_um.get(index)?)),
             };
             found.push((band, Channel { part, index, sample: channel.sample_type }));
         }
@@ -185,13 +188,6 @@ pub(super) fn open(path: &Path) -> Result<Raster> {
     });
     let mut found: Vec<Option<(RasterBand, Channel)>> = found.into_iter().map(Some).collect();
     let (bands, list): (Vec<RasterBand>, Vec<Channel>) = order.iter().filter_map(|i| found[*i].take()).unzip();
-    let attributes = first.own_attributes.other.iter().chain(&first.shared_attributes.other);
-    let unit = |wanted: &str| {
-        attributes.clone().find_map(|(name, value)| match value {
-            AttributeValue::Text(text) if *name == *wanted => Some(text.to_string()),
-            _ => None,
-        })
-    };
     let pixel_aspect = f64::from(first.shared_attributes.pixel_aspect);
     if pixel_aspect != 1.0 {
         report.note(
@@ -203,9 +199,18 @@ pub(super) fn open(path: &Path) -> Result<Raster> {
     let file_bytes = usize::try_from(length).unwrap_or(usize::MAX);
     let channels = Channels { list, corners, has_margin, file_bytes };
     let data_type = if channels.are_f32() { DataType::F32 } else { DataType::F64 };
-    let unit = unit("radianceUnits").or_else(|| unit("emissiveUnits"));
+    let unit = text(first, "radianceUnits").or_else(|| text(first, "emissiveUnits"));
     let raster = Raster::of(path, (rows, columns), bands, data_type, Reader::Exr(channels));
     Ok(Raster { unit, report, layers, pixel_aspect, ..raster })
+}
+
+/// What a text attribute of a part says.
+fn text(header: &Header, wanted: &str) -> Option<String> {
+    let attributes = header.own_attributes.other.iter().chain(&header.shared_attributes.other);
+    attributes.into_iter().find_map(|(name, value)| match value {
+        AttributeValue::Text(text) if *name == *wanted => Some(text.to_string()),
+        _ => None,
+    })
 }
 
 /// A name whose bytes the reader took for Latin-1, where they are UTF-8.

@@ -124,7 +124,13 @@ pub fn write(
             order.sort_by(|a, b| names[*a].cmp(&names[*b]));
             let sorted: Vec<&str> = order.iter().map(|band| names[*band].as_str()).collect();
             let unit = job.raster.unit.clone();
-            let about = exr_cube::About { description: "", spectral, unit: unit.as_deref() };
+            let about = exr_cube::About {
+                description: "",
+                spectral,
+                unit: unit.as_deref(),
+                widths: exr_cube::widths(order.iter().map(|band| bands[*band].fwhm_um).filter(|_| spectral)),
+                names: exr_cube::band_names(order.iter().map(|band| bands[*band].name.as_str()).filter(|_| spectral)),
+            };
             let head = exr_cube::head(path, &sorted, [columns, rows], &about)?;
             let in_file: Vec<usize> = order.iter().map(|band| chosen[*band]).collect();
             job.chosen = in_file;
@@ -267,7 +273,8 @@ fn tell_places(raster: &Raster, target: Target, bands: &[RasterBand], all_bands:
     } else if wave && bands.iter().any(|b| b.centre_um.is_none()) {
         dropped("wavelengths", "not all bands have one, so that none is written".into());
     }
-    if width && !is_envi {
+    let is_spectral = target == Target::Exr && bands.iter().all(|b| b.centre_um.is_some());
+    if width && !(is_envi || is_spectral) {
         dropped("widths of bands", "the format has no place for them".into());
     }
     if bands.iter().any(|b| !b.name.is_empty()) && matches!(target, Target::Npy | Target::Csv) {
@@ -419,7 +426,7 @@ fn channel_names(bands: &[RasterBand], path: &Path, report: &mut Report) -> Resu
         let names: Vec<String> = centres_um.iter().map(|um| exr_cube::channel_name(&Band::new(*um, None))).collect();
         if bands.iter().any(|b| !b.name.is_empty() && super::names::wavelength(&b.name).is_none()) {
             let at = Location::file(path).with_item("names of bands");
-            report.note(Fate::Dropped, at, "channels are called by their wavelength");
+            report.note(Fate::Carried, at, "in the attribute `bandNames`: channels are called by their wavelength");
         }
         return match twice(&names) {
             None => Ok((names, true)),

@@ -337,7 +337,10 @@ impl Reader<'_> {
                 taken
             }
         };
-        let bands: Option<Vec<Band>> = taken.iter().map(|(_, response)| Band::tabulated(response)).collect();
+        let bands: Option<Vec<Band>> = taken
+            .iter()
+            .map(|(name, response)| Some(Band { name: name.clone(), ..Band::tabulated(response)? }))
+            .collect();
         if bands.as_ref().is_none_or(Vec::is_empty) {
             self.problem(&at, "holds no responses");
             return None;

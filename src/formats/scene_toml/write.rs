@@ -541,7 +541,8 @@ impl Writer<'_> {
     fn bands(&mut self) -> Result<String> {
         let bands = &self.scene.sensor.bands;
         let mut text = String::from("\n[sensor.bands]\n");
-        let tables: Vec<&Spectrum> = bands.iter().filter_map(|b| b.response.table()).collect();
+        let tables: Vec<(&str, &Spectrum)> =
+            bands.iter().filter_map(|b| Some((b.name.as_str(), b.response.table()?))).collect();
         let shape = |band: &Band| match (&band.response, band.fwhm_um) {
             (Response::Table(_), _) => "table",
             (Response::Box, Some(_)) => "box",

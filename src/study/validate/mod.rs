@@ -106,9 +106,11 @@ pub fn oracles(text: &str, path: &Path) -> Result<Vec<Row>> {
     if problems.is_empty() { Ok(rows) } else { Err(Error::Invalid(problems)) }
 }
 
-/// Tolerance, in degrees, of an expected 0 that comes with a relative tolerance only: what the arc cosine of a dot product
+/// Tolerance of an expected 0 that comes with a relative tolerance only, where it is an angle: what the arc cosine of a dot product
 /// rounded to f64 resolves near 0 (sqrt(2 eps) rad), which is how such zeros were made.
-const ZERO_TOLERANCE: f64 = 1.3e-6;
+const ZERO_TOLERANCE_DEG: f64 = 1.3e-6;
+/// That of other numbers: what rounding of numbers about 1 leaves of a difference.
+const ZERO_TOLERANCE: f64 = 4.0 * f64::EPSILON;
 
 /// A number to check against, as its file gives it; [`values`] is what this program says to it.
 struct Oracle<'a> {
@@ -184,7 +186,10 @@ impl<'a> Oracle<'a> {
         let (close, tolerance) = match (answer.own_tolerance, self.tol_rel, self.tol_abs) {
             (Some(own), ..) => (within(own), format!("{own:e} abs (its own bound)")),
             (_, None, None) => (expected == got || (0.1..=10.0).contains(&(got / expected)), "factor 10".to_owned()),
-            (_, Some(_), None) if expected == 0.0 => (within(ZERO_TOLERANCE), format!("{ZERO_TOLERANCE:e} abs")),
+            (_, Some(_), None) if expected == 0.0 => {
+                let zero = if self.unit.contains("deg") { ZERO_TOLERANCE_DEG } else { ZERO_TOLERANCE };
+                (within(zero), format!("{zero:.1e} abs"))
+            }
             (_, Some(rel), None) => (within(rel * expected.abs()), format!("{rel:e} rel")),
             (_, None, Some(abs)) => (within(abs), format!("{abs:e} abs")),
             (_, Some(rel), Some(abs)) => {

@@ -252,13 +252,24 @@ pub(in super::super) fn intervals(scene: &Scene, thermal: &[ThermalFunction]) ->
     let one = |(i, band): (usize, &Band)| {
         let um = band.centre_um;
         let (mut is_lit, mut glows) = (false, false);
+        // Heat rises, and light falls, from one end of a band to the other.
+        let (first_um, last_um) = scene.known_um(band.light);
+        let half_um = 0.5 * width_um(band);
+        let points_um = [(um - half_um).max(first_um), um, (um + half_um).min(last_um)];
         for (material, function) in scene.materials.iter().zip(thermal) {
-            let value = |s: &Spectrum| s.at(um).unwrap_or(0.0);
             let hot_k = function.mean_k + 0.5 * function.range_k;
-            let heat = value(&material.emissivity) * blackbody::radiance_w_m2_sr_um(um, hot_k);
-            let light = value(&material.reflectance) / PI * sunlight[i];
-            is_lit |= light >= NEGLIGIBLE * heat;
-            glows |= heat > NEGLIGIBLE * light;
+            let at = |um: f64| {
+                let value = |s: &Spectrum| s.at(um).unwrap_or(0.0);
+                let heat = value(&material.emissivity) * blackbody::radiance_w_m2_sr_um(um, hot_k);
+                (heat, value(&material.reflectance) / PI * sunlight[i])
+            };
+            let all = points_um.map(at);
+            let of = |pick: fn(f64, f64) -> f64| {
+                all.into_iter().reduce(|a, b| (pick(a.0, b.0), pick(a.1, b.1))).unwrap_or_default()
+            };
+            let ((least_heat, least_light), (most_heat, most_light)) = (of(f64::min), of(f64::max));
+            is_lit |= most_light >= NEGLIGIBLE * least_heat;
+            glows |= most_heat > NEGLIGIBLE * least_light;
         }
         let mode = match (band.light, is_lit, glows) {
             (Light::Sunlight, ..) | (Light::Both, _, false) => 0,
@@ -273,6 +284,19 @@ pub(in super::super) fn intervals(scene: &Scene, thermal: &[ThermalFunction]) ->
         }
     };
     scene.sensor.bands.iter().enumerate().map(one).collect()
+}
+
+/// How far what is reflected in a band is off if its response is a rectangle in DART, at most of all materials, relative: the
+/// irradiance is that of the response, reflectances are DART's own.
+pub(super) fn rectangle_off(scene: &Scene, band: &Band) -> f64 {
+    let rectangle = Band::boxed(band.centre_um, width_um(band));
+    let sun = &scene.sun.irradiance_1au;
+    let off = |m: &Material| {
+        let as_in_dart = band_mean(band, &[sun]) * band_mean(&rectangle, &[&m.reflectance]);
+        (as_in_dart / band_mean(band, &[sun, &m.reflectance]) - 1.0).abs()
+    };
+    // Where nothing is known, or nothing is reflected, nothing can be said.
+    scene.materials.iter().map(off).filter(|off| off.is_finite()).fold(0.0, f64::max)
 }
 
 /// How far a Lambert surface's emissivity is from 1 - reflectance, at most, in bands that have heat.
