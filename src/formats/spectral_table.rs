@@ -244,14 +244,14 @@ impl<'a> Lines<'a> {
         if rows_separator != separator && cells.len() != rows.first().map_or(0, Vec::len) {
             cells = headings(header, rows.first().map_or(2, Vec::len));
         }
-        if cells.len() < 2 {
-            let message = "one column: a wavelength and a value, parted by a comma, are needed";
-            return Err(Error::invalid(place(path, text, cells.first().copied().unwrap_or(header)), message));
-        }
         // A separator at the end of each line.
         if cells.last() == Some(&"") && rows.iter().all(|row| row.len() == cells.len() && row.last() == Some(&"")) {
             cells.pop();
             rows.iter_mut().for_each(|row| row.truncate(cells.len()));
+        }
+        if cells.len() < 2 {
+            let message = "one column: a wavelength and a value, parted by a comma, are needed";
+            return Err(Error::invalid(place(path, text, cells.first().copied().unwrap_or(header)), message));
         }
         let unit = match of_wavelength(cells[0]) {
             Ok(Some(unit)) => unit,

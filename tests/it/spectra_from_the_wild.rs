@@ -109,6 +109,16 @@ fn decimal_commas_and_ragged_rows_are_errors() {
     assert!(told.contains("`0,4` is not a finite number (help: the decimal sign is a point)"), "{told}");
     let told = refused("wavelength_um,reflectance\n0.4,0.05,x\n1,0.06\n4,0.1,1,2\n", Quantity::Reflectance);
     assert_eq!(told.matches("columns where the header has 2").count(), 2, "{told}");
+    // A separator at the end of each line parts nothing.
+    for text in ["lambda,\n2.5,\n", "wavelength_um,\n"] {
+        for quantity in [Quantity::Reflectance, Quantity::Irradiance] {
+            let told = refused(text, quantity);
+            assert!(told.contains("a.txt:1:1: one column: a wavelength and a value"), "{told}");
+        }
+        assert!(
+            spectrum_csv::parse_all(text, Path::new("a.txt"), None).unwrap_err().to_string().contains("one column")
+        );
+    }
 }
 
 /// Forty lines of made-up rock: twenty of words, percent that descend.
