@@ -209,7 +209,7 @@ fn libraries_that_cannot_be_used_are_refused() {
             &bytes,
             "its header asks for",
         ),
-        ("data type = 5\nlines = 3\n", &bytes, "0 wavelengths for spectra of 3"),
+        ("data type = 5\n", &bytes, "0 wavelengths for spectra of 3"),
         ("data type = 5\nwavelength = {1, 2}\n", &bytes, "2 values for 3 samples"),
         ("data type = 5\nwavelength = {0, 1, 2}\n", &bytes, "must be positive numbers"),
         ("data type = 5\nwavelength = {1, 2, nan}\n", &bytes, "items that are not finite numbers"),

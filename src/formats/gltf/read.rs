@@ -271,6 +271,10 @@ struct Parts {
     triangles: Vec<Triangles>,
 }
 
+/// What the positions of a primitive are made of: accessors of positions and of their residuals, and of morph targets, with the bits of
+/// their weights.
+type Positions = (usize, Option<usize>, Vec<(usize, u64)>);
+
 /// Positions that primitives share, in glTF's axes.
 struct Block {
     item: String,
@@ -461,7 +465,7 @@ impl Reader<'_> {
     fn parts(&mut self, mesh: usize, weights: &[f64], item: &str) -> Result<Parts> {
         let data = self.data;
         // Primitives that share their positions share vertices, so that edges join by index.
-        let mut shared: BTreeMap<(usize, Option<usize>, Vec<(usize, u64)>), usize> = BTreeMap::new();
+        let mut shared: BTreeMap<Positions, usize> = BTreeMap::new();
         let mut parts = Parts { blocks: Vec::new(), triangles: Vec::new() };
         let taken = data.element(&data.root.meshes, "meshes", mesh, item)?;
         let weights = if weights.is_empty() { &taken.weights } else { weights };

@@ -492,7 +492,7 @@ impl Reader<'_> {
             self.notes.push(format!("sun.spectrum: {message}"));
         }
         let Some(wanted) = toml.total_irradiance_w_m2 else {
-            if !(total > 0.0) {
+            if total <= 0.0 {
                 parts.push_str("; the Sun warms nothing");
             }
             self.stated("sun.total_irradiance_w_m2", format!("{}: {parts}", shown(total)));
