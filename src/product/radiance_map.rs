@@ -258,6 +258,8 @@ pub struct Registration {
     pub shift_m: [f64; 2],
     /// Share of the outline's area that image and scene have in common, as it was said to be and after the shift.
     pub overlap: [f64; 2],
+    /// So far from there what it shows may lie, along its lines and across, as far as outlines tell, m: 0 where they decide.
+    pub unverified_m: [f64; 2],
 }
 
 impl std::fmt::Debug for RadianceMap {

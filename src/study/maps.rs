@@ -111,12 +111,14 @@ pub struct RegistrationEntry {
     pub overlap_as_printed: f64,
     /// The same after the shift.
     pub overlap: f64,
+    /// So far from there it may lie, along its lines and across, because no outline tells, m: 0 where outlines decide.
+    pub unverified_m: [f64; 2],
 }
 
 impl From<&Registration> for RegistrationEntry {
     fn from(found: &Registration) -> Self {
-        let Registration { shift_texels, shift_m, overlap: [overlap_as_printed, overlap] } = *found;
-        RegistrationEntry { shift_texels, shift_m, overlap_as_printed, overlap }
+        let Registration { shift_texels, shift_m, overlap: [overlap_as_printed, overlap], unverified_m } = *found;
+        RegistrationEntry { shift_texels, shift_m, overlap_as_printed, overlap, unverified_m }
     }
 }
 
@@ -179,7 +181,8 @@ pub fn observe_maps(
     let mut image = integrate::integrate_maps(scene, topology, table, &maps, watch)?;
     let on_scene = image.maps.take().unwrap_or_default();
     drop(maps);
-    let unknown_share = refuse(&on_scene, options)?;
+    let unverified = unverified(&terms);
+    let unknown_share = refuse(&on_scene, options, &unverified)?;
     let (added, magnitude) = add_up(scene, &mut terms, &on_scene, options, subtracts, watch)?;
     image.cube.added = added;
     if subtracts {
@@ -187,7 +190,7 @@ pub fn observe_maps(
         notes.push(subtracted(&terms));
     }
     let unknown = pixels_of_nothing(&on_scene);
-    notes.extend(told(unknown_share, unknown.len(), options));
+    notes.extend(told(unknown_share, unknown.len(), options, &unverified));
     notes.extend(terms.iter().flat_map(|t| &t.views).flat_map(View::told));
     notes.extend(terms.iter().flat_map(|t| &t.views).filter_map(|v| v.enclosed(scene, topology)));
     let account = MapAccount {
@@ -513,8 +516,24 @@ fn pixels_of_nothing(maps: &MapImage) -> Vec<usize> {
     (0..maps.area.len()).filter(knows_nothing).collect()
 }
 
+/// Images that may lie elsewhere, as a cause of what is unknown; empty if there are none.
+fn unverified(terms: &[Term]) -> String {
+    let sources = terms.iter().flat_map(|term| &term.views).flat_map(|view| &view.sources);
+    let names: Vec<String> = sources
+        .filter_map(|source| {
+            let [along_m, across_m] = source.registration.as_ref()?.unverified_m;
+            let farthest_m = along_m.max(across_m);
+            (farthest_m > 0.0).then(|| format!("{} (by up to {farthest_m:.2} m)", source.name))
+        })
+        .collect();
+    if names.is_empty() {
+        return String::new();
+    }
+    format!("; a cause may be that images lie elsewhere than taken, which no outline tells: {}", names.join(", "))
+}
+
 /// What is said of what maps do not know.
-fn told(share: f64, pixels: usize, options: &MapOptions) -> Option<String> {
+fn told(share: f64, pixels: usize, options: &MapOptions, unverified: &str) -> Option<String> {
     let how = match options.fill {
         Fill::Refuse(_) => "; what is known of a facet, or else of its pixel, stands for the rest of it",
         Fill::Solved => ", and is filled from the scene's own sources",
@@ -531,11 +550,11 @@ fn told(share: f64, pixels: usize, options: &MapOptions) -> Option<String> {
     };
     let percent = 100.0 * share;
     (share > UNTOLD || pixels > 0)
-        .then(|| format!("{percent:.3} % of what the camera sees is unknown to the maps{how}{of_nothing}"))
+        .then(|| format!("{percent:.3} % of what the camera sees is unknown to the maps{how}{of_nothing}{unverified}"))
 }
 
 /// The share of what is seen that is unknown, if it is not too much.
-fn refuse(maps: &MapImage, options: &MapOptions) -> Result<f64> {
+fn refuse(maps: &MapImage, options: &MapOptions, unverified: &str) -> Result<f64> {
     let area: f64 = maps.area.iter().sum();
     let most = |pixel: usize| maps.unknown.iter().map(|term| term[pixel]).fold(0.0, f64::max);
     let unknown: f64 = (0..maps.area.len()).map(most).sum();
@@ -543,7 +562,7 @@ fn refuse(maps: &MapImage, options: &MapOptions) -> Result<f64> {
     match options.fill {
         Fill::Refuse(limit) if share > limit => {
             let message = format!(
-                "{:.2} % of what the camera sees is unknown: outside the maps, hidden from where they were seen, or without a value",
+                "{:.2} % of what the camera sees is unknown: outside the maps, hidden from where they were seen, or without a value{unverified}",
                 100.0 * share
             );
             let problem = Problem::new(Location::item("--radiance"), message).with_help(

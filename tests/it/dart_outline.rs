@@ -179,9 +179,74 @@ fn an_outline_that_is_not_the_scenes_is_refused_unless_forced() {
 
 #[test]
 fn an_image_without_an_outline_lies_where_it_was_printed() {
+    // 60 columns and 56 rows about a scene 24 texels wide (12 m) and less than 36 high: it may lie nearly anywhere in it.
     let (map, note) = opened([22.4, 90.0], [2.0, 3.0], |_| true, Placing::Outline).unwrap();
-    assert!(map.registration.is_none());
-    assert!(note.unwrap().contains("all of its texels have a value, so that it has no outline"));
+    let found = map.registration.as_ref().unwrap();
+    // As far as shifts are looked for, 5 m, but no farther than the scene still is in the image: (60 - 24) / 2 + 2 texels of 0.5 m.
+    assert!(found.shift_texels == [0.0; 2] && (found.unverified_m[0] - 5.0).abs() < 0.6, "{found:?}");
+    assert!(found.unverified_m[1] > 3.0 && found.overlap[1] < 0.35, "{found:?}");
+    let note = note.unwrap();
+    assert!(note.contains("is not verified") && note.contains("beside the scene"), "{note}");
     let printed = opened([22.4, 90.0], [2.0, 3.0], |_| true, Placing::Shifted([0.0; 2])).unwrap().0;
     assert_eq!(map.placement, printed.placement);
+}
+
+/// An image from 10 deg above the North whose texels all have values, of a ground 16 m wide that has nothing on it.
+fn full(size: [usize; 2], ground_m: [f64; 2], shift: [f64; 2], view_deg: [f64; 2]) -> (RadianceMap, Option<String>) {
+    let scratch = Scratch::new();
+    let [zenith, azimuth] = view_deg.map(f64::to_radians);
+    let row = DVec2::new(azimuth.cos(), azimuth.sin()) / zenith.cos();
+    let column = DVec2::new(-azimuth.sin(), azimuth.cos());
+    let [rows, columns] = size.map(|n| n as f64);
+    let first = DVec2::new(6.0, 8.0) - 0.5 * rows * row - 0.5 * columns * column + shift[0] * column + shift[1] * row;
+    let corners = [first, first + rows * row, first + rows * row + columns * column, first + columns * column];
+    let angle = |deg: f64| format!("{deg:05.1}").replace('.', "_");
+    let name = format!("ima02_VZ={}_VA={}", angle(view_deg[0]), angle(view_deg[1]));
+    let corners_m = corners.map(|p| p.to_array());
+    let values = vec![1.0; size[0] * size[1]];
+    let image = Image { folder: "BAND0/BRF/ITERX", name: &name, number: 2, size, pixel_m: 1.0, corners_m, values };
+    let output = output_with(&scratch, &image);
+    let properties = output.join("simulation.properties.txt");
+    let text = std::fs::read_to_string(&properties).unwrap();
+    let text = text.replace("teta:36.869898", &format!("teta:{:.6}", view_deg[0]));
+    std::fs::write(properties, text.replace("phi:90.000000", &format!("phi:{:.6}", view_deg[1]))).unwrap();
+    let [x, y] = ground_m.map(|m| 0.5 * m);
+    let ground = quad([-x, -y, 0.0], [x, -y, 0.0], [x, y, 0.0], [-x, y, 0.0]);
+    let scene = scene(crate::shapes::of_material(ground, 0), DVec3::new(0.0, 0.0, 11_000.0));
+    output::open(&output).unwrap().view_map(0, &scene, &options(), &unwatched).unwrap()
+}
+
+#[test]
+fn a_full_image_is_put_where_its_rectangle_fits_the_scenes() {
+    // From 10 deg above the East (y in DART's frame) 16 m are 16 cos 10 deg = 15.757 rows: in 17 rows that all show some of the scene it can
+    // lie by no more than 0.38 texels elsewhere than in their middle. Across, 12 m are 12 columns.
+    for shift in [[0.0, -2.35], [1.5, 3.1], [-2.25, 0.0]] {
+        let (map, note) = full([17, 12], [16.0, 12.0], shift, [10.0, 90.0]);
+        let found = map.registration.as_ref().unwrap();
+        let off = (0..2).map(|k| (found.shift_texels[k] - shift[k]).abs()).fold(0.0, f64::max);
+        assert!(off <= 0.5 && found.unverified_m == [0.0; 2] && found.overlap[1] > 0.99, "{shift:?}: {found:?}");
+        assert!(note.unwrap().contains("is moved there"));
+    }
+    let (map, note) = full([17, 12], [16.0, 12.0], [0.0, 0.0], [10.0, 90.0]);
+    assert!(map.registration.unwrap().shift_texels == [0.0; 2] && note.is_none());
+}
+
+#[test]
+fn a_full_image_of_a_part_of_the_scene_is_moved_into_it_and_may_lie_anywhere_there() {
+    // 12 rows of 30 m, 29.54 rows: anywhere within 8.77 texels of the middle; columns decide. The window of shifts is 8 texels.
+    let (map, note) = full([12, 12], [30.0, 12.0], [0.0, 2.0], [10.0, 90.0]);
+    let found = map.registration.as_ref().unwrap();
+    assert!(found.shift_texels == [0.0; 2] && found.unverified_m[0] == 0.0, "{found:?}");
+    assert!((found.unverified_m[1] - 8.0).abs() < 0.3, "{found:?}");
+    assert!(note.unwrap().contains("m along its rows"));
+    // 12 rows of 18 m, 17.73 rows: within 2.86 texels of the middle. Printed 6 beyond, it lies at least 3.14 before that.
+    let (map, note) = full([12, 12], [18.0, 12.0], [0.0, 6.0], [10.0, 90.0]);
+    let found = map.registration.as_ref().unwrap();
+    assert!((found.shift_texels[1] - 3.14).abs() <= 0.4 && found.shift_texels[0].abs() <= 0.25, "{found:?}");
+    assert!((found.unverified_m[1] - 4.86).abs() <= 0.8, "{found:?}");
+    let note = note.unwrap();
+    assert!(note.contains("is moved there") && note.contains("is not verified"), "{note}");
+    // From the zenith corners have always been right.
+    let (map, note) = full([12, 12], [30.0, 12.0], [0.0, 2.0], [0.0, 90.0]);
+    assert!(map.registration.unwrap().unverified_m[1] > 0.0 && note.is_none());
 }

@@ -185,6 +185,11 @@ fn mars_is_what_its_simulation_says() {
     let (back, report) = sim.read();
     assert!(back.mars == scene.mars && !told(&report, "Mars"), "{report:#?}");
     assert!(!sim.check().1.contains("Mars"));
+    // Without what says which Mars it was, its light is not read, and that is told.
+    std::fs::remove_file(sim.folder.join("mmxrt.toml")).unwrap();
+    let (back, report) = sim.read();
+    assert!(back.mars.is_none() && told(&report, "the simulation in mars/ and its light are not read"), "{report:#?}");
+    assert!(sim.check().1.contains("its light are not read"));
     // Other irradiances, another direction, a mesh, nothing at all: the edited file wins.
     let edits: [(&str, &dyn Fn(&Sim)); 4] = [
         ("irradiance", &|sim| _ = sim.edit("mars/input/phase.xml", "irradiance=\"0.", "irradiance=\"7.")),
@@ -290,11 +295,12 @@ fn a_terrain_that_dart_makes_again_stops_nothing() {
     let sim = Sim::bare(&scene);
     made(&sim, "0");
     let (simulation, _, _) = dart::read(&sim.folder, &dart::ReadOptions::default()).unwrap();
-    let folder = dart::Folder::new(&sim.folder, None, false);
-    let error =
-        dart::to_scene(&simulation, &folder, &SceneOptions::default(), &mmxrt::progress::unwatched).unwrap_err();
-    assert!(error.to_string().contains("the terrain `DEM.mp#` is not there"), "{error}");
-    assert_eq!(sim.check().0, 1);
+    assert!(simulation.maket.topography.is_some());
+    let (back, report) = sim.read();
+    assert!(told(&report, "the terrain \"DEM.mp#\" is not there: the ground is a plane at z = 0"), "{report:#?}");
+    assert!(back.mesh.facets.len() >= 4);
+    let (code, out) = sim.check();
+    assert!(code == 1 && out.contains("the terrain `DEM.mp#` is not there"), "{out}");
 }
 
 #[test]
@@ -515,4 +521,109 @@ fn what_is_not_read_of_two_simulations_is_compared_too() {
     b.edit("mmxrt.toml", "name = \"seeker\"", "name = \"other\"");
     let (code, out, _) = diff(&a.folder, &b.folder);
     assert!(code == 1 && out.contains("sensor.name: \"seeker\", \"other\""), "{out}");
+}
+
+/// Of each attribute in a folder's inputs the file, the element's name and its own, and another value.
+fn edits(folder: &Path) -> Vec<(PathBuf, String, String)> {
+    let mut edits = Vec::new();
+    let mut files: Vec<PathBuf> = folder
+        .join("input")
+        .read_dir()
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|p| p.extension().is_some_and(|e| e == "xml"))
+        .collect();
+    files.sort();
+    for file in files {
+        let mut root = mmxrt::formats::xml::read(&file).unwrap().0;
+        let mut count = 0;
+        walk(&mut root.children[0], &mut |_| count += 1);
+        for nth in 0..count {
+            let (mut i, mut what) = (0, String::new());
+            let mut edited = root.clone();
+            walk(&mut edited.children[0], &mut |(name, attribute)| {
+                if i == nth {
+                    what = format!("{name}/@{}", attribute.name);
+                    attribute.value = match attribute.value.trim().parse::<f64>() {
+                        Ok(number) if number == 0.0 => "1".into(),
+                        Ok(number) if number == 1.0 => "0".into(),
+                        Ok(number) => (number + 1.0).to_string(),
+                        Err(_) => format!("{}x", attribute.value),
+                    };
+                }
+                i += 1;
+            });
+            edits.push((file.clone(), what, edited.write()));
+        }
+    }
+    edits
+}
+
+fn walk(
+    element: &mut mmxrt::formats::xml::Element,
+    each: &mut impl FnMut((&str, &mut mmxrt::formats::xml::Attribute)),
+) {
+    let name = element.name.clone();
+    element.attributes.iter_mut().for_each(|attribute| each((&name, attribute)));
+    element.children.iter_mut().for_each(|child| walk(child, each));
+}
+
+#[test]
+fn no_edit_of_an_input_is_called_the_same_in_meaning() {
+    // Every kind of material is on a facet.
+    let mut scene = rich();
+    scene.mesh.material = [3, 5, 6, 1].map(mmxrt::geometry::MaterialId).to_vec();
+    let (sim, other) = (Sim::of(&scene), Sim::of(&scene));
+    let options = dart::ReadOptions::default();
+    assert_eq!(dart::differences(&sim.folder, &other.folder, &options).unwrap(), [""; 0]);
+    let same = [
+        // Names and colours.
+        "ident",
+        "idTemperature",
+        "name",
+        "num",
+        "objectColor",
+        "isDisplayed",
+        "typeColor",
+        "indexOT",
+        "identOType",
+        "sameOTObject",
+        "sameOTGroup",
+        // All bands have the same.
+        "commonIrradianceCheckBox",
+        "commonSkylCheckBox",
+    ];
+    // An attribute counts where something links to its element.
+    let (mut told, mut silent) = (std::collections::BTreeSet::new(), std::collections::BTreeSet::new());
+    for (file, what, text) in edits(&other.folder) {
+        let before = std::fs::read_to_string(&file).unwrap();
+        std::fs::write(&file, text).unwrap();
+        match dart::differences(&sim.folder, &other.folder, &options) {
+            Ok(lines) if lines.is_empty() => silent.insert(what),
+            // Refused is told.
+            _ => told.insert(what),
+        };
+        std::fs::write(&file, before).unwrap();
+    }
+    silent.retain(|what| !told.contains(what) && !same.iter().any(|name| what.ends_with(&format!("/@{name}"))));
+    assert!(silent.is_empty(), "{silent:?}");
+    assert!(told.len() > 200, "{}", told.len());
+}
+
+#[test]
+fn what_is_not_read_of_a_camera_or_a_temperature_is_compared_as_it_is_written() {
+    let sim = Sim::of(&rich());
+    let other = Sim::of(&rich());
+    let pushbroom = |height: f64| {
+        format!(
+            "<Pushbroom ifImportAsc=\"0\"><PushbroomSensor pitchLookAngle=\"10.0\" platformAzimuth=\"0.0\"/>\
+             <SensorCentralPosition sensorPosX=\"1\" sensorPosY=\"1\" sensorPosZ=\"{height}\"/></Pushbroom></SensorImageSimulation>"
+        )
+    };
+    for (sim, height) in [(&sim, 500.0), (&other, 900.0)] {
+        sim.edit("input/phase.xml", "</SensorImageSimulation>", &pushbroom(height));
+    }
+    let lines = dart::differences(&sim.folder, &other.folder, &dart::ReadOptions::default()).unwrap();
+    assert_eq!(lines.len(), 1, "{lines:?}");
+    assert!(lines[0].contains("sensorPosZ: 500 | 900 (not read here)"), "{lines:?}");
 }

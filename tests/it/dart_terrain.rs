@@ -372,9 +372,10 @@ fn a_raster_that_cannot_be_is_refused_at_its_place() {
     for file in ["DEM.mpr", "DEM.mp#"] {
         std::fs::remove_file(simulation.0.join("sim/input").join(file)).unwrap();
     }
-    let error = simulation.error(0);
-    assert!(error.starts_with("sim/input/maket.xml:13:"), "{error}");
-    assert!(error.ends_with("the terrain `DEM.mp#` is not there"), "{error}");
+    // One that is not there leaves the rest: a plane, and said so.
+    let told = self::told(&simulation.converted());
+    let missing = "Dropped maket.xml:13 the terrain \"DEM.mp#\" is not there: the ground is a plane at z = 0";
+    assert!(told.iter().any(|note| note.starts_with(missing)), "{told:#?}");
 }
 
 #[test]
@@ -392,7 +393,7 @@ fn what_dart_makes_a_terrain_of_is_told() {
     {
         simulation.maket(&now, &generator(case, "DEM.mp#"));
         now = generator(case, "DEM.mp#");
-        let told = told(&simulation.converted());
+        let told = self::told(&simulation.converted());
         let note = told.iter().find(|t| t.contains("DART makes")).unwrap();
         assert!(note.starts_with("Dropped maket.xml:16 DART makes a terrain of") && note.contains(what), "{note}");
     }
@@ -409,7 +410,8 @@ fn what_dart_makes_a_terrain_of_is_told() {
     );
     // Another one is made: then this one is missing.
     simulation.maket(&now, &generator(1, "other.mp#"));
-    assert!(simulation.error(0).ends_with("the terrain `DEM.mp#` is not there"));
+    let told = self::told(&simulation.converted());
+    assert!(told.iter().any(|note| note.contains("the terrain \"DEM.mp#\" is not there: the ground")), "{told:#?}");
 }
 
 #[test]

@@ -332,6 +332,7 @@ fn without_the_sidecar_what_is_missing_is_told() {
             (Fate::Defaulted, "DART has irradiances of bands only"),
             (Fate::Defaulted, "Bond albedo"),
             (Fate::Approximated, "a turn about the line of sight"),
+            (Fate::Dropped, "no mmxrt.toml has a Mars that can be used"),
             (Fate::Approximated, "temperatures are spread between two ends by sunlight"),
         ],
         "{:#?}",

@@ -170,3 +170,21 @@ fn what_means_the_same_is_no_difference() {
     }
     assert_eq!(differ(&scene, &other), [""; 0]);
 }
+
+#[test]
+fn one_spectrum_is_compared_with_one_whatever_the_files_are_called() {
+    let scratch = Scratch::new();
+    scratch.write("a.csv", "wavelength_um,reflectance\n0.5,0.1\n1.0,0.2\n");
+    scratch.write("b.csv", "wavelength_um,reflectance\n0.5,0.1\n1.0,0.2\n");
+    scratch.write("c.csv", "wavelength_um,reflectance\n0.5,0.1\n1.0,0.3\n");
+    let [a, b, c] = ["a.csv", "b.csv", "c.csv"].map(|name| scratch.argument(name));
+    let (code, out, _) = run(&["convert", "--diff", &a, &b]);
+    assert_eq!((code, out.as_str()), (0, "the same in meaning\n"));
+    let (code, out, _) = run(&["convert", "--diff", &a, &c]);
+    assert!(code == 1 && out.contains("at 1 um") && out.contains("0.2, 0.3"), "{out}");
+    // Of several, names tell which is which.
+    scratch.write("two.csv", "wavelength_um,x,y\n0.5,0.1,0.2\n1.0,0.2,0.3\n");
+    scratch.write("other.csv", "wavelength_um,x,z\n0.5,0.1,0.2\n1.0,0.2,0.3\n");
+    let (code, out, _) = run(&["convert", "--diff", &scratch.argument("two.csv"), &scratch.argument("other.csv")]);
+    assert!(code == 1 && out.contains("\"y\": is there, is not"), "{out}");
+}

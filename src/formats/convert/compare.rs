@@ -36,6 +36,10 @@ pub fn differences(a: &Content, b: &Content) -> Vec<String> {
             lines.flights(flights_a, flights_b);
         }
         (Content::Surface(a), Content::Surface(b)) => lines.surfaces(a, b),
+        // One spectrum's name is its file's.
+        (Content::Spectra(a), Content::Spectra(b)) if a.len() == 1 && b.len() == 1 => {
+            lines.libraries("spectra", &a[0], &b[0]);
+        }
         (Content::Spectra(a), Content::Spectra(b)) => {
             let names = |l: &[SpectralLibrary]| l.iter().map(|l| l.name.clone()).collect::<Vec<_>>();
             lines.each("spectra", &names(a), &names(b), |lines, at, i, j| lines.libraries(at, &a[i], &b[j]));

@@ -127,7 +127,10 @@ pub fn check(input: &Path, options: &Options) -> Result<Vec<Finding>> {
 
 /// What keeps a Mars that was written beside a simulation from coming back with it.
 fn mars(path: &Path, options: &Options) -> Vec<Finding> {
-    let has_mars = reading(options).is_ok_and(|reading| dart::has_mars(&reading.folder(path)));
+    let has_mars = reading(options).is_ok_and(|reading| {
+        let folder = reading.folder(path);
+        dart::has_mars(&folder) || folder.simulation.join(dart::MARS).join("input").is_dir()
+    });
     // What is wrong with the rest is told by the rest.
     let Some((_, _, report, _)) = has_mars.then(|| read(path, options, &unwatched).ok()).flatten() else {
         return Vec::new();

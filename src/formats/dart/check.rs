@@ -14,7 +14,7 @@ use crate::formats::xml::Element;
 
 use super::folder::Folder;
 use super::groups;
-use super::mandatory;
+use super::mandatory::{self, Kind};
 use super::read::coeff_diff::{factor_node, factors_of_bands, uses_factors};
 use super::read::sequence::count;
 use super::read::{FILES, Inputs, Options, read, terrain};
@@ -109,16 +109,25 @@ pub fn check(path: &Path, options: &Options, coverage: CoverageOf<'_>) -> Vec<Fi
     check.findings
 }
 
-/// Elements that DART wants and that are not there.
+/// Elements and attributes that DART wants and that are not there.
 fn missing(inputs: &Inputs) -> Vec<Finding> {
     let finding = |missing: mandatory::Missing| {
-        let mandatory::Missing { path, at, found, least } = missing;
-        let what = match (found, least) {
-            (0, 1) => format!("`{path}` is missing"),
-            _ => format!("`{path}` is there {found} times: at least {least} are wanted"),
+        let mandatory::Missing { path, at, kind } = missing;
+        let (what, named, fix) = match kind {
+            Kind::Element { found: 0, least: 1 } => {
+                (format!("`{path}` is missing"), "element", "write it with all its attributes")
+            }
+            Kind::Element { found, least } => {
+                let what = format!("`{path}` is there {found} times: at least {least} are wanted");
+                (what, "element", "write it with all its attributes")
+            }
+            Kind::Attribute { places: 1, .. } => (format!("`{path}` is missing"), "attribute", "write it"),
+            Kind::Attribute { places, .. } => {
+                (format!("`{path}` is missing in {places} places"), "attribute", "write it in each of them")
+            }
         };
-        let effect = "wants this element: what it does without it is not documented".to_owned();
-        Finding { severity: Severity::Error, at, what, effect, fix: "write it with all its attributes".into() }
+        let effect = format!("wants this {named}: what it does without it is not documented");
+        Finding { severity: Severity::Error, at, what, effect, fix: fix.into() }
     };
     mandatory::missing(inputs).into_iter().map(finding).collect()
 }
@@ -619,6 +628,11 @@ impl<'a> Check<'a> {
     fn terrain(&mut self) {
         let (simulation, maket) = (self.simulation, &self.simulation.maket);
         let raster = match terrain(simulation, self.folder) {
+            Ok(None) if maket.topography.as_ref().is_some_and(|t| !t.generated) => {
+                let Some(topography) = &maket.topography else { return };
+                let what = format!("the terrain `{}` is not there", topography.file);
+                return self.error(&topography.at, what, "cannot run without it", "put it into the input folder");
+            }
             Ok(raster) => raster,
             // What is not read here need not be wrong.
             Err(Error::Unsupported { .. }) => return,

@@ -19,7 +19,7 @@ use super::simulation::{
 };
 
 /// Numbers of one meaning that were computed along two ways differ by less: relative, and lengths, angles and temperatures in their unit.
-const ROUNDING: f64 = 1e-12;
+pub(super) const ROUNDING: f64 = 1e-12;
 /// As many attributes that are not read are told one by one.
 const TOLD: usize = 10;
 
@@ -60,12 +60,12 @@ fn of_inputs(a: &Path, b: &Path, options: &Options) -> Result<Vec<String>> {
     // Versions differ in what they have.
     if of_a.version == of_b.version {
         let inputs = |path: &Path| Inputs::read(&options.folder(path));
-        let mut others = unread::differences(&inputs(a)?, &inputs(b)?);
+        let mut others = unread::differences((&inputs(a)?, &of_a), (&inputs(b)?, &of_b));
         let more = others.len().saturating_sub(TOLD);
         others.truncate(TOLD);
         lines.extend(others);
         if more > 0 {
-            lines.push(format!("and {more} more attributes that are not read here"));
+            lines.push(format!("and {more} more attributes"));
         }
     }
     Ok(lines)

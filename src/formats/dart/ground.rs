@@ -76,14 +76,19 @@ impl Ground {
                     ground.close(maket.boundary, topography, &mut report);
                 }
                 found => {
-                    let why = match found.err() {
-                        Some(error) => format!("cannot be read ({error}), but"),
-                        None => "is not there, because".into(),
+                    let (why, help) = match found.err() {
+                        Some(error) => (
+                            format!("cannot be read ({error}), but DART makes it before it runs"),
+                            "Run DART's generator first",
+                        ),
+                        None if topography.generated => {
+                            ("is not there, because DART makes it before it runs".into(), "Run DART's generator first")
+                        }
+                        None => {
+                            ("is not there".into(), "Put it into the input folder, or the one that `--databases` names")
+                        }
                     };
-                    let message = format!(
-                        "the terrain {file:?} {why} DART makes it before it runs: the ground is a plane at z = 0. \
-                         Run DART's generator first"
-                    );
+                    let message = format!("the terrain {file:?} {why}: the ground is a plane at z = 0. {help}");
                     report.note(Fate::Dropped, topography.at.clone(), message);
                 }
             }

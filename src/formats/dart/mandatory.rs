@@ -1,4 +1,4 @@
-//! Which elements DART 5.7.4 wants in its input files: of no other version are they known as well.
+//! Which elements and attributes DART 5.7.4 wants in its input files: of no other version are they known as well.
 
 use std::sync::LazyLock;
 
@@ -12,17 +12,22 @@ const VERSION: &str = "5.7.4";
 const TABLE: &str = include_str!("elements_5_7_4.txt");
 static WANTED: LazyLock<Vec<Wanted>> = LazyLock::new(|| table(TABLE));
 
-/// An element that is wanted and not there.
+/// What is wanted and not there.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Missing {
-    /// Names from the section on, as in "Maket/Scene/CellDimensions".
+    /// Names from the section on, as in "Maket/Scene/CellDimensions" or "Maket/Scene/CellDimensions/@x".
     pub(super) path: String,
-    /// The element around it.
+    /// The element around it; the first of several.
     pub(super) at: Location,
-    /// So many are there.
-    pub(super) found: usize,
-    /// So many are wanted.
-    pub(super) least: usize,
+    pub(super) kind: Kind,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Kind {
+    /// An element, how many are there and how many are wanted.
+    Element { found: usize, least: usize },
+    /// An attribute, and in how many elements it is missing.
+    Attribute { name: &'static str, places: usize },
 }
 
 /// An element, and those wanted in it.
@@ -34,6 +39,7 @@ struct Wanted {
     condition: Vec<Vec<Term>>,
     /// Path of the element whose children are meant.
     like: Option<&'static str>,
+    attributes: Vec<&'static str>,
     children: Vec<Wanted>,
 }
 
@@ -56,26 +62,35 @@ pub(super) fn missing(inputs: &Inputs) -> Vec<Missing> {
     for (_, section, _) in FILES.iter().filter(|(_, section, _)| is_known(section)) {
         let wanted = WANTED.iter().find(|wanted| wanted.name == *section);
         if let (Some(wanted), Some(element)) = (wanted, inputs.section(section)) {
-            look(wanted, &mut vec![element], section, &mut missing);
+            look(wanted, &mut vec![element], section, true, &mut missing);
         }
     }
     missing
 }
 
-/// `around`: the element, below those around it, from the section on.
-fn look(wanted: &Wanted, around: &mut Vec<&Element>, path: &str, missing: &mut Vec<Missing>) {
+/// `around`: the element, below those around it, from the section on. `is_used`: whether DART wants it there.
+fn look(wanted: &Wanted, around: &mut Vec<&Element>, path: &str, is_used: bool, missing: &mut Vec<Missing>) {
     let Some(&element) = around.last() else { return };
+    for &name in wanted.attributes.iter().filter(|name| is_used && element.get(name).is_none()) {
+        let path = format!("{path}/@{name}");
+        match missing.iter_mut().find(|before| before.path == path).map(|before| &mut before.kind) {
+            Some(Kind::Attribute { places, .. }) => *places += 1,
+            _ => missing.push(Missing { path, at: element.at(), kind: Kind::Attribute { name, places: 1 } }),
+        }
+    }
     let children = wanted.like.and_then(find).map_or(&wanted.children, |like| &like.children);
     for child in children {
         let path = format!("{path}/{}", child.name);
         let found = element.all(child.name).count();
         let holds = |terms: &Vec<Term>| terms.iter().all(|term| term.holds(around));
-        if found < child.least && (child.condition.is_empty() || child.condition.iter().any(holds)) {
-            missing.push(Missing { path: path.clone(), at: element.at(), found, least: child.least });
+        let is_wanted = child.condition.is_empty() || child.condition.iter().any(holds);
+        if found < child.least && is_wanted {
+            let kind = Kind::Element { found, least: child.least };
+            missing.push(Missing { path: path.clone(), at: element.at(), kind });
         }
         for within in element.all(child.name) {
             around.push(within);
-            look(child, around, &path, missing);
+            look(child, around, &path, is_used && is_wanted, missing);
             around.pop();
         }
     }
@@ -127,12 +142,14 @@ fn table(text: &'static str) -> Vec<Wanted> {
 
 /// A line of the table.
 fn wanted(line: &'static str) -> Wanted {
+    let (line, attributes) = line.split_once(" : ").unwrap_or((line, ""));
     let (line, like) = line.split_once(" as ").map_or((line, None), |(line, like)| (line, Some(like)));
     let (line, condition) = line.split_once(" if ").unwrap_or((line, ""));
     let (name, least) = line.split_once(" x").unwrap_or((line, "1"));
     let terms = |all: &'static str| all.split(" & ").filter_map(term).collect::<Vec<Term>>();
     let condition = condition.split(" | ").map(terms).filter(|terms| !terms.is_empty()).collect();
-    Wanted { name, least: least.parse().unwrap_or(1), condition, like, children: Vec::new() }
+    let attributes = attributes.split_whitespace().collect();
+    Wanted { name, least: least.parse().unwrap_or(1), condition, like, attributes, children: Vec::new() }
 }
 
 /// `^^a.b=1`, or with `!=`.
@@ -169,6 +186,8 @@ mod tests {
         // One stands in the table's heading, in quotes.
         assert_eq!(WANTED.iter().map(with).sum::<usize>(), conditions);
         assert!(FILES.iter().all(|(_, section, _)| find(section).is_some()));
+        assert_eq!(find("Maket/Scene/CellDimensions").unwrap().attributes, ["x", "z"]);
+        assert_eq!(find("Maket/Scene/DartZoneProperties/Point2D").unwrap().attributes, ["x", "y"]);
         assert!(find("object_3d/ObjectFields/Field/ModelList/Object").is_some_and(|o| o.like.and_then(find).is_some()));
         let plane = find("Maket/Soil/Topography").unwrap();
         let Term { up, down, attribute, is, value } = &plane.condition[0][0];

@@ -78,12 +78,18 @@ pub(super) fn map(
                     ([0.0; 2], None, Some(format!("{name}: {why}: it lies where its printed corners put it")))
                 }
                 Found::Place(found) => {
-                    let is_refused = options.placing == Placing::Outline && found.overlap[1] < LEAST_OVERLAP;
-                    if is_refused {
+                    // Where all texels have values, they may be of what lies around the scene: there is no outline that could be another's.
+                    let is_full = !valid.contains(&false);
+                    let is_misfit = found.overlap[1] < LEAST_OVERLAP;
+                    if options.placing == Placing::Outline && is_misfit && !is_full {
                         return Err(misfit(&found, &view.bands[0].path));
                     }
-                    let note = (found.shift_texels != [0.0; 2] || found.overlap[1] < LEAST_OVERLAP)
-                        .then(|| told(&name, &found));
+                    let moved = (found.shift_texels != [0.0; 2] || is_misfit && !is_full).then(|| told(&name, &found));
+                    // Images from the zenith have always been found where their corners are.
+                    let is_oblique = view.towards_deg[0] != 0.0;
+                    let is_open = found.unverified_m != [0.0; 2] && (is_oblique || moved.is_some() || is_misfit);
+                    let open = is_open.then(|| unverified(&name, &found, is_misfit));
+                    let note = [moved, open].into_iter().flatten().reduce(|a, b| format!("{a}; {b}"));
                     (found.shift_texels, Some(found), note)
                 }
             }
@@ -127,6 +133,26 @@ fn told(name: &str, found: &Registration) -> String {
         100.0 * printed
     )
 }
+
+/// That an image's outline does not tell where it lies.
+fn unverified(name: &str, found: &Registration, is_misfit: bool) -> String {
+    let axes = found.unverified_m.iter().zip(["columns", "rows"]).filter(|(far_m, _)| **far_m > 0.0);
+    let far: Vec<String> = axes.map(|(far_m, axis)| format!("{far_m:.2} m along its {axis}")).collect();
+    let much = if is_misfit {
+        let beside = 100.0 * (1.0 - found.overlap[1]);
+        format!(", and {beside:.1} % of its texels have values though they lie beside the scene")
+    } else {
+        String::new()
+    };
+    format!(
+        "{name}: where it lies is not verified: no outline tells{much}; it may be off by up to {} (oblique images of DART-FT 5.7.4 lay up to \
+         {KNOWN_ERROR_M} m beside their printed corners); `shift_texels` in a map file places it",
+        far.join(" and ")
+    )
+}
+
+/// As far beside their printed corners oblique images have been found, m.
+const KNOWN_ERROR_M: f64 = 3.6;
 
 fn misfit(found: &Registration, path: &Path) -> Error {
     let Registration { shift_texels: [columns, rows], overlap: [printed, shifted], .. } = found;

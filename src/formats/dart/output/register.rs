@@ -26,7 +26,7 @@ const FINEST: usize = 4;
 const MOST_CELLS: usize = 6_000_000;
 /// A shift by up to this is none: what the outlines of texels tell is not known better.
 const RESIDUAL: f64 = 0.5;
-/// An axis along which shifts change the misfit by less than this, texels, has no outline across it.
+/// Shifts by whole texels that change the misfit by less than this, texels, fit as well as the best one: no outline decides between them.
 const FLAT: f64 = 0.5;
 /// Texels covered by less than this are beside the outline, by more than all but this within it.
 const ROUNDING: f64 = 1e-9;
@@ -38,24 +38,28 @@ const ROUNDING: f64 = 1e-9;
 /// # Errors
 /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
 pub(super) fn register(image: &ViewImage, valid: &[bool], scene: &Scene, watch: Watch<'_>) -> Result<Found> {
-    if valid.iter().all(|v| *v) {
-        return Ok(Found::Nothing("all of its texels have a value, so that it has no outline"));
-    }
     if !valid.contains(&true) {
         return Ok(Found::Nothing("none of its texels has a value"));
     }
     let Some(outline) = Outline::draw(image, valid, scene, watch)? else {
         return Ok(Found::Nothing("its outline cannot be drawn"));
     };
-    let Some(shift) = outline.best() else {
-        return Ok(Found::Nothing("the scene fills all of it, so that there is no outline"));
-    };
+    let Best { shift, unverified } = outline.best();
     let shift = if shift.iter().all(|s| s.abs() <= RESIDUAL) { [0.0; 2] } else { shift };
     let overlap = [[0.0; 2], shift].map(|shift| outline.overlap(outline.cells(shift)));
     // Rows of a mirror image are counted from the other side.
     let shift_texels = if outline.is_mirrored { [shift[0], 0.0 - shift[1]] } else { shift };
-    let shift_m = [0, 1].map(|k| shift_texels[k] / image.projection.linear.row(k).length());
-    Ok(Found::Place(Registration { shift_texels, shift_m, overlap }))
+    let per_m = [0, 1].map(|k| image.projection.linear.row(k).length());
+    let in_m = |texels: [f64; 2]| [0, 1].map(|k| texels[k] / per_m[k]);
+    let (shift_m, unverified_m) = (in_m(shift_texels), in_m(unverified));
+    Ok(Found::Place(Registration { shift_texels, shift_m, overlap, unverified_m }))
+}
+
+/// The shift of the least misfit, texels.
+struct Best {
+    shift: [f64; 2],
+    /// How far from there shifts are that fit as well, if no outline decides; else 0.
+    unverified: [f64; 2],
 }
 
 /// The outlines of an image and of the scene.
@@ -140,8 +144,9 @@ impl Outline {
         rows.iter().sum()
     }
 
-    /// The shift of the least misfit, texels; 0 along an axis that has no outline across it, `None` if neither has one.
-    fn best(&self) -> Option<[f64; 2]> {
+    /// The shift of the least misfit. Along an axis where many fit as well, as where the scene reaches beyond the image on both sides or the
+    /// image has values all around the scene: the least of them, which is no farther from the truth than none at all.
+    fn best(&self) -> Best {
         let fine = self.fine as isize;
         let farthest = self.margin as isize * fine;
         let mut best = (self.misfit([0, 0]), [0_isize; 2]);
@@ -164,35 +169,38 @@ impl Outline {
             step /= 2;
             reach = 2;
         }
-        // An axis without an outline: along it, nothing changes.
-        let mut range = [[best.0; 2]; 2];
+        let beside = |k: usize, by: isize| {
+            let mut shift = best.1;
+            shift[k] += by;
+            if shift[k].abs() > farthest { f64::INFINITY } else { self.misfit(shift) }
+        };
+        let fits = |k: usize, by: isize| beside(k, by) <= best.0 + FLAT;
+        // Parts of texels are asked last: by them the misfit changes with what is left of texels, too.
+        let reach = |k: usize, sign: isize| {
+            let whole = (1..).take_while(|texels| fits(k, sign * texels * fine)).last().unwrap_or(0) * fine;
+            whole + (1..fine).take_while(|cells| fits(k, sign * (whole + cells))).last().unwrap_or(0)
+        };
+        let texels = |cells: f64| cells / self.fine as f64;
+        let mut found = Best { shift: [0.0; 2], unverified: [0.0; 2] };
         for k in 0..2 {
-            for by in [-farthest / 2, -fine, fine, farthest / 2] {
-                let mut shift = best.1;
-                shift[k] = (shift[k] + by).clamp(-farthest, farthest);
-                let misfit = self.misfit(shift);
-                range[k] = [range[k][0].min(misfit), range[k][1].max(misfit)];
+            let middle = best.1[k] as f64;
+            let reach = [-1, 1].map(|sign| reach(k, sign));
+            let (least, most) = (middle - reach[0] as f64, middle + reach[1] as f64);
+            if reach.iter().any(|cells| *cells >= fine) {
+                let shift = 0.0_f64.clamp(least, most);
+                found.shift[k] = texels(shift);
+                found.unverified[k] = texels((shift - least).max(most - shift));
+                continue;
             }
-        }
-        let has_outline = range.map(|[least, most]| most - least > FLAT);
-        if has_outline == [false, false] {
-            return None;
-        }
-        let mut shift = [0.0; 2];
-        for k in (0..2).filter(|k| has_outline[*k]) {
-            let beside = |by: isize| {
-                let mut shift = best.1;
-                shift[k] += by;
-                if shift[k].abs() > farthest { f64::INFINITY } else { self.misfit(shift) }
-            };
-            // Between cells, the misfit is taken for a parabola.
-            let (before, after) = (beside(-1), beside(1));
+            // Between cells, the misfit is taken for a parabola, unless it is flat there.
+            let (before, after) = (beside(k, -1), beside(k, 1));
             let bend = before - 2.0 * best.0 + after;
-            let part =
-                if bend > 0.0 && bend.is_finite() { (0.5 * (before - after) / bend).clamp(-0.5, 0.5) } else { 0.0 };
-            shift[k] = (best.1[k] as f64 + part) / self.fine as f64;
+            let has_bend = before > best.0 && after > best.0 && bend.is_finite();
+            let between =
+                if has_bend { middle + (0.5 * (before - after) / bend).clamp(-0.5, 0.5) } else { 0.5 * (least + most) };
+            found.shift[k] = texels(between);
         }
-        Some(shift)
+        found
     }
 
     /// The share of what either of the outlines holds that both hold. A texel on the scene's outline may have a value or not.

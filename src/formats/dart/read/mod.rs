@@ -169,6 +169,7 @@ pub fn read(path: &Path, options: &Options) -> Result<(Simulation, Report, Vec<I
         maket,
         phase,
     };
+    reading.missing(&inputs);
     let Reading { problems, report, inputs, .. } = reading;
     problems.finish(&folder.input)?;
     Ok((simulation, report, inputs))
@@ -176,18 +177,15 @@ pub fn read(path: &Path, options: &Options) -> Result<(Simulation, Report, Vec<I
 
 /// The raster of heights that a simulation names, if there is one: the first line is at x = 0, heights in m.
 ///
-/// It spans the scene, with two lines and columns at least. `None` also if DART would make it first, and has not.
+/// It spans the scene, with two lines and columns at least. `None` also if it is not there.
 ///
 /// # Errors
-/// [`Error::Invalid`] if it is not there, if it holds what is no height, or if its header gives it another extent than the scene's, by more than
+/// [`Error::Invalid`] if it holds what is no height, or if its header gives it another extent than the scene's, by more than
 /// a pixel; and as [`ilwis::read`].
 pub fn terrain(simulation: &Simulation, folder: &Folder) -> Result<Option<(Raster, Vec<InputFile>)>> {
-    let Some(Topography { file: name, generated, at }) = &simulation.maket.topography else { return Ok(None) };
+    let Some(Topography { file: name, generated: _, at }) = &simulation.maket.topography else { return Ok(None) };
     let found = folder.locate(name, at).map_err(|problem| Error::Invalid(vec![problem]))?;
-    let Some(path) = found else {
-        let missing = || Error::invalid(at.clone(), format!("the terrain `{name}` is not there"));
-        return if *generated { Ok(None) } else { Err(missing()) };
-    };
+    let Some(path) = found else { return Ok(None) };
     let (raster, files) = ilwis::read(&path)?;
     let Raster { rows, columns, pixel_m, values } = &raster;
     let mut problems = Vec::new();

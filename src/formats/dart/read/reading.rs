@@ -10,7 +10,8 @@ use crate::report::{Fate, Report};
 
 use super::super::Links;
 use super::super::folder::Folder;
-use super::Options;
+use super::super::mandatory::{self, Kind, Missing};
+use super::{Inputs, Options, unread};
 
 /// The state of reading one simulation. A value that cannot be used is a problem, and reading goes on with a stand-in.
 pub(super) struct Reading<'a> {
@@ -141,6 +142,20 @@ impl<'a> Reading<'a> {
                 self.problem(element.at_attribute(name), message);
                 false
             }
+        }
+    }
+
+    /// Tells attributes that DART wants and that would be carried, that are not there, and of which nothing has been said.
+    pub(super) fn missing(&mut self, inputs: &Inputs) {
+        for Missing { path, at, kind } in mandatory::missing(inputs) {
+            let Kind::Attribute { name, places } = kind else { continue };
+            let element = path.rsplit('/').nth(1).unwrap_or_default();
+            if self.defaulted.contains(&path) || !unread::is_carried(element, name) {
+                continue;
+            }
+            let where_ = if places > 1 { format!(" (in {places} places)") } else { String::new() };
+            let message = format!("has no attribute `{name}`, which this version of DART wants{where_}");
+            self.note(Fate::Defaulted, at, message);
         }
     }
 

@@ -1,70 +1,211 @@
 //! What two simulations' inputs differ in where they are not read: how DART computes, and features that mmxrt has no counterpart for.
+//!
+//! Whatever [`CARRIED`] does not name is compared as it is written.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::formats::xml::Element;
 
+use super::super::diff::ROUNDING;
+use super::super::simulation::Simulation;
 use super::losses::{KNOWN, LISTED};
 use super::reading::number;
 use super::{FILES, Inputs};
 
-/// What only names and colours things.
+/// What only names and colours things: elements with all they hold, ...
 const LABELS: [&str; 3] = ["Types", "ObjectTypeProperties", "GroupTypeProperties"];
-/// Attributes of elements that are read, which themselves are not.
-const ATTRIBUTES: [(&str, &[&str]); 4] = [
-    ("Maket", &["dartZone", "useRandomGenerationSeed", "hideRB"]),
-    ("Directions", &["numberOfPropagationDirections", "ifCosWeighted"]),
-    ("Phase", &["calculatorMethod", "accelerationEngine", "expertMode"]),
-    ("CellDimensions", &["roundToExact"]),
+/// ... and attributes.
+const NAMES: [&str; 10] = [
+    "ident",
+    "idTemperature",
+    "name",
+    "num",
+    "customImageName",
+    "sensorName",
+    "objectColor",
+    "isDisplayed",
+    "showObjectPositions",
+    "fieldDescriptionFileName",
 ];
+/// Attributes whose values a simulation carries: they are compared by what they mean.
+const CARRIED: [(&str, &str); 51] = [
+    ("Maket", "exactlyPeriodicScene"),
+    ("CellDimensions", "x z"),
+    ("SceneDimensions", "x y"),
+    ("Soil", "groundEnabled"),
+    ("OpticalPropertyLink", "indexFctPhase type"),
+    ("ThermalPropertyLink", "indexTemperature"),
+    ("Topography", "presenceOfTopography"),
+    ("TopographyProperties", "fileName"),
+    ("LatLon", "latitude longitude altitude"),
+    ("LambertianMulti", "ModelName databaseName fileName"),
+    ("Lambertian", "ModelName databaseName"),
+    ("HapkeSpecularMulti", "ModelName databaseName transmittanceDatabaseName transmittanceModelName"),
+    ("RPVMulti", "ModelName databaseName transmittanceDatabaseName transmittanceModelName"),
+    ("ThermalFunction", "deltaT meanT"),
+    ("Object", "file_src hasGroups hidden objectDEMMode repeatedOnBorder"),
+    ("PositionProperties", "xpos ypos zpos"),
+    ("ScaleProperties", "xscale yscale zscale"),
+    ("RotationProperties", "xrot yrot zrot"),
+    ("ObjectOpticalProperties", "doubleFace sameExitanceObject sameOPObject"),
+    ("Group", "hidden"),
+    ("GroupOpticalProperties", "doubleFace"),
+    ("SurfaceOpticalProperties", "doubleFace"),
+    ("SpectralIntervalsProperties", "bandNumber deltaLambda meanLambda spectralDartMode"),
+    ("nodeIlluminationMode", "irradianceMode"),
+    ("CommonParameters", "commonIrradianceCheckBox commonSkylCheckBox"),
+    ("SpectralIrradianceValue", "Skyl bandNumber irradiance"),
+    ("Pinhole", "defCameraOrientation fieldOfViewDefinition setImageSize"),
+    ("OrientationDef", "orientDefType"),
+    ("CameraOrientation", "cameraPhi cameraRotation cameraTheta"),
+    ("CamImageFOV", "defNbPixels definitionFOV"),
+    ("CamImageDim", "sizeImageX sizeImageY"),
+    ("CamImageAOV", "aovX aovY"),
+    ("NbPixels", "nbPixelsX nbPixelsY"),
+    ("SensorCentralPosition", "sensorPosX sensorPosY sensorPosZ"),
+    ("Sensor", "sensorPosX sensorPosY sensorPosZ"),
+    ("SensorPosition", "sensorPosX sensorPosY sensorPosZ"),
+    ("SensorView", "viewDefinition"),
+    ("SensorViewDirection", "sensorDirectionX sensorDirectionY sensorDirectionZ"),
+    ("SensorAngleDirection", "sensorDirectionPhi sensorDirectionTetha sensorDirectionTheta"),
+    ("SensorOrientation", "orientationAngle tethaOrientation"),
+    ("SensorDimensions", "height width"),
+    ("FocaleDistance", "focaleDistance"),
+    ("FieldOfView", "aovHeight aovWidth"),
+    ("ImageResolution", "nbPixelsHeight nbPixelsWidth"),
+    ("Directions", "exactDate"),
+    ("Sun", "sunAzimuthAngle sunZenithAngle"),
+    ("SunViewingAngles", "sunViewingAzimuthAngle sunViewingZenithAngle"),
+    ("ExactDateHour", "year month day hour minute second localTime timezone daylightSavingTime"),
+    ("AzimuthalOffset", "sunAzimuthalOffset"),
+    ("AddedDirections", "directionType ifPhaseOnly imageDirection"),
+    ("ZenithAzimuth", "directionAzimuthalAngle directionZenithalAngle"),
+];
+/// Of multiplicative factors, beside all that are factors.
+const FACTORS: &str = "useSameFactorForAllBands";
+/// What tells entries of a list apart, whatever their order.
+const KEYS: [&str; 2] = ["ident", "idTemperature"];
 
-/// One line for each attribute that is not alike. Entries of lists are passed over: their order may differ, and what is not read of them
-/// is told when they are.
-pub(in crate::formats::dart) fn differences(a: &Inputs, b: &Inputs) -> Vec<String> {
-    let known: BTreeMap<&str, &str> = KNOWN.iter().copied().collect();
+/// Whether what an attribute says, or whom it names, is in a simulation.
+pub(super) fn is_carried(element: &str, attribute: &str) -> bool {
+    let is_named = |(name, names): &&(&str, &str)| *name == element && names.split_whitespace().any(|n| n == attribute);
+    KEYS.contains(&attribute)
+        || CARRIED.iter().any(|carried| is_named(&carried))
+        || is_factors(element) && (attribute == FACTORS || is_factor(attribute))
+}
+
+/// One line for each attribute that is not alike.
+pub(in crate::formats::dart) fn differences(
+    (a, of_a): (&Inputs, &Simulation),
+    (b, of_b): (&Inputs, &Simulation),
+) -> Vec<String> {
+    let cameras = |of: &Simulation| of.phase.cameras.iter().map(|camera| camera.at.to_string()).collect();
+    let mut compared = Compared {
+        known: KNOWN.iter().copied().collect(),
+        carried: CARRIED.iter().copied().collect(),
+        cameras: [cameras(of_a), cameras(of_b)],
+        lines: Vec::new(),
+    };
     let mut lines = Vec::new();
     for (file, section, _) in FILES {
-        let mut of_file = Vec::new();
-        match (a.section(section), b.section(section)) {
-            (Some(a), Some(b)) => elements(a, b, &known, false, &mut of_file),
+        match (a.root(section), b.root(section)) {
+            (Some(a), Some(b)) => compared.children(a, b, false),
             (None, None) => {}
-            (a, _) => of_file.push(if a.is_some() { "is there | is not".into() } else { "is not | is there".into() }),
+            (a, _) => {
+                compared.lines.push(if a.is_some() { "is there | is not".into() } else { "is not | is there".into() })
+            }
         }
-        lines.extend(of_file.into_iter().map(|line: String| format!("{file} {line}")));
+        lines.extend(compared.lines.drain(..).map(|line| format!("{file} {line}")));
     }
     lines
 }
 
-/// `all`: nothing below is read.
-fn elements(a: &Element, b: &Element, known: &BTreeMap<&str, &str>, all: bool, lines: &mut Vec<String>) {
-    let name = a.name.as_str();
-    let all = all || known.get(name).is_none_or(|attributes| *attributes == "*");
-    let of_element = ATTRIBUTES.iter().find(|(element, _)| *element == name).map_or(&[][..], |(_, names)| names);
-    let mut names: Vec<&str> =
-        a.attributes.iter().chain(&b.attributes).map(|attribute| attribute.name.as_str()).collect();
-    names.sort_unstable();
-    names.dedup();
-    for attribute in names.into_iter().filter(|attribute| all || of_element.contains(attribute)) {
-        let (of_a, of_b) = (a.get(attribute), b.get(attribute));
-        let is_same = match (of_a, of_b) {
-            (Some(a), Some(b)) => a.trim() == b.trim() || number(a).is_some_and(|a| number(b) == Some(a)),
-            _ => false,
+struct Compared<'a> {
+    known: BTreeMap<&'a str, &'a str>,
+    carried: BTreeMap<&'a str, &'a str>,
+    /// Where the cameras stand that are read.
+    cameras: [BTreeSet<String>; 2],
+    lines: Vec<String>,
+}
+
+impl Compared<'_> {
+    /// `all`: nothing below is read.
+    fn elements(&mut self, a: &Element, b: &Element, all: bool) {
+        let name = a.name.as_str();
+        let carried = self.carried.get(name).copied().or_else(|| is_factors(name).then_some(FACTORS));
+        let all = all || carried.is_none() && self.known.get(name).is_none_or(|attributes| *attributes == "*");
+        let names: BTreeSet<&str> =
+            a.attributes.iter().chain(&b.attributes).map(|attribute| attribute.name.as_str()).collect();
+        for attribute in names.into_iter().filter(|attribute| !NAMES.contains(attribute)) {
+            let is_carried = carried.filter(|_| !all).is_some_and(|names| {
+                names.split_whitespace().any(|name| name == attribute) || names == FACTORS && is_factor(attribute)
+            });
+            let (of_a, of_b) = (a.get(attribute), b.get(attribute));
+            let is_same = match (of_a, of_b) {
+                (Some(a), Some(b)) => {
+                    is_carried
+                        || a.trim() == b.trim()
+                        || number(a).zip(number(b)).is_some_and(|(a, b)| is_rounding(a, b))
+                }
+                // From 5.11 elements have empty attributes that link them to others.
+                (Some(value), None) | (None, Some(value)) => attribute.starts_with("link") && value.is_empty(),
+                (None, None) => true,
+            };
+            if !is_same {
+                let shown = |value: Option<&str>| value.unwrap_or("none").to_owned();
+                let what = if is_carried { "" } else { NOT_READ };
+                self.lines.push(format!("{}/@{attribute}: {} | {}{what}", a.path(), shown(of_a), shown(of_b)));
+            }
+        }
+        self.children(a, b, all);
+    }
+
+    fn children(&mut self, a: &Element, b: &Element, all: bool) {
+        let mut children: BTreeMap<&str, [Vec<&Element>; 2]> = BTreeMap::new();
+        for (k, element) in [a, b].into_iter().enumerate() {
+            element.children.iter().for_each(|child| children.entry(&child.name).or_default()[k].push(child));
+        }
+        let is_camera = a.name == "SensorImageSimulation";
+        for (name, [of_a, of_b]) in children.into_iter().filter(|(name, _)| !LABELS.contains(name)) {
+            let is_unread = self.known.get(name).is_none_or(|attributes| *attributes == "*");
+            // The numbers of what is read are compared with it.
+            if of_a.len() != of_b.len() && (all || is_unread || !LISTED.contains(&name)) {
+                self.lines.push(format!("{}/{name}: {} of them | {}{NOT_READ}", a.path(), of_a.len(), of_b.len()));
+            }
+            for (a, b) in pairs(of_a, of_b) {
+                let is_read = |k: usize, camera: &Element| self.cameras[k].contains(&camera.at().to_string());
+                let is_passed_over = is_camera && !(is_read(0, a) && is_read(1, b));
+                self.elements(a, b, all || is_passed_over);
+            }
+        }
+    }
+}
+
+const NOT_READ: &str = " (not read here)";
+
+/// Entries that belong together: by what tells them apart, if that is the same on both sides; else as they stand.
+fn pairs<'e>(a: Vec<&'e Element>, mut b: Vec<&'e Element>) -> Vec<(&'e Element, &'e Element)> {
+    for key in KEYS {
+        let places = |list: &[&'e Element]| -> BTreeMap<&'e str, usize> {
+            list.iter().enumerate().filter_map(|(i, e)| Some((e.get(key)?, i))).collect()
         };
-        if !is_same {
-            let shown = |value: Option<&str>| value.unwrap_or("none").to_owned();
-            lines.push(format!("{}/@{attribute}: {} | {}", a.path(), shown(of_a), shown(of_b)));
+        let (of_a, of_b) = (places(&a), places(&b));
+        if of_a.len() == a.len() && of_b.len() == b.len() && of_a.keys().eq(of_b.keys()) {
+            b.sort_by_key(|e| e.get(key).and_then(|name| of_a.get(name)));
         }
     }
-    let mut children: BTreeMap<&str, [Vec<&Element>; 2]> = BTreeMap::new();
-    for (k, element) in [a, b].into_iter().enumerate() {
-        element.children.iter().for_each(|child| children.entry(&child.name).or_default()[k].push(child));
-    }
-    let is_looked_at = |name: &str| (all || !LISTED.contains(&name)) && !LABELS.contains(&name);
-    for (child, [of_a, of_b]) in children.into_iter().filter(|(name, _)| is_looked_at(name)) {
-        let is_unread = all || known.get(child).is_none_or(|attributes| *attributes == "*");
-        if of_a.len() != of_b.len() && is_unread {
-            lines.push(format!("{}/{child}: {} of them | {}", a.path(), of_a.len(), of_b.len()));
-        }
-        of_a.into_iter().zip(of_b).for_each(|(a, b)| elements(a, b, known, all, lines));
-    }
+    a.into_iter().zip(b).collect()
+}
+
+/// An element of multiplicative factors, of all bands or of one.
+fn is_factors(name: &str) -> bool {
+    name.to_ascii_lowercase().ends_with("multiplicativefactorforlut")
+}
+
+fn is_factor(attribute: &str) -> bool {
+    !attribute.starts_with("use") && attribute != "diffuseTransmittanceAcceleration"
+}
+
+fn is_rounding(a: f64, b: f64) -> bool {
+    (a - b).abs() <= ROUNDING * a.abs().max(b.abs())
 }

@@ -32,8 +32,10 @@ impl Reader<'_> {
         let path = self.folder.simulation.join(FOLDER);
         let is_there = path.join("input").is_dir();
         let Some(mars) = self.sidecar.as_ref().and_then(Sidecar::mars) else {
-            if is_there && self.sidecar.is_some() {
-                let message = format!("{FILE} has no Mars that can be used: the simulation in {FOLDER}/ is not read");
+            if is_there {
+                let message = format!(
+                    "no {FILE} has a Mars that can be used: the simulation in {FOLDER}/ and its light are not read"
+                );
                 self.note(Fate::Dropped, &item, message);
             }
             return Ok(scene);
