@@ -64,12 +64,15 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         let message = "has no one spectrum that could be written: --csv goes with --pixel, or with `e490`";
         return Err(Error::invalid(Location::file(path), message));
     }
+    // Of a product, the cube is the image.
+    let cube = path.join("cube.img");
+    let path = if arguments.picture.is_some() && cube.is_file() { &cube } else { path };
     let found = match path.is_file().then(|| Format::of_input(path)) {
         Some(Err(e @ Error::Unsupported { .. })) => return Err(e),
         found => found.and_then(|found| found.ok()),
     };
     let facts = match found {
-        Some((format, _)) if format.is_raster() => image(format, arguments, console)?,
+        Some((format, _)) if format.is_raster() => image(path, format, arguments, console)?,
         _ if arguments.picture.is_some() => {
             return Err(Error::invalid(Location::file(path), "is no image, of which a picture could be made"));
         }
@@ -201,7 +204,14 @@ fn inspect(path: &Path, console: &Console) -> Result<Facts> {
                 );
             Err(Error::Invalid(vec![problem]))
         }
-        _ => Err(Error::io(path, "reading", path.metadata().err().unwrap_or(std::io::ErrorKind::NotFound.into()))),
+        _ => Err(match path.metadata() {
+            Ok(_) => {
+                let problem =
+                    Problem::new(Location::file(path), "is neither a file nor a folder, but a pipe or a device");
+                Error::Invalid(vec![problem.with_help("save what comes from it as a file")])
+            }
+            Err(e) => Error::io(path, "reading", e),
+        }),
     }
 }
 
@@ -301,13 +311,27 @@ fn recipe(path: &Path) -> Result<Facts> {
     ])
 }
 
-/// A spectrum: of a surface or of the Sun.
+/// A spectrum: of a surface or of the Sun; or a table that is none, but is read as others are.
 fn spectrum(path: &Path, console: &Console) -> Result<Facts> {
+    if let Some((facets, bands)) = radiance_map::facets_of(path)? {
+        let bands = bands.iter().map(|band| json!({ "um": band.centre_um, "fwhm_um": band.fwhm_um }));
+        return Ok(vec![
+            ("kind", json!("radiance of facets, W m-2 sr-1 um-1, for `integrate --radiance`")),
+            ("facets", json!(facets)),
+            ("bands", bands.collect()),
+        ]);
+    }
     let (quantity, spectrum, report) =
         match (spectrum_csv::read_any(path, Extend::Error), spectrum_csv::read_all(path, None)) {
             (Ok(read), _) => read,
             // A table of several.
-            (Err(_), Ok(_)) => return converted(path, console),
+            (Err(_), Ok((spectra, _))) => {
+                let mut facts = converted(path, console)?;
+                if spectrum_csv::are_responses(&spectra) {
+                    facts.insert(1, ("likely", json!("responses of bands, for `response` in `[sensor.bands]`")));
+                }
+                return Ok(facts);
+            }
             (Err(error), Err(_)) => return Err(error),
         };
     let (first, last) = spectrum.coverage_um();
@@ -430,8 +454,13 @@ fn arrays(path: &Path) -> Result<Facts> {
 }
 
 /// What an image holds, band by band, and on request a picture of it.
-fn image(format: Format, arguments: &Arguments, console: &Console) -> Result<Facts> {
-    let path = &arguments.file;
+fn image(path: &Path, format: Format, arguments: &Arguments, console: &Console) -> Result<Facts> {
+    if let Some(picture) =
+        arguments.picture.as_ref().filter(|p| p.extension().is_some_and(|e| !e.eq_ignore_ascii_case("png")))
+    {
+        let message = "a picture of an image is written as PNG: give it a name that ends in .png";
+        return Err(Error::invalid(Location::file(picture), message));
+    }
     let mut facts = match format {
         Format::Envi => {
             let header = envi::read_header(&envi::pair(path)?.0)?;

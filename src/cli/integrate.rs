@@ -23,7 +23,7 @@ use super::{Outcome, scene};
 pub(crate) struct Arguments {
     /// The scene file
     scene: PathBuf,
-    /// What its facets receive, from `mmxrt solve`; one table serves all cameras and bands
+    /// What its facets receive, from `mmxrt solve`; one table serves all cameras and bands, while Bond albedos stay
     #[arg(long, value_name = "TABLE.npz")]
     table: Option<PathBuf>,
     /// Radiance from elsewhere: a raster with its `.map.toml`, a table of facets, an output of DART. Maps joined by `+` add up, each
@@ -140,6 +140,9 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         return Err(Error::Invalid(vec![problem]));
     }
     terms.retain(|term| !term.is_empty());
+    if matches!(arguments.views, Views::Interpolated) && terms.iter().all(|views| views.len() < 2) {
+        opened.warnings.push("--views interpolated: there is one view, and nothing to interpolate between".to_owned());
+    }
     arguments.product.admit(&staged, &opened, &tables_from, true, Extras::default())?;
     let table = match tables {
         Some(table) => table,
@@ -162,9 +165,20 @@ fn table(path: &Path, scene: &Path, opened: &Opened) -> Result<FacetTable> {
     if header.scene != study::table_id(&opened.scene) {
         let problem = Problem::new(
             Location::file(path),
-            "was solved for another scene: another mesh, origin, Sun, Mars or heat (camera, bands and spectra may differ)",
+            "was solved for another scene: another mesh, origin, Sun, Mars or heat (camera, bands and spectra may differ, but not what follows \
+             from them: a total of the Sun, and Bond albedos)",
         );
-        let help = format!("solve it again: mmxrt solve {} -o TABLE.npz", scene.display());
+        let own = |d: &&String| d.contains(".bond_albedo = ");
+        let follow: Vec<&str> =
+            opened.defaults.iter().filter(own).filter_map(|d| Some(d.split_once(" = ")?.0)).take(8).collect();
+        let follow = match follow.is_empty() {
+            true => String::new(),
+            false => format!(
+                "; not given, and so of the reflectance: {} (a table outlives its change if they are)",
+                follow.join(", ")
+            ),
+        };
+        let help = format!("solve it again: mmxrt solve {} -o TABLE.npz{follow}", scene.display());
         return Err(Error::Invalid(vec![problem.with_help(help)]));
     }
     Ok(table)
@@ -182,13 +196,12 @@ fn summands(text: &str) -> Result<Vec<(PathBuf, f64)>> {
         return Ok(vec![(text.into(), 1.0)]);
     }
     let summand = |part: &str| {
-        let (path, weight) = match part.rsplit_once('*') {
-            Some((path, weight)) if !Path::new(part.trim()).exists() => {
-                (path, weight.trim().parse().map_err(|_| format!("{:?} is no weight", weight.trim())))
-            }
-            _ => (part, Ok(1.0)),
-        };
-        let path = path.trim();
+        let (mut path, mut weight) = (part.trim(), Ok(1.0));
+        while let Some((before, factor)) = path.rsplit_once('*').filter(|_| !Path::new(path).exists()) {
+            path = before.trim();
+            let factor = factor.trim().parse::<f64>().map_err(|_| format!("{:?} is no weight", factor.trim()));
+            weight = weight.and_then(|weight| Ok(weight * factor?));
+        }
         let weight = if path.is_empty() { Err("a map has no name".to_owned()) } else { weight };
         weight.map(|weight| (path.into(), weight)).map_err(|message| {
             let at = Location::item(format!("--radiance {text:?}"));

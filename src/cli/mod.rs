@@ -24,7 +24,7 @@ use console::Console;
 
 /// What a space camera sees of a small body: exact facet-to-pixel hyperspectral image simulation.
 ///
-/// Exit codes: 0 done; 1 bad input, failed I/O, a failed case of `validate`, a finding of `convert --check` or `--diff`, or Ctrl-C;
+/// Exit codes: 0 done; 1 bad input, failed I/O, a failed case of `validate`, an error that `convert --check` finds, a difference by `--diff`, or Ctrl-C;
 /// 2 usage; 3 a loss under `convert --strict`. Unless the code is 0, nothing new is left under the name of the output.
 #[derive(Parser)]
 #[command(name = "mmxrt", version)]

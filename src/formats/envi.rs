@@ -435,7 +435,7 @@ const LIMIT: u64 = 16 << 20;
 /// or wrong, [`Error::Unsupported`] for complex numbers and other data types we do not read.
 pub fn read_header(path: &Path) -> Result<Header> {
     let bytes = input::bytes(path, LIMIT)?;
-    parse_header(path, &String::from_utf8_lossy(&bytes))
+    parse_header(path, &input::with_line_ends(String::from_utf8_lossy(&bytes).into_owned()))
 }
 
 /// Reads the text of a header; `path` is for messages.

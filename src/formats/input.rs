@@ -131,15 +131,35 @@ pub(crate) fn decoded(bytes: &[u8]) -> (Cow<'_, str>, bool) {
 /// What some editors put before UTF-8 text. Places in a text are counted from behind it.
 pub(crate) const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
 
-/// The text of a file of at most `limit` bytes, without a byte order mark.
+/// Text in UTF-16 as UTF-8, where its byte order mark says so; `None` for other text, and where it is damaged.
+fn from_utf16(bytes: &[u8]) -> Option<String> {
+    let (rest, unit): (&[u8], fn([u8; 2]) -> u16) = match bytes {
+        [0xff, 0xfe, rest @ ..] => (rest, u16::from_le_bytes),
+        [0xfe, 0xff, rest @ ..] => (rest, u16::from_be_bytes),
+        _ => return None,
+    };
+    let (pairs, odd) = rest.as_chunks::<2>();
+    let units = pairs.iter().map(|pair| unit(*pair));
+    char::decode_utf16(units).collect::<std::result::Result<_, _>>().ok().filter(|_| odd.is_empty())
+}
+
+/// Text whose lines end in CR alone, as old programs wrote it, with LF instead; places stay the same.
+pub(crate) fn with_line_ends(text: String) -> String {
+    if text.contains('\r') && !text.contains('\n') { text.replace('\r', "\n") } else { text }
+}
+
+/// The text of a file of at most `limit` bytes, without a byte order mark; UTF-8, or UTF-16 that has one.
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::Invalid`] for a longer file, of which no more is read; [`Error::Syntax`] where it is not UTF-8.
 pub fn text(path: &Path, limit: u64) -> Result<(String, InputFile)> {
     let bytes = bytes(path, limit)?;
     let input = InputFile::of(path, &bytes);
+    if let Some(text) = from_utf16(&bytes) {
+        return Ok((with_line_ends(text), input));
+    }
     match String::from_utf8(bytes) {
-        Ok(text) => Ok((text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text), input)),
+        Ok(text) => Ok((with_line_ends(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text)), input)),
         Err(e) => {
             let good = String::from_utf8_lossy(&e.as_bytes()[..e.utf8_error().valid_up_to()]);
             let at = Location::span(path, &good, good.len(), good.len());

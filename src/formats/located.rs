@@ -25,6 +25,31 @@ const TOLD: usize = 100;
 /// Longer names of items are refused, bytes: each item of a table or list carries the names of all around it.
 pub(super) const LONGEST_NAME: usize = 400;
 
+/// The keys that tell what a text is, and what is to be done with it.
+const KINDS: [(&str, &str); 3] = [
+    ("mmxrt_scene", "is a scene file: `mmxrt simulate` takes it"),
+    ("mmxrt_map", "is a map file: `mmxrt integrate SCENE --radiance` takes it"),
+    (
+        "seed",
+        "is the recipe of a landscape: `mmxrt landscape` makes a mesh of it, and a scene has it as `recipe` in `[[mesh]]`",
+    ),
+];
+
+/// What a file is that is no TOML text, by the ending of its name, and what is to be done with it.
+fn other_kind(path: &Path) -> Option<(&'static str, String)> {
+    let ending = path.extension()?.to_str()?.to_lowercase();
+    let scene_of = || format!("`mmxrt convert {} SCENE.toml` makes a scene of it", path.display());
+    Some(match ending.as_str() {
+        "obj" => ("a mesh (OBJ)", scene_of()),
+        "gltf" | "glb" => ("a mesh (glTF)", scene_of()),
+        "stl" | "ply" | "fbx" | "blend" => ("a mesh in a format that is not read", "save it as OBJ or glTF".into()),
+        "img" | "hdr" | "exr" | "npy" | "npz" | "png" | "jpg" | "jpeg" | "csv" => {
+            ("a table or an image", format!("`mmxrt inspect {}` says what it holds", path.display()))
+        }
+        _ => return None,
+    })
+}
+
 /// A TOML text as a tree whose items know their places.
 ///
 /// Items are named as in `sensor.bands.start_um`, `mesh[0].obj` and `materials."blue unit".reflectance`.
@@ -51,8 +76,16 @@ impl Document {
     /// [`Error::Io`]; [`Error::Invalid`] for a file of more than 16 MiB; [`Error::Syntax`] at the first place that is not
     /// UTF-8 or not TOML.
     pub fn open(path: &Path) -> Result<(Self, InputFile)> {
-        let (text, input) = input::text(path, LIMIT)?;
-        Ok((Self::parse(text, path)?, input))
+        let read = || {
+            let (text, input) = input::text(path, LIMIT)?;
+            Ok((Self::parse(text, path)?, input))
+        };
+        read().map_err(|error| match (error, other_kind(path)) {
+            (Error::Syntax { .. } | Error::Invalid(_), Some((what, help))) => Error::Invalid(vec![
+                Problem::new(Location::file(path), format!("is {what}, no TOML text")).with_help(help),
+            ]),
+            (error, _) => error,
+        })
     }
 
     /// Parses a text; `path` is for messages.
@@ -166,6 +199,9 @@ impl Document {
     /// [`Error::Invalid`] with every key that is unknown or missing and every value of another kind or out of range.
     pub fn read<T: DeserializeOwned + JsonSchema>(&self) -> Result<T> {
         let schema = schemars::schema_for!(T).to_value();
+        if let Some(what) = self.of_other_kind(&schema) {
+            return Err(Error::invalid(Location::file(&self.path), what));
+        }
         let mut problems = self.problems.clone();
         self.compare(&schema, &schema, &self.tree, "", &mut problems);
         if !problems.is_empty() {
@@ -177,6 +213,12 @@ impl Document {
             return Err(Error::Invalid(problems));
         }
         serde_json::from_value(self.tree.clone()).map_err(|e| Error::invalid(Location::file(&self.path), e.to_string()))
+    }
+
+    /// What the text is, if it is of another kind than the schema's by the key that tells its kind.
+    fn of_other_kind(&self, schema: &Value) -> Option<&'static str> {
+        let is_of_schema = |key: &str| schema["properties"].get(key).is_some();
+        KINDS.iter().find(|(key, _)| self.has(key)).filter(|(key, _)| !is_of_schema(key)).map(|(_, what)| *what)
     }
 
     /// Adds what is wrong with a value by its schema; `root` holds the definitions that schemas refer to.

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use crate::error::{Error, Location, Result, number};
+use crate::error::{Error, Location, Problem, Result, number};
 
 use super::number::DataType;
 use super::raster;
@@ -35,6 +35,16 @@ pub struct Pixel {
 /// [`Error::Invalid`] for a pixel beyond the image, and for a folder that is no product; those of reading its images.
 pub fn read(folder: &Path, sample: usize, line: usize) -> Result<Pixel> {
     let cube = folder.join("cube.img");
+    if !cube.is_file() {
+        let at = Location::file(folder);
+        let around = folder.parent().filter(|around| around.join("cube.img").is_file());
+        let help = match around {
+            Some(around) if around.as_os_str().is_empty() => "name the folder that this image is in: `.`".to_owned(),
+            Some(around) => format!("name the folder that this image is in: {}", around.display()),
+            None => "a pixel is looked at in a folder that `simulate` or `integrate` made".to_owned(),
+        };
+        return Err(Error::Invalid(vec![Problem::new(at, "is not the folder of a product").with_help(help)]));
+    }
     let radiance = spectrum(&cube, sample, line)?;
     let is_single = radiance.iter().any(|band| band.is_single);
     let thermal = folder.join("thermal.img");

@@ -106,6 +106,22 @@ fn names_wavelength(text: &str) -> bool {
     is_of_wavelength(text) || length::words(text).iter().any(|word| word.starts_with("wavelen"))
 }
 
+/// Puts the column that names wavelengths first, wherever it stands, and takes out those that number the rows before it.
+fn wavelength_first(cells: &mut Vec<&str>, rows: &mut [Vec<&str>]) {
+    const NUMBERS: [&str; 8] = ["", "#", "no", "nr", "index", "band", "bands", "channel"];
+    if names_wavelength(cells[0]) {
+        return;
+    }
+    let Some(mut at) = cells.iter().position(|cell| is_of_wavelength(cell)) else { return };
+    while at > 0 && NUMBERS.contains(&cells[0].to_lowercase().trim_end_matches('.')) {
+        cells.remove(0);
+        rows.iter_mut().filter(|row| row.len() > 1).for_each(|row| _ = row.remove(0));
+        at -= 1;
+    }
+    cells[..=at].rotate_right(1);
+    rows.iter_mut().filter(|row| row.len() > at).for_each(|row| row[..=at].rotate_right(1));
+}
+
 /// The lines of a text that hold something.
 #[derive(Clone)]
 struct Lines<'a> {
@@ -252,6 +268,9 @@ impl<'a> Lines<'a> {
         if cells.len() < 2 {
             let message = "one column: a wavelength and a value, parted by a comma, are needed";
             return Err(Error::invalid(place(path, text, cells.first().copied().unwrap_or(header)), message));
+        }
+        if in_comment.is_none() {
+            wavelength_first(&mut cells, &mut rows);
         }
         let unit = match of_wavelength(cells[0]) {
             Ok(Some(unit)) => unit,

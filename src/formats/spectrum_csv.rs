@@ -186,7 +186,10 @@ fn chosen<'t, 'a>(
     if columns.len() > 1 && table.has_header {
         let names: Vec<&str> = columns.iter().map(|c| c.name.as_str()).take(8).collect();
         let message = format!("holds {} spectra: {}", columns.len(), names.join(", "));
-        let help = format!("take one: mmxrt convert {} {}.csv --model {}", path.display(), names[0], names[0]);
+        let mut help = format!("take one: mmxrt convert {} {}.csv --model {}", path.display(), names[0], names[0]);
+        if columns.iter().all(|c| is_response(&c.values.iter().flatten().map(|v| v.0).collect::<Vec<f64>>())) {
+            help.push_str("; or are they responses of bands, `response` in `[sensor.bands]`?");
+        }
         return refused(first.cell, message, help);
     }
     let what = if table.has_header { format!("`{}` is", first.name) } else { "no header says what it is:".into() };
@@ -196,6 +199,21 @@ fn chosen<'t, 'a>(
         format!("{what} taken as a fraction, 0 to 1: {wanted}"),
     );
     Ok(first)
+}
+
+/// Whether values rise from next to nothing and fall to it again, as the response of a filter does.
+fn is_response(values: &[f64]) -> bool {
+    /// Of the largest value.
+    const LITTLE: f64 = 0.05;
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    let is_little = |value: Option<&f64>| value.is_some_and(|value| *value <= LITTLE * largest);
+    largest > 0.0 && is_little(values.first()) && is_little(values.last())
+}
+
+/// Whether the spectra of a table that does not say what they are look like responses of bands, not reflectances.
+pub fn are_responses(spectra: &[SpectralLibrary]) -> bool {
+    let is_alone = |library: &SpectralLibrary| library.columns.len() == 1;
+    spectra.len() > 1 && spectra.iter().all(|l| is_alone(l) && is_response(&l.columns[0].values))
 }
 
 /// What a fraction of something is called.

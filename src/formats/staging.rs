@@ -80,6 +80,7 @@ impl Staging {
         let target = parent.join(name);
         let folder = parent.join(hidden_name(name));
         let making = |path: &Path, e| Err(Error::io(path, "making this folder", e));
+        let mut lost = None;
         for _ in 0..ATTEMPTS {
             if let Err(e) = fs::create_dir_all(parent) {
                 return making(parent, e);
@@ -87,7 +88,10 @@ impl Staging {
             let is_mine = match fs::create_dir(&folder) {
                 Ok(()) => true,
                 Err(e) if e.kind() == ErrorKind::AlreadyExists && folder.is_dir() => false,
-                Err(e) if e.kind() == ErrorKind::NotFound => continue,
+                Err(e) if e.kind() == ErrorKind::NotFound => {
+                    lost = Some(e);
+                    continue;
+                }
                 Err(e) => return making(&target, e),
             };
             let lock = match claim(&folder, is_mine).map_err(|e| Error::io(&folder, "locking this folder", e))? {
@@ -105,7 +109,11 @@ impl Staging {
             }
             return Ok(staging);
         }
-        Err(busy(&target, &folder))
+        // A folder that is there, and in which none can be made, as /proc.
+        match lost {
+            Some(e) => making(&target, e),
+            None => Err(busy(&target, &folder)),
+        }
     }
 
     /// Where the main output is written.

@@ -102,14 +102,16 @@ pub fn has_room(scene: &Scene, has_maps: bool, memory_bytes: Option<u64>) -> Res
         return Ok(());
     }
     let (samples, lines) = (scene.sensor.camera.samples, scene.sensor.camera.lines);
-    let gb = |bytes: u64| bytes as f64 / 1e9;
-    let there = match memory_bytes {
-        Some(memory) if memory < bytes => format!("the machine has {:.1} GB", gb(memory)),
-        _ => "which cannot be had".to_owned(),
+    let size = |bytes: u64| match bytes as f64 / 1e6 {
+        megabytes if megabytes < 100.0 => format!("{megabytes:.1} MB"),
+        megabytes => format!("{:.1} GB", megabytes / 1e3),
     };
-    let (image, rest) = (gb(of_image), gb(bytes - of_image));
-    let message =
-        format!("{samples} x {lines} pixels take some {image:.1} GB of memory and the scene {rest:.1} GB, {there}");
+    let there = match memory_bytes {
+        Some(memory) if memory < bytes => format!("the machine has {}", size(memory)),
+        _ => "which the system does not give: is there a limit (`ulimit -v`)?".to_owned(),
+    };
+    let (image, rest) = (size(of_image), size(bytes - of_image));
+    let message = format!("{samples} x {lines} pixels take some {image} of memory and the scene {rest}, {there}");
     let problem = Problem::new(Location::item("sensor"), message).with_help(
         "fewer samples and lines; a large image can be made of several, each with an observer that looks at its part",
     );

@@ -1,13 +1,14 @@
 //! Files as they are found whose meaning is easily taken for another: what they say is computed by hand.
 
 use glam::DVec3;
-use mmxrt::formats::{raster, scene_toml};
+use mmxrt::formats::{raster, scene_toml, spectrum_csv};
 use mmxrt::progress::unwatched;
 use mmxrt::scene::Scene;
-use mmxrt::spectral::solar_e490;
+use mmxrt::spectral::{Extend, solar_e490};
 use mmxrt::study;
 use serde_json::json;
 
+use crate::cli::run;
 use crate::gltf::{Folder, f32s, quad};
 use crate::map_files::{Bench, SCENE};
 use crate::scratch::Scratch;
@@ -90,6 +91,22 @@ fn a_sun_comes_back_with_its_total() {
         assert!((a / b - 1.0).abs() < 1e-12, "{sun}: {a} {b}");
         let [a, b] = [&scene, &back].map(|s| s.sun.irradiance_1au.at(1.0).unwrap());
         assert!((a / b - 1.0).abs() < 1e-12, "{sun}: {a} {b}");
+    }
+}
+
+#[test]
+fn the_column_that_names_wavelength_is_it_wherever_it_stands() {
+    for text in [
+        "band,wavelength_nm,reflectance\n1,400,0.05\n2,900,0.15\n3,2500,0.3\n",
+        "reflectance,wavelength_um\n0.05,0.4\n0.15,0.9\n0.3,2.5\n",
+        "sigma;reflectance;Wavelength (nm)\n9;0.05;400\n9;0.15;900\n9;0.3;2500\n",
+        ",wavelength_um,reflectance\n0,0.4,0.05\n1,0.9,0.15\n2,2.5,0.3\n",
+    ] {
+        let path = std::path::Path::new("a.csv");
+        let read = spectrum_csv::parse(text, path, spectrum_csv::Quantity::Reflectance, Extend::Error);
+        let (spectrum, report) = read.unwrap_or_else(|e| panic!("{text}: {e}"));
+        assert_eq!(spectrum.wavelength_um(), [0.4, 0.9, 2.5], "{text}");
+        assert_eq!((spectrum.value(), report.notes.len()), (&[0.05, 0.15, 0.3][..], 0), "{text}");
     }
 }
 
@@ -189,4 +206,96 @@ fn morph_targets_stand_where_weights_put_them() {
     assert!(folder.read(&file, &binary).unwrap_err().to_string().contains("3 weights for 2 morph targets"));
     file["nodes"][0] = json!({ "mesh": 0, "skin": 0 });
     assert!(folder.read(&file, &binary).unwrap_err().to_string().contains("nodes[0].skin"));
+}
+
+#[test]
+fn a_file_of_another_kind_is_named() {
+    let bench = Bench::new();
+    let folder = &bench.0;
+    let recipe = "version = 1\nseed = 1\nsize_m = 10\nfacets = 100\n";
+    for (name, text) in [("recipe.toml", recipe), ("mesh.glb", "glTF"), ("mesh.stl", "solid a\n")] {
+        folder.write(name, text);
+    }
+    folder.write("glb.toml", SCENE.replace("square.obj", "mesh.glb"));
+    folder.write("stl.toml", SCENE.replace("square.obj", "mesh.stl"));
+    folder.write("facets.csv", "facet,radiance_w_m2_sr_um at 0.55 um\n0,1.5\n1,2.5\n");
+    folder.write("other.hdr", "no header of ENVI\n");
+    folder.write("other.mtl", "");
+    let out = folder.argument("made");
+    let all = |arguments: &[&str]| {
+        let arguments: Vec<String> = arguments
+            .iter()
+            .map(|a| if a.contains('.') && !a.starts_with('-') { folder.argument(a) } else { (*a).to_owned() })
+            .collect();
+        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        let (code, told, error) = run(&arguments);
+        (code, told + &error)
+    };
+    for (arguments, expected) in [
+        (&["simulate", "square.obj", "-o", &out][..], "is a mesh (OBJ), no TOML text"),
+        (&["simulate", "recipe.toml", "-o", &out], "is the recipe of a landscape"),
+        (&["simulate", "m.map.toml", "-o", &out], "is a map file"),
+        (&["landscape", "scene.toml", "-o", &out], "is a scene file"),
+        (&["integrate", "scene.toml", "--radiance", "scene.toml", "-o", &out], "is a scene file"),
+        (&["simulate", "glb.toml", "-o", &out], "is a mesh in glTF, where one in OBJ is asked for"),
+        (&["simulate", "stl.toml", "-o", &out], "is a mesh in a format that is not read"),
+    ] {
+        let (code, told) = all(arguments);
+        assert!(code == 1 && told.contains(expected), "{arguments:?}: {told}");
+    }
+    let (code, told) = all(&["inspect", "facets.csv"]);
+    assert!(code == 0 && told.contains("radiance of facets") && told.contains("facets: 2"), "{told}");
+    assert_eq!(all(&["inspect", "other.mtl"]).0, 0);
+}
+
+#[test]
+fn text_is_read_in_utf_16_and_with_cr_alone() {
+    let folder = Scratch::new();
+    let text = "wavelength_um,reflectance\n0.5,0.25\n1,0.5\n";
+    let units: Vec<u16> = format!("\u{feff}{text}").encode_utf16().collect();
+    let little: Vec<u8> = units.iter().flat_map(|unit| unit.to_le_bytes()).collect();
+    let big: Vec<u8> = units.iter().flat_map(|unit| unit.to_be_bytes()).collect();
+    for bytes in [little, big, text.replace('\n', "\r").into_bytes()] {
+        let path = folder.write("a.csv", bytes);
+        let (read, _, _) = spectrum_csv::read(&path, spectrum_csv::Quantity::Reflectance, Extend::Error).unwrap();
+        assert_eq!((read.wavelength_um(), read.value()), (&[0.5, 1.0][..], &[0.25, 0.5][..]));
+    }
+    folder.write("a.hdr", "ENVI\rsamples = 1\rlines = 1\rbands = 1\rdata type = 1\r");
+    assert_eq!(raster::open(&folder.write("a.img", [7])).unwrap().pixels(), 1);
+}
+
+#[test]
+fn a_table_of_filters_is_not_taken_for_reflectances_in_silence() {
+    let folder = Scratch::new();
+    folder.write("filters.csv", "wavelength_nm,F1,F2\n400,0,0\n500,1,0\n600,0,1\n700,0,0\n");
+    let (code, told, _) = run(&["inspect", &folder.argument("filters.csv")]);
+    assert!(code == 0 && told.contains("responses of bands"), "{told}");
+    folder.write("square.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let scene = folder.write("scene.toml", SCENE.replace("reflectance = 0.1", "reflectance = \"filters.csv\""));
+    let error = scene_toml::read(&scene, &unwatched).unwrap_err().to_string();
+    assert!(error.contains("holds 2 spectra") && error.contains("responses of bands"), "{error}");
+}
+
+#[test]
+fn a_product_is_looked_at_by_its_folder_or_its_cube() {
+    let bench = Bench::new();
+    let folder = &bench.0;
+    let product = folder.argument("out");
+    assert_eq!(run(&["simulate", &folder.argument("scene.toml"), "-o", &product, "--quiet"]).0, 0);
+    let (code, _, err) = run(&["inspect", &product, "--picture", &folder.argument("a.png"), "--quiet"]);
+    assert!(code == 0 && std::fs::read(folder.join("a.png")).unwrap().starts_with(b"\x89PNG"), "{err}");
+    let (code, _, err) = run(&["inspect", &product, "--picture", &folder.argument("a.jpg")]);
+    assert!(code == 1 && err.contains("ends in .png") && !folder.join("a.jpg").exists(), "{err}");
+    let (code, _, err) = run(&["inspect", &folder.argument("out/cube.img"), "--pixel", "0,0"]);
+    assert!(code == 1 && err.contains("is not the folder of a product") && err.contains("out"), "{err}");
+    let (code, err) = bench.try_to(&["--radiance", &product]);
+    assert!(code == 1 && err.contains("is a product: a map is one of its images"), "{err}");
+}
+
+#[test]
+fn weights_of_maps_multiply() {
+    let bench = Bench::new();
+    let once = bench.integrate(&["--radiance", "{}m.csv*6"]);
+    assert_eq!(bench.integrate(&["--radiance", "{}m.csv*2*3"]), once);
+    assert_eq!(once, [6.0, 12.0, 18.0, 24.0]);
 }

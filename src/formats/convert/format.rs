@@ -90,7 +90,9 @@ impl Format {
     pub fn about(self) -> About {
         let about = |name, extensions, reads, writes| About { name, extensions, reads, writes };
         match self {
-            Format::Scene => about("scene", &["toml"][..], "everything", "everything: scene file, OBJ, MTL, tables"),
+            Format::Scene => {
+                about("scene", &["toml"][..], "everything", "all but textures: scene file, OBJ, MTL, tables")
+            }
             Format::Obj => about("obj", &["obj"], "mesh, names and colours of materials", "the same"),
             Format::Gltf => about(
                 "gltf",
@@ -193,7 +195,7 @@ impl Format {
             // A header of ENVI says of what.
             Some(Format::Sli) if is_envi(&beginning) && !is_of_library(&beginning) => Format::Envi,
             Some(format) => format,
-            None if envi::pair(path).is_ok() => Format::Envi,
+            None if !is_no_image(path) && envi::pair(path).is_ok() => Format::Envi,
             None => return refused(path, "neither what it holds nor how its name ends tells a format"),
         };
         Ok((format, path.to_owned()))
@@ -217,6 +219,11 @@ impl Format {
         let extension = if extension == "hdr" { "sli" } else { &extension };
         Format::ALL.into_iter().find(|format| format.about().extensions.contains(&extension))
     }
+}
+
+/// Whether a name ends as that of something else, which may have a header of ENVI beside it by chance.
+fn is_no_image(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ["json", "mtl"].iter().any(|other| ending.eq_ignore_ascii_case(other)))
 }
 
 fn is_envi(header: &[u8]) -> bool {

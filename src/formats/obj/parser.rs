@@ -593,7 +593,9 @@ impl<'a> Parser<'a> {
         if lost == 0 {
             return None;
         }
-        let is_cut = used.last() == Some(&false) && self.ignored.is_empty();
+        // Faces come last: of a file that is cut short, many vertices are left over, the last among them.
+        let is_many = lost >= used.len().div_ceil(20);
+        let is_cut = used.last() == Some(&false) && is_many && self.ignored.is_empty();
         let why = if is_cut { ": is the file cut short?" } else { "" };
         let message = format!("{lost} of {} vertices belong to no face{why}", used.len());
         Some(Note { fate: Fate::Defaulted, at: Location::file(&self.path), message })

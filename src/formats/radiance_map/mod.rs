@@ -77,6 +77,14 @@ pub fn open(path: &Path, scene: &Scene, weight: f64, watch: Watch<'_>) -> Result
     if let Some((map, input)) = facets::open(path, weight)? {
         return Ok(Opened { maps: vec![map], inputs: vec![input], notes: vec![] });
     }
+    if path.join("report.json").is_file() && path.join("cube.img").is_file() {
+        let problem = Problem::new(Location::file(path), "is a product: a map is one of its images");
+        let help = format!(
+            "name {0}/cube.img, and say in {0}/cube.map.toml what its numbers are and where they lie: `quantity`, `unit` and `placement`",
+            path.display()
+        );
+        return Err(Error::Invalid(vec![problem.with_help(help)]));
+    }
     if path.is_dir() || path.extension().is_some_and(|e| e == "mpr" || e == "mp#") {
         return of_dart(path, scene, weight, &dart_output::MapOptions::default(), watch);
     }
@@ -108,6 +116,19 @@ fn map_file(path: &Path) -> Option<PathBuf> {
     // Of a link, where it leads to.
     let target = || path.canonicalize().ok().filter(|_| path.is_symlink());
     near.or_else(|| target().map(|target| beside(&target)).filter(|p| p.is_file()))
+}
+
+/// The number of facets and the bands of a table of facets; `None` if the file is something else.
+///
+/// # Errors
+/// [`Error::Io`]; [`Error::Invalid`] with all that is wrong in the table; [`Error::Syntax`] for a damaged `.npz`.
+pub fn facets_of(path: &Path) -> Result<Option<(usize, Vec<Band>)>> {
+    let Some((map, _)) = facets::open(path, 1.0)? else { return Ok(None) };
+    let facets = match map.placement {
+        Placement::Facets(facets) => facets,
+        _ => 0,
+    };
+    Ok(Some((facets, map.source.bands().to_vec())))
 }
 
 /// Whether a TOML document is a map file.

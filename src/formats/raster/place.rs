@@ -43,7 +43,11 @@ impl Georeference {
         let scale = match unit.as_str() {
             "meters" | "meter" | "metres" | "metre" | "m" => 1.0,
             "km" | "kilometers" | "kilometer" | "kilometres" | "kilometre" => 1e3,
-            other_unit => return other(format!("is in {other_unit}, not in metres")),
+            other_unit => {
+                return other(format!(
+                    "is in {other_unit}, not in metres: give `plane` instead, or project the image first (`gdalwarp -t_srs` with metres about the site)"
+                ));
+            }
         };
         if let Some(rotation) = option("rotation")
             && rotation.parse() != Ok(0.0)
