@@ -7,7 +7,8 @@ use std::time::{Duration, Instant};
 use mmxrt::formats::npz;
 
 use crate::cli::{mmxrt, run};
-use crate::scratch::Scratch;
+use crate::scratch::{Scratch, is_heavy};
+use crate::shapes::Random;
 
 const SCENE: &str = r#"mmxrt_scene = 1
 origin_m = [0.0, 12000.0, 0.0]
@@ -31,20 +32,6 @@ lines = 16
 fit = "scene"
 bands = { centres_um = [1.0] }
 "#;
-
-/// Numbers that are the same each time, and differ from one call to the next.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, n: u64) -> u64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 33) % n
-    }
-}
-
-fn is_heavy() -> bool {
-    std::env::var_os("MMXRT_HEAVY").is_some()
-}
 
 /// Two ENVI images of other sizes and numbers: a.img is 3 x 2 of 1, b.img 2 x 2 of 2.
 fn two_images(scratch: &Scratch) {
@@ -87,7 +74,7 @@ fn a_run_that_is_killed_leaves_the_whole_old_product_or_the_whole_new_one() {
     for i in 0..if is_heavy() { 300 } else { 20 } {
         let scene = scratch.argument(["dark.toml", "bright.toml"][i % 2]);
         let mut child = mmxrt().args(["-q", "simulate", &scene, "-o", &product, "--force"]).spawn().unwrap();
-        std::thread::sleep(Duration::from_micros(random.below(whole_us + whole_us / 2)));
+        std::thread::sleep(Duration::from_micros(random.bits() % (whole_us + whole_us / 2)));
         child.kill().unwrap();
         child.wait().unwrap();
         let found = product_bytes(Path::new(&product));
@@ -121,7 +108,7 @@ fn a_pair_of_files_is_of_one_image_whenever_its_writer_is_killed() {
     let mut random = Random(11);
     for i in 0..if is_heavy() { 300 } else { 30 } {
         let mut child = mmxrt().args(["-q", "convert", &inputs[i % 2], &x, "--force"]).spawn().unwrap();
-        std::thread::sleep(Duration::from_micros(random.below(whole_us + whole_us / 2)));
+        std::thread::sleep(Duration::from_micros(random.bits() % (whole_us + whole_us / 2)));
         child.kill().unwrap();
         child.wait().unwrap();
         let found = image(&scratch, "x.img");
@@ -227,7 +214,7 @@ fn interrupted_means_that_nothing_was_written() {
         let mut command = mmxrt();
         command.args(["convert", scene, &output]).stdout(Stdio::null()).stderr(Stdio::piped());
         let child = command.spawn().unwrap();
-        std::thread::sleep(Duration::from_micros(random.below(whole_us + whole_us / 4)));
+        std::thread::sleep(Duration::from_micros(random.bits() % (whole_us + whole_us / 4)));
         let _ = std::process::Command::new("kill").args(["-TERM", &child.id().to_string()]).status();
         let output = child.wait_with_output().unwrap();
         let err = String::from_utf8(output.stderr).unwrap();

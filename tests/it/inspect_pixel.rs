@@ -117,7 +117,7 @@ fn what_is_no_pixel_is_told() {
         (vec!["--pixel", "4,0"], 1, "pixel 4,0 is beyond its 4 samples and 3 lines"),
         (vec!["--pixel", "0,3"], 1, "beyond"),
         (vec!["--pixel", "1"], 2, "two whole numbers"),
-        (vec!["--pixel", "-1,2"], 2, ""),
+        (vec!["--pixel", "-1,2"], 2, "-1"),
         (vec!["--pixel", "1,2,3"], 2, "two whole numbers"),
         (vec!["--csv", "x.csv"], 1, "--csv goes with --pixel"),
         (vec!["--pixel", "0,0", "--picture", "x.png"], 1, ".svg"),

@@ -213,7 +213,7 @@ fn an_ilwis_map_that_cannot_be_is_refused_at_its_place() {
 }
 
 /// A `.npy` file, version 1.0, by NumPy's NEP 1.
-fn npy(descr: &str, fortran: bool, shape: &str, bytes: &[u8]) -> Vec<u8> {
+pub(crate) fn npy(descr: &str, fortran: bool, shape: &str, bytes: &[u8]) -> Vec<u8> {
     let order = if fortran { "True" } else { "False" };
     let mut text = format!("{{'descr': '{descr}', 'fortran_order': {order}, 'shape': {shape}, }}");
     while (10 + text.len() + 1) % 64 != 0 {

@@ -169,7 +169,7 @@ fn assert_alike(ours: &[f64], one: &[f64], two: &[f64]) {
 
 /// `least_shadow`: the share of cos i over the image that shadows take away, at least: there is something to get wrong.
 fn assert_converges(camera: &FrameCamera, towards_sun: Direction, least_shadow: f64) {
-    let heavy = std::env::var("MMXRT_HEAVY").is_ok_and(|v| v == "1");
+    let heavy = crate::scratch::is_heavy();
     let side = if heavy { 128 } else { 32 };
     let mesh = site();
     let ours = exact(&mesh, towards_sun, camera);
@@ -239,7 +239,7 @@ fn rays_agree_on_a_map_from_another_camera() {
         }
         texels[row as usize * 60 + column as usize]
     };
-    let side = if std::env::var("MMXRT_HEAVY").is_ok_and(|v| v == "1") { 128 } else { 32 };
+    let side = if crate::scratch::is_heavy() { 128 } else { 32 };
     let [one, two] = [1, 2].map(|seed| sampled(&mesh, &view, side, seed, of_map));
     assert_alike(&seen.cube.band(0), &one, &two);
     // Something is hidden, and something is seen.

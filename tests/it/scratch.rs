@@ -72,6 +72,11 @@ impl Scratch {
     }
 }
 
+/// Whether tests take as many cases as they can: `MMXRT_HEAVY=1`.
+pub(crate) fn is_heavy() -> bool {
+    std::env::var("MMXRT_HEAVY").is_ok_and(|v| v == "1")
+}
+
 impl Drop for Scratch {
     fn drop(&mut self) {
         let _ = std::fs::remove_dir_all(&self.0);

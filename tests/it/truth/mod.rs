@@ -122,9 +122,10 @@ fn keep(folder: &std::path::Path, scene: &Scene, truth: &[Truth], what: &str) {
 
 /// Compares random scenes of a kind. `MMXRT_HEAVY=1` takes many; `MMXRT_FAILURES` names a folder for those that are wrong.
 fn compare(kind: &str, make: fn(&mut Random) -> Scene, tolerance: fn(&Scene) -> f64) {
-    let heavy = std::env::var("MMXRT_HEAVY").is_ok_and(|v| v == "1");
+    let heavy = crate::scratch::is_heavy();
     let scenes: u64 = if heavy { 2000 } else { 40 };
     let scenes = std::env::var("MMXRT_SCENES").ok().and_then(|n| n.parse().ok()).unwrap_or(scenes);
+    assert!(scenes > 0, "MMXRT_SCENES is a number from 1");
     let failures = std::env::var_os("MMXRT_FAILURES").map(std::path::PathBuf::from);
     // Of each scene: what is wrong, its facets, and pixels that are seen in part, lit in part.
     let results: Vec<(Option<String>, usize, usize, usize)> = (0..scenes)
