@@ -87,6 +87,11 @@ fn rounded_matrices_are_made_rotations_and_others_refused() {
         "camera_to_world = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 12000, 1]]\nconvention = \"blender\"\n",
         "exchange rows and columns",
     );
+    // Each axis has the length 1 to 0.01, and h x v is u; v is 0.012 off the right angle with h.
+    wrong(
+        "position_m = [0, 0, 12000]\nh = [1, 0, 0]\nv = [0.012, 0, 1]\nu = [0, -1, 0]\n",
+        "not at right angles: 1.2e-2 off",
+    );
     wrong(&format!("position_m = [0, 0, 1]\n{}", rows("2")), "leave the other keys out");
     wrong(&format!("{OBSERVER}convention = \"opencv\"\n"), "goes with `camera_to_world` alone");
     wrong("target_m = [0, 0, 0]\nup = [0, 1, 0]\n", "`position_m` is missing");

@@ -84,23 +84,11 @@ fn layout(name: &str) -> Option<(usize, Wavelength)> {
 /// Any name that ends in a number and a unit: `1000nm`, `L.0.95um`, `band 3 (450 nm)`, `360.00-380.00nm`.
 fn free(name: &str) -> Option<(usize, Wavelength)> {
     let text = name.trim_end_matches([')', ']', ' ']);
-    let unit = text.rfind(|c: char| c.is_ascii_digit()).map(|i| i + 1)?;
-    // "cm-1" ends in a digit.
-    let (unit, spelt) = match text.to_lowercase().strip_suffix("cm-1") {
-        Some(before) => (before.trim_end_matches([' ', '_']).len(), "cm-1"),
-        None => (unit, text[unit..].trim_matches([' ', '_'])),
-    };
-    // An A may be many things.
-    if spelt.eq_ignore_ascii_case("a") || spelt.eq_ignore_ascii_case("m") {
-        return None;
-    }
-    let unit_of = length::Unit::of(spelt)?;
-    let (start, number) =
-        number_at_end(text.get(..unit)?, |number| unit_of.um(number).is_some_and(|um| PLAUSIBLE_UM.contains(&um)))?;
-    let um = unit_of.um(number)?;
+    let (start, number, unit) = last(text)?;
+    let um = unit.um(number)?;
     let single = || Some((start, Wavelength { centre_um: um, width_um: None }));
     // Of two wavelengths, as of what fluoresces, neither is that of the band.
-    if free(text[..start].trim_end_matches(['.', '_', ' '])).is_some() {
+    if last(text[..start].trim_end_matches(['.', '_', ' ', ')', ']'])).is_some() {
         return None;
     }
     // From one wavelength to another.
@@ -108,7 +96,7 @@ fn free(name: &str) -> Option<(usize, Wavelength)> {
     let before = before.trim_end_matches(|c: char| c.is_alphabetic());
     let Some((first, from)) = number_at_end(before, |_| true) else { return single() };
     let is_alone = first == 0 || before[..first].ends_with('.');
-    let from_um = unit_of.um(from).unwrap_or(0.0);
+    let from_um = unit.um(from).unwrap_or(0.0);
     let (low, high) = (from_um.min(um), from_um.max(um));
     if !is_alone || low <= 0.0 || high - low > 0.5 * high {
         return single();
@@ -116,18 +104,37 @@ fn free(name: &str) -> Option<(usize, Wavelength)> {
     Some((first, Wavelength { centre_um: 0.5 * (low + high), width_um: Some(high - low).filter(|w| *w > 0.0) }))
 }
 
+/// The number and the unit that a text ends with, if they make a wavelength, and where they begin.
+fn last(text: &str) -> Option<(usize, f64, length::Unit)> {
+    let end = text.rfind(|c: char| c.is_ascii_digit())? + 1;
+    // "cm-1" ends in a digit.
+    let (end, spelt) = match text.to_lowercase().strip_suffix("cm-1") {
+        Some(before) => (before.trim_end_matches([' ', '_']).len(), "cm-1"),
+        None => (end, text[end..].trim_matches([' ', '_'])),
+    };
+    // An A may be many things.
+    if spelt.eq_ignore_ascii_case("a") || spelt.eq_ignore_ascii_case("m") {
+        return None;
+    }
+    let unit = length::Unit::of(spelt)?;
+    let is_plausible = |number| unit.um(number).is_some_and(|um| PLAUSIBLE_UM.contains(&um));
+    let (start, number) = number_at_end(text.get(..end)?, is_plausible)?;
+    Some((start, number, unit))
+}
+
 /// The number that a text ends with, with a decimal point or comma; of several readings (`S0.950` is 950 of S0, or 0.950 of S) the
 /// one that is accepted, if that is clear.
 fn number_at_end(text: &str, accepted: impl Fn(f64) -> bool) -> Option<(usize, f64)> {
     let run = text.len() - text.bytes().rev().take_while(|b| b.is_ascii_digit() || matches!(b, b'.' | b',')).count();
-    let starts = (run..text.len()).filter(|i| {
+    let starts = (run..text.len()).rev().filter(|i| {
         text.as_bytes()[*i].is_ascii_digit() && (*i == run || matches!(text.as_bytes()[*i - 1], b'.' | b','))
     });
-    let readings = starts.filter_map(|i| Some((i, text[i..].replace(',', ".").parse::<f64>().ok()?)));
+    // From farther in front there are two points in it.
+    let readings = starts.take(2).filter_map(|i| Some((i, text[i..].replace(',', ".").parse::<f64>().ok()?)));
     let readings: Vec<(usize, f64)> = readings.filter(|(_, number)| accepted(*number)).collect();
     match readings[..] {
         [one] => Some(one),
-        [whole, _] => {
+        [_, whole] => {
             // A number that is glued to a name may be a part of it, unless it begins with 0.
             let is_glued = text[..whole.0].chars().next_back().is_some_and(char::is_alphanumeric);
             (!is_glued || whole.1 < 1.0).then_some(whole)
@@ -228,6 +235,10 @@ mod tests {
         assert!((range.centre_um - 0.37).abs() < 1e-15 && (range.width_um.unwrap() - 0.02).abs() < 1e-15);
         for name in ["R", "S0.R", "B8A", "band 10", "0.95", "nm", "S0.nm", "S0.-3nm", "T.500nm.600nm", "B1.10um", ""] {
             assert_eq!(wavelength(name), None, "{name}");
+        }
+        // What says many wavelengths says none, and costs no stack; nor does a number of many points cost its square.
+        for name in ["500nm".repeat(100_000), "500nm".repeat(100_001), "1.".repeat(1_000_000) + "nm"] {
+            assert_eq!(wavelength(&name), None);
         }
     }
 

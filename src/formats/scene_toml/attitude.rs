@@ -37,8 +37,19 @@ pub(in crate::formats) fn rotation_near(m: DMat3) -> Option<(DMat3, f64)> {
     (rotation.is_finite() && off.is_finite()).then_some((rotation, off))
 }
 
+/// Why axes of length 1, the columns, are those of no camera.
+pub(super) fn no_rotation(axes: DMat3) -> String {
+    match rotation_near(axes) {
+        Some((_, off)) => {
+            format!("axes are not at right angles: {off:.1e} off, and more than {ROUNDED} is no rounding")
+        }
+        None if axes.determinant() < 0.0 => "axes are left-handed: a mirror image".to_owned(),
+        None => "axes lie in one plane".to_owned(),
+    }
+}
+
 impl Reader<'_> {
-    /// A rotation of rounded numbers, made one. Says so, or that it is none.
+    /// A rotation of rounded numbers, made one, which is told; `None`, and no word, if it is none.
     pub(in crate::formats) fn unrounded(&mut self, item: &str, m: DMat3) -> Option<DMat3> {
         match rotation_near(m) {
             Some((_, off)) if off <= UNIT_TOLERANCE => Some(m),
@@ -92,12 +103,7 @@ impl Reader<'_> {
         }
         let unit = DMat3::from_cols(axes.x_axis.normalize(), axes.y_axis.normalize(), axes.z_axis.normalize());
         let Some(rotation) = self.unrounded(item, unit) else {
-            let message = if axes.determinant() < 0.0 {
-                "is a mirror image: its axes are left-handed"
-            } else {
-                "is no rotation: its axes are not at right angles"
-            };
-            self.problem(item, message);
+            self.problem(item, no_rotation(unit));
             return None;
         };
         Some((rotation * convention.camera_from_sensor(), column(3)))
