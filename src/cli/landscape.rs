@@ -1,8 +1,6 @@
 //! `mmxrt landscape`: a recipe becomes an OBJ file and its MTL.
 
-use std::fs::File;
-use std::io::{BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use mmxrt::formats::folder::{Staged, spares};
 use mmxrt::formats::{mtl, obj, recipe_toml};
@@ -54,8 +52,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let landscape = landscape::generate(&recipe, &watch)?;
     let materials = mtl::of_landscapes();
     tell(&|progress| console.watch(progress), "writing the mesh", 0, 1)?;
-    write_file(&staged, &beside, |out| mtl::write(out, &materials))?;
-    write_file(&staged, staged.path(), |out| obj::write(out, &landscape.mesh, &materials, Some(&mtl_name)))?;
+    staged.put(&beside, |out| mtl::write(out, &materials))?;
+    staged.put(staged.path(), |out| obj::write(out, &landscape.mesh, &materials, Some(&mtl_name)))?;
     tell(&|progress| console.watch(progress), "writing the mesh", 1, 1)?;
     let facets = landscape.mesh.facets.len();
     staged.commit()?;
@@ -63,14 +61,4 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let json = serde_json::json!({ "mesh": path, "materials": mtl_path.display().to_string(), "facets": facets });
     console.done(&format!("{path}: {facets} facets"), &json);
     Ok(Outcome::Done)
-}
-
-fn write_file(
-    staged: &Staged,
-    path: &Path,
-    write: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>,
-) -> Result<()> {
-    let io = |e| staged.named(Error::io(path, "writing", e));
-    let mut out = BufWriter::with_capacity(1 << 20, File::create(path).map_err(io)?);
-    write(&mut out).and_then(|()| out.flush()).map_err(io)
 }

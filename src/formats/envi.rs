@@ -1,6 +1,6 @@
 //! ENVI: a file of numbers and a text header beside it. Cubes and backplanes are written; any header can be inspected.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom, Write};
@@ -555,6 +555,9 @@ pub(super) const KEYS: [&str; 21] = [
     "minor frame offsets",
 ];
 
+/// As many keys that may be misspelt are told.
+const TOLD: usize = 30;
+
 /// Lines that a header of ESRI has.
 const OF_ESRI: [&str; 10] =
     ["nrows", "ncols", "nbands", "nbits", "byteorder", "layout", "skipbytes", "ulxmap", "bandrowbytes", "pixeltype"];
@@ -655,8 +658,18 @@ impl<'a> Fields<'a> {
 
     /// Tells keys that may be meant for others, which are not there.
     fn tell_misspelt(&self, report: &mut Report) {
-        for field in self.list.iter().filter(|field| !KEYS.contains(&field.key.as_str())) {
-            if let Some(near) = located::nearest(&field.key, &KEYS).filter(|near| self.get(near).is_none()) {
+        let there: BTreeSet<&str> = self.list.iter().map(|field| field.key.as_str()).collect();
+        let mut known: BTreeSet<&str> = KEYS.into();
+        let mut told = 0;
+        for field in &self.list {
+            if told == TOLD {
+                break;
+            }
+            if !known.insert(&field.key) {
+                continue;
+            }
+            if let Some(near) = located::nearest(&field.key, &KEYS).filter(|near| !there.contains(near)) {
+                told += 1;
                 let message = format!("is no key of ENVI, and passed over: did you mean `{near}`?");
                 report.note(Fate::Dropped, Location::line(self.path, field.line).with_item(&field.key), message);
             }

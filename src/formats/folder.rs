@@ -1,8 +1,8 @@
 //! What is half written never stands under its final name.
 
 use std::ffi::OsStr;
-use std::fs;
-use std::io::ErrorKind;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Location, Problem, Result};
@@ -161,6 +161,16 @@ impl Staged {
     /// Where to write.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// Writes a file of what is staged, at a path that [`path`](Staged::path) or [`beside`](Staged::beside) gave.
+    ///
+    /// # Errors
+    /// [`Error::Io`], with the final name.
+    pub fn put(&self, path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<()> {
+        let writing = |e| self.named(Error::io(path, "writing", e));
+        let mut out = BufWriter::with_capacity(1 << 20, File::create(path).map_err(writing)?);
+        write(&mut out).and_then(|()| out.flush()).map_err(writing)
     }
 
     /// Names in the folder that is replaced of what other programs have put there: it is kept.

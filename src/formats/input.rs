@@ -7,6 +7,8 @@ use std::path::{Component, Path, PathBuf};
 
 use crate::error::{Error, Location, Problem, Result};
 
+use super::staging::folder_of;
+
 /// A file that a result depends on.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct InputFile {
@@ -24,7 +26,21 @@ impl InputFile {
         let blake3 = blake3::hash(bytes).to_hex().to_string();
         InputFile { path: path.to_owned(), bytes: bytes.len() as u64, blake3 }
     }
+
+    /// What to say of a file, which is read to its end for it.
+    ///
+    /// # Errors
+    /// [`Error::Io`].
+    pub(crate) fn hashed(path: &Path) -> Result<Self> {
+        let reading = |e| Error::io(path, "reading", e);
+        let mut file = Hashing::new(File::open(path).map_err(reading)?);
+        std::io::copy(&mut file, &mut std::io::sink()).map_err(reading)?;
+        Ok(file.finish(path))
+    }
 }
+
+/// A byte of what is deflated stands for no more than this: 2 bits for 258 bytes. No compression of OpenEXR saves more.
+pub(crate) const MOST_DEFLATED: u64 = 1032;
 
 /// A file that is read in pieces, and hashed on the way.
 pub(crate) struct Hashing {
@@ -77,14 +93,14 @@ pub(crate) fn bytes(path: &Path, limit: u64) -> Result<Vec<u8>> {
 /// Where a name that stands in a file begins: in that file's folder; and if it is a link and there is nothing of that name beside it, in the
 /// folder of what it leads to.
 pub(crate) fn home(file: &Path, name: &Path) -> PathBuf {
-    let of = |path: &Path| match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),
-        _ => PathBuf::from("."),
-    };
     let is_there = |folder: &PathBuf| folder.join(name).exists();
-    let near = of(file);
+    let near = folder_of(file).to_owned();
     let target = || if file.is_symlink() { file.canonicalize().ok() } else { None };
-    if is_there(&near) { near } else { target().map(|target| of(&target)).filter(is_there).unwrap_or(near) }
+    if is_there(&near) {
+        near
+    } else {
+        target().map(|target| folder_of(&target).to_owned()).filter(is_there).unwrap_or(near)
+    }
 }
 
 /// The path that `name` in `file` leads to, which must not leave the file's folder unless `outside` allows it.

@@ -13,6 +13,7 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
 use crate::error::{Error, Location, Problem, Result, number};
+use crate::formats::input::MOST_DEFLATED;
 use crate::geometry::Direction;
 use crate::product::{FacetTable, Footprints, Lit, Sunlit};
 
@@ -22,8 +23,6 @@ const FOOTPRINTS: &str = "mmxrt footprints";
 const FORMAT_VERSION: u32 = 1;
 const COMPRESSED: &str =
     "a .npz file compressed otherwise than by deflate (save it with np.savez or np.savez_compressed)";
-/// Deflate saves no more: 258 bytes for 2 bits.
-const MOST_DEFLATED: u64 = 1032;
 
 /// What the member `header` says.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,7 +1,7 @@
 //! Responses of a sensor's bands, as the filter curves that cameras come with: tables of text.
 //!
 //! Lines that begin with `#` are comments. The first other line is the header: a wavelength with its unit (`wavelength_nm`, `"Wavelength (um)"`),
-//! then a name for each response. Cells are parted by commas, semicolons or tabs, and may stand in quotation marks. Responses are
+//! then a name for each response. Cells are parted by commas, semicolons, tabs or blanks, and may stand in quotation marks. Responses are
 //! relative or absolute, in any unit: only their shape counts. An empty cell is no point of its column; beyond a column's points the
 //! response is 0.
 
@@ -11,10 +11,11 @@ use std::path::Path;
 
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::spectral::{Extend, Spectrum};
-use crate::units::um_from_nm;
 
 use super::input::{self, InputFile, Problems};
-use super::table::place;
+use super::spectral_heading::of_wavelength;
+use super::spectral_table::parted;
+use super::table::{place, suspect_unit};
 
 /// Responses by name, in the file's order, and what is worth knowing of them.
 #[derive(Debug, Clone)]
@@ -56,19 +57,23 @@ pub fn parse(text: &str, path: &Path) -> Result<Responses> {
     let Some(header) = lines.next() else {
         return Err(Error::Invalid(vec![Problem::new(Location::file(path), "is empty").with_help(header_help)]));
     };
-    let separator = ['\t', ';', ','].into_iter().find(|c| header.contains(*c)).unwrap_or(',');
-    let names = cells(header, separator);
-    let Some(nanometres) = in_nanometres(names[0]) else {
-        let message = format!("the header begins with `{}`, which does not state a unit of wavelength", names[0]);
-        return refused(names[0], message, header_help);
+    let lines: Vec<&str> = lines.collect();
+    let (names, lines) = parted(header, false, &lines);
+    let unit = match of_wavelength(names[0]) {
+        Ok(Some(unit)) => unit,
+        Ok(None) => {
+            let message = format!("the header begins with `{}`, which does not state a unit of wavelength", names[0]);
+            return refused(names[0], message, header_help);
+        }
+        Err((message, help)) => return refused(names[0], message, &help),
     };
     if names.len() < 2 {
         return refused(header, "one column: wavelengths and at least one response are needed".into(), header_help);
     }
     let mut problems = Problems::default();
     let mut rows: Vec<(&str, f64, Vec<Option<f64>>)> = Vec::new();
-    for line in lines {
-        let cells = cells(line, separator);
+    for cells in lines {
+        let line = cells.first().copied().unwrap_or_default();
         if cells.len() != names.len() {
             let message = format!("{} columns where the header has {}", cells.len(), names.len());
             problems.push(|| Problem::new(place(path, text, line), message));
@@ -89,7 +94,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Responses> {
         }
         if numbers.len() == cells.len() {
             let wavelength = numbers[0].unwrap_or_default();
-            let um = if nanometres { um_from_nm(wavelength) } else { wavelength };
+            let um = unit.um(wavelength).unwrap_or_default();
             rows.push((cells[0], um, numbers.split_off(1)));
         }
     }
@@ -106,12 +111,9 @@ pub fn parse(text: &str, path: &Path) -> Result<Responses> {
         let message = format!("wavelength {} is out of order: rows ascend, or descend", pair[1].0);
         problems.push(|| Problem::new(place(path, text, pair[1].0), message));
     }
-    if let (Some((cell, first, _)), Some((_, last, _))) = (rows.first(), rows.last())
-        && (*first > 100.0 || *last < 0.1)
-    {
-        let help = if nanometres { "are these micrometres?" } else { "are these nanometres?" };
-        let message = format!("wavelengths from {} to {} um", number(*first), number(*last));
-        problems.push(|| Problem::new(place(path, text, cell), message).with_help(help));
+    let all_um: Vec<f64> = rows.iter().map(|row| row.1).collect();
+    if let Some(problem) = suspect_unit(unit, &all_um, place(path, text, header)) {
+        problems.push(|| problem);
     }
     let mut columns = Vec::new();
     let mut known = BTreeSet::new();
@@ -218,43 +220,6 @@ pub fn write(out: &mut impl Write, responses: &[(&str, &Spectrum)]) -> io::Resul
     Ok(())
 }
 
-/// Whether a name of wavelengths says nanometres; `None` if it states no unit.
-fn in_nanometres(name: &str) -> Option<bool> {
-    let name = name.to_lowercase();
-    let words: Vec<&str> = name.split(|c: char| !c.is_alphanumeric()).collect();
-    // Micro is one of two letters that look the same.
-    let of = |units: &[&str]| words.iter().any(|word| units.contains(word));
-    match (
-        of(&["nm", "nanometers", "nanometres"]),
-        of(&["um", "\u{b5}m", "\u{3bc}m", "micron", "microns", "micrometers", "micrometres"]),
-    ) {
-        (true, false) => Some(true),
-        (false, true) => Some(false),
-        _ => None,
-    }
-}
-
-/// The cells of a line, without the quotation marks that they may stand in; a separator within these parts nothing.
-fn cells(line: &str, separator: char) -> Vec<&str> {
-    let (mut cells, mut start, mut is_quoted) = (Vec::new(), 0, false);
-    for (i, c) in line.char_indices() {
-        if c == '"' {
-            is_quoted = !is_quoted;
-        } else if c == separator && !is_quoted {
-            cells.push(&line[start..i]);
-            start = i + c.len_utf8();
-        }
-    }
-    cells.push(&line[start..]);
-    let plain = |cell: &'_ str| -> (usize, usize) {
-        let trimmed = cell.trim();
-        let bare = trimmed.strip_prefix('"').and_then(|t| t.strip_suffix('"')).map_or(trimmed, str::trim);
-        let from = bare.as_ptr() as usize - line.as_ptr() as usize;
-        (from, from + bare.len())
-    };
-    cells.into_iter().map(plain).map(|(from, to)| &line[from..to]).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -278,6 +243,10 @@ mod tests {
         assert_eq!(responses.columns[1].1.value(), [2.0, 0.0]);
         let notes = responses.notes.join("\n");
         assert!(notes.contains("turned") && notes.contains("below 0") && notes.contains("50 % of its peak"), "{notes}");
+        // Angstrom, parted by blanks.
+        let blanks = read("Wavelength (Angstrom)   Red  Blue\n5000  0    1\n6000  1  nan\n  7000 0  0\n").unwrap();
+        assert_eq!(blanks.columns[0].1.wavelength_um(), [0.5, 0.6, 0.7]);
+        assert_eq!((blanks.columns[1].0.as_str(), blanks.columns[1].1.wavelength_um()), ("Blue", &[0.5, 0.7][..]));
         for header in ["wavelength_um", "WAVELENGTH_UM", "lambda [\u{b5}m]", "\u{3bc}m", "Microns"] {
             let text = format!("\u{feff}{header},r\n0.5,0\n0.6,1\n0.7,0\n");
             assert_eq!(read(&text).unwrap().columns[0].1.wavelength_um(), [0.5, 0.6, 0.7], "{header}");

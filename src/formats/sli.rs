@@ -4,6 +4,7 @@
 //! Numbers times `data gain values`, plus `data offset values`, are fractions times the header's `reflectance scale factor`.
 
 use std::collections::BTreeSet;
+use std::io::Write;
 use std::path::Path;
 
 use crate::error::{Error, Location, Problem, Result};
@@ -210,6 +211,13 @@ fn good_channels(header: &Header) -> Result<Vec<bool>> {
 /// [`Error::Io`]; [`Error::Invalid`] if a file exists and is not to be replaced, for spectra whose wavelengths differ, for
 /// names that a header cannot hold.
 pub fn write(path: &Path, spectra: &[SpectralLibrary], replace: bool) -> Result<Report> {
+    let (staged, report) = stage(path, spectra, replace)?;
+    staged.commit()?;
+    Ok(report)
+}
+
+/// As [`write`], but that it does not take its place yet.
+pub(super) fn stage(path: &Path, spectra: &[SpectralLibrary], replace: bool) -> Result<(Staged, Report)> {
     let (wavelength_um, spectra_flat) = flat(path, spectra)?;
     let mut report = Report::default();
     for library in spectra.iter().filter(|library| !library.comment.is_empty()) {
@@ -230,8 +238,7 @@ pub fn write(path: &Path, spectra: &[SpectralLibrary], replace: bool) -> Result<
     let mut staged = Staged::file(path, replace)?;
     let header = staged.beside(&envi::header_of(path)?)?;
     for (path, bytes) in [(header.as_path(), text.as_bytes()), (staged.path(), bytes.as_slice())] {
-        std::fs::write(path, bytes).map_err(|e| staged.named(Error::io(path, "writing", e)))?;
+        staged.put(path, |out| out.write_all(bytes))?;
     }
-    staged.commit()?;
-    Ok(report)
+    Ok((staged, report))
 }

@@ -158,23 +158,35 @@ fn read_folder(path: &Path) -> Result<(Vec<SpectralLibrary>, Report)> {
 /// Those of the format's writer; [`Error::Invalid`] for several materials in one text, or if the file exists and is not to
 /// be replaced.
 pub fn write(path: &Path, format: Format, spectra: &[SpectralLibrary], replace: bool) -> Result<Report> {
+    let (staged, report) = stage(path, format, spectra, replace)?;
+    staged.commit()?;
+    Ok(report)
+}
+
+/// As [`write`], but that they do not take their place yet.
+pub(super) fn stage(
+    path: &Path,
+    format: Format,
+    spectra: &[SpectralLibrary],
+    replace: bool,
+) -> Result<(Staged, Report)> {
     let as_file = Format::of_name(path) == Some(format);
     match (format, spectra) {
-        (Format::Database, _) => database::create(path, spectra, replace),
-        (Format::Sli, _) => sli::write(path, spectra, replace),
-        (Format::Csv, [one]) if as_file => named_by_file(path, one, spectrum_csv::write(path, spectra, replace)?),
-        (Format::Csv, _) if as_file => spectrum_csv::write(path, spectra, replace),
-        (Format::DartText, [one]) if as_file => named_by_file(path, one, text_spectra::write(path, one, replace)?),
+        (Format::Database, _) => database::stage(path, spectra, replace),
+        (Format::Sli, _) => sli::stage(path, spectra, replace),
+        (Format::Csv, [one]) if as_file => named_by_file(path, one, spectrum_csv::stage(path, spectra, replace)?),
+        (Format::Csv, _) if as_file => spectrum_csv::stage(path, spectra, replace),
+        (Format::DartText, [one]) if as_file => named_by_file(path, one, text_spectra::stage(path, one, replace)?),
         (Format::DartText, _) if as_file => {
             let message = format!("cannot hold {} materials: name a folder", spectra.len());
             let help = "a name without an ending, and --to dart-text; or take one of them with --model";
             Err(Error::Invalid(vec![Problem::new(Location::file(path), message).with_help(help)]))
         }
-        (Format::Csv | Format::DartText, _) => write_folder(path, format, spectra, replace),
+        (Format::Csv | Format::DartText, _) => stage_folder(path, format, spectra, replace),
     }
 }
 
-fn write_folder(path: &Path, format: Format, spectra: &[SpectralLibrary], replace: bool) -> Result<Report> {
+fn stage_folder(path: &Path, format: Format, spectra: &[SpectralLibrary], replace: bool) -> Result<(Staged, Report)> {
     let staged = Staged::folder(path, replace)?;
     let mut report = Report::default();
     let names = distinct_names(spectra, std::iter::empty(), |name| Location::file(path.join(name)), &mut report)?;
@@ -195,18 +207,21 @@ fn write_folder(path: &Path, format: Format, spectra: &[SpectralLibrary], replac
         written.notes.iter_mut().for_each(|note| note.at.file = Some(path.join(&file)));
         report.notes.extend(written.notes);
     }
-    staged.commit()?;
-    Ok(report)
+    Ok((staged, report))
 }
 
 /// Tells if a material will have another name when it is read: that of its file.
-fn named_by_file(path: &Path, library: &SpectralLibrary, mut report: Report) -> Result<Report> {
+fn named_by_file(
+    path: &Path,
+    library: &SpectralLibrary,
+    (staged, mut report): (Staged, Report),
+) -> Result<(Staged, Report)> {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     if stem.strip_prefix(text_spectra::PREFIX).unwrap_or(&stem) != library.name {
         let message = format!("is named by its file: the name {:?} is not kept", library.name);
         report.note(Fate::Approximated, Location::file(path), message);
     }
-    Ok(report)
+    Ok((staged, report))
 }
 
 /// All spectra as bands see them; see [`SpectralLibrary::resample`].

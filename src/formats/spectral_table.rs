@@ -237,34 +237,10 @@ impl<'a> Lines<'a> {
             (None, Some(said)) => (Some(said), &body[..]),
             (None, None) => (None, &body[..]),
         };
-        // A header in a comment may be parted otherwise than the rows.
-        let separator = match (header_at, rows.first()) {
-            (Some(at), _) => Separator::of(body[at]),
-            (None, row) => row.map_or(Separator::Blanks, |row| Separator::of(row)),
-        };
-        let rows_separator = match rows.first() {
-            // `Wavelength (um), Reflectance` above columns of blanks.
-            Some(row) if separator != Separator::Blanks && separator.cells(row).len() < 2 => Separator::of(row),
-            _ => separator,
-        };
-        let mut rows: Vec<Vec<&str>> = rows.iter().map(|row| rows_separator.cells(row)).collect();
         let Some(header) = header_line else {
-            return Self::without_header(text, path, first, &mut rows, comment);
+            return Self::without_header(text, path, first, rows, comment);
         };
-        let mut cells = match in_comment {
-            Some(said) if !said.contains([',', ';', '\t']) => headings(said, rows.first().map_or(2, Vec::len)),
-            Some(said) => Separator::of(said).cells(said),
-            None if separator == Separator::Blanks => headings(header, rows.first().map_or(2, Vec::len)),
-            None => separator.cells(header),
-        };
-        if rows_separator != separator && cells.len() != rows.first().map_or(0, Vec::len) {
-            cells = headings(header, rows.first().map_or(2, Vec::len));
-        }
-        // A separator at the end of each line.
-        if cells.last() == Some(&"") && rows.iter().all(|row| row.len() == cells.len() && row.last() == Some(&"")) {
-            cells.pop();
-            rows.iter_mut().for_each(|row| row.truncate(cells.len()));
-        }
+        let (mut cells, mut rows) = parted(header, in_comment.is_some(), rows);
         if cells.len() < 2 {
             let message = "one column: a wavelength and a value, parted by a comma, are needed";
             return Err(Error::invalid(place(path, text, cells.first().copied().unwrap_or(header)), message));
@@ -290,24 +266,59 @@ impl<'a> Lines<'a> {
         text: &'a str,
         path: &Path,
         first: &'a str,
-        rows: &mut [Vec<&'a str>],
+        rows: &[&'a str],
         comment: Vec<&'a str>,
     ) -> Result<SpectralTable<'a>> {
         let mut report = Report::default();
-        let unit = guessed(text, path, first, rows, &mut report)?;
+        let separator = Separator::of(first);
+        let rows: Vec<Vec<&str>> = rows.iter().map(|row| separator.cells(row)).collect();
+        let unit = guessed(text, path, first, &rows, &mut report)?;
         let count = rows[0].len();
         if count < 2 {
             let message = "one column: a wavelength and a value, parted by a comma, are needed";
             return Err(Error::invalid(place(path, text, first), message));
         }
         let columns = vec![("", first); count];
-        let mut table = assembled(text, path, first, unit, &columns, rows, report)?;
+        let mut table = assembled(text, path, first, unit, &columns, &rows, report)?;
         table.comment = comment;
         table.has_header = false;
         table.percent_help =
             "put a header above it, as in `wavelength_nm,reflectance_percent`, or `wavelength_um,irradiance_w_m2_um`";
         Ok(table)
     }
+}
+
+/// The cells of a header and of the rows below it. A header in a comment may be parted otherwise than the rows.
+pub(super) fn parted<'a>(header: &'a str, is_comment: bool, rows: &[&'a str]) -> (Vec<&'a str>, Vec<Vec<&'a str>>) {
+    let separator = match (is_comment, rows.first()) {
+        (false, _) => Separator::of(header),
+        (true, row) => row.map_or(Separator::Blanks, |row| Separator::of(row)),
+    };
+    let rows_separator = match rows.first() {
+        // `Wavelength (um), Reflectance` above columns of blanks.
+        Some(row) if separator != Separator::Blanks && separator.cells(row).len() < 2 => Separator::of(row),
+        _ => separator,
+    };
+    let mut rows: Vec<Vec<&str>> = rows.iter().map(|row| rows_separator.cells(row)).collect();
+    let count = rows.first().map_or(2, Vec::len);
+    let mut cells = match is_comment {
+        true if !header.contains([',', ';', '\t']) => headings(header, count),
+        true => Separator::of(header).cells(header),
+        false if separator == Separator::Blanks => headings(header, count),
+        false => separator.cells(header),
+    };
+    if rows_separator != separator && cells.len() != rows.first().map_or(0, Vec::len) {
+        cells = headings(header, count);
+    }
+    // A separator at the end of each line.
+    if cells.len() > 1
+        && cells.last() == Some(&"")
+        && rows.iter().all(|row| row.len() == cells.len() && row.last() == Some(&""))
+    {
+        cells.pop();
+        rows.iter_mut().for_each(|row| row.truncate(cells.len()));
+    }
+    (cells, rows)
 }
 
 /// Headings parted by blanks only, as many as there are columns; units in brackets belong to the word before them.

@@ -10,6 +10,7 @@
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
+use std::io::Write as _;
 use std::path::Path;
 
 use crate::error::{Error, Location, Problem, Result, number};
@@ -20,10 +21,9 @@ use crate::units::fraction_from_percent;
 use super::dart::kind::{Kind, outside, range};
 use super::folder::Staged;
 use super::input::{self, InputFile, Problems};
-use super::length;
 use super::spectral_heading::{ALBEDO, EMISSIVITY, IRRADIANCE, LOG, REFLECTANCE, Unit, quantities};
 use super::spectral_table::{self, SpectralTable, TableColumn};
-use super::table::{Labelled, Places, gathered, is_plain, labelled, parts, place};
+use super::table::{Labelled, Places, gathered, is_plain, labelled, parts, place, suspect_unit};
 
 /// What a table must hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -108,7 +108,7 @@ pub fn parse(text: &str, path: &Path, quantity: Quantity, extend: Extend) -> Res
         tell_doubtful_percent(&value, at(), &mut report);
     }
     tell_like_dart(&table, column, at, &mut report);
-    if let Some(problem) = suspect(&table, &wavelength_um, place(path, text, table.header)) {
+    if let Some(problem) = suspect_unit(table.wave_unit, &wavelength_um, place(path, text, table.header)) {
         problems.push(|| problem);
     }
     problems.finish(path)?;
@@ -283,12 +283,6 @@ fn tell_like_dart(
     }
 }
 
-/// What is said of wavelengths that are in another unit than their header says.
-fn suspect(table: &SpectralTable<'_>, wavelength_um: &[f64], at: Location) -> Option<Problem> {
-    let is_plain = [length::Unit::MICROMETRES, length::Unit::NANOMETRES].contains(&table.wave_unit);
-    suspect_unit(wavelength_um, at).filter(|_| is_plain)
-}
-
 /// Tells of rows without a value: between their neighbours a spectrum is linear.
 fn tell_gaps(all_um: &[f64], known_um: &[f64], at: Location, report: &mut Report) {
     let gaps = all_um.len() - known_um.len();
@@ -308,20 +302,6 @@ fn tell_doubtful_percent(fractions: &[f64], at: Location, report: &mut Report) {
         let message = "no value is above 1: probably fractions where the header says percent; taken as percent";
         report.note(Fate::Defaulted, at, message);
     }
-}
-
-/// A table that has no wavelength between 0.1 and 100 um is in another unit than its header says.
-fn suspect_unit(wavelength_um: &[f64], header_at: Location) -> Option<Problem> {
-    let (first_um, last_um) = (*wavelength_um.first()?, *wavelength_um.last()?);
-    let help = if first_um > 100.0 {
-        "these look like nanometres: is the header `wavelength_nm`?"
-    } else if last_um < 0.1 {
-        "these look like micrometres: is the header `wavelength_um`?"
-    } else {
-        return None;
-    };
-    let message = format!("wavelengths from {} to {} um", number(first_um), number(last_um));
-    Some(Problem::new(header_at, message).with_help(help))
 }
 
 /// Reads all spectra of a table. Those of one material are named by the table or else the file. The report tells gaps, and what was
@@ -390,7 +370,7 @@ pub fn parse_all(text: &str, path: &Path, given_um: Option<&[f64]>) -> Result<(V
             tell_doubtful_percent(&fractions, places.place(column.cell), &mut report);
         }
     }
-    if let Some(problem) = suspect(&table, &table.wavelength_um, place(path, text, table.header)) {
+    if let Some(problem) = suspect_unit(table.wave_unit, &table.wavelength_um, place(path, text, table.header)) {
         problems.push(|| problem);
     }
     problems.finish(path)?;
@@ -463,6 +443,13 @@ fn in_percent(cell: &str) -> (&str, bool) {
 /// # Errors
 /// [`Error::Io`]; [`Error::Invalid`] if the file exists and is not to be replaced, for names that a header cannot hold.
 pub fn write(path: &Path, spectra: &[SpectralLibrary], replace: bool) -> Result<Report> {
+    let (staged, report) = stage(path, spectra, replace)?;
+    staged.commit()?;
+    Ok(report)
+}
+
+/// As [`write`], but that it does not take its place yet.
+pub(super) fn stage(path: &Path, spectra: &[SpectralLibrary], replace: bool) -> Result<(Staged, Report)> {
     let mut report = Report::default();
     let mut text = String::new();
     let (wavelength_um, columns): (Vec<f64>, Vec<(String, Vec<f64>)>) = match spectra {
@@ -499,9 +486,8 @@ pub fn write(path: &Path, spectra: &[SpectralLibrary], replace: bool) -> Result<
         text.push('\n');
     }
     let staged = Staged::file(path, replace)?;
-    std::fs::write(staged.path(), text).map_err(|e| staged.named(Error::io(staged.path(), "writing", e)))?;
-    staged.commit()?;
-    Ok(report)
+    staged.put(staged.path(), |out| out.write_all(text.as_bytes()))?;
+    Ok((staged, report))
 }
 
 /// Labelled values on the wavelengths of all spectra: NaN where one has none.

@@ -17,6 +17,11 @@ use super::mtl::{self, ObjMaterial};
 use super::obj::ObjFile;
 use super::scene_toml::{EMISSIVITY_BOLOMETRIC, SENSOR_NAME, hex_from_linear};
 
+/// More vertices, or more facets, are refused.
+pub(super) const MOST: usize = 1 << 27;
+/// Normals of a face's corners that differ by more make it look round.
+pub(super) const FLAT: f64 = 1e-3;
+
 /// A mesh and what its materials are called.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Surface {

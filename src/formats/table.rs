@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use crate::error::{Error, Location, Problem, Result};
+use crate::error::{Error, Location, Problem, Result, number};
 use crate::spectral::{Column, SpectralLibrary};
 
 use super::dart::kind::{is_known, outside, range, same};
 use super::input::Problems;
+use super::length;
 
 /// A row of a table in text.
 pub(super) struct Row<'a> {
@@ -102,6 +103,23 @@ pub(super) fn numbers(path: &Path, text: &str, rows: &[Row<'_>], columns: &[Read
     }
     problems.finish(path)?;
     Ok(values)
+}
+
+/// A table in um or nm that has no wavelength between 0.1 and 100 um is in another unit than its header says.
+pub(super) fn suspect_unit(unit: length::Unit, wavelength_um: &[f64], header_at: Location) -> Option<Problem> {
+    if ![length::Unit::MICROMETRES, length::Unit::NANOMETRES].contains(&unit) {
+        return None;
+    }
+    let (first_um, last_um) = (*wavelength_um.first()?, *wavelength_um.last()?);
+    let help = if first_um > 100.0 {
+        "these look like nanometres: is the header `wavelength_nm`?"
+    } else if last_um < 0.1 {
+        "these look like micrometres: is the header `wavelength_um`?"
+    } else {
+        return None;
+    };
+    let message = format!("wavelengths from {} to {} um", number(first_um), number(last_um));
+    Some(Problem::new(header_at, message).with_help(help))
 }
 
 /// A [`label`], the wavelengths and the values.

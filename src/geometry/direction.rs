@@ -7,6 +7,9 @@ use glam::DVec3;
 pub struct Direction(DVec3);
 
 impl Direction {
+    /// Along z.
+    pub const Z: Direction = Direction(DVec3::Z);
+
     /// The direction of `v`; `None` if `v` is zero, infinite or NaN.
     ///
     /// The largest component is divided out first, so neither 1e200 m nor 1e-200 m overflow.

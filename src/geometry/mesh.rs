@@ -143,21 +143,24 @@ impl Mesh {
         self.uv.iter_mut().for_each(|uv| uv.swap(1, 2));
     }
 
+    /// The sum of the facets' areas as vectors along their normals, m2, and that of their sizes. The first is 0 for what is closed; of a
+    /// sheet it is the way that it faces.
+    pub fn vector_area_m2(&self) -> (DVec3, f64) {
+        let cross_m2 = (0..self.facets.len()).map(|facet| self.facet(facet).cross_m2());
+        let (sum_m2, size_m2) = cross_m2.fold((DVec3::ZERO, 0.0), |(sum, size), v| (sum + v, size + v.length()));
+        (0.5 * sum_m2, 0.5 * size_m2)
+    }
+
     /// The volume within facets that enclose one, m3: below 0 if they face inwards. `None` for a sheet, or a body with holes.
     ///
     /// It is found by sums alone: the normals of what is closed, times areas, add up to 0, to rounding of the coordinates.
     pub fn enclosed_m3(&self) -> Option<f64> {
         // Any point of the mesh serves: what is closed has the same volume about all.
         let about = self.vertices_m[self.facets.first()?[0] as usize];
-        let (mut sum_m2, mut area_m2, mut volume_m3) = (DVec3::ZERO, 0.0, 0.0);
-        for facet in 0..self.facets.len() {
-            let facet = self.facet(facet);
-            let cross_m2 = facet.cross_m2();
-            sum_m2 += cross_m2;
-            area_m2 += cross_m2.length();
-            volume_m3 += (facet.corners_m[0] - about).dot(cross_m2) / 6.0;
-        }
-        (sum_m2.length() <= CLOSED * area_m2).then_some(volume_m3)
+        let of_facet = |facet: Facet| (facet.corners_m[0] - about).dot(facet.cross_m2()) / 6.0;
+        let (sum_m2, size_m2) = self.vector_area_m2();
+        (sum_m2.length() <= CLOSED * size_m2)
+            .then(|| (0..self.facets.len()).map(|facet| of_facet(self.facet(facet))).sum())
     }
 
     /// The vertices that facets use, m, each once.

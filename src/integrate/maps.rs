@@ -630,23 +630,19 @@ impl<'a> Looker<'a> {
             front += entry.area;
             self.measure_angles(pixel, &entry);
             let angles = &self.angles;
+            let wants_lit = self.unknown == Unknown::Solved;
             for (t, views) in self.terms.iter_mut().enumerate() {
-                for lookup in views.iter_mut() {
-                    let wants_lit = self.unknown == Unknown::Solved;
-                    lookup.look(pixel, index, wants_lit);
-                }
+                views.iter_mut().for_each(|lookup| lookup.look(pixel, index, wants_lit));
                 let is_divided = differ(views, &angles[t], self.choice, entry.area);
                 let (most, lit_rest) = if is_divided {
                     let together = &mut self.together;
-                    let wants_lit = self.unknown == Unknown::Solved;
                     together.look(pixel, index, views, &angles[t], self.choice, wants_lit);
                     (together.area.iter().sum::<f64>().min(entry.area), together.lit_rest)
                 } else {
-                    let most = views.iter().map(|v| &v.seen).max_by(|a, b| a.area.total_cmp(&b.area));
-                    let Some(most) = most.map(|seen| seen.area.min(entry.area)) else { continue };
-                    let lit =
-                        views.iter().max_by(|a, b| a.seen.area.total_cmp(&b.seen.area)).map_or(0.0, |v| v.lit.area);
-                    (most, if most > 0.0 { entry.lit - lit } else { entry.lit })
+                    let knows_most = views.iter().max_by(|a, b| a.seen.area.total_cmp(&b.seen.area));
+                    let Some(Lookup { seen, lit, .. }) = knows_most else { continue };
+                    let most = seen.area.min(entry.area);
+                    (most, if most > 0.0 { entry.lit - lit.area } else { entry.lit })
                 };
                 let rest = entry.area - most.max(0.0);
                 unknown[t] += rest;

@@ -284,6 +284,9 @@ fn stencil(at: f64, count: usize) -> (usize, [f64; 4]) {
     (first, weights)
 }
 
+/// Largest error of [`MarsLight`], relative to the light on a facet that faces a full Mars.
+pub const MARS_LIGHT_ERROR: f64 = 1e-5;
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -10,6 +10,9 @@
 
 use std::f64::consts::PI;
 
+/// What is reflected and let through of light is all of it within this: more makes energy.
+pub const ALL_LIGHT: f64 = 1.0 + 1e-9;
+
 /// Angles of light and view at a surface point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PhotometricAngles {

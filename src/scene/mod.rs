@@ -19,7 +19,7 @@ pub use material::Material;
 pub use photometry::{Hapke, Photometry, Rpv};
 pub(crate) use sensor::LEAST_PITCH;
 pub use sensor::{FrameCamera, Sensor};
-pub use source::{Mars, MarsModel, Sun, Thermal};
+pub use source::{MARS_ALBEDO, Mars, MarsModel, Sun, Thermal};
 pub use texture::{Texture, TextureKind};
 
 /// A body's surface, what lights it, and what looks at it.

@@ -28,6 +28,9 @@ pub enum MarsModel {
     Thesis,
 }
 
+/// Lambert reflectance of Mars where nothing else is said.
+pub const MARS_ALBEDO: f64 = 0.25;
+
 /// Mars as an extended second source.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mars {

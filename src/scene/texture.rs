@@ -2,6 +2,7 @@
 
 use crate::error::number;
 use crate::geometry::{Chart, MaterialId, Mesh, Overlay, Texels};
+use crate::physics::reflectance::ALL_LIGHT;
 use crate::spectral::{Band, between};
 
 use super::Material;
@@ -121,7 +122,7 @@ impl Texture {
             TextureKind::Factor => material.reflectance.value().iter().copied().fold(0.0, f64::max),
             TextureKind::Reflectance => 1.0,
         };
-        if most * base > 1.0 + 1e-9 {
+        if most * base > ALL_LIGHT {
             problem(format!("makes a reflectance of {}, which is above 1", number(most * base)));
         }
         let reach = |b: &Band| b.support_um();

@@ -8,11 +8,12 @@ use serde::{Deserialize, Serialize};
 
 use super::site::Site;
 use crate::geometry::{Direction, angle_rad};
+use crate::physics::mars_light::MARS_LIGHT_ERROR;
 use crate::physics::reflectance::{Brdf, PhotometricAngles};
 use crate::physics::sun::{self, Eclipse};
 use crate::physics::{blackbody, bounds, heat};
 use crate::product::{Backplanes, FacetTable};
-use crate::scene::{MarsModel, Material, Scene, Thermal};
+use crate::scene::{MARS_ALBEDO, MarsModel, Material, Scene, Thermal};
 use crate::solve;
 use crate::spectral::Light;
 use crate::units::{MARS_RADIUS_M, PHOBOS_ORBIT_M};
@@ -45,12 +46,8 @@ fn ranked(effect: Effect) -> Effect {
 
 /// Shadows and fractions are exact to this, relative: what the tests hold them to.
 const ROUNDING: f64 = 1e-9;
-/// Largest error of the fast Mars-light, relative to that on a facet that faces a full Mars (see [`MarsLight`](crate::physics::mars_light::MarsLight)).
-const MARS_LIGHT_ERROR: f64 = 1e-5;
 /// Stellar aberration at Mars: its largest orbital speed and Phobos' own, 28.6 km/s, over that of light; rad.
 const ABERRATION_RAD: f64 = 9.6e-5;
-/// Albedo of a Mars that a scene does not have.
-const MARS_ALBEDO: f64 = 0.25;
 
 /// What the bounds are made from.
 pub(super) struct Account<'a> {

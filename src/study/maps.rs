@@ -148,6 +148,15 @@ pub fn observe_maps(
         let message = format!("{} is no radiance: give one from 0 to {LARGEST:e} W m-2 sr-1 um-1", number(value));
         return Err(Error::invalid(Location::item("unknown"), message));
     }
+    if options.fill == Fill::Solved && options.add_solved {
+        let message = "what is solved for the scene is added everywhere: it cannot fill gaps besides";
+        return Err(Error::invalid(Location::item("unknown"), message));
+    }
+    if options.fill == Fill::Solved && terms.len() > 1 {
+        let message =
+            "gaps can be filled from the scene's own sources only if all maps have their texels at the same places";
+        return Err(Error::invalid(Location::item("unknown"), message));
+    }
     let (mut terms, of_bands) = Term::of(scene, terms)?;
     let mut problems = Vec::new();
     for view in terms.iter_mut().flat_map(|t| &mut t.views) {
@@ -169,15 +178,6 @@ pub fn observe_maps(
         },
         adds_solved: options.add_solved,
     };
-    if options.fill == Fill::Solved && options.add_solved {
-        let message = "what is solved for the scene is added everywhere: it cannot fill gaps besides";
-        return Err(Error::invalid(Location::item("unknown"), message));
-    }
-    if options.fill == Fill::Solved && maps.terms.len() > 1 {
-        let message =
-            "gaps can be filled from the scene's own sources only if all maps have their texels at the same places";
-        return Err(Error::invalid(Location::item("unknown"), message));
-    }
     let mut image = integrate::integrate_maps(scene, topology, table, &maps, watch)?;
     let on_scene = image.maps.take().unwrap_or_default();
     drop(maps);
@@ -200,7 +200,7 @@ pub fn observe_maps(
         largest_angle_deg: on_scene.largest_angle_deg,
         quadrature_error: on_scene.quadrature_error,
     };
-    let on_scene_pixels = on_scene.area.len();
+    let pixels = on_scene.area.len();
     drop(on_scene);
     let uses_sun = options.add_solved || options.fill == Fill::Solved;
     let mut observation = account_for(scene, topology, table, image, uses_sun, watch)?;
@@ -210,7 +210,6 @@ pub fn observe_maps(
     }
     if options.fill == Fill::Nan {
         // Only now: what is computed is checked for numbers that are none.
-        let pixels = on_scene_pixels;
         for band in observation.cube.added.chunks_exact_mut(pixels.max(1)) {
             unknown.iter().for_each(|pixel| band[*pixel] = f64::NAN);
         }
@@ -535,10 +534,9 @@ fn unverified(terms: &[Term]) -> String {
 /// What is said of what maps do not know.
 fn told(share: f64, pixels: usize, options: &MapOptions, unverified: &str) -> Option<String> {
     let how = match options.fill {
-        Fill::Refuse(_) => "; what is known of a facet, or else of its pixel, stands for the rest of it",
+        Fill::Refuse(_) | Fill::Nan => "; what is known of a facet, or else of its pixel, stands for the rest of it",
         Fill::Solved => ", and is filled from the scene's own sources",
         Fill::Value(_) => ", and is filled with the radiance that was given for it",
-        Fill::Nan => "; what is known of a facet, or else of its pixel, stands for the rest of it",
     };
     let of_nothing = match (pixels, options.fill) {
         (0, _) | (_, Fill::Solved | Fill::Value(_)) => String::new(),

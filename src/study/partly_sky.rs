@@ -38,8 +38,10 @@ pub(super) fn is_in_means(sky: Sky, placement: &Placement, seen: &[f64], values:
     }
 }
 
-/// Less of an image's border than this is no sky around a scene, if it is dark; and what is darker than this share of the mean is.
-const HARDLY: [f64; 2] = [0.05, 1e-3];
+/// If less of an image's border than this is dark, that is no sky around a scene.
+const LEAST_BORDER: f64 = 0.05;
+/// Texels that are darker than this share of the mean of all are dark as the sky.
+const DARK_AS_SKY: f64 = 1e-3;
 
 /// Whether it is worth to find out in how much of each texel the scene is seen: sky around a scene reaches the border of its image, and
 /// there is dark, or without a value.
@@ -54,15 +56,20 @@ pub(super) fn may_be_in_means(sky: Sky, image: &ViewImage, values: &[f64]) -> bo
         return false;
     }
     let (sum, count) = values.iter().filter(|v| !v.is_nan()).fold((0.0, 0.0), |(s, n), v| (s + v, n + 1.0));
-    let is_dark = |i: usize| values[i].is_nan() || values[i] * count <= HARDLY[1] * sum;
+    let is_dark = |i: usize| values[i].is_nan() || values[i] * count <= DARK_AS_SKY * sum;
     let sides = (0..rows).flat_map(|row| [row * columns, (row + 1) * columns - 1]);
     let border = (0..columns).chain((rows - 1) * columns..rows * columns).chain(sides);
     let (dark, all) = border.fold((0.0, 0.0), |(dark, all), i| (dark + f64::from(u8::from(is_dark(i))), all + 1.0));
-    dark >= HARDLY[0] * all
+    dark >= LEAST_BORDER * all
 }
 
-/// As few texels as these at the rim tell nothing.
+/// Fewer texels at the rim tell nothing.
 const FEW: usize = 8;
+/// Texels at the rim that show less or more of the scene than these tell little: what they would be either way is too much alike, or
+/// too faint.
+const TELLING: std::ops::Range<f64> = 0.1..0.9;
+/// A texel at the rim that is brighter than so many of those beside it counts as that: a glint must not outweigh the others.
+const GLINT: f64 = 2.0;
 
 /// Whether texels at the rim are darker than the whole ones beside them, by about the share that they show: nearer to that than to
 /// as bright. `None` if there are too few.
@@ -81,11 +88,13 @@ fn is_dark_at_rim(columns: usize, seen: &[f64], values: &[f64]) -> Option<bool> 
         }
         (count > 0.0).then(|| sum / count)
     };
-    let at_rim = (0..seen.len()).filter(|i| 0.1 < seen[*i] && seen[*i] < 0.9 && !values[*i].is_nan());
+    let at_rim = (0..seen.len()).filter(|i| TELLING.contains(&seen[*i]) && !values[*i].is_nan());
     let pairs: Vec<(f64, f64)> =
-        at_rim.filter_map(|i| whole_beside(i).map(|whole| (seen[i], (values[i] / whole).min(2.0)))).collect();
+        at_rim.filter_map(|i| whole_beside(i).map(|whole| (seen[i], (values[i] / whole).min(GLINT)))).collect();
     let [shares, ratios] = [0, 1].map(|k| pairs.iter().map(|p| if k == 0 { p.0 } else { p.1 }).sum::<f64>());
-    (pairs.len() >= FEW).then_some(ratios < 0.5 * (shares + pairs.len() as f64))
+    // Halfway between the shares and as bright.
+    let halfway = 0.5 * (shares + pairs.len() as f64);
+    (pairs.len() >= FEW).then_some(ratios < halfway)
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use mmxrt::progress::unwatched;
 use mmxrt::scene::{Photometry, Scene};
 use serde_json::Value;
 
-use crate::cli::run;
+use crate::cli::{mmxrt, run};
 use crate::scratch::Scratch;
 
 /// Everything that a scene file can say, with names and numbers that are easily lost.
@@ -361,6 +361,21 @@ fn spectra_go_through_every_format() {
     assert!(code == 0 && out.contains("Dropped"), "{out}{err}");
     assert_eq!(run(&["convert", &argument("scene.toml"), &argument("strict.db"), "--strict"]).0, 3);
     assert!(!scratch.join("strict.db").exists());
+    // Neighbours do not know of one another.
+    scratch.write("plain.csv", "wavelength_um,reflectance\n1,0.5\n2,0.5\n");
+    let source = argument("plain.csv");
+    let strict: Vec<_> = (0..8)
+        .map(|i| {
+            let mut command = mmxrt();
+            command.args(["convert", &source, &argument(&format!("strict-{i}.sli")), "--strict"]);
+            std::thread::spawn(move || command.output().unwrap())
+        })
+        .collect();
+    for (i, one) in strict.into_iter().enumerate() {
+        let output = one.join().unwrap();
+        assert!(output.status.success(), "{i}: {}", String::from_utf8_lossy(&output.stderr));
+        assert!(scratch.join(&format!("strict-{i}.sli")).exists(), "{i}");
+    }
     let (code, out, _) = run(&["convert", "--list", &argument("all.db")]);
     assert!(code == 0 && out.lines().count() == 5 && out.contains("h1, h2 at 2 wavelengths, 1 to 2 um"), "{out}");
     assert_eq!(run(&["convert", "--check", &argument("all.db")]).0, 0);

@@ -403,6 +403,13 @@ fn a_check_sees_normals_that_are_turned() {
     obj(&sim, &all);
     let (code, out) = sim.check();
     assert!(code == 1 && out.contains("inside out"), "{out}");
+    // A mirror turns facets over, and DART with it: what was right stays right, as `convert` has it.
+    let sim = Sim::of(&tetrahedron());
+    sim.edit("input/object_3d.xml", "xscale=\"1.0\"", "xscale=\"-1.0\"");
+    let (code, out) = sim.check();
+    assert!(code == 0 && !out.contains("inside out"), "{out}");
+    obj(&sim, &all);
+    assert!(sim.check().1.contains("inside out"));
     // One facet alone: its three edges.
     let sim = Sim::of(&tetrahedron());
     obj(&sim, &|text| {

@@ -56,6 +56,9 @@ fn wavelengths_have_units_in_every_spelling() {
     assert!(centres(&metres).iter().zip([0.5, 0.625]).all(|(a, b)| (a.unwrap() / b - 1.0).abs() < 1e-15));
     let named = opened(&folder, with("band names = {Band 1 (500 nm), Band 2 (0.625 um)}"));
     assert!(centres(&named) == [Some(0.5), Some(0.625)] && notes(&named).contains("as the names of the bands say"));
+    // A name that would say sixty thousand wavelengths says none.
+    let endless = opened(&folder, with(&format!("band names = {{{}, 2}}", "500nm".repeat(60_000))));
+    assert_eq!(centres(&endless), [None, None]);
     let index = opened(&folder, with("wavelength units = Index\nwavelength = {1, 2}"));
     assert!(centres(&index) == [None, None] && notes(&index).contains("in Index, which is no length of waves"));
 }
@@ -146,4 +149,18 @@ fn what_is_misspelt_is_asked_about_and_other_headers_are_named() {
         let (code, _, err) = run(&["inspect", &folder.argument(name)]);
         assert!(code == 1 && err.contains("ESRI"), "{err}");
     }
+}
+
+#[test]
+fn a_header_costs_no_more_than_its_length() {
+    let folder = Scratch::new();
+    // What is quadratic in these takes minutes.
+    let braces = opened(&folder, with(&format!("description = {{{}}}\nwavelength = {{1, 2}}", "} ".repeat(400_000))));
+    assert_eq!(centres(&braces), [Some(1.0), Some(2.0)]);
+    // Keys that may be meant for others: each is told once, and no more than a few.
+    let keys = opened(&folder, with(&"wavelengt = {1, 2}\n".repeat(20_000)));
+    assert_eq!(notes(&keys).matches("did you mean `wavelength`").count(), 1);
+    let keys: String = (0..2000).map(|i| format!("{}avelength = 1\n", char::from_u32(0x4e00 + i).unwrap())).collect();
+    let told = notes(&opened(&folder, with(&keys))).matches("did you mean `wavelength`").count();
+    assert!((1..100).contains(&told), "{told}");
 }

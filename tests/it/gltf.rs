@@ -102,6 +102,13 @@ fn a_quad_stands_upright() {
     let path = folder.put("quad.glb", &glb(&binary_json, &binary));
     assert_eq!(read(&path, false).unwrap().0, surface);
     assert!(told_apart(&glb(&binary_json, &binary)) && told_apart(json.to_string().as_bytes()));
+    // A file that many buffers name is read once.
+    let mut many = json.clone();
+    many["buffers"] = vec![json["buffers"][0].clone(); 1000].into();
+    many["bufferViews"][1]["buffer"] = json!(999);
+    let path = folder.put("many.gltf", many.to_string().as_bytes());
+    let (found, _, inputs) = read(&path, false).unwrap();
+    assert!(found == surface && inputs.len() == 2, "{inputs:?}");
     let digits: Vec<char> = ('A'..='Z').chain('a'..='z').chain('0'..='9').chain(['+', '/']).collect();
     let sixes = binary.chunks(3).flat_map(|c| {
         let n = u32::from(c[0]) << 16 | u32::from(c[1]) << 8 | u32::from(c[2]);

@@ -220,7 +220,17 @@ fn pixels_outside_of_the_data_window_are_not_known() {
     assert_near(&bench.integrate("w.exr", &map).0, &uniform(&[1.0]));
     let camera = map.replace(ATLAS, "placement = \"camera\"\nscene = \"scene.toml\"\n");
     let (code, said) = bench.try_to("w.exr", &camera);
-    assert!(code == 1 && said.contains("2 times as wide as high"), "{said}");
+    assert!(code == 1 && said.contains("2 times as wide as high, those of the camera 1 times"), "{said}");
+    // Those of a camera whose focal length across the lines is twice that along them, each in its pixels.
+    let camera = map.replace(
+        ATLAS,
+        "placement = \"camera\"\nobserver = { position_m = [0, 0, 12000], target_m = [0, 0, 11000], up = [0, 1, 0] }\n\
+         sensor = { focal_px = [250, 500] }\n",
+    );
+    let (code, said) = bench.try_to("w.exr", &camera);
+    assert_eq!(code, 0, "{said}");
+    let (code, said) = bench.try_to("w.exr", &camera.replace("[250, 500]", "[500, 250]"));
+    assert!(code == 1 && said.contains("those of the camera 0.5 times"), "{said}");
 }
 
 #[test]
@@ -412,11 +422,8 @@ fn an_image_is_repeated_on_request() {
 
 /// A `.npy` file of f64, and a `.npz` file of some, deflated.
 fn npy(shape: &str, numbers: &[f64]) -> Vec<u8> {
-    let mut head = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}").into_bytes();
-    head.resize(118 - 1, b' ');
-    head.push(b'\n');
     let numbers: Vec<u8> = numbers.iter().flat_map(|v| v.to_le_bytes()).collect();
-    [b"\x93NUMPY\x01\x00\x76\x00".to_vec(), head, numbers].concat()
+    crate::raster::npy("<f8", false, shape, &numbers)
 }
 
 fn npz(arrays: &[(&str, Vec<u8>)]) -> Vec<u8> {

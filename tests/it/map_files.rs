@@ -239,7 +239,8 @@ fn a_map_file_can_be_inspected() {
 #[test]
 fn an_output_of_dart_without_inputs_lies_where_the_map_file_says() {
     let bench = Bench::new();
-    // A scene of 8 x 8 m, whose origin is in the middle, 2 x 2 pixels of 4 m from the zenith: rows run South, columns East.
+    // A scene of 8 x 8 m, whose origin is in the middle, 2 x 2 pixels of 4 m from the zenith: rows run South, columns East. That is +x and
+    // +y at the North pole, where the scene's image has +x on its right and +y on top.
     let images = "output/BAND0/Radiance/ITERX/IMAGES_DART";
     std::fs::create_dir_all(bench.0.join(images)).unwrap();
     bench.0.write(
@@ -255,12 +256,12 @@ fn an_output_of_dart_without_inputs_lies_where_the_map_file_says() {
     bench.0.write(&format!("{name}.mp#"), [1.0_f64, 2.0, 3.0, 4.0].map(f64::to_le_bytes).concat());
     bench.0.write(&format!("{images}/georef"), "a\nb\n1 0 0 8 0 8 8 0 8\n");
     bench.0.write("dart.toml", "mmxrt_map = 1\ndart = \"output\"\norigin_in_dart_m = [4, 4, 0]\n");
-    assert_near(&bench.integrate(&["--radiance", "{}dart.toml"]), &[1.0, 2.0, 3.0, 4.0]);
+    assert_near(&bench.integrate(&["--radiance", "{}dart.toml"]), &[2.0, 4.0, 1.0, 3.0]);
     let (code, err) = bench.try_to(&["--radiance", "{}output"]);
     assert!(code == 1 && err.contains("origin_in_dart_m"), "{err}");
     // With thermal emission in it, it must not be added to another that has it.
     let twice = bench.integrate(&["--radiance", "{}dart.toml+{}dart.toml"]);
-    assert_near(&twice, &[2.0, 4.0, 6.0, 8.0]);
+    assert_near(&twice, &[4.0, 8.0, 2.0, 6.0]);
     let properties = std::fs::read_to_string(bench.0.join("output/simulation.properties.txt")).unwrap();
     bench.0.write("output/simulation.properties.txt", format!("{properties}dart.band0.mode:R+T\n"));
     let (code, err) = bench.try_to(&["--radiance", "{}dart.toml+{}dart.toml"]);

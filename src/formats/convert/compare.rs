@@ -52,7 +52,7 @@ pub fn differences(a: &Content, b: &Content) -> Vec<String> {
 struct Lines(Vec<String>);
 
 fn same(a: f64, b: f64) -> bool {
-    (a - b).abs() <= SHARE * a.abs().max(b.abs()).max(1.0)
+    (a - b).abs() <= SHARE * a.abs().max(b.abs())
 }
 
 fn near(a: DVec3, b: DVec3) -> bool {

@@ -9,6 +9,7 @@ use crate::error::{Error, Location, Problem, Result};
 use crate::formats::dart::{self, Coverage, Finding, Severity, Step, WriteOptions, database::Database};
 use crate::formats::dart::{SceneOptions, Target};
 use crate::formats::input::InputFile;
+use crate::physics::reflectance::ALL_LIGHT;
 use crate::progress::{Watch, unwatched};
 use crate::report::{Fate, Report};
 use crate::scene::Scene;
@@ -230,7 +231,7 @@ fn check_database(path: &Path) -> Result<Vec<Finding>> {
             Ok((library, report)) => {
                 notes.extend(report.notes);
                 let most = shares(&library).iter().map(|row| row.iter().sum::<f64>()).fold(0.0, f64::max);
-                if most > 1.0 + 1e-9 {
+                if most > ALL_LIGHT {
                     findings.push(Finding {
                         severity: Severity::Error,
                         at: Location::file(path).with_item(format!("table {}", model.name)),

@@ -10,7 +10,7 @@ mod dart;
 mod format;
 
 use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
@@ -135,7 +135,6 @@ pub fn convert(input: &Path, output: &Path, options: &Options, watch: Watch<'_>)
         _ => content.size(),
     };
     let job = Job { input, from, output, options, sources: &sources, report: &mut report, size: &mut size, watch };
-    // What is written now is written: from here on nobody is asked whether to stop.
     let written = job.write(content, to).map_err(|e| of_input(e, input))?;
     for note in &mut report.notes {
         // What is known without the file is of the input.
@@ -519,7 +518,7 @@ impl Job<'_> {
             let suffix = format!("flight.{}.csv", shortened(&plain));
             let file = path.with_extension(suffix);
             let text = dart::flight_csv(steps);
-            let written = files.beside(&file).and_then(|path| put(&files, &path, |out| out.write_all(text.as_bytes())));
+            let written = files.beside(&file).and_then(|path| files.put(&path, |out| out.write_all(text.as_bytes())));
             written.map_err(named)?;
             dart::carried(name, steps.len(), &file_name(&file), Location::file(self.input), self.report);
         }
@@ -566,9 +565,9 @@ impl Job<'_> {
             let write_mtl = |out: &mut BufWriter<File>| mtl::write(out, &surface.materials);
             let write_obj = |out: &mut BufWriter<File>| obj::write(out, &surface.mesh, &surface.materials, Some(&name));
             let mut staged = Staged::file(output, options.replace)?;
-            put(&staged, staged.path(), write_obj)?;
+            staged.put(staged.path(), write_obj)?;
             let beside = staged.beside(&materials)?;
-            put(&staged, &beside, write_mtl)?;
+            staged.put(&beside, write_mtl)?;
             staged.spares(sources())?;
             staged.commit()?;
             return Ok(true);
@@ -595,16 +594,16 @@ impl Job<'_> {
         }
         if to == Format::Glb {
             let staged = Staged::file(output, options.replace)?;
-            put(&staged, staged.path(), |out| out.write_all(&encoded.glb()))?;
+            staged.put(staged.path(), |out| out.write_all(&encoded.glb()))?;
             staged.spares(sources())?;
             staged.commit()?;
         } else {
             let buffer = companion(output, "bin")?;
             let (text, bytes) = encoded.gltf(&file_name(&buffer));
             let mut staged = Staged::file(output, options.replace)?;
-            put(&staged, staged.path(), |out| out.write_all(text.as_bytes()))?;
+            staged.put(staged.path(), |out| out.write_all(text.as_bytes()))?;
             let beside = staged.beside(&buffer)?;
-            put(&staged, &beside, |out| out.write_all(bytes))?;
+            staged.put(&beside, |out| out.write_all(bytes))?;
             staged.spares(sources())?;
             staged.commit()?;
         }
@@ -658,30 +657,17 @@ impl Job<'_> {
             return Err(Error::invalid(Location::file(self.input), "holds no spectra"));
         }
         *self.size = format!("{} spectra", libraries.len());
-        let write = || match self.options.append {
-            true => super::dart::database::append(self.output, libraries),
-            false => spectra::write(self.output, format, libraries, self.options.replace),
-        };
         tell(self.watch, "writing the spectra", 0, 1)?;
-        let mut targets = vec![self.output.to_owned()];
-        if to == Format::Sli {
-            targets.push(self.output.with_extension("hdr"));
+        let (staged, report) = match self.options.append {
+            true => super::dart::database::stage_more(self.output, libraries)?,
+            false => spectra::stage(self.output, format, libraries, self.options.replace)?,
+        };
+        self.report.notes.extend(report.notes);
+        if self.refused() {
+            return Ok(false);
         }
-        spares(&targets, self.sources.iter().map(PathBuf::as_path))?;
-        if self.options.strict {
-            // The writers report when they have written: what a first writing, into a folder that goes, loses, is known before.
-            let trial = Staged::folder(&self.output.with_file_name(".mmxrt-strict"), false)?;
-            let report = spectra::write(&trial.path().join(file_name(self.output)), format, libraries, false);
-            let mut notes = report.map_err(|e| trial.named(e))?.notes;
-            notes.iter_mut().for_each(|note| note.at.file = Some(self.output.to_owned()));
-            self.report.notes.append(&mut notes);
-            if self.refused() {
-                return Ok(false);
-            }
-            write()?;
-        } else {
-            self.report.notes.extend(write()?.notes);
-        }
+        staged.spares(self.sources.iter().map(PathBuf::as_path))?;
+        staged.commit()?;
         Ok(true)
     }
 }
@@ -699,13 +685,6 @@ fn companion(output: &Path, extension: &str) -> Result<PathBuf> {
 
 fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
-}
-
-/// Writes a file of what is staged.
-fn put(staged: &Staged, path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<()> {
-    let writing = |e| staged.named(Error::io(path, "writing", e));
-    let mut out = BufWriter::with_capacity(1 << 20, File::create(path).map_err(writing)?);
-    write(&mut out).and_then(|()| out.flush()).map_err(writing)
 }
 
 /// The spectra of a scene's materials, each as the table that its photometry needs.

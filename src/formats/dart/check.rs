@@ -4,17 +4,21 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::path::Path;
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 use crate::error::{Error, Location, Result};
 use crate::formats::ilwis::Raster;
 use crate::formats::obj::{self, ObjFile};
 use crate::formats::scene_toml::USUAL_UM;
 use crate::formats::xml::Element;
+use crate::geometry::Mesh;
+use crate::physics::reflectance::ALL_LIGHT;
 
 use super::folder::Folder;
+use super::frame::obj_from_dart;
 use super::groups;
 use super::mandatory::{self, Kind};
+use super::object::{reaches_beyond, seen_facets, standing};
 use super::read::coeff_diff::{factor_node, factors_of_bands, uses_factors};
 use super::read::sequence::count;
 use super::read::{FILES, Inputs, Options, read, terrain};
@@ -386,7 +390,7 @@ impl<'a> Check<'a> {
             |row: &[f64; 3], set: &[f64; 3]| row.iter().zip(set).map(|(share, factor)| share * factor).sum::<f64>();
         let all = shares.iter().flat_map(|row| sets.iter().map(|set| sum(row, set)));
         let most = 100.0 * all.fold(0.0, f64::max);
-        if most > 100.0 * (1.0 + 1e-9) {
+        if most > 100.0 * ALL_LIGHT {
             let what = format!(
                 "`{}` ({}) reflects and lets through up to {most} % of the light",
                 property.ident, property.model
@@ -488,19 +492,19 @@ impl<'a> Check<'a> {
             };
             self.groups(object, &obj);
             self.axes(object, element, &obj);
-            self.ground(object, element, &obj);
-            self.normals(object, &obj);
-            self.edges(object, &obj);
+            let mesh = standing(object, &obj, &seen_facets(object, &obj, &simulation.version));
+            if let Some(bounds_m) = mesh.bounds_m() {
+                self.ground(object, element, bounds_m);
+                self.edges(object, bounds_m);
+            }
+            self.normals(object, &mesh);
         }
     }
 
     /// Objects that reach beyond the scene.
-    fn edges(&mut self, object: &Object, obj: &ObjFile) {
-        let (low, high) = bounds(obj.vertices.iter().map(|v| placement(object)(*v)));
+    fn edges(&mut self, object: &Object, (low, high): (DVec3, DVec3)) {
         let [x, y] = self.simulation.maket.size_m;
-        // Rounding of a turn is no reach.
-        let slack = 1e-9 * x.max(y);
-        if low.x >= -slack && low.y >= -slack && high.x <= x + slack && high.y <= y + slack {
+        if !reaches_beyond((low, high), [x, y]) {
             return;
         }
         let is_outside = low.x > x || low.y > y || high.x < 0.0 || high.y < 0.0;
@@ -580,7 +584,11 @@ impl<'a> Check<'a> {
 
     /// OBJ files stand upright on y.
     fn axes(&mut self, object: &Object, element: &Element, obj: &ObjFile) {
-        let (low, high) = bounds(obj.vertices.iter().copied());
+        // All that is in the file, as it lies there.
+        let (position_m, scale, rotation_deg) = (DVec3::ZERO, DVec3::ONE, DVec3::ZERO);
+        let file = Object { position_m, scale, rotation_deg, ..object.clone() };
+        let mesh = standing(&file, obj, &Vec::from_iter(0..obj.facets.len()));
+        let Some((low, high)) = mesh.bounds_m() else { return };
         let size = high - low;
         let given = element.descendant("Dimension3D").and_then(|d| {
             let of = |name: &str| d.get(name)?.trim().parse::<f64>().ok();
@@ -589,19 +597,18 @@ impl<'a> Check<'a> {
         let alike = |a: DVec3, b: DVec3| (a - b).abs().max_element() <= 1e-3 * a.abs().max_element();
         if let Some((dimension, given)) = given {
             let at = dimension.at();
-            if alike(given, size) && !alike(given, dart_from_obj(size)) {
+            if alike(given, obj_from_dart(size)) && !alike(given, size) {
                 let what = format!("the dimensions of `{}` are those of its own x, y, z", object.file);
                 let effect = "reads `v a b c` as x = c, y = a, z = b: the object lies on its side";
                 return self.warning(&at, what, effect, "write the OBJ file as `v y z x`");
             }
-            if !alike(given, dart_from_obj(size)) {
-                let is = dart_from_obj(size);
-                let what = format!("dimensions {given}, but those of `{}` are {is} along DART's axes", object.file);
+            if !alike(given, size) {
+                let what = format!("dimensions {given}, but those of `{}` are {size} along DART's axes", object.file);
                 self.warning(&at, what, "measures the file itself", "write these dimensions");
             }
         }
         // A sheet whose facets all look along one side of the scene: a terrain with z upwards in its OBJ file.
-        let (sum, area) = vector_area(obj, dart_from_obj);
+        let (sum, area) = mesh.vector_area_m2();
         if area > 0.0 && sum.x.abs() > 0.8 * area {
             let what = format!("`{}` stands on edge: its facets look along x", object.file);
             let effect = "reads `v a b c` as x = c, y = a, z = b";
@@ -609,12 +616,10 @@ impl<'a> Check<'a> {
         }
     }
 
-    fn ground(&mut self, object: &Object, element: &Element, obj: &ObjFile) {
+    fn ground(&mut self, object: &Object, element: &Element, (low, high): (DVec3, DVec3)) {
         if object.dem_mode != 0 {
             return;
         }
-        let place = placement(object);
-        let (low, high) = bounds(obj.vertices.iter().map(|v| place(*v)));
         if self.simulation.maket.topography.is_none() && low.z.abs() <= 1e-6 * (high - low).max_element() {
             return;
         }
@@ -660,7 +665,7 @@ impl<'a> Check<'a> {
     }
 
     /// Facets show their backs.
-    fn normals(&mut self, object: &Object, obj: &ObjFile) {
+    fn normals(&mut self, object: &Object, mesh: &Mesh) {
         let is_same = |front: &Option<Links>, back: &Option<Links>| match (front, back) {
             (Some(a), Some(b)) => (a.kind, a.index, a.thermal_index) == (b.kind, b.index, b.thermal_index),
             _ => false,
@@ -671,32 +676,30 @@ impl<'a> Check<'a> {
         if of_object || (!object.groups.is_empty() && object.groups.iter().all(of_group)) {
             return;
         }
-        self.turned(object, obj);
-        let place = placement(object);
-        let (sum, area) = vector_area(obj, &place);
+        self.turned(object, mesh);
+        let (sum, area) = mesh.vector_area_m2();
         let effect = "stops light at the back of a facet: it is black";
         let fix = "turn the order of the corners round, or give both faces properties (`doubleFace`)";
-        // The sum over a closed mesh is 0; over an open sheet it is the way that it faces.
-        if sum.length() <= 1e-6 * area {
-            if volume(obj, &place) < 0.0 {
-                self.error(
-                    &object.at,
-                    format!("`{}` is inside out: its facets face inwards", object.name),
-                    effect,
-                    fix,
-                );
+        match mesh.enclosed_m3() {
+            Some(volume_m3) if volume_m3 < 0.0 => {
+                let what = format!("`{}` is inside out: its facets face inwards", object.name);
+                self.error(&object.at, what, effect, fix);
             }
-        } else if sum.z < -0.2 * area {
-            self.warning(&object.at, format!("`{}` faces downwards", object.name), effect, fix);
+            Some(_) => {}
+            // The sum over an open sheet is the way that it faces.
+            None if sum.z < -0.2 * area => {
+                self.warning(&object.at, format!("`{}` faces downwards", object.name), effect, fix);
+            }
+            None => {}
         }
     }
 
     /// Facets that are turned against the one beside them.
-    fn turned(&mut self, object: &Object, obj: &ObjFile) {
+    fn turned(&mut self, object: &Object, mesh: &Mesh) {
         // Corners at one place are one, whatever their number.
-        let place = |v: u32| obj.vertices[v as usize].to_array().map(|x| (x + 0.0).to_bits());
+        let place = |v: u32| mesh.vertices_m[v as usize].to_array().map(|x| (x + 0.0).to_bits());
         let mut edges: BTreeMap<([u64; 3], [u64; 3]), [u32; 2]> = BTreeMap::new();
-        for facet in &obj.facets {
+        for facet in &mesh.facets {
             let corners = facet.map(place);
             for (a, b) in [(0, 1), (1, 2), (2, 0)].map(|(a, b)| (corners[a], corners[b])) {
                 if a != b {
@@ -739,41 +742,4 @@ fn load(folder: &Folder, object: &Object) -> Result<Option<ObjFile>> {
     let Some(path) = found else { return Ok(None) };
     let mut file = File::open(&path).map_err(|e| Error::io(&path, "reading", e))?;
     obj::parse(&mut file, &path, &mut |_| Ok(Vec::new())).map(Some)
-}
-
-/// DART's axes from an OBJ file's.
-fn dart_from_obj(v: DVec3) -> DVec3 {
-    DVec3::new(v.z, v.x, v.y)
-}
-
-/// The scene's coordinates from an OBJ file's, before anything is dropped to the ground.
-fn placement(object: &Object) -> impl Fn(DVec3) -> DVec3 {
-    let [intrinsic, nutation, precession] = object.rotation_deg.to_array().map(f64::to_radians);
-    let rotation =
-        DMat3::from_rotation_z(precession) * DMat3::from_rotation_y(nutation) * DMat3::from_rotation_z(intrinsic);
-    let (position_m, scale) = (object.position_m, object.scale);
-    move |v| position_m + rotation * (scale * dart_from_obj(v))
-}
-
-fn bounds(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
-    points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
-}
-
-fn corners(obj: &ObjFile, place: impl Fn(DVec3) -> DVec3) -> impl Iterator<Item = [DVec3; 3]> {
-    obj.facets.iter().map(move |facet| facet.map(|i| place(obj.vertices[i as usize])))
-}
-
-/// The sum of the facets' areas as vectors along their normals, and of their sizes.
-fn vector_area(obj: &ObjFile, place: impl Fn(DVec3) -> DVec3) -> (DVec3, f64) {
-    corners(obj, place).fold((DVec3::ZERO, 0.0), |(sum, area), [a, b, c]| {
-        let vector = (b - a).cross(c - a) / 2.0;
-        (sum + vector, area + vector.length())
-    })
-}
-
-/// The volume that a closed mesh holds: negative if it is inside out.
-fn volume(obj: &ObjFile, place: impl Fn(DVec3) -> DVec3) -> f64 {
-    // About a point of the mesh, so that far-off coordinates keep their digits.
-    let about = obj.vertices.first().map_or(DVec3::ZERO, |v| place(*v));
-    corners(obj, place).map(|[a, b, c]| (a - about).dot((b - about).cross(c - about)) / 6.0).sum()
 }

@@ -2,6 +2,7 @@
 //!
 //! Reflectances and transmittances are percent in the file and fractions here; wavelengths are um in both.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Location, Problem, Result, number};
@@ -338,6 +339,13 @@ fn bytes(path: &Path) -> Result<Vec<u8>> {
 /// [`Error::Io`]; [`Error::Invalid`] if the file exists and is not to be replaced, for names that become the same, for
 /// values outside their range; [`Error::Unsupported`] without the feature `sqlite`.
 pub fn create(path: &Path, models: &[SpectralLibrary], replace: bool) -> Result<Report> {
+    let (staged, report) = stage(path, models, replace)?;
+    staged.commit()?;
+    Ok(report)
+}
+
+/// As [`create`], but that it does not take its place yet.
+pub(in crate::formats) fn stage(path: &Path, models: &[SpectralLibrary], replace: bool) -> Result<(Staged, Report)> {
     let staged = Staged::file(path, replace)?;
     let store = Store::in_memory(path)?;
     put(path, staged, store, &[], models)
@@ -348,6 +356,13 @@ pub fn create(path: &Path, models: &[SpectralLibrary], replace: bool) -> Result<
 /// # Errors
 /// As [`create`] and [`Database::open`]; [`Error::Invalid`] for a model that is there already.
 pub fn append(path: &Path, models: &[SpectralLibrary]) -> Result<Report> {
+    let (staged, report) = stage_more(path, models)?;
+    staged.commit()?;
+    Ok(report)
+}
+
+/// As [`append`], but that the copy does not take its place yet.
+pub(in crate::formats) fn stage_more(path: &Path, models: &[SpectralLibrary]) -> Result<(Staged, Report)> {
     // Read only when no other process can add to it any more.
     let staged = Staged::file(path, true)?;
     let store = Store::copy(path, bytes(path)?)?;
@@ -355,8 +370,14 @@ pub fn append(path: &Path, models: &[SpectralLibrary]) -> Result<Report> {
     put(path, staged, store, &tables, models)
 }
 
-/// Puts models into a database that holds `tables`, and that under its name.
-fn put(path: &Path, staged: Staged, store: Store, tables: &[Table], models: &[SpectralLibrary]) -> Result<Report> {
+/// Puts models into a database that holds `tables`, and that where it is staged.
+fn put(
+    path: &Path,
+    staged: Staged,
+    store: Store,
+    tables: &[Table],
+    models: &[SpectralLibrary],
+) -> Result<(Staged, Report)> {
     let mut report = Report::default();
     let at = |name: &str| Location::file(path).with_item(format!("table {name}"));
     let named = distinct_names(models, tables.iter().map(|t| t.name.as_str()), at, &mut report)?;
@@ -388,7 +409,6 @@ fn put(path: &Path, staged: Staged, store: Store, tables: &[Table], models: &[Sp
     }
     store.execute("", "COMMIT")?;
     let bytes = store.bytes()?;
-    std::fs::write(staged.path(), bytes).map_err(|e| staged.named(Error::io(staged.path(), "writing", e)))?;
-    staged.commit()?;
-    Ok(report)
+    staged.put(staged.path(), |out| out.write_all(&bytes))?;
+    Ok((staged, report))
 }

@@ -5,19 +5,16 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::geometry::Direction;
+use crate::geometry::body_from_site;
 
 /// Angles below this are rounding errors of a rotation: a camera that looks straight down has no azimuth of its own, rad.
 const ROUNDING_RAD: f64 = 1e-13;
 
-/// Rotation that carries axes of the body into the site's: x South, y East, z along the outward radius at `origin_m`.
-///
-/// Without a radius z stays z; on the axis, where East is no direction, East is the body's +x.
+/// Rotation that carries axes of the body into the site's: x South, y East, z along the outward radius at `origin_m`, as
+/// [`body_from_site`] has them. At the body's centre x is -y and y is x of the body.
 pub(super) fn dart_from_body(origin_m: DVec3) -> DMat3 {
-    let up = Direction::new(origin_m).map_or(DVec3::Z, Direction::vec);
-    let east = Direction::new(DVec3::Z.cross(up)).map_or(DVec3::X, Direction::vec);
-    let south = east.cross(up);
-    DMat3::from_cols(south, east, up).transpose()
+    let site = body_from_site(origin_m).unwrap_or(DMat3::IDENTITY);
+    DMat3::from_cols(-site.y_axis, site.x_axis, site.z_axis).transpose()
 }
 
 /// Zenith angle and azimuth of a vector of any length, deg; azimuths from 0 to below 360, 0 for a vertical one.
@@ -95,6 +92,9 @@ mod tests {
         for (body, dart) in [(DVec3::Y, DVec3::Z), (DVec3::NEG_X, DVec3::Y), (DVec3::NEG_Z, DVec3::X)] {
             assert_eq!(site * body, dart);
         }
+        // At a pole East is +y of the body, South then +x of it in the North, -x in the South.
+        assert_eq!(dart_from_body(DVec3::Z), DMat3::IDENTITY);
+        assert_eq!(dart_from_body(DVec3::NEG_Z), DMat3::from_diagonal(DVec3::new(-1.0, 1.0, -1.0)));
         for origin_m in [DVec3::ZERO, DVec3::Z, DVec3::NEG_Z, DVec3::new(1.0, -2.0, 3.0)] {
             let site = dart_from_body(origin_m);
             assert!((site.determinant() - 1.0).abs() < 1e-15);

@@ -9,7 +9,7 @@ use crate::error::{Error, Location, Result};
 use crate::geometry::{Direction, Mesh};
 use crate::physics::sun;
 use crate::report::{Fate, Report};
-use crate::scene::{Mars, Scene, Thermal};
+use crate::scene::{FrameCamera, Mars, Scene, Thermal};
 use crate::spectral::{Band, Response, SpectralLibrary};
 
 use super::frame;
@@ -220,11 +220,10 @@ pub(super) fn lit_by_mars(scene: &Scene, dart_from_body: DMat3, simulation: &Sim
 fn pixel_m(scene: &Scene, size_m: DVec3) -> f64 {
     let (low_m, high_m) = scene.mesh.bounds_m().unwrap_or_default();
     let camera = &scene.sensor.camera;
-    let extent_m = size_m.max_element();
+    // A point has no extent.
+    let extent_m = Some(size_m.max_element()).filter(|extent_m| *extent_m > 0.0).unwrap_or(1.0);
     let pixel_m = (camera.mean_pitch() * (camera.centre_m() - 0.5 * (low_m + high_m)).length())
-        .clamp(extent_m / 2000.0, extent_m / 10.0)
-        // A point has no extent.
-        .max(1e-6);
+        .clamp(extent_m / 2000.0, extent_m / 10.0);
     let step = 10f64.powf(pixel_m.log10().floor() - 1.0);
     // Division by a power of ten is exact to the digit that multiplication is not.
     if step < 1.0 { (pixel_m / step).round() / (1.0 / step).round() } else { (pixel_m / step).round() * step.round() }
@@ -285,7 +284,7 @@ impl Site<'_> {
     fn camera(&self) -> Camera {
         let camera = &self.scene.sensor.camera;
         let (look_deg, roll_deg) = camera_deg(self.dart_from_body * camera.world_from_sensor.rotation, camera.pitch[0]);
-        let angle_deg = |pixels: u32, pitch: f64| (2.0 * (0.5 * f64::from(pixels) * pitch).atan()).to_degrees();
+        let angle_deg = |pixels: u32, pitch: f64| FrameCamera::angle_of_pitch(pitch, pixels).to_degrees();
         Camera {
             position_m: self.dart_from_body * camera.centre_m() + self.origin_in_dart_m,
             look_deg,

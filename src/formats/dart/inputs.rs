@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use crate::error::{Error, Location, Result};
 use crate::formats::xml::Element;
+use crate::scene::FrameCamera;
 
 use super::frame;
 use super::simulation::{
@@ -770,7 +771,7 @@ fn sensor(number: usize, camera: &Camera) -> Element {
         .and(position(Element::new("SensorPosition"), camera.position_m).with("sensorPositionDefinition", 0))
         .and(Element::new("SensorView").with("viewDefinition", 1).and(look));
     let [width_deg, height_deg] = camera.field_of_view_deg;
-    let chip_m = |angle_deg: f64| 2.0 * FOCAL_LENGTH_M * (0.5 * angle_deg.to_radians()).tan();
+    let chip_m = |angle_deg: f64| FOCAL_LENGTH_M * FrameCamera::pitch_of_angle(angle_deg.to_radians(), 1);
     let [samples, lines] = camera.pixels;
     let optics = Element::new("Pinhole")
         .with("fieldOfViewDefinition", 1)

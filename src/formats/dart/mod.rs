@@ -14,6 +14,7 @@ pub mod groups;
 mod inputs;
 pub(crate) mod kind;
 mod mandatory;
+mod object;
 pub mod output;
 mod place;
 mod read;

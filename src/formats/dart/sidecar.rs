@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Location, Result};
 use crate::formats::input::{self, InputFile};
+use crate::formats::scene_toml::types::{LightToml, ShapeToml};
 use crate::geometry::{Direction, Mesh};
 use crate::scene::{Hapke, Mars, MarsModel, Material, Photometry, Rpv, Scene, Sun, Thermal};
 use crate::spectral::{Band, Extend, Light, Response, Spectrum, solar_e490};
@@ -71,8 +72,8 @@ struct SensorPart {
 struct UnusualBand {
     /// Counted from 0.
     band: usize,
-    response: ResponseName,
-    light: LightName,
+    response: ShapeToml,
+    light: LightToml,
     /// What it is called.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     name: String,
@@ -80,36 +81,15 @@ struct UnusualBand {
     table: Option<Table>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum ResponseName {
-    Gaussian,
-    Box,
-    Table,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum LightName {
-    Sunlight,
-    Heat,
-    Both,
-}
-
 impl UnusualBand {
     fn of((band, b): (usize, &Band)) -> Option<Self> {
         let (response, table) = match &b.response {
-            Response::Gaussian => (ResponseName::Gaussian, None),
-            Response::Box => (ResponseName::Box, None),
-            Response::Table(table) => (ResponseName::Table, Some(Table::of(table))),
+            Response::Gaussian => (ShapeToml::Gaussian, None),
+            Response::Box => (ShapeToml::Box, None),
+            Response::Table(table) => (ShapeToml::Table, Some(Table::of(table))),
         };
-        let light = match b.light {
-            Light::Sunlight => LightName::Sunlight,
-            Light::Heat => LightName::Heat,
-            Light::Both => LightName::Both,
-        };
-        let is_usual = response == ResponseName::Gaussian && light == LightName::Both;
-        (!is_usual).then_some(UnusualBand { band, response, light, name: b.name.clone(), table })
+        let is_usual = response == ShapeToml::Gaussian && b.light == Light::Both;
+        (!is_usual).then(|| UnusualBand { band, response, light: b.light.into(), name: b.name.clone(), table })
     }
 }
 
@@ -324,21 +304,16 @@ impl Sidecar {
         let fwhm_um = *self.sensor.fwhm_um.get(index)?;
         let plain = Band::new(centre_um, (fwhm_um > 0.0).then_some(fwhm_um));
         let Some(unusual) = self.sensor.unusual.iter().find(|u| u.band == index) else { return Some(plain) };
-        let light = match unusual.light {
-            LightName::Sunlight => Light::Sunlight,
-            LightName::Heat => Light::Heat,
-            LightName::Both => Light::Both,
-        };
         let band = match unusual.response {
-            ResponseName::Gaussian => plain,
-            ResponseName::Box => Band { response: Response::Box, ..plain },
-            ResponseName::Table => {
+            ShapeToml::Gaussian => plain,
+            ShapeToml::Box => Band { response: Response::Box, ..plain },
+            ShapeToml::Table => {
                 let band = Band::tabulated(&unusual.table.as_ref()?.spectrum()?)?;
                 // A centre that was edited is another band's.
                 (band.centre_um == centre_um).then_some(band)?
             }
         };
-        Some(Band { light, name: unusual.name.clone(), ..band })
+        Some(Band { light: unusual.light.into(), name: unusual.name.clone(), ..band })
     }
 
     /// The place of a material in the scene's dictionary.

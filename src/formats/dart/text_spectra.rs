@@ -4,6 +4,7 @@
 //! of which names the columns, and columns parted by blanks. Both are in um and percent.
 
 use std::fmt::Write as _;
+use std::io::Write as _;
 use std::path::Path;
 
 use crate::error::{Error, Location, Problem, Result, number};
@@ -180,6 +181,13 @@ fn parse_5_4(text: &str, path: &Path, report: &mut Report) -> Result<SpectralLib
 /// [`Error::Io`]; [`Error::Invalid`] if the file exists and is not to be replaced, and for values outside their range;
 /// [`Error::Unsupported`] for other kinds: how DART names their files is not known.
 pub fn write(path: &Path, library: &SpectralLibrary, replace: bool) -> Result<Report> {
+    let (staged, report) = stage(path, library, replace)?;
+    staged.commit()?;
+    Ok(report)
+}
+
+/// As [`write`], but that it does not take its place yet.
+pub(in crate::formats) fn stage(path: &Path, library: &SpectralLibrary, replace: bool) -> Result<(Staged, Report)> {
     let at = Location::file(path);
     let mut report = Report::default();
     let table = DartTable::of(library, &at, &mut report)?;
@@ -196,7 +204,6 @@ pub fn write(path: &Path, library: &SpectralLibrary, replace: bool) -> Result<Re
         let _ = writeln!(text, "{}", row.join(";"));
     }
     let staged = Staged::file(path, replace)?;
-    std::fs::write(staged.path(), text).map_err(|e| staged.named(Error::io(staged.path(), "writing", e)))?;
-    staged.commit()?;
-    Ok(report)
+    staged.put(staged.path(), |out| out.write_all(text.as_bytes()))?;
+    Ok((staged, report))
 }

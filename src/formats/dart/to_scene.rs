@@ -11,9 +11,9 @@ use std::rc::Rc;
 use glam::{DMat3, DVec3};
 
 use crate::error::{Error, Location, Problem, Result, number};
-use crate::formats::input::{self, InputFile};
+use crate::formats::input::InputFile;
 use crate::formats::obj::ObjFile;
-use crate::formats::scene_toml::USUAL_UM;
+use crate::formats::scene_toml::{EMISSIVITY_BOLOMETRIC, USUAL_UM};
 use crate::geometry::{Direction, Mesh, Pose};
 use crate::progress::Watch;
 use crate::report::{Fate, Report};
@@ -56,10 +56,6 @@ const UNKNOWN_REFLECTANCE: f64 = 0.1;
 const ROUNDS: usize = 8;
 /// Irradiances of bands that are off by more than this share are told.
 const UNFIT: f64 = 1e-6;
-/// Bolometric emissivity of what does not say: Phobos and most powders lie between 0.9 and 1.
-const EMISSIVITY_BOLOMETRIC: f64 = 0.95;
-/// More vertices, or more facets, of all objects are refused.
-const MOST: usize = 1 << 27;
 /// Where a simulation has no camera, one looks down from so many times the scene's extent.
 const CAMERA_DISTANCE: f64 = 10.0;
 
@@ -195,8 +191,8 @@ impl Reader<'_> {
         let phase = &self.simulation.phase;
         let directions = &self.simulation.directions;
         let towards = place.dart_from_body.transpose() * frame::vector(directions.sun_deg);
-        // A vector made of an angle has a length.
-        let direction = Direction::new(towards).unwrap_or_else(|| Direction::new(DVec3::Z).expect("z has a direction"));
+        // A vector made of angles is of length 1, turned or not.
+        let direction = Direction::new(towards).unwrap_or(Direction::Z);
         let given: Vec<Option<f64>> = phase.irradiance.iter().map(|value| Some((*value)?.0)).collect();
         let is_given = phase.irradiance_mode == 1 && given.iter().any(Option::is_some);
         let is_as_given = |sun: &Sun| {
@@ -453,7 +449,7 @@ impl Reader<'_> {
         let located = self.folder.locate(name, at).map_err(|problem| Error::Invalid(vec![problem]))?;
         let Some(path) = located else { return Ok(None) };
         let (library, mut report) = text_spectra::read(&path)?;
-        self.inputs.push(InputFile::of(&path, &input::bytes(&path, 1 << 40)?));
+        self.inputs.push(InputFile::hashed(&path)?);
         let most = |name: &str| library.column(name).unwrap_or_default().iter().copied().fold(0.0, f64::max);
         let percent = 100.0 * (most("direct_transmittance") + most("diffuse_transmittance"));
         if percent > 0.0 {
@@ -536,7 +532,7 @@ impl Reader<'_> {
             let path = self.folder.locate(name, &property.at).map_err(|problem| Error::Invalid(vec![problem]))?;
             let opened = path.as_deref().map(Database::open).transpose()?;
             if let Some(path) = path {
-                self.inputs.push(InputFile::of(&path, &input::bytes(&path, 1 << 40)?));
+                self.inputs.push(InputFile::hashed(&path)?);
             }
             self.databases.insert(name.clone(), opened);
         }
@@ -547,7 +543,8 @@ impl Reader<'_> {
         let simulation = self.simulation;
         let Some(camera) = simulation.phase.cameras.first() else {
             let (low_m, high_m) = mesh.bounds_m().unwrap_or_default();
-            let extent_m = (high_m - low_m).length().max(1e-3);
+            // A point has no extent.
+            let extent_m = Some((high_m - low_m).length()).filter(|extent_m| *extent_m > 0.0).unwrap_or(1.0);
             let message =
                 format!("there is no camera: one looks straight down from {CAMERA_DISTANCE} times the scene's extent");
             self.note(Fate::Defaulted, &simulation.directions.at, message);
@@ -559,7 +556,7 @@ impl Reader<'_> {
         for other in &simulation.phase.cameras[1..] {
             self.note(Fate::Dropped, &other.at, "a scene has one camera: this is not the first");
         }
-        let pitch = |angle_deg: f64, pixels: u32| 2.0 * (0.5 * angle_deg.to_radians()).tan() / f64::from(pixels.max(1));
+        let pitch = |angle_deg: f64, pixels: u32| FrameCamera::pitch_of_angle(angle_deg.to_radians(), pixels.max(1));
         let [width_deg, height_deg] = camera.field_of_view_deg;
         let [samples, lines] = camera.pixels;
         let (across, down) = (pitch(width_deg, samples), pitch(height_deg, lines));

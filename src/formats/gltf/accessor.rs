@@ -1,6 +1,8 @@
 //! The numbers of accessors: bytes of buffers, some of them replaced (sparse). Nothing is taken from beyond a buffer's end.
 
+use std::ops::Deref;
 use std::path::Path;
+use std::rc::Rc;
 
 use crate::error::{Error, Location, Result};
 
@@ -11,8 +13,22 @@ use super::json::{Accessor, Root, SparsePart};
 pub(super) struct Data<'a> {
     pub(super) path: &'a Path,
     pub(super) root: Root,
-    /// As long as the JSON says they are.
-    pub(super) buffers: Vec<Vec<u8>>,
+    pub(super) buffers: Vec<Buffer>,
+}
+
+/// The bytes of a buffer: of a file that several name there is one copy.
+pub(super) struct Buffer {
+    pub(super) all: Rc<Vec<u8>>,
+    /// As long as the JSON says it is.
+    pub(super) length: usize,
+}
+
+impl Deref for Buffer {
+    type Target = [u8];
+
+    fn deref(&self) -> &[u8] {
+        &self.all[..self.length]
+    }
 }
 
 /// How a number is stored.
@@ -100,7 +116,7 @@ impl Data<'_> {
             Some(view) => self.packed(accessor, view, accessor.byte_offset, accessor.count, width, &item)?,
             None if accessor.sparse.is_some() => {
                 // Zeros take no bytes of the file: their number is bounded by what else it holds.
-                let held: usize = self.buffers.iter().map(Vec::len).sum();
+                let held = self.buffers.iter().fold(0_usize, |sum, buffer| sum.saturating_add(buffer.len()));
                 if accessor.count > held {
                     let message =
                         format!("{} elements without a `bufferView`: all buffers have {held} bytes", accessor.count);

@@ -31,5 +31,4 @@ pub use write::{Encoded, encode};
 pub const MAGIC: &[u8] = b"glTF";
 /// Position minus its f32.
 const RESIDUAL: &str = "_POSITION_RESIDUAL";
-/// More vertices, or more facets, are refused.
-const MOST: usize = 1 << 27;
+use crate::formats::surface::MOST;

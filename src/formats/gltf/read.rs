@@ -1,7 +1,7 @@
 //! Reading glTF: container, buffers, node hierarchy, primitives.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
@@ -10,18 +10,15 @@ use serde_json::Value;
 use crate::error::{Error, Location, Problem, Result};
 use crate::formats::input::{self, InputFile};
 use crate::formats::mtl::{self, ObjMaterial};
-use crate::formats::surface::Surface;
+use crate::formats::surface::{FLAT, Surface};
 use crate::geometry::{Direction, MaterialId, Mesh};
 use crate::report::{Fate, Report};
 
-use super::accessor::Data;
+use super::accessor::{Buffer, Data};
 use super::extensions::{self, INSTANCING, LIGHTS, SPECULAR, VISIBILITY};
 use super::instances::instances;
 use super::json::{Light, LightOfNode, Lights, Node, Primitive, Root, SpecularGlossiness, Visibility, extension};
 use super::{MAGIC, MOST, RESIDUAL};
-
-/// Normals of a face's corners that differ by more are not those of a flat face.
-const FLAT: f64 = 1e-3;
 
 /// Longer files are refused, bytes.
 const LIMIT: u64 = 8 << 30;
@@ -144,13 +141,15 @@ fn known(data: &Data<'_>) -> Result<()> {
 }
 
 /// The bytes of all buffers, as long as the file says they are.
-fn buffers(data: &Data<'_>, binary: Option<&[u8]>, outside: bool, inputs: &mut Vec<InputFile>) -> Result<Vec<Vec<u8>>> {
+fn buffers(data: &Data<'_>, binary: Option<&[u8]>, outside: bool, inputs: &mut Vec<InputFile>) -> Result<Vec<Buffer>> {
     let mut all = Vec::new();
-    let mut held = 0;
+    let mut files: BTreeMap<PathBuf, Rc<Vec<u8>>> = BTreeMap::new();
+    // What more files may hold.
+    let mut left = LIMIT;
     for (i, buffer) in data.root.buffers.iter().enumerate() {
         let item = format!("buffers[{i}]");
-        let mut bytes = match (&buffer.uri, binary) {
-            (None, Some(binary)) if i == 0 => binary.to_owned(),
+        let bytes = match (&buffer.uri, binary) {
+            (None, Some(binary)) if i == 0 => Rc::new(binary.to_owned()),
             (None, _) => {
                 return match extensions::compression(&buffer.extensions) {
                     Some(name) => Err(Error::Unsupported { at: data.at(item), feature: extensions::compressed(name) }),
@@ -159,7 +158,7 @@ fn buffers(data: &Data<'_>, binary: Option<&[u8]>, outside: bool, inputs: &mut V
             }
             (Some(uri), _) => match uri.strip_prefix("data:").map(|rest| rest.split_once(',')) {
                 Some(Some((kind, text))) if kind.ends_with(";base64") => match base64(text) {
-                    Some(bytes) => bytes,
+                    Some(bytes) => Rc::new(bytes),
                     None => return data.wrong(item, "its data are not base64"),
                 },
                 Some(_) => return data.wrong(item, "its `data:` is not in base64"),
@@ -167,15 +166,22 @@ fn buffers(data: &Data<'_>, binary: Option<&[u8]>, outside: bool, inputs: &mut V
                     let name = percent_decoded(uri);
                     let path = input::beside(data.path, &name, outside)
                         .map_err(|message| Error::invalid(data.at(&item), message))?;
-                    let bytes = input::bytes(&path, LIMIT).map_err(|e| match e {
-                        Error::Io { path, source, .. } => {
-                            let message = format!("{}, which it names, cannot be read: {source}", path.display());
-                            Error::invalid(data.at(&item), message)
+                    match files.get(&path) {
+                        Some(bytes) => bytes.clone(),
+                        None => {
+                            let bytes = input::bytes(&path, left).map_err(|e| match e {
+                                Error::Io { path, source, .. } => {
+                                    let message =
+                                        format!("{}, which it names, cannot be read: {source}", path.display());
+                                    Error::invalid(data.at(&item), message)
+                                }
+                                other => other,
+                            })?;
+                            left -= bytes.len() as u64;
+                            inputs.push(InputFile::of(&path, &bytes));
+                            files.entry(path).or_insert(Rc::new(bytes)).clone()
                         }
-                        other => other,
-                    })?;
-                    inputs.push(InputFile::of(&path, &bytes));
-                    bytes
+                    }
                 }
             },
         };
@@ -183,12 +189,7 @@ fn buffers(data: &Data<'_>, binary: Option<&[u8]>, outside: bool, inputs: &mut V
             let message = format!("`byteLength` {}, but there are {} bytes", buffer.byte_length, bytes.len());
             return data.wrong(item, message);
         }
-        held += bytes.len() as u64;
-        if held > LIMIT {
-            return data.wrong(item, format!("with those before it, more than the {LIMIT} bytes that are read"));
-        }
-        bytes.truncate(buffer.byte_length);
-        all.push(bytes);
+        all.push(Buffer { all: bytes, length: buffer.byte_length });
     }
     Ok(all)
 }

@@ -13,6 +13,7 @@ use super::number::{decimal, digits_of, integer};
 use crate::error::{Error, Location, Problem, Result};
 use crate::formats::input::{Problems, decoded};
 use crate::formats::mtl::ObjMaterial;
+use crate::formats::surface::FLAT;
 use crate::geometry::NO_UV;
 use crate::report::{Fate, Note, Report};
 
@@ -20,9 +21,6 @@ use crate::report::{Fate, Note, Report};
 const CORNERS: usize = 1000;
 /// As many kinds of statements are passed over by name: a file that is no OBJ at all must not fill the memory with its words.
 const IGNORED: usize = 20;
-
-/// Normals of a face's corners that differ by more make it look round.
-const FLAT: f64 = 1e-3;
 
 /// What occurs, how often, and where first.
 #[derive(Default)]

@@ -35,8 +35,8 @@ use values::{Conversion, RasterTexels, TiledTexels};
 
 /// A repeated image has no more texels: as f64 they take 2 GiB.
 const MOST_TEXELS: usize = 1 << 28;
-/// Pixels that differ no more from squares are squares: OpenEXR has their aspect as f32.
-const SQUARE: f64 = 1e-6;
+/// Width over height of pixels is the same within this: OpenEXR has it as f32.
+const SAME_ASPECT: f64 = 1e-6;
 
 /// The maps that were found at a path: one, or one for each direction of view.
 #[derive(Debug)]
@@ -418,16 +418,19 @@ fn placement(
             Some((Placement::Atlas(atlas), tiling))
         }
         PlacementToml::Camera => {
-            let aspect = rasters[0].pixel_aspect;
-            if (aspect - 1.0).abs() > SQUARE {
-                let message = format!(
-                    "pixels of the raster are {} times as wide as high, those of a frame camera square",
-                    number(aspect)
+            let camera = camera(reader, toml, rows, columns, watch)?;
+            let [own, given] = [rasters[0].pixel_aspect, camera.pitch[0] / camera.pitch[1]];
+            // Square is also what rasters say that do not know.
+            if (own - 1.0).abs() > SAME_ASPECT && (own / given - 1.0).abs() > SAME_ASPECT {
+                let [own, given] = [own, given].map(number);
+                let message = format!("its pixels are {own} times as wide as high, those of the camera {given} times");
+                reader.helped(
+                    "raster",
+                    message,
+                    "`pixel_aspect` of the sensor says how many times as high as wide they are",
                 );
-                reader.problem("raster", message);
                 return None;
             }
-            let camera = camera(reader, toml, rows, columns, watch)?;
             let view = ViewImage {
                 projection: Projection::of_camera(&camera),
                 eye: Eye::At(camera.centre_m()),

@@ -88,7 +88,7 @@ pub(super) struct DartMapToml {
     /// A DART simulation, its `output`, a folder of images therein, or an image.
     pub(super) dart: String,
     /// Where the scene's `origin_m` is in DART's frame (x down the image, y to its right, z up, from the scene's corner), m. There, x is
-    /// South and y East, as `convert` has them; above the body's centre, and at its poles, x is -y and y is x of the body.
+    /// South and y East, as `convert` has them; at a pole y is +y of the body, and at the body's centre x is -y and y is x of it.
     pub(super) origin_in_dart_m: Option<[f64; 3]>,
     /// Columns and rows by which what an image shows lies beyond where its corners put it. Default 0: as DART says.
     pub(super) shift_texels: Option<[f64; 2]>,

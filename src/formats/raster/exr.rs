@@ -19,6 +19,7 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Location, Problem, Result};
 use crate::formats::exr_cube;
+use crate::formats::input::MOST_DEFLATED;
 use crate::formats::number::DataType;
 use crate::report::{Fate, Report};
 
@@ -27,8 +28,6 @@ use super::{PASS_BYTES, Raster, RasterBand, Reader, check_size, names};
 
 /// All bands of a file are held up to this size, or as many as fit.
 const HELD_BYTES: usize = 8 << 30;
-/// A byte of a file stands for no more than this: the most that its compressions save.
-const MOST_COMPRESSED: usize = 1032;
 /// Blocks that are decompressed at a time, for each thread.
 const AHEAD: usize = 4;
 
@@ -78,7 +77,7 @@ impl Channels {
     pub(super) fn together(&self, pixels: usize) -> usize {
         let bytes = if self.are_f32() { 4 } else { 8 };
         // A small file may claim a large image: of what it cannot fill no more is held than of others.
-        let most = HELD_BYTES.min(self.file_bytes.saturating_mul(MOST_COMPRESSED)).max(PASS_BYTES);
+        let most = HELD_BYTES.min(self.file_bytes.saturating_mul(MOST_DEFLATED as usize)).max(PASS_BYTES);
         (most / (bytes * pixels)).max(1)
     }
 }

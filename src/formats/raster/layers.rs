@@ -1,6 +1,6 @@
 //! Which bands of a file with channels by name are an image: renderers put coverage, depth, previews and other passes beside it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::formats::located;
 
@@ -41,14 +41,15 @@ pub(super) fn of(channels: &[&str], fit: impl Fn(usize, usize) -> bool) -> (Vec<
         |i: usize| channels.len() > 1 && names::is_alpha(channels[i]) && names::wavelength(channels[i]).is_none();
     // The spectral channels of a layer are an image, and so are the others.
     let key = |i: usize| (names::layer(channels[i]), names::wavelength(channels[i]).is_some());
+    // In the order in which the first of each comes.
     let mut groups: Vec<((&str, bool), Vec<usize>)> = Vec::new();
-    let mut known: BTreeMap<(&str, bool), usize> = BTreeMap::new();
+    let mut group_of: BTreeMap<(&str, bool), usize> = BTreeMap::new();
     for i in (0..channels.len()).filter(|i| !is_alpha(*i)) {
-        let group = *known.entry(key(i)).or_insert(groups.len());
-        match groups.get_mut(group) {
-            Some(group) => group.1.push(i),
-            None => groups.push((key(i), vec![i])),
+        let group = *group_of.entry(key(i)).or_insert(groups.len());
+        if group == groups.len() {
+            groups.push((key(i), vec![]));
         }
+        groups[group].1.push(i);
     }
     let alphas: Vec<usize> = (0..channels.len()).filter(|i| is_alpha(*i)).collect();
     let spectral: Vec<&((&str, bool), Vec<usize>)> = groups.iter().filter(|group| group.0.1).collect();
@@ -68,14 +69,10 @@ pub(super) fn of(channels: &[&str], fit: impl Fn(usize, usize) -> bool) -> (Vec<
     let mut order = Vec::new();
     let mut layers = Vec::new();
     for ((name, is_spectral), members) in groups {
-        let auxiliary: Vec<usize> = members.iter().copied().filter(|i| names::is_auxiliary(channels[*i])).collect();
+        let (auxiliary, others): (Vec<usize>, Vec<usize>) =
+            members.iter().copied().partition(|i| names::is_auxiliary(channels[*i]));
         let is_axes = members.iter().any(|i| ["x", "y"].contains(&names::base(channels[*i]).to_lowercase().as_str()));
-        let (shown, rest) = if auxiliary.len() < members.len() && !is_axes {
-            (members.into_iter().filter(|i| !auxiliary.contains(i)).collect(), auxiliary)
-        } else {
-            (members, vec![])
-        };
-        let shown: Vec<usize> = shown;
+        let (shown, rest) = if others.is_empty() || is_axes { (members, vec![]) } else { (others, auxiliary) };
         let texts: Vec<&str> = shown.iter().map(|i| channels[*i]).collect();
         let (by, sorted) =
             names::order(&texts).map_or((None, (0..shown.len()).collect()), |(by, sorted)| (Some(by), sorted));
@@ -119,13 +116,17 @@ pub(super) fn choose(
     let channels = || list(&mut all.iter().copied());
     if let Some(wanted) = wanted {
         let bands = wanted.iter().map(|name| named(all, name)).collect::<std::result::Result<Vec<usize>, _>>()?;
-        if let Some(i) = (1..bands.len()).find(|i| bands[..*i].contains(&bands[*i])) {
+        let mut there = BTreeSet::new();
+        if let Some(i) = bands.iter().position(|band| !there.insert(*band)) {
             return Err((format!("names {:?} twice", wanted[i]), "each channel is a band".into()));
         }
         // Coverage of all of them, unless it is a band itself.
-        let of = |band: &usize| layers.iter().find(|layer| layer.bands.contains(band)).and_then(|layer| layer.alpha);
-        let alpha = bands.first().and_then(of).filter(|alpha| bands.iter().all(|b| of(b) == Some(*alpha)));
-        let alpha = alpha.filter(|alpha| !bands.contains(alpha));
+        let mut alpha_of = vec![None; all.len()];
+        for layer in layers {
+            layer.bands.iter().for_each(|band| alpha_of[*band] = layer.alpha);
+        }
+        let alpha = bands.first().and_then(|band| alpha_of[*band]);
+        let alpha = alpha.filter(|alpha| bands.iter().all(|b| alpha_of[*b] == Some(*alpha)) && !there.contains(alpha));
         return Ok(Chosen { bands, alpha });
     }
     if layers.is_empty() {

@@ -33,7 +33,7 @@ pub(crate) use self::place::Georeference;
 pub(crate) use self::text::{is_grid, open as open_csv};
 pub use self::write::{Options, Target, write};
 use super::envi::Scale;
-use super::input::{Hashing, InputFile};
+use super::input::InputFile;
 pub use super::number::DataType;
 use super::quicklook;
 use super::{foreign, ilwis};
@@ -437,13 +437,7 @@ impl Raster {
     /// # Errors
     /// [`Error::Io`].
     pub fn inputs(&self) -> Result<Vec<InputFile>> {
-        let hashed = |path: &PathBuf| {
-            let reading = |e| Error::io(path, "reading", e);
-            let mut file = Hashing::new(File::open(path).map_err(reading)?);
-            std::io::copy(&mut file, &mut std::io::sink()).map_err(reading)?;
-            Ok(file.finish(path))
-        };
-        self.files.iter().map(hashed).collect()
+        self.files.iter().map(|path| InputFile::hashed(path)).collect()
     }
 }
 

@@ -108,7 +108,7 @@ pub fn write(
             let header = staged.beside(&envi::header_of(path)?)?;
             job.numbers(&staged, staged.path(), &flat(Order::from(interleave), 0, 0), &[])?;
             let text = envi_header(job.raster, &bands, all_bands, interleave, data_type, &job.loss);
-            put(&staged, &header, text.as_bytes())?;
+            staged.put(&header, |out| out.write_all(text.as_bytes()))?;
         }
         Target::Npy => {
             let shape = match bands.len() {
@@ -158,9 +158,11 @@ pub fn write(
             };
             let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
             let Loss { least, largest, .. } = job.loss;
-            put(&staged, &header, ilwis::header_text(&name, rows, columns, &place, [least, largest]).as_bytes())?;
-            put(&staged, &georeference, ilwis::georeference_text(&name, rows, columns).as_bytes())?;
-            put(&staged, &corners, &ilwis::corner_table(rows, columns, &place))?;
+            let text = ilwis::header_text(&name, rows, columns, &place, [least, largest]);
+            staged.put(&header, |out| out.write_all(text.as_bytes()))?;
+            let text = ilwis::georeference_text(&name, rows, columns);
+            staged.put(&georeference, |out| out.write_all(text.as_bytes()))?;
+            staged.put(&corners, |out| out.write_all(&ilwis::corner_table(rows, columns, &place)))?;
         }
         Target::Csv => {
             job.text(&staged)?;
@@ -344,10 +346,6 @@ impl Job<'_> {
         }
         file.flush().map_err(writing)
     }
-}
-
-fn put(staged: &Staged, path: &Path, bytes: &[u8]) -> Result<()> {
-    std::fs::write(path, bytes).map_err(|e| staged.named(Error::io(path, "writing", e)))
 }
 
 fn envi_header(

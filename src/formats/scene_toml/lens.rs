@@ -56,7 +56,7 @@ impl Lens<'_> {
         self.ifov_mrad.is_some() || self.fov_deg.is_some() || self.focal_px.is_some() || self.focal_mm.is_some()
     }
 
-    /// Whether the boresight may be elsewhere than in the middle, or pixels not square.
+    /// Whether nothing moves the boresight from the middle, and pixels are square.
     pub(super) fn is_plain(&self) -> bool {
         self.pixel_aspect.is_none() && self.boresight_px.is_none() && self.shift.is_none() && self.window.is_none()
     }
@@ -132,11 +132,9 @@ impl Reader<'_> {
                 return None;
             }
         };
-        for (key, is_given) in [("sensor_mm", lens.sensor_mm.is_some())] {
-            if is_given && lens.focal_mm.is_none() {
-                self.problem(&at(key), "goes with `focal_mm` alone");
-                return None;
-            }
+        if lens.sensor_mm.is_some() && lens.focal_mm.is_none() {
+            self.problem(&at("sensor_mm"), "goes with `focal_mm` alone");
+            return None;
         }
         if lens.sensor_fit.is_some() && lens.focal_mm.is_none() && lens.shift.is_none() {
             self.problem(&at("sensor_fit"), "goes with `focal_mm` or `shift` alone");

@@ -21,7 +21,7 @@ use glam::DVec3;
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::{Direction, Pose};
 use crate::progress::{Progress, Watch};
-use crate::scene::{FARTHEST_M, Mars, MarsModel, Scene, Sun, Texture, Thermal};
+use crate::scene::{FARTHEST_M, MARS_ALBEDO, Mars, MarsModel, Scene, Sun, Texture, Thermal};
 use crate::spectral::{Extend, Spectrum, SunTotal, solar_e490};
 use crate::units::{AU_M, MARS_RADIUS_M, SUN_RADIUS_M, TSI_1AU_W_M2};
 
@@ -88,8 +88,6 @@ pub struct Stated {
 
 /// As many problems are told with their lines.
 const PLACED: usize = 1000;
-/// Lambert reflectance of Mars, if none is given.
-const MARS_ALBEDO: f64 = 0.25;
 /// Bond albedo of Mars, if none is given.
 const MARS_BOND_ALBEDO: f64 = 0.25;
 /// Thermal exitance of Mars, if none is given, W m-2.
@@ -114,6 +112,10 @@ pub fn read(path: &Path, watch: Watch<'_>) -> Result<SceneFile> {
     }
     reader.tell_link();
     let (Some(scene), true) = (scene, reader.problems.is_empty()) else {
+        // No error is without a word.
+        if reader.problems.is_empty() {
+            reader.problem("", "cannot be used");
+        }
         // Those of other files are in order already: a file at a time, and at its end how many more there are.
         let here = |p: &Problem| p.at.file.as_deref() == Some(path);
         reader.problems.sort_by_key(|p| (!here(p), p.at.span.filter(|_| here(p))));

@@ -12,10 +12,10 @@ use super::types::{
 };
 use super::{Reader, Tiling};
 use crate::error::number;
-use crate::geometry::{Direction, MaterialId, Mesh, Texels};
+use crate::geometry::{Direction, MaterialId, Mesh, NO_UV, Texels, body_from_site};
 use crate::product::{Atlas, Projection};
 use crate::report::Fate;
-use crate::scene::{Texture, TextureKind};
+use crate::scene::{FARTHEST_M, Texture, TextureKind};
 use crate::spectral::Band;
 
 /// Two vectors whose angle has a smaller sine than this are taken for parallel: what they span has no direction left in f64.
@@ -240,14 +240,10 @@ impl Reader<'_> {
         }
     }
 
-    /// East, North and up at the scene's origin; where East is no direction, x is.
+    /// East, North and up at the scene's origin; x, y and z at the body's centre.
     fn site_axes(&self) -> (DVec3, DVec3, DVec3) {
-        let east = Direction::new(DVec3::Z.cross(self.origin_m));
-        match (Direction::new(self.origin_m), east) {
-            (Some(up), Some(east)) => (east.vec(), up.vec().cross(east.vec()), up.vec()),
-            (Some(up), None) => (DVec3::X, up.vec().cross(DVec3::X), up.vec()),
-            _ => (DVec3::X, DVec3::Y, DVec3::Z),
-        }
+        let axes = body_from_site(self.origin_m).unwrap_or(DMat3::IDENTITY);
+        (axes.x_axis, axes.y_axis, axes.z_axis)
     }
 
     /// How points come onto a plane's raster, local to the scene, and the direction towards the viewer along which they do.
@@ -256,7 +252,7 @@ impl Reader<'_> {
         for (key, step) in [("along_line_m", along), ("line_to_line_m", across)] {
             // Beyond this, products of steps leave the range of f64.
             let largest = step.abs().max_element();
-            if !(1e-18..=1e18).contains(&largest) {
+            if !(1.0 / FARTHEST_M..=FARTHEST_M).contains(&largest) {
                 let message = format!("is a step of {} m: give that from a pixel to the next", number(largest));
                 self.problem(&member(item, key), message);
                 return None;
@@ -424,7 +420,7 @@ impl Reader<'_> {
                 }
                 // Those of other materials are of no meaning.
                 let is_own = |facet: usize| mesh.material[facet].0 as usize == id;
-                let own = |(facet, uv): (usize, &[[f64; 2]; 3])| if is_own(facet) { *uv } else { [[f64::NAN; 2]; 3] };
+                let own = |(facet, uv): (usize, &[[f64; 2]; 3])| if is_own(facet) { *uv } else { NO_UV };
                 let uv = mesh.uv.iter().enumerate().map(own).collect();
                 self.atlas(&member(item, "placement"), uv, [raster.rows, raster.columns], toml.wrap, most)
             }

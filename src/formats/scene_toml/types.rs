@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::landscape::Recipe;
+use crate::spectral::Light;
 
 /// A scene: a body's surface, what lights it, and what looks at it. Relative paths start at this file's folder.
 #[derive(Debug, Deserialize, JsonSchema)]
@@ -632,7 +633,7 @@ pub(crate) enum ShapesToml {
 }
 
 /// The shape of a response.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum ShapeToml {
     /// A Gaussian.
@@ -664,7 +665,7 @@ pub(crate) enum LightsToml {
 }
 
 /// What light a band has.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum LightToml {
     /// Sunlight, and no heat.
@@ -673,4 +674,24 @@ pub(crate) enum LightToml {
     Heat,
     /// Both.
     Both,
+}
+
+impl From<LightToml> for Light {
+    fn from(light: LightToml) -> Self {
+        match light {
+            LightToml::Sunlight => Light::Sunlight,
+            LightToml::Heat => Light::Heat,
+            LightToml::Both => Light::Both,
+        }
+    }
+}
+
+impl From<Light> for LightToml {
+    fn from(light: Light) -> Self {
+        match light {
+            Light::Sunlight => LightToml::Sunlight,
+            Light::Heat => LightToml::Heat,
+            Light::Both => LightToml::Both,
+        }
+    }
 }

@@ -6,14 +6,15 @@ use crate::error::number;
 use crate::formats::response_csv;
 use crate::geometry::{Direction, Mesh, Pose};
 use crate::scene::{FrameCamera, LEAST_PITCH, Sensor};
-use crate::spectral::{Band, Light, Response, Spectrum};
+use crate::spectral::{Band, Response, Spectrum};
 
 use super::Reader;
+use super::attitude::no_rotation;
 use super::lens::Lens;
 use super::mesh::{ROUNDED, UNIT_TOLERANCE};
 use super::types::{
-    BandsToml, Coordinates, Frame, Fwhm, LightToml, LightsToml, ObserverToml, Preset, ResponseToml, SensorToml,
-    ShapeToml, ShapesToml,
+    BandsToml, Coordinates, Frame, Fwhm, LightsToml, ObserverToml, Preset, ResponseToml, SensorToml, ShapeToml,
+    ShapesToml,
 };
 
 /// A camera that has no name.
@@ -106,8 +107,8 @@ impl Reader<'_> {
             self.helped("sensor.fit", "no part of the mesh is in front of the camera", "check `observer`");
             return None;
         }
-        let ifov_mrad = 2e3 * (0.5 * pitch).atan();
-        let fov_deg = (2.0 * (0.5 * pitch * f64::from(samples)).atan()).to_degrees();
+        let ifov_mrad = 1e3 * FrameCamera::angle_of_pitch(pitch, 1);
+        let fov_deg = FrameCamera::angle_of_pitch(pitch, samples).to_degrees();
         self.stated("sensor.ifov_mrad", format!("{ifov_mrad:.6} (a line spans {fov_deg:.4} deg): fitted to the scene"));
         Some(pitch)
     }
@@ -200,7 +201,12 @@ impl Reader<'_> {
             self.helped("observer.u", "h x v is not u", help);
             return None;
         }
-        self.unrounded("observer", DMat3::from_cols(h, v, u))
+        let axes = DMat3::from_cols(h, v, u);
+        let rotation = self.unrounded("observer", axes);
+        if rotation.is_none() {
+            self.problem("observer.u", format!("h, v, u: {}", no_rotation(axes)));
+        }
+        rotation
     }
 
     /// Bands, called `item` in the text.
@@ -239,11 +245,7 @@ impl Reader<'_> {
             return None;
         }
         for (band, light) in bands.iter_mut().zip(lights) {
-            band.light = match light {
-                LightToml::Sunlight => Light::Sunlight,
-                LightToml::Heat => Light::Heat,
-                LightToml::Both => Light::Both,
-            };
+            band.light = light.into();
         }
         Some(bands)
     }
@@ -420,12 +422,12 @@ impl Reader<'_> {
 
 /// The pitch of pixels that subtend this angle, mrad, in the middle of the image.
 pub(in crate::formats) fn pitch_of_ifov(ifov_mrad: f64) -> f64 {
-    2.0 * (0.5 * ifov_mrad * 1e-3).tan()
+    FrameCamera::pitch_of_angle(ifov_mrad * 1e-3, 1)
 }
 
 /// The pitch of `samples` pixels whose line subtends this angle, deg.
 pub(in crate::formats) fn pitch_of_fov(fov_deg: f64, samples: u32) -> f64 {
-    2.0 * (0.5 * fov_deg.to_radians()).tan() / f64::from(samples)
+    FrameCamera::pitch_of_angle(fov_deg.to_radians(), samples)
 }
 
 /// Bands at equal steps, both ends included.

@@ -13,21 +13,21 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
-use crate::error::{Error, Location, Result};
+use crate::error::{Location, Result};
 use crate::formats::file_name::shortened;
 use crate::formats::folder::Staged;
 use crate::formats::located::LONGEST_NAME;
 use crate::formats::mtl::{self, ObjMaterial};
 use crate::formats::{obj, photometry_csv, response_csv};
 use crate::report::{Fate, Report};
-use crate::scene::{MarsModel, Material, Scene, Thermal};
+use crate::scene::{FrameCamera, MARS_ALBEDO, MarsModel, Material, Scene, Thermal};
 use crate::spectral::{Band, Extend, Response, Spectrum, SunTotal, solar_e490, solar_mean};
 use crate::units::{AU_M, MARS_RADIUS_M};
 
 use super::super::located::member;
 use super::materials::{EMISSIVITY_BOLOMETRIC, linear_from_hex, mean, mixed_emissivity};
 use super::view::{SENSOR_NAME, pitch_of_ifov};
-use super::{MARS_ALBEDO, MARS_BOND_ALBEDO, MARS_THERMAL_EXITANCE_W_M2};
+use super::{MARS_BOND_ALBEDO, MARS_THERMAL_EXITANCE_W_M2};
 
 /// A larger pixel is written by its line's field of view, mrad.
 const WIDEST_PIXEL_MRAD: f64 = 1000.0;
@@ -96,7 +96,7 @@ pub fn write_with(scene: &Scene, path: &Path, options: &WriteOptions) -> Result<
         report: Report::default(),
     };
     let text = writer.scene()?;
-    put(&writer.files, writer.files.path(), |out| out.write_all(text.as_bytes()))?;
+    writer.files.put(writer.files.path(), |out| out.write_all(text.as_bytes()))?;
     Ok((writer.files, writer.report))
 }
 
@@ -138,12 +138,6 @@ struct Writer<'a> {
     taken: BTreeSet<String>,
     files: Staged,
     report: Report,
-}
-
-fn put(staged: &Staged, path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<()> {
-    let io = |e| staged.named(Error::io(path, "writing", e));
-    let mut out = BufWriter::with_capacity(1 << 20, File::create(path).map_err(io)?);
-    write(&mut out).and_then(|()| out.flush()).map_err(io)
 }
 
 /// A TOML string, or key: of its four kinds of strings the one that a key may be whatever stands in it.
@@ -231,7 +225,7 @@ impl Writer<'_> {
         }
         let name = format!("{}{name}.{extension}", self.stem);
         let path = self.files.beside(&self.folder.join(&name))?;
-        put(&self.files, &path, write)?;
+        self.files.put(&path, write)?;
         Ok(name)
     }
 
@@ -531,8 +525,8 @@ impl Writer<'_> {
             let ifov_mrad = exact(ifov_mrad, pitch_of_ifov, camera.pitch[0]);
             writeln!(text, "ifov_mrad = {ifov_mrad:?}")
         } else {
-            let half = 0.5 * camera.pitch[0] * f64::from(camera.samples);
-            writeln!(text, "fov_deg = {:?}", (2.0 * half.atan()).to_degrees())
+            let fov_deg = FrameCamera::angle_of_pitch(camera.pitch[0], camera.samples).to_degrees();
+            writeln!(text, "fov_deg = {fov_deg:?}")
         };
         text += &self.bands()?;
         Ok(text)

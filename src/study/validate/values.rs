@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 use super::patch::Patch;
 use super::{Answer, By, Oracle, closed_forms, scene_cases};
 use crate::geometry::{Direction, Pose, angle_rad};
+use crate::physics::mars_light::MARS_LIGHT_ERROR;
 use crate::physics::{blackbody, bounds, mars, sun};
 use crate::scene::Thermal;
 use crate::spectral::{ALL_UM, Band, solar_e490};
@@ -20,9 +21,6 @@ fn simulate(value: impl Into<Value>) -> Vec<Answer> {
 fn reference(value: impl Into<Value>) -> Vec<Answer> {
     vec![Answer { by: By::Reference, value: value.into(), own_tolerance: None }]
 }
-
-/// Mars' light on a facet whose horizon cuts Mars' disc is off by so much at the most, relative to that on a facet that faces a full Mars.
-const MARS_LIGHT_ERROR: f64 = 1e-5;
 
 impl Oracle<'_> {
     /// An input, or what the name says of it.

@@ -3,19 +3,19 @@
 use std::borrow::Cow;
 use std::rc::Rc;
 
-use glam::{DMat3, DVec3};
-
 use crate::error::{Error, Location, Result};
 use crate::formats::input::Hashing;
 use crate::formats::obj::{self, ObjFile};
+use crate::formats::surface::MOST;
 use crate::geometry::{MaterialId, Mesh};
 use crate::progress::tell;
 use crate::report::{Fate, Report};
 
 use super::super::ground::{Ground, Standing};
+use super::super::groups;
+use super::super::object::{reaches_beyond, seen_facets, standing};
 use super::super::simulation::Object;
-use super::super::{frame, groups};
-use super::{MOST, Place, Reader};
+use super::{Place, Reader};
 
 impl Reader<'_> {
     /// The OBJ file that an object names.
@@ -141,54 +141,21 @@ impl Reader<'_> {
             };
             material_of_group.push(material_id(material_of[self.property(links)?], &links.at)?);
         }
-        let material = match read.facet_group.is_empty() {
-            true => vec![material_of_group[0]; read.facets.len()],
-            false => read.facet_group.iter().map(|g| material_of_group[*g as usize]).collect(),
-        };
-
-        let hidden: Vec<usize> = object
-            .groups
-            .iter()
-            .filter(|g| g.hidden)
-            .filter_map(|g| numbered.get(g.number as usize - 1).copied())
-            .collect();
-        let is_seen = |f: usize| read.facet_group.get(f).is_none_or(|g| !hidden.contains(&(*g as usize)));
-
-        let turned = DMat3::from_rotation_z(object.rotation_deg.z.to_radians())
-            * DMat3::from_rotation_y(object.rotation_deg.y.to_radians())
-            * DMat3::from_rotation_z(object.rotation_deg.x.to_radians());
         if object.rotation_deg.x != 0.0 || object.rotation_deg.y != 0.0 {
             let message = "rotations about more than the vertical: their order is inferred, not documented";
             self.note(Fate::Approximated, &object.at, message);
         }
-        let is_turned = object.rotation_deg != DVec3::ZERO;
-        let mut vertices_m = read.vertices.clone();
-        for vertex in &mut vertices_m {
-            let v = object.scale * frame::dart_from_obj(*vertex);
-            *vertex = object.position_m + if is_turned { turned * v } else { v };
+        let hidden = object.groups.iter().filter(|group| group.hidden).count();
+        if hidden > 0 {
+            let message = format!("{hidden} hidden groups of {:?}: DART ignores them too", object.name);
+            self.note(Fate::Dropped, &object.at, message);
         }
-        let mut mesh = Mesh {
-            vertices_m,
-            facets: read.facets.clone(),
-            material,
-            face_of_facet: read.face_of_facet.clone(),
-            uv: vec![],
-        };
-        if !hidden.is_empty() {
-            self.note(
-                Fate::Dropped,
-                &object.at,
-                format!("{} hidden groups of {:?}: DART ignores them too", hidden.len(), object.name),
-            );
-            let seen: Vec<usize> = (0..mesh.facets.len()).filter(|f| is_seen(*f)).collect();
-            mesh.face_of_facet = seen.iter().map(|f| mesh.face(*f)).collect();
-            mesh.material = seen.iter().map(|f| mesh.material[*f]).collect();
-            mesh.facets = seen.iter().map(|f| mesh.facets[*f]).collect();
-        }
-        if object.scale.x * object.scale.y * object.scale.z < 0.0 {
-            mesh.facets.iter_mut().for_each(|f| f.swap(1, 2));
-        }
-        Ok(mesh)
+        let seen = seen_facets(object, &read, &self.simulation.version);
+        let material = seen.iter().map(|f| match read.facet_group.get(*f) {
+            Some(group) => material_of_group[*group as usize],
+            None => material_of_group[0],
+        });
+        Ok(Mesh { material: material.collect(), ..standing(object, &read, &seen) })
     }
 }
 
@@ -200,13 +167,8 @@ struct Beyond {
 }
 
 impl Beyond {
-    fn look(&mut self, object: &Object, mesh: &Mesh, [x, y]: [f64; 2]) {
-        let Some((low_m, high_m)) = mesh.bounds_m() else { return };
-        // Rounding of a turn is no reach.
-        let slack_m = 1e-9 * x.max(y);
-        let is_within =
-            low_m.x >= -slack_m && low_m.y >= -slack_m && high_m.x <= x + slack_m && high_m.y <= y + slack_m;
-        if !is_within {
+    fn look(&mut self, object: &Object, mesh: &Mesh, size_m: [f64; 2]) {
+        if mesh.bounds_m().is_some_and(|bounds_m| reaches_beyond(bounds_m, size_m)) {
             let list = if object.repeated_on_border { &mut self.repeated } else { &mut self.alone };
             list.get_or_insert_with(|| (object.at.clone(), object.name.clone(), 0)).2 += 1;
         }

@@ -1,0 +1,56 @@
+//! Where an object's facets are in a simulation's frame.
+
+use glam::{DMat3, DVec3};
+
+use crate::formats::obj::ObjFile;
+use crate::geometry::Mesh;
+
+use super::simulation::{Object, Version};
+use super::{frame, groups};
+
+/// The facets of an object's file that no hidden group owns: DART ignores those.
+pub(super) fn seen_facets(object: &Object, obj: &ObjFile, version: &Version) -> Vec<usize> {
+    let numbered = groups::order(&obj.groups, version);
+    let mut is_hidden = vec![false; obj.groups.len()];
+    for group in object.groups.iter().filter(|group| group.hidden) {
+        if let Some(i) = (group.number as usize).checked_sub(1).and_then(|n| numbered.get(n)) {
+            is_hidden[*i] = true;
+        }
+    }
+    let is_seen = |f: &usize| obj.facet_group.get(*f).is_none_or(|group| !is_hidden[*group as usize]);
+    (0..obj.facets.len()).filter(is_seen).collect()
+}
+
+/// These facets of an object's file in the simulation's frame, m, where its position says, before anything is dropped to the ground;
+/// without materials. Outside stays outside where a scale mirrors.
+pub(super) fn standing(object: &Object, obj: &ObjFile, facets: &[usize]) -> Mesh {
+    let [intrinsic, nutation, precession] = object.rotation_deg.to_array().map(f64::to_radians);
+    let turned =
+        DMat3::from_rotation_z(precession) * DMat3::from_rotation_y(nutation) * DMat3::from_rotation_z(intrinsic);
+    let is_turned = object.rotation_deg != DVec3::ZERO;
+    let placed = |vertex: &DVec3| {
+        let v = object.scale * frame::dart_from_obj(*vertex);
+        object.position_m + if is_turned { turned * v } else { v }
+    };
+    let mut mesh = Mesh {
+        vertices_m: obj.vertices.iter().map(placed).collect(),
+        facets: facets.iter().map(|f| obj.facets[*f]).collect(),
+        material: vec![],
+        face_of_facet: match obj.face_of_facet.is_empty() && facets.len() == obj.facets.len() {
+            true => vec![],
+            false => facets.iter().map(|f| obj.face_of_facet.get(*f).copied().unwrap_or(*f as u32)).collect(),
+        },
+        uv: vec![],
+    };
+    if object.scale.x * object.scale.y * object.scale.z < 0.0 {
+        mesh.flip();
+    }
+    mesh
+}
+
+/// Whether what spans this, m, reaches beyond the edges of a scene of this size, m.
+pub(super) fn reaches_beyond((low_m, high_m): (DVec3, DVec3), [x, y]: [f64; 2]) -> bool {
+    // Rounding of a turn is no reach.
+    let slack_m = 1e-9 * x.max(y);
+    !(low_m.x >= -slack_m && low_m.y >= -slack_m && high_m.x <= x + slack_m && high_m.y <= y + slack_m)
+}
