@@ -149,12 +149,13 @@ pub(crate) const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
 
 /// Text in UTF-16 as UTF-8, where its byte order mark says so; `None` for other text, and where it is damaged.
 fn from_utf16(bytes: &[u8]) -> Option<String> {
-    let (rest, unit): (&[u8], fn([u8; 2]) -> u16) = match bytes {
-        [0xff, 0xfe, rest @ ..] => (rest, u16::from_le_bytes),
-        [0xfe, 0xff, rest @ ..] => (rest, u16::from_be_bytes),
+    let (rest, is_little_endian) = match bytes {
+        [0xff, 0xfe, rest @ ..] => (rest, true),
+        [0xfe, 0xff, rest @ ..] => (rest, false),
         _ => return None,
     };
     let (pairs, odd) = rest.as_chunks::<2>();
+    let unit = |pair: [u8; 2]| if is_little_endian { u16::from_le_bytes(pair) } else { u16::from_be_bytes(pair) };
     let units = pairs.iter().map(|pair| unit(*pair));
     char::decode_utf16(units).collect::<std::result::Result<_, _>>().ok().filter(|_| odd.is_empty())
 }

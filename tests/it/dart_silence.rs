@@ -552,8 +552,8 @@ fn edits(folder: &Path) -> Vec<(PathBuf, String, String)> {
                 if i == nth {
                     what = format!("{name}/@{}", attribute.name);
                     attribute.value = match attribute.value.trim().parse::<f64>() {
-                        Ok(number) if number == 0.0 => "1".into(),
-                        Ok(number) if number == 1.0 => "0".into(),
+                        Ok(0.0) => "1".into(),
+                        Ok(1.0) => "0".into(),
                         Ok(number) => (number + 1.0).to_string(),
                         Err(_) => format!("{}x", attribute.value),
                     };
