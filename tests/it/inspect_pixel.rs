@@ -126,7 +126,7 @@ fn what_is_no_pixel_is_told() {
         assert!(got == code && err.contains(told), "{arguments:?}: {got} {err}");
     }
     let (code, _, err) = run(&["inspect", scratch.path().to_str().unwrap(), "--pixel", "0,0"]);
-    assert!(code == 1 && err.contains("cube.img"), "{err}");
+    assert!(code == 1 && err.contains("is not the folder of a product"), "{err}");
 }
 
 #[test]
