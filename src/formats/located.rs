@@ -16,6 +16,8 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::input::{self, InputFile};
+use super::key_units;
+use super::radiance_map::Unit;
 use crate::error::{Error, Location, Problem, Result, number};
 
 /// Longer files are refused, bytes: nobody writes them.
@@ -324,8 +326,8 @@ impl Document {
                         None => Location::file(&self.path),
                     };
                     let names: Vec<&str> = known.keys().map(String::as_str).collect();
-                    let help = match nearest(key, &names) {
-                        Some(name) => format!("did you mean `{name}`?"),
+                    let help = match key_units::meant(key, value, &names) {
+                        Some(meant) => meant,
                         None => format!("known here: {}", names.join(", ")),
                     };
                     problems.push(Problem::new(at.with_item(&member), format!("unknown key `{key}`")).with_help(help));
@@ -359,9 +361,18 @@ impl Document {
     fn not_a_word(&self, found: &str, words: &[&str], item: &str) -> Problem {
         let known: Vec<String> = words.iter().map(|w| format!("{w:?}")).collect();
         let problem = Problem::new(self.at(item), format!("expected {}, found {found:?}", known.join(" or ")));
-        match nearest(found, words) {
-            Some(word) => problem.with_help(format!("did you mean {word:?}?")),
-            None => problem,
+        // Units that are alike by their letters may be a thousand times each other.
+        let unit = Unit::of(found);
+        let same = words.iter().find_map(|word| Some((word, unit.as_ref()?.over(&Unit::of(word)?)?)));
+        let one = words.iter().find(|word| unit.as_ref().is_some_and(|u| Unit::of(word).as_ref() == Some(u)));
+        match (one, same) {
+            (Some(word), _) => problem.with_help(format!("did you mean {word:?}?")),
+            (None, Some((word, times))) => problem.with_help(format!("1 {found} is {} {word}", number(times))),
+            (None, None) if unit.is_some() && words.iter().any(|word| Unit::of(word).is_some()) => problem,
+            (None, None) => match nearest(found, words) {
+                Some(word) => problem.with_help(format!("did you mean {word:?}?")),
+                None => problem,
+            },
         }
     }
 }

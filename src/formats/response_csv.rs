@@ -106,12 +106,11 @@ pub fn parse(text: &str, path: &Path) -> Result<Responses> {
         let message = format!("wavelength {} is out of order: rows ascend, or descend", pair[1].0);
         problems.push(|| Problem::new(place(path, text, pair[1].0), message));
     }
-    if let (Some((cell, first, _)), Some((_, last, _))) = (rows.first(), rows.last())
+    if let (Some((_, first, _)), Some((_, last, _))) = (rows.first(), rows.last())
         && (*first > 100.0 || *last < 0.1)
     {
-        let help = if nanometres { "are these micrometres?" } else { "are these nanometres?" };
-        let message = format!("wavelengths from {} to {} um", number(*first), number(*last));
-        problems.push(|| Problem::new(place(path, text, cell), message).with_help(help));
+        let doubt = if nanometres { "are these micrometres?" } else { "are these nanometres?" };
+        notes.push(format!("{name}: wavelengths from {} to {} um: {doubt}", number(*first), number(*last)));
     }
     let mut columns = Vec::new();
     let mut known = BTreeSet::new();

@@ -95,22 +95,23 @@ pub fn parse(text: &str, path: &Path, quantity: Quantity, extend: Extend) -> Res
     let (mut wavelength_um, mut value) = (Vec::new(), Vec::new());
     let mut problems = Problems::default();
     let limits = if quantity == Quantity::Irradiance { (0.0, f64::INFINITY) } else { (0.0, 1.0) };
-    tell_outside(column, &table, quantity.name(), limits, |cell| place(path, text, cell), &mut problems);
+    let largest = column.values.iter().flatten().map(|(written, _)| converted(&column.unit, *written)).fold(0.0, f64::max);
+    let noise = if quantity == Quantity::Irradiance { NOISE * largest } else { NOISE };
+    tell_outside(column, &table, quantity.name(), limits, noise, |cell| place(path, text, cell), &mut problems);
     for (um, cell) in table.wavelength_um.iter().zip(&column.values) {
         let Some((written, _)) = cell else { continue };
         wavelength_um.push(*um);
         value.push(converted(&column.unit, *written));
     }
     let at = || place(path, text, column.cell);
+    clip(&mut value, noise, limits.1, at(), &mut report);
     tell_unit(column, at, &mut report);
     tell_gaps(&table.wavelength_um, &wavelength_um, at(), &mut report);
     if column.unit == Unit::Percent {
         tell_doubtful_percent(&value, at(), &mut report);
     }
     tell_like_dart(&table, column, at, &mut report);
-    if let Some(problem) = suspect(&table, &wavelength_um, place(path, text, table.header)) {
-        problems.push(|| problem);
-    }
+    tell_doubtful_unit(&table, &wavelength_um, place(path, text, table.header), &mut report);
     problems.finish(path)?;
     let spectrum = Spectrum::new(wavelength_um, value, extend)
         .ok_or_else(|| Error::invalid(Location::file(path), "no rows: all of its values are gaps"))?;
@@ -233,12 +234,13 @@ fn tell_outside<'a>(
     table: &SpectralTable<'a>,
     quantity: &str,
     limits: (f64, f64),
+    noise: f64,
     mut at: impl FnMut(&'a str) -> Location,
     problems: &mut Problems,
 ) {
     let unit = if column.unit == Unit::Percent { 100.0 } else { 1.0 };
-    let too_large = |value: f64| value > limits.1;
-    let too_small = |value: f64| value < limits.0;
+    let too_large = |value: f64| value > limits.1 + noise;
+    let too_small = |value: f64| value < limits.0 - noise;
     let is_plain = !matches!(column.unit, Unit::Percent | Unit::Irradiance(..));
     for (is_bad, help) in
         [(&too_large as &dyn Fn(f64) -> bool, is_plain.then_some(table.percent_help)), (&too_small, None)]
@@ -283,12 +285,6 @@ fn tell_like_dart(
     }
 }
 
-/// What is said of wavelengths that are in another unit than their header says.
-fn suspect(table: &SpectralTable<'_>, wavelength_um: &[f64], at: Location) -> Option<Problem> {
-    let is_plain = [length::Unit::MICROMETRES, length::Unit::NANOMETRES].contains(&table.wave_unit);
-    suspect_unit(wavelength_um, at).filter(|_| is_plain)
-}
-
 /// Tells of rows without a value: between their neighbours a spectrum is linear.
 fn tell_gaps(all_um: &[f64], known_um: &[f64], at: Location, report: &mut Report) {
     let gaps = all_um.len() - known_um.len();
@@ -310,18 +306,45 @@ fn tell_doubtful_percent(fractions: &[f64], at: Location, report: &mut Report) {
     }
 }
 
-/// A table that has no wavelength between 0.1 and 100 um is in another unit than its header says.
-fn suspect_unit(wavelength_um: &[f64], header_at: Location) -> Option<Problem> {
-    let (first_um, last_um) = (*wavelength_um.first()?, *wavelength_um.last()?);
+/// Fractions are measured beyond 0 and 1 by as much, against a standard; and irradiances below 0 by as much of the largest.
+pub(super) const NOISE: f64 = 0.05;
+
+/// Numbers that noise has left beyond 0 and `most`, by `noise` at most, become these.
+fn clip(values: &mut [f64], noise: f64, most: f64, at: Location, report: &mut Report) {
+    let beyond = |v: f64| (v - most).max(-v);
+    let noisy = |v: &&mut f64| beyond(**v) > 0.0 && beyond(**v) <= noise;
+    let (mut count, mut farthest) = (0, 0.0_f64);
+    for value in values.iter_mut().filter(noisy) {
+        (count, farthest) = (count + 1, farthest.max(beyond(*value)));
+        *value = value.clamp(0.0, most);
+    }
+    if count > 0 {
+        let (place, limits) = if most.is_finite() { ("outside 0 to 1", "0 or 1") } else { ("below 0", "0") };
+        let farthest = number(format!("{farthest:.3e}").parse().unwrap_or(farthest));
+        let values = if count == 1 { "1 value is".to_owned() } else { format!("{count} values are") };
+        let message = format!("{values} {place} by up to {farthest}, as noise leaves them: taken as {limits}");
+        report.note(Fate::Approximated, at, message);
+    }
+}
+
+/// Tells of a table that has no wavelength between 0.1 and 100 um: it may be in another unit than its header says.
+fn tell_doubtful_unit(table: &SpectralTable<'_>, wavelength_um: &[f64], header_at: Location, report: &mut Report) {
+    let (Some(first_um), Some(last_um)) = (wavelength_um.first().copied(), wavelength_um.last().copied()) else {
+        return;
+    };
+    // Nobody takes metres or wavenumbers for either.
+    if ![length::Unit::MICROMETRES, length::Unit::NANOMETRES].contains(&table.wave_unit) {
+        return;
+    }
     let help = if first_um > 100.0 {
         "these look like nanometres: is the header `wavelength_nm`?"
     } else if last_um < 0.1 {
         "these look like micrometres: is the header `wavelength_um`?"
     } else {
-        return None;
+        return;
     };
-    let message = format!("wavelengths from {} to {} um", number(first_um), number(last_um));
-    Some(Problem::new(header_at, message).with_help(help))
+    let message = format!("wavelengths from {} to {} um: {help}", number(first_um), number(last_um));
+    report.note(Fate::Defaulted, header_at, message);
 }
 
 /// Reads all spectra of a table. Those of one material are named by the table or else the file. The report tells gaps, and what was
@@ -382,7 +405,7 @@ pub fn parse_all(text: &str, path: &Path, given_um: Option<&[f64]>) -> Result<(V
     for column in &table.columns {
         let quantity = if one { column.name.as_str() } else { parts(&column.name).1 };
         let limits = if quantity == IRRADIANCE_W_M2_UM { (0.0, f64::INFINITY) } else { range(quantity) };
-        tell_outside(column, &table, quantity, limits, |cell| places.place(cell), &mut problems);
+        tell_outside(column, &table, quantity, limits, 0.0, |cell| places.place(cell), &mut problems);
         tell_unit(column, || places.place(column.cell), &mut report);
         tell_like_dart(&table, column, || places.place(column.cell), &mut report);
         if column.unit == Unit::Percent {
@@ -390,9 +413,7 @@ pub fn parse_all(text: &str, path: &Path, given_um: Option<&[f64]>) -> Result<(V
             tell_doubtful_percent(&fractions, places.place(column.cell), &mut report);
         }
     }
-    if let Some(problem) = suspect(&table, &table.wavelength_um, place(path, text, table.header)) {
-        problems.push(|| problem);
-    }
+    tell_doubtful_unit(&table, &table.wavelength_um, place(path, text, table.header), &mut report);
     problems.finish(path)?;
     let value =
         |column: &TableColumn<'_>, i: usize| column.values[i].map(|(written, _)| converted(&column.unit, written));

@@ -80,6 +80,8 @@ const EDGE_ON: f64 = 1e-6;
 
 /// Normals of closed meshes, times areas, add up to no more than this share of the area: coordinates are often of 6 digits, and unwelded.
 const CLOSED: f64 = 1e-4;
+/// A volume that is no larger than this share of the parts that it is the sum of is rounding.
+const NO_VOLUME: f64 = 64.0 * f64::EPSILON;
 
 /// Texture coordinates of a facet that has none.
 pub const NO_UV: [[f64; 2]; 3] = [[f64::NAN; 2]; 3];
@@ -149,15 +151,19 @@ impl Mesh {
     pub fn enclosed_m3(&self) -> Option<f64> {
         // Any point of the mesh serves: what is closed has the same volume about all.
         let about = self.vertices_m[self.facets.first()?[0] as usize];
-        let (mut sum_m2, mut area_m2, mut volume_m3) = (DVec3::ZERO, 0.0, 0.0);
+        let (mut sum_m2, mut area_m2, mut volume_m3, mut parts_m3) = (DVec3::ZERO, 0.0, 0.0, 0.0);
         for facet in 0..self.facets.len() {
             let facet = self.facet(facet);
             let cross_m2 = facet.cross_m2();
             sum_m2 += cross_m2;
             area_m2 += cross_m2.length();
-            volume_m3 += (facet.corners_m[0] - about).dot(cross_m2) / 6.0;
+            let part_m3 = (facet.corners_m[0] - about).dot(cross_m2) / 6.0;
+            volume_m3 += part_m3;
+            parts_m3 += part_m3.abs();
         }
-        (sum_m2.length() <= CLOSED * area_m2).then_some(volume_m3)
+        // Of a surface that goes back on itself, as sheets with two sides do, only rounding is left.
+        let is_none = volume_m3.abs() <= NO_VOLUME * parts_m3;
+        (sum_m2.length() <= CLOSED * area_m2).then_some(if is_none { 0.0 } else { volume_m3 })
     }
 
     /// The vertices that facets use, m, each once.
