@@ -567,7 +567,7 @@ mod tests {
         // What is no table, then what is no spectrum.
         for (text, expected) in [
             (
-                "wavelength_um,reflectance\n1,0.1\n2, x\n3\n4,inf\n1,0.1\n-1,0.1\n0,4,0,05\n6,1,\n",
+                "wavelength_um,reflectance\n1,0.1\n2, x\n3\n4,inf\n1,0.2\n-1,0.1\n0,4,0,05\n6,1,\n",
                 &[
                     "a.csv:3:4: `x` is not a finite number",
                     "a.csv:4:1: one column",
@@ -611,7 +611,12 @@ mod tests {
 
     #[test]
     fn nanometres_that_are_called_micrometres_are_suspected() {
-        assert!(told("wavelength_um,reflectance\n400,0.1\n2500,0.1\n", Quantity::Reflectance).contains("nanometres"));
-        assert!(told("wavelength_nm,reflectance\n0.4,0.1\n2.5,0.1\n", Quantity::Reflectance).contains("micrometres"));
+        for (text, doubt) in [
+            ("wavelength_um,reflectance\n400,0.1\n2500,0.1\n", "nanometres"),
+            ("wavelength_nm,reflectance\n0.4,0.1\n2.5,0.1\n", "micrometres"),
+        ] {
+            let (_, report) = parse(text, Path::new("a.csv"), Quantity::Reflectance, Extend::Error).unwrap();
+            assert!(report.notes[0].message.contains(doubt), "{report:?}");
+        }
     }
 }
