@@ -17,7 +17,6 @@ use toml::de::{DeTable, DeValue};
 
 use super::input::{self, InputFile};
 use super::key_units;
-use super::radiance_map::Unit;
 use crate::error::{Error, Location, Problem, Result, number};
 
 /// Longer files are refused, bytes: nobody writes them.
@@ -361,18 +360,9 @@ impl Document {
     fn not_a_word(&self, found: &str, words: &[&str], item: &str) -> Problem {
         let known: Vec<String> = words.iter().map(|w| format!("{w:?}")).collect();
         let problem = Problem::new(self.at(item), format!("expected {}, found {found:?}", known.join(" or ")));
-        // Units that are alike by their letters may be a thousand times each other.
-        let unit = Unit::of(found);
-        let same = words.iter().find_map(|word| Some((word, unit.as_ref()?.over(&Unit::of(word)?)?)));
-        let one = words.iter().find(|word| unit.as_ref().is_some_and(|u| Unit::of(word).as_ref() == Some(u)));
-        match (one, same) {
-            (Some(word), _) => problem.with_help(format!("did you mean {word:?}?")),
-            (None, Some((word, times))) => problem.with_help(format!("1 {found} is {} {word}", number(times))),
-            (None, None) if unit.is_some() && words.iter().any(|word| Unit::of(word).is_some()) => problem,
-            (None, None) => match nearest(found, words) {
-                Some(word) => problem.with_help(format!("did you mean {word:?}?")),
-                None => problem,
-            },
+        match nearest(found, words) {
+            Some(word) => problem.with_help(format!("did you mean {word:?}?")),
+            None => problem,
         }
     }
 }

@@ -95,7 +95,8 @@ pub fn parse(text: &str, path: &Path, quantity: Quantity, extend: Extend) -> Res
     let (mut wavelength_um, mut value) = (Vec::new(), Vec::new());
     let mut problems = Problems::default();
     let limits = if quantity == Quantity::Irradiance { (0.0, f64::INFINITY) } else { (0.0, 1.0) };
-    let largest = column.values.iter().flatten().map(|(written, _)| converted(&column.unit, *written)).fold(0.0, f64::max);
+    let largest =
+        column.values.iter().flatten().map(|(written, _)| converted(&column.unit, *written)).fold(0.0, f64::max);
     let noise = if quantity == Quantity::Irradiance { NOISE * largest } else { NOISE };
     tell_outside(column, &table, quantity.name(), limits, noise, |cell| place(path, text, cell), &mut problems);
     for (um, cell) in table.wavelength_um.iter().zip(&column.values) {

@@ -83,21 +83,6 @@ fn a_suggestion_in_another_unit_has_the_number_in_that() {
         let (code, err) = said(&scratch, &[(good, bad)]);
         assert!(code == 1 && err.contains("did you mean") && err.contains(expected), "{bad}: {err}");
     }
-    // The same letters but one, a thousand times as much.
-    scratch.write("a.npy", npy(&[1.0; 16], "(4, 4)"));
-    scratch.write(
-        "a.map.toml",
-        "mmxrt_map = 1\nquantity = \"radiance\"\nunit = \"mW m-2 sr-1 um-1\"\nplacement = \"plane\"\n",
-    );
-    let (_, _, err) = run(&[
-        "integrate",
-        &scratch.argument("s.toml"),
-        "--radiance",
-        &scratch.argument("a.npy"),
-        "-o",
-        &scratch.argument("o"),
-    ]);
-    assert!(err.contains("1 mW m-2 sr-1 um-1 is 0.001 W m-2 sr-1 um-1") && !err.contains("did you mean"), "{err}");
 }
 
 /// An array in NumPy's format, version 1.
