@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A file or folder could not be read or written: check the path, the rights, the space.
-    #[error("{path}: {action}: {source}", path = path.display())]
+    #[error("{path}: {}", refusal(action, source), path = path.display())]
     Io {
         /// The file or folder.
         path: PathBuf,
@@ -61,7 +61,7 @@ impl Error {
     pub fn problems(&self) -> Vec<Problem> {
         match self {
             Error::Io { path, action, source } => {
-                vec![Problem::new(Location::file(path), format!("{action}: {source}"))]
+                vec![Problem::new(Location::file(path), refusal(action, source))]
             }
             Error::Syntax { at, message } => vec![Problem::new(at.clone(), message)],
             Error::Invalid(problems) => problems.clone(),
@@ -75,6 +75,23 @@ impl Error {
     /// An [`Error::Syntax`].
     pub fn syntax(at: Location, message: impl Into<String>) -> Self {
         Error::Syntax { at, message: message.into() }
+    }
+}
+
+/// What the system said, in words that are the same on every system and for every format.
+fn refusal(action: &str, source: &std::io::Error) -> String {
+    use std::io::ErrorKind;
+    match (source.kind(), action) {
+        (ErrorKind::NotFound, "reading") => "there is no such file or folder".into(),
+        (ErrorKind::IsADirectory, "reading") => "is a folder, where a file is wanted".into(),
+        (ErrorKind::NotFound, _) => format!("{action}: there is no such file or folder"),
+        (ErrorKind::IsADirectory, _) => format!("{action}: there is a folder of this name"),
+        (ErrorKind::NotADirectory, _) => {
+            format!("{action}: a part of this path is a file, where a folder is wanted")
+        }
+        (ErrorKind::PermissionDenied, _) => format!("{action}: permission denied"),
+        (ErrorKind::AlreadyExists, "making this folder") => format!("{action}: there is a file of this name"),
+        _ => format!("{action}: {source}"),
     }
 }
 

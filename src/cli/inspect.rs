@@ -60,6 +60,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     if arguments.pixel.is_some() || (path == Path::new(BUILT_IN_SUN) && !path.exists()) {
         return spectrum_of(arguments, console);
     }
+    path.metadata().map_err(|e| Error::io(path, "reading", e))?;
     if arguments.csv.is_some() {
         let message = "has no one spectrum that could be written: --csv goes with --pixel, or with `e490`";
         return Err(Error::invalid(Location::file(path), message));

@@ -853,7 +853,7 @@ pub fn statistics(header: &Header, data: &Path) -> Result<Vec<BandStatistics>> {
             Problem::new(Location::file(data), message).with_help("it is cut short, or the header is another file's");
         return Err(Error::Invalid(vec![problem]));
     }
-    let mut file = BufReader::with_capacity(1 << 20, File::open(data).map_err(io)?);
+    let mut file = BufReader::with_capacity(1 << 20, input::open(data).map_err(io)?);
     file.seek(SeekFrom::Start(header.header_offset)).map_err(io)?;
     let empty = BandStatistics { count: 0, min: f64::INFINITY, max: f64::NEG_INFINITY, mean: 0.0 };
     let mut statistics = vec![empty; header.bands];

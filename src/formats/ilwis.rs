@@ -4,7 +4,6 @@
 //! stand; integers, which others write, are values by `Range=least:largest:step:offset=o`: (number + o) step.
 //! Headers are not believed where they contradict themselves or the values; `MinMax` never is.
 
-use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -98,7 +97,7 @@ pub fn no_data_of_dart(values_path: &Path) -> Result<Option<f64>> {
         return Ok(None);
     }
     let reading = |e| Error::io(values_path, "reading", e);
-    let mut file = File::open(values_path).map_err(reading)?;
+    let mut file = input::open(values_path).map_err(reading)?;
     let (mut chunk, mut is_there) = (Vec::new(), false);
     loop {
         chunk.clear();

@@ -5,6 +5,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 
+use super::foreign;
 use crate::error::{Error, Location, Problem, Result};
 
 use super::staging::folder_of;
@@ -69,13 +70,22 @@ impl Read for Hashing {
     }
 }
 
+/// Opens a file to read it. A folder opens too on some systems, and fails later in words of whatever reads it.
+pub(crate) fn open(path: &Path) -> std::io::Result<File> {
+    let file = File::open(path)?;
+    if file.metadata()?.is_dir() { Err(std::io::ErrorKind::IsADirectory.into()) } else { Ok(file) }
+}
+
+/// As much of a file is looked at to tell what it is, bytes.
+const BEGINNING: usize = 4096;
+
 /// All bytes of a file of at most `limit` bytes.
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::Invalid`] for a longer file, of which no more than `limit` bytes are read.
 pub(crate) fn bytes(path: &Path, limit: u64) -> Result<Vec<u8>> {
     let reading = |e| Error::io(path, "reading", e);
-    let file = File::open(path).map_err(reading)?;
+    let file = open(path).map_err(reading)?;
     let told = file.metadata().map_err(reading)?.len();
     let mut bytes = Vec::new();
     if told <= limit {
@@ -180,7 +190,7 @@ pub fn text(path: &Path, limit: u64) -> Result<(String, InputFile)> {
         Err(e) => {
             let good = String::from_utf8_lossy(&e.as_bytes()[..e.utf8_error().valid_up_to()]);
             let at = Location::span(path, &good, good.len(), good.len());
-            Err(Error::syntax(at, "not UTF-8 text: save the file as UTF-8"))
+            Err(Error::syntax(at, foreign::not_text(&e.as_bytes()[..e.as_bytes().len().min(BEGINNING)])))
         }
     }
 }

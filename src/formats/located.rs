@@ -16,6 +16,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::input::{self, InputFile};
+use super::key_units;
 use crate::error::{Error, Location, Problem, Result, number};
 
 /// Longer files are refused, bytes: nobody writes them.
@@ -324,8 +325,8 @@ impl Document {
                         None => Location::file(&self.path),
                     };
                     let names: Vec<&str> = known.keys().map(String::as_str).collect();
-                    let help = match nearest(key, &names) {
-                        Some(name) => format!("did you mean `{name}`?"),
+                    let help = match key_units::meant(key, value, &names) {
+                        Some(meant) => meant,
                         None => format!("known here: {}", names.join(", ")),
                     };
                     problems.push(Problem::new(at.with_item(&member), format!("unknown key `{key}`")).with_help(help));

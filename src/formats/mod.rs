@@ -10,6 +10,7 @@ mod foreign;
 pub mod gltf;
 pub mod ilwis;
 mod input;
+mod key_units;
 mod length;
 pub mod located;
 pub mod machine;

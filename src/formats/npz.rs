@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
+use super::input;
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::formats::input::MOST_DEFLATED;
 use crate::geometry::Direction;
@@ -476,7 +477,7 @@ impl Array {
 impl Npz {
     fn open(path: &Path) -> Result<Self> {
         let io = |e| Error::io(path, "reading", e);
-        let file = File::open(path).map_err(io)?;
+        let file = input::open(path).map_err(io)?;
         let file_bytes = file.metadata().map_err(io)?.len();
         let zip = ZipArchive::new(BufReader::with_capacity(1 << 16, file)).map_err(|e| match e {
             zip::result::ZipError::Io(e) if e.kind() != std::io::ErrorKind::UnexpectedEof => io(e),
@@ -678,7 +679,7 @@ pub(super) fn beginning(path: &Path, member: &Member, most: u64) -> Result<Vec<u
     }
     let mut bytes = Vec::new();
     let mut read = || {
-        let mut file = File::open(path)?;
+        let mut file = input::open(path)?;
         file.seek(SeekFrom::Start(member.start))?;
         file.take(member.bytes.min(most)).read_to_end(&mut bytes)
     };

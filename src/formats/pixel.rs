@@ -34,6 +34,7 @@ pub struct Pixel {
 /// # Errors
 /// [`Error::Invalid`] for a pixel beyond the image, and for a folder that is no product; those of reading its images.
 pub fn read(folder: &Path, sample: usize, line: usize) -> Result<Pixel> {
+    folder.metadata().map_err(|e| Error::io(folder, "reading", e))?;
     let cube = folder.join("cube.img");
     if !cube.is_file() {
         let at = Location::file(folder);

@@ -8,6 +8,7 @@ use std::fs::File;
 use std::io::{BufReader, BufWriter};
 use std::path::Path;
 
+use super::input;
 use crate::error::{Error, Location, Result};
 use crate::product::Cube;
 use crate::spectral::Band;
@@ -105,7 +106,7 @@ pub fn write_bands(path: &Path, size: [usize; 2], bands: &[(String, Vec<f64>)]) 
 /// # Errors
 /// [`Error::Io`]; [`Error::Syntax`] if it is no PNG.
 pub fn read_info(path: &Path) -> Result<(u32, u32, bool)> {
-    let file = File::open(path).map_err(|e| Error::io(path, "reading", e))?;
+    let file = input::open(path).map_err(|e| Error::io(path, "reading", e))?;
     let reader = png::Decoder::new(BufReader::new(file)).read_info();
     let reader = reader.map_err(|e| Error::syntax(Location::file(path), format!("not a PNG: {e}")))?;
     let info = reader.info();

@@ -12,6 +12,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::InputFile;
+use super::input;
 use crate::error::{Error, Location, Result};
 use crate::product::{Backplanes, Cube};
 use crate::scene::Scene;
@@ -269,7 +270,7 @@ pub fn write(path: &Path, value: &impl Serialize) -> Result<()> {
 /// # Errors
 /// [`Error::Io`], or [`Error::Syntax`] at the place that is not of its format.
 pub fn read<T: DeserializeOwned>(path: &Path) -> Result<T> {
-    let file = File::open(path).map_err(|e| Error::io(path, "reading", e))?;
+    let file = input::open(path).map_err(|e| Error::io(path, "reading", e))?;
     serde_json::from_reader(BufReader::new(file)).map_err(|e| match e.classify() {
         serde_json::error::Category::Io => Error::io(path, "reading", e.into()),
         _ => {

@@ -15,7 +15,7 @@ use crate::spectral::{Extend, Spectrum};
 use super::input::{self, InputFile, Problems};
 use super::spectral_heading::of_wavelength;
 use super::spectral_table::parted;
-use super::table::{place, suspect_unit};
+use super::table::{doubtful_unit, place};
 
 /// Responses by name, in the file's order, and what is worth knowing of them.
 #[derive(Debug, Clone)]
@@ -112,8 +112,8 @@ pub fn parse(text: &str, path: &Path) -> Result<Responses> {
         problems.push(|| Problem::new(place(path, text, pair[1].0), message));
     }
     let all_um: Vec<f64> = rows.iter().map(|row| row.1).collect();
-    if let Some(problem) = suspect_unit(unit, &all_um, place(path, text, header)) {
-        problems.push(|| problem);
+    if let Some(doubt) = doubtful_unit(unit, &all_um) {
+        notes.push(format!("{name}: {doubt}"));
     }
     let mut columns = Vec::new();
     let mut known = BTreeSet::new();
@@ -262,7 +262,8 @@ mod tests {
         assert!(told("wavelength_um,r\n1,1\n3,0.5\n2,0.6\n4,1\n").contains("out of order"));
         assert!(told("wavelength_um,r\n1,0\n3,0\n").contains("nothing above 0"));
         assert!(told("wavelength_um,r,R\n1,1,1\n3,1,1\n").contains("there twice"));
-        assert!(told("wavelength_um,r\n400,1\n700,1\n").contains("nanometres"));
+        // Filters of the far infrared look so too.
+        assert!(read("wavelength_um,r\n400,1\n700,1\n").unwrap().notes[0].contains("nanometres"));
         assert!(told("wavelength_um,r\n1,1,2\n3,x\n").lines().count() >= 2);
         assert!(told("").contains("is empty"));
     }

@@ -1,6 +1,5 @@
 //! Spectra in any of the formats that hold them, for those who convert from one to another.
 
-use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -38,7 +37,7 @@ impl Format {
     /// The format of a file: a database or a text by how it begins, others by their names; `None` if it is none of these.
     pub fn of(path: &Path) -> Option<Self> {
         let mut start = Vec::new();
-        let begun = File::open(path).and_then(|file| file.take(BEGINNING).read_to_end(&mut start));
+        let begun = input::open(path).and_then(|file| file.take(BEGINNING).read_to_end(&mut start));
         match begun {
             Ok(_) if start.starts_with(b"SQLite format 3\0") => Some(Format::Database),
             Ok(_) => Self::of_text(path, &start).or_else(|| Self::of_name(path)),
@@ -90,7 +89,7 @@ pub fn read(path: &Path) -> Result<(Vec<SpectralLibrary>, Report)> {
         Some(format) => read_as(path, format),
         None => {
             // Whether it is there matters more than what it is called.
-            File::open(path).map_err(|e| Error::io(path, "reading", e))?;
+            input::open(path).map_err(|e| Error::io(path, "reading", e))?;
             let feature = "reading spectra from a file with such a name (.db, .txt, .sli or .csv)".into();
             Err(Error::Unsupported { at: Location::file(path), feature })
         }

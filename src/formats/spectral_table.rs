@@ -502,9 +502,17 @@ fn assembled<'a>(
         report.note(Fate::Approximated, place(path, text, header), message);
     }
     read.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let rows = read.len();
+    let number_of = |value: &Option<(f64, &str)>| value.map(|(number, _)| number);
+    read.dedup_by(|next, row| next.0 == row.0 && next.1.iter().map(number_of).eq(row.1.iter().map(number_of)));
+    if read.len() < rows {
+        let message =
+            format!("{} rows are there twice, wavelength and values: one of each is taken", rows - read.len());
+        report.note(Fate::Dropped, place(path, text, header), message);
+    }
     for twice in read.windows(2).filter(|w| w[0].0 == w[1].0) {
-        problems
-            .push(|| Problem::new(place(path, text, twice[1].2), format!("wavelength {} is there twice", twice[1].2)));
+        let message = format!("wavelength {} is there twice, with different values", twice[1].2);
+        problems.push(|| Problem::new(place(path, text, twice[1].2), message).with_help("keep one of the rows"));
     }
     problems.finish(path)?;
     if read.is_empty() {

@@ -23,7 +23,7 @@ use super::folder::Staged;
 use super::input::{self, InputFile, Problems};
 use super::spectral_heading::{ALBEDO, EMISSIVITY, IRRADIANCE, LOG, REFLECTANCE, Unit, quantities};
 use super::spectral_table::{self, SpectralTable, TableColumn};
-use super::table::{Labelled, Places, gathered, is_plain, labelled, parts, place, suspect_unit};
+use super::table::{Labelled, Places, doubtful_unit, gathered, is_plain, labelled, parts, place};
 
 /// What a table must hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -95,22 +95,24 @@ pub fn parse(text: &str, path: &Path, quantity: Quantity, extend: Extend) -> Res
     let (mut wavelength_um, mut value) = (Vec::new(), Vec::new());
     let mut problems = Problems::default();
     let limits = if quantity == Quantity::Irradiance { (0.0, f64::INFINITY) } else { (0.0, 1.0) };
-    tell_outside(column, &table, quantity.name(), limits, |cell| place(path, text, cell), &mut problems);
+    let largest =
+        column.values.iter().flatten().map(|(written, _)| converted(&column.unit, *written)).fold(0.0, f64::max);
+    let noise = if quantity == Quantity::Irradiance { NOISE * largest } else { NOISE };
+    tell_outside(column, &table, quantity.name(), limits, noise, |cell| place(path, text, cell), &mut problems);
     for (um, cell) in table.wavelength_um.iter().zip(&column.values) {
         let Some((written, _)) = cell else { continue };
         wavelength_um.push(*um);
         value.push(converted(&column.unit, *written));
     }
     let at = || place(path, text, column.cell);
+    clip(&mut value, noise, limits.1, at(), &mut report);
     tell_unit(column, at, &mut report);
     tell_gaps(&table.wavelength_um, &wavelength_um, at(), &mut report);
     if column.unit == Unit::Percent {
         tell_doubtful_percent(&value, at(), &mut report);
     }
     tell_like_dart(&table, column, at, &mut report);
-    if let Some(problem) = suspect_unit(table.wave_unit, &wavelength_um, place(path, text, table.header)) {
-        problems.push(|| problem);
-    }
+    tell_doubtful_unit(&table, &wavelength_um, place(path, text, table.header), &mut report);
     problems.finish(path)?;
     let spectrum = Spectrum::new(wavelength_um, value, extend)
         .ok_or_else(|| Error::invalid(Location::file(path), "no rows: all of its values are gaps"))?;
@@ -233,12 +235,13 @@ fn tell_outside<'a>(
     table: &SpectralTable<'a>,
     quantity: &str,
     limits: (f64, f64),
+    noise: f64,
     mut at: impl FnMut(&'a str) -> Location,
     problems: &mut Problems,
 ) {
     let unit = if column.unit == Unit::Percent { 100.0 } else { 1.0 };
-    let too_large = |value: f64| value > limits.1;
-    let too_small = |value: f64| value < limits.0;
+    let too_large = |value: f64| value > limits.1 + noise;
+    let too_small = |value: f64| value < limits.0 - noise;
     let is_plain = !matches!(column.unit, Unit::Percent | Unit::Irradiance(..));
     for (is_bad, help) in
         [(&too_large as &dyn Fn(f64) -> bool, is_plain.then_some(table.percent_help)), (&too_small, None)]
@@ -304,6 +307,33 @@ fn tell_doubtful_percent(fractions: &[f64], at: Location, report: &mut Report) {
     }
 }
 
+/// Fractions are measured beyond 0 and 1 by as much, against a standard; and irradiances below 0 by as much of the largest.
+pub(super) const NOISE: f64 = 0.05;
+
+/// Numbers that noise has left beyond 0 and `most`, by `noise` at most, become these.
+fn clip(values: &mut [f64], noise: f64, most: f64, at: Location, report: &mut Report) {
+    let beyond = |v: f64| (v - most).max(-v);
+    let noisy = |v: &&mut f64| beyond(**v) > 0.0 && beyond(**v) <= noise;
+    let (mut count, mut farthest) = (0, 0.0_f64);
+    for value in values.iter_mut().filter(noisy) {
+        (count, farthest) = (count + 1, farthest.max(beyond(*value)));
+        *value = value.clamp(0.0, most);
+    }
+    if count > 0 {
+        let (place, limits) = if most.is_finite() { ("outside 0 to 1", "0 or 1") } else { ("below 0", "0") };
+        let farthest = number(format!("{farthest:.3e}").parse().unwrap_or(farthest));
+        let values = if count == 1 { "1 value is".to_owned() } else { format!("{count} values are") };
+        let message = format!("{values} {place} by up to {farthest}, as noise leaves them: taken as {limits}");
+        report.note(Fate::Approximated, at, message);
+    }
+}
+
+fn tell_doubtful_unit(table: &SpectralTable<'_>, wavelength_um: &[f64], header_at: Location, report: &mut Report) {
+    if let Some(doubt) = doubtful_unit(table.wave_unit, wavelength_um) {
+        report.note(Fate::Defaulted, header_at, doubt);
+    }
+}
+
 /// Reads all spectra of a table. Those of one material are named by the table or else the file. The report tells gaps, and what was
 /// taken that the table does not say.
 ///
@@ -362,7 +392,7 @@ pub fn parse_all(text: &str, path: &Path, given_um: Option<&[f64]>) -> Result<(V
     for column in &table.columns {
         let quantity = if one { column.name.as_str() } else { parts(&column.name).1 };
         let limits = if quantity == IRRADIANCE_W_M2_UM { (0.0, f64::INFINITY) } else { range(quantity) };
-        tell_outside(column, &table, quantity, limits, |cell| places.place(cell), &mut problems);
+        tell_outside(column, &table, quantity, limits, 0.0, |cell| places.place(cell), &mut problems);
         tell_unit(column, || places.place(column.cell), &mut report);
         tell_like_dart(&table, column, || places.place(column.cell), &mut report);
         if column.unit == Unit::Percent {
@@ -370,9 +400,7 @@ pub fn parse_all(text: &str, path: &Path, given_um: Option<&[f64]>) -> Result<(V
             tell_doubtful_percent(&fractions, places.place(column.cell), &mut report);
         }
     }
-    if let Some(problem) = suspect_unit(table.wave_unit, &table.wavelength_um, place(path, text, table.header)) {
-        problems.push(|| problem);
-    }
+    tell_doubtful_unit(&table, &table.wavelength_um, place(path, text, table.header), &mut report);
     problems.finish(path)?;
     let value =
         |column: &TableColumn<'_>, i: usize| column.values[i].map(|(written, _)| converted(&column.unit, written));
@@ -532,7 +560,7 @@ mod tests {
         // What is no table, then what is no spectrum.
         for (text, expected) in [
             (
-                "wavelength_um,reflectance\n1,0.1\n2, x\n3\n4,inf\n1,0.1\n-1,0.1\n0,4,0,05\n6,1,\n",
+                "wavelength_um,reflectance\n1,0.1\n2, x\n3\n4,inf\n1,0.2\n-1,0.1\n0,4,0,05\n6,1,\n",
                 &[
                     "a.csv:3:4: `x` is not a finite number",
                     "a.csv:4:1: one column",
@@ -576,7 +604,12 @@ mod tests {
 
     #[test]
     fn nanometres_that_are_called_micrometres_are_suspected() {
-        assert!(told("wavelength_um,reflectance\n400,0.1\n2500,0.1\n", Quantity::Reflectance).contains("nanometres"));
-        assert!(told("wavelength_nm,reflectance\n0.4,0.1\n2.5,0.1\n", Quantity::Reflectance).contains("micrometres"));
+        for (text, doubt) in [
+            ("wavelength_um,reflectance\n400,0.1\n2500,0.1\n", "nanometres"),
+            ("wavelength_nm,reflectance\n0.4,0.1\n2.5,0.1\n", "micrometres"),
+        ] {
+            let (_, report) = parse(text, Path::new("a.csv"), Quantity::Reflectance, Extend::Error).unwrap();
+            assert!(report.notes[0].message.contains(doubt), "{report:?}");
+        }
     }
 }

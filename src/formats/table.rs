@@ -105,8 +105,9 @@ pub(super) fn numbers(path: &Path, text: &str, rows: &[Row<'_>], columns: &[Read
     Ok(values)
 }
 
-/// A table in um or nm that has no wavelength between 0.1 and 100 um is in another unit than its header says.
-pub(super) fn suspect_unit(unit: length::Unit, wavelength_um: &[f64], header_at: Location) -> Option<Problem> {
+/// What is to be told of a table in um or nm that has no wavelength between 0.1 and 100 um: it may be in another unit than its header says.
+pub(super) fn doubtful_unit(unit: length::Unit, wavelength_um: &[f64]) -> Option<String> {
+    // Nobody takes metres or wavenumbers for either.
     if ![length::Unit::MICROMETRES, length::Unit::NANOMETRES].contains(&unit) {
         return None;
     }
@@ -118,8 +119,7 @@ pub(super) fn suspect_unit(unit: length::Unit, wavelength_um: &[f64], header_at:
     } else {
         return None;
     };
-    let message = format!("wavelengths from {} to {} um", number(first_um), number(last_um));
-    Some(Problem::new(header_at, message).with_help(help))
+    Some(format!("wavelengths from {} to {} um: {help}", number(first_um), number(last_um)))
 }
 
 /// A [`label`], the wavelengths and the values.

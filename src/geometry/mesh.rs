@@ -80,6 +80,8 @@ const EDGE_ON: f64 = 1e-6;
 
 /// Normals of closed meshes, times areas, add up to no more than this share of the area: coordinates are often of 6 digits, and unwelded.
 const CLOSED: f64 = 1e-4;
+/// A volume that is no larger than this share of the parts that it is the sum of is rounding.
+const NO_VOLUME: f64 = 64.0 * f64::EPSILON;
 
 /// Texture coordinates of a facet that has none.
 pub const NO_UV: [[f64; 2]; 3] = [[f64::NAN; 2]; 3];
@@ -157,10 +159,15 @@ impl Mesh {
     pub fn enclosed_m3(&self) -> Option<f64> {
         // Any point of the mesh serves: what is closed has the same volume about all.
         let about = self.vertices_m[self.facets.first()?[0] as usize];
-        let of_facet = |facet: Facet| (facet.corners_m[0] - about).dot(facet.cross_m2()) / 6.0;
         let (sum_m2, size_m2) = self.vector_area_m2();
-        (sum_m2.length() <= CLOSED * size_m2)
-            .then(|| (0..self.facets.len()).map(|facet| of_facet(self.facet(facet))).sum())
+        if sum_m2.length() > CLOSED * size_m2 {
+            return None;
+        }
+        let of_facet = |facet: Facet| (facet.corners_m[0] - about).dot(facet.cross_m2()) / 6.0;
+        let parts_m3 = (0..self.facets.len()).map(|facet| of_facet(self.facet(facet)));
+        let (volume_m3, size_m3) = parts_m3.fold((0.0, 0.0), |(sum, size), part| (sum + part, size + part.abs()));
+        // Of a surface that goes back on itself, as sheets with two sides do, only rounding is left.
+        Some(if volume_m3.abs() <= NO_VOLUME * size_m3 { 0.0 } else { volume_m3 })
     }
 
     /// The vertices that facets use, m, each once.

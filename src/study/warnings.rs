@@ -104,6 +104,13 @@ pub(super) fn of_scene(
             100.0 * open_to_shadow
         ));
     }
+    if topology.coincident_facets > 0 {
+        let lie = if topology.coincident_facets == 1 { "lies" } else { "lie" };
+        all.push(format!(
+            "{} {lie} on others, with the same side out: is a mesh, or a part of one, given twice? Of two the one is seen whose material comes first",
+            facets(topology.coincident_facets as u64)
+        ));
+    }
     if topology.flipped_facets > 0 {
         all.push(format!(
             "{} with the inner side out, against their neighbours: seen from outside they are black",
@@ -114,7 +121,9 @@ pub(super) fn of_scene(
         all.push(format!("{} without area: they neither shine nor block", facets(site.zero_area_facets)));
     }
     if site.is_open && site.up.is_none() {
-        all.push(format!("the body is not closed: {} open edges", topology.open_edges));
+        let of_those =
+            if topology.coincident_facets > 0 { ", those of facets that lie on others among them" } else { "" };
+        all.push(format!("the body is not closed: {} open edges{of_those}", topology.open_edges));
     }
     all
 }

@@ -5,6 +5,7 @@
 //! is settled or resolved by [`Coverage`].
 
 mod bins;
+mod coincident;
 mod coverage;
 mod covered;
 mod drawing;

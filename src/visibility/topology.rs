@@ -6,6 +6,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
+use super::coincident;
 use crate::geometry::{Mesh, solid_angle_off_surface_sr};
 
 /// No facet.
@@ -25,6 +26,9 @@ pub struct Topology {
     pub open_edges: usize,
     /// Facets that must be turned over to agree with the larger part of their surroundings.
     pub flipped_facets: usize,
+    /// Facets that lie on an earlier one, with the same side out: a mesh, or a part of it, that is there twice. Of closed parts that
+    /// share no vertices they are not counted.
+    pub coincident_facets: usize,
 }
 
 /// A part that is proven closed: the least and the greatest of its coordinates, m.
@@ -63,10 +67,13 @@ impl Topology {
         for code in &open {
             has_open_edge[*code as usize / 4] = true;
         }
-        let parts = Parts::new(&neighbour, &same_way);
+        let (doubled, turned): (Vec<_>, Vec<_>) = same_way.iter().partition(|pair| coincident::lies_on(mesh, **pair));
+        let coincident_facets = coincident::count(mesh, &has_open_edge, &doubled);
+        let parts = Parts::new(&neighbour, &turned);
         let (bodies, flipped_facets) = parts.bodies_and_flipped(mesh, &has_open_edge, &same_way);
         let closed = parts.part.iter().map(|p| bodies[*p as usize].is_some()).collect();
-        Topology { neighbour, closed, part: parts.part, bodies, open_edges: open.len(), flipped_facets }
+        let open_edges = open.len() + 2 * doubled.len();
+        Topology { neighbour, closed, part: parts.part, bodies, open_edges, flipped_facets, coincident_facets }
     }
 
     /// Whether the mesh is one part, and that one closed.
@@ -277,7 +284,7 @@ impl Parts {
             turned[part as usize] += usize::from(self.turned[f]);
             closed[part as usize] &= !has_open_edge[f];
         }
-        for &[f, _] in same_way {
+        for &f in same_way.as_flattened() {
             closed[self.part[f as usize] as usize] = false;
         }
         // Volume about a vertex of the part: positive when normals point outward.

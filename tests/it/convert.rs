@@ -265,7 +265,7 @@ fn formats_are_told_and_listed() {
         (vec!["convert", "a"], 2, "required"),
         (vec!["convert", "a", "b", "--to", "blend"], 2, "formats are scene, obj, gltf"),
         (vec!["convert", "a", "b.glb", "--bands", "1:2"], 2, "FIRST:LAST:COUNT"),
-        (vec!["convert", "no-such-file", "b.glb"], 1, "no-such-file: reading"),
+        (vec!["convert", "no-such-file", "b.glb"], 1, "no-such-file: there is no such file or folder"),
         (vec!["convert", &argument("scene.toml"), "b.blend"], 1, "b.blend: no format's names end like this"),
         (vec!["convert", &argument("blue.csv"), &argument("b.glb")], 1, "they make no scene"),
         (vec!["convert", &argument("ground.obj"), &argument("b.csv")], 1, "it has no spectra"),
@@ -467,7 +467,7 @@ fn a_database_grows() {
         scratch.write(name, format!("wavelength_um,reflectance\n1,{value}\n2,{value}\n"));
     }
     let (code, _, err) = run(&["convert", &argument("b.csv"), &argument("x.db"), "--append"]);
-    assert!(code == 1 && err.contains("x.db: reading"), "{err}");
+    assert!(code == 1 && err.contains("x.db: there is no such file or folder"), "{err}");
     assert_eq!(run(&["convert", &argument("a.csv"), &argument("x.db")]).0, 0);
     let (code, out, err) = run(&["convert", &argument("b.csv"), &argument("x.db"), "--append"]);
     assert!(code == 0 && out.ends_with("x.db: 1 spectra, csv to db\n"), "{out}{err}");

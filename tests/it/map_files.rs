@@ -328,11 +328,9 @@ fn no_radiance_is_beyond_what_a_product_can_hold() {
 #[test]
 fn sums_say_what_is_wrong_in_them() {
     let bench = Bench::new();
-    for (text, message) in [
-        ("", "a map has no name"),
-        ("{}m.csv+", "a map has no name"),
-        ("{}m.csv*two", "\"two\" is no weight"),
-    ] {
+    for (text, message) in
+        [("", "a map has no name"), ("{}m.csv+", "a map has no name"), ("{}m.csv*two", "\"two\" is no weight")]
+    {
         let (code, err) = bench.try_to(&["--radiance", text]);
         assert!(code == 1 && err.contains(message), "{text}: {err}");
     }

@@ -267,8 +267,8 @@ fn an_array_that_cannot_be_is_refused() {
         (npy("<f8", false, "(0, 4)", &[]), "0 rows x 4 columns x 1 bands hold no pixels"),
         (npy("<f8", false, "(-1, 4)", &[]), "is not understood"),
         (b"\x93NUMPY\x01\x00\xff".to_vec(), "a.npy: is cut short"),
-        (b"NUMPY".to_vec(), "a.npy: is not a NumPy array"),
-        (vec![], "a.npy: is not a NumPy array"),
+        (b"NUMPY".to_vec(), "a.npy: begins with \"NUMPY\", as no whole .npy file does"),
+        (vec![], "a.npy: is empty"),
     ] {
         let path = folder.write("a.npy", bytes);
         let error = refused(&path);
@@ -314,7 +314,7 @@ fn an_array_of_a_npz_file_is_read_with_its_wavelengths() {
     assert!(raster.report.notes[0].to_string().contains("mask: an array beside the raster"));
     for (arrays, message) in [
         (vec![("a", array()), ("b", array())], "a.npz: which of its arrays is the raster? [a, b] (help: save one"),
-        (vec![], "which of its arrays"),
+        (vec![], "a.npz: has no array of values"),
         (vec![("a", array()), ("wavelength_um", doubles(&[1.0]))], "wavelength_um: is no list of 2 numbers"),
         (vec![("a", array()), ("wavelength_um", doubles(&[1.0, f64::NAN]))], "wavelength_um[1]: NaN is not positive"),
         (vec![("a", array()), ("fwhm_um", doubles(&[1.0, -0.5]))], "fwhm_um[1]: -0.5 is not positive"),
@@ -415,7 +415,9 @@ fn an_openexr_file_that_cannot_be_is_refused() {
         // Refused when it is opened, or when it is read: nowhere else, and never without a word.
         let error = raster::open(&path).and_then(|mut raster| raster.read(0, &mut one)).unwrap_err().to_string();
         assert!(
-            error.contains("a.exr: not a complete OpenEXR file") || error.contains("cut short"),
+            error.contains("a.exr: not a complete OpenEXR file")
+                || error.contains("cut short")
+                || error.contains("is empty"),
             "{length}: {error}"
         );
     }
@@ -476,7 +478,8 @@ fn pictures_are_shares_of_the_largest_number_and_nothing_where_transparent() {
     for length in 0..GREY2.len() - 16 {
         let path = folder.write("b.png", &GREY2[..length]);
         let error = raster::open(&path).and_then(|mut raster| raster.read(0, &mut one)).unwrap_err().to_string();
-        assert!(error.contains("b.png: not a complete PNG"), "{length}: {error}");
+        let told = if length == 0 { "b.png: is empty" } else { "b.png: not a complete PNG" };
+        assert!(error.contains(told), "{length}: {error}");
     }
 }
 
@@ -513,8 +516,8 @@ fn what_is_no_raster_is_refused_with_what_to_do() {
         ("a.nc", b"\x89HDF\r\n\x1a\n", "HDF5 (NetCDF-4)"),
         ("a.bin", b"1234", "its header is not beside it"),
         ("a.hdr", b"ENVI\nsamples = 1\n", "its data file is not beside it"),
-        ("a.exr", b"not", "not a complete OpenEXR file"),
-        ("a.npz", b"not", "not a complete .npz file"),
+        ("a.exr", b"not", "begins with \"not\", as no whole .exr file does"),
+        ("a.npz", b"not", "begins with \"not\", as no whole .npz file does"),
     ] {
         let error = refused(&folder.write(name, bytes));
         assert!(error.contains(message), "{name}: {error}");

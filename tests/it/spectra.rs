@@ -342,7 +342,7 @@ fn tables_of_many_spectra_are_checked_cell_by_cell() {
         ("wavelength_um,a\n1,7\n", "a.csv:2:3: reflectance 7 is outside 0 to 1"),
         ("wavelength_um,a_percent\n1,101\n", "outside 0 to 100"),
         ("wavelength_um,a,b\n1,0.1\n", "a.csv:2:1: 2 columns where the header has 3"),
-        ("wavelength_nm,a\n0.4,0.1\n", "look like micrometres"),
+        ("wavelength_um,a\n1,0.1\n1,0.2\n", "a.csv:3:1: wavelength 1 is there twice, with different values"),
     ];
     for (text, expected) in cases {
         assert!(told(text).contains(expected), "{text}\n{}", told(text));

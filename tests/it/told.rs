@@ -97,5 +97,5 @@ fn a_landscape_in_another_format_is_refused() {
     assert_eq!(run(&["-q", "landscape", recipe.to_str().unwrap(), "-o", &scratch.argument("site.v2")]).0, 0);
     assert_eq!(scratch.names(), ["r.toml", "site.v2"]);
     let (code, _, err) = run(&["inspect", &scratch.argument("nope")]);
-    assert!(code == 1 && err.contains("No such file"), "{err}");
+    assert!(code == 1 && err.contains("nope: there is no such file or folder"), "{err}");
 }

@@ -1,10 +1,10 @@
 //! Which formats there are, and which one a file is.
 
-use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Location, Problem, Result};
+use crate::formats::input;
 use crate::formats::{envi, foreign, gltf, raster, spectra};
 
 /// A format that is read, written, or both.
@@ -166,7 +166,7 @@ impl Format {
         }
         let reading = |e| Error::io(path, "reading", e);
         let mut beginning = Vec::new();
-        File::open(path).and_then(|file| file.take(BEGINNING).read_to_end(&mut beginning)).map_err(reading)?;
+        input::open(path).and_then(|file| file.take(BEGINNING).read_to_end(&mut beginning)).map_err(reading)?;
         if let Some(error) = foreign::refused(path, &beginning) {
             return Err(error);
         }

@@ -1,7 +1,6 @@
 //! What DART would do otherwise than its user thinks: a simulation's inputs looked over without converting them.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::File;
 use std::path::Path;
 
 use glam::DVec3;
@@ -25,6 +24,7 @@ use super::read::{FILES, Inputs, Options, read, terrain};
 use super::sidecar::{self, Sidecar};
 use super::to_scene::nanometres;
 use super::{Links, Object, OpticalKind, OpticalProperty, Simulation, Version};
+use crate::formats::input;
 
 /// How bad a finding is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -740,6 +740,6 @@ impl<'a> Check<'a> {
 fn load(folder: &Folder, object: &Object) -> Result<Option<ObjFile>> {
     let found = folder.locate(&object.file, &object.at).map_err(|problem| Error::Invalid(vec![problem]))?;
     let Some(path) = found else { return Ok(None) };
-    let mut file = File::open(&path).map_err(|e| Error::io(&path, "reading", e))?;
+    let mut file = input::open(&path).map_err(|e| Error::io(&path, "reading", e))?;
     obj::parse(&mut file, &path, &mut |_| Ok(Vec::new())).map(Some)
 }

@@ -25,7 +25,6 @@ mod triangulate;
 mod write;
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
@@ -117,7 +116,7 @@ pub fn read_where(path: &Path, outside: bool) -> Result<ObjFile> {
     if let Some(other) = other_mesh(path) {
         return Err(other);
     }
-    let file = File::open(path).map_err(|e| Error::io(path, "reading", e))?;
+    let file = input::open(path).map_err(|e| Error::io(path, "reading", e))?;
     let mut source = input::Hashing::new(file);
     let mut libraries = Libraries { path, outside, inputs: Vec::new(), losses: Vec::new(), doubts: Vec::new() };
     let mut obj = parse(&mut source, path, &mut |name| libraries.load(name))?;

@@ -10,7 +10,7 @@ use crate::product::{Placement, RadianceMap, Sky};
 use crate::spectral::Band;
 
 /// Name of the array or columns.
-const RADIANCE: &str = "radiance_w_m2_sr_um";
+pub(super) const RADIANCE: &str = "radiance_w_m2_sr_um";
 /// No table is longer, bytes.
 const LIMIT: u64 = 16 << 30;
 
@@ -50,6 +50,28 @@ pub(super) fn open(path: &Path, weight: f64) -> Result<Option<(RadianceMap, Inpu
     Ok(Some((map, input)))
 }
 
+/// What a file lacks of a table of facets, if it is of a form that one has: which arrays or columns are there instead.
+pub(super) fn missing(path: &Path) -> Result<Option<Problem>> {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let (what, there) = match extension.as_str() {
+        "npz" => {
+            let named = |array: &npz::ArrayInfo| format!("{} {:?}", array.name, array.shape);
+            ("array", npz::list(path)?.1.iter().map(named).collect::<Vec<_>>())
+        }
+        "csv" => {
+            let (text, _) = input::text(path, LIMIT)?;
+            let header = text.lines().next().unwrap_or_default();
+            if !header.split(',').next().is_some_and(|name| name.trim().eq_ignore_ascii_case("facet")) {
+                return Ok(None);
+            }
+            ("column", header.split(',').map(|name| name.trim().to_owned()).collect())
+        }
+        _ => return Ok(None),
+    };
+    let there = if there.is_empty() { "nothing".to_owned() } else { there.join(", ") };
+    Ok(Some(Problem::new(Location::file(path), format!("has no {what} `{RADIANCE}`; it has {there}"))))
+}
+
 fn of_npz(path: &Path) -> Result<(FacetTexels, InputFile)> {
     let columns = npz::read_f64s(path, &[RADIANCE, "wavelength_um", "fwhm_um"])?;
     let [radiance, wavelength, fwhm] = &columns[..] else {
@@ -57,7 +79,9 @@ fn of_npz(path: &Path) -> Result<(FacetTexels, InputFile)> {
     };
     let at = |item: &str| Location::file(path).with_item(item);
     let (Some((shape, values)), Some((_, wavelength_um))) = (radiance, wavelength) else {
-        return Err(Error::invalid(at("wavelength_um"), "is missing: the wavelengths of the bands, um"));
+        let names: Vec<String> = npz::list(path)?.1.into_iter().map(|array| array.name).collect();
+        let message = format!("is missing: the wavelengths of the bands, um; it has {}", names.join(", "));
+        return Err(Error::invalid(at("wavelength_um"), message));
     };
     let bands = wavelength_um.len();
     if shape.len() != 2 || shape[1] != bands || bands == 0 {

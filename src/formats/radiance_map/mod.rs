@@ -30,7 +30,7 @@ use crate::scene::{FrameCamera, Scene};
 use crate::spectral::{Band, KnownLight, Light};
 
 use types::{DartMapToml, MapToml, NegativeToml, NumbersToml, PlacementToml, QuantityToml, RegistrationToml, SkyToml};
-use unit::Unit;
+pub(super) use unit::Unit;
 use values::{Conversion, RasterTexels, TiledTexels};
 
 /// A repeated image has no more texels: as f64 they take 2 GiB.
@@ -87,6 +87,14 @@ pub fn open(path: &Path, scene: &Scene, weight: f64, watch: Watch<'_>) -> Result
     }
     if path.is_dir() || path.extension().is_some_and(|e| e == "mpr" || e == "mp#") {
         return of_dart(path, scene, weight, &dart_output::MapOptions::default(), watch);
+    }
+    if let Some(problem) = facets::missing(path)? {
+        let help = format!(
+            "a table of facets has `{}` beside `wavelength_um`; for an image say in {} what it is: `quantity`, `unit` and `placement`",
+            facets::RADIANCE,
+            beside(path).display()
+        );
+        return Err(Error::Invalid(vec![problem.with_help(help)]));
     }
     // What is no raster either is told as that.
     let raster = raster::open(path)?;

@@ -1,7 +1,6 @@
 //! OpenEXR: every channel a band. A file keeps all channels of a few lines together, compressed as one: it is read once, on all
 //! threads, and all bands are held as they are stored.
 
-use std::fs::File;
 use std::io::BufReader;
 use std::ops::Range;
 use std::path::Path;
@@ -25,6 +24,7 @@ use crate::report::{Fate, Report};
 
 use super::layers::{self, Layer};
 use super::{PASS_BYTES, Raster, RasterBand, Reader, check_size, names};
+use crate::formats::input;
 
 /// All bands of a file are held up to this size, or as many as fit.
 const HELD_BYTES: usize = 8 << 30;
@@ -287,7 +287,7 @@ pub(super) fn read(
     bands: Range<usize>,
 ) -> Result<Numbers> {
     let failed = |e| exr_cube::failed(path, e);
-    let file = File::open(path).map_err(|e| Error::io(path, "reading", e))?;
+    let file = input::open(path).map_err(|e| Error::io(path, "reading", e))?;
     let reader = exr::block::read(BufReader::with_capacity(1 << 20, file), false).map_err(failed)?;
     let mut of_channel: Vec<Vec<Option<usize>>> =
         reader.headers().iter().map(|header| vec![None; header.channels.list.len()]).collect();

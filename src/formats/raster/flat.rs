@@ -7,6 +7,7 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 use crate::formats::envi::Interleave;
+use crate::formats::input;
 use crate::formats::number::DataType;
 
 /// Numbers are read, and written, in pieces of about as many bytes.
@@ -65,7 +66,7 @@ impl Flat {
     /// Reads some bands, [band, row, column].
     pub(super) fn read(&self, path: &Path, bands: Range<usize>, values: &mut [f64]) -> Result<()> {
         let reading = |e| Error::io(path, "reading", e);
-        let file = File::open(path).map_err(reading)?;
+        let file = input::open(path).map_err(reading)?;
         self.read_from(file, bands, values).map_err(reading)
     }
 

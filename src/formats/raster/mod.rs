@@ -17,7 +17,6 @@ mod place;
 mod text;
 mod write;
 
-use std::fs::File;
 use std::io::{Cursor, Read};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -32,8 +31,8 @@ pub(crate) use self::names::{bare_number, colour};
 pub(crate) use self::place::Georeference;
 pub(crate) use self::text::{is_grid, open as open_csv};
 pub use self::write::{Options, Target, write};
-use super::envi::Scale;
-use super::input::InputFile;
+use super::envi::{self, Scale};
+use super::input::{self, InputFile};
 pub use super::number::DataType;
 use super::quicklook;
 use super::{foreign, ilwis};
@@ -50,6 +49,9 @@ const MOST_PIXELS: u64 = 1 << 28;
 const MOST_BANDS: u64 = 1 << 16;
 /// As much of a file is looked at to tell what it is, bytes.
 const BEGINNING: u64 = 4096;
+
+/// What data files of ENVI are called, besides by their satellite's or nothing.
+const ENVI_ENDINGS: [&str; 7] = ["img", "dat", "bsq", "bil", "bip", "raw", "sli"];
 
 /// How JPEG files begin.
 pub(crate) const JPEG: &[u8] = &[0xff, 0xd8, 0xff];
@@ -151,7 +153,7 @@ struct Pass {
 pub fn open(path: &Path) -> Result<Raster> {
     let reading = |e| Error::io(path, "reading", e);
     let mut beginning = Vec::new();
-    File::open(path).and_then(|file| file.take(BEGINNING).read_to_end(&mut beginning)).map_err(reading)?;
+    input::open(path).and_then(|file| file.take(BEGINNING).read_to_end(&mut beginning)).map_err(reading)?;
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     if let Some(error) = foreign::refused(path, &beginning) {
         return Err(error);
@@ -162,6 +164,9 @@ pub fn open(path: &Path) -> Result<Raster> {
         _ if beginning.starts_with(JPEG) => jpeg::open(path),
         _ if beginning.starts_with(b"\x93NUMPY") => npy::open(path),
         _ if beginning.starts_with(b"PK\x03\x04") => npy::open_npz(path),
+        "npy" | "npz" | "exr" | "png" | "jpg" | "jpeg" if !foreign::is_begun(&beginning, &extension) => {
+            Err(foreign::not_what_it_is_called(path, &beginning))
+        }
         "npy" => npy::open(path),
         "npz" => npy::open_npz(path),
         "mpr" | "mp#" => headers::open_ilwis(path),
@@ -169,7 +174,15 @@ pub fn open(path: &Path) -> Result<Raster> {
         "png" => picture::open(path),
         "jpg" | "jpeg" => jpeg::open(path),
         "csv" => text::open(path),
-        _ => headers::open_envi(path),
+        _ => match envi::pair(path) {
+            Err(_)
+                if extension != "hdr"
+                    && (foreign::is_known(&beginning) || !ENVI_ENDINGS.contains(&extension.as_str())) =>
+            {
+                Err(foreign::not_what_it_is_called(path, &beginning))
+            }
+            _ => headers::open_envi(path),
+        },
     }
 }
 

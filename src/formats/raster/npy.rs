@@ -1,6 +1,5 @@
 //! NumPy: one array in `.npy`, or one among those of a `.npz`. [row, column] or [row, column, band].
 
-use std::fs::File;
 use std::io::{Cursor, Read};
 use std::path::Path;
 
@@ -11,6 +10,7 @@ use crate::report::Fate;
 
 use super::flat::{Flat, Order};
 use super::{Raster, RasterBand, Reader, check_length, check_size};
+use crate::formats::input;
 
 /// Preambles end before this, bytes.
 const PREAMBLE: u64 = 1 << 16;
@@ -19,7 +19,7 @@ const PREAMBLE: u64 = 1 << 16;
 pub(super) fn open(path: &Path) -> Result<Raster> {
     let reading = |e| Error::io(path, "reading", e);
     let mut beginning = Vec::new();
-    File::open(path).and_then(|file| file.take(PREAMBLE).read_to_end(&mut beginning)).map_err(reading)?;
+    input::open(path).and_then(|file| file.take(PREAMBLE).read_to_end(&mut beginning)).map_err(reading)?;
     let flat = flat(&beginning, 0, Location::file(path))?;
     let surplus = check_length(path, &flat, None, path)?;
     let mut raster = raster(path, flat);
@@ -101,11 +101,12 @@ pub(super) fn open_npz(path: &Path) -> Result<Raster> {
         (None, [one]) => one,
         (None, others) => {
             let names: Vec<&str> = others.iter().map(|m| m.name.as_str()).collect();
-            let problem = Problem::new(
-                Location::file(path),
-                format!("which of its arrays is the raster? [{}]", names.join(", ")),
-            )
-            .with_help("save one array, or name it: `np.savez(path, raster=a, wavelength_um=w)`");
+            let message = match names.is_empty() {
+                true => "has no array of values".to_owned(),
+                false => format!("which of its arrays is the raster? [{}]", names.join(", ")),
+            };
+            let problem = Problem::new(Location::file(path), message)
+                .with_help("save one array, or name it: `np.savez(path, raster=a, wavelength_um=w)`");
             return Err(Error::Invalid(vec![problem]));
         }
     };

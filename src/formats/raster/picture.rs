@@ -12,6 +12,7 @@ use crate::formats::number::DataType;
 use crate::report::Fate;
 
 use super::{Raster, RasterBand, Reader, check_size, resize};
+use crate::formats::input;
 
 /// Opens a picture.
 pub(super) fn open(path: &Path) -> Result<Raster> {
@@ -33,7 +34,7 @@ pub(super) fn open(path: &Path) -> Result<Raster> {
 }
 
 fn decoder(path: &Path) -> Result<png::Reader<BufReader<File>>> {
-    let file = File::open(path).map_err(|e| Error::io(path, "reading", e))?;
+    let file = input::open(path).map_err(|e| Error::io(path, "reading", e))?;
     let mut decoder = png::Decoder::new(BufReader::new(file));
     // Palettes become colours, and what is said to be transparent becomes alpha.
     decoder.set_transformations(Transformations::EXPAND);

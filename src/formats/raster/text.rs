@@ -1,11 +1,10 @@
 //! A band as text: a line for each row, numbers with commas, semicolons, tabs or blanks between them.
 
-use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 use crate::error::{Error, Location, Problem, Result};
-use crate::formats::input::Problems;
+use crate::formats::input::{self, Problems};
 use crate::formats::number::DataType;
 
 use super::{MOST_PIXELS, Raster, RasterBand, Reader, check_size};
@@ -46,7 +45,7 @@ pub(crate) fn is_grid(beginning: &[u8]) -> bool {
 /// Reads a text.
 pub(crate) fn open(path: &Path) -> Result<Raster> {
     let reading = |e| Error::io(path, "reading", e);
-    let file = File::open(path).map_err(reading)?;
+    let file = input::open(path).map_err(reading)?;
     if file.metadata().map_err(reading)?.len() > LIMIT {
         return Err(Error::invalid(Location::file(path), format!("is longer than the {LIMIT} bytes that are read")));
     }

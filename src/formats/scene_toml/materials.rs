@@ -21,7 +21,7 @@ const EXCESS: f64 = 2e-3;
 
 /// Bolometric emissivity of a surface that does not state one; Phobos and most powders lie between 0.9 and 1.
 pub(in crate::formats) const EMISSIVITY_BOLOMETRIC: f64 = 0.95;
-/// No surface radiates less: polished metals have 0.02.
+/// Hardly a surface radiates less: polished metals have 0.02.
 const LEAST_EMISSIVITY: f64 = 1e-3;
 /// Two colours are the same if no channel differs by more: one step of the 8 bits that most programs keep.
 const COLOUR_STEP: f64 = 1.0 / 255.0;
@@ -99,6 +99,9 @@ impl Reader<'_> {
         for (key, _) in keys.iter().filter(|(_, given)| *given) {
             self.problem(&member(&item, key), "a mixture has no parameters of its own: they are those of its parts");
         }
+        // From 0.0: the sum of nothing is -0.
+        let sum = mixture.values().fold(0.0, |sum, share| sum + share);
+        let is_percent = (sum - 100.0).abs() < 1e-6;
         let mut parts = Vec::new();
         for (part, share) in mixture {
             let at = member(&member(&item, "mixture"), part);
@@ -106,18 +109,22 @@ impl Reader<'_> {
                 Some(part) => parts.push(part),
                 None => self.helped(&at, format!("no material {part:?} in the dictionary"), help_for(part, names)),
             }
-            self.fraction(&at, *share);
+            if !(0.0..=1.0).contains(share) {
+                let problem = self.problem(&at, format!("{} is outside 0 to 1", number(*share)));
+                problem.help = is_percent.then(|| format!("if this is percent, write {}", number(share / 100.0)));
+            }
         }
-        // From 0.0: the sum of nothing is -0.
-        let sum = mixture.values().fold(0.0, |sum, share| sum + share);
         let off = (sum - 1.0).abs();
         if off > SHARE_TOLERANCE && off <= ROUNDED {
             let at = member(&item, "mixture");
             self.notes.push(format!("{at}: rounded shares, which add up to {sum}: they are divided by that"));
         } else if !(0.0..=SHARE_TOLERANCE).contains(&off) {
-            let is_percent = (sum - 100.0).abs() < 1e-6;
             let problem = self.problem(&member(&item, "mixture"), format!("shares add up to {sum}, not 1"));
-            problem.help = is_percent.then(|| "shares are fractions, not percent".into());
+            problem.help = match sum {
+                _ if is_percent => Some("shares are fractions, not percent".into()),
+                _ if sum > 0.0 => Some(format!("divide each by {}", number(sum))),
+                _ => None,
+            };
         }
         if entry.extend.is_some() && entry.emissivity.is_none() {
             self.problem(&member(&item, "extend"), "a mixture has no table of its own: set this for its parts");
@@ -281,7 +288,9 @@ impl Reader<'_> {
                 }
             }
             None => {
-                self.problem(item, "cannot be found from the reflectance, which E490 does not overlap: give it");
+                let doubt = self.doubt(&item.replace(".bond_albedo", ".reflectance"));
+                self.problem(item, "cannot be found from the reflectance, which E490 does not overlap: give it").help =
+                    doubt;
             }
         }
         value
@@ -289,13 +298,13 @@ impl Reader<'_> {
 
     fn emissivity_bolometric(&mut self, item: &str, given: Option<f64>, mixed: &[(f64, &Material)]) -> Option<f64> {
         match given {
-            Some(value) if (0.0..LEAST_EMISSIVITY).contains(&value) => {
-                let message = format!(
-                    "{}: next to nothing would cool the surface; give at least {LEAST_EMISSIVITY}",
-                    number(value)
-                );
-                self.problem(item, message);
+            Some(value) if value <= 0.0 => {
+                self.problem(item, format!("{}: nothing would cool the surface: give more than 0", number(value)));
                 None
+            }
+            Some(value) if (0.0..LEAST_EMISSIVITY).contains(&value) => {
+                self.note(item, format!("{}: next to nothing cools the surface", number(value)));
+                Some(value)
             }
             Some(value) => self.fraction(item, value),
             None if !mixed.is_empty() => {

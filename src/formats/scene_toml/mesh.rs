@@ -26,12 +26,25 @@ impl Reader<'_> {
     /// All meshes in one, local to the origin, with the dictionary's materials.
     pub(super) fn meshes(&mut self, meshes: &[MeshToml], dictionary: &mut Dictionary) -> Option<Mesh> {
         let mut all = Some(Mesh::default());
+        // Where each begins among the vertices of all.
+        let mut begins = Vec::new();
         for (i, toml) in meshes.iter().enumerate() {
             if self.interrupted {
                 return None;
             }
             let item = format!("mesh[{i}]");
-            match (self.mesh(&item, toml, dictionary), &mut all) {
+            let mesh = self.mesh(&item, toml, dictionary);
+            if let (Some(mesh), Some(all)) = (&mesh, &all) {
+                let is_here = |begin: &usize| all.vertices_m[*begin..].starts_with(&mesh.vertices_m);
+                if let Some(other) = begins.iter().position(is_here) {
+                    self.note(
+                        &item,
+                        format!("has the vertices of mesh[{other}], at the same places: is it given twice?"),
+                    );
+                }
+                begins.push(all.vertices_m.len());
+            }
+            match (mesh, &mut all) {
                 (Some(mesh), Some(all)) if all.facets.is_empty() => *all = mesh,
                 (Some(mesh), Some(all)) => all.append(mesh),
                 (None, _) => all = None,
@@ -206,9 +219,14 @@ impl Reader<'_> {
     pub(super) fn body_from_site(&mut self, item: &str, what: &str) -> Option<DMat3> {
         let axes = body_from_site(self.origin_m);
         if axes.is_none() {
-            let message =
-                format!("{what} needs an origin that is away from the body's centre: there the zenith is no direction");
-            self.helped(item, message, "give `origin_m`, or rotations and directions in the body's axes");
+            let message = format!(
+                "{what} needs an origin that is away from the body's centre, at which `origin_m` is: there the zenith is no direction"
+            );
+            self.helped(
+                item,
+                message,
+                "move `origin_m` to the site, or give rotations and directions in the body's axes",
+            );
         } else if self.origin_m.x == 0.0 && self.origin_m.y == 0.0 {
             let note = format!(
                 "{item}: the origin is at a pole: east is taken as on the meridian of longitude 0, +y of the body"

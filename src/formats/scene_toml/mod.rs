@@ -29,7 +29,7 @@ use super::InputFile;
 use super::input;
 use super::located::{self, Document};
 use super::spectra;
-use super::spectrum_csv::Quantity;
+use super::spectrum_csv::{NOISE, Quantity};
 pub(super) use atlas::Tiling;
 pub(super) use lens::Lens;
 pub(super) use materials::EMISSIVITY_BOLOMETRIC;
@@ -342,6 +342,11 @@ impl Reader<'_> {
     fn fraction(&mut self, item: &str, value: f64) -> Option<f64> {
         match value {
             0.0..=1.0 => return Some(value),
+            _ if (-NOISE..=1.0 + NOISE).contains(&value) => {
+                let taken = value.clamp(0.0, 1.0);
+                self.note(item, format!("{} is outside 0 to 1: taken as {taken}", number(value)));
+                return Some(taken);
+            }
             1.0..=100.0 => {
                 let help = format!("if this is percent, write {}", value / 100.0);
                 self.helped(item, format!("{} is outside 0 to 1", number(value)), help);
@@ -438,7 +443,12 @@ impl Reader<'_> {
             };
             // Nothing is inside the Sun, nor as far as nothing of a scene may be.
             if !(SUN_RADIUS_M..=FARTHEST_M).contains(&(au * AU_M)) {
-                self.helped(item, message, help);
+                let why = match au {
+                    ..=0.0 => "distances are positive",
+                    _ if au * AU_M < SUN_RADIUS_M => "that is inside the Sun",
+                    _ => "that is more than 1e18 m",
+                };
+                self.helped(item, format!("{message}: {why}"), help);
                 return None;
             }
             if !(0.1..=1e5).contains(&au) {
@@ -502,8 +512,9 @@ impl Reader<'_> {
         };
         let message = format!("{wanted} W m-2 is not the Sun at 1 au, where it is {TSI_1AU_W_M2}");
         let help = "the distance is taken into account afterwards";
-        if !(wanted > 0.0 && (wanted / total).is_finite()) {
-            self.helped("sun.total_irradiance_w_m2", message, help);
+        if !(wanted >= 0.0 && (wanted / total).is_finite()) {
+            let why = if wanted < 0.0 { "it is negative" } else { "the spectrum cannot be scaled to it" };
+            self.helped("sun.total_irradiance_w_m2", format!("{message}: {why}"), help);
             return None;
         }
         if !(1000.0..=2000.0).contains(&wanted) {
@@ -587,6 +598,12 @@ impl Reader<'_> {
         }
     }
 
+    /// What was doubtful of the unit of an item's table.
+    pub(super) fn doubt(&self, item: &str) -> Option<String> {
+        let doubt = |note: &String| Some(note.strip_prefix(item)?.strip_prefix(": ")?.to_owned());
+        self.notes.iter().filter_map(doubt).find(|doubt| doubt.contains("look like"))
+    }
+
     /// An item of the scene as the text names it: the scene quotes all names of materials, a text only those that need it.
     fn item_of(&self, at: &Location) -> String {
         let item = at.item.clone().unwrap_or_default();
@@ -603,7 +620,9 @@ impl Reader<'_> {
         let placed = problems.into_iter().map(|problem| {
             let item = self.item_of(&problem.at);
             let derived = item.starts_with("materials.") && !self.document.has(&item);
-            (derived, Problem { at: self.document.at(&item), ..problem })
+            // A table that does not reach the bands may be in another unit.
+            let help = problem.help.clone().or_else(|| self.doubt(&item));
+            (derived, Problem { at: self.document.at(&item), help, ..problem })
         });
         // What follows from a material's reflectance (its emissivity, mixtures of it) need not be told beside it.
         let (derived, own): (Vec<_>, Vec<_>) = placed.partition(|(derived, _)| *derived);

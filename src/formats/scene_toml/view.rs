@@ -11,10 +11,10 @@ use crate::spectral::{Band, Response, Spectrum};
 use super::Reader;
 use super::attitude::no_rotation;
 use super::lens::Lens;
-use super::mesh::{ROUNDED, UNIT_TOLERANCE};
+use super::mesh::ROUNDED;
 use super::types::{
-    BandsToml, Coordinates, Frame, Fwhm, LightsToml, ObserverToml, Preset, ResponseToml, SensorToml, ShapeToml,
-    ShapesToml,
+    BandsToml, Coordinates, Frame, Fwhm, LightToml, LightsToml, ObserverToml, Preset, ResponseToml, SensorToml,
+    ShapeToml, ShapesToml,
 };
 
 /// A camera that has no name.
@@ -23,6 +23,10 @@ pub(in crate::formats) const SENSOR_NAME: &str = "frame camera";
 const LONGEST_UM: f64 = 1000.0;
 /// Few instruments look beyond this, um.
 pub(in crate::formats) const USUAL_UM: f64 = 100.0;
+/// Directions that are closer than this, rad, may be the same but for rounding.
+const ALONG: f64 = 16.0 * f64::EPSILON;
+/// Rounding of an up that is closer to the line of sight, rad, may turn the image by as much as is worth telling.
+const SLANT: f64 = 1e-6;
 /// As many bad centres are told one by one.
 const TOLD: usize = 20;
 
@@ -174,8 +178,16 @@ impl Reader<'_> {
     /// The sensor's axes as columns, with the boresight `u` and `up`, of any length, towards the top of the image; `help` where there is none.
     pub(super) fn upright(&mut self, item: &str, u: Direction, up: DVec3, help: &str) -> Option<DMat3> {
         // The right of the image is normal to the boresight and to up. Up along the boresight leaves only rounding.
-        let h = Direction::new(up).map(|up| u.vec().cross(up.vec()));
-        let Some(h) = h.filter(|h| h.length() > UNIT_TOLERANCE).and_then(Direction::new) else {
+        let across = Direction::new(up).map(|up| u.vec().cross(up.vec()));
+        let off = across.map_or(0.0, DVec3::length);
+        if off > ALONG && off < SLANT {
+            let known = ALONG / off;
+            self.note(
+                item,
+                format!("is {off:.1e} rad off the line of sight: which way is up is known to {known:.1e} rad"),
+            );
+        }
+        let Some(h) = across.filter(|_| off > ALONG).and_then(Direction::new) else {
             self.helped(item, "has no length across the line of sight: the image has no top", help);
             return None;
         };
@@ -255,6 +267,18 @@ impl Reader<'_> {
         let mut bands = self.centres(item, toml)?;
         let is_good = self.check_centres(item, toml, &bands);
         self.widths(item, toml, &mut bands)?;
+        let is_narrow = |w: f64, band: &Band| w > 0.0 && w < f64::EPSILON.sqrt() * band.centre_um;
+        let narrow: Vec<usize> =
+            (0..bands.len()).filter(|&i| bands[i].fwhm_um.is_some_and(|w| is_narrow(w, &bands[i]))).collect();
+        if let Some(&first) = narrow.first() {
+            let message = format!(
+                "{} bands are narrower than the digits of wavelengths, as that at {} um: taken as monochromatic",
+                narrow.len(),
+                number(bands[first].centre_um)
+            );
+            self.note(&format!("{item}.fwhm_um"), message);
+            narrow.into_iter().for_each(|i| bands[i].fwhm_um = None);
+        }
         let odd = bands.iter().find(|b| b.fwhm_um.is_some_and(|w| !(w > 0.0 && w <= 2.0 * b.centre_um)));
         if let Some(Band { centre_um, fwhm_um: Some(fwhm_um), .. }) = odd.filter(|_| is_good) {
             let message = format!("a width of {} um for a band at {centre_um} um", number(*fwhm_um));
@@ -353,8 +377,11 @@ impl Reader<'_> {
     fn centres(&mut self, item: &str, toml: &BandsToml) -> Option<Vec<Band>> {
         match (toml.start_um, toml.stop_um, toml.count, &toml.centres_um) {
             (Some(start), Some(stop), Some(count), None) => {
-                if !(start < stop || (start == stop && count == 1)) {
-                    self.problem(&format!("{item}.stop_um"), format!("{stop} is not beyond start_um = {start}"));
+                if start == stop && count > 1 {
+                    self.problem(
+                        &format!("{item}.count"),
+                        format!("{count} bands cannot lie between {start} and {stop} um"),
+                    );
                     return None;
                 }
                 if count == 1 && start != stop {
@@ -376,15 +403,21 @@ impl Reader<'_> {
 
     /// Whether all centres are wavelengths of light in um.
     fn check_centres(&mut self, item: &str, toml: &BandsToml, bands: &[Band]) -> bool {
-        if let Some(band) = bands.iter().find(|band| (USUAL_UM..=LONGEST_UM).contains(&band.centre_um)) {
+        if let Some(band) = bands.iter().find(|band| band.centre_um >= USUAL_UM && band.centre_um.is_finite()) {
             let um = number(band.centre_um);
             let nm = number(band.centre_um / 1000.0);
             self.notes.push(format!("{item}: a band at {um} um; if this is nanometres, write {nm}"));
         }
+        let is_lit = |i: usize| match &toml.light {
+            None => true,
+            Some(LightsToml::All(light)) => *light != LightToml::Heat,
+            Some(LightsToml::Each(lights)) => lights.get(i) != Some(&LightToml::Heat),
+        };
         // Where one is, the others are in the same unit.
-        let longest_um = if bands.iter().any(|b| b.centre_um > LONGEST_UM) { USUAL_UM } else { LONGEST_UM };
-        let is_wrong = |band: &Band| !(band.centre_um > 0.0 && band.centre_um <= longest_um);
-        let wrong: Vec<usize> = (0..bands.len()).filter(|&i| is_wrong(&bands[i])).collect();
+        let is_beyond = |i: usize| is_lit(i) && bands[i].centre_um > LONGEST_UM;
+        let longest_um = if (0..bands.len()).any(is_beyond) { USUAL_UM } else { LONGEST_UM };
+        let is_wrong = |&i: &usize| !(bands[i].centre_um > 0.0 && (bands[i].centre_um <= longest_um || !is_lit(i)));
+        let wrong: Vec<usize> = (0..bands.len()).filter(is_wrong).collect();
         // Of evenly spaced bands the ends say it all.
         let told = wrong.iter().filter(|&&i| toml.centres_um.is_some() || i == 0 || i + 1 == bands.len());
         for &i in told.take(TOLD) {
@@ -394,7 +427,8 @@ impl Reader<'_> {
                 None => format!("{item}.stop_um"),
             };
             let um = bands[i].centre_um;
-            let problem = self.problem(&place, format!("{} um is outside 0 to {longest_um} um", number(um)));
+            let of = if um > longest_um { ", for a band with sunlight" } else { "" };
+            let problem = self.problem(&place, format!("{} um is outside 0 to {longest_um} um{of}", number(um)));
             if um > longest_um {
                 problem.help = Some(format!("if this is nanometres, write {}", number(um / 1000.0)));
             }
@@ -404,7 +438,7 @@ impl Reader<'_> {
 
     fn widths(&mut self, item: &str, toml: &BandsToml, bands: &mut [Band]) -> Option<()> {
         match &toml.fwhm_um {
-            Some(Fwhm::All(fwhm)) => bands.iter_mut().for_each(|band| band.fwhm_um = Some(*fwhm)),
+            Some(Fwhm::All(fwhm)) => bands.iter_mut().for_each(|band| band.fwhm_um = Some(*fwhm).filter(|w| *w != 0.0)),
             Some(Fwhm::Each(fwhm)) if fwhm.len() == bands.len() => {
                 bands.iter_mut().zip(fwhm).for_each(|(band, fwhm)| band.fwhm_um = Some(*fwhm).filter(|w| *w != 0.0));
             }

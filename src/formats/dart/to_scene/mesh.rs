@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::rc::Rc;
 
 use crate::error::{Error, Location, Result};
-use crate::formats::input::Hashing;
+use crate::formats::input::{self, Hashing};
 use crate::formats::obj::{self, ObjFile};
 use crate::formats::surface::MOST;
 use crate::geometry::{MaterialId, Mesh};
@@ -28,7 +28,7 @@ impl Reader<'_> {
             Error::invalid(object.at.clone(), format!("the file {:?} of {:?} is not there", object.file, object.name))
         })?;
         // DART knows groups, not materials, and reads no material file.
-        let file = std::fs::File::open(&path).map_err(|e| Error::io(&path, "reading", e))?;
+        let file = input::open(&path).map_err(|e| Error::io(&path, "reading", e))?;
         let mut source = Hashing::new(file);
         let read = Rc::new(obj::parse(&mut source, &path, &mut |_| Ok(Vec::new()))?);
         self.inputs.push(source.finish(&path));
