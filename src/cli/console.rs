@@ -74,7 +74,7 @@ impl Console {
     }
 
     /// From here on Ctrl-C makes the next progress call stop the work, so that what is half written is removed. Work that does not
-    /// call for long ends where it is, as if it were killed: what it leaves stands under a hidden name.
+    /// call for long ends where it is.
     pub(crate) fn catch_interrupt(&self) -> std::result::Result<(), ctrlc::Error> {
         let (interrupted, heard, json) = (Arc::clone(&self.interrupted), Arc::clone(&self.heard), self.json);
         ctrlc::set_handler(move || {

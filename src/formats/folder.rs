@@ -4,13 +4,35 @@ use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::error::{Error, Location, Problem, Result};
 
 use super::machine;
 use super::staging::{self, Staging};
 
-pub use super::staging::{abandon, settle};
+pub use super::staging::settle;
+
+/// What is under way: the hidden folder of each output, and the folders that were made above it.
+static UNDER_WAY: Mutex<Vec<(PathBuf, Vec<PathBuf>)>> = Mutex::new(Vec::new());
+
+fn under_way() -> MutexGuard<'static, Vec<(PathBuf, Vec<PathBuf>)>> {
+    // A list of paths is whole whenever the lock is free.
+    UNDER_WAY.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// For a process that is about to end, whatever its threads do: no output takes its place any more, and what is half written is removed.
+/// `false` if one has begun to take its place, or has.
+pub fn abandon() -> bool {
+    let is_abandoned = staging::abandon();
+    if is_abandoned {
+        for (hidden, made) in under_way().drain(..) {
+            staging::remove(&hidden);
+            made.iter().rev().for_each(|folder| _ = fs::remove_dir(folder));
+        }
+    }
+    is_abandoned
+}
 
 /// A file, with those that go with it, or a folder, that is written in a hidden folder beside its final place, and moved there when
 /// complete.
@@ -152,6 +174,7 @@ impl Staged {
             Staged { target: target.to_owned(), path: PathBuf::new(), staging: None, replace, kept: Vec::new(), made };
         let staging = Staging::new(parent, name)?;
         staged.path = staging.main();
+        under_way().push((staging.folder().to_owned(), staged.made.clone()));
         staged.staging = Some(staging);
         // Another process may have been quicker.
         resolved(target, replace)?;
@@ -250,6 +273,7 @@ impl Staged {
 
 impl Drop for Staged {
     fn drop(&mut self) {
+        under_way().retain(|(hidden, _)| self.path.parent() != Some(hidden));
         self.staging = None;
         // Nothing more can be done about what fails here: the error that led here is the one to tell.
         for folder in self.made.iter().rev() {

@@ -153,7 +153,7 @@ pub(super) fn not_what_it_is_called(path: &Path, beginning: &[u8]) -> Error {
 /// Bytes that are no text, in words.
 pub(super) fn not_text(beginning: &[u8]) -> String {
     match known(beginning) {
-        Some("text in UTF-16") => "not UTF-8 text but UTF-16: save the file as UTF-8".into(),
+        Some("text in UTF-16") => "damaged text in UTF-16: save the file as UTF-8".into(),
         Some(name) => format!("is {name}, where text is wanted"),
         None if beginning.contains(&0) => "is no text, which is wanted here".into(),
         None => "not UTF-8 text: save the file as UTF-8".into(),

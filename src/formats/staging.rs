@@ -46,7 +46,7 @@ fn move_places(to: u8) -> bool {
 }
 
 /// For a process that is about to end: no output takes its place any more. `false` if one has begun to, or has.
-pub fn abandon() -> bool {
+pub(super) fn abandon() -> bool {
     move_places(ABANDONED)
 }
 
@@ -101,7 +101,7 @@ impl Staging {
             };
             let staging = Staging { parent: parent.to_owned(), name: name.to_owned(), folder, lock };
             staging.finish()?;
-            staging.empty();
+            empty(&staging.folder);
             for part in [MAIN, BESIDE, OLD] {
                 if let Err(e) = fs::create_dir(staging.folder.join(part)) {
                     return making(&target, e);
@@ -114,6 +114,11 @@ impl Staging {
             Some(e) => making(&target, e),
             None => Err(busy(&target, &folder)),
         }
+    }
+
+    /// The hidden folder.
+    pub(super) fn folder(&self) -> &Path {
+        &self.folder
     }
 
     /// Where the main output is written.
@@ -264,14 +269,22 @@ impl Staging {
                 && (old.symlink_metadata().is_err() || rename_new(&old, &target).is_ok())
         })
     }
+}
 
-    /// Removes all but the lock.
-    fn empty(&self) {
-        for part in [MAIN, BESIDE, OLD] {
-            let _ = fs::remove_dir_all(self.folder.join(part));
-        }
-        let _ = fs::remove_file(self.folder.join("commit.new"));
+/// Removes all of a hidden folder but the lock.
+fn empty(folder: &Path) {
+    for part in [MAIN, BESIDE, OLD] {
+        let _ = fs::remove_dir_all(folder.join(part));
     }
+    let _ = fs::remove_file(folder.join("commit.new"));
+}
+
+/// Removes a hidden folder that this process holds.
+pub(super) fn remove(folder: &Path) {
+    empty(folder);
+    // The lock goes last: from here on another process may have the folder, and nothing in it is touched any more.
+    let _ = fs::remove_file(folder.join(LOCK));
+    let _ = fs::remove_dir(folder);
 }
 
 impl Drop for Staging {
@@ -280,10 +293,7 @@ impl Drop for Staging {
         if self.has_begun() {
             return;
         }
-        self.empty();
-        // The lock goes last: from here on another process may have the folder, and nothing in it is touched any more.
-        let _ = fs::remove_file(self.folder.join(LOCK));
-        let _ = fs::remove_dir(&self.folder);
+        remove(&self.folder);
         drop(self.lock.take());
     }
 }
