@@ -55,7 +55,7 @@ impl Facet {
 
     /// Where a ray from `from_m`, which meets the facet, meets its plane, in lengths of `ray`.
     ///
-    /// Within [`EDGE_ON`] of the plane rounding would decide; there it is at least no nearer or farther than the corners.
+    /// Within `EDGE_ON` of the plane rounding would decide; there it is at least no nearer or farther than the corners.
     pub fn met_by(&self, from_m: DVec3, ray: DVec3) -> f64 {
         let normal = self.cross_m2();
         let along = normal.dot(ray);

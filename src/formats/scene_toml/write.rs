@@ -73,7 +73,7 @@ pub enum Axes {
 /// Gives the files, which are to be [committed](Staged::commit), and what is not said in them as the scene has it.
 ///
 /// # Errors
-/// [`Error::Invalid`] if one of the files exists and `replace` is false; [`Error::Io`].
+/// [`Error::Invalid`](crate::Error::Invalid) if one of the files exists and `replace` is false; [`Error::Io`](crate::Error::Io).
 pub fn write(scene: &Scene, path: &Path, replace: bool) -> Result<(Staged, Report)> {
     write_with(scene, path, &WriteOptions { replace, ..WriteOptions::default() })
 }
