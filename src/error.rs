@@ -173,13 +173,15 @@ impl Location {
 
     /// A byte range of a file whose text is at hand.
     pub fn span(path: impl AsRef<Path>, text: &str, start: usize, end: usize) -> Self {
-        let start = start.min(text.len());
-        let before = text.get(..start).unwrap_or("");
+        // Readers of others may count into the middle of a letter.
+        let [start, end] =
+            [start, end].map(|at| (0..=at.min(text.len())).rev().find(|at| text.is_char_boundary(*at)).unwrap_or(0));
+        let before = &text[..start];
         let line_start = before.rfind('\n').map_or(0, |i| i + 1);
         Location {
             line: Some(before.matches('\n').count() + 1),
             column: Some(before[line_start..].chars().count() + 1),
-            span: Some((start, end.clamp(start, text.len()))),
+            span: Some((start, end.max(start))),
             ..Location::file(path)
         }
     }
@@ -228,6 +230,16 @@ mod tests {
         assert_eq!(at.to_string(), "scene.toml:2:10 b[1]");
         assert_eq!(Location::item("sun").to_string(), "sun");
         assert_eq!(Location::default().to_string(), "");
+    }
+
+    #[test]
+    fn a_place_within_a_letter_is_where_that_begins() {
+        let text = "\u{3bc}m\n\u{467}\u{3bc}x";
+        for (start, end, column, span) in [(5, 7, 1, (4, 6)), (7, 7, 2, (6, 6)), (8, 99, 3, (8, 9)), (7, 1, 2, (6, 6))]
+        {
+            let at = Location::span("a.xml", text, start, end);
+            assert_eq!((at.line, at.column, at.span), (Some(2), Some(column), Some(span)));
+        }
     }
 
     #[test]

@@ -5,7 +5,7 @@
 //! relative or absolute, in any unit: only their shape counts. An empty cell is no point of its column; beyond a column's points the
 //! response is 0.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -198,10 +198,16 @@ pub fn write(out: &mut impl Write, responses: &[(&str, &Spectrum)]) -> io::Resul
     let is_plain = |name: &str| {
         !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || "_-. ".contains(c)) && name.trim() == name
     };
-    let is_one = |name: &str| responses.iter().filter(|r| r.0.eq_ignore_ascii_case(name)).count() == 1;
+    let mut times: BTreeMap<String, usize> = BTreeMap::new();
+    responses.iter().for_each(|r| *times.entry(r.0.to_ascii_lowercase()).or_default() += 1);
+    // In whatever capitals it is written: names are read as if in one.
+    let is_own = |name: &str| {
+        let name = name.to_ascii_lowercase();
+        times.get(&name) == Some(&1) && !name.starts_with("band_")
+    };
     write!(out, "wavelength_um")?;
     for (i, (name, _)) in responses.iter().enumerate() {
-        match is_plain(name) && is_one(name) && !name.starts_with("band_") {
+        match is_plain(name) && is_own(name) {
             true => write!(out, ",{name}")?,
             false => write!(out, ",band_{}", i + 1)?,
         }
@@ -251,6 +257,19 @@ mod tests {
             let text = format!("\u{feff}{header},r\n0.5,0\n0.6,1\n0.7,0\n");
             assert_eq!(read(&text).unwrap().columns[0].1.wavelength_um(), [0.5, 0.6, 0.7], "{header}");
         }
+    }
+
+    #[test]
+    fn what_is_written_is_read_back_whatever_it_is_called() {
+        let text = "wavelength_um;Band_2;F (1);f,2;G;g.\n1;1;2;3;4;5\n2;1;2;3;4;5\n";
+        let responses = read(text).unwrap().columns;
+        let named: Vec<(&str, &Spectrum)> = responses.iter().map(|(name, table)| (name.as_str(), table)).collect();
+        let mut written = Vec::new();
+        write(&mut written, &named).unwrap();
+        let back = read(std::str::from_utf8(&written).unwrap()).unwrap().columns;
+        assert!(back.iter().map(|c| &c.1).eq(responses.iter().map(|c| &c.1)));
+        let names: Vec<&str> = back.iter().map(|c| c.0.as_str()).collect();
+        assert_eq!(names, ["band_1", "band_2", "band_3", "G", "g."]);
     }
 
     #[test]

@@ -496,7 +496,9 @@ pub(super) fn stage(path: &Path, spectra: &[SpectralLibrary], replace: bool) -> 
         }
     };
     let names: Vec<&str> = columns.iter().map(|c| c.0.as_str()).collect();
-    if let Some(name) = names.iter().find(|name| !is_plain(name) || in_percent(name).1) {
+    // What parts the columns of a table is looked for in its header.
+    let is_written = |name: &str| is_plain(name) && !in_percent(name).1 && !name.contains([';', '\t']);
+    if let Some(name) = names.iter().find(|name| !is_written(name)) {
         return Err(Error::invalid(Location::file(path), format!("{name:?} cannot be the name of a column")));
     }
     let one = of_one_material(names.iter().copied());

@@ -311,6 +311,11 @@ fn what_a_format_cannot_hold_is_told() {
         told("a.csv", Format::Csv, &[library("x", &[1.0], &[("reflectance_percent", &[0.1])])])
             .contains("name of a column")
     );
+    // A header with one of these is parted there, whatever else parts it.
+    for name in ["sand; wet", "sand\twet"] {
+        let wet = library(name, &[1.0, 2.0], &[("reflectance", &[0.1, 0.2])]);
+        assert!(told("a.csv", Format::Csv, &[a.clone(), wet]).contains("cannot be the name of a column"), "{name}");
+    }
     assert!(
         told("a.sli", Format::Sli, &[library("x", &[1.0], &[("reflectance", &[f64::NAN])])]).contains("not all values")
     );
