@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Makes the corpora that fuzzing starts from: seeds.py MMXRT, where MMXRT is the program to convert with."""
 
+import io
 import pathlib
 import random
 import shutil
@@ -9,6 +10,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import zipfile
 
 FUZZ = pathlib.Path(__file__).resolve().parent
 DATA = FUZZ.parent / "tests" / "data"
@@ -126,6 +128,18 @@ def gltf(convert, scene):
         b'"byteOffset":36,"byteLength":6}],"buffers":[{"uri":"fuzz.bin","byteLength":44}]}',
     }.items():
         add("gltf", name, text + b"\0" + triangle)
+    for path in (DATA / "gltf").glob("*.gltf"):
+        beside = path.with_suffix(".bin")
+        text, buffer = path.read_bytes(), beside.read_bytes() if beside.exists() else b""
+        add("gltf", path.name, text.replace(beside.name.encode(), b"fuzz.bin") + b"\0" + buffer)
+    quantised = struct.pack("<12h", 0, 0, 0, 0, 100, 0, 0, 0, 0, 100, 0, 0) + struct.pack("<6f", 0, 0, 0, 1, 2, 3)
+    add("gltf", "instances", b'{"asset":{"version":"2.0"},"extensionsUsed":["KHR_mesh_quantization","EXT_mesh_gpu_instancing"],"extensionsRequired":'
+        b'["KHR_mesh_quantization"],"nodes":[{"mesh":0,"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":1}}}}],"meshes":'
+        b'[{"primitives":[{"attributes":{"POSITION":0}}]}],"accessors":[{"bufferView":0,"componentType":5122,"normalized":true,"count":3,'
+        b'"type":"VEC3"},{"bufferView":1,"componentType":5126,"count":2,"type":"VEC3"}],"bufferViews":[{"buffer":0,"byteLength":24,'
+        b'"byteStride":8},{"buffer":0,"byteOffset":24,"byteLength":24}],"buffers":[{"byteLength":48}]}\0' + quantised)
+    add("gltf", "lights", b'{"asset":{"version":"2.0"},"extensions":{"KHR_lights_punctual":{"lights":[{"type":"directional","intensity":3}]}},'
+        b'"nodes":[{"extensions":{"KHR_lights_punctual":{"light":0},"KHR_node_visibility":{"visible":false}}}]}')
     add("gltf", "data", b'{"asset":{"version":"2.0"},"buffers":[{"uri":"data:application/octet-stream;base64,AAAA","byteLength":3}]}')
 
 
@@ -172,20 +186,23 @@ def obj():
     for path in DATA.glob("dart/**/*.obj"):
         add("obj", path.name, path.read_bytes())
     add("obj", "forms", b"v 0 0 0 1.0\r\nv 1 0 0 # c\nv 1e0 \\\n1 0\nvt 0 0\ng x\nf 1/1/1 2//1 -1\ng x y\nusemtl a\nf 1 2 3\ncurv 1\n")
+    add("obj", "encodings", "\ufeffmtllib a b.mtl \"c d.mtl\"\no \u00e9\nv 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0 0.5\nvn 0 0 1\nvn 0 1 0\nusemtl \u00e9\n"
+        "f 1//1 2//2 3//1\no b\nf 1 2 3\nf 1/".encode() + "\nusemtl \u00e9\nf 1 2 3".encode("latin-1"))
     corners = b"".join(b"v %d %d 0\n" % xy for xy in [(0, 0), (4, 0), (4, 4), (2, 1), (0, 4), (1, 2), (-3, 7)])
     add("obj", "concave", corners + b"f 1 2 3 4 5\nf 1 2 4 3\nf 7 6 5 4 3 2 1\n")
 
 
 def scene():
     found = files(FUZZ / "scene")
+    which = [path.name for path in found].index("scene.toml")
     for i, path in enumerate(found):
         add("scene", path.name, pieces([(i, path.read_bytes())]))
     add("scene", "all", pieces([(i, path.read_bytes()) for i, path in enumerate(found)]))
     for path in FUZZ.parent.glob("scenes/*/scene.toml"):
-        add("scene", path.parent.name, pieces([(4, path.read_bytes())]))
+        add("scene", path.parent.name, pieces([(which, path.read_bytes())]))
     good = (FUZZ / "scene" / "scene.toml").read_text()
     recipe = "version = 1\nseed = 1\nfacets = 1000\nsize_m = 100\n"
-    add("scene", "recipe", pieces([(4, recipe.encode())]))
+    add("scene", "recipe", pieces([(which, recipe.encode())]))
     for i, (old, new) in enumerate([
         ("start_um = 1.0\nstop_um = 2.0\ncount = 3", "centres_um = [1.0, 1.5]\nfwhm_um = [0.1, 0.2]"),
         ("fov_deg = 1.0", 'fit = "scene"'),
@@ -193,10 +210,24 @@ def scene():
         ("target_m = [0, 0, 10000]\nup = [0, 1, 0]", "world_from_sensor_xyzw = [1, 0, 0, 0]"),
         ("direction = [0, 0, 1]\ndistance_au = 1.5", 'position_m = [0, 0, 2.2e11]\nspectrum = "sun.csv"\ntotal_irradiance_w_m2 = 1361'),
         ('hapke = "hapke.csv"', 'rpv = "hapke.csv", extend = "hold", bond_albedo = 0.1'),
+        ("start_um = 1.0\nstop_um = 2.0\ncount = 3", 'response = "filter.csv"\ncolumns = ["wide"]\nlight = ["sunlight"]'),
+        ("start_um = 1.0\nstop_um = 2.0\ncount = 3", 'centres_um = [1, 1.2]\nfwhm_um = 0.1\nshape = ["box", "table"]\nresponse = ["filter.csv"]'),
+        ('{ reflectance = "flat.csv" }', '{ reflectance = "flat.csv", texture = { raster = "grain.csv", quantity = "factor", texels = "bilinear", '
+         'placement = "plane", plane = { corner_m = [-1, 1, 0], along_line_m = [1, 0, 0], line_to_line_m = [0, -1, 0] } } }'),
+        ('{ reflectance = "flat.csv" }', '{ reflectance = "flat.csv", texture = { raster = "grain.csv", quantity = "factor", placement = "atlas", wrap = "repeat" } }'),
+        ('target_m = [0, 0, 10000]\nup = [0, 1, 0]', 'target_m = [1, 2, 3]\nup = [0, 1, 0]\nframe = "site"'),
+        ("[observer]\nposition_m = [0, 0, 20000]\ntarget_m = [0, 0, 10000]\nup = [0, 1, 0]", "[geometry]\nemission_deg = 20\nrange_m = 7000\n"
+         'observer_azimuth_deg = 270\nframe = "site"\nnormal = [0, 0, 1]\nup = "zenith"'),
+        ("direction = [0, 0, 1]\ndistance_au = 1.5", "distance_au = 1.5\n[geometry]\nincidence_deg = 60\nsun_azimuth_deg = 90"),
+        ("direction = [0, 0, 1]", 'direction = [0, 0, 1]\nframe = "site"'),
+        ("position_m = [0, 0, 20000]\ntarget_m = [0, 0, 10000]\nup = [0, 1, 0]", "camera_to_world = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 9], [0, 0, 0, 1]]\n"
+         'convention = "blender"\ncoordinates = "local"'),
+        ("fov_deg = 1.0", "focal_mm = 50\nsensor_mm = 36\nshift = [0.1, 0]\nsensor_fit = \"auto\""),
+        ("fov_deg = 1.0", "focal_px = [800, 810]\nboresight_px = [3, 2]\nwindow = { samples = 16, lines = 9, sample = 1, line = 2 }"),
         ("samples = 8\nlines = 4\nfov_deg = 1.0\n[sensor.bands]\nstart_um = 1.0\nstop_um = 2.0\ncount = 3", 'preset = "mirs"'),
     ]):
         assert old in good, old
-        add("scene", f"other_{i}", pieces([(4, good.replace(old, new).encode())]))
+        add("scene", f"other_{i}", pieces([(which, good.replace(old, new).encode())]))
 
 
 def npy(descr, shape, data):
@@ -238,6 +269,137 @@ def products(mmxrt, folder):
             add("products", path.name, bytes([which]) + path.read_bytes())
 
 
+def maps():
+    found = files(FUZZ / "maps")
+    chosen = [1 << k for k in range(8)] + [0x0F, 0x3F]
+    for k, bits in enumerate(chosen):
+        for how in [0x0C, 0x87, 0x2E, 0x70]:
+            add("maps", f"good_{k}_{how}", bytes([bits, how]))
+    for i, path in enumerate(found):
+        for bits in [0x07, 0x08, 0x30, 0xC0]:
+            add("maps", f"{path.name}_{i}_{bits}", bytes([bits, 0x0E]) + pieces([(i, path.read_bytes())]))
+    which = [path.name for path in found].index
+    plane, camera, views = (which(f"{name}.map.toml") for name in ["plane", "camera", "views"])
+    good = {i: found[i].read_text() for i in [plane, camera, views]}
+    others = [
+        (plane, 'sky = "left_out"', 'occlusion = false\nsky = "included"'),
+        (plane, "bands =", "channels = []\nbands ="),
+        (plane, '"W m-2 sr-1 um-1"', '"uW cm-2 sr-1 nm-1"'),
+        (camera, "focal_mm = 50\nsensor_mm = 0.6\nshift = [0.01, 0]", "fov_deg = 0.7\nboresight_px = [2, 2.5]"),
+        (camera, 'negative = "clip"', 'negative = "error"\nsky = "included"'),
+        (camera, '[observer]', '[observer]\nframe = "site"'),
+        (views, '"outline"', '"forced"'),
+        (views, 'registration = "outline"', "shift_texels = [0.5, -1]"),
+    ]
+    for k, (i, old, new) in enumerate(others):
+        assert old in good[i], old
+        add("maps", f"other_{k}", bytes([0x13, 0x0C]) + pieces([(i, good[i].replace(old, new).encode())]))
+
+
+RESPONSES = {
+    "camera": '# by hand\n"Wavelength (nm)";"Red; wide";Blue\n700;0.5;\n600;1.0;-0.001\n500;0;2\n',
+    "twice": "wavelength_um,r,g\n0.5,0,nan\n0.6,1,1\n0.6,1,1\n0.7,0,2\n",
+    "tabs": "\ufefflambda [\u00b5m]\tr\n0.5\t0\n0.6\t1\n0.7\t0\n",
+    "blank": "wavelength_um,\n1,1\n2,1\n",
+}
+
+SPECTRA = {
+    "ecostress": "Name: Basalt\nType: Rock\nX Units: Wavelength (micrometers)\nY Units: Reflectance (percentage)\nFirst Column: X\n\n"
+    "14.0\t5.1\n2.5\t10.2\n0.4\t8\n",
+    "aster": "Name: A\nX Units: Wavelength (nanometers)\nY Units: Reflectance (fraction)\n400, 0.1\n2500, 0.2\n",
+    "usgs": " splib07a Record=1: Olivine GDS70 ASDFRa AREF\n 0.5\n -1.23e34\n 0.25\n\0 splib07a Record=2: Wavelengths in microns\n 0.35\n 0.36\n 0.37\n",
+    "relab": "300 0.1 0.01\n310 0.11 0.01\n2600 0.12 0.01\n",
+    "titled": "Sample: C1MB\nWavelength(micron) Reflectance\n0.3 0.1\n2.6 0.2\n",
+    "commented": "# Wavelength (nm)\tReflectance (%)\n500 5\n600 6\n599 7\n",
+    "many": "wavelength_um,a,b:reflectance_percent,c\n0.4,0.1,,nan\n1,0.1,20,0.5\n2.5,0.2,30,\n",
+    "quoted": '"Wavelength [A]","Irradiance (W m-2 nm-1)",\n"4000","1.5",\n"5000","1.7",\n',
+    "decimal": "wavelength_nm;reflectance\n400,5;0,1\n",
+    "descending": "lambda,r\n2.5,0.1\n1,0.2\n",
+}
+
+
+def tables():
+    for name, text in RESPONSES.items():
+        add("responses", name, text.encode())
+    add("responses", "scene", (FUZZ / "scene" / "filter.csv").read_bytes())
+    for name, text in SPECTRA.items():
+        add("spectral_tables", name, text.encode())
+    for path in (FUZZ / "scene").glob("*.csv"):
+        add("spectral_tables", path.name, path.read_bytes())
+
+
+def polygons():
+    draw = random.Random(1)
+    for k in range(40):
+        spread = draw.choice([16, 64, 255])
+        corners = [draw.randrange(128 - spread // 2, 128 + spread // 2) for _ in range(2 * draw.randrange(6, 20))]
+        add("polygons", f"drawn_{k}", bytes([k % 2, 128, *corners]))
+
+
+IMAGES = {
+    "bsq": "ENVI\nsamples = 3\nlines = 2\nbands = 2\ndata type = 4\ninterleave = bsq\nwavelength = {0.5, 0.6}\nband names = {a, b}\n"
+    "map info = {Arbitrary, 1, 1, 0, 0, 2, 2, units=Meters}\ndata units = W m-2 sr-1 um-1\n",
+    "bip": "ENVI\ndescription = {a } b\n c}\nsamples=3\nlines=2\nbands=2\ndata type=2\nheader offset=1\ninterleave=bip\nbyte order=1\n"
+    "data gain values = {1, 2}\ndata ignore value=7\nwavelength units=Wavenumber\nwavelength={9000 8000}\nfwhm={10 10}\nbbl={1,0}\n",
+    "names": "ENVI\nsamples = 3\nlines = 2\nbands = 2\ndata type = 12\ninterleave = bil\nband names = {\n L.450 nm, 360.0-380.0nm}\n",
+}
+
+
+def rasters(mmxrt, folder):
+    """Images of all formats, made of one by the program, for `raster` and, by other numbers, for `convert`."""
+    image = folder / "image"
+    image.mkdir()
+    numbers = struct.pack("<12f", *[0.1 * i for i in range(11)], float("nan"))
+    (image / "a.img").write_bytes(numbers)
+    (image / "a.hdr").write_text(IMAGES["bsq"])
+    made = {"img": (numbers, IMAGES["bsq"].encode())}
+    for ending in ["bip", "npy", "exr", "mpr", "csv"]:
+        to = image / f"b.{ending}"
+        command = [mmxrt, "--quiet", "convert", image / "a.img", to]
+        subprocess.run(command + (["--band", "1"] if ending in ["mpr", "csv"] else []), check=True)
+        partner = {"bip": to.with_suffix(".hdr"), "mpr": to.with_suffix(".mp#")}.get(ending)
+        made[ending] = (to.read_bytes(), partner.read_bytes() if partner else b"")
+    for path in (DATA / "pictures").glob("*.jpg"):
+        made[path.stem] = (path.read_bytes(), b"")
+    for name, method in [("npz", zipfile.ZIP_STORED), ("packed", zipfile.ZIP_DEFLATED)]:
+        packed = io.BytesIO()
+        with zipfile.ZipFile(packed, "w", method) as archive:
+            archive.writestr("raster.npy", npy("<f4", "(2, 3, 2)", numbers))
+            archive.writestr("wavelength_um.npy", npy("<f8", "(2,)", struct.pack("<2d", 0.5, 0.6)))
+        made[name] = (packed.getvalue(), b"")
+    fortran = npy("<f4", "(2, 6)", numbers).replace(b"False", b"True ")
+    made["fortran"] = (fortran, b"")
+    for path in folder.glob("simulated/*"):
+        if path.suffix in [".png", ".exr"]:
+            made[path.name] = (path.read_bytes(), b"")
+    about = b'mmxrt_map = 1\nquantity = "radiance"\nunit = "W m-2 sr-1 um-1"\nplacement = "plane"\nplane = { corner_m = [-1, 1, 0], ' \
+        b"along_line_m = [1, 0, 0], line_to_line_m = [0, -1, 0] }\nbands = { centres_um = [1.0] }\n"
+    for name, (data, partner) in made.items():
+        ending = name.split(".")[-1]
+        # Names of fuzz_targets/raster.rs, and of fuzz_targets/convert.rs; in both the text comes first.
+        number, of_convert = {"img": (0, 0), "bip": (0, 0), "mpr": (1, 2), "npy": (2, 6), "fortran": (2, 6), "npz": (3, 7), "packed": (3, 7),
+                              "exr": (4, 8), "png": (5, 9), "csv": (6, 5)}.get(ending, (8, 10))
+        parts = (data, partner) if name in ["mpr", "csv"] else (partner, data)
+        add("raster", name, bytes([number]) + b"\0".join(parts))
+        if not partner:
+            map_file = (data, about) if name == "csv" else (about, data)
+            add("raster", f"{name}_map", bytes([number]) + b"\0".join(map_file))
+        for output in range(7):
+            add("convert", f"{name}_{output}", bytes([of_convert, output]) + b"\0".join(parts))
+    add("raster", "map", b"\7" + about.replace(b"quantity", b'raster = "a.csv"\nquantity') + b"\0001,2\n3,4\n")
+    add("raster", "facets", b"\6facet,radiance_w_m2_sr_um at 1 um\n0,2\n1,6\n")
+    for name, header in IMAGES.items():
+        add("raster", f"header_{name}", b"\0" + header.encode() + b"\0" + numbers)
+        add("sli", f"header_{name}", header.encode() + b"\0" + numbers)
+    plate, materials = ((FUZZ / "scene" / f"plate.{e}").read_bytes() for e in ["obj", "mtl"])
+    for output in [9, 10]:
+        add("convert", f"mesh_{output}", bytes([3, output]) + plate + b"\0" + materials)
+        add("convert", f"gltf_{output}", bytes([4, output]) + (FUZZ / "corpus" / "gltf" / "plain").read_bytes())
+    for name, text in SPECTRA.items():
+        for output in [6, 7, 8]:
+            add("convert", f"{name}_{output}", bytes([5, output]) + text.split("\0")[0].encode())
+
+
 class Convert:
     """Converts into a folder."""
 
@@ -265,7 +427,11 @@ def main():
         spectra(convert)
         obj()
         scene()
+        maps()
+        tables()
+        polygons()
         products(mmxrt, convert.folder)
+        rasters(mmxrt, convert.folder)
 
 
 main()

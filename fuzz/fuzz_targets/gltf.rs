@@ -44,6 +44,6 @@ fn read(bytes: &[u8], path: &Path) {
         let vertices = surface.mesh.vertices_m.len();
         assert!(surface.mesh.facets.iter().flatten().all(|v| (*v as usize) < vertices));
         let _ = gltf::encode(&surface).map(|encoded| encoded.glb());
-        told(surface.into_scene(path, &mut Report::default()));
+        told(surface.into_scene(path, None, &mut Report::default()));
     }
 }

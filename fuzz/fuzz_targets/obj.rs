@@ -29,5 +29,5 @@ fuzz_target!(|bytes: &[u8]| {
     assert_eq!(back.vertices, surface.mesh.vertices_m);
     assert!(lost > 0 || back.facets == surface.mesh.facets);
     let _ = gltf::encode(&surface).map(|encoded| encoded.glb());
-    told(surface.into_scene(path, &mut Report::default()));
+    told(surface.into_scene(path, None, &mut Report::default()));
 });

@@ -37,9 +37,9 @@ fuzz_target!(|data: &[u8]| {
     let Some((which, bytes)) = data.split_first() else { return };
     let path = FOLDER.join("fuzz");
     let write = |bytes: &[u8]| std::fs::write(&path, bytes).unwrap();
-    match which % 5 {
+    match which % 6 {
         0 => {
-            write(&archive(bytes));
+            write(&archive(bytes, CompressionMethod::Stored));
             tables(&path);
         }
         1 => {
@@ -54,11 +54,15 @@ fuzz_target!(|data: &[u8]| {
             write(bytes);
             told(exr_cube::read_info(&path));
         }
-        _ => {
+        4 => {
             write(bytes);
             told(report_json::read::<serde_json::Value>(&path));
             told(report_json::read::<Report>(&path));
             told(report_json::read::<Run>(&path));
+        }
+        _ => {
+            write(&archive(bytes, CompressionMethod::Deflated));
+            tables(&path);
         }
     }
 });
@@ -71,8 +75,8 @@ fn tables(path: &PathBuf) {
     }
 }
 
-fn archive(data: &[u8]) -> Vec<u8> {
-    let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
+fn archive(data: &[u8], method: CompressionMethod) -> Vec<u8> {
+    let options = SimpleFileOptions::default().compression_method(method);
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     for (which, array) in files::pieces(data) {
         // An array that is there already is refused.

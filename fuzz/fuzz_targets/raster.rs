@@ -5,6 +5,7 @@
 
 use std::sync::LazyLock;
 
+use files::told;
 use libfuzzer_sys::fuzz_target;
 use mmxrt::formats::{radiance_map, raster};
 use mmxrt::progress::unwatched;
@@ -13,7 +14,7 @@ use mmxrt::scene::Scene;
 mod files;
 
 /// A file and its partner.
-const NAMES: [(&str, &str); 8] = [
+const NAMES: [(&str, &str); 9] = [
     ("a.img", "a.hdr"),
     ("a.mpr", "a.mp#"),
     ("a.npy", "a.map.toml"),
@@ -22,6 +23,7 @@ const NAMES: [(&str, &str); 8] = [
     ("a.png", "a.map.toml"),
     ("a.csv", "a.map.toml"),
     ("a.map.toml", "a.csv"),
+    ("a.jpg", "a.map.toml"),
 ];
 
 static SCENE: LazyLock<Scene> = LazyLock::new(|| {
@@ -35,14 +37,25 @@ fuzz_target!(|data: &[u8]| {
     let at = rest.iter().position(|b| *b == 0).unwrap_or(rest.len());
     let (first, second) = (&rest[..at], rest.get(at + 1..).unwrap_or_default());
     // Text comes first, so that what parts the two is not within it.
-    let (text, bytes) = if matches!(file, "a.mpr" | "a.map.toml" | "a.csv") { (file, partner) } else { (partner, file) };
+    let (text, bytes) =
+        if matches!(file, "a.mpr" | "a.map.toml" | "a.csv") { (file, partner) } else { (partner, file) };
     let folder = files::scratch("raster");
     std::fs::write(folder.join(text), first).unwrap();
     std::fs::write(folder.join(bytes), second).unwrap();
-    if let Ok(mut raster) = raster::open(&folder.join(file)) {
+    if let Some(mut raster) = told(raster::open(&folder.join(file))) {
         if raster.pixels() < 1 << 16 {
-            let _ = raster.read(0, &mut Vec::new());
+            let (mut values, last) = (Vec::new(), raster.bands.len() - 1);
+            for band in [0, last] {
+                if told(raster.read(band, &mut values)).is_some() {
+                    assert_eq!(values.len(), raster.pixels());
+                }
+            }
+            if raster.take_image(None).is_ok() {
+                told(raster.read(0, &mut values));
+                told(raster.coverage().map(|share| share.is_none_or(|s| s.iter().all(|s| (0.0..=1.0).contains(s)))));
+            }
         }
+        told(raster.inputs());
     }
     let _ = radiance_map::open(&folder.join(file), &SCENE, 1.0, &unwatched);
     for name in [text, bytes] {

@@ -25,7 +25,7 @@ fuzz_target!(|data: &[u8]| {
         let Some(file) = told(scene_toml::read(&path, &only_reading)) else { return };
         told(file.simulable());
         // A camera may have any number of pixels and bands; none is looked through here.
-        let _ = study::summary(&file.scene);
+        let _ = study::dry_run(&file.scene);
         Surface::of_scene(&file.scene, &path, &mut Report::default());
         if file.scene.sensor.bands.len() < 1000 {
             told(dart::from_scene(&file.scene, &dart::WriteOptions::default()));

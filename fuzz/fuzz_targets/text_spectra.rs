@@ -25,14 +25,16 @@ fuzz_target!(|text: &str| {
         }
     }
     let path = Path::new("fuzz.csv");
-    if let Some(libraries) = told(spectrum_csv::parse_all(text, path, None)) {
+    if let Some((libraries, _)) = told(spectrum_csv::parse_all(text, path, None)) {
         let path = FOLDER.join(path);
         if told(spectrum_csv::write(&path, &libraries, true)).is_some() {
             let (back, _) = spectrum_csv::read_all(&path, None).unwrap();
             assert_eq!(back[0].wavelength_um, libraries[0].wavelength_um);
         }
     }
-    for quantity in [spectrum_csv::Quantity::Reflectance, spectrum_csv::Quantity::Emissivity, spectrum_csv::Quantity::Irradiance] {
+    for quantity in
+        [spectrum_csv::Quantity::Reflectance, spectrum_csv::Quantity::Emissivity, spectrum_csv::Quantity::Irradiance]
+    {
         told(spectrum_csv::parse(text, path, quantity, Extend::Error));
     }
     told(photometry_csv::parse(text, path, Hapke::NAMES, Extend::Hold));
