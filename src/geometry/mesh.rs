@@ -148,7 +148,8 @@ impl Mesh {
     /// The sum of the facets' areas as vectors along their normals, m2, and that of their sizes. The first is 0 for what is closed; of a
     /// sheet it is the way that it faces.
     pub fn vector_area_m2(&self) -> (DVec3, f64) {
-        let cross_m2 = (0..self.facets.len()).map(|facet| self.facet(facet).cross_m2());
+        let corners_m = self.facets.iter().map(|facet| facet.map(|v| self.vertices_m[v as usize]));
+        let cross_m2 = corners_m.map(|corners_m| Facet { corners_m }.cross_m2());
         let (sum_m2, size_m2) = cross_m2.fold((DVec3::ZERO, 0.0), |(sum, size), v| (sum + v, size + v.length()));
         (0.5 * sum_m2, 0.5 * size_m2)
     }

@@ -25,16 +25,19 @@ impl<'a> LitArea<'a> {
     }
 
     /// Lit area, pixels, of what `window` shows of a facet's image; `seen` is the area of all that it shows.
+    #[inline]
     pub(super) fn of(&mut self, facet: u32, window: &Window, seen: f64) -> f64 {
         match self.sunlit.lit[facet as usize] {
             Lit::Dark => 0.0,
             Lit::Full => seen,
-            Lit::Part => {
-                let mut lit = 0.0;
-                self.parts.each(facet, window, |_, common| lit += area(common).max(0.0));
-                lit.min(seen)
-            }
+            Lit::Part => self.of_part(facet, window).min(seen),
         }
+    }
+
+    fn of_part(&mut self, facet: u32, window: &Window) -> f64 {
+        let mut lit = 0.0;
+        self.parts.each(facet, window, |_, common| lit += area(common).max(0.0));
+        lit
     }
 
     /// How much of a facet is lit.

@@ -151,6 +151,8 @@ const BACK: u8 = 4;
 const OPEN: [u8; 3] = [8, 16, 32];
 /// The facet was cut at the image's side planes: its pieces are drawn in its place.
 const CUT: u8 = 64;
+/// The triangle is narrower than [`NARROW`], or was not looked at.
+const MAYBE_EDGE_ON: u8 = 128;
 
 /// A triangle cut from a facet that crosses the camera plane or reaches far beyond the image.
 #[derive(Debug, Clone, Copy)]
@@ -174,6 +176,28 @@ pub struct Drawing<'a> {
     flags: Vec<u8>,
     /// Largest magnitude of x, y and of nearness among what is drawn.
     magnitude: [f64; 2],
+}
+
+/// How far what is drawn reaches.
+#[derive(Debug, Clone, Copy, Default)]
+struct Extent {
+    /// Largest magnitude of nearness.
+    near: f64,
+    /// Largest distance from the view's offset along x or y, cells.
+    across: f64,
+}
+
+impl Extent {
+    #[inline]
+    fn take(&mut self, corners: &[[f64; 3]; 3], bounds: &Rect, offset: [f64; 2]) {
+        self.near = corners.iter().fold(self.near, |near, p| near.max(p[2].abs()));
+        self.across =
+            (0..2).fold(self.across, |across, k| across.max(offset[k] - bounds.min[k]).max(bounds.max[k] - offset[k]));
+    }
+
+    fn and(self, other: Extent) -> Extent {
+        Extent { near: self.near.max(other.near), across: self.across.max(other.across) }
+    }
 }
 
 /// Facets are cut at the image's side planes once a corner lies this many image sizes beside the image, or behind the camera.
@@ -223,11 +247,23 @@ impl<'a> Drawing<'a> {
             View::Parallel { .. } => Cow::Borrowed(&topology.closed[..]),
             View::Pinhole { centre_m, .. } => topology.hides_inner_sides(mesh, centre_m),
         };
-        drawing.decide_sides(&hides_inner);
+        let mut extent = drawing.decide_sides(&hides_inner);
         drawing.cut_far_facets(&hides_inner);
         drawing.mark_open_edges();
-        drawing.measure();
+        let offset = drawing.offset();
+        for piece in &drawing.extra {
+            let corners = piece.vertices.map(|v| drawing.points[v as usize]);
+            extent.take(&corners, &Rect::of(&corners.map(|p| [p[0], p[1]])), offset);
+        }
+        drawing.measure(extent);
         drawing
+    }
+
+    /// Drawing coordinates of the view's origin, or of its boresight.
+    fn offset(&self) -> [f64; 2] {
+        match self.view {
+            View::Pinhole { offset, .. } | View::Parallel { offset, .. } => offset,
+        }
     }
 
     /// Number of triangles: facets, then pieces of facets.
@@ -330,10 +366,13 @@ impl<'a> Drawing<'a> {
     }
 
     /// Whether a triangle is drawn no wider than its corners are rounded: it may as well be seen edge-on.
+    #[inline]
     pub fn is_edge_on(&self, triangle: u32) -> bool {
-        let outline = self.outline(triangle);
         // Few are narrow enough to be looked at closer: coordinates lie within some thousands of cells.
-        area(&outline) <= NARROW * around(&outline) && area(&outline) <= self.rounding(triangle) * around(&outline)
+        self.flags[triangle as usize] & MAYBE_EDGE_ON != 0 && {
+            let outline = self.outline(triangle);
+            area(&outline) <= self.rounding(triangle) * around(&outline)
+        }
     }
 
     /// Bound of the error of the corners of a triangle, cells.
@@ -395,8 +434,8 @@ impl<'a> Drawing<'a> {
         (self.side(facet) != Side::Front, self.mesh.material[facet as usize].0, corners, facet)
     }
 
-    /// `hides_inner`: of each facet, whether its inner side cannot be seen from here.
-    fn decide_sides(&mut self, hides_inner: &[bool]) {
+    /// `hides_inner`: of each facet, whether its inner side cannot be seen from here. Gives how far the drawing reaches.
+    fn decide_sides(&mut self, hides_inner: &[bool]) -> Extent {
         let image = self.grid.bounds();
         let reach = [0, 1].map(|k| CUT_BEYOND * image.max[k]);
         // From afar everything is in front of the camera.
@@ -404,40 +443,54 @@ impl<'a> Drawing<'a> {
             View::Pinhole { depth_m, .. } => (true, depth_m > 0.0),
             View::Parallel { .. } => (false, true),
         };
+        let offset = self.offset();
         let points = &self.points;
-        self.flags = self
-            .mesh
-            .facets
-            .par_iter()
-            .with_min_len(4096)
-            .enumerate()
-            .map(|(i, facet)| {
-                let corners = facet.map(|v| points[v as usize]);
-                if pinhole {
-                    let far = |p: &[f64; 3]| {
-                        let near = (afar || p[2] > 0.0)
-                            && (0..2).all(|k| -reach[k] <= p[k] && p[k] <= image.max[k] + reach[k]);
-                        !near
-                    };
-                    if corners.iter().any(far) {
-                        return CUT;
-                    }
-                }
-                let [a, b, c] = corners.map(|p| [p[0], p[1]]);
-                let turn = turn(a, b, c);
-                // h right, v down, u forward is right-handed: an outer side seen from in front turns negative.
-                let side = if turn < 0.0 {
-                    FRONT
-                } else if turn > 0.0 {
-                    BACK
-                } else {
-                    return 0;
+        let of_facet = |i: usize, facet: &[u32; 3], extent: &mut Extent| {
+            let corners = facet.map(|v| points[v as usize]);
+            if pinhole {
+                let far = |p: &[f64; 3]| {
+                    let near =
+                        (afar || p[2] > 0.0) && (0..2).all(|k| -reach[k] <= p[k] && p[k] <= image.max[k] + reach[k]);
+                    !near
                 };
-                let hidden = side == BACK && hides_inner[i];
-                let drawn = !hidden && Rect::of(&[a, b, c]).overlaps(&image);
-                side | if drawn { DRAWN } else { 0 }
+                if corners.iter().any(far) {
+                    return CUT | MAYBE_EDGE_ON;
+                }
+            }
+            let outline = corners.map(|p| [p[0], p[1]]);
+            let [a, b, c] = outline;
+            let turn = turn(a, b, c);
+            // h right, v down, u forward is right-handed: an outer side seen from in front turns negative.
+            let side = if turn < 0.0 {
+                FRONT
+            } else if turn > 0.0 {
+                BACK
+            } else {
+                return MAYBE_EDGE_ON;
+            };
+            let bounds = Rect::of(&outline);
+            let width_and_height = bounds.max[0] - bounds.min[0] + (bounds.max[1] - bounds.min[1]);
+            let narrow = if turn.abs() <= 2.0 * NARROW * width_and_height { MAYBE_EDGE_ON } else { 0 };
+            let hidden = side == BACK && hides_inner[i];
+            if hidden || !bounds.overlaps(&image) {
+                return side | narrow;
+            }
+            extent.take(&corners, &bounds, offset);
+            side | narrow | DRAWN
+        };
+        let mut flags = vec![0; self.mesh.facets.len()];
+        let chunk = 4096;
+        let extent = (flags.par_chunks_mut(chunk).zip(self.mesh.facets.par_chunks(chunk)).enumerate())
+            .map(|(c, (flags, facets))| {
+                let mut extent = Extent::default();
+                for (k, (flag, facet)) in flags.iter_mut().zip(facets).enumerate() {
+                    *flag = of_facet(c * chunk + k, facet, &mut extent);
+                }
+                extent
             })
-            .collect();
+            .reduce(Extent::default, Extent::and);
+        self.flags = flags;
+        extent
     }
 
     /// Cuts facets that cross the camera plane or reach far beyond the image, in homogeneous coordinates, at planes beside the image.
@@ -527,25 +580,14 @@ impl<'a> Drawing<'a> {
             })
             .collect();
         // Pieces of cut facets: every edge open. They are few, and open only means that nothing is taken for granted.
-        let all_open = DRAWN | OPEN[0] | OPEN[1] | OPEN[2];
+        let all_open = DRAWN | MAYBE_EDGE_ON | OPEN[0] | OPEN[1] | OPEN[2];
         flags.extend(self.extra.iter().map(|e| all_open | sides[e.facet as usize] & (FRONT | BACK)));
         self.flags = flags;
     }
 
-    fn measure(&mut self) {
+    fn measure(&mut self, Extent { near, across }: Extent) {
         let image = self.grid.bounds();
         self.magnitude[0] = (1.0 + 2.0 * CUT_BEYOND) * image.max[0].max(image.max[1]);
-        let offset = match self.view {
-            View::Pinhole { offset, .. } | View::Parallel { offset, .. } => offset,
-        };
-        // Of nearness, and of what lies across, cells.
-        let (mut near, mut across) = (0.0_f64, 0.0_f64);
-        for triangle in (0..self.len() as u32).filter(|t| self.is_drawn(*t)) {
-            for p in self.corners(triangle) {
-                near = near.max(p[2].abs());
-                across = across.max((p[0] - offset[0]).abs()).max((p[1] - offset[1]).abs());
-            }
-        }
         self.magnitude[1] = match self.view {
             View::Parallel { .. } => {
                 // Heights are sums of products of coordinates, however flat the mesh.
