@@ -2,7 +2,7 @@
 
 use std::process::{Command, Output, Stdio};
 
-use crate::scratch::Scratch;
+use crate::scratch::{SITE, Scratch};
 
 pub(crate) fn mmxrt() -> Command {
     Command::new(env!("CARGO_BIN_EXE_mmxrt"))
@@ -144,38 +144,17 @@ fn an_interrupted_command_leaves_nothing() {
     assert_eq!(scratch.names(), ["recipe.toml"]);
 }
 
-const SCENE: &str = r#"mmxrt_scene = 1
-origin_m = [0.0, 12000.0, 0.0]
-[[mesh]]
-recipe = { version = 1, seed = 7, facets = 2000 }
-[materials]
-phobos_blue = { reflectance = 0.07 }
-phobos_red = { reflectance = 0.1 }
-[sun]
-direction = [0.0, 1.0, 0.5]
-distance_au = 1.5
-[observer]
-position_m = [0.0, 82000.0, 0.0]
-target_m = [0.0, 12000.0, 0.0]
-up = [0, 0, 1]
-[sensor]
-samples = 16
-lines = 16
-fit = "scene"
-bands = { centres_um = [1.0] }
-"#;
-
 #[test]
 fn a_table_serves_another_camera_and_is_refused_for_another_sun() {
     let scratch = Scratch::new();
     let (table, product) = (scratch.argument("table.npz"), scratch.argument("product"));
-    let scene = scene_file(&scratch, SCENE);
+    let scene = scene_file(&scratch, SITE);
     let (code, _, err) = run(&["solve", &scene, "-o", &table]);
     assert_eq!(code, 0, "{err}");
-    scene_file(&scratch, &SCENE.replace("samples = 16", "samples = 24").replace("[1.0]", "[1.0, 2.0]"));
+    scene_file(&scratch, &SITE.replace("samples = 16", "samples = 24").replace("[1.0]", "[1.0, 2.0]"));
     let (code, out, err) = run(&["integrate", &scene, "--table", &table, "-o", &product]);
     assert!(code == 0 && out.ends_with("24 x 16 pixels, 2 bands\n"), "{out}{err}");
-    scene_file(&scratch, &SCENE.replace("1.0, 0.5]", "1.0, 0.4]"));
+    scene_file(&scratch, &SITE.replace("1.0, 0.5]", "1.0, 0.4]"));
     let (code, _, err) = run(&["integrate", &scene, "--table", &table, "-o", &scratch.argument("other")]);
     assert!(code == 1 && err.contains("table.npz") && err.contains("was solved for another scene"), "{err}");
     assert!(err.contains("mmxrt solve"), "{err}");
@@ -185,17 +164,17 @@ fn a_table_serves_another_camera_and_is_refused_for_another_sun() {
 #[test]
 fn no_slip_of_the_hand_replaces_a_scene_by_its_table() {
     let scratch = Scratch::new();
-    let scene = scene_file(&scratch, SCENE);
+    let scene = scene_file(&scratch, SITE);
     let (code, _, err) = run(&["solve", &scene, "-o", &scene, "--force"]);
     assert!(code == 1 && err.contains("scene.toml") && err.contains("ends in .npz"), "{err}");
-    assert_eq!(std::fs::read_to_string(&scene).unwrap(), SCENE);
+    assert_eq!(std::fs::read_to_string(&scene).unwrap(), SITE);
 }
 
 #[test]
 fn a_camera_under_the_terrain_is_warned_of() {
     let scratch = Scratch::new();
     let scene =
-        scene_file(&scratch, &SCENE.replace("position_m = [0.0, 82000.0, 0.0]", "position_m = [0.0, 2000.0, 0.0]"));
+        scene_file(&scratch, &SITE.replace("position_m = [0.0, 82000.0, 0.0]", "position_m = [0.0, 2000.0, 0.0]"));
     let (code, _, err) = run(&["simulate", &scene, "-o", &scratch.argument("out")]);
     assert!(code == 0 && err.contains("100.0 % of what the camera sees are facets from behind"), "{err}");
 }
@@ -203,7 +182,7 @@ fn a_camera_under_the_terrain_is_warned_of() {
 #[test]
 fn a_scene_is_inspected() {
     let scratch = Scratch::new();
-    let scene = scene_file(&scratch, SCENE);
+    let scene = scene_file(&scratch, &SITE.replace("[mars]\nposition_m = [9.4e6, 12000.0, 0.0]\n", ""));
     let (code, out, err) = run(&["inspect", &scene, "--json"]);
     assert_eq!(code, 0, "{err}");
     let facts: serde_json::Value = serde_json::from_str(&out).unwrap();
@@ -214,9 +193,9 @@ fn a_scene_is_inspected() {
         assert!((number(key) - expected).abs() < 1e-3, "{key}: {}", number(key));
     }
     assert!((number("range_m") - 70_000.0).abs() < 1e-6 && number("emission_deg").abs() < 1e-9);
-    // 2 km, and what perspective adds, in 16 pixels.
-    assert!((125.0..126.0).contains(&number("pixel_m")), "{}", number("pixel_m"));
-    assert!((1900.0..2100.0).contains(&number("facets")) && number("mean_incidence_deg") > 20.0);
+    // 2 x 70 km x tan 0.5 deg, in 16 pixels.
+    assert!((number("pixel_m") - 76.36).abs() < 0.01, "{}", number("pixel_m"));
+    assert!((950.0..1050.0).contains(&number("facets")) && number("mean_incidence_deg") > 20.0);
     assert_eq!(facts["mars_elevation_deg"], serde_json::Value::Null);
     let (code, out, _) = run(&["inspect", &scene]);
     assert!(code == 0 && out.starts_with("kind: scene\ndry run: ") && out.contains(", phase 26.57 deg\n"), "{out}");
@@ -228,7 +207,7 @@ fn a_scene_is_inspected() {
 #[test]
 fn what_is_being_done_is_said_on_request() {
     let scratch = Scratch::new();
-    let scene = scene_file(&scratch, SCENE);
+    let scene = scene_file(&scratch, SITE);
     let (code, out, err) = run(&["simulate", &scene, "-o", &scratch.argument("out"), "--verbose"]);
     assert_eq!(code, 0, "{err}");
     assert!(err.contains("sunlight") && err.contains("facets=") && !out.contains("facets="), "{err}");
@@ -241,7 +220,7 @@ fn what_is_being_done_is_said_on_request() {
 #[test]
 fn a_product_with_all_its_parts_is_replaced_and_with_anything_else_is_not() {
     let scratch = Scratch::new();
-    let (scene, product) = (scene_file(&scratch, SCENE), scratch.argument("product"));
+    let (scene, product) = (scene_file(&scratch, SITE), scratch.argument("product"));
     let all = ["simulate", &scene, "-o", &product, "--force", "--exr", "--table", "--footprints"];
     assert_eq!(run(&all).0, 0);
     // What GDAL puts beside an image whose statistics it was asked for.
@@ -262,7 +241,7 @@ fn a_product_with_all_its_parts_is_replaced_and_with_anything_else_is_not() {
 #[test]
 fn bands_that_openexr_cannot_tell_apart_are_told_by_the_final_name() {
     let scratch = Scratch::new();
-    let scene = scene_file(&scratch, &SCENE.replace("[1.0]", "[1.0, 1.0]"));
+    let scene = scene_file(&scratch, &SITE.replace("[1.0]", "[1.0, 1.0]"));
     let (code, _, err) = run(&["simulate", &scene, "-o", &scratch.argument("product"), "--exr"]);
     assert!(code == 1 && err.contains(&scratch.argument("product/cube.exr")) && err.contains("--exr"), "{err}");
     assert_eq!(scratch.names(), ["scene.toml"]);
@@ -273,7 +252,7 @@ fn bands_that_openexr_cannot_tell_apart_are_told_by_the_final_name() {
 #[cfg(target_os = "linux")]
 fn an_image_that_memory_cannot_hold_is_refused() {
     let scratch = Scratch::new();
-    let scene = scene_file(&scratch, &SCENE.replace("= 16\n", "= 16384\n"));
+    let scene = scene_file(&scratch, &SITE.replace("= 16\n", "= 16384\n"));
     let limited = Command::new("sh")
         .args(["-c", "ulimit -v 4000000; exec \"$@\"", "sh", env!("CARGO_BIN_EXE_mmxrt")])
         .args(["simulate", &scene, "-o", &scratch.argument("out")])
@@ -297,7 +276,7 @@ fn inspect_says_where_a_text_is_not_utf_8() {
 #[cfg(unix)]
 fn a_write_that_fails_names_the_final_path_and_leaves_nothing() {
     let scratch = Scratch::new();
-    let scene = scene_file(&scratch, SCENE);
+    let scene = scene_file(&scratch, SITE);
     for (command, output, culprit) in [("simulate", "product", "product/cube.img"), ("solve", "table.npz", "table.npz")]
     {
         let path = scratch.argument(output);
@@ -317,7 +296,7 @@ fn a_write_that_fails_names_the_final_path_and_leaves_nothing() {
 #[test]
 fn an_output_that_cannot_be_made_is_named() {
     let scratch = Scratch::new();
-    let scene = scene_file(&scratch, SCENE);
+    let scene = scene_file(&scratch, SITE);
     let (code, _, err) = run(&["simulate", &scene, "-o", &format!("{scene}/out")]);
     assert!(code == 1 && err.contains("scene.toml") && err.contains("making this folder"), "{err}");
     std::fs::create_dir(scratch.join("taken")).unwrap();
@@ -330,7 +309,7 @@ fn an_output_that_cannot_be_made_is_named() {
 #[cfg(unix)]
 fn a_scene_that_is_still_being_made_can_be_interrupted() {
     let scratch = Scratch::new();
-    let scene = scene_file(&scratch, &SCENE.replace("facets = 2000", "facets = 4000000"));
+    let scene = scene_file(&scratch, &SITE.replace("facets = 1000", "facets = 4000000"));
     let out = scratch.argument("out");
     let mut child = mmxrt().args(["simulate", &scene, "-o", &out]).stderr(Stdio::piped()).spawn().unwrap();
     while scratch.names().len() < 2 {

@@ -7,31 +7,8 @@ use std::time::{Duration, Instant};
 use mmxrt::formats::npz;
 
 use crate::cli::{mmxrt, run};
-use crate::scratch::{Scratch, is_heavy};
+use crate::scratch::{SITE, Scratch, is_heavy};
 use crate::shapes::Random;
-
-const SCENE: &str = r#"mmxrt_scene = 1
-origin_m = [0.0, 12000.0, 0.0]
-[[mesh]]
-recipe = { version = 1, seed = 7, facets = 1000 }
-[materials]
-phobos_blue = { reflectance = 0.07 }
-phobos_red = { reflectance = 0.1 }
-[sun]
-direction = [0.0, 1.0, 0.5]
-distance_au = 1.5
-[mars]
-position_m = [9.4e6, 12000.0, 0.0]
-[observer]
-position_m = [0.0, 82000.0, 0.0]
-target_m = [0.0, 12000.0, 0.0]
-up = [0, 0, 1]
-[sensor]
-samples = 16
-lines = 16
-fit = "scene"
-bands = { centres_um = [1.0] }
-"#;
 
 /// Two ENVI images of other sizes and numbers: a.img is 3 x 2 of 1, b.img 2 x 2 of 2.
 fn two_images(scratch: &Scratch) {
@@ -63,7 +40,7 @@ fn a_run_that_is_killed_leaves_the_whole_old_product_or_the_whole_new_one() {
     let product = scratch.argument("product");
     let mut contents = Vec::new();
     for (name, reflectance) in [("dark.toml", "0.07"), ("bright.toml", "0.7")] {
-        scratch.write(name, SCENE.replace("0.07", reflectance));
+        scratch.write(name, SITE.replace("0.07", reflectance));
         assert_eq!(run(&["-q", "simulate", &scratch.argument(name), "-o", &product, "--force"]).0, 0);
         contents.push(product_bytes(Path::new(&product)));
     }
@@ -123,8 +100,8 @@ fn a_pair_of_files_is_of_one_image_whenever_its_writer_is_killed() {
 #[cfg(unix)]
 fn what_a_killed_run_left_is_named_and_removed_by_the_next() {
     let scratch = Scratch::new();
-    let big = scratch.write("big.toml", SCENE.replace("facets = 1000", "facets = 4000000"));
-    let (product, scene) = (scratch.argument("product"), scratch.write("scene.toml", SCENE));
+    let big = scratch.write("big.toml", SITE.replace("facets = 1000", "facets = 4000000"));
+    let (product, scene) = (scratch.argument("product"), scratch.write("scene.toml", SITE));
     let mut child = mmxrt().arg("-q").arg("simulate").arg(&big).args(["-o", &product]).spawn().unwrap();
     while !scratch.join(".product.partial/lock").is_file() {
         std::thread::sleep(Duration::from_millis(2));
@@ -145,7 +122,7 @@ fn what_a_killed_run_left_is_named_and_removed_by_the_next() {
 fn of_several_processes_with_one_output_one_writes_it() {
     let scratch = Scratch::new();
     let scenes = [7, 8].map(|seed| {
-        let path = scratch.write(&format!("{seed}.toml"), SCENE.replace("seed = 7", &format!("seed = {seed}")));
+        let path = scratch.write(&format!("{seed}.toml"), SITE.replace("seed = 7", &format!("seed = {seed}")));
         path.into_os_string().into_string().unwrap()
     });
     let recipe = scratch.write("recipe.toml", "version = 1\nseed = 7\nfacets = 1000\n");
@@ -198,7 +175,7 @@ fn of_several_processes_with_one_output_one_writes_it() {
 #[cfg(unix)]
 fn interrupted_means_that_nothing_was_written() {
     let scratch = Scratch::new();
-    let scene = scratch.write("s.toml", SCENE);
+    let scene = scratch.write("s.toml", SITE);
     let (scene, output) = (scene.to_str().unwrap(), scratch.argument("x.toml"));
     let began = Instant::now();
     assert_eq!(run(&["-q", "convert", scene, &output]).0, 0);
@@ -234,7 +211,7 @@ fn interrupted_means_that_nothing_was_written() {
 #[cfg(target_os = "linux")]
 fn a_full_standard_output_fails_only_what_has_no_other_output() {
     let scratch = Scratch::new();
-    let scene = scratch.write("s.toml", SCENE);
+    let scene = scratch.write("s.toml", SITE);
     let full = |arguments: &[&str]| {
         let out = std::fs::File::options().write(true).open("/dev/full").unwrap();
         let output = mmxrt().args(arguments).stdout(out).output().unwrap();
@@ -257,7 +234,7 @@ fn a_full_standard_output_fails_only_what_has_no_other_output() {
 fn a_conversion_never_replaces_what_it_reads() {
     let scratch = Scratch::new();
     two_images(&scratch);
-    scratch.write("s.toml", SCENE);
+    scratch.write("s.toml", SITE);
     assert_eq!(run(&["-q", "convert", &scratch.argument("s.toml"), &scratch.argument("mesh.toml")]).0, 0);
     assert_eq!(run(&["-q", "convert", &scratch.argument("mesh.obj"), &scratch.argument("m.gltf")]).0, 0);
     std::fs::hard_link(scratch.join("a.img"), scratch.join("hard.npy")).unwrap();
@@ -292,7 +269,7 @@ fn a_conversion_never_replaces_what_it_reads() {
 #[test]
 fn a_product_is_not_replaced_by_what_is_made_from_it() {
     let scratch = Scratch::new();
-    let (scene, product) = (scratch.write("s.toml", SCENE), scratch.argument("p"));
+    let (scene, product) = (scratch.write("s.toml", SITE), scratch.argument("p"));
     let scene = scene.to_str().unwrap();
     assert_eq!(run(&["-q", "simulate", scene, "-o", &product, "--table"]).0, 0);
     let table = scratch.argument("p/table.npz");
@@ -307,7 +284,7 @@ fn a_product_is_not_replaced_by_what_is_made_from_it() {
 #[test]
 fn what_other_programs_leave_in_a_product_is_kept_and_does_not_keep_it_from_being_replaced() {
     let scratch = Scratch::new();
-    let (scene, product) = (scratch.write("s.toml", SCENE), scratch.argument("p"));
+    let (scene, product) = (scratch.write("s.toml", SITE), scratch.argument("p"));
     let simulate = ["simulate", scene.to_str().unwrap(), "-o", &product, "--force"];
     assert_eq!(run(&simulate).0, 0);
     let strays =
@@ -336,7 +313,7 @@ fn a_product_that_no_disk_holds_is_refused_before_the_work() {
     let scratch = Scratch::new();
     // 8192 x 8192 pixels in 100000 bands of 4 bytes, and 34 planes of 8.
     let bands = "bands = { start_um = 0.9, stop_um = 3.6, count = 100000 }";
-    let text = SCENE.replace("= 16\n", "= 8192\n").replace("bands = { centres_um = [1.0] }", bands);
+    let text = SITE.replace("= 16\n", "= 8192\n").replace("bands = { centres_um = [1.0] }", bands);
     let scene = scratch.write("s.toml", text);
     let (code, _, err) = run(&["simulate", scene.to_str().unwrap(), "-o", &scratch.argument("p")]);
     // Memory is asked for before; where there is enough of it, the disk: 26861.803 GB.
@@ -356,7 +333,7 @@ fn tampered(scratch: &Scratch, name: &str, change: impl FnOnce(&mut mmxrt::produ
 #[test]
 fn a_table_that_was_tampered_with_is_told_at_its_place_and_makes_no_product() {
     let scratch = Scratch::new();
-    let scene = scratch.write("s.toml", SCENE);
+    let scene = scratch.write("s.toml", SITE);
     let (scene, product) = (scene.to_str().unwrap(), scratch.argument("p"));
     assert_eq!(run(&["-q", "solve", scene, "-o", &scratch.argument("t.npz")]).0, 0);
     assert_eq!(run(&["-q", "integrate", scene, "--table", &scratch.argument("t.npz"), "-o", &product]).0, 0);
@@ -401,7 +378,7 @@ fn a_scene_that_a_link_leads_to_finds_its_files() {
         std::fs::create_dir(scratch.join(folder)).unwrap();
     }
     let table = |percent: u32| format!("wavelength_nm,reflectance_percent\n900,{percent}\n2500,{percent}\n");
-    scratch.write("real/s.toml", SCENE.replace("0.07", "\"blue.csv\""));
+    scratch.write("real/s.toml", SITE.replace("0.07", "\"blue.csv\""));
     scratch.write("real/blue.csv", table(7));
     symlink("../real/s.toml", scratch.join("links/l.toml")).unwrap();
     let inspect = || {
@@ -425,7 +402,7 @@ fn a_scene_that_a_link_leads_to_finds_its_files() {
 #[test]
 fn names_and_folders_that_cannot_be_outputs_are_told_before_the_work() {
     let scratch = Scratch::new();
-    let scene = scratch.write("s.toml", SCENE);
+    let scene = scratch.write("s.toml", SITE);
     let scene = scene.to_str().unwrap();
     let long = scratch.argument(&"n".repeat(250));
     assert_eq!(run(&["-q", "simulate", scene, "-o", &long]).0, 0);
@@ -446,7 +423,7 @@ fn names_and_folders_that_cannot_be_outputs_are_told_before_the_work() {
 fn a_folder_that_takes_no_files_is_told_before_the_work() {
     use std::os::unix::fs::PermissionsExt;
     let scratch = Scratch::new();
-    let scene = scratch.write("s.toml", SCENE);
+    let scene = scratch.write("s.toml", SITE);
     let closed = scratch.join("closed");
     std::fs::create_dir(&closed).unwrap();
     std::fs::set_permissions(&closed, std::fs::Permissions::from_mode(0o555)).unwrap();
@@ -476,11 +453,11 @@ fn a_full_disk_leaves_the_old_product() {
         eprintln!("SKIPPED: this user may mount nothing");
         return;
     }
-    let scene = scratch.write("s.toml", SCENE);
+    let scene = scratch.write("s.toml", SITE);
     let (scene, product) = (scene.to_str().unwrap(), scratch.argument("disk/p"));
     let small = run(&["simulate", scene, "-o", &product]);
     // 64 x 64 pixels of 34 planes of 8 bytes are 1.1 MB: told beforehand.
-    scratch.write("big.toml", SCENE.replace("= 16\n", "= 64\n"));
+    scratch.write("big.toml", SITE.replace("= 16\n", "= 64\n"));
     let big = run(&["simulate", &scratch.argument("big.toml"), "-o", &product, "--force"]);
     let after: Vec<_> = std::fs::read_dir(&disk).unwrap().map(|e| e.unwrap().file_name()).collect();
     let good = scratch.join("disk/p/report.json").is_file();

@@ -3,31 +3,7 @@
 use serde_json::Value;
 
 use crate::cli::run;
-use crate::scratch::Scratch;
-
-/// A site seen from straight above, in 16 x 16 pixels.
-const SCENE: &str = r#"mmxrt_scene = 1
-origin_m = [0.0, 12000.0, 0.0]
-[[mesh]]
-recipe = { version = 1, seed = 7, facets = 1000 }
-[materials]
-phobos_blue = { reflectance = 0.07 }
-phobos_red = { reflectance = 0.1 }
-[sun]
-direction = [0.0, 1.0, 0.5]
-distance_au = 1.5
-[mars]
-position_m = [9.4e6, 12000.0, 0.0]
-[observer]
-position_m = [0.0, 82000.0, 0.0]
-target_m = [0.0, 12000.0, 0.0]
-up = [0, 0, 1]
-[sensor]
-samples = 16
-lines = 16
-fov_deg = 1.0
-bands = { centres_um = [1.0] }
-"#;
+use crate::scratch::{SITE, Scratch};
 
 /// What is said of a scene, which must begin.
 fn expected(text: &str) -> Value {
@@ -60,7 +36,7 @@ fn simulated(text: &str) -> (Value, u64, u64) {
 fn a_product_takes_what_was_said() {
     // 256 pixels: 34 planes (30, and two for each of two materials) of 8 bytes, and 4 bytes for each band.
     for (centres, bytes) in [("[1.0]", 256 * (34 * 8 + 4)), ("[1.0, 1.1, 1.2]", 256 * (34 * 8 + 12))] {
-        let text = SCENE.replace("[1.0]", centres);
+        let text = SITE.replace("[1.0]", centres);
         let facts = expected(&text);
         assert_eq!(facts["expects"]["disk_bytes"], bytes);
         let (_, numbers, all) = simulated(&text);
@@ -72,7 +48,7 @@ fn a_product_takes_what_was_said() {
 #[test]
 fn nothing_is_written_and_that_is_said() {
     let scratch = Scratch::new();
-    let scene = scratch.write("scene.toml", SCENE);
+    let scene = scratch.write("scene.toml", SITE);
     let (code, out, err) = run(&["inspect", scene.to_str().unwrap()]);
     assert_eq!((code, err.as_str()), (0, ""));
     assert!(out.starts_with("kind: scene\ndry run: nothing is computed or written\nfacets: "), "{out}");
@@ -103,7 +79,7 @@ fn the_shipped_scene_is_told_on_a_page() {
 fn what_would_not_begin_says_all_that_is_wrong() {
     let scratch = Scratch::new();
     scratch.write("rpv.csv", "wavelength_um,g,rho0,k,h\n1,-0.1,0.05,0.8,0.05\n2,-0.2,0.06,0.8,0.07\n");
-    let text = SCENE.replace("0.07 }", "0.07, rpv = \"rpv.csv\" }").replace("= 16\n", "= 16384\n");
+    let text = SITE.replace("0.07 }", "0.07, rpv = \"rpv.csv\" }").replace("= 16\n", "= 16384\n");
     let scene = scratch.write("scene.toml", text);
     let limited = |options: &[&str]| {
         let output = std::process::Command::new("sh")
@@ -127,7 +103,7 @@ fn what_would_not_begin_says_all_that_is_wrong() {
 #[test]
 fn what_cannot_be_read_has_no_summary() {
     let scratch = Scratch::new();
-    let text = SCENE.replace("0.07", "7").replace("distance_au = 1.5", "distance_au = -1.5");
+    let text = SITE.replace("0.07", "7").replace("distance_au = 1.5", "distance_au = -1.5");
     let scene = scratch.write("scene.toml", text);
     let (code, out, err) = run(&["inspect", scene.to_str().unwrap()]);
     assert!(code == 1 && out.is_empty() && err.contains("distance_au") && err.contains("phobos_blue"), "{err}");
@@ -136,18 +112,17 @@ fn what_cannot_be_read_has_no_summary() {
 #[test]
 fn it_warns_of_what_the_simulation_warns_of() {
     let cases = [
-        ("as it is", SCENE.to_owned(), ""),
-        ("elsewhere", SCENE.replace("target_m = [0.0, 12000.0", "target_m = [0.0, 1e6"), "nothing is in view"),
-        ("below", SCENE.replace("82000.0", "2000.0"), "100.0 % of what the camera sees are facets from behind"),
-        ("night", SCENE.replace("[0.0, 1.0, 0.5]", "[0.0, -1.0, 0.0]"), "nothing is lit: the Sun is below every facet"),
+        ("as it is", SITE.to_owned(), ""),
+        ("elsewhere", SITE.replace("target_m = [0.0, 12000.0", "target_m = [0.0, 1e6"), "nothing is in view"),
+        ("below", SITE.replace("82000.0", "2000.0"), "100.0 % of what the camera sees are facets from behind"),
+        ("night", SITE.replace("[0.0, 1.0, 0.5]", "[0.0, -1.0, 0.0]"), "nothing is lit: the Sun is below every facet"),
         (
             "Mars",
-            SCENE
-                .replace("[9.4e6, 12000.0, 0.0]", "[0.0, 9.4e6, 0.0]")
+            SITE.replace("[9.4e6, 12000.0, 0.0]", "[0.0, 9.4e6, 0.0]")
                 .replace("target_m = [0.0, 12000.0", "target_m = [0.0, 1e6"),
             "Mars is in view and is not drawn: about 256 pixels of it are black",
         ),
-        ("eclipse", SCENE.replace("[9.4e6, 12000.0, 0.0]", "[0.0, 9.4e6, 4.7e6]"), "the site is in eclipse"),
+        ("eclipse", SITE.replace("[9.4e6, 12000.0, 0.0]", "[0.0, 9.4e6, 4.7e6]"), "the site is in eclipse"),
     ];
     for (name, text, told) in cases {
         let foreseen = warnings(&expected(&text));
@@ -195,13 +170,13 @@ fn how_much_of_the_image_is_filled() {
 fn more_work_is_expected_to_take_longer_and_more() {
     let of = |text: &str, key: &str| expected(text)["expects"][key].as_f64().unwrap();
     let more = [
-        ("facets", SCENE.replace("facets = 1000", "facets = 10000"), true),
-        ("pixels", SCENE.replace("= 16\n", "= 64\n"), true),
-        ("bands", SCENE.replace("[1.0]", "[1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6]"), true),
-        ("grazing light", SCENE.replace("[0.0, 1.0, 0.5]", "[0.0, 0.1, 1.0]"), false),
+        ("facets", SITE.replace("facets = 1000", "facets = 10000"), true),
+        ("pixels", SITE.replace("= 16\n", "= 64\n"), true),
+        ("bands", SITE.replace("[1.0]", "[1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6]"), true),
+        ("grazing light", SITE.replace("[0.0, 1.0, 0.5]", "[0.0, 0.1, 1.0]"), false),
     ];
     for (what, text, takes_memory) in more {
-        assert!(of(&text, "cpu_s") > of(SCENE, "cpu_s"), "{what}");
-        assert_eq!(of(&text, "memory_bytes") > of(SCENE, "memory_bytes"), takes_memory, "{what}");
+        assert!(of(&text, "cpu_s") > of(SITE, "cpu_s"), "{what}");
+        assert_eq!(of(&text, "memory_bytes") > of(SITE, "memory_bytes"), takes_memory, "{what}");
     }
 }

@@ -10,6 +10,30 @@ use mmxrt::progress::unwatched;
 use mmxrt::scene::Scene;
 use mmxrt::study::{self, Observation};
 
+/// A site of 1000 facets on top of a body, seen from 70 km above in 16 x 16 pixels of one band.
+pub(crate) const SITE: &str = r#"mmxrt_scene = 1
+origin_m = [0.0, 12000.0, 0.0]
+[[mesh]]
+recipe = { version = 1, seed = 7, facets = 1000 }
+[materials]
+phobos_blue = { reflectance = 0.07 }
+phobos_red = { reflectance = 0.1 }
+[sun]
+direction = [0.0, 1.0, 0.5]
+distance_au = 1.5
+[mars]
+position_m = [9.4e6, 12000.0, 0.0]
+[observer]
+position_m = [0.0, 82000.0, 0.0]
+target_m = [0.0, 12000.0, 0.0]
+up = [0, 0, 1]
+[sensor]
+samples = 16
+lines = 16
+fov_deg = 1.0
+bands = { centres_um = [1.0] }
+"#;
+
 /// A folder that goes when the test ends.
 pub(crate) struct Scratch(PathBuf);
 

@@ -1,34 +1,17 @@
 //! What is said of a result that is not wrong, but not what somebody may think.
 
 use crate::cli::run;
-use crate::scratch::Scratch;
+use crate::scratch::{SITE, Scratch};
 
-const SCENE: &str = r#"mmxrt_scene = 1
-origin_m = [0.0, 12000.0, 0.0]
-[[mesh]]
-recipe = { version = 1, seed = 7, facets = 1000 }
-[materials]
-phobos_blue = { reflectance = 0.07 }
-phobos_red = { reflectance = 0.1 }
-[sun]
-direction = [0.0, 1.0, 0.5]
-distance_au = 1.5
-[mars]
-position_m = [0.0, MARS, 0.0]
-[observer]
-position_m = [0.0, 82000.0, 0.0]
-target_m = [0.0, TARGET, 0.0]
-up = [0, 0, 1]
-[sensor]
-samples = 16
-lines = 16
-fov_deg = 1.0
-bands = { centres_um = [1.0] }
-"#;
+/// The site with Mars straight above, so many metres from the body's centre.
+fn with_mars_at(y_m: &str) -> String {
+    SITE.replace("[9.4e6, 12000.0, 0.0]", &format!("[0.0, {y_m}, 0.0]"))
+}
 
 fn warned(mars_m: &str, target_m: &str) -> String {
     let scratch = Scratch::new();
-    let scene = scratch.write("s.toml", SCENE.replace("MARS", mars_m).replace("TARGET", target_m));
+    let text = with_mars_at(mars_m).replace("target_m = [0.0, 12000.0", &format!("target_m = [0.0, {target_m}"));
+    let scene = scratch.write("s.toml", text);
     let (code, _, err) = run(&["simulate", scene.to_str().unwrap(), "-o", &scratch.argument("p")]);
     assert_eq!(code, 0, "{err}");
     err
@@ -43,7 +26,7 @@ fn mars_in_view_is_told() {
     let scratch = Scratch::new();
     let (sin, cos) = 50f64.to_radians().sin_cos();
     let observer = format!("u = [{}, {cos}, 0]\nh = [{cos}, {sin}, 0]\nv = [0, 0, -1]\n", -sin);
-    let text = SCENE.replace("MARS", "9.376e6");
+    let text = with_mars_at("9.376e6");
     let (from, to) = (text.find("target_m").unwrap(), text.find("[sensor]").unwrap());
     let text = format!("{}{observer}{}", &text[..from], &text[to..]);
     for (boresight, is_seen) in [("0.0", true), ("200.0", false)] {
@@ -62,9 +45,8 @@ fn mars_in_view_is_told() {
 #[test]
 fn more_than_all_the_light_is_told() {
     let scratch = Scratch::new();
-    let text = SCENE.replace("MARS", "9.4e6").replace("TARGET", "12000.0");
     for (emissivity, is_told) in [("0.9", false), ("0.95", true)] {
-        let scene = scratch.write("s.toml", text.replace("0.1 }", &format!("0.1, emissivity = {emissivity} }}")));
+        let scene = scratch.write("s.toml", SITE.replace("0.1 }", &format!("0.1, emissivity = {emissivity} }}")));
         let (code, out, err) = run(&["inspect", scene.to_str().unwrap()]);
         assert_eq!(code, 0, "{err}");
         assert_eq!(out.contains("reflectance and emissivity add up to 1.050"), is_told, "{out}");
@@ -74,7 +56,7 @@ fn more_than_all_the_light_is_told() {
 #[test]
 fn defaults_take_one_line_and_all_are_said_on_request() {
     let scratch = Scratch::new();
-    let scene = scratch.write("s.toml", SCENE.replace("MARS", "9.4e6").replace("TARGET", "12000.0"));
+    let scene = scratch.write("s.toml", SITE);
     let table = scratch.argument("t.npz");
     let lines = |more: &[&str]| {
         let arguments = [&["solve", scene.to_str().unwrap(), "-o", &table, "--force"], more].concat();
