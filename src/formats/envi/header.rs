@@ -1,296 +1,26 @@
-//! ENVI: a file of numbers and a text header beside it. Cubes and backplanes are written; any header can be inspected.
+//! What a header says: its text, key by key, and what the keys mean.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt::Write as _;
-use std::fs::File;
-use std::io::{BufReader, Read, Seek, SeekFrom, Write};
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use rayon::prelude::*;
-
-use super::input;
-use super::length::Unit;
-use super::located;
-pub use super::number::DataType;
+use super::{CODES, DataType, Interleave, SPECTRAL_LIBRARY};
 use crate::error::{Error, Location, Problem, Result};
-use crate::product::{Backplanes, Cube, Plane};
-use crate::progress::{Watch, tell};
+use crate::formats::input;
+use crate::formats::length::Unit;
+use crate::formats::located;
 use crate::report::{Fate, Report};
-use crate::spectral::Band;
-
-/// Order of the numbers in the file, slowest index first.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Interleave {
-    /// Band, line, sample.
-    #[default]
-    Bsq,
-    /// Line, band, sample.
-    Bil,
-    /// Line, sample, band.
-    Bip,
-}
-
-impl Interleave {
-    /// The name in the header.
-    pub fn name(self) -> &'static str {
-        match self {
-            Interleave::Bsq => "bsq",
-            Interleave::Bil => "bil",
-            Interleave::Bip => "bip",
-        }
-    }
-}
-
-/// ENVI's codes of real numbers.
-const CODES: [(u64, DataType); 9] = [
-    (1, DataType::U8),
-    (2, DataType::I16),
-    (3, DataType::I32),
-    (4, DataType::F32),
-    (5, DataType::F64),
-    (12, DataType::U16),
-    (13, DataType::U32),
-    (14, DataType::I64),
-    (15, DataType::U64),
-];
-
-/// The code of a type; 0 for signed bytes, which ENVI does not have.
-pub(super) fn code(data_type: DataType) -> u64 {
-    CODES.iter().find(|c| c.1 == data_type).map_or(0, |c| c.0)
-}
-
-/// The precision of what is written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Precision {
-    /// Single: half the size, rounded once, at the write.
-    #[default]
-    F32,
-    /// Double: as computed.
-    F64,
-}
-
-/// A number as it is written.
-trait Sample {
-    const BYTES: usize;
-    fn store(value: f64, at: &mut [u8]);
-}
-
-impl Sample for f32 {
-    const BYTES: usize = 4;
-    fn store(value: f64, at: &mut [u8]) {
-        at.copy_from_slice(&(value as f32).to_le_bytes());
-    }
-}
-
-impl Sample for f64 {
-    const BYTES: usize = 8;
-    fn store(value: f64, at: &mut [u8]) {
-        at.copy_from_slice(&value.to_le_bytes());
-    }
-}
-
-/// Pixels expanded by one task. Not a power of two, so that 16 bands of a block do not share cache sets.
-const BLOCK: usize = 4112;
-/// Bands of a band-sequential file that are expanded at a time: what [`Cube::expand`] computes at once,
-/// less if that were more memory than this.
-const PASS_BANDS: usize = 16;
-const PASS_BYTES: usize = 64 << 20;
-/// Lines expanded at a time in the other interleaves.
-const PASS_LINES: usize = 16;
-
-/// Writes a radiance cube: the numbers to `path`, the header beside it (`.hdr`).
-///
-/// The cube is expanded on the way to the disk and never held in memory; the bytes do not depend on the number of threads.
-///
-/// # Errors
-/// [`Error::Io`] if a file cannot be written, [`Error::Interrupted`] if `watch` asks to stop.
-pub fn write_cube(
-    path: &Path,
-    cube: &Cube,
-    interleave: Interleave,
-    precision: Precision,
-    description: &str,
-    watch: Watch<'_>,
-) -> Result<()> {
-    let mut file = File::create(path).map_err(|e| Error::io(path, "writing", e))?;
-    let mut put = |bytes: &[u8]| file.write_all(bytes).map_err(|e| Error::io(path, "writing", e));
-    match precision {
-        Precision::F32 => stream::<f32>(cube, interleave, &mut put, watch)?,
-        Precision::F64 => stream::<f64>(cube, interleave, &mut put, watch)?,
-    }
-    let mut text = common_header(description, cube.samples, cube.lines, cube.bands.len(), interleave, precision);
-    text.push_str("data units = W m-2 sr-1 um-1\nwavelength units = Micrometers\n");
-    list(&mut text, "wavelength", cube.bands.iter().map(|b| b.centre_um.to_string()));
-    if cube.bands.iter().any(|b| b.fwhm_um.is_some()) {
-        list(&mut text, "fwhm", cube.bands.iter().map(|b| b.fwhm_um.unwrap_or(0.0).to_string()));
-    }
-    if cube.bands.iter().any(|b| !b.name.is_empty()) {
-        let name = |(i, band): (usize, &Band)| match plain(&band.name) {
-            name if name.is_empty() => format!("band {}", i + 1),
-            name => name,
-        };
-        list(&mut text, "band names", cube.bands.iter().enumerate().map(name));
-    }
-    let [red, green, blue] = super::quicklook::colour_bands(&cube.bands);
-    if cube.bands.len() >= 3 {
-        list(&mut text, "default bands", [red, green, blue].map(|b| (b + 1).to_string()).into_iter());
-    }
-    write_header(path, &text)
-}
-
-/// Expands a cube into the file's order, pass by pass, in one buffer.
-fn stream<S: Sample>(
-    cube: &Cube,
-    interleave: Interleave,
-    put: &mut impl FnMut(&[u8]) -> Result<()>,
-    watch: Watch<'_>,
-) -> Result<()> {
-    if interleave != Interleave::Bsq {
-        return stream_lines::<S>(cube, interleave == Interleave::Bil, put, watch);
-    }
-    let bands = cube.bands.len();
-    let pixels = cube.samples * cube.lines;
-    let step = (PASS_BYTES / (pixels * S::BYTES).max(1)).clamp(1, PASS_BANDS);
-    let mut buffer = vec![0; pixels * step.min(bands) * S::BYTES];
-    for first in (0..bands).step_by(step) {
-        tell(watch, "writing the cube", first as u64, bands as u64)?;
-        let pass = first..(first + step).min(bands);
-        // Block after block, each [band, pixel].
-        let pass_bytes = &mut buffer[..pixels * pass.len() * S::BYTES];
-        let block_bytes = BLOCK * pass.len() * S::BYTES;
-        pass_bytes.par_chunks_mut(block_bytes).enumerate().for_each(|(i, bytes)| {
-            tile::<S>(cube, i * BLOCK..((i + 1) * BLOCK).min(pixels), pass.clone(), true, bytes);
-        });
-        for band in 0..pass.len() {
-            for block in pass_bytes.chunks(block_bytes) {
-                let run = block.len() / pass.len();
-                put(&block[band * run..][..run])?;
-            }
-        }
-    }
-    Ok(())
-}
-
-/// Hands out the lines of a cube, each [band, sample] or [sample, band], several at a time.
-fn stream_lines<S: Sample>(
-    cube: &Cube,
-    band_major: bool,
-    put: &mut impl FnMut(&[u8]) -> Result<()>,
-    watch: Watch<'_>,
-) -> Result<()> {
-    let bands = 0..cube.bands.len();
-    let line_bytes = cube.samples * bands.len() * S::BYTES;
-    let mut buffer = vec![0; line_bytes * PASS_LINES.min(cube.lines)];
-    for first in (0..cube.lines).step_by(PASS_LINES) {
-        tell(watch, "writing the cube", first as u64, cube.lines as u64)?;
-        let pass_bytes = &mut buffer[..line_bytes * PASS_LINES.min(cube.lines - first)];
-        pass_bytes.par_chunks_mut(line_bytes.max(1)).enumerate().for_each(|(i, bytes)| {
-            let pixel = (first + i) * cube.samples;
-            tile::<S>(cube, pixel..pixel + cube.samples, bands.clone(), band_major, bytes);
-        });
-        put(pass_bytes)?;
-    }
-    Ok(())
-}
-
-/// Hands out the lines of a cube as f32, each [band, sample], several at a time.
-pub(super) fn stream_lines_f32(cube: &Cube, put: &mut impl FnMut(&[u8]) -> Result<()>, watch: Watch<'_>) -> Result<()> {
-    stream_lines::<f32>(cube, true, put, watch)
-}
-
-/// The bytes of some pixels in some bands: [band, pixel] or [pixel, band].
-fn tile<S: Sample>(cube: &Cube, pixels: Range<usize>, bands: Range<usize>, band_major: bool, bytes: &mut [u8]) {
-    let (pixel_step, band_step) = if band_major { (1, pixels.len()) } else { (bands.len(), 1) };
-    cube.expand(pixels.clone(), bands.clone(), |pixel, band, values| {
-        let start = (pixel - pixels.start) * pixel_step + (band - bands.start) * band_step;
-        for (k, value) in values.iter().enumerate() {
-            let at = (start + k * band_step) * S::BYTES;
-            S::store(*value, &mut bytes[at..at + S::BYTES]);
-        }
-    });
-}
-
-/// Writes backplanes, band-sequential: the numbers to `path`, the header beside it (`.hdr`). NaN is "no surface".
-///
-/// # Errors
-/// [`Error::Io`] if a file cannot be written; [`Error::Invalid`] for a plane of another size than the image.
-pub fn write_backplanes(path: &Path, planes: &Backplanes, precision: Precision, description: &str) -> Result<()> {
-    let pixels = planes.samples * planes.lines;
-    if let Some(plane) = planes.planes.iter().find(|p| p.values.len() != pixels) {
-        let message = format!("{} values for an image of {} x {}", plane.values.len(), planes.samples, planes.lines);
-        return Err(Error::invalid(Location::item(format!("backplane {}", plane.name)), message));
-    }
-    let mut file = File::create(path).map_err(|e| Error::io(path, "writing", e))?;
-    for plane in &planes.planes {
-        let bytes: Vec<u8> = match precision {
-            Precision::F32 => plane.values.iter().flat_map(|v| (*v as f32).to_le_bytes()).collect(),
-            Precision::F64 => plane.values.iter().flat_map(|v| v.to_le_bytes()).collect(),
-        };
-        file.write_all(&bytes).map_err(|e| Error::io(path, "writing", e))?;
-    }
-    let (samples, lines, bands) = (planes.samples, planes.lines, planes.planes.len());
-    let mut text = common_header(description, samples, lines, bands, Interleave::Bsq, precision);
-    text.push_str("data ignore value = nan\n");
-    // ENVI has one unit for a file; ours differ, so that a plane's name carries its own.
-    let name = |p: &Plane| match p.unit.as_str() {
-        "" | "1" => plain(&p.name),
-        unit => plain(&format!("{} ({unit})", p.name)),
-    };
-    list(&mut text, "band names", planes.planes.iter().map(name));
-    write_header(path, &text)
-}
-
-fn common_header(
-    description: &str,
-    samples: usize,
-    lines: usize,
-    bands: usize,
-    interleave: Interleave,
-    precision: Precision,
-) -> String {
-    let data_type = match precision {
-        Precision::F32 => 4,
-        Precision::F64 => 5,
-    };
-    format!(
-        "ENVI\ndescription = {{{}}}\nsamples = {samples}\nlines = {lines}\nbands = {bands}\nheader offset = 0\n\
-         file type = ENVI Standard\ndata type = {data_type}\ninterleave = {}\nbyte order = 0\n",
-        description.replace(['{', '}', '\n'], " "),
-        interleave.name()
-    )
-}
-
-/// A name that the header's lists can hold.
-pub(super) fn plain(name: &str) -> String {
-    name.replace(['{', '}', ',', '\n'], " ")
-}
-
-pub(super) fn list(text: &mut String, key: &str, values: impl Iterator<Item = String>) {
-    let values: Vec<String> = values.collect();
-    let rows: Vec<String> = values.chunks(8).map(|row| row.join(", ")).collect();
-    let _ = writeln!(text, "{key} = {{\n {}}}", rows.join(",\n "));
-}
-
-fn write_header(data: &Path, text: &str) -> Result<()> {
-    let path = data.with_extension("hdr");
-    std::fs::write(&path, text).map_err(|e| Error::io(&path, "writing", e))
-}
-
-/// The file type of a spectral library.
-pub(super) const SPECTRAL_LIBRARY: &str = "ENVI Spectral Library";
 
 /// Value = (number x gain + offset) / divisor.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Scale {
-    pub(super) gain: f64,
-    pub(super) offset: f64,
+pub(in crate::formats) struct Scale {
+    pub(in crate::formats) gain: f64,
+    pub(in crate::formats) offset: f64,
     /// What a file has for a reflectance of 1.
-    pub(super) divisor: f64,
+    pub(in crate::formats) divisor: f64,
 }
 
 impl Scale {
-    pub(super) fn value(self, number: f64) -> f64 {
+    pub(in crate::formats) fn value(self, number: f64) -> f64 {
         (number * self.gain + self.offset) / self.divisor
     }
 }
@@ -341,7 +71,7 @@ impl Header {
 
     /// How the numbers of `count` bands, or channels of a spectral library, become values; none if they are the values. One gain or offset
     /// is for all of them.
-    pub(super) fn scales(&self, count: usize, problems: &mut Vec<Problem>) -> Vec<Scale> {
+    pub(in crate::formats) fn scales(&self, count: usize, problems: &mut Vec<Problem>) -> Vec<Scale> {
         let mut list = |key: &str, default: f64| -> Option<Vec<f64>> {
             let text = self.field(key)?;
             let numbers: Option<Vec<f64>> = text.split(',').map(|t| t.trim().parse().ok()).collect();
@@ -373,7 +103,7 @@ impl Header {
     }
 
     /// Wavelengths in um, and the unit that was taken for granted if the header gives none; `None` for other units, as an index.
-    pub(super) fn um(&self, wavelengths: &[f64]) -> Option<(Vec<f64>, Option<&'static str>)> {
+    pub(in crate::formats) fn um(&self, wavelengths: &[f64]) -> Option<(Vec<f64>, Option<&'static str>)> {
         let (unit, taken) = self.wavelength_unit()?;
         let um = |w: &f64| unit.um(*w).unwrap_or(f64::INFINITY);
         Some((wavelengths.iter().map(um).collect(), taken))
@@ -390,7 +120,7 @@ impl Header {
 
     /// Widths of the bands, um, in the unit of `fwhm units`, if there is that key, or of the wavelengths; `None` if they cannot be used.
     /// The report tells what is odd.
-    pub(super) fn fwhm_um(&self, centres_um: &[f64], report: &mut Report) -> Option<Vec<f64>> {
+    pub(in crate::formats) fn fwhm_um(&self, centres_um: &[f64], report: &mut Report) -> Option<Vec<f64>> {
         let at = || Location::file(&self.path).with_item("fwhm");
         let unit = match self.field("fwhm units").and_then(Unit::of) {
             Some(unit) => unit,
@@ -531,7 +261,7 @@ struct Field {
 }
 
 /// Keys that have a meaning here.
-pub(super) const KEYS: [&str; 21] = [
+pub(in crate::formats) const KEYS: [&str; 21] = [
     "samples",
     "lines",
     "bands",
@@ -763,130 +493,4 @@ impl<'a> Fields<'a> {
 fn whole(text: &str) -> Option<u64> {
     let of_real = || text.parse::<f64>().ok().filter(|v| v.fract() == 0.0 && (0.0..9e15).contains(v)).map(|v| v as u64);
     text.parse().ok().or_else(of_real)
-}
-
-/// The header and the data file of one image, whichever of the two is named.
-///
-/// # Errors
-/// [`Error::Invalid`] if the other one is not there.
-pub fn pair(path: &Path) -> Result<(PathBuf, PathBuf)> {
-    let is_header = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("hdr"));
-    let appended = {
-        let mut name = path.as_os_str().to_owned();
-        name.push(".hdr");
-        PathBuf::from(name)
-    };
-    let found = if is_header {
-        let bare = path.with_extension("");
-        let endings = ["img", "dat", "bsq", "bil", "bip", "raw", "sli"];
-        let candidates = endings.iter().map(|e| path.with_extension(e));
-        let in_capitals = endings.iter().map(|e| path.with_extension(e.to_uppercase()));
-        candidates.chain(in_capitals).chain([bare]).find(|p| p.is_file()).map(|data| (path.to_owned(), data))
-    } else {
-        let in_capitals = path.with_extension("HDR");
-        [path.with_extension("hdr"), appended, in_capitals]
-            .into_iter()
-            .find(|p| p.is_file())
-            .map(|header| (header, path.to_owned()))
-    };
-    // Of a link, where it leads to: the other is there too, or the error tells of the link.
-    let target = || path.canonicalize().ok().filter(|_| path.is_symlink()).and_then(|target| pair(&target).ok());
-    found.or_else(target).ok_or_else(|| {
-        let (other, help) = if is_header {
-            ("data file", "it has the header's name with .img, .dat, .bsq, .bil, .bip, .raw, .sli, or without .hdr")
-        } else {
-            ("header", "it has the data file's name with .hdr")
-        };
-        let problem = Problem::new(Location::file(path), format!("its {other} is not beside it")).with_help(help);
-        Error::Invalid(vec![problem])
-    })
-}
-
-/// The header to write for a data file; not one by which another image is read, which would be lost.
-///
-/// # Errors
-/// [`Error::Invalid`] if there is such an image.
-pub(super) fn header_of(data: &Path) -> Result<PathBuf> {
-    let header = data.with_extension("hdr");
-    let is_there = |path: &Path| path.symlink_metadata().is_ok();
-    match pair(&header) {
-        Ok((_, other)) if is_there(&header) && !is_there(data) => {
-            let problem = Problem::new(Location::file(&header), format!("is the header of {}", other.display()))
-                .with_help("choose another name for the output");
-            Err(Error::Invalid(vec![problem]))
-        }
-        _ => Ok(header),
-    }
-}
-
-/// What the numbers of one band are like.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BandStatistics {
-    /// Numbers that count: not NaN and not the ignored value.
-    pub count: u64,
-    /// Smallest of them.
-    pub min: f64,
-    /// Largest of them.
-    pub max: f64,
-    /// Their mean.
-    pub mean: f64,
-}
-
-/// Reads the data file once and says what each band is like.
-///
-/// # Errors
-/// [`Error::Io`]; [`Error::Invalid`] if the file is shorter than the header says.
-pub fn statistics(header: &Header, data: &Path) -> Result<Vec<BandStatistics>> {
-    let io = |e| Error::io(data, "reading", e);
-    let size = std::fs::metadata(data).map_err(io)?.len();
-    let wanted = header.data_bytes().and_then(|b| b.checked_add(header.header_offset));
-    if wanted.is_none_or(|wanted| size < wanted) {
-        let message = format!(
-            "{size} bytes, but its header asks for {} x {} x {} numbers of {} bytes after {}",
-            header.samples,
-            header.lines,
-            header.bands,
-            header.data_type.bytes(),
-            header.header_offset
-        );
-        let problem =
-            Problem::new(Location::file(data), message).with_help("it is cut short, or the header is another file's");
-        return Err(Error::Invalid(vec![problem]));
-    }
-    let mut file = BufReader::with_capacity(1 << 20, input::open(data).map_err(io)?);
-    file.seek(SeekFrom::Start(header.header_offset)).map_err(io)?;
-    let empty = BandStatistics { count: 0, min: f64::INFINITY, max: f64::NEG_INFINITY, mean: 0.0 };
-    let mut statistics = vec![empty; header.bands];
-    // A run is what one band has in one piece.
-    let (run, runs) = match header.interleave {
-        Interleave::Bsq => (header.samples, header.lines * header.bands),
-        Interleave::Bil => (header.samples, header.lines * header.bands),
-        Interleave::Bip => (1, header.lines * header.samples * header.bands),
-    };
-    let bytes_each = header.data_type.bytes();
-    let (mut bytes, mut values) = (vec![0; run * bytes_each], vec![0.0; run]);
-    for i in 0..runs {
-        file.read_exact(&mut bytes).map_err(io)?;
-        let band = &mut statistics[match header.interleave {
-            Interleave::Bsq => i / header.lines,
-            Interleave::Bil | Interleave::Bip => i % header.bands,
-        }];
-        header.data_type.decode(header.big_endian, &bytes, &mut values);
-        for &value in &values {
-            if !value.is_nan() && header.ignore != Some(value) {
-                band.count += 1;
-                band.min = band.min.min(value);
-                band.max = band.max.max(value);
-                band.mean += value;
-            }
-        }
-    }
-    for band in &mut statistics {
-        if band.count > 0 {
-            band.mean /= band.count as f64;
-        } else {
-            *band = BandStatistics { count: 0, min: f64::NAN, max: f64::NAN, mean: f64::NAN };
-        }
-    }
-    Ok(statistics)
 }
