@@ -1,0 +1,160 @@
+//! Writes an archive of ours: a header and columns, each piece by piece.
+
+use std::fs::File;
+use std::io::{BufWriter, Seek, SeekFrom, Write};
+use std::path::Path;
+
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipWriter};
+
+use super::{FORMAT_VERSION, Field, Header};
+use crate::error::{Error, Result};
+use crate::product::Lit;
+
+/// An array about to be written.
+pub(super) struct Column<'a> {
+    pub(super) name: &'static str,
+    pub(super) unit: &'static str,
+    pub(super) meaning: &'static str,
+    pub(super) values: Values<'a>,
+}
+
+pub(super) enum Values<'a> {
+    F64(&'a [f64]),
+    U32(&'a [u32]),
+    Lit(&'a [Lit]),
+    Uv(&'a [[f64; 2]]),
+    Vector([f64; 3]),
+}
+
+pub(super) fn write(path: &Path, format: &str, scene: &str, columns: &[Column<'_>]) -> Result<()> {
+    let fields = columns
+        .iter()
+        .map(|c| (c.name.to_owned(), Field { unit: c.unit.to_owned(), meaning: c.meaning.to_owned() }))
+        .collect();
+    let header = Header {
+        format: format.to_owned(),
+        format_version: FORMAT_VERSION,
+        mmxrt: env!("CARGO_PKG_VERSION").to_owned(),
+        scene: scene.to_owned(),
+        fields,
+    };
+    let io = |e| Error::io(path, "writing", e);
+    let text = serde_json::to_string(&header).map_err(|e| io(e.into()))?;
+    let mut file = KeepError {
+        file: BufWriter::with_capacity(1 << 20, File::create(path).map_err(io)?),
+        at: 0,
+        end: 0,
+        error: None,
+    };
+    let done: std::io::Result<()> = (|| {
+        let mut zip = ZipWriter::new(&mut file);
+        // NumPy's text is UTF-32.
+        let utf32: Vec<u8> = text.chars().flat_map(|c| u32::from(c).to_le_bytes()).collect();
+        start(&mut zip, "header", &format!("<U{}", utf32.len() / 4), "()", utf32.len())?;
+        zip.write_all(&utf32)?;
+        for column in columns {
+            column.write(&mut zip)?;
+        }
+        zip.finish()?;
+        Ok(())
+    })();
+    // The file's own error tells more than what the zip made of it.
+    file.error.map_or(done, Err).and_then(|()| file.file.flush()).map_err(io)
+}
+
+/// A file that keeps its first error and pretends that all is well, because `ZipWriter` prints, when dropped, what it
+/// could not write.
+struct KeepError {
+    file: BufWriter<File>,
+    at: u64,
+    end: u64,
+    error: Option<std::io::Error>,
+}
+
+impl KeepError {
+    fn attempt(&mut self, act: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>) {
+        if self.error.is_none() {
+            self.error = act(&mut self.file).err();
+        }
+    }
+}
+
+impl Write for KeepError {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.attempt(|file| file.write_all(bytes));
+        self.at += bytes.len() as u64;
+        self.end = self.end.max(self.at);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.attempt(Write::flush);
+        Ok(())
+    }
+}
+
+impl Seek for KeepError {
+    fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
+        // Positions are told without asking the file, which may have failed.
+        self.at = match to {
+            SeekFrom::Start(at) => at,
+            SeekFrom::Current(offset) => self.at.saturating_add_signed(offset),
+            SeekFrom::End(offset) => self.end.saturating_add_signed(offset),
+        };
+        let at = self.at;
+        self.attempt(
+            |file| if file.stream_position()? == at { Ok(()) } else { file.seek(SeekFrom::Start(at)).map(drop) },
+        );
+        Ok(self.at)
+    }
+}
+
+/// Starts a member: its entry in the zip file, and NumPy's preamble.
+fn start<W: Write + Seek>(
+    zip: &mut ZipWriter<W>,
+    name: &str,
+    descr: &str,
+    shape: &str,
+    bytes: usize,
+) -> std::io::Result<()> {
+    let options = SimpleFileOptions::default()
+        .compression_method(CompressionMethod::Stored)
+        .last_modified_time(DateTime::default())
+        .unix_permissions(0o644)
+        .large_file(bytes as u64 >= u64::from(u32::MAX) - 1024);
+    zip.start_file(format!("{name}.npy"), options)?;
+    let mut preamble = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}");
+    // Magic and length take 10 bytes; the data begins at a multiple of 64.
+    let padding = 63 - (10 + preamble.len()) % 64;
+    preamble.extend(std::iter::repeat_n(' ', padding));
+    preamble.push('\n');
+    zip.write_all(b"\x93NUMPY\x01\x00")?;
+    zip.write_all(&(preamble.len() as u16).to_le_bytes())?;
+    zip.write_all(preamble.as_bytes())
+}
+
+impl Column<'_> {
+    fn write<W: Write + Seek>(&self, zip: &mut ZipWriter<W>) -> std::io::Result<()> {
+        let (descr, shape, bytes) = match &self.values {
+            Values::F64(v) => ("<f8", format!("({},)", v.len()), 8 * v.len()),
+            Values::U32(v) => ("<u4", format!("({},)", v.len()), 4 * v.len()),
+            Values::Lit(v) => ("|u1", format!("({},)", v.len()), v.len()),
+            Values::Uv(v) => ("<f8", format!("({}, 2)", v.len()), 16 * v.len()),
+            Values::Vector(_) => ("<f8", "(3,)".to_owned(), 24),
+        };
+        start(zip, self.name, descr, &shape, bytes)?;
+        match &self.values {
+            Values::F64(v) => pieces(zip, v, |x| x.to_le_bytes()),
+            Values::U32(v) => pieces(zip, v, |x| x.to_le_bytes()),
+            Values::Lit(v) => pieces(zip, v, |x| [*x as u8]),
+            Values::Uv(v) => pieces(zip, v.as_flattened(), |x| x.to_le_bytes()),
+            Values::Vector(v) => pieces(zip, v, |x| x.to_le_bytes()),
+        }
+    }
+}
+
+/// Writes values as bytes, a few thousand at a time.
+fn pieces<T, const N: usize>(out: &mut impl Write, values: &[T], bytes: impl Fn(&T) -> [u8; N]) -> std::io::Result<()> {
+    values.chunks(8192).try_for_each(|piece| out.write_all(&piece.iter().flat_map(&bytes).collect::<Vec<u8>>()))
+}
