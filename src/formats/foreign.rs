@@ -109,6 +109,11 @@ const IMAGES: [&str; 18] = [
     "fit", "heic",
 ];
 
+/// Whether names of images end so that begin with a mark.
+pub(super) fn is_an_image(extension: &str) -> bool {
+    IMAGES.contains(&extension)
+}
+
 /// Whether a file begins as those do whose names end so.
 pub(super) fn is_begun(beginning: &[u8], extension: &str) -> bool {
     let bytes: &[u8] = match extension {
@@ -131,7 +136,7 @@ pub(super) fn not_what_it_is_called(path: &Path, beginning: &[u8]) -> Error {
         (_, Some(name)) => format!("is {name}, and no image"),
         (_, None) => {
             let first: String = beginning.iter().take(8).flat_map(|byte| byte.escape_ascii()).map(char::from).collect();
-            match IMAGES.contains(&ending.as_str()) {
+            match is_an_image(&ending) {
                 true => {
                     format!(
                         "begins with \"{first}\", as no whole .{ending} file does: damaged, or something else by that name"
@@ -144,7 +149,7 @@ pub(super) fn not_what_it_is_called(path: &Path, beginning: &[u8]) -> Error {
         }
     };
     let problem = Problem::new(Location::file(path), message);
-    Error::Invalid(vec![match IMAGES.contains(&ending.as_str()) || known(beginning).is_some() {
+    Error::Invalid(vec![match is_an_image(&ending) || known(beginning).is_some() {
         true => problem,
         false => problem.with_help("a header of ENVI has the data file's name with .hdr"),
     }])

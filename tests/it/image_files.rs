@@ -494,3 +494,49 @@ fn other_formats_are_named_with_the_line_that_converts_them() {
         }
     }
 }
+
+/// Raw numbers may begin like anything: a header beside them with just as many says what they are.
+#[test]
+fn numbers_that_begin_like_another_format_are_numbers() {
+    let bench = Bench::new(&[1.0]);
+    let header = |more: &str| {
+        format!("ENVI\nsamples = 16\nlines = 1\nbands = 1\ninterleave = bsq\nbyte order = 0\ndata type = 1\n{more}")
+    };
+    let marks: [&[u8]; 12] = [
+        &[0xff, 0xd8, 0xff, 0xe0],
+        &[0xff, 0x0a],
+        &[0xff, 0x4f, 0xff, 0x51],
+        &[0xff, 0xfe],
+        b"II*\0",
+        b"BM\x10\0\0\0\0\0\0\0",
+        b"CDF\x01",
+        b"PK\x03\x04",
+        b"\x1f\x8b",
+        b"\x89PNG\r\n\x1a\n",
+        b"P5 ",
+        b"{\"asset\":{}}",
+    ];
+    for (mark, name) in marks.iter().flat_map(|mark| ["a.img", "a.bil", "a"].map(|name| (mark, name))) {
+        let mut bytes = [7_u8; 16];
+        bytes[..mark.len()].copy_from_slice(mark);
+        bench.0.write("a.hdr", header(""));
+        let path = bench.0.write(name, bytes);
+        let (code, out, err) = run(&["inspect", path.to_str().unwrap(), "--json"]);
+        assert_eq!(code, 0, "{name}, {mark:?}: {err}");
+        let facts: serde_json::Value = serde_json::from_str(&out).unwrap();
+        let mean = bytes.iter().map(|b| f64::from(*b)).sum::<f64>() / 16.0;
+        assert!((facts["statistics"][0]["mean"].as_f64().unwrap() - mean).abs() < 1e-9, "{mark:?}: {facts}");
+        let (code, _, err) =
+            run(&["convert", path.to_str().unwrap(), &bench.0.argument("b.npy"), "--dtype", "f64", "--force"]);
+        assert_eq!(code, 0, "{name}, {mark:?}: {err}");
+        let written = std::fs::read(bench.0.join("b.npy")).unwrap();
+        let expected: Vec<u8> = bytes.iter().flat_map(|b| f64::from(*b).to_le_bytes()).collect();
+        assert_eq!(written[written.len() - 128..], expected, "{mark:?}");
+        std::fs::remove_file(path).unwrap();
+    }
+    // An image of another length is not of this header.
+    bench.0.write("a.hdr", header(""));
+    let path = bench.0.write("a.img", b"GIF89a and so on, as no header says");
+    let (code, _, err) = run(&["inspect", path.to_str().unwrap()]);
+    assert!(code == 1 && err.contains("GIF"), "{err}");
+}

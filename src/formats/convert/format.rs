@@ -167,10 +167,12 @@ impl Format {
         let reading = |e| Error::io(path, "reading", e);
         let mut beginning = Vec::new();
         input::open(path).and_then(|file| file.take(BEGINNING).read_to_end(&mut beginning)).map_err(reading)?;
-        if let Some(error) = foreign::refused(path, &beginning) {
+        let of_numbers = raster::holds_numbers_alone(path);
+        if let Some(error) = foreign::refused(path, &beginning).filter(|_| !of_numbers) {
             return Err(error);
         }
         let format = match Format::of_name(path) {
+            format if of_numbers => format.unwrap_or(Format::Envi),
             _ if beginning.starts_with(SQLITE) => Format::Database,
             _ if beginning.starts_with(gltf::MAGIC) => Format::Glb,
             // A GLB that is none: its reader says why.

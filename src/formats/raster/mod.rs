@@ -155,6 +155,9 @@ pub fn open(path: &Path) -> Result<Raster> {
     let mut beginning = Vec::new();
     input::open(path).and_then(|file| file.take(BEGINNING).read_to_end(&mut beginning)).map_err(reading)?;
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    if holds_numbers_alone(path) {
+        return if extension == "mp#" { headers::open_ilwis(path) } else { headers::open_envi(path) };
+    }
     if let Some(error) = foreign::refused(path, &beginning) {
         return Err(error);
     }
@@ -184,6 +187,21 @@ pub fn open(path: &Path) -> Result<Raster> {
             _ => headers::open_envi(path),
         },
     }
+}
+
+/// Whether a file holds numbers alone, so that how it begins tells nothing: 2815 in the first pixel is the mark of JPEG XL. They are
+/// ILWIS', or just as many as a header of ENVI beside them says.
+pub(super) fn holds_numbers_alone(path: &Path) -> bool {
+    let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    if ending == "mp#" {
+        return true;
+    }
+    if ending == "hdr" || foreign::is_an_image(&ending) {
+        return false;
+    }
+    let Ok(header) = envi::pair(path).and_then(|(header, _)| envi::read_header(&header)) else { return false };
+    let expected = header.data_bytes().and_then(|bytes| bytes.checked_add(header.header_offset));
+    path.metadata().is_ok_and(|file| Some(file.len()) == expected)
 }
 
 impl Raster {
