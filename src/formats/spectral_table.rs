@@ -109,7 +109,7 @@ fn names_wavelength(text: &str) -> bool {
 /// Puts the column that names wavelengths first, wherever it stands, and takes out those that number the rows before it.
 fn wavelength_first(cells: &mut Vec<&str>, rows: &mut [Vec<&str>]) {
     const NUMBERS: [&str; 8] = ["", "#", "no", "nr", "index", "band", "bands", "channel"];
-    if names_wavelength(cells[0]) {
+    if cells.first().is_none_or(|cell| names_wavelength(cell)) {
         return;
     }
     let Some(mut at) = cells.iter().position(|cell| is_of_wavelength(cell)) else { return };
@@ -241,12 +241,13 @@ impl<'a> Lines<'a> {
             return Self::without_header(text, path, first, rows, comment);
         };
         let (mut cells, mut rows) = parted(header, in_comment.is_some(), rows);
+        if in_comment.is_none() {
+            wavelength_first(&mut cells, &mut rows);
+        }
+        // Numbers of rows are no values.
         if cells.len() < 2 {
             let message = "one column: a wavelength and a value, parted by a comma, are needed";
             return Err(Error::invalid(place(path, text, cells.first().copied().unwrap_or(header)), message));
-        }
-        if in_comment.is_none() {
-            wavelength_first(&mut cells, &mut rows);
         }
         let unit = match of_wavelength(cells[0]) {
             Ok(Some(unit)) => unit,

@@ -341,6 +341,8 @@ fn tables_of_many_spectra_are_checked_cell_by_cell() {
         ("", "no header"),
         ("lambda,a\n120,0.1\n", "does not state the unit"),
         ("wavelength_um\n1\n", "one column"),
+        ("no,wavelength_um\n1,0.5\n2,0.6\n", "1:4: one column"),
+        ("##\u{8}#\n,a\u{30a}\n##sun \n3 02", "2:2: one column"),
         ("wavelength_um,a,A\n1,0,0\n", "a.csv:1:17: `A` is there twice"),
         ("wavelength_um,a,\n1,0,0\n", "has no name"),
         ("wavelength_um,a\n", "no rows"),
