@@ -9,7 +9,7 @@ use glam::{DMat3, DVec3};
 use mmxrt::geometry::{Direction, Pose};
 use mmxrt::landscape::{self, Recipe};
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{FrameCamera, Material, Photometry, Scene, Sensor, Sun, Thermal};
+use mmxrt::scene::{Exposure, FrameCamera, Material, Models, Parts, Photometry, Sky, Sun, Surface, Thermal};
 use mmxrt::spectral::{Band, Extend, Spectrum, solar_e490};
 use mmxrt::units::{AU_M, TSI_1AU_W_M2};
 use mmxrt::{Result, study};
@@ -38,21 +38,25 @@ fn main() -> Result<()> {
         rotation: DMat3::from_cols(DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z),
         translation_m: DVec3::new(0.0, 0.0, 500.0),
     };
-    let scene = Scene {
-        origin_m: DVec3::new(0.0, 11_860.0, 0.0), // where the site is on the body: for latitudes and longitudes
-        mesh: landscape.mesh,
-        materials,
-        textures: vec![],
-        sun: Sun {
-            direction: Direction::new(DVec3::new(1.0, 0.0, 1.0)).expect("has a length"), // 45 deg high in the east
-            distance_m: 1.52 * AU_M,
-            irradiance_1au: solar_e490().clone(),
-            total_irradiance_1au_w_m2: TSI_1AU_W_M2,
+    let scene = Parts {
+        surface: Surface {
+            origin_m: DVec3::new(0.0, 11_860.0, 0.0), // where the site is on the body: for latitudes and longitudes
+            mesh: landscape.mesh,
+            materials,
+            textures: vec![],
         },
-        mars: None,
-        thermal: Thermal::Equilibrium,
-        sensor: Sensor {
-            name: "first camera".into(),
+        sky: Sky {
+            sun: Sun {
+                direction: Direction::new(DVec3::new(1.0, 0.0, 1.0)).expect("has a length"), // 45 deg high in the east
+                distance_m: 1.52 * AU_M,
+                irradiance_1au: solar_e490().clone(),
+                total_irradiance_1au_w_m2: TSI_1AU_W_M2,
+            },
+            mars: None,
+        },
+        models: Models { thermal: Thermal::Equilibrium, ..Models::default() },
+        exposure: Exposure {
+            instrument: "first camera".into(),
             camera: FrameCamera::centred(world_from_sensor, 64, 64, 0.02), // 10 m a pixel
             bands: [1.0, 2.0, 3.0, 3.6].map(|centre_um| Band::new(centre_um, None)).into(),
         },
@@ -65,7 +69,7 @@ fn main() -> Result<()> {
     let (line, sample) = (32, 32);
     let cube = observation.cube.to_array();
     println!("pixel ({line}, {sample}), W m-2 sr-1 um-1:");
-    for (b, band) in scene.sensor.bands.iter().enumerate() {
+    for (b, band) in scene.exposure.bands.iter().enumerate() {
         println!("  {:.2} um: {:.6}", band.centre_um, cube[[line, sample, b]]);
     }
     for name in ["COVERAGE", "LIT_FRACTION", "RANGE_MEAN", "LOCALINCIDENCE_MEAN"] {

@@ -13,19 +13,16 @@ use mmxrt::progress::unwatched;
 use mmxrt::solve::solve;
 use mmxrt::spectral::Band;
 use mmxrt::study::table_id;
-use mmxrt::visibility::Topology;
 use mmxrt::{Error, Result};
 
 fn main() -> Result<()> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/phobos_site/scene.toml");
     let file = scene_toml::read(&path, &unwatched)?;
-    println!("{} facets; values the file leaves open:", file.scene.mesh.facets.len());
+    println!("{} facets; values the file leaves open:", file.scene.body.mesh.facets.len());
     file.defaults.iter().for_each(|d| println!("  {} = {}", d.item, d.value));
 
-    // Which facets are neighbours, and which parts are closed: once for a mesh.
-    let topology = Topology::new(&file.scene.mesh);
-    let table = solve(&file.scene, &topology, &unwatched)?;
-    let lit = (0..table.sunlit.lit.len() as u32).map(|f| table.sunlit.fraction(f)).sum::<f64>();
+    let table = solve(&file.scene, &unwatched)?;
+    let lit = (0..table.sunlit.shown.len() as u32).map(|f| table.sunlit.fraction(f)).sum::<f64>();
     println!("the Sun sees {lit:.2} facets' worth of it");
 
     // The table keeps every bit on its way through a file.
@@ -36,19 +33,20 @@ fn main() -> Result<()> {
     println!("{}: {}", header.format, header.fields.keys().cloned().collect::<Vec<_>>().join(", "));
     std::fs::remove_file(&table_path).map_err(|e| Error::io(&table_path, "removing", e))?;
 
-    // Two cameras look at the same solution: the one of the file, and one with a narrower view and other bands.
-    let mut narrow = file.scene.clone();
-    narrow.sensor.camera.pitch.iter_mut().for_each(|pitch| *pitch /= 4.0);
-    narrow.sensor.bands = [2.0, 3.6].map(|centre_um| Band::new(centre_um, Some(0.02))).into();
-    for scene in [file.scene, narrow.check()?] {
-        let image = integrate(&scene, &topology, &table, &unwatched)?;
-        let last = scene.sensor.bands.len() - 1;
+    // Two cameras look at the same body and solution: the one of the file, and one with a narrower view and other bands.
+    let mut narrow = file.scene.exposure.clone();
+    narrow.camera.pitch.iter_mut().for_each(|pitch| *pitch /= 4.0);
+    narrow.bands = [2.0, 3.6].map(|centre_um| Band::new(centre_um, Some(0.02))).into();
+    let narrow = file.scene.seen_by(narrow)?;
+    for scene in [file.scene, narrow] {
+        let image = integrate(&scene, &table, &unwatched)?;
+        let last = scene.exposure.bands.len() - 1;
         let radiance = image.cube.band(last);
         println!(
             "{} bands, {:.3} mrad: mean at {:.2} um is {:.6} W m-2 sr-1 um-1",
-            scene.sensor.bands.len(),
-            1e3 * scene.sensor.camera.ifov_rad(),
-            scene.sensor.bands[last].centre_um,
+            scene.exposure.bands.len(),
+            1e3 * scene.exposure.camera.ifov_rad(),
+            scene.exposure.bands[last].centre_um,
             radiance.iter().sum::<f64>() / radiance.len() as f64
         );
     }

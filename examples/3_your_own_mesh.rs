@@ -10,8 +10,7 @@ use std::fs::write;
 use mmxrt::formats::scene_toml;
 use mmxrt::integrate::footprints;
 use mmxrt::progress::unwatched;
-use mmxrt::solve::sunlit;
-use mmxrt::visibility::Topology;
+use mmxrt::visibility::Seen;
 use mmxrt::{Error, Result};
 
 // Faces are counter-clockwise seen from outside. Quads become two facets each, along the shorter diagonal.
@@ -56,15 +55,16 @@ fn main() -> Result<()> {
     let scene = scene_toml::read(&folder.join("scene.toml"), &unwatched)?.scene;
     std::fs::remove_dir_all(&folder).map_err(io)?;
 
-    let topology = Topology::new(&scene.mesh);
-    let sunlit = sunlit(&scene.mesh, &topology, scene.sun.direction, &unwatched)?;
-    let footprints = footprints(&scene.mesh, &topology, &sunlit, &scene.sensor.camera);
+    // Which facets are neighbours, and which parts are closed: found once for a body.
+    let (mesh, topology) = (&scene.body.mesh, scene.body.topology());
+    let sunlit = Seen::from_afar(mesh, topology, scene.sky.sun.direction, "sunlight", &unwatched)?;
+    let footprints = footprints(mesh, topology, &sunlit, &scene.exposure.camera);
 
     // Line 3 is the one north of the middle; its samples go from west to east, the first from x = -4 m.
     for sample in [0, 1, 2, 3, 4] {
         println!("line 3, sample {sample}, x from {} m:", sample as i32 - 4);
         for (facet, fraction, lit_fraction) in footprints.pixel(3 * 8 + sample) {
-            let material = &scene.materials[scene.mesh.material[facet as usize].0 as usize].name;
+            let material = &scene.body.materials[scene.body.mesh.material[facet as usize].0 as usize].name;
             println!("  facet {facet} of {material}: {fraction:.5} of the pixel, {lit_fraction:.5} lit");
         }
     }

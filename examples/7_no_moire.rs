@@ -10,7 +10,9 @@
 use glam::{DMat3, DVec3};
 use mmxrt::geometry::{Direction, MaterialId, Mesh, Pose, Texels};
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{FrameCamera, Material, Photometry, Scene, Sensor, Sun, Texture, TextureKind, Thermal};
+use mmxrt::scene::{
+    Exposure, FrameCamera, Material, Models, Parts, Photometry, Scene, Sky, Sun, Surface, Texture, TextureKind, Thermal,
+};
 use mmxrt::spectral::{Band, Spectrum};
 use mmxrt::units::AU_M;
 use mmxrt::{Error, Result, study};
@@ -93,26 +95,30 @@ fn scene(camera: FrameCamera) -> Result<Scene> {
         emissivity_bolometric: 0.95,
         mixture: vec![(0, 1.0)],
     };
-    Scene {
-        origin_m: DVec3::new(0.0, 0.0, 11_000.0),
-        mesh: Mesh {
-            vertices_m: corners.map(|[x, y]| DVec3::new(x, y, 0.0)).to_vec(),
-            facets,
-            material: vec![MaterialId(0); 2],
-            face_of_facet: vec![],
-            uv: vec![],
+    Parts {
+        surface: Surface {
+            origin_m: DVec3::new(0.0, 0.0, 11_000.0),
+            mesh: Mesh {
+                vertices_m: corners.map(|[x, y]| DVec3::new(x, y, 0.0)).to_vec(),
+                facets,
+                material: vec![MaterialId(0); 2],
+                face_of_facet: vec![],
+                uv: vec![],
+            },
+            materials: vec![grey],
+            textures: vec![texture],
         },
-        materials: vec![grey],
-        textures: vec![texture],
-        sun: Sun {
-            direction: Direction::new(DVec3::Z).expect("has a length"),
-            distance_m: AU_M,
-            irradiance_1au: Spectrum::constant(700.0),
-            total_irradiance_1au_w_m2: 1361.0,
+        sky: Sky {
+            sun: Sun {
+                direction: Direction::new(DVec3::Z).expect("has a length"),
+                distance_m: AU_M,
+                irradiance_1au: Spectrum::constant(700.0),
+                total_irradiance_1au_w_m2: 1361.0,
+            },
+            mars: None,
         },
-        mars: None,
-        thermal: Thermal::Off,
-        sensor: Sensor { name: "walker".into(), camera, bands: vec![Band::new(1.0, None)] },
+        exposure: Exposure { instrument: "walker".into(), camera, bands: vec![Band::new(1.0, None)] },
+        models: Models { thermal: Thermal::Off, ..Models::default() },
     }
     .check()
 }

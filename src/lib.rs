@@ -11,7 +11,7 @@
 //! use glam::{DMat3, DVec3};
 //! use mmxrt::geometry::{Direction, MaterialId, Mesh, Pose};
 //! use mmxrt::progress::unwatched;
-//! use mmxrt::scene::{FrameCamera, Material, Photometry, Scene, Sensor, Sun, Thermal};
+//! use mmxrt::scene::{Exposure, FrameCamera, Material, Models, Parts, Photometry, Sky, Sun, Surface, Thermal};
 //! use mmxrt::spectral::{Band, Spectrum};
 //! use mmxrt::units::AU_M;
 //!
@@ -36,21 +36,18 @@
 //! // 4 x 4 pixels of 0.5 m from 1 km above: right is +x, down is -y.
 //! let rotation = DMat3::from_cols(DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z);
 //! let world_from_sensor = Pose { rotation, translation_m: DVec3::new(0.0, 0.0, 1000.0) };
-//! let scene = Scene {
-//!     origin_m: DVec3::new(0.0, 0.0, 11_000.0),
-//!     mesh,
-//!     materials: vec![grey],
-//!     textures: vec![],
-//!     sun: Sun {
-//!         direction: Direction::new(DVec3::new(1.0, 0.0, 1.0)).unwrap(),
-//!         distance_m: 1.5 * AU_M,
-//!         irradiance_1au: Spectrum::constant(700.0),
-//!         total_irradiance_1au_w_m2: 1361.0,
-//!     },
-//!     mars: None,
-//!     thermal: Thermal::Off,
-//!     sensor: Sensor {
-//!         name: "tour".into(),
+//! let sun = Sun {
+//!     direction: Direction::new(DVec3::new(1.0, 0.0, 1.0)).unwrap(),
+//!     distance_m: 1.5 * AU_M,
+//!     irradiance_1au: Spectrum::constant(700.0),
+//!     total_irradiance_1au_w_m2: 1361.0,
+//! };
+//! let scene = Parts {
+//!     surface: Surface { origin_m: DVec3::new(0.0, 0.0, 11_000.0), mesh, materials: vec![grey], textures: vec![] },
+//!     sky: Sky { sun, mars: None },
+//!     models: Models { thermal: Thermal::Off, ..Models::default() },
+//!     exposure: Exposure {
+//!         instrument: "tour".into(),
 //!         camera: FrameCamera::centred(world_from_sensor, 4, 4, 5e-4),
 //!         bands: vec![Band::new(1.0, None)],
 //!     },

@@ -16,7 +16,6 @@ use mmxrt::progress::unwatched;
 use mmxrt::scene::Scene;
 use mmxrt::solve;
 use mmxrt::study::{self, Fill, MapOptions};
-use mmxrt::visibility::Topology;
 
 mod files;
 
@@ -35,16 +34,15 @@ const MAPS: [&str; 8] = [
 static FOLDER: LazyLock<Folder> = LazyLock::new(|| Folder::holding("maps", &include!("maps.in")));
 
 /// The good scene: what is a map of it is looked at.
-static SCENE: LazyLock<(Scene, Topology, FacetTable)> = LazyLock::new(|| {
+static SCENE: LazyLock<(Scene, FacetTable)> = LazyLock::new(|| {
     let scene = scene_toml::read(&FOLDER.path.join("scene.toml"), &unwatched).unwrap().scene;
-    let topology = Topology::new(&scene.mesh);
-    let table = solve::solve(&scene, &topology, &unwatched).unwrap();
-    (scene, topology, table)
+    let table = solve::solve(&scene, &unwatched).unwrap();
+    (scene, table)
 });
 
 fuzz_target!(|data: &[u8]| {
     let [which, how, pieces @ ..] = data else { return };
-    let (scene, topology, table) = &*SCENE;
+    let (scene, table) = &*SCENE;
     FOLDER.with(pieces, |folder| {
         let open = |(i, name): (usize, &&str)| {
             let weight = if i == 1 && how & 64 != 0 { -0.5 } else { 1.0 };
@@ -61,7 +59,7 @@ fuzz_target!(|data: &[u8]| {
         // Views of the same, or terms of a sum.
         let terms = if how & 32 == 0 { vec![maps.into_iter().flatten().collect()] } else { maps };
         if terms.iter().any(|views| !views.is_empty()) {
-            told(study::observe_maps(scene, topology, table, terms, &options, &unwatched));
+            told(study::observe_maps(scene, table, terms, &options, &unwatched));
         }
         if how & 128 != 0 {
             told(dart::output::open(folder));

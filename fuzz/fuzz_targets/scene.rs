@@ -27,7 +27,7 @@ fuzz_target!(|data: &[u8]| {
         // A camera may have any number of pixels and bands; none is looked through here.
         let _ = study::dry_run(&file.scene);
         Surface::of_scene(&file.scene, &path, &mut Report::default());
-        if file.scene.sensor.bands.len() < 1000 {
+        if file.scene.exposure.bands.len() < 1000 {
             told(dart::from_scene(&file.scene, &dart::WriteOptions::default()));
         }
     });

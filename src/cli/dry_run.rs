@@ -56,7 +56,7 @@ fn shortages(dry_run: &DryRun, free: &Free) -> Vec<String> {
 /// In a few lines what is asked most; `--json` has it all, in all its digits.
 fn text(opened: &Opened, dry_run: &DryRun, free: &Free, warnings: &[String], begins: bool) -> String {
     let about = &dry_run.summary;
-    let sensor = &opened.scene.sensor;
+    let sensor = &opened.scene.exposure;
     let degrees = |name: &str, value: Option<f64>| value.map(|deg| format!("{name} {deg:.2} deg"));
     let above = |value: Option<f64>| value.map(|deg| format!("{deg:.2} deg above level ground"));
     let joined = |parts: &[Option<String>]| parts.iter().flatten().cloned().collect::<Vec<_>>().join(", ");
@@ -79,11 +79,11 @@ fn text(opened: &Opened, dry_run: &DryRun, free: &Free, warnings: &[String], beg
         "dry run: nothing is computed or written".to_owned(),
         format!("facets: {}; {} vertices, {} open edges", about.facets, about.vertices, about.open_edges),
         format!("size: {}", metres(&about.size_m)),
-        list("materials", opened.scene.materials.iter().map(|m| material(&opened.scene, m))),
+        list("materials", opened.scene.body.materials.iter().map(|m| material(&opened.scene, m))),
         format!("sun: {}", joined(&sun)),
         format!("mars: {}", if mars.is_empty() { "none" } else { &mars }),
         format!("at the origin: {}", joined(&angles)),
-        format!("camera: {}, {} from the origin", sensor.name, metres(&[about.range_m])),
+        format!("camera: {}, {} from the origin", sensor.instrument, metres(&[about.range_m])),
         format!(
             "image: {} x {} pixels of {} there ({} mrad); {}, about {:.0} % filled",
             sensor.camera.samples,
@@ -122,7 +122,7 @@ fn list(name: &str, items: impl Iterator<Item = String>) -> String {
 
 /// Where materials are compared, um.
 fn middle_um(scene: &Scene) -> Option<f64> {
-    scene.sensor.bands.get(scene.sensor.bands.len() / 2).map(|band| band.centre_um)
+    scene.exposure.bands.get(scene.exposure.bands.len() / 2).map(|band| band.centre_um)
 }
 
 fn material(scene: &Scene, material: &Material) -> String {
@@ -169,10 +169,10 @@ fn rounded(value: f64, digits: i32) -> String {
 fn json_of(opened: &Opened, dry_run: &DryRun, free: &Free, warnings: &[String], begins: bool) -> Value {
     let scene = &opened.scene;
     let about = &dry_run.summary;
-    let bands = &scene.sensor.bands;
+    let bands = &scene.exposure.bands;
     let [x, y, z] = about.size_m;
     let at_um = middle_um(scene);
-    let materials = scene.materials.iter().map(|m| {
+    let materials = scene.body.materials.iter().map(|m| {
         json!({
             "name": m.name, "bond_albedo": m.bond_albedo, "photometry": m.photometry.key().unwrap_or("lambert"),
             "reflectance": at_um.and_then(|um| m.reflectance.at(um)), "at_um": at_um,
@@ -196,9 +196,9 @@ fn json_of(opened: &Opened, dry_run: &DryRun, free: &Free, warnings: &[String], 
         "range_m": about.range_m,
         "mars_elevation_deg": about.mars_elevation_deg,
         "mars_radius_deg": about.mars_radius_deg,
-        "sensor": scene.sensor.name,
-        "samples": scene.sensor.camera.samples,
-        "lines": scene.sensor.camera.lines,
+        "sensor": scene.exposure.instrument,
+        "samples": scene.exposure.camera.samples,
+        "lines": scene.exposure.camera.lines,
         "ifov_mrad": about.ifov_mrad,
         "pixel_m": about.pixel_m,
         "image_m": { "across": about.image_m[0], "down": about.image_m[1] },

@@ -241,8 +241,8 @@ fn converted(path: &Path, console: &Console) -> Result<Facts> {
     let options = convert::Options::default();
     let (format, content, report) = convert::read(path, &options, &|progress| console.watch(progress))?;
     let names: Vec<Value> = match &content {
-        Content::Scene(scene, _) => scene.materials.iter().map(|m| json!({ "name": m.name })).collect(),
-        Content::Surface(surface) => surface.materials.iter().map(|m| json!({ "name": m.name })).collect(),
+        Content::Scene(scene, _) => scene.body.materials.iter().map(|m| json!({ "name": m.name })).collect(),
+        Content::Mesh(surface) => surface.materials.iter().map(|m| json!({ "name": m.name })).collect(),
         Content::Spectra(libraries) => {
             let columns = |l: &mmxrt::spectral::SpectralLibrary| -> Vec<String> {
                 l.columns.iter().map(|column| column.name.clone()).collect()

@@ -9,7 +9,6 @@ use mmxrt::geometry::Texels;
 use mmxrt::integrate::Choice;
 use mmxrt::product::{FacetTable, RadianceMap};
 use mmxrt::study::{Fill, MapOptions};
-use mmxrt::visibility::Topology;
 use mmxrt::{Error, Location, Problem, Result, solve, study};
 
 use super::console::Console;
@@ -79,14 +78,13 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     }
     let staged = arguments.product.stage(console)?;
     let mut opened = scene::open(&arguments.scene, &watch)?;
-    let topology = Topology::new(&opened.scene.mesh);
     let table = arguments.table.as_deref().map(|path| table(path, &arguments.scene, &opened)).transpose()?;
     // Files that tables come from: one at most.
     let mut tables_from: Vec<PathBuf> = arguments.table.clone().into_iter().collect();
     if arguments.radiance.is_empty() {
         let Some(table) = table else { return Err(no_radiance()) };
         arguments.product.admit(&staged, &opened, &tables_from, false, Extras::default())?;
-        let observation = study::observe(&opened.scene, &topology, &table, &watch)?;
+        let observation = study::observe(&opened.scene, &table, &watch)?;
         let table_from = tables_from.pop();
         let made = Made { opened, table, table_from, observation, maps: None };
         return product::write("integrate", &arguments.product, staged, &made, Extras::default(), console);
@@ -146,10 +144,10 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     arguments.product.admit(&staged, &opened, &tables_from, true, Extras::default())?;
     let table = match tables {
         Some(table) => table,
-        None if options.fill == Fill::Solved => solve::solve(&opened.scene, &topology, &watch)?,
-        None => solve::lit(&opened.scene, &topology, &watch)?,
+        None if options.fill == Fill::Solved => solve::solve(&opened.scene, &watch)?,
+        None => solve::lit(&opened.scene, &watch)?,
     };
-    let (observation, maps) = study::observe_maps(&opened.scene, &topology, &table, terms, &options, &watch)?;
+    let (observation, maps) = study::observe_maps(&opened.scene, &table, terms, &options, &watch)?;
     let table_from = tables_from.pop();
     let made = Made { opened, table, table_from, observation, maps: Some(maps) };
     product::write("integrate", &arguments.product, staged, &made, Extras::default(), console)

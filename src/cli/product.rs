@@ -11,7 +11,6 @@ use mmxrt::product::FacetTable;
 use mmxrt::progress::tell;
 use mmxrt::spectral::Band;
 use mmxrt::study::{Check, MapAccount, Observation};
-use mmxrt::visibility::Topology;
 use mmxrt::{Error, Location, Problem, Result, integrate, study};
 
 use super::Outcome;
@@ -170,7 +169,8 @@ fn write_files(
     let Made { opened, table, observation, maps, .. } = made;
     let (cube, planes) = (&observation.cube, &observation.backplanes);
     let coverage = planes.plane("COVERAGE").map_or(&[][..], |plane| &plane.values);
-    let title = |what: &str| format!("{what} by mmxrt {} of {}", env!("CARGO_PKG_VERSION"), opened.scene.sensor.name);
+    let title =
+        |what: &str| format!("{what} by mmxrt {} of {}", env!("CARGO_PKG_VERSION"), opened.scene.exposure.instrument);
 
     let interleave = match options.interleave {
         InterleaveName::Bsq => Interleave::Bsq,
@@ -194,8 +194,8 @@ fn write_files(
     envi::write_backplanes(&file("backplanes.img"), planes, Precision::F64, &title("Backplanes"))?;
     if options.footprints {
         let scene = &opened.scene;
-        let topology = Topology::new(&scene.mesh);
-        let footprints = integrate::footprints(&scene.mesh, &topology, &table.sunlit, &scene.sensor.camera);
+        let footprints =
+            integrate::footprints(&scene.body.mesh, scene.body.topology(), &table.sunlit, &scene.exposure.camera);
         npz::write_footprints(&file("footprints.npz"), &footprints, &opened.id)?;
     }
     if with_table {

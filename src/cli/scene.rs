@@ -28,7 +28,7 @@ impl Opened {
     pub(super) fn say_defaults(&self, console: &Console) {
         let of_heat = |d: &&String| d.contains(".bond_albedo = ") || d.contains(".emissivity_bolometric = ");
         let open: Vec<&String> = self.defaults.iter().filter(of_heat).collect();
-        if self.scene.thermal != Thermal::Equilibrium || open.is_empty() {
+        if self.scene.models.thermal != Thermal::Equilibrium || open.is_empty() {
             return;
         }
         if console.is_verbose() {

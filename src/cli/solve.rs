@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use mmxrt::formats::folder::Staged;
 use mmxrt::formats::npz;
 use mmxrt::progress::tell;
-use mmxrt::visibility::Topology;
 use mmxrt::{Error, Location, Result, solve, study};
 
 use super::console::Console;
@@ -36,7 +35,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     staged.spares(opened.inputs.iter().map(|input| Path::new(&input.path)))?;
     opened.say_defaults(console);
     opened.warnings.iter().for_each(|warning| console.note(&format!("warning: {warning}")));
-    let table = solve::solve(&opened.scene, &Topology::new(&opened.scene.mesh), &watch)?;
+    let table = solve::solve(&opened.scene, &watch)?;
     tell(&watch, "writing the table", 0, 1)?;
     npz::write_table(staged.path(), &table, &study::table_id(&opened.scene)).map_err(|e| staged.named(e))?;
     tell(&watch, "writing the table", 1, 1)?;

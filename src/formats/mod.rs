@@ -33,7 +33,7 @@ pub mod spectra;
 pub mod spectrum_csv;
 pub mod spectrum_svg;
 mod staging;
-pub mod surface;
+pub mod coloured_mesh;
 mod spectral_heading;
 mod spectral_table;
 mod table;

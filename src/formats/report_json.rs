@@ -124,7 +124,7 @@ impl BandEntry {
             light: band.light.name().into(),
             left_out: scene.share_left_out(band),
         };
-        let bands: Vec<BandEntry> = scene.sensor.bands.iter().map(entry).collect();
+        let bands: Vec<BandEntry> = scene.exposure.bands.iter().map(entry).collect();
         let is_usual = |b: &BandEntry| {
             ["monochromatic", "gaussian"].contains(&b.response.as_str())
                 && b.light == "both"

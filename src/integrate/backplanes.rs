@@ -78,7 +78,7 @@ impl Hit {
 
 /// The dictionary entries that materials are mixed of, ascending.
 fn entries_used(scene: &Scene) -> Vec<usize> {
-    let mut used: Vec<usize> = scene.materials.iter().flat_map(|m| &m.mixture).map(|part| part.0).collect();
+    let mut used: Vec<usize> = scene.body.materials.iter().flat_map(|m| &m.mixture).map(|part| part.0).collect();
     used.sort_unstable();
     used.dedup();
     used
@@ -94,13 +94,13 @@ impl<'a> Planes<'a> {
         let used = entries_used(scene);
         let mut entries: Vec<String> = used.iter().map(|i| format!("entry {i}")).collect();
         let place = |entry: usize| used.partition_point(|i| *i < entry);
-        for material in &scene.materials {
+        for material in &scene.body.materials {
             if let [(i, _)] = material.mixture[..] {
                 entries[place(i)].clone_from(&material.name);
             }
         }
         let of = |m: &Material| m.mixture.iter().map(|(entry, share)| (place(*entry), *share)).collect();
-        let shares = scene.materials.iter().map(of).collect();
+        let shares = scene.body.materials.iter().map(of).collect();
         Planes { scene, towards_sun: table.sun_direction.vec(), entries, shares }
     }
 
@@ -124,7 +124,7 @@ impl<'a> Planes<'a> {
     }
 
     fn means(&self, pixel: &Pixel, coverage: f64, values: &mut [f64; FIXED.len()], abundance: &mut [f64]) {
-        let mesh = &self.scene.mesh;
+        let mesh = &self.scene.body.mesh;
         let (mut position_m, mut range_m, mut lit) = (DVec3::ZERO, 0.0, 0.0);
         let (mut local_incidence, mut local_emission) = (0.0, 0.0);
         let mut area_of_material = [0.0; 8];
@@ -158,8 +158,8 @@ impl<'a> Planes<'a> {
         values[3] = f64::from(mesh.face(largest.1 as usize));
         values[4] = material as f64;
         let mean_m = position_m / coverage;
-        let body_m = mean_m + self.scene.origin_m;
-        let to_observer = self.scene.sensor.camera.centre_m() - mean_m;
+        let body_m = mean_m + self.scene.body.origin_m;
+        let to_observer = self.scene.exposure.camera.centre_m() - mean_m;
         let (latitude, longitude) = planetocentric_deg(body_m);
         let degrees = |sum: f64| (sum / coverage).to_degrees();
         values[19..30].copy_from_slice(&[
@@ -180,9 +180,9 @@ impl<'a> Planes<'a> {
     fn centre(&self, pixel: &mut Pixel, column: u32, row: u32, values: &mut [f64; FIXED.len()]) {
         let Some(facet) = pixel.centre else { return };
         let hit = self.hit(facet, f64::from(column) + 0.5, f64::from(row) + 0.5);
-        let body_m = hit.point_m + self.scene.origin_m;
+        let body_m = hit.point_m + self.scene.body.origin_m;
         let (latitude, longitude) = planetocentric_deg(body_m);
-        let resolution_m = hit.range_m * self.scene.sensor.camera.mean_pitch();
+        let resolution_m = hit.range_m * self.scene.exposure.camera.mean_pitch();
         values[5..19].copy_from_slice(&[
             latitude,
             longitude,
@@ -203,8 +203,8 @@ impl<'a> Planes<'a> {
 
     /// Where the ray through an image point meets the plane of a facet.
     fn hit(&self, facet: u32, x_px: f64, y_px: f64) -> Hit {
-        let camera = &self.scene.sensor.camera;
-        let facet = self.scene.mesh.facet(facet as usize);
+        let camera = &self.scene.exposure.camera;
+        let facet = self.scene.body.mesh.facet(facet as usize);
         let ray = camera.ray(x_px, y_px);
         let away = facet.met_by(camera.centre_m(), ray);
         let point_m = camera.centre_m() + away * ray;

@@ -9,9 +9,10 @@ use super::parts::Polygons;
 use super::pixel::Pixel;
 use crate::error::Result;
 use crate::geometry::Mesh;
-use crate::product::{Footprints, Sunlit};
+use crate::product::Footprints;
 use crate::progress::{Pulse, unwatched};
 use crate::scene::FrameCamera;
+use crate::visibility::Seen;
 use crate::visibility::{Coverage, Drawing, Grid, Scratch, Topology, View};
 
 /// The drawing of a mesh in a camera.
@@ -24,7 +25,7 @@ pub(super) fn draw<'a>(mesh: &'a Mesh, topology: &'a Topology, camera: &FrameCam
 }
 
 /// The facets that each pixel sees and the share of them that is lit: exact area fractions.
-pub fn footprints(mesh: &Mesh, topology: &Topology, sunlit: &Sunlit, camera: &FrameCamera) -> Footprints {
+pub fn footprints(mesh: &Mesh, topology: &Topology, sunlit: &Seen, camera: &FrameCamera) -> Footprints {
     let drawing = draw(mesh, topology, camera);
     let coverage = Coverage::new(&drawing);
     let lit = Polygons::of_sunlit(sunlit);

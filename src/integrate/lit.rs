@@ -2,13 +2,13 @@
 
 use super::parts::{Parts, Polygons, Window};
 use crate::geometry::polygon::{Point, Rect, area, clip_to_rect};
-use crate::product::{Lit, Sunlit};
 use crate::visibility::Drawing;
+use crate::visibility::{Seen, Shown};
 
 /// Computes lit areas in the image.
 pub(super) struct LitArea<'a> {
     drawing: &'a Drawing<'a>,
-    sunlit: &'a Sunlit,
+    sunlit: &'a Seen,
     parts: Parts<'a>,
     clipped: Vec<Point>,
     spare: Vec<Point>,
@@ -16,7 +16,7 @@ pub(super) struct LitArea<'a> {
 
 impl<'a> LitArea<'a> {
     /// `polygons` are those of `sunlit`.
-    pub(super) fn new(drawing: &'a Drawing<'a>, sunlit: &'a Sunlit, polygons: &'a Polygons<'a>) -> Self {
+    pub(super) fn new(drawing: &'a Drawing<'a>, sunlit: &'a Seen, polygons: &'a Polygons<'a>) -> Self {
         LitArea { drawing, sunlit, parts: Parts::new(drawing, polygons), clipped: vec![], spare: vec![] }
     }
 
@@ -27,10 +27,10 @@ impl<'a> LitArea<'a> {
     /// Lit area, pixels, of what `window` shows of a facet's image; `seen` is the area of all that it shows.
     #[inline]
     pub(super) fn of(&mut self, facet: u32, window: &Window, seen: f64) -> f64 {
-        match self.sunlit.lit[facet as usize] {
-            Lit::Dark => 0.0,
-            Lit::Full => seen,
-            Lit::Part => self.of_part(facet, window).min(seen),
+        match self.sunlit.shown[facet as usize] {
+            Shown::Nothing => 0.0,
+            Shown::Whole => seen,
+            Shown::Part => self.of_part(facet, window).min(seen),
         }
     }
 
@@ -41,8 +41,8 @@ impl<'a> LitArea<'a> {
     }
 
     /// How much of a facet is lit.
-    pub(super) fn state(&self, facet: u32) -> Lit {
-        self.sunlit.lit[facet as usize]
+    pub(super) fn state(&self, facet: u32) -> Shown {
+        self.sunlit.shown[facet as usize]
     }
 
     /// Calls `put` with each lit part that `window` shows of a facet that is lit in part.

@@ -10,11 +10,11 @@ use super::together::{Together, differ, without};
 use crate::error::Result;
 use crate::geometry::polygon::{Point, Rect, area, split};
 use crate::geometry::{Chart, Direction, Overlay, Texels, angle_rad};
-use crate::product::{Eye, Lit, Patches, Placement, Sunlit, TexelLine, TexelWeights, ViewImage};
+use crate::product::{Eye, Patches, Placement, TexelLine, TexelWeights, ViewImage};
 use crate::progress::Watch;
 use crate::scene::Scene;
-use crate::solve;
-use crate::visibility::{Drawing, Topology};
+use crate::visibility::Drawing;
+use crate::visibility::{Seen, Shown};
 
 /// Which of several maps of one scene serve a facet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -105,19 +105,14 @@ impl MapImage {
 /// A map, ready to be looked up.
 pub(super) struct Prepared<'a> {
     view: MapView<'a>,
-    seen: Option<Sunlit>,
+    seen: Option<Seen>,
 }
 
 /// Finds what each map's eye sees of the scene.
-pub(super) fn prepare<'a>(
-    maps: &Maps<'a>,
-    scene: &Scene,
-    topology: &Topology,
-    watch: Watch<'_>,
-) -> Result<Vec<Vec<Prepared<'a>>>> {
+pub(super) fn prepare<'a>(maps: &Maps<'a>, scene: &Scene, watch: Watch<'_>) -> Result<Vec<Vec<Prepared<'a>>>> {
     let prepare = |view: &MapView<'a>| {
         let seen = match view.placement {
-            Placement::View(image) if image.occlusion => Some(seen_by(image, scene, topology, watch)?),
+            Placement::View(image) if image.occlusion => Some(seen_by(image, scene, watch)?),
             _ => None,
         };
         Ok(Prepared { view: *view, seen })
@@ -126,18 +121,20 @@ pub(super) fn prepare<'a>(
 }
 
 /// What an image's eye sees of each facet.
-fn seen_by(image: &ViewImage, scene: &Scene, topology: &Topology, watch: Watch<'_>) -> Result<Sunlit> {
+fn seen_by(image: &ViewImage, scene: &Scene, watch: Watch<'_>) -> Result<Seen> {
+    const STAGE: &str = "what the map sees";
+    let (mesh, topology) = (&scene.body.mesh, scene.body.topology());
     match image.eye {
-        Eye::Towards(direction) => solve::sunlit(&scene.mesh, topology, direction, watch),
+        Eye::Towards(direction) => Seen::from_afar(mesh, topology, direction, STAGE, watch),
         Eye::At(centre_m) => {
             // The last row of a central projection is its axis; the corners of the image are rays.
             let axis = Direction::new(image.projection.linear.row(2))
-                .unwrap_or_else(|| Direction::new(-centre_m).unwrap_or(scene.sun.direction));
+                .unwrap_or_else(|| Direction::new(-centre_m).unwrap_or(scene.sky.sun.direction));
             let from_texel = image.projection.linear.inverse();
             let (columns, rows) = (image.columns as f64, image.rows as f64);
             let rays = [[0.0, 0.0], [columns, 0.0], [columns, rows], [0.0, rows]]
                 .map(|[s, t]| from_texel * DVec3::new(s, t, 1.0));
-            solve::seen_from(&scene.mesh, topology, centre_m, axis, &rays, watch)
+            Seen::from_point(mesh, topology, centre_m, (axis, &rays), STAGE, watch)
         }
     }
 }
@@ -193,7 +190,7 @@ pub(super) struct Lookup<'a> {
 pub(super) enum Kind<'a> {
     Facets,
     Patches(&'a Patches),
-    View(&'a ViewImage, Option<&'a Sunlit>),
+    View(&'a ViewImage, Option<&'a Seen>),
     /// By the texel coordinates of facets' corners; columns and rows.
     Texture(&'a [[[f64; 2]; 3]], [usize; 2]),
 }
@@ -276,12 +273,12 @@ impl<'a> Lookup<'a> {
             self.lay(entry.facet, &piece, sign, false);
             if wants_lit {
                 match pixel.lit_of(entry.facet) {
-                    Lit::Dark => {}
-                    Lit::Full => {
+                    Shown::Nothing => {}
+                    Shown::Whole => {
                         self.lit.texels.extend_from_slice(&self.seen.texels[before.0..]);
                         self.lit.area += self.seen.area - before.1;
                     }
-                    Lit::Part => pixel
+                    Shown::Part => pixel
                         .lit_parts(entry.facet, &Window::Piece(&piece), |part| self.lay(entry.facet, part, sign, true)),
                 }
             }
@@ -322,8 +319,10 @@ impl<'a> Lookup<'a> {
                     inside.extend((within.len() > 2).then_some(within));
                 }
                 match &self.kind {
-                    Kind::View(_, Some(seen)) if seen.lit[facet as usize] == Lit::Dark => outside.append(&mut inside),
-                    Kind::View(_, Some(seen)) if seen.lit[facet as usize] == Lit::Part => {
+                    Kind::View(_, Some(seen)) if seen.shown[facet as usize] == Shown::Nothing => {
+                        outside.append(&mut inside)
+                    }
+                    Kind::View(_, Some(seen)) if seen.shown[facet as usize] == Shown::Part => {
                         self.keep_parts(facet, &mut inside, &mut outside, |_| true);
                     }
                     _ => {}
@@ -422,8 +421,8 @@ impl<'a> Lookup<'a> {
         let size = self.size();
         let Some(chart) = self.chart(facet) else { return };
         let seen = match &self.kind {
-            Kind::View(_, Some(seen)) => seen.lit[facet as usize],
-            _ => Lit::Full,
+            Kind::View(_, Some(seen)) => seen.shown[facet as usize],
+            _ => Shown::Whole,
         };
         let Lookup { known, sky, parts, texels, overlay, seen: all, lit, quadrature_error, .. } = self;
         let share = if is_lit { lit } else { all };
@@ -458,8 +457,8 @@ impl<'a> Lookup<'a> {
             }),
         };
         match (seen, parts) {
-            (Lit::Dark, _) => {}
-            (Lit::Part, Some(parts)) => parts.each(facet, &Window::Piece(part), |_, common| {
+            (Shown::Nothing, _) => {}
+            (Shown::Part, Some(parts)) => parts.each(facet, &Window::Piece(part), |_, common| {
                 if common.len() > 2 {
                     lay(common);
                 }
@@ -475,7 +474,7 @@ impl<'a> Lookup<'a> {
         {
             return Some(chart);
         }
-        let (mesh, view) = (&self.scene.mesh, &self.drawing.view);
+        let (mesh, view) = (&self.scene.body.mesh, &self.drawing.view);
         let chart = match &self.kind {
             Kind::View(image, _) => of_projection(&image.projection, view, &mesh.facet(facet as usize)),
             Kind::Texture(corners, _) => of_corners(&corners[facet as usize], &on_facet(mesh, view, facet)),
@@ -708,9 +707,9 @@ impl<'a> Looker<'a> {
     /// For each term and map the angle between its direction and that to the camera, rad, where what is seen of a facet lies.
     fn measure_angles(&mut self, pixel: &Pixel, entry: &Entry) {
         let [x, y] = entry.centroid(&pixel.rect);
-        let camera = &self.scene.sensor.camera;
+        let camera = &self.scene.exposure.camera;
         let ray = camera.ray(x, y);
-        let facet = self.scene.mesh.facet(entry.facet as usize);
+        let facet = self.scene.body.mesh.facet(entry.facet as usize);
         let point_m = camera.centre_m() + facet.met_by(camera.centre_m(), ray) * ray;
         let of = |lookup: &Lookup| match lookup.kind {
             Kind::View(image, _) => match image.eye {
@@ -753,8 +752,8 @@ pub(super) fn views_shares(knowing: &[usize], angles: &[f64], choice: Choice) ->
 /// Whether some facet of a scene lies, in part, within an image of it: its bounds do.
 pub fn meets(image: &ViewImage, scene: &Scene) -> bool {
     let frame = Rect { min: [0.0; 2], max: [image.columns as f64, image.rows as f64] };
-    (0..scene.mesh.facets.len()).any(|f| {
-        let corners = scene.mesh.facet(f).corners_m.map(|p| image.projection.homogeneous(p));
+    (0..scene.body.mesh.facets.len()).any(|f| {
+        let corners = scene.body.mesh.facet(f).corners_m.map(|p| image.projection.homogeneous(p));
         let in_front = corners.iter().filter(|c| c.z > 0.0).count();
         // What reaches behind the eye may be anywhere.
         in_front > 0 && (in_front < 3 || Rect::of(&corners.map(|c| [c.x / c.z, c.y / c.z])).overlaps(&frame))

@@ -22,7 +22,7 @@ use crate::product::{Backplanes, Cube, FacetTable, Plane};
 use crate::progress::{Pulse, Watch, tell};
 use crate::scene::Scene;
 use crate::solve::Emission;
-use crate::visibility::{Coverage, Scratch, Topology};
+use crate::visibility::{Coverage, Scratch};
 
 use backplanes::Planes;
 use lit::LitArea;
@@ -72,8 +72,8 @@ struct Line {
 /// # Errors
 /// [`Error::Unsupported`](crate::Error::Unsupported), as [`Scene::simulable`] says;
 /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
-pub fn integrate(scene: &Scene, topology: &Topology, table: &FacetTable, watch: Watch<'_>) -> Result<Image> {
-    look(scene, topology, table, None, watch)
+pub fn integrate(scene: &Scene, table: &FacetTable, watch: Watch<'_>) -> Result<Image> {
+    look(scene, table, None, watch)
 }
 
 /// Looks at a scene whose radiance maps give. The cube holds what is solved, where they know nothing or everywhere, if that is asked
@@ -81,31 +81,19 @@ pub fn integrate(scene: &Scene, topology: &Topology, table: &FacetTable, watch: 
 ///
 /// # Errors
 /// As [`integrate`].
-pub fn integrate_maps(
-    scene: &Scene,
-    topology: &Topology,
-    table: &FacetTable,
-    maps: &Maps<'_>,
-    watch: Watch<'_>,
-) -> Result<Image> {
-    look(scene, topology, table, Some(maps), watch)
+pub fn integrate_maps(scene: &Scene, table: &FacetTable, maps: &Maps<'_>, watch: Watch<'_>) -> Result<Image> {
+    look(scene, table, Some(maps), watch)
 }
 
-fn look(
-    scene: &Scene,
-    topology: &Topology,
-    table: &FacetTable,
-    maps: Option<&Maps<'_>>,
-    watch: Watch<'_>,
-) -> Result<Image> {
+fn look(scene: &Scene, table: &FacetTable, maps: Option<&Maps<'_>>, watch: Watch<'_>) -> Result<Image> {
     scene.simulable()?;
-    let camera = &scene.sensor.camera;
-    let prepared = maps.map(|maps| maps::prepare(maps, scene, topology, watch)).transpose()?;
-    let facets = scene.mesh.facets.len();
+    let camera = &scene.exposure.camera;
+    let prepared = maps.map(|maps| maps::prepare(maps, scene, watch)).transpose()?;
+    let facets = scene.body.mesh.facets.len();
     let prepared = prepared.unwrap_or_default();
     let polygons: Vec<Vec<_>> =
         prepared.iter().map(|views| views.iter().map(|p| p.polygons(facets)).collect()).collect();
-    let drawing = footprints::draw(&scene.mesh, topology, camera);
+    let drawing = footprints::draw(&scene.body.mesh, scene.body.topology(), camera);
     let coverage = Coverage::new(&drawing);
     let sunlit = Polygons::of_sunlit(&table.sunlit);
     let emission = Emission::new(scene, table);
@@ -118,8 +106,8 @@ fn look(
     for plane in &mut values {
         plane.chunks_mut(samples).zip(&mut parts).for_each(|(chunk, part)| part.push(chunk));
     }
-    let mut seen = Vec::with_capacity(scene.mesh.facets.len());
-    seen.resize_with(scene.mesh.facets.len(), || AtomicBool::new(false));
+    let mut seen = Vec::with_capacity(scene.body.mesh.facets.len());
+    seen.resize_with(scene.body.mesh.facets.len(), || AtomicBool::new(false));
     let done = AtomicU64::new(0);
     let pulse = || Pulse::new(watch, "image", &done, rows as u64);
     let lines: Result<Vec<Line>> = parts
@@ -130,7 +118,7 @@ fn look(
                 let mut pixel = Pixel::new(&drawing, LitArea::new(&drawing, &table.sunlit, &sunlit));
                 let looker = maps.map(|maps| Looker::new(scene, &drawing, maps, &prepared, &polygons));
                 let textures = Textures::new(scene, &drawing);
-                pixel.fragments.are_kept = looker.is_some() || !scene.textures.is_empty();
+                pixel.fragments.are_kept = looker.is_some() || !scene.body.textures.is_empty();
                 (Scratch::new(pulse()), pixel, Weights::new(emission.rows()), looker, textures)
             },
             |(scratch, pixel, weights, looker, textures), (row, mut part)| {
@@ -158,7 +146,7 @@ fn look(
                     if maps.is_none_or(|maps| maps.adds_solved) {
                         for index in 0..pixel.entries.len() {
                             let e = pixel.entries[index];
-                            let material = scene.mesh.material[e.facet as usize].0 as usize;
+                            let material = scene.body.mesh.material[e.facet as usize].0 as usize;
                             if e.front && textures.has(material) {
                                 textures.send(pixel, index, material, &emission, |row, w| weights.add(row, w));
                             } else if e.front {
@@ -259,12 +247,12 @@ impl Weights {
 }
 
 fn assemble(scene: &Scene, emission: &Emission, lines: Vec<Line>) -> Cube {
-    let camera = &scene.sensor.camera;
+    let camera = &scene.exposure.camera;
     let entries = lines.iter().map(|l| l.row.len()).sum();
     let mut cube = Cube {
         samples: camera.samples as usize,
         lines: camera.lines as usize,
-        bands: scene.sensor.bands.clone(),
+        bands: scene.exposure.bands.clone(),
         row_start: Vec::with_capacity(camera.samples as usize * camera.lines as usize + 1),
         row: Vec::with_capacity(entries),
         weight: Vec::with_capacity(entries),

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 
 use crate::geometry::Mesh;
 use crate::geometry::polygon::{Point, Rect, area, clip_to_rect, intersect};
-use crate::product::{Patches, Sunlit};
+use crate::product::Patches;
+use crate::visibility::Seen;
 use crate::visibility::{Drawing, OnFacet, View};
 
 /// Facets with more parts than this keep them sorted for the image line at hand.
@@ -65,8 +66,12 @@ pub(super) struct Polygons<'a> {
 
 impl<'a> Polygons<'a> {
     /// What is lit, or seen.
-    pub(super) fn of_sunlit(sunlit: &'a Sunlit) -> Self {
-        Polygons { first: first(sunlit.lit.len(), &sunlit.polygon_facet), start: &sunlit.polygon_start, uv: &sunlit.uv }
+    pub(super) fn of_sunlit(sunlit: &'a Seen) -> Self {
+        Polygons {
+            first: first(sunlit.shown.len(), &sunlit.polygon_facet),
+            start: &sunlit.polygon_start,
+            uv: &sunlit.uv,
+        }
     }
 
     /// Texels on `facets` facets.

@@ -6,7 +6,7 @@ use crate::visibility::{Drawing, Scratch, Side, Visit};
 
 use super::lit::{LitArea, around};
 use super::parts::Window;
-use crate::product::Lit;
+use crate::visibility::Shown;
 
 /// Of a facet that is hidden all over, subtraction leaves less than this, pixels.
 const REMAINDER: f64 = 1e-14;
@@ -198,9 +198,9 @@ impl<'a> Pixel<'a> {
         scratch: &mut Scratch,
     ) -> Result<bool> {
         match self.lit.state(facet) {
-            Lit::Dark => return Ok(false),
-            Lit::Full => return Ok(true),
-            Lit::Part => {}
+            Shown::Nothing => return Ok(false),
+            Shown::Whole => return Ok(true),
+            Shown::Part => {}
         }
         let (drawn, lit) = self.lit.around(facet, self.at);
         // All or nothing of the facet is lit there, to rounding; else what another one hides does not count.
@@ -229,7 +229,7 @@ impl<'a> Pixel<'a> {
     }
 
     /// How much of a facet is lit.
-    pub(super) fn lit_of(&self, facet: u32) -> crate::product::Lit {
+    pub(super) fn lit_of(&self, facet: u32) -> crate::visibility::Shown {
         self.lit.state(facet)
     }
 

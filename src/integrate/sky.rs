@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::product::ViewImage;
 use crate::progress::Watch;
 use crate::scene::Scene;
-use crate::visibility::{Drawing, Topology, covered};
+use crate::visibility::{Drawing, covered};
 
 /// Less of a texel than this is what rounding leaves where nothing is seen, or everything.
 const ROUNDING: f64 = 1e-12;
@@ -14,14 +14,9 @@ const ROUNDING: f64 = 1e-12;
 ///
 /// # Errors
 /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
-pub fn texels_seen(
-    image: &ViewImage,
-    scene: &Scene,
-    topology: &Topology,
-    watch: Watch<'_>,
-) -> Result<Option<Vec<f64>>> {
-    let Some((view, grid, is_mirrored)) = image.drawn(&scene.mesh) else { return Ok(None) };
-    let drawing = Drawing::new(&scene.mesh, topology, view, grid);
+pub fn texels_seen(image: &ViewImage, scene: &Scene, watch: Watch<'_>) -> Result<Option<Vec<f64>>> {
+    let Some((view, grid, is_mirrored)) = image.drawn(&scene.body.mesh) else { return Ok(None) };
+    let drawing = Drawing::new(&scene.body.mesh, scene.body.topology(), view, grid);
     let share = |[outer, inner]: [f64; 2]| {
         let share = if image.occlusion { outer } else { outer + inner };
         if share < ROUNDING {

@@ -22,14 +22,14 @@ pub(super) struct Textures<'a> {
 
 impl<'a> Textures<'a> {
     pub(super) fn new(scene: &'a Scene, drawing: &'a Drawing<'a>) -> Self {
-        let mut of_material = vec![None; scene.materials.len()];
-        scene.textures.iter().enumerate().for_each(|(i, t)| of_material[t.material.0 as usize] = Some(i));
+        let mut of_material = vec![None; scene.body.materials.len()];
+        scene.body.textures.iter().enumerate().for_each(|(i, t)| of_material[t.material.0 as usize] = Some(i));
         let lookup = |texture: &'a Texture| {
             let kind = Kind::Texture(&texture.corners, [texture.columns, texture.rows]);
             Lookup::of(scene, drawing, kind, None, None, texture.texels)
         };
-        let lookups = scene.textures.iter().map(lookup).collect();
-        Textures { textures: &scene.textures, of_material, lookups, seen: vec![], lit: vec![] }
+        let lookups = scene.body.textures.iter().map(lookup).collect();
+        Textures { textures: &scene.body.textures, of_material, lookups, seen: vec![], lit: vec![] }
     }
 
     pub(super) fn new_line(&mut self, row: u32) {

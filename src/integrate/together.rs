@@ -4,7 +4,7 @@ use super::maps::{Choice, Lookup, views_shares};
 use super::parts::Window;
 use super::pixel::Pixel;
 use crate::geometry::polygon::{Point, area, side, split};
-use crate::product::Lit;
+use crate::visibility::Shown;
 
 /// Of a facet that a map knows all over, rounding leaves less than this share unknown; one that it does not know at all it knows
 /// to less than this share.
@@ -115,9 +115,9 @@ impl Together {
 /// Lit area of a part of a facet.
 fn lit_area(pixel: &mut Pixel, facet: u32, part: &[Point]) -> f64 {
     match pixel.lit_of(facet) {
-        Lit::Dark => 0.0,
-        Lit::Full => area(part),
-        Lit::Part => {
+        Shown::Nothing => 0.0,
+        Shown::Whole => area(part),
+        Shown::Part => {
             let mut lit = 0.0;
             pixel.lit_parts(facet, &Window::Piece(part), |part| lit += area(part));
             lit

@@ -9,9 +9,9 @@ mod texel_weights;
 
 pub use backplanes::{Backplanes, Plane};
 pub use cube::Cube;
-pub use facet_table::{FacetTable, Lit, Sunlit};
+pub use facet_table::FacetTable;
 pub use footprints::Footprints;
 pub use radiance_map::{
-    Atlas, Eye, Patches, Placement, Projection, RadianceMap, Registration, Sky, TexelSource, ViewImage,
+    Atlas, Eye, Patches, Placement, Projection, RadianceMap, Registration, SkyShare, TexelSource, ViewImage,
 };
 pub use texel_weights::{TexelLine, TexelWeights};

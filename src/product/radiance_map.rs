@@ -116,7 +116,7 @@ impl ViewImage {
 
 /// Convex parts of facets, each a texel's.
 ///
-/// Vertices are (u, v) on the facet, as in [`Sunlit`](super::Sunlit).
+/// Vertices are (u, v) on the facet, as in [`Seen`](super::Seen).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Patches {
     /// Number of texels.
@@ -220,7 +220,7 @@ pub struct RadianceMap {
     /// What light its bands hold, as far as anybody knows: one for each; of bands beyond the list nobody knows.
     pub light: Vec<KnownLight>,
     /// What texels that show surface in part hold.
-    pub sky: Sky,
+    pub sky: SkyShare,
     /// How its place was found by its outline, if it was.
     pub registration: Option<Registration>,
 }
@@ -238,7 +238,7 @@ impl RadianceMap {
 
 /// What a texel of an image holds that shows the scene in part, and sky beside it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Sky {
+pub enum SkyShare {
     /// Of a camera's image the mean over all of the texel, with a dark sky, unless its surroundings are as bright as the scene. Of
     /// other images the mean over what shows the scene, unless texels beside the scene are dark.
     #[default]

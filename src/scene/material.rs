@@ -2,6 +2,7 @@
 
 use crate::spectral::{Band, Spectrum};
 
+use super::coverage::uncovered;
 use super::{Photometry, Thermal};
 
 /// Optical and thermal properties of a surface.
@@ -25,26 +26,35 @@ pub struct Material {
 }
 
 impl Material {
-    pub(super) fn check(&self, bands: &[Band], thermal: Thermal, problem: &mut impl FnMut(&str, String)) {
+    /// Says what bands look for where its spectra are not known.
+    pub(super) fn covers(&self, bands: &[Band], thermal: Thermal, problem: &mut impl FnMut(&str, String)) {
         let item = format!("materials.{:?}", self.name);
         let is_lit = |band: &Band| band.light.is_lit();
         let glows = |band: &Band| band.light.glows() && thermal != Thermal::Off;
-        let uncovered = [
-            ("reflectance", super::uncovered("reflectance", &self.reflectance, bands, is_lit)),
-            ("emissivity", super::uncovered("emissivity", &self.emissivity, bands, glows)),
+        let found = [
+            ("reflectance", uncovered("reflectance", &self.reflectance, bands, is_lit)),
+            ("emissivity", uncovered("emissivity", &self.emissivity, bands, glows)),
         ];
-        for (what, message) in uncovered {
+        for (what, message) in found {
             if let Some(message) = message {
                 problem(&format!("{item}.{what}"), message);
             }
         }
+        if let Some(key) = self.photometry.key() {
+            self.photometry.covers(bands, |message| problem(&format!("{item}.{key}"), message));
+        }
+    }
+
+    /// What is wrong with it, whatever the bands.
+    pub(super) fn check(&self, problem: &mut impl FnMut(&str, String)) {
+        let item = format!("materials.{:?}", self.name);
         for (what, spectrum) in [("reflectance", &self.reflectance), ("emissivity", &self.emissivity)] {
             if let Some(v) = spectrum.value().iter().find(|v| !(0.0..=1.0).contains(*v)) {
                 problem(&format!("{item}.{what}"), format!("{v} is outside 0 to 1: is the table in percent?"));
             }
         }
         if let Some(key) = self.photometry.key() {
-            self.photometry.check(bands, |message| problem(&format!("{item}.{key}"), message));
+            self.photometry.check(|message| problem(&format!("{item}.{key}"), message));
         }
         if !(0.0..=1.0).contains(&self.bond_albedo) {
             problem(&format!("{item}.bond_albedo"), format!("{} is outside 0 to 1", self.bond_albedo));

@@ -1,5 +1,6 @@
 //! How a surface's reflectance depends on the directions of light and view: parameters, carried as data.
 
+use super::coverage::uncovered;
 use crate::spectral::{Band, Spectrum};
 
 /// The model of a surface's bidirectional reflectance.
@@ -95,12 +96,15 @@ impl Photometry {
         }
     }
 
+    /// Says what bands look for where the parameters are not known, a sentence for each.
+    pub(super) fn covers(&self, bands: &[Band], problem: impl FnMut(String)) {
+        let of = |(name, spectrum): (&str, &Spectrum)| uncovered(name, spectrum, bands, |band| band.light.is_lit());
+        self.parameters().into_iter().filter_map(of).for_each(problem);
+    }
+
     /// What is wrong with the parameters, a sentence for each.
-    pub(super) fn check(&self, bands: &[Band], mut problem: impl FnMut(String)) {
+    pub(super) fn check(&self, mut problem: impl FnMut(String)) {
         for (name, spectrum) in self.parameters() {
-            if let Some(message) = super::uncovered(name, spectrum, bands, |band| band.light.is_lit()) {
-                problem(message);
-            }
             let (low, high) = match name {
                 "w" => (0.0, 1.0),
                 "h1" | "h2" | "rho0" | "k" => (0.0, f64::INFINITY),

@@ -88,8 +88,21 @@ impl Texture {
         self.values.iter().position(|v| !(*v >= 0.0 && v.is_finite()))
     }
 
-    /// What is wrong with it, a sentence for each.
-    pub(super) fn check(&self, mesh: &Mesh, materials: &[Material], bands: &[Band], mut problem: impl FnMut(String)) {
+    /// Says if a band is far from all of its layers.
+    pub(super) fn covers(&self, bands: &[Band], mut problem: impl FnMut(String)) {
+        let reach = |b: &Band| b.support_um();
+        if let (Some(first), Some(last)) = (self.wavelength_um.first(), self.wavelength_um.last())
+            && let Some(band) = bands.iter().find(|b| self.layers() > 1 && (reach(b).1 < *first || reach(b).0 > *last))
+        {
+            problem(format!(
+                "its layers reach from {first} to {last} um, and none is near the band at {} um",
+                band.centre_um
+            ));
+        }
+    }
+
+    /// What is wrong with it, whatever the bands: a sentence for each.
+    pub(super) fn check(&self, mesh: &Mesh, materials: &[Material], mut problem: impl FnMut(String)) {
         if self.rows == 0 || self.columns == 0 || self.values.len() != self.rows * self.columns * self.layers() {
             return problem(format!(
                 "{} values are not {} x {} texels of {} layers",
@@ -124,15 +137,6 @@ impl Texture {
         };
         if most * base > ALL_LIGHT {
             problem(format!("makes a reflectance of {}, which is above 1", number(most * base)));
-        }
-        let reach = |b: &Band| b.support_um();
-        if let (Some(first), Some(last)) = (self.wavelength_um.first(), self.wavelength_um.last())
-            && let Some(band) = bands.iter().find(|b| self.layers() > 1 && (reach(b).1 < *first || reach(b).0 > *last))
-        {
-            problem(format!(
-                "its layers reach from {first} to {last} um, and none is near the band at {} um",
-                band.centre_um
-            ));
         }
         let absent = (0..mesh.facets.len())
             .find(|f| mesh.material[*f] == self.material && self.corners[*f].iter().flatten().any(|x| !x.is_finite()));

@@ -29,7 +29,7 @@ impl<'a> Emission<'a> {
     pub fn new(scene: &'a Scene, table: &'a FacetTable) -> Self {
         let temperatures_k = table.temperature_lit_k.iter().chain(&table.temperature_shaded_k).copied();
         let grid = TemperatureGrid::new(temperatures_k);
-        let row_per_band = grid.len() > 0 && Emission::has_row_per_band(&scene.sensor.bands);
+        let row_per_band = grid.len() > 0 && Emission::has_row_per_band(&scene.exposure.bands);
         let mut emission = Emission { scene, table, grid, thermal: vec![], row_per_band };
         emission.thermal = emission.thermal();
         emission
@@ -44,21 +44,21 @@ impl<'a> Emission<'a> {
     pub fn rows(&self) -> usize {
         self.first_thermal_row()
             + if self.row_per_band {
-                self.scene.sensor.bands.len()
+                self.scene.exposure.bands.len()
             } else {
-                self.scene.materials.len() * self.grid.len()
+                self.scene.body.materials.len() * self.grid.len()
             }
     }
 
     /// The first row of what is emitted: each material under the Sun and under Mars comes first, then each layer of the textures.
     pub fn first_thermal_row(&self) -> usize {
-        self.texture_row(self.scene.textures.len())
+        self.texture_row(self.scene.body.textures.len())
     }
 
     /// The first row of a texture: its first layer under the Sun.
     fn texture_row(&self, texture: usize) -> usize {
-        let layers: usize = self.scene.textures[..texture].iter().map(|t| t.layers()).sum();
-        2 * (self.scene.materials.len() + layers)
+        let layers: usize = self.scene.body.textures[..texture].iter().map(|t| t.layers()).sum();
+        2 * (self.scene.body.materials.len() + layers)
     }
 
     /// Adds to `add(row, weight)` what a facet sends towards `to_observer` when `area` of it is seen, `lit` of that lit: both as shares of the
@@ -71,7 +71,7 @@ impl<'a> Emission<'a> {
     /// Adds what a facet reflects with its material's own reflectance; `area` and `lit`, shares of the pixel, as of [`towards`](Self::towards).
     pub fn reflected(&self, facet: u32, area: f64, lit: f64, add: &mut impl FnMut(u32, f64)) {
         let f = facet as usize;
-        let row = 2 * u32::from(self.scene.mesh.material[f].0);
+        let row = 2 * u32::from(self.scene.body.mesh.material[f].0);
         if lit > 0.0 {
             add(row, lit * self.table.sun_irradiance[f]);
         }
@@ -111,7 +111,7 @@ impl<'a> Emission<'a> {
             return;
         }
         let f = facet as usize;
-        let material = self.scene.mesh.material[f].0 as usize;
+        let material = self.scene.body.mesh.material[f].0 as usize;
         let parts = [(lit, &self.table.temperature_lit_k), (area - lit, &self.table.temperature_shaded_k)];
         for (part, temperature_k) in parts {
             if part > 0.0
@@ -126,7 +126,7 @@ impl<'a> Emission<'a> {
     fn add_thermal(&self, part: f64, first: usize, weights: &[f64; POINTS], add: &mut impl FnMut(u32, f64)) {
         let row = self.first_thermal_row();
         if self.row_per_band {
-            let bands = self.scene.sensor.bands.len();
+            let bands = self.scene.exposure.bands.len();
             for band in 0..bands {
                 let of_point = |(k, weight): (usize, &f64)| weight * self.thermal[(first + k) * bands + band];
                 add((row + band) as u32, part * weights.iter().enumerate().map(of_point).sum::<f64>());
@@ -140,19 +140,20 @@ impl<'a> Emission<'a> {
 
     /// The spectra of the rows, [row, band], W m-2 sr-1 um-1 for a weight of 1.
     pub fn spectra(&self) -> Vec<f64> {
-        let bands = &self.scene.sensor.bands;
+        let bands = &self.scene.exposure.bands;
         let mut spectra = vec![0.0; self.rows() * bands.len()];
         for (b, band) in bands.iter().enumerate().filter(|(_, band)| band.light.is_lit()) {
             for (um, weight) in self.quadrature(band) {
-                let sunlight = sun::irradiance_at(at(&self.scene.sun.irradiance_1au, um), self.scene.sun.distance_m);
-                let mars = self.scene.mars.as_ref().map_or(0.0, |m| at(&m.reflectance, um));
-                for (m, material) in self.scene.materials.iter().enumerate() {
+                let sunlight =
+                    sun::irradiance_at(at(&self.scene.sky.sun.irradiance_1au, um), self.scene.sky.sun.distance_m);
+                let mars = self.scene.sky.mars.as_ref().map_or(0.0, |m| at(&m.reflectance, um));
+                for (m, material) in self.scene.body.materials.iter().enumerate() {
                     let reflected = weight * brdf(material, at(&material.reflectance, um)) * sunlight;
                     spectra[2 * m * bands.len() + b] += reflected;
                     spectra[(2 * m + 1) * bands.len() + b] += reflected * mars;
                 }
-                for (t, texture) in self.scene.textures.iter().enumerate() {
-                    let material = &self.scene.materials[texture.material.0 as usize];
+                for (t, texture) in self.scene.body.textures.iter().enumerate() {
+                    let material = &self.scene.body.materials[texture.material.0 as usize];
                     let base = match texture.kind {
                         TextureKind::Factor => at(&material.reflectance, um),
                         TextureKind::Reflectance => 1.0,
@@ -177,7 +178,7 @@ impl<'a> Emission<'a> {
 
     /// Thermal radiance of [material, temperature, band], W m-2 sr-1 um-1.
     fn thermal(&self) -> Vec<f64> {
-        let (bands, materials) = (&self.scene.sensor.bands, &self.scene.materials);
+        let (bands, materials) = (&self.scene.exposure.bands, &self.scene.body.materials);
         let temperatures_k: Vec<f64> = self.grid.temperatures_k().collect();
         let mut thermal = vec![0.0; materials.len() * temperatures_k.len() * bands.len()];
         for (b, band) in bands.iter().enumerate().filter(|(_, band)| band.light.glows()) {
@@ -202,10 +203,10 @@ impl<'a> Emission<'a> {
 
     /// Where the spectra that meet in a band have corners, um, ascending.
     fn knots_um(&self, (lo, hi): (f64, f64)) -> Vec<f64> {
-        let materials = self.scene.materials.iter().flat_map(|m| [&m.reflectance, &m.emissivity]);
-        let mars = self.scene.mars.iter().map(|m| &m.reflectance);
-        let all = materials.chain(mars).chain([&self.scene.sun.irradiance_1au]);
-        let layers = self.scene.textures.iter().flat_map(|t| &t.wavelength_um);
+        let materials = self.scene.body.materials.iter().flat_map(|m| [&m.reflectance, &m.emissivity]);
+        let mars = self.scene.sky.mars.iter().map(|m| &m.reflectance);
+        let all = materials.chain(mars).chain([&self.scene.sky.sun.irradiance_1au]);
+        let layers = self.scene.body.textures.iter().flat_map(|t| &t.wavelength_um);
         let mut knots: Vec<f64> =
             all.flat_map(|s| s.wavelength_um()).chain(layers).copied().filter(|um| lo < *um && *um < hi).collect();
         knots.sort_by(f64::total_cmp);
@@ -214,7 +215,7 @@ impl<'a> Emission<'a> {
     }
 }
 
-/// A spectrum within its coverage, which [`Scene::check`] has compared with the bands.
+/// A spectrum within its coverage, which [`Parts::check`] has compared with the bands.
 fn at(spectrum: &Spectrum, um: f64) -> f64 {
     spectrum.at(um).unwrap_or(f64::NAN)
 }

@@ -51,28 +51,28 @@ pub(super) struct Workload {
 
 /// About the CPU time, s, within a factor of [`WITHIN`] on such a machine.
 pub(super) fn cpu_s(scene: &Scene, workload: &Workload) -> f64 {
-    let (facets, pixels) = (scene.mesh.facets.len() as f64, pixels(scene) as f64);
+    let (facets, pixels) = (scene.body.mesh.facets.len() as f64, pixels(scene) as f64);
     // A Sun below the mean surface grazes as well. A body has all incidences.
     let tangent = workload.mean_incidence_deg.map_or(1.0, |deg| deg.to_radians().tan().abs());
     let facet_s = seconds::FACET + seconds::FACET_TANGENT * tangent.min(seconds::MOST_TANGENT);
-    let texels: usize = scene.textures.iter().map(|t| t.values.len()).sum();
+    let texels: usize = scene.body.textures.iter().map(|t| t.values.len()).sum();
     seconds::PROCESS
         + facet_s * facets
         + seconds::PIXEL * pixels
         + seconds::CROSSING * (workload.facets_in_frame as f64 * workload.filled * pixels).sqrt()
-        + seconds::NUMBER * pixels * scene.sensor.bands.len() as f64
+        + seconds::NUMBER * pixels * scene.exposure.bands.len() as f64
         + seconds::TEXEL * texels as f64
 }
 
 fn pixels(scene: &Scene) -> u64 {
-    u64::from(scene.sensor.camera.samples) * u64::from(scene.sensor.camera.lines)
+    u64::from(scene.exposure.camera.samples) * u64::from(scene.exposure.camera.lines)
 }
 
 /// About what an image takes in memory, bytes.
 fn image_bytes(scene: &Scene, has_maps: bool) -> u64 {
-    let (planes, bands) = (plane_count(scene) as u64, scene.sensor.bands.len() as u64);
-    let weights =
-        WEIGHTS[usize::from(scene.thermal != Thermal::Off && !Emission::has_row_per_band(&scene.sensor.bands))];
+    let (planes, bands) = (plane_count(scene) as u64, scene.exposure.bands.len() as u64);
+    let weights = WEIGHTS
+        [usize::from(scene.models.thermal != Thermal::Off && !Emission::has_row_per_band(&scene.exposure.bands))];
     // What maps add is kept as it is; planes of their own and weights of texels are about as much as the others.
     let of_maps = if has_maps { 8 * (planes + bands) } else { 0 };
     pixels(scene).saturating_mul(8 * planes + WEIGHT_BYTES * weights + of_maps)
@@ -82,8 +82,8 @@ fn image_bytes(scene: &Scene, has_maps: bool) -> u64 {
 pub fn memory_bytes(scene: &Scene, has_maps: bool) -> u64 {
     let of_texture = |t: &Texture| 8 * (t.values.len() + 6 * t.corners.len()) as u64;
     let held = PROCESS_BYTES
-        + FACET_BYTES * scene.mesh.facets.len() as u64
-        + scene.textures.iter().map(of_texture).sum::<u64>();
+        + FACET_BYTES * scene.body.mesh.facets.len() as u64
+        + scene.body.textures.iter().map(of_texture).sum::<u64>();
     image_bytes(scene, has_maps).saturating_add(held)
 }
 
@@ -101,7 +101,7 @@ pub fn has_room(scene: &Scene, has_maps: bool, memory_bytes: Option<u64>) -> Res
     if asked {
         return Ok(());
     }
-    let (samples, lines) = (scene.sensor.camera.samples, scene.sensor.camera.lines);
+    let (samples, lines) = (scene.exposure.camera.samples, scene.exposure.camera.lines);
     let size = |bytes: u64| match bytes as f64 / 1e6 {
         megabytes if megabytes < 100.0 => format!("{megabytes:.1} MB"),
         megabytes => format!("{:.1} GB", megabytes / 1e3),
@@ -121,6 +121,6 @@ pub fn has_room(scene: &Scene, has_maps: bool, memory_bytes: Option<u64>) -> Res
 /// About what a product takes on the disk, bytes: `number_bytes` for each pixel and band, the planes, and no more.
 pub fn product_bytes(scene: &Scene, number_bytes: u64) -> u64 {
     let pixel_bytes =
-        number_bytes.saturating_mul(scene.sensor.bands.len() as u64).saturating_add(8 * plane_count(scene) as u64);
+        number_bytes.saturating_mul(scene.exposure.bands.len() as u64).saturating_add(8 * plane_count(scene) as u64);
     pixels(scene).saturating_mul(pixel_bytes)
 }

@@ -6,7 +6,6 @@ use super::site::Site;
 use super::summary::{self, Summary};
 use super::warnings::{self, MarsInView, Sight};
 use crate::scene::Scene;
-use crate::visibility::Topology;
 
 /// What can be told of a simulation before it is made.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,11 +26,10 @@ pub struct DryRun {
 
 /// Looks at a scene without simulating it.
 pub fn dry_run(scene: &Scene) -> DryRun {
-    let topology = Topology::new(&scene.mesh);
-    let site = Site::new(&scene.mesh, &topology);
+    let site = Site::new(&scene.body.mesh, scene.body.topology());
     let glimpse = Glimpse::new(scene);
-    let camera = &scene.sensor.camera;
-    let summary = summary::summary(scene, &topology, &site);
+    let camera = &scene.exposure.camera;
+    let summary = summary::summary(scene, &site);
     let sight = Sight {
         sees_mesh: glimpse.facets_in_frame > 0,
         back_share: glimpse.back_share(scene),
@@ -39,7 +37,7 @@ pub fn dry_run(scene: &Scene) -> DryRun {
         about: "about ",
     };
     let dark = (!glimpse.faces_sun).then(|| "nothing is lit: the Sun is below every facet".to_owned());
-    let open_to_shadow = site.open_to_shadow(&scene.mesh, scene.sun.direction.vec());
+    let open_to_shadow = site.open_to_shadow(&scene.body.mesh, scene.sky.sun.direction.vec());
     let workload = Workload {
         facets_in_frame: glimpse.facets_in_frame,
         filled: glimpse.filled(),
@@ -53,7 +51,7 @@ pub fn dry_run(scene: &Scene) -> DryRun {
         warnings: [
             scene.remarks(),
             warnings::of_sight(&sight, dark),
-            warnings::of_scene(scene, &topology, &site, open_to_shadow, true),
+            warnings::of_scene(scene, &site, open_to_shadow, true),
         ]
         .concat(),
         summary,

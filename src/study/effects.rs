@@ -74,21 +74,21 @@ pub(super) struct Account<'a> {
 
 /// Whether Mars covers the Sun; `None` without Mars.
 pub(super) fn eclipse(scene: &Scene) -> Option<Eclipse> {
-    let mars = scene.mars.as_ref()?;
-    let (towards_m, sun_rad) = (Direction::new(mars.centre_m)?, sun::angular_radius_rad(scene.sun.distance_m));
-    let separation_rad = scene.sun.direction.angle_rad(towards_m);
+    let mars = scene.sky.mars.as_ref()?;
+    let (towards_m, sun_rad) = (Direction::new(mars.centre_m)?, sun::angular_radius_rad(scene.sky.sun.distance_m));
+    let separation_rad = scene.sky.sun.direction.angle_rad(towards_m);
     Some(sun::eclipse(separation_rad, (mars.radius_m / mars.centre_m.length()).asin(), sun_rad))
 }
 
 impl<'a> Account<'a> {
     pub(super) fn new(scene: &'a Scene, table: &'a FacetTable, site: &'a Site, backplanes: &Backplanes) -> Self {
-        let mut used = vec![false; scene.materials.len()];
-        scene.mesh.material.iter().for_each(|m| used[m.0 as usize] = true);
+        let mut used = vec![false; scene.body.materials.len()];
+        scene.body.mesh.material.iter().for_each(|m| used[m.0 as usize] = true);
         let materials: Vec<&Material> =
-            scene.materials.iter().zip(used).filter(|(_, used)| *used).map(|(m, _)| m).collect();
+            scene.body.materials.iter().zip(used).filter(|(_, used)| *used).map(|(m, _)| m).collect();
         let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
         let warmest_k = largest(&table.temperature_lit_k).max(largest(&table.temperature_shaded_k));
-        let total_w_m2 = sun::irradiance_at(scene.sun.total_irradiance_1au_w_m2, scene.sun.distance_m);
+        let total_w_m2 = sun::irradiance_at(scene.sky.sun.total_irradiance_1au_w_m2, scene.sky.sun.distance_m);
         let (q, _) = mars_seen(scene, site);
         let at_noon_k = |m: &&Material| {
             let absorbed_w_m2 = (1.0 - m.bond_albedo + q * q) * total_w_m2;
@@ -100,7 +100,7 @@ impl<'a> Account<'a> {
             table,
             site,
             cos_incidence: median_cos_incidence(backplanes),
-            open_to_shadow: site.open_to_shadow(&scene.mesh, scene.sun.direction.vec()),
+            open_to_shadow: site.open_to_shadow(&scene.body.mesh, scene.sky.sun.direction.vec()),
             eclipse: eclipse(scene),
             largest_mars_irradiance: largest(&table.mars_irradiance),
             warmest_k,
@@ -154,8 +154,8 @@ impl<'a> Account<'a> {
     }
 
     fn photometry(&self) -> Effect {
-        let camera_m = self.scene.sensor.camera.centre_m();
-        let phase_deg = angle_rad(camera_m, self.scene.sun.direction.vec()).to_degrees();
+        let camera_m = self.scene.exposure.camera.centre_m();
+        let phase_deg = angle_rad(camera_m, self.scene.sky.sun.direction.vec()).to_degrees();
         let note = format!(
             "surfaces are Lambert, and smooth below the size of a facet. No bound without a photometric function: one fitted to Phobos \
              gives 0.37 times the radiance of a Lambert surface of its geometric albedo at 30 deg phase, 0.25 at 60 deg; here the \
@@ -166,7 +166,8 @@ impl<'a> Account<'a> {
 
     fn mars_light(&self) -> Effect {
         let bound = self.mars_light_bound();
-        match self.scene.mars.as_ref().filter(|_| !self.table.mars_irradiance.is_empty()).map(|m| m.model) {
+        let is_lit_by_mars = self.scene.sky.mars.is_some() && !self.table.mars_irradiance.is_empty();
+        match is_lit_by_mars.then_some(self.scene.models.mars_light) {
             Some(MarsModel::NearField) => modelled(
                 "Mars-light",
                 bound.map(|b| b * MARS_LIGHT_ERROR),
@@ -188,7 +189,7 @@ impl<'a> Account<'a> {
     }
 
     fn mars_light_shadows(&self) -> Effect {
-        let bound = match &self.scene.mars {
+        let bound = match &self.scene.sky.mars {
             Some(_) if self.largest_mars_irradiance == 0.0 => Some(0.0),
             _ => self.mars_light_bound(),
         };
@@ -201,7 +202,7 @@ impl<'a> Account<'a> {
 
     fn thermal_emission(&self) -> Effect {
         let (warmest_k, noon_k) = (self.warmest_k, self.noon_k);
-        match self.scene.thermal {
+        match self.scene.models.thermal {
             Thermal::Off => left_out(
                 "thermal emission",
                 self.emitted(noon_k),
@@ -240,14 +241,14 @@ impl<'a> Account<'a> {
     fn heat_from_mars(&self) -> Effect {
         let (q, has_mars) = mars_seen(self.scene, self.site);
         let scene = self.scene;
-        let total_w_m2 = sun::irradiance_at(scene.sun.total_irradiance_1au_w_m2, scene.sun.distance_m);
+        let total_w_m2 = sun::irradiance_at(scene.sky.sun.total_irradiance_1au_w_m2, scene.sky.sun.distance_m);
         // Reflected or emitted, Mars sends no more than sunlight at its zenith.
         let bound = self.largest_up_to(self.noon_k, |um, m, t_k| {
             let own_w_m2 = heat::emitted_w_m2(t_k, m.emissivity_bolometric);
             let heated_k = heat::equilibrium_temperature_k(own_w_m2 + q * q * total_w_m2, m.emissivity_bolometric);
             emission(m, um, heated_k) - emission(m, um, t_k)
         });
-        match scene.thermal {
+        match scene.models.thermal {
             Thermal::Equilibrium if has_mars => modelled(
                 "heat from Mars",
                 bound,
@@ -288,7 +289,7 @@ impl<'a> Account<'a> {
 
     fn penumbra(&self) -> Effect {
         let (ray_m, pixel_m) = (self.longest_ray_m(), self.pixel_m());
-        let sun_rad = sun::angular_radius_rad(self.scene.sun.distance_m);
+        let sun_rad = sun::angular_radius_rad(self.scene.sky.sun.distance_m);
         // Square to the rays. On a slope the penumbra is wider by 1 / cos i, and as much less bright.
         let wide_px = bounds::penumbra_width_m(ray_m, sun_rad, 1.0) / pixel_m;
         let note = format!(
@@ -351,18 +352,18 @@ impl<'a> Account<'a> {
 
     /// Longest way, m, from what casts a shadow to where it falls.
     fn longest_ray_m(&self) -> f64 {
-        self.site.longest_ray_m(self.site.up.map_or(0.0, |up| up.dot(self.scene.sun.direction.vec())))
+        self.site.longest_ray_m(self.site.up.map_or(0.0, |up| up.dot(self.scene.sky.sun.direction.vec())))
     }
 
     /// Width of a pixel at the nearest point of the surface, square to the line of sight, m.
     fn pixel_m(&self) -> f64 {
-        let camera = &self.scene.sensor.camera;
+        let camera = &self.scene.exposure.camera;
         self.site.distance_m(camera.centre_m()) * camera.mean_pitch()
     }
 
     fn mars_light_bound(&self) -> Option<f64> {
         let (q, _) = mars_seen(self.scene, self.site);
-        let albedo = match &self.scene.mars {
+        let albedo = match &self.scene.sky.mars {
             Some(mars) => self.lit_um().filter_map(|um| mars.reflectance.at(um)).fold(0.0, f64::max),
             None => MARS_ALBEDO,
         };
@@ -400,13 +401,13 @@ impl<'a> Account<'a> {
 fn bands_um(scene: &Scene, materials: &[&Material]) -> Vec<(f64, Light)> {
     let of_materials = materials.iter().flat_map(|m| [&m.reflectance, &m.emissivity]);
     let mut corners_um: Vec<f64> = of_materials
-        .chain(scene.mars.iter().map(|m| &m.reflectance))
+        .chain(scene.sky.mars.iter().map(|m| &m.reflectance))
         .flat_map(|spectrum| spectrum.wavelength_um().iter().copied())
         .collect();
     corners_um.sort_by(f64::total_cmp);
     corners_um.dedup();
     let mut all_um: Vec<(f64, Light)> = Vec::new();
-    for band in &scene.sensor.bands {
+    for band in &scene.exposure.bands {
         let (lo, hi) = band.support_within_um(scene.known_um(band.light));
         let from = corners_um.partition_point(|um| *um <= lo);
         let inside = corners_um[from..].iter().copied().take_while(|um| *um < hi);
@@ -419,7 +420,7 @@ fn bands_um(scene: &Scene, materials: &[&Material]) -> Vec<(f64, Light)> {
 
 /// The largest sine of the angular radius of Mars, or of what it would be over Phobos, and whether the scene has a Mars.
 pub(super) fn mars_seen(scene: &Scene, site: &Site) -> (f64, bool) {
-    match &scene.mars {
+    match &scene.sky.mars {
         Some(mars) => ((mars.radius_m / site.distance_m(mars.centre_m)).min(1.0), true),
         None => (MARS_RADIUS_M / PHOBOS_ORBIT_M, false),
     }
@@ -427,7 +428,7 @@ pub(super) fn mars_seen(scene: &Scene, site: &Site) -> (f64, bool) {
 
 /// Sunlight that a white Lambert surface square to it reflects, W m-2 sr-1 um-1.
 fn white_radiance(scene: &Scene, um: f64) -> Option<f64> {
-    let normal = sun::irradiance_at(scene.sun.irradiance_1au.at(um)?, scene.sun.distance_m);
+    let normal = sun::irradiance_at(scene.sky.sun.irradiance_1au.at(um)?, scene.sky.sun.distance_m);
     let angles = PhotometricAngles { cos_incidence: 1.0, cos_emission: 1.0, phase_rad: 0.0 };
     Some(Brdf::Lambert { reflectance: 1.0 }.eval(&angles) * normal)
 }

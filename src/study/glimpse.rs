@@ -49,20 +49,20 @@ struct Part {
 
 impl Glimpse {
     pub(super) fn new(scene: &Scene) -> Self {
-        let camera = &scene.sensor.camera;
+        let camera = &scene.exposure.camera;
         let counts = [camera.samples.min(MOST_RAYS), camera.lines.min(MOST_RAYS)];
         let blank = || Part { met: vec![SKY; (counts[0] * counts[1]) as usize], facets_in_frame: 0, faces_sun: false };
-        let towards_sun = scene.sun.direction.vec();
+        let towards_sun = scene.sky.sun.direction.vec();
         let part = |chunk: usize| {
             let mut part = blank();
-            for facet in chunk * CHUNK..scene.mesh.facets.len().min((chunk + 1) * CHUNK) {
-                part.faces_sun |= scene.mesh.facet(facet).cross_m2().dot(towards_sun) > 0.0;
-                part.look(&scene.mesh, facet, camera, counts);
+            for facet in chunk * CHUNK..scene.body.mesh.facets.len().min((chunk + 1) * CHUNK) {
+                part.faces_sun |= scene.body.mesh.facet(facet).cross_m2().dot(towards_sun) > 0.0;
+                part.look(&scene.body.mesh, facet, camera, counts);
             }
             part
         };
         let Part { met, facets_in_frame, faces_sun } =
-            (0..scene.mesh.facets.len().div_ceil(CHUNK)).into_par_iter().map(part).reduce(blank, Part::with);
+            (0..scene.body.mesh.facets.len().div_ceil(CHUNK)).into_par_iter().map(part).reduce(blank, Part::with);
         Glimpse { counts, met, facets_in_frame, faces_sun }
     }
 
@@ -73,9 +73,9 @@ impl Glimpse {
 
     /// Share of what is seen that are facets from behind.
     pub(super) fn back_share(&self, scene: &Scene) -> f64 {
-        let eye_m = scene.sensor.camera.centre_m();
+        let eye_m = scene.exposure.camera.centre_m();
         let is_back = |met: &&Met| {
-            let facet = scene.mesh.facet(met.facet);
+            let facet = scene.body.mesh.facet(met.facet);
             facet.cross_m2().dot(eye_m - facet.corners_m[0]) < 0.0
         };
         let seen = self.met.iter().filter(|met| **met != SKY);

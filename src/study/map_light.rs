@@ -24,7 +24,7 @@ pub(super) fn heat_counts_once(scene: &Scene, terms: &[Vec<RadianceMap>], option
         terms.iter().filter_map(of_term).filter(|(weight, _)| *weight > 0.0).collect::<Vec<(f64, String)>>()
     };
     let mut known = holds(Some(true));
-    if options.add_solved && scene.thermal != Thermal::Off {
+    if options.add_solved && scene.models.thermal != Thermal::Off {
         known.push((1.0, "the scene's own table".into()));
     }
     let names = |held: &[(f64, String)]| held.iter().map(|h| h.1.as_str()).collect::<Vec<_>>().join(", ");
@@ -38,7 +38,7 @@ pub(super) fn heat_counts_once(scene: &Scene, terms: &[Vec<RadianceMap>], option
         return Err(Error::Invalid(vec![problem]));
     }
     let unknown = holds(None);
-    let is_warm = scene.sensor.bands.iter().any(|band| band.centre_um > HEAT_FROM_UM);
+    let is_warm = scene.exposure.bands.iter().any(|band| band.centre_um > HEAT_FROM_UM);
     if known.is_empty() || unknown.is_empty() || !is_warm {
         return Ok(vec![]);
     }

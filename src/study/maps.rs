@@ -10,11 +10,10 @@ use super::{map_light, partly_sky};
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::Texels;
 use crate::integrate::{self, Choice, MapImage, MapView, Maps, Unknown};
-use crate::product::{Cube, Eye, FacetTable, Placement, RadianceMap, Registration, Sky, TexelSource, ViewImage};
+use crate::product::{Cube, Eye, FacetTable, Placement, RadianceMap, Registration, SkyShare, TexelSource, ViewImage};
 use crate::progress::{Watch, tell};
 use crate::scene::Scene;
 use crate::spectral::{Band, Mixes, mixes};
-use crate::visibility::Topology;
 
 /// No radiance is larger, W m-2 sr-1 um-1: a solar surface at all wavelengths sends less than 1e8. Products in single precision hold
 /// sums of many such, and bytes in the wrong order, which make numbers of any size, are found.
@@ -131,7 +130,6 @@ impl From<&Registration> for RegistrationEntry {
 /// little of what is seen; whatever their sources report; [`Error::Interrupted`] if `watch` asks to stop.
 pub fn observe_maps(
     scene: &Scene,
-    topology: &Topology,
     table: &FacetTable,
     terms: Vec<Vec<RadianceMap>>,
     options: &MapOptions,
@@ -161,7 +159,7 @@ pub fn observe_maps(
     let mut problems = Vec::new();
     for view in terms.iter_mut().flat_map(|t| &mut t.views) {
         view.read_first(&mut problems)?;
-        view.find_seen(scene, topology, options, watch)?;
+        view.find_seen(scene, options, watch)?;
         view.find_known();
     }
     if !problems.is_empty() {
@@ -178,7 +176,7 @@ pub fn observe_maps(
         },
         adds_solved: options.add_solved,
     };
-    let mut image = integrate::integrate_maps(scene, topology, table, &maps, watch)?;
+    let mut image = integrate::integrate_maps(scene, table, &maps, watch)?;
     let on_scene = image.maps.take().unwrap_or_default();
     drop(maps);
     let unverified = unverified(&terms);
@@ -192,7 +190,7 @@ pub fn observe_maps(
     let unknown = pixels_of_nothing(&on_scene);
     notes.extend(told(unknown_share, unknown.len(), options, &unverified));
     notes.extend(terms.iter().flat_map(|t| &t.views).flat_map(View::told));
-    notes.extend(terms.iter().flat_map(|t| &t.views).filter_map(|v| v.enclosed(scene, topology)));
+    notes.extend(terms.iter().flat_map(|t| &t.views).filter_map(|v| v.enclosed(scene)));
     let account = MapAccount {
         maps: terms.iter().enumerate().flat_map(|(t, term)| term.entries(t)).collect(),
         unknown_share,
@@ -203,7 +201,7 @@ pub fn observe_maps(
     let pixels = on_scene.area.len();
     drop(on_scene);
     let uses_sun = options.add_solved || options.fill == Fill::Solved;
-    let mut observation = account_for(scene, topology, table, image, uses_sun, watch)?;
+    let mut observation = account_for(scene, table, image, uses_sun, watch)?;
     if !uses_sun {
         // What maps have in them and leave out is theirs to say.
         observation.effects.clear();
@@ -235,7 +233,7 @@ struct Source {
     /// For each texel whether that has no value; empty if no other band is needed.
     valueless: Vec<bool>,
     /// What texels that show the scene in part hold, as far as anybody says.
-    sky: Sky,
+    sky: SkyShare,
     /// Whether values of such texels are divided by the share that shows the scene.
     is_divided: bool,
     registration: Option<Registration>,
@@ -272,11 +270,11 @@ struct View {
 
 impl View {
     /// Says that its eye is inside closed parts of the scene, or on them, if what hides what is asked at all.
-    fn enclosed(&self, scene: &Scene, topology: &Topology) -> Option<String> {
+    fn enclosed(&self, scene: &Scene) -> Option<String> {
         let Placement::View(image) = &self.placement else { return None };
         let ViewImage { eye: Eye::At(centre_m), occlusion: true, .. } = &**image else { return None };
         let name = self.sources.first().map_or("a map", |s| s.name.as_str());
-        enclosed(&format!("the eye of {name}"), topology.enclosure(&scene.mesh, *centre_m))
+        enclosed(&format!("the eye of {name}"), scene.body.topology().enclosure(&scene.body.mesh, *centre_m))
     }
 }
 
@@ -287,7 +285,7 @@ struct Term {
 
 /// Says which maps cannot be of a scene.
 fn fit(scene: &Scene, terms: &[Vec<RadianceMap>]) -> Result<()> {
-    let facets = scene.mesh.facets.len();
+    let facets = scene.body.mesh.facets.len();
     let mut problems = Vec::new();
     for map in terms.iter().flatten() {
         let mut problem = |message: String, help: &str| {
@@ -332,7 +330,7 @@ impl Term {
         for maps in terms {
             let mut views = Vec::new();
             for map in maps {
-                let (uses, said) = uses(&map, &scene.sensor.bands).unwrap_or_else(|wrong| {
+                let (uses, said) = uses(&map, &scene.exposure.bands).unwrap_or_else(|wrong| {
                     problems.extend(wrong.into_iter().map(|w| Problem::new(Location::item(&map.name), w)));
                     (vec![], vec![])
                 });
@@ -415,18 +413,18 @@ impl View {
     }
 
     /// In how much of each texel its eye sees the scene, if that matters; the first bands have been read.
-    fn find_seen(&mut self, scene: &Scene, topology: &Topology, options: &MapOptions, watch: Watch<'_>) -> Result<()> {
+    fn find_seen(&mut self, scene: &Scene, options: &MapOptions, watch: Watch<'_>) -> Result<()> {
         let Placement::View(image) = &self.placement else { return Ok(()) };
         for source in &mut self.sources {
             // Values are means over the scene already.
-            if source.sky == Sky::Guessed && source.source.coverage()?.is_some() {
-                source.sky = Sky::LeftOut;
+            if source.sky == SkyShare::Guessed && source.source.coverage()?.is_some() {
+                source.sky = SkyShare::LeftOut;
             }
         }
         let is_blended = options.texels == Texels::Bilinear;
         let may_be = |source: &Source| partly_sky::may_be_in_means(source.sky, image, &source.first);
         if is_blended || self.sources.iter().any(may_be) {
-            self.seen = integrate::texels_seen(image, scene, topology, watch)?.unwrap_or_default();
+            self.seen = integrate::texels_seen(image, scene, watch)?.unwrap_or_default();
         }
         if is_blended {
             self.sky = self.seen.iter().map(|share| *share == 0.0).collect();
@@ -442,7 +440,7 @@ impl View {
     /// What was done to texels at the rim of the scene, where it is not what anybody said.
     fn told(&self) -> impl Iterator<Item = String> {
         let partly = self.partly_seen();
-        let guessed = self.sources.iter().filter(move |source| source.sky == Sky::Guessed && partly > 0);
+        let guessed = self.sources.iter().filter(move |source| source.sky == SkyShare::Guessed && partly > 0);
         guessed.filter_map(move |source| {
             let Placement::View(image) = &self.placement else { return None };
             let is_camera = matches!(image.eye, Eye::At(_));
@@ -582,7 +580,7 @@ fn add_up(
     watch: Watch<'_>,
 ) -> Result<(Vec<f64>, Vec<f64>)> {
     let pixels = on_scene.area.len();
-    let mut added = vec![0.0; pixels * scene.sensor.bands.len()];
+    let mut added = vec![0.0; pixels * scene.exposure.bands.len()];
     let mut magnitude = vec![0.0; if subtracts { added.len() } else { 0 }];
     let total: usize = terms.iter().flat_map(|t| &t.views).flat_map(|v| &v.sources).map(|s| s.uses.len()).sum();
     let mut done = 0;

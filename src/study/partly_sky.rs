@@ -1,6 +1,6 @@
 //! Texels of an image that show the scene in part, and sky beside it: whether what they hold is a mean over all of the texel.
 
-use crate::product::{Eye, Placement, Sky, ViewImage};
+use crate::product::{Eye, Placement, SkyShare, ViewImage};
 
 /// Texels around the scene that are less bright than this, over those of the scene, are dark: what a filter spreads there is less.
 const DARK: f64 = 0.5;
@@ -11,12 +11,12 @@ const DARK: f64 = 0.5;
 /// sky is in the means. If there are none with a value, as in DART's images, those at the rim tell, by how much darker they are than
 /// what they border on. If that is not enough, a camera's image has sky in its means; a map of a plane, which may well be cut along the
 /// scene, has not.
-pub(super) fn is_in_means(sky: Sky, placement: &Placement, seen: &[f64], values: &[f64]) -> bool {
+pub(super) fn is_in_means(sky: SkyShare, placement: &Placement, seen: &[f64], values: &[f64]) -> bool {
     let Placement::View(image) = placement else { return false };
     match sky {
-        Sky::Included => return true,
-        Sky::LeftOut => return false,
-        Sky::Guessed => {}
+        SkyShare::Included => return true,
+        SkyShare::LeftOut => return false,
+        SkyShare::Guessed => {}
     }
     let columns = image.columns;
     let beside = |i: usize| {
@@ -45,11 +45,11 @@ const DARK_AS_SKY: f64 = 1e-3;
 
 /// Whether it is worth to find out in how much of each texel the scene is seen: sky around a scene reaches the border of its image, and
 /// there is dark, or without a value.
-pub(super) fn may_be_in_means(sky: Sky, image: &ViewImage, values: &[f64]) -> bool {
+pub(super) fn may_be_in_means(sky: SkyShare, image: &ViewImage, values: &[f64]) -> bool {
     match (sky, image.eye) {
-        (Sky::Included, _) | (Sky::Guessed, Eye::At(_)) => return true,
-        (Sky::LeftOut, _) => return false,
-        (Sky::Guessed, Eye::Towards(_)) => {}
+        (SkyShare::Included, _) | (SkyShare::Guessed, Eye::At(_)) => return true,
+        (SkyShare::LeftOut, _) => return false,
+        (SkyShare::Guessed, Eye::Towards(_)) => {}
     }
     let (columns, rows) = (image.columns, image.rows);
     if values.len() != columns * rows {
@@ -134,11 +134,11 @@ mod tests {
             // Dark all over: nothing to divide.
             ([0.0, 0.0, 0.0, 0.0], false, false),
         ] {
-            assert_eq!(is_in_means(Sky::Guessed, &eye, &seen, &values), of_eye, "{values:?}");
-            assert_eq!(is_in_means(Sky::Guessed, &plane, &seen, &values), of_plane, "{values:?}");
-            assert!(is_in_means(Sky::Included, &plane, &seen, &values));
-            assert!(!is_in_means(Sky::LeftOut, &eye, &seen, &values));
+            assert_eq!(is_in_means(SkyShare::Guessed, &eye, &seen, &values), of_eye, "{values:?}");
+            assert_eq!(is_in_means(SkyShare::Guessed, &plane, &seen, &values), of_plane, "{values:?}");
+            assert!(is_in_means(SkyShare::Included, &plane, &seen, &values));
+            assert!(!is_in_means(SkyShare::LeftOut, &eye, &seen, &values));
         }
-        assert!(!is_in_means(Sky::Included, &Placement::Facets(4), &seen, &[1.0; 4]));
+        assert!(!is_in_means(SkyShare::Included, &Placement::Facets(4), &seen, &[1.0; 4]));
     }
 }

@@ -11,11 +11,11 @@ use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::polygon::area;
 use crate::integrate::{self, Image};
 use crate::physics::{bounds, heat, sun};
-use crate::product::{Backplanes, Cube, FacetTable, Lit};
+use crate::product::{Backplanes, Cube, FacetTable};
 use crate::progress::{Watch, tell};
 use crate::scene::{MarsModel, Scene, Thermal};
 use crate::solve;
-use crate::visibility::Topology;
+use crate::visibility::Shown;
 
 /// Two directions to the Sun are the same to within this, rad: tables of other programs round.
 const DIRECTION_TOLERANCE: f64 = 1e-9;
@@ -81,9 +81,8 @@ pub struct Counts {
 /// # Errors
 /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
 pub fn simulate(scene: &Scene, watch: Watch<'_>) -> Result<(FacetTable, Observation)> {
-    let topology = Topology::new(&scene.mesh);
-    let table = solve::solve(scene, &topology, watch)?;
-    let observation = observe(scene, &topology, &table, watch)?;
+    let table = solve::solve(scene, watch)?;
+    let observation = observe(scene, &table, watch)?;
     Ok((table, observation))
 }
 
@@ -92,33 +91,32 @@ pub fn simulate(scene: &Scene, watch: Watch<'_>) -> Result<(FacetTable, Observat
 /// # Errors
 /// [`Error::Invalid`](crate::Error::Invalid) if the table is not of this scene, or memory cannot hold the image;
 /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
-pub fn observe(scene: &Scene, topology: &Topology, table: &FacetTable, watch: Watch<'_>) -> Result<Observation> {
+pub fn observe(scene: &Scene, table: &FacetTable, watch: Watch<'_>) -> Result<Observation> {
     fits(scene, table)?;
     has_room(scene, false, None)?;
-    let image = integrate::integrate(scene, topology, table, watch)?;
-    account_for(scene, topology, table, image, true, watch)
+    let image = integrate::integrate(scene, table, watch)?;
+    account_for(scene, table, image, true, watch)
 }
 
 /// An image with an account of how good it is.
 pub(super) fn account_for(
     scene: &Scene,
-    topology: &Topology,
     table: &FacetTable,
     image: Image,
     uses_sun: bool,
     watch: Watch<'_>,
 ) -> Result<Observation> {
     tell(watch, "report", 0, 1)?;
-    let site = Site::new(&scene.mesh, topology);
+    let site = Site::new(&scene.body.mesh, scene.body.topology());
     let account = Account::new(scene, table, &site, &image.backplanes);
-    let lit = |kind| table.sunlit.lit.iter().filter(|l| **l == kind).count() as u64;
+    let lit = |kind| table.sunlit.shown.iter().filter(|l| **l == kind).count() as u64;
     let counts = Counts {
-        facets: scene.mesh.facets.len() as u64,
+        facets: scene.body.mesh.facets.len() as u64,
         zero_area_facets: site.zero_area_facets,
-        flipped_facets: topology.flipped_facets as u64,
-        open_edges: topology.open_edges as u64,
-        lit_facets: lit(Lit::Full),
-        partly_lit_facets: lit(Lit::Part),
+        flipped_facets: scene.body.topology().flipped_facets as u64,
+        open_edges: scene.body.topology().open_edges as u64,
+        lit_facets: lit(Shown::Whole),
+        partly_lit_facets: lit(Shown::Part),
         visible_facets: image.seen.iter().filter(|s| **s).count() as u64,
     };
     tracing::info!(?counts, "observed");
@@ -127,7 +125,7 @@ pub(super) fn account_for(
         warnings: [
             scene.remarks(),
             warnings::of_image(&account, &counts, &image, uses_sun),
-            warnings::of_scene(scene, topology, &site, account.open_to_shadow, uses_sun),
+            warnings::of_scene(scene, &site, account.open_to_shadow, uses_sun),
         ]
         .concat(),
         checks: checks(&account, &image),
@@ -141,12 +139,12 @@ pub(super) fn account_for(
 
 /// Says if a table cannot be of a scene: what it lacks would be missing from the image, and the report would not know.
 pub(super) fn fits(scene: &Scene, table: &FacetTable) -> Result<()> {
-    let facets = scene.mesh.facets.len();
-    let has_heat = scene.thermal != Thermal::Off;
+    let facets = scene.body.mesh.facets.len();
+    let has_heat = scene.models.thermal != Thermal::Off;
     let mut problems: Vec<Problem> = [
         ("sun_irradiance", table.sun_irradiance.len(), true),
-        ("sunlit", table.sunlit.lit.len(), true),
-        ("mars_irradiance", table.mars_irradiance.len(), scene.mars.is_some()),
+        ("sunlit", table.sunlit.shown.len(), true),
+        ("mars_irradiance", table.mars_irradiance.len(), scene.sky.mars.is_some()),
         ("temperature_lit_k", table.temperature_lit_k.len(), has_heat),
         ("temperature_shaded_k", table.temperature_shaded_k.len(), has_heat),
     ]
@@ -168,7 +166,7 @@ pub(super) fn fits(scene: &Scene, table: &FacetTable) -> Result<()> {
                 .push(Problem::new(Location::item(format!("{name}[{i}]")), message).with_help("solve the scene again"));
         }
     }
-    let angle_rad = table.sun_direction.angle_rad(scene.sun.direction);
+    let angle_rad = table.sun_direction.angle_rad(scene.sky.sun.direction);
     if angle_rad > DIRECTION_TOLERANCE {
         let message = format!("is {:.3e} deg from where the scene has the Sun", angle_rad.to_degrees());
         problems.push(Problem::new(Location::item("sun_direction"), message).with_help("solve the scene again"));
@@ -178,10 +176,10 @@ pub(super) fn fits(scene: &Scene, table: &FacetTable) -> Result<()> {
 
 /// No facet is warmer, K: one that faces the Sun under a Mars that sends it as much light again, and all its heat.
 fn warmest_k(scene: &Scene) -> f64 {
-    let sun_w_m2 = sun::irradiance_at(scene.sun.total_irradiance_1au_w_m2, scene.sun.distance_m);
-    let mars_w_m2 = scene.mars.as_ref().map_or(0.0, |mars| mars.thermal_exitance_w_m2);
-    let emissivity = scene.materials.iter().map(|m| m.emissivity_bolometric).fold(1.0, f64::min);
-    match scene.thermal {
+    let sun_w_m2 = sun::irradiance_at(scene.sky.sun.total_irradiance_1au_w_m2, scene.sky.sun.distance_m);
+    let mars_w_m2 = scene.sky.mars.as_ref().map_or(0.0, |mars| mars.thermal_exitance_w_m2);
+    let emissivity = scene.body.materials.iter().map(|m| m.emissivity_bolometric).fold(1.0, f64::min);
+    match scene.models.thermal {
         Thermal::Equilibrium => heat::equilibrium_temperature_k(2.0 * sun_w_m2 + mars_w_m2, emissivity),
         // Tables of our own have rounding too.
         Thermal::Thesis => heat::thesis_temperature_k(1.0 + 1e-9),
@@ -200,7 +198,7 @@ fn checks(account: &Account, image: &Image) -> Vec<Check> {
         check(
             "areas in a pixel exceed the pixel by, pixels",
             image.excess_px,
-            1e-12_f64.max(scene.sensor.camera.rounding_px()),
+            1e-12_f64.max(scene.exposure.camera.rounding_px()),
         ),
         check("lit part of a facet reaches beyond it by, sizes of the scene", largest_lit_excess(scene, table), 1e-11),
         check(
@@ -210,7 +208,7 @@ fn checks(account: &Account, image: &Image) -> Vec<Check> {
         ),
         check("weights and spectra that are no finite number", bad as f64, 0.0),
     ];
-    if scene.mars.as_ref().is_some_and(|m| m.model == MarsModel::NearField) {
+    if scene.sky.mars.is_some() && scene.models.mars_light == MarsModel::NearField {
         let bound = bounds::mars_light(1.0, mars_seen(scene, account.site).0, 1.0);
         let name = "largest irradiance by Mars, over that of sunlight at its zenith on all of Mars";
         checks.push(check(name, account.largest_mars_irradiance / bound, 1.0));
@@ -223,10 +221,10 @@ fn checks(account: &Account, image: &Image) -> Vec<Check> {
 /// edge-on is judged like any other.
 fn largest_lit_excess(scene: &Scene, table: &FacetTable) -> f64 {
     let sunlit = &table.sunlit;
-    let Some((low_m, high_m)) = scene.mesh.bounds_m() else { return 0.0 };
+    let Some((low_m, high_m)) = scene.body.mesh.bounds_m() else { return 0.0 };
     let size_m = (high_m - low_m).length();
     let excess = |facet: u32, share: f64| {
-        let facet = scene.mesh.facet(facet as usize);
+        let facet = scene.body.mesh.facet(facet as usize);
         let towards = table.sun_direction.vec();
         let [a, b, c] = facet.corners_m;
         let around_m: f64 =

@@ -7,7 +7,6 @@ use super::site::Site;
 use crate::geometry::angle_rad;
 use crate::scene::Scene;
 use crate::units::AU_M;
-use crate::visibility::Topology;
 
 /// A scene in a few numbers. Angles at the scene's origin, deg; "level" is square to the outward radius there.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -48,28 +47,29 @@ pub struct Summary {
     pub image_m: [f64; 2],
 }
 
-pub(super) fn summary(scene: &Scene, topology: &Topology, site: &Site) -> Summary {
-    let camera = &scene.sensor.camera;
-    let (towards_sun, eye_m) = (scene.sun.direction.vec(), camera.centre_m());
-    let from_zenith = |v: DVec3| (scene.origin_m != DVec3::ZERO).then(|| angle_rad(scene.origin_m, v).to_degrees());
+pub(super) fn summary(scene: &Scene, site: &Site) -> Summary {
+    let camera = &scene.exposure.camera;
+    let (towards_sun, eye_m) = (scene.sky.sun.direction.vec(), camera.centre_m());
+    let from_zenith =
+        |v: DVec3| (scene.body.origin_m != DVec3::ZERO).then(|| angle_rad(scene.body.origin_m, v).to_degrees());
     let elevation = |v: DVec3| from_zenith(v).map(|angle| 90.0 - angle);
     let pixel_m = camera.mean_pitch() * eye_m.length();
     let (low_m, high_m) = site.box_m;
     Summary {
-        facets: scene.mesh.facets.len(),
-        vertices: scene.mesh.vertices_m.len(),
-        open_edges: topology.open_edges,
-        flipped_facets: topology.flipped_facets,
+        facets: scene.body.mesh.facets.len(),
+        vertices: scene.body.mesh.vertices_m.len(),
+        open_edges: scene.body.topology().open_edges,
+        flipped_facets: scene.body.topology().flipped_facets,
         zero_area_facets: site.zero_area_facets,
         size_m: (high_m - low_m).to_array(),
-        sun_distance_au: scene.sun.distance_m / AU_M,
+        sun_distance_au: scene.sky.sun.distance_m / AU_M,
         sun_elevation_deg: elevation(towards_sun),
         mean_incidence_deg: site.up.map(|up| angle_rad(up, towards_sun).to_degrees()),
         phase_deg: angle_rad(eye_m, towards_sun).to_degrees(),
         emission_deg: from_zenith(eye_m),
         range_m: eye_m.length(),
-        mars_elevation_deg: scene.mars.as_ref().and_then(|mars| elevation(mars.centre_m)),
-        mars_radius_deg: scene.mars.as_ref().map(|m| (m.radius_m / m.centre_m.length()).asin().to_degrees()),
+        mars_elevation_deg: scene.sky.mars.as_ref().and_then(|mars| elevation(mars.centre_m)),
+        mars_radius_deg: scene.sky.mars.as_ref().map(|m| (m.radius_m / m.centre_m.length()).asin().to_degrees()),
         ifov_mrad: 1e3 * camera.ifov_rad(),
         pixel_m,
         image_m: [f64::from(camera.samples) * pixel_m, f64::from(camera.lines) * pixel_m],

@@ -3,7 +3,7 @@
 use blake3::Hasher;
 use glam::DVec3;
 
-use crate::scene::{MarsModel, Scene, Thermal};
+use crate::scene::{MarsModel, Models, Scene, Setup, Sky, Surface, Thermal};
 
 /// A name for everything that [`solve`](crate::solve::solve) reads of a scene: BLAKE3 of the resolved values, 64 hexadecimal digits.
 ///
@@ -11,7 +11,8 @@ use crate::scene::{MarsModel, Scene, Thermal};
 pub fn table_id(scene: &Scene) -> String {
     let mut hasher = Hasher::new();
     let mut put = |values: &[f64]| values.iter().for_each(|v| _ = hasher.update(&v.to_le_bytes()));
-    let Scene { origin_m, mesh, materials, sun, mars, thermal, sensor: _, textures: _ } = scene;
+    let Setup { body, sky: Sky { sun, mars }, exposure: _, models: Models { thermal, mars_light } } = &**scene;
+    let Surface { origin_m, mesh, materials, textures: _ } = &**body;
     put(&origin_m.to_array());
     put(&sun.direction.vec().to_array());
     put(&[sun.distance_m, sun.total_irradiance_1au_w_m2]);
@@ -21,7 +22,7 @@ pub fn table_id(scene: &Scene) -> String {
     }
     materials.iter().for_each(|m| put(&[m.bond_albedo, m.emissivity_bolometric]));
     // Which of the above there are, so that no two scenes are the same row of numbers.
-    let mars_model = mars.as_ref().map_or(0, |m| match m.model {
+    let mars_model = mars.as_ref().map_or(0, |_| match mars_light {
         MarsModel::NearField => 1,
         MarsModel::Thesis => 2,
     });

@@ -8,9 +8,9 @@ use super::site::Site;
 use crate::geometry::angle_rad;
 use crate::integrate::Image;
 use crate::physics::sun::Eclipse;
-use crate::product::Lit;
 use crate::scene::Scene;
-use crate::visibility::{Enclosure, Topology};
+use crate::visibility::Enclosure;
+use crate::visibility::Shown;
 
 /// Less of the image than this may show facets from behind without a word: rims of open sheets do.
 const BACK_SHARE: f64 = 0.01;
@@ -31,7 +31,7 @@ pub(super) struct Sight {
 /// no interest.
 pub(super) fn of_image(account: &Account, counts: &Counts, image: &Image, uses_sun: bool) -> Vec<String> {
     let covered_px: f64 = image.backplanes.plane("COVERAGE").map_or(0.0, |p| p.values.iter().sum());
-    let camera = &account.scene.sensor.camera;
+    let camera = &account.scene.exposure.camera;
     let samples = camera.samples as usize;
     let ranges_m = image.backplanes.plane("RANGE").map_or(&[][..], |plane| &plane.values);
     let rays = ranges_m.iter().enumerate().map(|(i, range_m)| {
@@ -45,7 +45,7 @@ pub(super) fn of_image(account: &Account, counts: &Counts, image: &Image, uses_s
         mars: MarsInView::new(account.scene, rays, 1.0),
         about: "",
     };
-    let is_dark = uses_sun && account.table.sunlit.lit.iter().all(|l| *l == Lit::Dark);
+    let is_dark = uses_sun && account.table.sunlit.shown.iter().all(|l| *l == Shown::Nothing);
     let rest = match (account.largest_mars_irradiance > 0.0, account.warmest_k > 0.0) {
         (false, false) => "the image is black",
         (false, true) => "what the image shows is heat",
@@ -76,16 +76,13 @@ pub(super) fn of_sight(sight: &Sight, dark: Option<String>) -> Vec<String> {
 
 /// What the scene tells by itself. `open_to_shadow` is the share of the site that terrain outside it might shadow; `uses_sun` is as
 /// for [`of_image`].
-pub(super) fn of_scene(
-    scene: &Scene,
-    topology: &Topology,
-    site: &Site,
-    open_to_shadow: f64,
-    uses_sun: bool,
-) -> Vec<String> {
+pub(super) fn of_scene(scene: &Scene, site: &Site, open_to_shadow: f64, uses_sun: bool) -> Vec<String> {
     let mut all = Vec::new();
     let facets = |n: u64| if n == 1 { "1 facet".to_owned() } else { format!("{n} facets") };
-    all.extend(enclosed("the camera", topology.enclosure(&scene.mesh, scene.sensor.camera.centre_m())));
+    all.extend(enclosed(
+        "the camera",
+        scene.body.topology().enclosure(&scene.body.mesh, scene.exposure.camera.centre_m()),
+    ));
     match eclipse(scene).filter(|_| uses_sun) {
         Some(Eclipse::Total) => {
             all.push("the site is in eclipse: Mars covers the Sun, but the image is lit as if it did not".into())
@@ -104,26 +101,29 @@ pub(super) fn of_scene(
             100.0 * open_to_shadow
         ));
     }
-    if topology.coincident_facets > 0 {
-        let lie = if topology.coincident_facets == 1 { "lies" } else { "lie" };
+    if scene.body.topology().coincident_facets > 0 {
+        let lie = if scene.body.topology().coincident_facets == 1 { "lies" } else { "lie" };
         all.push(format!(
             "{} {lie} on others, with the same side out: is a mesh, or a part of one, given twice? Of two the one is seen whose material comes first",
-            facets(topology.coincident_facets as u64)
+            facets(scene.body.topology().coincident_facets as u64)
         ));
     }
-    if topology.flipped_facets > 0 {
+    if scene.body.topology().flipped_facets > 0 {
         all.push(format!(
             "{} with the inner side out, against their neighbours: seen from outside they are black",
-            facets(topology.flipped_facets as u64)
+            facets(scene.body.topology().flipped_facets as u64)
         ));
     }
     if site.zero_area_facets > 0 {
         all.push(format!("{} without area: they neither shine nor block", facets(site.zero_area_facets)));
     }
     if site.is_open && site.up.is_none() {
-        let of_those =
-            if topology.coincident_facets > 0 { ", those of facets that lie on others among them" } else { "" };
-        all.push(format!("the body is not closed: {} open edges{of_those}", topology.open_edges));
+        let of_those = if scene.body.topology().coincident_facets > 0 {
+            ", those of facets that lie on others among them"
+        } else {
+            ""
+        };
+        all.push(format!("the body is not closed: {} open edges{of_those}", scene.body.topology().open_edges));
     }
     all
 }
@@ -154,8 +154,8 @@ impl MarsInView {
     /// From rays of the camera, each with the range of the surface that it meets, m, or infinity; each stands for `ray_px` pixels.
     pub(super) fn new(scene: &Scene, rays: impl Iterator<Item = (DVec3, f64)>, ray_px: f64) -> Self {
         let mut found = MarsInView::default();
-        let Some(mars) = &scene.mars else { return found };
-        let camera = &scene.sensor.camera;
+        let Some(mars) = &scene.sky.mars else { return found };
+        let camera = &scene.exposure.camera;
         let towards_m = mars.centre_m - camera.centre_m();
         let boresight = camera.world_from_sensor.rotation.z_axis;
         let mars_rad = (mars.radius_m / towards_m.length()).min(1.0).asin();

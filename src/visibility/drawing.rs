@@ -217,7 +217,7 @@ impl<'a> Drawing<'a> {
     /// Draws a mesh for light from a direction, with cells fitted to what is there.
     ///
     /// The axes follow the mesh's own extent as seen from there, so that under grazing light cells are as flat as facets are.
-    pub fn from_sun(mesh: &'a Mesh, topology: &'a Topology, towards: Direction, cells: f64) -> Self {
+    pub fn from_afar(mesh: &'a Mesh, topology: &'a Topology, towards: Direction, cells: f64) -> Self {
         let (h, v) = long_and_short(mesh, towards);
         let u = -towards.vec();
         let (mut lo, mut hi) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);

@@ -12,6 +12,7 @@ mod drawing;
 mod layers;
 mod on_facet;
 mod partition;
+mod seen;
 mod topology;
 
 pub use bins::for_each_cell_of as cells_of;
@@ -19,4 +20,5 @@ pub use coverage::{Coverage, Scratch, Visit};
 pub use covered::covered;
 pub use drawing::{Drawing, Grid, Side, View};
 pub use on_facet::OnFacet;
+pub use seen::{Seen, Shown};
 pub use topology::{Enclosure, NONE, Topology};

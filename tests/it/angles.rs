@@ -42,8 +42,8 @@ fn sun_and_camera_stand_where_the_angles_say() {
     // By hand: 2000 m at 30 deg from the zenith, in the north.
     let (half, root) = (0.5, 0.75_f64.sqrt());
     for file in [by("range_m = 2000"), by(&format!("altitude_m = {}", 2000.0 * root))] {
-        let camera = &file.scene.sensor.camera;
-        assert!((file.scene.sun.direction.vec() - DVec3::new(half, root, 0.0)).length() < 1e-15);
+        let camera = &file.scene.exposure.camera;
+        assert!((file.scene.sky.sun.direction.vec() - DVec3::new(half, root, 0.0)).length() < 1e-15);
         assert!((camera.centre_m() - DVec3::new(2000.0 * root, 0.0, 1000.0)).length() < 1e-12);
         let axes = camera.world_from_sensor.rotation;
         // It looks south and down; east, which is right of north on a map, is on the right.
@@ -95,8 +95,8 @@ fn the_phase_stands_for_an_azimuth() {
             ));
             let local_m = target - DVec3::new(11000.0, 0.0, 0.0);
             let zenith = Direction::new(target).unwrap();
-            let sun = file.scene.sun.direction;
-            let camera = Direction::new(file.scene.sensor.camera.centre_m() - local_m).unwrap();
+            let sun = file.scene.sky.sun.direction;
+            let camera = Direction::new(file.scene.exposure.camera.centre_m() - local_m).unwrap();
             for (angle, asked) in
                 [(sun.angle_rad(zenith), i), (camera.angle_rad(zenith), e), (sun.angle_rad(camera), phase)]
             {
@@ -112,7 +112,7 @@ fn the_phase_stands_for_an_azimuth() {
                 "{seen} {azimuth}"
             );
             // The horizon is level: the right of the image has no height.
-            assert!(file.scene.sensor.camera.world_from_sensor.rotation.x_axis.dot(zenith.vec()).abs() < 1e-9);
+            assert!(file.scene.exposure.camera.world_from_sensor.rotation.x_axis.dot(zenith.vec()).abs() < 1e-9);
             tried += 1;
         }
     }
@@ -123,23 +123,23 @@ fn the_phase_stands_for_an_azimuth() {
 fn the_ends_of_angles_are_defined() {
     // Both in the zenith: no azimuth is needed.
     let nadir = placed("incidence_deg = 0, emission_deg = 0, altitude_m = 100").scene;
-    assert_eq!(nadir.sun.direction.vec(), DVec3::X);
-    assert_eq!(nadir.sensor.camera.centre_m(), DVec3::new(100.0, 0.0, 0.0));
+    assert_eq!(nadir.sky.sun.direction.vec(), DVec3::X);
+    assert_eq!(nadir.exposure.camera.centre_m(), DVec3::new(100.0, 0.0, 0.0));
     // One in the zenith: the other's azimuth is enough, and the phase is its angle.
     let one = placed(
         "incidence_deg = 0, emission_deg = 90, phase_deg = 90, observer_azimuth_deg = 180, range_m = 10, up = \"zenith\"",
     );
-    assert_eq!(one.scene.sensor.camera.centre_m(), DVec3::new(0.0, 0.0, -10.0));
+    assert_eq!(one.scene.exposure.camera.centre_m(), DVec3::new(0.0, 0.0, -10.0));
     // A grazing Sun is in the plane to the last digit.
     let grazing = placed("incidence_deg = 90, sun_azimuth_deg = 270, emission_deg = 0, altitude_m = 100").scene;
-    assert_eq!(grazing.sun.direction.vec(), DVec3::NEG_Y);
+    assert_eq!(grazing.sky.sun.direction.vec(), DVec3::NEG_Y);
     // Opposition and forward scattering are within reach, and a phase of few digits is taken at its end.
     for phase in ["10.0", "9.995"] {
         let file = placed(&format!(
             "incidence_deg = 30, emission_deg = 20, phase_deg = {phase}, sun_azimuth_deg = 40, range_m = 100"
         ));
-        let camera = Direction::new(file.scene.sensor.camera.centre_m()).unwrap();
-        assert!((camera.angle_rad(file.scene.sun.direction).to_degrees() - 10.0).abs() < 1e-9);
+        let camera = Direction::new(file.scene.exposure.camera.centre_m()).unwrap();
+        assert!((camera.angle_rad(file.scene.sky.sun.direction).to_degrees() - 10.0).abs() < 1e-9);
         assert_eq!(file.notes.len(), usize::from(phase == "9.995"), "{:?}", file.notes);
     }
     // Below the horizon: computed, and told.
@@ -155,20 +155,24 @@ fn one_of_the_two_may_be_given_by_angles_and_the_frame_may_be_the_sites() {
     )))
     .unwrap();
     let half = 0.5_f64.sqrt();
-    assert!((file.scene.sun.direction.vec() - DVec3::new(half, 0.0, -half)).length() < 1e-15);
+    assert!((file.scene.sky.sun.direction.vec() - DVec3::new(half, 0.0, -half)).length() < 1e-15);
     // At a pole east is y of the body, so that the south is +x; and a slope's normal makes its own zenith: of a wall that faces east.
     let pole = text("geometry = { incidence_deg = 90, sun_azimuth_deg = 180, emission_deg = 0, range_m = 10 }")
         .replace("[11000, 0, 0]", "[0, 0, 9000]");
     let pole = read(&pole).unwrap();
-    assert!((pole.scene.sun.direction.vec() - DVec3::X).length() < 1e-15);
+    assert!((pole.scene.sky.sun.direction.vec() - DVec3::X).length() < 1e-15);
     assert!(pole.notes.iter().any(|n| n.contains("+y of the body")), "{:?}", pole.notes);
     for (normal, frame) in [("[0, 5, 0]", "body"), ("[3, 0, 0]", "site")] {
         let wall = placed(&format!(
             "frame = \"{frame}\", normal = {normal}, incidence_deg = 90, sun_azimuth_deg = 90, emission_deg = 0, range_m = 10"
         ));
         // East of a wall's own horizon is down, and the camera is east of it.
-        assert!((wall.scene.sun.direction.vec() - DVec3::NEG_X).length() < 1e-15, "{:?}", wall.scene.sun.direction);
-        assert!((wall.scene.sensor.camera.centre_m() - DVec3::new(0.0, 10.0, 0.0)).length() < 1e-12);
+        assert!(
+            (wall.scene.sky.sun.direction.vec() - DVec3::NEG_X).length() < 1e-15,
+            "{:?}",
+            wall.scene.sky.sun.direction
+        );
+        assert!((wall.scene.exposure.camera.centre_m() - DVec3::new(0.0, 10.0, 0.0)).length() < 1e-12);
     }
 }
 

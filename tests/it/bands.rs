@@ -41,7 +41,7 @@ fn prepared() -> Scratch {
 
 fn centre_pixel(scene: &Scene) -> (Vec<f64>, Vec<String>) {
     let observation = study::simulate(scene, &unwatched).unwrap().1;
-    let bands = scene.sensor.bands.len();
+    let bands = scene.exposure.bands.len();
     ((0..bands).map(|b| observation.cube.band(b)[4]).collect(), observation.warnings)
 }
 
@@ -140,7 +140,7 @@ fn boxes_and_tables_of_scene_files_are_what_they_say() {
         let (radiance, _) = centre_pixel(&scene);
         assert_eq!(radiance.len(), 2, "{bands}");
         for i in 0..2 {
-            let band = &scene.sensor.bands[i];
+            let band = &scene.exposure.bands[i];
             assert!((band.centre_um - centres[i]).abs() < 1e-12, "{bands}: {band:?}");
             assert!((band.fwhm_um.unwrap() - widths[i]).abs() < 1e-12, "{bands}: {band:?}");
             assert!((radiance[i] / reflected(centres[i]) - 1.0).abs() < 1e-12, "{bands}: {}", radiance[i]);
@@ -175,12 +175,12 @@ fn written_scenes_have_the_same_responses_and_lights() {
         let (files, _) = scene_toml::write(&scene, &scratch.join("again.toml"), true).unwrap();
         files.commit().unwrap();
         let again = scene_toml::read(&scratch.join("again.toml"), &unwatched).unwrap().scene;
-        let pairs = || again.sensor.bands.iter().zip(&scene.sensor.bands);
+        let pairs = || again.exposure.bands.iter().zip(&scene.exposure.bands);
         assert!(
             pairs().all(|(a, b)| a.fwhm_um.is_none() || a == b),
             "{:?}\n{:?}",
-            again.sensor.bands,
-            scene.sensor.bands
+            again.exposure.bands,
+            scene.exposure.bands
         );
         assert!(pairs().all(|(a, b)| (a.centre_um, a.fwhm_um, a.light) == (b.centre_um, b.fwhm_um, b.light)));
     }
@@ -219,7 +219,7 @@ fn a_band_has_the_light_that_it_is_given() {
     }
     // Where no sunlight is known, a band without it can be.
     let far = plate("centres_um = [8.0], light = \"heat\"", "").replace("\"ground.csv\"", "0.1");
-    assert_eq!(scratch.scene(&far.replace("\"off\"", "\"thesis\"")).sensor.bands[0].light, Light::Heat);
+    assert_eq!(scratch.scene(&far.replace("\"off\"", "\"thesis\"")).exposure.bands[0].light, Light::Heat);
 }
 
 #[test]
@@ -262,10 +262,10 @@ fn bands_go_to_dart_and_come_back() {
         let back = scratch.argument(if keeps { "dart.toml" } else { "bare.toml" });
         let (code, out, err) = run(&["convert", &folder, &back]);
         assert_eq!(code, 0, "{out}{err}");
-        let bands = scene_toml::read(std::path::Path::new(&back), &unwatched).unwrap().scene.sensor.bands;
+        let bands = scene_toml::read(std::path::Path::new(&back), &unwatched).unwrap().scene.exposure.bands.clone();
         let lights: Vec<Light> = bands.iter().map(|b| b.light).collect();
         if keeps {
-            assert_eq!(bands, scene.sensor.bands);
+            assert_eq!(bands, scene.exposure.bands);
         } else {
             // DART's bands are rectangles, and what had both has what matters of it.
             assert!(bands.iter().all(|b| b.response == Response::Box), "{bands:?}");

@@ -22,7 +22,7 @@ fn read(bench: &Bench) -> Result<scene_toml::SceneFile, String> {
 }
 
 fn camera(bench: &Bench) -> FrameCamera {
-    read(bench).unwrap().scene.sensor.camera
+    read(bench).unwrap().scene.exposure.camera.clone()
 }
 
 fn image(bench: &Bench) -> Vec<f64> {
@@ -65,7 +65,7 @@ fn rounded_matrices_are_made_rotations_and_others_refused() {
     };
     scene_with(&bench, &rows("2.0000001"), LENS);
     let made = read(&bench).unwrap();
-    let rotation = made.scene.sensor.camera.world_from_sensor.rotation;
+    let rotation = made.scene.exposure.camera.world_from_sensor.rotation;
     let (sin, cos) = 30f64.to_radians().sin_cos();
     let expected = DMat3::from_cols(DVec3::new(cos, sin, 0.0), DVec3::new(sin, -cos, 0.0), DVec3::NEG_Z);
     assert!((rotation - expected).to_cols_array().iter().all(|x| x.abs() < 1e-7), "{rotation}");
@@ -190,7 +190,7 @@ fn a_shifted_camera_is_written_as_it_was_read() {
     let (from, to) = (bench.0.argument("scene.toml"), bench.0.argument("again/scene.toml"));
     let (code, _, err) = run(&["convert", &from, &to]);
     assert_eq!(code, 0, "{err}");
-    let after = scene_toml::read(&bench.0.join("again/scene.toml"), &unwatched).unwrap().scene.sensor.camera;
+    let after = scene_toml::read(&bench.0.join("again/scene.toml"), &unwatched).unwrap().scene.exposure.camera.clone();
     assert_eq!((before.pitch, before.boresight_px), (after.pitch, after.boresight_px));
 }
 
@@ -227,6 +227,6 @@ fn what_darts_camera_cannot_be_is_told() {
     let back = bench.0.argument("back/scene.toml");
     let (code, out, err) = run(&["convert", &to, &back]);
     assert_eq!(code, 0, "{out}{err}");
-    let pitch = scene_toml::read(&bench.0.join("back/scene.toml"), &unwatched).unwrap().scene.sensor.camera.pitch;
+    let pitch = scene_toml::read(&bench.0.join("back/scene.toml"), &unwatched).unwrap().scene.exposure.camera.pitch;
     assert!((pitch[0] * 1100.0 - 1.0).abs() < 1e-9 && (pitch[1] * 700.0 - 1.0).abs() < 1e-9, "{pitch:?}");
 }

@@ -8,11 +8,10 @@ use glam::DVec3;
 use mmxrt::formats::scene_toml;
 use mmxrt::geometry::Mesh;
 use mmxrt::geometry::polygon::{Point, area, holds, intersect};
-use mmxrt::product::Lit;
 use mmxrt::progress::{Progress, unwatched};
 use mmxrt::scene::Scene;
 use mmxrt::study::{self, Observation};
-use mmxrt::visibility::Topology;
+use mmxrt::visibility::Shown;
 use mmxrt::{Error, solve};
 
 /// A number within a range.
@@ -284,9 +283,9 @@ fn walls_edge_on_to_the_sun_are_dark() {
         assert_sound(&seen);
         let mut edge_on = 0;
         for f in 0..mesh.facets.len() {
-            let cos_i = mesh.facet(f).normal().dot(scene.sun.direction.vec());
+            let cos_i = mesh.facet(f).normal().dot(scene.sky.sun.direction.vec());
             if cos_i.abs() < 1e-12 {
-                assert_eq!(table.sunlit.lit[f], Lit::Dark, "facet {f}, cos i {cos_i}");
+                assert_eq!(table.sunlit.shown[f], Shown::Nothing, "facet {f}, cos i {cos_i}");
                 edge_on += 1;
             }
         }
@@ -360,9 +359,8 @@ fn one_cell_that_takes_long_hears_that_it_should_stop() {
     let pseudo = |i: u32, k: usize| Random(u64::from(i) * 31 + k as u64 * 7).share() - 0.5;
     // Planes that all pierce one another.
     let scene = of_layers(&scratch, &layers(1000, |i, k, v| v + DVec3::new(0.0, 0.0, 0.1 * pseudo(i, k))), 1);
-    let topology = Topology::new(&scene.mesh);
-    let table = solve::lit(&scene, &topology, &unwatched).unwrap();
+    let table = solve::lit(&scene, &unwatched).unwrap();
     // Between the beginning of the image and the end of its only line.
     let stop = |p: Progress| p.stage != "image" || p.done != 0;
-    assert!(matches!(study::observe(&scene, &topology, &table, &stop), Err(Error::Interrupted)));
+    assert!(matches!(study::observe(&scene, &table, &stop), Err(Error::Interrupted)));
 }

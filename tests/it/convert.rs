@@ -83,20 +83,20 @@ fn a_scene_that_is_written_reads_back_the_same() {
     let (a, b) = (scene_of(&scratch.join("scene.toml")), scene_of(&scratch.join("out/again.toml")));
     assert_eq!(differ(&a, &b), [""; 0]);
     // Closer than that: the same bits.
-    assert_eq!(a.mesh, b.mesh);
-    assert_eq!(a.materials, b.materials);
-    assert_eq!(a.mars, b.mars);
-    assert_eq!((a.origin_m, a.thermal), (b.origin_m, b.thermal));
-    assert_eq!(a.sensor.bands, b.sensor.bands);
-    assert_eq!(a.sensor.name, b.sensor.name);
-    assert_eq!(a.sensor.camera.world_from_sensor, b.sensor.camera.world_from_sensor);
-    assert_eq!(a.sensor.camera.pitch, b.sensor.camera.pitch);
-    assert_eq!((a.sun.direction, a.sun.distance_m), (b.sun.direction, b.sun.distance_m));
-    let bands: Vec<_> = b.sensor.bands.iter().map(|b| b.fwhm_um).collect();
+    assert_eq!(a.body.mesh, b.body.mesh);
+    assert_eq!(a.body.materials, b.body.materials);
+    assert_eq!(a.sky.mars, b.sky.mars);
+    assert_eq!((a.body.origin_m, a.models.thermal), (b.body.origin_m, b.models.thermal));
+    assert_eq!(a.exposure.bands, b.exposure.bands);
+    assert_eq!(a.exposure.instrument, b.exposure.instrument);
+    assert_eq!(a.exposure.camera.world_from_sensor, b.exposure.camera.world_from_sensor);
+    assert_eq!(a.exposure.camera.pitch, b.exposure.camera.pitch);
+    assert_eq!((a.sky.sun.direction, a.sky.sun.distance_m), (b.sky.sun.direction, b.sky.sun.distance_m));
+    let bands: Vec<_> = b.exposure.bands.iter().map(|b| b.fwhm_um).collect();
     assert_eq!(bands, [None, Some(0.01), Some(0.02)]);
-    let Photometry::Hapke(hapke) = &b.materials[3].photometry else { panic!() };
+    let Photometry::Hapke(hapke) = &b.body.materials[3].photometry else { panic!() };
     assert_eq!(hapke.w.at(1.5), Some(0.35));
-    let Photometry::Rpv(rpv) = &b.materials[4].photometry else { panic!() };
+    let Photometry::Rpv(rpv) = &b.body.materials[4].photometry else { panic!() };
     assert_eq!((rpv.rho0.value(), rpv.g.value()), (&[0.05, 0.06][..], &[-0.1, -0.2][..]));
     // A second time it is the same text.
     let (code, _, err) = run(&["convert", &scratch.argument("out/again.toml"), &scratch.argument("twice/again.toml")]);
@@ -121,7 +121,7 @@ fn the_shipped_scene_keeps_its_radiance() {
     assert_eq!(code, 0, "{err}");
     let (a, b) = (scene_of(&path), scene_of(&scratch.join("folder/scene.toml")));
     assert_eq!(differ(&a, &b), [""; 0]);
-    assert!(a.mesh == b.mesh && a.materials == b.materials);
+    assert!(a.body.mesh == b.body.mesh && a.body.materials == b.body.materials);
     // A folder of a scene is one, and is replaced if asked for and if nothing else is in it.
     let again = ["convert", &scratch.argument("scene.toml"), &scratch.argument("folder"), "--to", "scene"];
     assert_eq!(run(&again).0, 1);
@@ -211,9 +211,9 @@ fn meshes_lose_what_they_have_no_place_for_and_say_so() {
         assert!(out.contains("Defaulted") && out.contains("sun: 1 au away"), "{out}");
         let b = scene_of(&scratch.join(&format!("{name}.toml")));
         if name == "c.obj" {
-            assert_eq!(a.mesh.vertices_m, b.mesh.vertices_m);
+            assert_eq!(a.body.mesh.vertices_m, b.body.mesh.vertices_m);
         } else {
-            assert_eq!(a.origin_m, b.origin_m);
+            assert_eq!(a.body.origin_m, b.body.origin_m);
         }
         // Which triangles were a polygon is lost, and was told.
         let of_surface = |line: &String| line.starts_with("mesh") && !line.starts_with("mesh, faces");
@@ -413,10 +413,10 @@ fn any_name_of_a_material_comes_back() {
         let (code, _, err) = run(&["convert", &argument(from), &argument(to)]);
         assert_eq!(code, 0, "{to}: {err}");
     }
-    assert_eq!(scene_of(&scratch.join("again/a.toml")).materials[0].name, name);
+    assert_eq!(scene_of(&scratch.join("again/a.toml")).body.materials[0].name, name);
     let (code, _, err) = run(&["convert", &argument("dart"), &argument("back/a.toml")]);
     assert_eq!(code, 0, "{err}");
-    assert_eq!(scene_of(&scratch.join("back/a.toml")).materials[0].name, name);
+    assert_eq!(scene_of(&scratch.join("back/a.toml")).body.materials[0].name, name);
 }
 
 #[cfg(target_os = "linux")]
@@ -514,8 +514,8 @@ fn a_mesh_is_put_where_it_is_said() {
     let (code, out, err) = run(&["convert", &argument("ground.obj"), &placed, "--origin-m", "-100,2,3.5"]);
     assert!(code == 0 && !out.contains("origin_m"), "{out}{err}");
     let scene = scene_of(std::path::Path::new(&placed));
-    assert_eq!(scene.origin_m.to_array(), [-100.0, 2.0, 3.5]);
-    assert!((scene.mesh.vertices_m[0] - glam::DVec3::new(-9.1, 0.3, 8.0)).length() < 1e-12);
+    assert_eq!(scene.body.origin_m.to_array(), [-100.0, 2.0, 3.5]);
+    assert!((scene.body.mesh.vertices_m[0] - glam::DVec3::new(-9.1, 0.3, 8.0)).length() < 1e-12);
 }
 
 #[test]

@@ -11,11 +11,11 @@ use mmxrt::formats::dart::{self, ReadOptions, SceneOptions, WriteOptions};
 use mmxrt::geometry::{Direction, Mesh, Pose};
 use mmxrt::product::{Eye, Placement, RadianceMap, ViewImage};
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{FrameCamera, Material, Photometry, Scene, Sensor, Sun, Thermal};
+use mmxrt::scene::{Exposure, FrameCamera, Material, Models, Parts, Photometry, Scene, Sky, Sun, Surface, Thermal};
 use mmxrt::spectral::{Band, Spectrum};
 use mmxrt::units::AU_M;
 
-use crate::scratch::Scratch;
+use crate::scratch::{Scratch, edited};
 use crate::shapes::{cuboid, joined, quad};
 
 /// A scene of a mesh, with what else there must be.
@@ -31,24 +31,23 @@ pub(crate) fn scene(mesh: Mesh, origin_m: DVec3) -> Scene {
     };
     let rotation = DMat3::from_cols(DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z);
     let world_from_sensor = Pose { rotation, translation_m: DVec3::new(0.0, 0.0, 1000.0) };
-    Scene {
-        textures: vec![],
-        origin_m,
-        mesh,
-        materials: vec![grey],
-        sun: Sun {
-            direction: Direction::new(DVec3::new(1.0, 0.0, 1.0)).unwrap(),
-            distance_m: AU_M,
-            irradiance_1au: Spectrum::constant(700.0),
-            total_irradiance_1au_w_m2: 1361.0,
+    Parts {
+        surface: Surface { textures: vec![], origin_m, mesh, materials: vec![grey] },
+        sky: Sky {
+            sun: Sun {
+                direction: Direction::new(DVec3::new(1.0, 0.0, 1.0)).unwrap(),
+                distance_m: AU_M,
+                irradiance_1au: Spectrum::constant(700.0),
+                total_irradiance_1au_w_m2: 1361.0,
+            },
+            mars: None,
         },
-        mars: None,
-        thermal: Thermal::Off,
-        sensor: Sensor {
-            name: "test".into(),
+        exposure: Exposure {
+            instrument: "test".into(),
             camera: FrameCamera::centred(world_from_sensor, 4, 4, 5e-3),
             bands: vec![Band::new(1.0, None)],
         },
+        models: Models { thermal: Thermal::Off, ..Models::default() },
     }
     .check()
     .unwrap()
@@ -512,7 +511,7 @@ fn a_scene_that_was_made_of_the_simulation_lies_where_it_was_read() {
         let read = dart::to_scene(&simulation, &reading.folder(&folder), &options, &unwatched).unwrap().scene;
         let pose = dart::scene_from_dart(&simulation, &reading.folder(&folder), &read).unwrap();
         assert!((pose.point(DVec3::new(0.5, 0.5, 4.5)) - corner_m).length() < 1e-12, "{pose:?}");
-        assert!(read.mesh.vertices_m.iter().any(|v| (*v - corner_m).length() < 1e-12));
+        assert!(read.body.mesh.vertices_m.iter().any(|v| (*v - corner_m).length() < 1e-12));
     }
 }
 
@@ -528,7 +527,7 @@ fn a_simulation_that_was_made_of_the_scene_lies_where_it_was_written() {
     assert!((pose.point(DVec3::ZERO) - DVec3::new(4.5, -0.5, 6.5)).length() < 1e-12, "{:?}", pose.point(DVec3::ZERO));
     assert!((pose.vector(DVec3::new(1.0, 2.0, 3.0)) - DVec3::new(-2.0, 3.0, -1.0)).length() < 1e-12);
     // Another scene is not silently put there.
-    let other = Scene { origin_m: DVec3::new(0.0, 12e3, 0.0), ..made.clone() };
+    let other = edited(&made, |scene| scene.surface.origin_m = DVec3::new(0.0, 12e3, 0.0));
     let error = dart::scene_from_dart(&simulation, &reading.folder(&folder), &other).unwrap_err().to_string();
     assert!(error.contains("mmxrt.toml") && error.contains("origin"), "{error}");
 
@@ -601,7 +600,7 @@ fn the_budget_of_triangles_is_on_the_facets_they_lie_on() {
         let Placement::Patches(patches) = &map.placement else { panic!("{:?}", map.placement) };
         let mut area_m2 = [0.0; 4];
         for (i, polygon) in patches.polygon_start.windows(2).enumerate() {
-            let facet = scene.mesh.facet(patches.polygon_facet[i] as usize);
+            let facet = scene.body.mesh.facet(patches.polygon_facet[i] as usize);
             let uv = &patches.uv[polygon[0] as usize..polygon[1] as usize];
             let twice: f64 =
                 (0..uv.len()).map(|k| (uv[k], uv[(k + 1) % uv.len()])).map(|(p, q)| p[0] * q[1] - p[1] * q[0]).sum();

@@ -10,7 +10,7 @@ use mmxrt::units::AU_M;
 
 use crate::cli::run;
 use crate::dart_write::{options, read, rich, tetrahedron, written};
-use crate::scratch::Scratch;
+use crate::scratch::{Scratch, edited};
 
 /// A folder of a scene, whose inputs can be edited.
 struct Sim {
@@ -73,19 +73,19 @@ fn grey(name: &str, reflectance: f64) -> Material {
         name: name.into(),
         emissivity: reflectance.map(|r| 1.0 - r),
         reflectance,
-        ..tetrahedron().materials[0].clone()
+        ..tetrahedron().body.materials[0].clone()
     }
 }
 
 /// One material, monochromatic bands, no heat.
 fn plain(centres_um: &[f64], reflectance: f64) -> Scene {
-    let mut scene = tetrahedron();
-    scene.materials = vec![grey("a", reflectance)];
-    scene.mesh.material.iter_mut().for_each(|m| m.0 = 0);
-    scene.thermal = Thermal::Off;
-    scene.sun.irradiance_1au = solar_e490().clone();
-    scene.sensor.bands = centres_um.iter().map(|&centre_um| Band::new(centre_um, None)).collect();
-    scene.check().unwrap()
+    edited(&tetrahedron(), |scene| {
+        scene.surface.materials = vec![grey("a", reflectance)];
+        scene.surface.mesh.material.iter_mut().for_each(|m| m.0 = 0);
+        scene.models.thermal = Thermal::Off;
+        scene.sky.sun.irradiance_1au = solar_e490().clone();
+        scene.exposure.bands = centres_um.iter().map(|&centre_um| Band::new(centre_um, None)).collect();
+    })
 }
 
 fn table(name: &str, um: &[f64], rows: &[[f64; 3]]) -> SpectralLibrary {
@@ -127,7 +127,7 @@ fn factors_by_band_multiply_what_is_held_beyond_a_table() {
     let text = text.replacen("useMultiplicativeFactorForLUT=\"0\"", "useMultiplicativeFactorForLUT=\"1\"", 1);
     std::fs::write(&path, text.replacen("</LambertianMulti>", &factors, 1)).unwrap();
     let (scene, report) = sim.read();
-    let a = scene.materials.iter().find(|m| m.name == "a").unwrap();
+    let a = scene.body.materials.iter().find(|m| m.name == "a").unwrap();
     assert!((a.reflectance.at(1.0).unwrap() - 0.15).abs() < 1e-15);
     // 30 % is held from 2.5 um on, times 0.4.
     assert!((a.reflectance.at(3.5).unwrap() - 0.12).abs() < 1e-15, "{:?}", a.reflectance);
@@ -137,7 +137,7 @@ fn factors_by_band_multiply_what_is_held_beyond_a_table() {
 #[test]
 fn irradiance_that_is_given_for_some_bands_stays() {
     let scene = plain(&[0.5, 1.0, 2.0], 0.3);
-    let given = mmxrt::physics::sun::irradiance_at(solar_e490().at(1.0).unwrap(), scene.sun.distance_m);
+    let given = mmxrt::physics::sun::irradiance_at(solar_e490().at(1.0).unwrap(), scene.sky.sun.distance_m);
     // The first, the middle, the last, and two of them are not there.
     for missing in [&[0][..], &[1], &[2], &[0, 2]] {
         let sim = Sim::bare(&scene);
@@ -165,7 +165,7 @@ fn irradiance_that_is_given_for_some_bands_stays() {
         format!("<SpectralIrradianceValue bandNumber=\"1\" irradiance=\"{}\" Skyl=\"0.0\"/>{value}", 2.0 * given);
     sim.edit("input/phase.xml", value, &twice);
     let (back, _) = sim.read();
-    assert!((back.sun.distance_m / (1.5 * AU_M / 2f64.sqrt()) - 1.0).abs() < 1e-3);
+    assert!((back.sky.sun.distance_m / (1.5 * AU_M / 2f64.sqrt()) - 1.0).abs() < 1e-3);
     // One more than there are bands is not taken for one of them.
     let sim = Sim::bare(&scene);
     let more = format!("<SpectralIrradianceValue bandNumber=\"3\" irradiance=\"9\" Skyl=\"0.0\"/>{value}");
@@ -173,7 +173,7 @@ fn irradiance_that_is_given_for_some_bands_stays() {
     let (back, report) = sim.read();
     assert!(
         told(&report, "an irradiance of band 3: there are 3 bands")
-            && (back.sun.distance_m / scene.sun.distance_m - 1.0).abs() < 1e-3
+            && (back.sky.sun.distance_m / scene.sky.sun.distance_m - 1.0).abs() < 1e-3
     );
 }
 
@@ -183,12 +183,15 @@ fn mars_is_what_its_simulation_says() {
     let scene = rich();
     let sim = Sim::of(&scene);
     let (back, report) = sim.read();
-    assert!(back.mars == scene.mars && !told(&report, "Mars"), "{report:#?}");
+    assert!(back.sky.mars == scene.sky.mars && !told(&report, "Mars"), "{report:#?}");
     assert!(!sim.check().1.contains("Mars"));
     // Without what says which Mars it was, its light is not read, and that is told.
     std::fs::remove_file(sim.folder.join("mmxrt.toml")).unwrap();
     let (back, report) = sim.read();
-    assert!(back.mars.is_none() && told(&report, "the simulation in mars/ and its light are not read"), "{report:#?}");
+    assert!(
+        back.sky.mars.is_none() && told(&report, "the simulation in mars/ and its light are not read"),
+        "{report:#?}"
+    );
     assert!(sim.check().1.contains("its light are not read"));
     // Other irradiances, another direction, a mesh, nothing at all: the edited file wins.
     let edits: [(&str, &dyn Fn(&Sim)); 4] = [
@@ -210,7 +213,7 @@ fn mars_is_what_its_simulation_says() {
         edit(&sim);
         let (back, report) = sim.read();
         assert!(
-            back.mars.is_none() && told(&report, what) && told(&report, "the scene has no Mars"),
+            back.sky.mars.is_none() && told(&report, what) && told(&report, "the scene has no Mars"),
             "{what}: {report:#?}"
         );
         let out = sim.check().1;
@@ -241,7 +244,7 @@ fn spectra_of_old_versions_are_texts() {
         }
         sim.edit("input/coeff_diff.xml", "version=\"5.7.4\" build=\"v1083\"", "version=\"5.4.3\"");
         let (scene, report) = sim.read();
-        let a = scene.materials.iter().find(|m| m.name == "a").unwrap();
+        let a = scene.body.materials.iter().find(|m| m.name == "a").unwrap();
         assert_eq!(a.reflectance.at(1.3), Some(0.3), "{report:#?}");
         let (_, out) = sim.check();
         assert!(!out.contains("NUL") && !out.contains("error: "), "{out}");
@@ -252,7 +255,7 @@ fn spectra_of_old_versions_are_texts() {
         std::fs::remove_file(sim.folder.join("input/2D_a.txt")).unwrap();
         let (scene, report) = sim.read();
         assert!(told(&report, "the text \"2D_a.txt\" of \"a\" is not there"), "{report:#?}");
-        assert_eq!(scene.materials[0].reflectance.at(1.0), Some(0.1));
+        assert_eq!(scene.body.materials[0].reflectance.at(1.0), Some(0.1));
     }
 }
 
@@ -287,7 +290,7 @@ fn a_terrain_that_dart_makes_again_stops_nothing() {
         }
         let (back, report) = sim.read();
         assert!(told(&report, "DART makes it before it runs: the ground is a plane"), "{report:#?}");
-        assert!(back.mesh.facets.len() >= 4);
+        assert!(back.body.mesh.facets.len() >= 4);
         let (code, out) = sim.check();
         assert_eq!(code, 0, "{out}");
     }
@@ -298,7 +301,7 @@ fn a_terrain_that_dart_makes_again_stops_nothing() {
     assert!(simulation.maket.topography.is_some());
     let (back, report) = sim.read();
     assert!(told(&report, "the terrain \"DEM.mp#\" is not there: the ground is a plane at z = 0"), "{report:#?}");
-    assert!(back.mesh.facets.len() >= 4);
+    assert!(back.body.mesh.facets.len() >= 4);
     let (code, out) = sim.check();
     assert!(code == 1 && out.contains("the terrain `DEM.mp#` is not there"), "{out}");
 }
@@ -471,24 +474,25 @@ fn minus_one_in_an_image_of_dart_is_no_data() {
 
 #[test]
 fn names_of_any_length_and_versions_in_names_of_folders() {
-    let mut scene = plain(&[1.0, 2.0], 0.3);
+    let mut scene = plain(&[1.0, 2.0], 0.3).into_parts();
     let long = "ä".repeat(400);
     let spectrum = Spectrum::new(vec![0.5, 3.0], vec![0.1, 0.3], Extend::Error).unwrap();
     for (i, end) in ["one", "two"].iter().enumerate() {
         let name = format!("{long}{end}");
-        let mut material = Material { reflectance: spectrum.clone(), name, ..scene.materials[0].clone() };
+        let mut material = Material { reflectance: spectrum.clone(), name, ..scene.surface.materials[0].clone() };
         material.emissivity = spectrum.map(|r| 1.0 - r);
         material.mixture = vec![(i, 1.0)];
-        if i == 0 { scene.materials = vec![material] } else { scene.materials.push(material) }
+        if i == 0 { scene.surface.materials = vec![material] } else { scene.surface.materials.push(material) }
     }
-    scene.mesh.material[0].0 = 1;
+    scene.surface.mesh.material[0].0 = 1;
+    let scene = scene.check().unwrap();
     let sim = Sim::of(&scene);
     let from = sim.folder.to_str().unwrap();
     let (code, _, err) = run(&["convert", from, &sim.scratch.argument("out/scene.toml")]);
     assert_eq!(code, 0, "{err}");
     let back =
         mmxrt::formats::scene_toml::read(&sim.scratch.join("out/scene.toml"), &mmxrt::progress::unwatched).unwrap();
-    assert_eq!(back.scene.materials.iter().map(|m| m.reflectance.at(3.0)).collect::<Vec<_>>(), [Some(0.3); 2]);
+    assert_eq!(back.scene.body.materials.iter().map(|m| m.reflectance.at(3.0)).collect::<Vec<_>>(), [Some(0.3); 2]);
     for name in ["sim_5.7.4", "run.v2", "site.5.11.0-b"] {
         let (code, _, err) = run(&["convert", &sim.scratch.argument("out/scene.toml"), &sim.scratch.argument(name)]);
         assert_eq!(code, 0, "{name}: {err}");
@@ -578,8 +582,8 @@ fn walk(
 #[test]
 fn no_edit_of_an_input_is_called_the_same_in_meaning() {
     // Every kind of material is on a facet.
-    let mut scene = rich();
-    scene.mesh.material = [3, 5, 6, 1].map(mmxrt::geometry::MaterialId).to_vec();
+    let materials = [3, 5, 6, 1].map(mmxrt::geometry::MaterialId);
+    let scene = edited(&rich(), |scene| scene.surface.mesh.material = materials.to_vec());
     let (sim, other) = (Sim::of(&scene), Sim::of(&scene));
     let options = dart::ReadOptions::default();
     assert_eq!(dart::differences(&sim.folder, &other.folder, &options).unwrap(), [""; 0]);

@@ -132,9 +132,9 @@ fn in_dart_m(v: DVec3) -> DVec3 {
 
 /// The vertices of facets of a material, in DART's frame.
 fn vertices_m(scene: &Scene, material: &str) -> Vec<DVec3> {
-    let id = scene.materials.iter().position(|m| m.name == material).unwrap();
-    let facets = (0..scene.mesh.facets.len()).filter(|f| usize::from(scene.mesh.material[*f].0) == id);
-    facets.flat_map(|f| scene.mesh.facet(f).corners_m).map(in_dart_m).collect()
+    let id = scene.body.materials.iter().position(|m| m.name == material).unwrap();
+    let facets = (0..scene.body.mesh.facets.len()).filter(|f| usize::from(scene.body.mesh.material[*f].0) == id);
+    facets.flat_map(|f| scene.body.mesh.facet(f).corners_m).map(in_dart_m).collect()
 }
 
 /// Whether a point is among these, to within rounding of sums of a few metres.
@@ -144,9 +144,9 @@ fn has(vertices_m: &[DVec3], x: f64, y: f64, z: f64) -> bool {
 
 /// Edges that belong to one facet only, by their ends' coordinates.
 fn open_edges(scene: &Scene) -> usize {
-    let bits = |v: u32| scene.mesh.vertices_m[v as usize].to_array().map(f64::to_bits);
+    let bits = |v: u32| scene.body.mesh.vertices_m[v as usize].to_array().map(f64::to_bits);
     let mut edges = BTreeMap::new();
-    for [a, b, c] in &scene.mesh.facets {
+    for [a, b, c] in &scene.body.mesh.facets {
         for (from, to) in [(a, b), (b, c), (c, a)] {
             let (from, to) = (bits(*from), bits(*to));
             *edges.entry((from.min(to), from.max(to))).or_insert(0) += 1;
@@ -160,25 +160,25 @@ fn a_raster_becomes_the_ground() {
     let simulation = Simulation::new(&[]);
     let converted = simulation.converted();
     let scene = &converted.scene;
-    assert_eq!((scene.mesh.facets.len(), scene.mesh.vertices_m.len()), (18, 16));
+    assert_eq!((scene.body.mesh.facets.len(), scene.body.mesh.vertices_m.len()), (18, 16));
     // Made of the soil's property, two facets to a face.
     let ground = vertices_m(scene, "dust");
     assert_eq!(ground.len(), 54);
-    assert!((0..18).all(|f| scene.mesh.face(f) == f as u32 / 2));
+    assert!((0..18).all(|f| scene.body.mesh.face(f) == f as u32 / 2));
     // Line i, column j: 4 i m South and 3 j m East of the North-West corner.
     for (i, j, height) in (0..16).map(|n| (n / 4, n % 4, HEIGHTS[n])) {
         assert!(has(&ground, 4.0 * i as f64, 3.0 * j as f64, height), "{i} {j} {height}");
     }
     // The peak is East and North of the middle, the high edge South: in the scene's own axes.
-    assert!(scene.mesh.vertices_m.contains(&DVec3::new(4.5, 2.0, 8.0)));
-    assert!(scene.mesh.vertices_m.contains(&DVec3::new(-4.5, -6.0, 6.0)));
-    assert!((0..18).all(|f| scene.mesh.facet(f).normal().z > 0.0));
+    assert!(scene.body.mesh.vertices_m.contains(&DVec3::new(4.5, 2.0, 8.0)));
+    assert!(scene.body.mesh.vertices_m.contains(&DVec3::new(-4.5, -6.0, 6.0)));
+    assert!((0..18).all(|f| scene.body.mesh.facet(f).normal().z > 0.0));
     // Seven cells of 3 m by sqrt(4^2 + 2^2) m. The two at the peak are cut along the shorter diagonal: from 2 to 0 m, and from 2 to
     // 4 m. Half of each lies in the slope, half the cross products of the others are (-24, -24, 12) / 2 and (12, -24, 12) / 2.
     let expected = 8.0 * 3.0 * 20f64.sqrt() + 18.0 + 0.5 * 864f64.sqrt();
-    let area: f64 = (0..18).map(|f| scene.mesh.facet(f).area_m2()).sum();
+    let area: f64 = (0..18).map(|f| scene.body.mesh.facet(f).area_m2()).sum();
     assert!((area - expected).abs() < 1e-12 * expected, "{area} {expected}");
-    let on_the_map: f64 = (0..18).map(|f| 0.5 * scene.mesh.facet(f).cross_m2().z).sum();
+    let on_the_map: f64 = (0..18).map(|f| 0.5 * scene.body.mesh.facet(f).cross_m2().z).sum();
     assert!((on_the_map - 108.0).abs() < 1e-12, "{on_the_map}");
     assert_eq!(open_edges(scene), 12);
     // The raster is an input like all others, and what is inferred is said where it is named.
@@ -230,7 +230,7 @@ fn a_repeated_scene_goes_on_beyond_its_edges() {
     let simulation = Simulation::new(&[(DVec3::new(6.0, 1.5, 0.0), 0), (DVec3::new(0.0, 4.5, 9.0), 2)]).boundary(1);
     let alone = simulation.converted();
     // The last line and column are the first ones: 0 2 4 0 from North to South, all the way to the East.
-    assert_eq!(alone.scene.mesh.facets.len(), 18 + 8);
+    assert_eq!(alone.scene.body.mesh.facets.len(), 18 + 8);
     let ground = vertices_m(&alone.scene, "dust");
     assert!(has(&ground, 4.0, 9.0, 2.0) && has(&ground, 12.0, 9.0, 0.0) && has(&ground, 8.0, 9.0, 4.0));
     let told = told(&alone);
@@ -241,7 +241,7 @@ fn a_repeated_scene_goes_on_beyond_its_edges() {
 
     let converted = simulation.repeated(1).unwrap();
     let scene = &converted.scene;
-    assert_eq!(scene.mesh.facets.len(), 9 * 26);
+    assert_eq!(scene.body.mesh.facets.len(), 9 * 26);
     let (ground, pegs) = (vertices_m(scene, "dust"), vertices_m(scene, "rock"));
     let distinct: BTreeSet<_> = ground.iter().map(|v| v.to_array().map(f64::to_bits)).collect();
     // Scenes share their edges: 10 x 10 points, and nothing open but the outer edge of 36 and no side of a peg.
@@ -253,9 +253,9 @@ fn a_repeated_scene_goes_on_beyond_its_edges() {
     }
     // What hangs over the North edge comes in from the copy in the South.
     assert!(has(&pegs, 11.5, 4.0, 8.0));
-    let (low, high) = scene.mesh.bounds_m().unwrap();
+    let (low, high) = scene.body.mesh.bounds_m().unwrap();
     assert_eq!((low.x, low.y, high.x, high.y), (-13.5, -18.0, 13.5, 18.5));
-    assert!((0..9 * 26).map(|f| scene.mesh.face(f)).collect::<BTreeSet<_>>().len() == 9 * (8 + 9));
+    assert!((0..9 * 26).map(|f| scene.body.mesh.face(f)).collect::<BTreeSet<_>>().len() == 9 * (8 + 9));
     let told = self::told(&converted);
     assert!(!told.iter().any(|t| t.contains("beyond")), "{told:#?}");
 }
@@ -284,17 +284,17 @@ fn a_plane_and_an_object_repeat_too() {
     let simulation = Simulation::new(&[]).boundary(2);
     simulation.maket(r#"presenceOfTopography="1""#, r#"presenceOfTopography="0""#);
     let scene = simulation.repeated(2).unwrap().scene;
-    let area: f64 = (0..scene.mesh.facets.len()).map(|f| scene.mesh.facet(f).area_m2()).sum();
-    assert_eq!((scene.mesh.facets.len(), area, open_edges(&scene)), (50, 25.0 * 108.0, 20));
-    assert!(scene.mesh.vertices_m.iter().all(|v| v.z == 0.0));
+    let area: f64 = (0..scene.body.mesh.facets.len()).map(|f| scene.body.mesh.facet(f).area_m2()).sum();
+    assert_eq!((scene.body.mesh.facets.len(), area, open_edges(&scene)), (50, 25.0 * 108.0, 20));
+    assert!(scene.body.mesh.vertices_m.iter().all(|v| v.z == 0.0));
     // 64 x 48 m of an OBJ without a ground below it: a slope that drops by 8 m at each edge to the South, and joins to the East.
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/dart/crater_511");
     let (simulation, ..) = dart::read(&path, &ReadOptions::default()).unwrap();
     let options = SceneOptions { repeat: 1, ..SceneOptions::default() };
     let folder = dart::Folder::new(&path, None, false);
     let scene = dart::to_scene(&simulation, &folder, &options, &unwatched).unwrap().scene;
-    let distinct: BTreeSet<_> = scene.mesh.vertices_m.iter().map(|v| v.to_array().map(f64::to_bits)).collect();
-    assert_eq!((scene.mesh.facets.len(), scene.mesh.vertices_m.len(), distinct.len()), (18, 36, 6 * 4));
+    let distinct: BTreeSet<_> = scene.body.mesh.vertices_m.iter().map(|v| v.to_array().map(f64::to_bits)).collect();
+    assert_eq!((scene.body.mesh.facets.len(), scene.body.mesh.vertices_m.len(), distinct.len()), (18, 36, 6 * 4));
 }
 
 #[test]
@@ -309,7 +309,7 @@ fn what_cannot_be_repeated_says_what_to_do() {
         let error = simulation.error(repeat);
         assert!(error.contains("`--repeat 747` is the most that fits"), "{error}");
     }
-    assert_eq!(simulation.repeated(2).unwrap().scene.mesh.facets.len(), 25 * 30);
+    assert_eq!(simulation.repeated(2).unwrap().scene.body.mesh.facets.len(), 25 * 30);
     // Nothing, as often as you like.
     let nothing = Simulation::new(&[]).boundary(1);
     nothing.maket("<Soil>", r#"<Soil groundEnabled="0">"#);

@@ -11,11 +11,13 @@ use mmxrt::formats::{scene_toml, xml};
 use mmxrt::geometry::{Direction, MaterialId, Mesh, Pose};
 use mmxrt::progress::unwatched;
 use mmxrt::report::{Fate, Report};
-use mmxrt::scene::{FrameCamera, Hapke, Mars, MarsModel, Material, Photometry, Rpv, Scene, Sensor, Sun, Thermal};
+use mmxrt::scene::{
+    Exposure, FrameCamera, Hapke, Mars, Material, Models, Parts, Photometry, Rpv, Scene, Sky, Sun, Surface, Thermal,
+};
 use mmxrt::spectral::{Band, Extend, Light, Spectrum};
 use mmxrt::units::AU_M;
 
-use crate::scratch::Scratch;
+use crate::scratch::{Scratch, edited};
 
 fn material(i: usize, name: &str, reflectance: Spectrum) -> Material {
     Material {
@@ -35,36 +37,39 @@ fn material(i: usize, name: &str, reflectance: Spectrum) -> Material {
 /// and 5 up. The camera 100 m East and 100 m up, looking at the origin: its right is North.
 pub(crate) fn tetrahedron() -> Scene {
     let slant = 0.5f64.sqrt();
-    Scene {
-        textures: vec![],
-        origin_m: DVec3::new(0.0, 11_000.0, 0.0),
-        mesh: Mesh {
-            vertices_m: vec![
-                DVec3::new(-10.0, 0.0, -20.0),
-                DVec3::new(-10.0, 0.0, 20.0),
-                DVec3::new(30.0, 0.0, 0.0),
-                DVec3::new(0.0, 15.0, 0.0),
-            ],
-            facets: vec![[0, 1, 3], [1, 2, 3], [2, 0, 3], [0, 2, 1]],
-            material: (0..4).map(MaterialId).collect(),
-            face_of_facet: vec![],
-            uv: vec![],
+    Parts {
+        surface: Surface {
+            textures: vec![],
+            origin_m: DVec3::new(0.0, 11_000.0, 0.0),
+            mesh: Mesh {
+                vertices_m: vec![
+                    DVec3::new(-10.0, 0.0, -20.0),
+                    DVec3::new(-10.0, 0.0, 20.0),
+                    DVec3::new(30.0, 0.0, 0.0),
+                    DVec3::new(0.0, 15.0, 0.0),
+                ],
+                facets: vec![[0, 1, 3], [1, 2, 3], [2, 0, 3], [0, 2, 1]],
+                material: (0..4).map(MaterialId).collect(),
+                face_of_facet: vec![],
+                uv: vec![],
+            },
+            materials: [("east", 0.1), ("north west", 0.2), ("south west", 0.3), ("base", 0.4)]
+                .iter()
+                .enumerate()
+                .map(|(i, (name, reflectance))| material(i, name, Spectrum::constant(*reflectance)))
+                .collect(),
         },
-        materials: [("east", 0.1), ("north west", 0.2), ("south west", 0.3), ("base", 0.4)]
-            .iter()
-            .enumerate()
-            .map(|(i, (name, reflectance))| material(i, name, Spectrum::constant(*reflectance)))
-            .collect(),
-        sun: Sun {
-            direction: Direction::new(DVec3::new(4.0, 5.0, -3.0)).unwrap(),
-            distance_m: 1.5 * AU_M,
-            irradiance_1au: Spectrum::constant(700.0),
-            total_irradiance_1au_w_m2: 1361.0,
+        sky: Sky {
+            sun: Sun {
+                direction: Direction::new(DVec3::new(4.0, 5.0, -3.0)).unwrap(),
+                distance_m: 1.5 * AU_M,
+                irradiance_1au: Spectrum::constant(700.0),
+                total_irradiance_1au_w_m2: 1361.0,
+            },
+            mars: None,
         },
-        mars: None,
-        thermal: Thermal::Off,
-        sensor: Sensor {
-            name: "seeker".into(),
+        exposure: Exposure {
+            instrument: "seeker".into(),
             camera: FrameCamera::centred(
                 Pose {
                     rotation: DMat3::from_cols(
@@ -80,6 +85,7 @@ pub(crate) fn tetrahedron() -> Scene {
             ),
             bands: vec![Band::new(1.0, Some(0.02)), Band::new(2.0, None)],
         },
+        models: Models { thermal: Thermal::Off, ..Models::default() },
     }
     .check()
     .unwrap()
@@ -87,9 +93,9 @@ pub(crate) fn tetrahedron() -> Scene {
 
 /// The same with all that DART has no place for.
 pub(crate) fn rich() -> Scene {
-    let mut scene = tetrahedron();
+    let mut scene = tetrahedron().into_parts();
     let spectrum = |values: &[f64]| Spectrum::new(vec![0.5, 1.1, 2.5], values.to_vec(), Extend::Error).unwrap();
-    scene.materials = vec![
+    scene.surface.materials = vec![
         material(0, "Grey & <dark>", spectrum(&[0.05, 0.0612345678901, 0.07])),
         material(1, "grey", spectrum(&[0.1, 1.0 / 3.0, 0.2])),
         Material { emissivity: Spectrum::constant(0.9), ..material(2, "select", Spectrum::constant(0.123)) },
@@ -107,19 +113,18 @@ pub(crate) fn rich() -> Scene {
         },
     ];
     // Two faces of two facets each.
-    scene.mesh.face_of_facet = vec![0, 0, 1, 1];
-    scene.mesh.material = [3, 1, 3, 2].map(MaterialId).to_vec();
-    scene.mars = Some(Mars {
+    scene.surface.mesh.face_of_facet = vec![0, 0, 1, 1];
+    scene.surface.mesh.material = [3, 1, 3, 2].map(MaterialId).to_vec();
+    scene.sky.mars = Some(Mars {
         centre_m: DVec3::new(3e6, 8e6, 1e6),
         radius_m: 3_389_500.0,
         reflectance: spectrum(&[0.2, 0.25, 0.31]),
         bond_albedo: 0.25,
         thermal_exitance_w_m2: 110.0,
-        model: MarsModel::NearField,
     });
-    scene.thermal = Thermal::Equilibrium;
-    scene.sensor.camera.world_from_sensor.rotation *= DMat3::from_rotation_z(0.3);
-    scene.sensor.bands.push(Band::new(2.2, Some(0.05)));
+    scene.models.thermal = Thermal::Equilibrium;
+    scene.exposure.camera.world_from_sensor.rotation *= DMat3::from_rotation_z(0.3);
+    scene.exposure.bands.push(Band::new(2.2, Some(0.05)));
     scene.check().unwrap()
 }
 
@@ -236,7 +241,7 @@ fn the_sun_shines_on_the_faces_that_it_should() {
     for (f, face) in rows("f ").iter().enumerate() {
         let [a, b, c] = [0, 1, 2].map(|i| vertices[face[i] as usize - 1]);
         let cosine = (b - a).cross(c - a).normalize().dot(sun);
-        let expected = scene.mesh.facet(f).normal().dot(scene.sun.direction.vec());
+        let expected = scene.body.mesh.facet(f).normal().dot(scene.sky.sun.direction.vec());
         assert!((cosine - expected).abs() < 1e-14, "face {f}: {cosine} {expected}");
     }
 }
@@ -274,18 +279,19 @@ fn every_attribute_of_the_schema_is_written_and_no_other() {
 }
 
 fn assert_same(a: &Scene, b: &Scene) {
-    assert_eq!(a.origin_m, b.origin_m);
-    assert_eq!((&a.mesh.facets, &a.mesh.material), (&b.mesh.facets, &b.mesh.material));
-    assert_eq!(a.mesh.face_of_facet, b.mesh.face_of_facet);
-    let apart = a.mesh.vertices_m.iter().zip(&b.mesh.vertices_m).map(|(p, q)| (*p - *q).length()).fold(0.0, f64::max);
-    assert!(a.mesh.vertices_m.len() == b.mesh.vertices_m.len() && apart < 1e-9, "{apart:e} m");
-    assert_eq!(a.materials, b.materials);
-    assert!(a.sun.direction.angle_rad(b.sun.direction) < 1e-12);
-    assert_eq!((a.sun.distance_m, &a.sun.irradiance_1au), (b.sun.distance_m, &b.sun.irradiance_1au));
-    assert_eq!(a.sun.total_irradiance_1au_w_m2, b.sun.total_irradiance_1au_w_m2);
-    assert_eq!((&a.mars, a.thermal), (&b.mars, b.thermal));
-    assert_eq!((&a.sensor.name, &a.sensor.bands), (&b.sensor.name, &b.sensor.bands));
-    let (x, y) = (&a.sensor.camera, &b.sensor.camera);
+    assert_eq!(a.body.origin_m, b.body.origin_m);
+    assert_eq!((&a.body.mesh.facets, &a.body.mesh.material), (&b.body.mesh.facets, &b.body.mesh.material));
+    assert_eq!(a.body.mesh.face_of_facet, b.body.mesh.face_of_facet);
+    let apart =
+        a.body.mesh.vertices_m.iter().zip(&b.body.mesh.vertices_m).map(|(p, q)| (*p - *q).length()).fold(0.0, f64::max);
+    assert!(a.body.mesh.vertices_m.len() == b.body.mesh.vertices_m.len() && apart < 1e-9, "{apart:e} m");
+    assert_eq!(a.body.materials, b.body.materials);
+    assert!(a.sky.sun.direction.angle_rad(b.sky.sun.direction) < 1e-12);
+    assert_eq!((a.sky.sun.distance_m, &a.sky.sun.irradiance_1au), (b.sky.sun.distance_m, &b.sky.sun.irradiance_1au));
+    assert_eq!(a.sky.sun.total_irradiance_1au_w_m2, b.sky.sun.total_irradiance_1au_w_m2);
+    assert_eq!((&a.sky.mars, a.models.thermal), (&b.sky.mars, b.models.thermal));
+    assert_eq!((&a.exposure.instrument, &a.exposure.bands), (&b.exposure.instrument, &b.exposure.bands));
+    let (x, y) = (&a.exposure.camera, &b.exposure.camera);
     assert_eq!((x.samples, x.lines), (y.samples, y.lines));
     assert!((x.pitch[0] / y.pitch[0] - 1.0).abs() < 1e-12);
     assert!((x.centre_m() - y.centre_m()).length() < 1e-9);
@@ -299,7 +305,7 @@ fn a_scene_comes_back_whole() {
         let mut full = rich();
         if target == Target::V5_11_0 {
             // Other models of reflectance are not known there.
-            full.materials.truncate(5);
+            full = edited(&full, |scene| scene.surface.materials.truncate(5));
         }
         for (name, scene) in [("plain", tetrahedron()), ("rich", full)] {
             let scratch = Scratch::new();
@@ -339,14 +345,15 @@ fn without_the_sidecar_what_is_missing_is_told() {
         report.notes
     );
     // What DART does hold is the same: shape, reflectance where it was known, irradiance in the bands, angles.
-    let side =
-        |s: &Scene| [(0, 1), (1, 2), (2, 3)].map(|(i, j)| (s.mesh.vertices_m[i] - s.mesh.vertices_m[j]).length());
+    let side = |s: &Scene| {
+        [(0, 1), (1, 2), (2, 3)].map(|(i, j)| (s.body.mesh.vertices_m[i] - s.body.mesh.vertices_m[j]).length())
+    };
     assert!(side(&scene).iter().zip(side(&back)).all(|(a, b)| (a - b).abs() < 1e-9));
     let spectra = |m: &Material| -> Vec<Spectrum> {
         let parameters = m.photometry.parameters().into_iter().map(|(_, s)| s.clone());
         if m.photometry == Photometry::Lambert { vec![m.reflectance.clone()] } else { parameters.collect() }
     };
-    for (a, b) in scene.materials.iter().zip(&back.materials) {
+    for (a, b) in scene.body.materials.iter().zip(&back.body.materials) {
         assert_eq!((&a.name, a.photometry.key()), (&b.name, b.photometry.key()));
         for (x, y) in spectra(a).iter().zip(&spectra(b)) {
             for um in [1.0, 1.5, 2.2] {
@@ -361,7 +368,7 @@ fn without_the_sidecar_what_is_missing_is_told() {
             .zip(in_the_bands(&back))
             .all(|(a, b)| (a.unwrap().0 / b.unwrap().0 - 1.0).abs() < 1e-9)
     );
-    let between = |s: &Scene| s.sensor.camera.world_from_sensor.rotation.z_axis.dot(s.sun.direction.vec());
+    let between = |s: &Scene| s.exposure.camera.world_from_sensor.rotation.z_axis.dot(s.sky.sun.direction.vec());
     assert!((between(&scene) - between(&back)).abs() < 1e-12);
 }
 
@@ -382,11 +389,11 @@ fn an_edited_file_wins() {
     let (again, _) = dart::from_scene(&back, &options(Target::V5_7_4)).unwrap();
     let in_the_band = again.simulation.phase.irradiance[0].unwrap().0;
     assert!((in_the_band - 411.111_111_111_111_1).abs() < 1e-9, "{in_the_band}");
-    assert_eq!(back.sensor.bands, [Band { light: Light::Sunlight, ..Band::boxed(1.0, 0.04) }, Band::new(2.0, None)]);
-    let turned = back.sun.direction.angle_rad(tetrahedron().sun.direction);
+    assert_eq!(back.exposure.bands, [Band { light: Light::Sunlight, ..Band::boxed(1.0, 0.04) }, Band::new(2.0, None)]);
+    let turned = back.sky.sun.direction.angle_rad(tetrahedron().sky.sun.direction);
     assert!(turned > 1.0, "{turned}");
     // What was not edited is as it was.
-    assert_eq!(back.materials, tetrahedron().materials);
+    assert_eq!(back.body.materials, tetrahedron().body.materials);
     assert_eq!(report.notes.len(), 1, "{:#?}", report.notes);
 }
 
@@ -401,10 +408,10 @@ fn mars_lights_a_second_simulation() {
     assert!((azimuth - (360.0 - (-3f64).atan2(-1.0).abs().to_degrees())).abs() < 1e-12, "{azimuth}");
     // A facet that faces Mars gets its light: compare with the light on one, band by band.
     let light = mmxrt::physics::mars::irradiance(
-        scene.mars.as_ref().unwrap().centre_m,
+        scene.sky.mars.as_ref().unwrap().centre_m,
         3_389_500.0,
         DVec3::new(3.0, 8.0, 1.0).normalize(),
-        scene.sun.direction.vec(),
+        scene.sky.sun.direction.vec(),
     );
     let at_2_um = 0.25 + (0.31 - 0.25) * 0.9 / 1.4;
     assert!((mars.phase.irradiance[1].unwrap().0 / (light * at_2_um * 700.0 / 2.25) - 1.0).abs() < 1e-12);
@@ -412,8 +419,7 @@ fn mars_lights_a_second_simulation() {
     assert_eq!(package.simulation.phase.bands.iter().map(|b| b.mode).collect::<Vec<_>>(), [1, 1, 1]);
     assert!(report.notes.iter().any(|n| n.fate == Fate::Approximated && n.message.contains("parallel")));
     // Below the horizon there is none.
-    let mut night = rich();
-    night.mars.as_mut().unwrap().centre_m = DVec3::new(3e6, -8e6, 1e6);
+    let night = edited(&rich(), |scene| scene.sky.mars.as_mut().unwrap().centre_m = DVec3::new(3e6, -8e6, 1e6));
     assert!(dart::from_scene(&night, &options(Target::V5_7_4)).unwrap().0.mars.is_none());
 }
 
@@ -540,9 +546,9 @@ fn the_shipped_sites_come_back() {
 fn a_sun_below_the_horizon_gives_no_light() {
     let scratch = Scratch::new();
     let folder = scratch.path().join("out");
-    let mut scene = rich();
     // Up is +y: 3 parts down for 4 across are asin(3/5) = 36.870 deg below the horizon.
-    scene.sun.direction = Direction::new(DVec3::new(4.0, -3.0, 0.0)).unwrap();
+    let below = Direction::new(DVec3::new(4.0, -3.0, 0.0)).unwrap();
+    let scene = edited(&rich(), |scene| scene.sky.sun.direction = below);
     let report = written(&scene, &options(Target::V5_7_4), &folder);
     assert!(report.notes.iter().any(|n| n.message.starts_with("the Sun stands 36.870 deg below")), "{report:#?}");
     let directions = text(&folder, "input/directions.xml");
@@ -563,9 +569,10 @@ fn a_sun_below_the_horizon_gives_no_light() {
 fn e490_is_recognized_by_its_irradiances() {
     let scratch = Scratch::new();
     let folder = scratch.path().join("out");
-    let mut scene = tetrahedron();
-    scene.sun.irradiance_1au = mmxrt::spectral::solar_e490().clone();
-    scene.sensor.bands = [1.0, 2.0].map(|centre_um| Band::new(centre_um, None)).to_vec();
+    let scene = edited(&tetrahedron(), |scene| {
+        scene.sky.sun.irradiance_1au = mmxrt::spectral::solar_e490().clone();
+        scene.exposure.bands = [1.0, 2.0].map(|centre_um| Band::new(centre_um, None)).to_vec();
+    });
     written(&scene, &options(Target::V5_7_4), &folder);
     std::fs::remove_file(folder.join("mmxrt.toml")).unwrap();
     // The standard: 747.9 W m-2 um-1 at 1 um and 117 at 2 um; at 1.5 au they are divided by 2.25.
@@ -577,43 +584,48 @@ fn e490_is_recognized_by_its_irradiances() {
     }
     let (back, _) = read(&folder, &SceneOptions::default());
     // Bands are 0.001 um wide in DART, and the table has lines about 1 um: the mean is not quite the value there.
-    assert!((back.sun.distance_m / AU_M - 1.5).abs() < 2e-3, "{}", back.sun.distance_m / AU_M);
-    assert!((back.sun.total_irradiance_1au_w_m2 - 1366.09).abs() < 3.0, "{}", back.sun.total_irradiance_1au_w_m2);
+    assert!((back.sky.sun.distance_m / AU_M - 1.5).abs() < 2e-3, "{}", back.sky.sun.distance_m / AU_M);
+    assert!(
+        (back.sky.sun.total_irradiance_1au_w_m2 - 1366.09).abs() < 3.0,
+        "{}",
+        back.sky.sun.total_irradiance_1au_w_m2
+    );
     // One band twice as bright: the other one tells the distance or this one, and between them the factor is linear.
     let second = phase.match_indices("irradiance=\"").nth(1).unwrap().0 + "irradiance=\"".len();
     let end = second + phase[second..].find('"').unwrap();
     std::fs::write(&path, format!("{}104{}", &phase[..second], &phase[end..])).unwrap();
     let (back, _) = read(&folder, &SceneOptions::default());
-    let at_the_body = |um: f64| back.sun.irradiance_1au.at(um).unwrap() * (AU_M / back.sun.distance_m).powi(2);
+    let at_the_body = |um: f64| back.sky.sun.irradiance_1au.at(um).unwrap() * (AU_M / back.sky.sun.distance_m).powi(2);
     assert!((at_the_body(1.0) / (747.9 / 2.25) - 1.0).abs() < 3e-3 && (at_the_body(2.0) / 104.0 - 1.0).abs() < 3e-3);
     let e490_at = |um: f64| mmxrt::spectral::solar_e490().at(um).unwrap();
     assert!((at_the_body(1.5) / (1.5 * e490_at(1.5) / 2.25) - 1.0).abs() < 3e-3);
     // The sum of all wavelengths stays that of a sun: 1366 to 2 x 1366 at the same distance.
-    let total = back.sun.total_irradiance_1au_w_m2 * (1.5 * AU_M / back.sun.distance_m).powi(2);
+    let total = back.sky.sun.total_irradiance_1au_w_m2 * (1.5 * AU_M / back.sky.sun.distance_m).powi(2);
     assert!((1366.0..2732.2).contains(&total), "{total}");
     // Boxes come back as they were, and so does the Sun.
-    scene.sensor.bands = [1.0, 2.0].map(|centre_um| Band::boxed(centre_um, 0.02)).to_vec();
+    let boxes = [1.0, 2.0].map(|centre_um| Band::boxed(centre_um, 0.02));
+    let scene = edited(&scene, |scene| scene.exposure.bands = boxes.to_vec());
     let folder = scratch.path().join("wide");
     written(&scene, &options(Target::V5_7_4), &folder);
     std::fs::remove_file(folder.join("mmxrt.toml")).unwrap();
     let (back, _) = read(&folder, &SceneOptions::default());
-    assert!((back.sun.distance_m / AU_M - 1.5).abs() < 1e-12);
-    assert_eq!(&back.sun.irradiance_1au, mmxrt::spectral::solar_e490());
+    assert!((back.sky.sun.distance_m / AU_M - 1.5).abs() < 1e-12);
+    assert_eq!(&back.sky.sun.irradiance_1au, mmxrt::spectral::solar_e490());
 }
 
 #[test]
 fn more_materials_than_groups_take_more_files() {
     let scratch = Scratch::new();
     let folder = scratch.path().join("out");
-    let mut scene = tetrahedron();
+    let mut scene = tetrahedron().into_parts();
     // 700 triangles side by side, each of another material but for one that no facet has.
     let materials = 701;
     let reflectance = |i: usize| 0.001 * i as f64;
-    scene.materials =
+    scene.surface.materials =
         (0..materials).map(|i| material(i, &format!("m{i}"), Spectrum::constant(reflectance(i)))).collect();
     let corner = |i: usize| DVec3::new((i % 30) as f64, 0.25 * (i % 7) as f64, (i / 30) as f64);
     let facet = |i: usize| [corner(i), corner(i) + 0.9 * DVec3::Z, corner(i) + 0.9 * DVec3::X];
-    scene.mesh = Mesh {
+    scene.surface.mesh = Mesh {
         vertices_m: (0..700).flat_map(facet).collect(),
         facets: (0..700).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
         material: (0..701).filter(|m| *m != 5).map(MaterialId).collect(),
@@ -635,12 +647,12 @@ fn more_materials_than_groups_take_more_files() {
         let (back, report) = read(&folder, &SceneOptions::default());
         assert!(report.notes.is_empty(), "{:#?}", report.notes);
         // Facet by facet: where it is, and what it is made of, which its reflectance tells.
-        assert_eq!(back.mesh.facets.len(), 700);
+        assert_eq!(back.body.mesh.facets.len(), 700);
         for i in 0..700 {
             let expected = if i < 5 { i } else { i + 1 };
-            let material = &back.materials[usize::from(back.mesh.material[i].0)];
+            let material = &back.body.materials[usize::from(back.body.mesh.material[i].0)];
             assert!((material.reflectance.value()[0] - reflectance(expected)).abs() < 1e-15);
-            let corners = back.mesh.facet(i).corners_m;
+            let corners = back.body.mesh.facet(i).corners_m;
             assert!(corners.iter().zip(facet(i)).all(|(a, b)| (*a - b).length() < 1e-9), "{i}");
         }
     }
@@ -664,9 +676,10 @@ fn an_emissivity_that_dart_does_not_have_is_told() {
 #[test]
 fn a_box_that_reaches_where_surfaces_glow_has_heat() {
     // At 2.5 um, 300 K sends some 6e-3 W m-2 sr-1 um-1; in the middle of the box, at 1.4 um, less than 1e-8.
-    let mut scene = tetrahedron();
-    scene.thermal = Thermal::Equilibrium;
-    scene.sensor.bands = vec![Band::boxed(1.425, 2.15), Band::boxed(1.425, 0.1)];
+    let scene = edited(&tetrahedron(), |scene| {
+        scene.models.thermal = Thermal::Equilibrium;
+        scene.exposure.bands = vec![Band::boxed(1.425, 2.15), Band::boxed(1.425, 0.1)];
+    });
     let (package, _) = dart::from_scene(&scene, &options(Target::V5_7_4)).unwrap();
     assert_eq!(package.simulation.phase.bands.iter().map(|b| b.mode).collect::<Vec<_>>(), [1, 0]);
 }
@@ -674,12 +687,12 @@ fn a_box_that_reaches_where_surfaces_glow_has_heat() {
 #[test]
 fn filter_curves_that_become_rectangles_are_told_with_what_that_costs() {
     // A response of two peaks at the ends of a rectangle, under a reflectance that is 0.1 there and 0.3 amid them.
-    let mut scene = tetrahedron();
+    let mut scene = tetrahedron().into_parts();
     let spectrum = |um: &[f64], values: &[f64]| Spectrum::new(um.to_vec(), values.to_vec(), Extend::Error).unwrap();
-    scene.materials = vec![material(0, "peaked", spectrum(&[0.5, 1.0, 1.5], &[0.1, 0.3, 0.1]))];
-    scene.mesh.material = vec![MaterialId(0); 4];
+    scene.surface.materials = vec![material(0, "peaked", spectrum(&[0.5, 1.0, 1.5], &[0.1, 0.3, 0.1]))];
+    scene.surface.mesh.material = vec![MaterialId(0); 4];
     let peaks = spectrum(&[0.6, 0.65, 0.7, 1.3, 1.35, 1.4], &[0.0, 1.0, 0.0, 0.0, 1.0, 0.0]);
-    scene.sensor.bands = vec![Band::tabulated(&peaks).unwrap()];
+    scene.exposure.bands = vec![Band::tabulated(&peaks).unwrap()];
     let (_, report) = dart::from_scene(&scene.check().unwrap(), &options(Target::V5_7_4)).unwrap();
     let note = report.notes.iter().find(|n| n.message.contains("tabulated responses")).unwrap();
     // Means: 0.1 + 0.2 x 0.15 / 0.5 = 0.16 over the peaks; 0.3 - 0.4 x 0.05 / 2 = 0.29 over 0.1 um about 1 um: 0.8125 more.

@@ -4,11 +4,11 @@ use glam::{DMat3, DVec3};
 
 use mmxrt::formats::convert::{Content, differences};
 use mmxrt::geometry::{Direction, MaterialId, Texels};
-use mmxrt::scene::{Hapke, MarsModel, Photometry, Rpv, Scene, TextureKind, Thermal};
+use mmxrt::scene::{Hapke, MarsModel, Parts, Photometry, Rpv, Scene, TextureKind, Thermal};
 use mmxrt::spectral::{Extend, Spectrum};
 
 use crate::cli::run;
-use crate::scratch::Scratch;
+use crate::scratch::{Scratch, edited};
 
 const SCENE: &str = r#"
 mmxrt_scene = 1
@@ -81,72 +81,71 @@ fn every_part_of_a_scene_is_compared() {
         Photometry::Hapke(Box::new(Hapke::from(all)))
     };
     let rpv = |h: f64| Photometry::Rpv(Box::new(Rpv::from([0.05, 0.8, -0.1, h].map(constant))));
-    type Change<'a> = (&'a str, &'a dyn Fn(&mut Scene));
+    type Change<'a> = (&'a str, &'a dyn Fn(&mut Parts));
     let changes: &[Change] = &[
-        ("origin_m", &|s| s.origin_m.x += 1.0),
-        ("mesh, ", &|s| s.mesh.vertices_m[1].x += 0.1),
-        ("mesh, ", &|s| s.mesh.material[0] = MaterialId(1)),
-        ("mesh texture coordinates of 1 facets", &|s| s.mesh.uv[0][1] = [0.5, 0.0]),
-        ("mesh texture coordinates", &|s| s.mesh.uv = vec![]),
-        ("mesh, faces", &|s| s.mesh.face_of_facet = vec![0, 0]),
-        ("materials.\"a\".reflectance", &|s| s.materials[0].reflectance = constant(0.2)),
-        ("materials.\"a\".emissivity", &|s| s.materials[0].emissivity = constant(0.5)),
-        ("materials.\"b\".bond_albedo", &|s| s.materials[1].bond_albedo += 0.01),
-        ("materials.\"b\".emissivity_bolometric", &|s| s.materials[1].emissivity_bolometric -= 0.01),
-        ("materials.\"b\".mixture", &|s| s.materials[1].mixture = vec![(0, 0.5), (1, 0.5)]),
-        ("materials.\"b\" photometry", &|s| s.materials[1].photometry = hapke(0.0)),
-        ("materials.\"b\" photometry", &|s| s.materials[1].photometry = rpv(0.0)),
-        ("materials.\"c\"", &|s| s.materials[1].name = "c".into()),
-        ("textures.\"a\" quantity", &|s| s.textures[0].kind = TextureKind::Factor),
-        ("textures.\"a\" values", &|s| s.textures[0].values[1] = 0.7),
+        ("origin_m", &|s| s.surface.origin_m.x += 1.0),
+        ("mesh, ", &|s| s.surface.mesh.vertices_m[1].x += 0.1),
+        ("mesh, ", &|s| s.surface.mesh.material[0] = MaterialId(1)),
+        ("mesh texture coordinates of 1 facets", &|s| s.surface.mesh.uv[0][1] = [0.5, 0.0]),
+        ("mesh texture coordinates", &|s| s.surface.mesh.uv = vec![]),
+        ("mesh, faces", &|s| s.surface.mesh.face_of_facet = vec![0, 0]),
+        ("materials.\"a\".reflectance", &|s| s.surface.materials[0].reflectance = constant(0.2)),
+        ("materials.\"a\".emissivity", &|s| s.surface.materials[0].emissivity = constant(0.5)),
+        ("materials.\"b\".bond_albedo", &|s| s.surface.materials[1].bond_albedo += 0.01),
+        ("materials.\"b\".emissivity_bolometric", &|s| s.surface.materials[1].emissivity_bolometric -= 0.01),
+        ("materials.\"b\".mixture", &|s| s.surface.materials[1].mixture = vec![(0, 0.5), (1, 0.5)]),
+        ("materials.\"b\" photometry", &|s| s.surface.materials[1].photometry = hapke(0.0)),
+        ("materials.\"b\" photometry", &|s| s.surface.materials[1].photometry = rpv(0.0)),
+        ("materials.\"c\"", &|s| s.surface.materials[1].name = "c".into()),
+        ("textures.\"a\" quantity", &|s| s.surface.textures[0].kind = TextureKind::Factor),
+        ("textures.\"a\" values", &|s| s.surface.textures[0].values[1] = 0.7),
         ("textures.\"a\" texels", &|s| {
-            (s.textures[0].rows, s.textures[0].columns) = (s.textures[0].columns, s.textures[0].rows);
+            (s.surface.textures[0].rows, s.surface.textures[0].columns) =
+                (s.surface.textures[0].columns, s.surface.textures[0].rows);
         }),
-        ("textures.\"a\" wavelengths", &|s| s.textures[0].wavelength_um = vec![1.0]),
-        ("textures.\"a\" between texels", &|s| s.textures[0].texels = Texels::Bilinear),
-        ("textures.\"a\" on 1 facets", &|s| s.textures[0].corners[0][2] = [0.5, 0.5]),
-        ("textures.\"b\"", &|s| s.textures[0].material = MaterialId(1)),
-        ("sun.direction", &|s| s.sun.direction = Direction::new(DVec3::Z).unwrap()),
-        ("sun.distance_m", &|s| s.sun.distance_m *= 1.01),
-        ("sun.spectrum", &|s| s.sun.irradiance_1au = constant(700.0)),
-        ("sun.total_irradiance_w_m2", &|s| s.sun.total_irradiance_1au_w_m2 += 1.0),
-        ("mars: ", &|s| s.mars = None),
-        ("mars.position_m", &|s| s.mars.as_mut().unwrap().centre_m.x += 1.0),
-        ("mars.radius_m", &|s| s.mars.as_mut().unwrap().radius_m += 1.0),
-        ("mars.albedo", &|s| s.mars.as_mut().unwrap().reflectance = constant(0.5)),
-        ("mars.bond_albedo", &|s| s.mars.as_mut().unwrap().bond_albedo += 0.01),
-        ("mars.thermal_exitance_w_m2", &|s| s.mars.as_mut().unwrap().thermal_exitance_w_m2 += 1.0),
-        ("mars.model", &|s| s.mars.as_mut().unwrap().model = MarsModel::Thesis),
-        ("thermal.model", &|s| s.thermal = Thermal::Off),
-        ("sensor.name", &|s| s.sensor.name = "other".into()),
-        ("observer.position_m", &|s| s.sensor.camera.world_from_sensor.translation_m.z += 1.0),
-        ("observer.h", &|s| s.sensor.camera.world_from_sensor.rotation *= DMat3::from_rotation_z(0.1)),
-        ("sensor.samples", &|s| s.sensor.camera.samples += 1),
-        ("sensor.lines", &|s| s.sensor.camera.lines += 1),
-        ("sensor pitch", &|s| s.sensor.camera.pitch[1] *= 1.0 + 1e-9),
-        ("sensor.boresight_px", &|s| s.sensor.camera.boresight_px[0] += 1e-6),
-        ("sensor.bands", &|s| s.sensor.bands.truncate(1)),
-        ("sensor.bands[1]", &|s| s.sensor.bands[1].centre_um = 2.1),
-        ("sensor.bands[0]", &|s| s.sensor.bands[0].fwhm_um = Some(0.1)),
+        ("textures.\"a\" wavelengths", &|s| s.surface.textures[0].wavelength_um = vec![1.0]),
+        ("textures.\"a\" between texels", &|s| s.surface.textures[0].texels = Texels::Bilinear),
+        ("textures.\"a\" on 1 facets", &|s| s.surface.textures[0].corners[0][2] = [0.5, 0.5]),
+        ("textures.\"b\"", &|s| {
+            s.surface.textures[0].material = MaterialId(1);
+            s.surface.textures[0].corners[1] = s.surface.textures[0].corners[0];
+        }),
+        ("sun.direction", &|s| s.sky.sun.direction = Direction::new(DVec3::Z).unwrap()),
+        ("sun.distance_m", &|s| s.sky.sun.distance_m *= 1.01),
+        ("sun.spectrum", &|s| s.sky.sun.irradiance_1au = constant(700.0)),
+        ("sun.total_irradiance_w_m2", &|s| s.sky.sun.total_irradiance_1au_w_m2 += 1.0),
+        ("mars: ", &|s| s.sky.mars = None),
+        ("mars.position_m", &|s| s.sky.mars.as_mut().unwrap().centre_m.x += 1.0),
+        ("mars.radius_m", &|s| s.sky.mars.as_mut().unwrap().radius_m += 1.0),
+        ("mars.albedo", &|s| s.sky.mars.as_mut().unwrap().reflectance = constant(0.5)),
+        ("mars.bond_albedo", &|s| s.sky.mars.as_mut().unwrap().bond_albedo += 0.01),
+        ("mars.thermal_exitance_w_m2", &|s| s.sky.mars.as_mut().unwrap().thermal_exitance_w_m2 += 1.0),
+        ("mars.model", &|s| s.models.mars_light = MarsModel::Thesis),
+        ("thermal.model", &|s| s.models.thermal = Thermal::Off),
+        ("sensor.name", &|s| s.exposure.instrument = "other".into()),
+        ("observer.position_m", &|s| s.exposure.camera.world_from_sensor.translation_m.z += 1.0),
+        ("observer.h", &|s| s.exposure.camera.world_from_sensor.rotation *= DMat3::from_rotation_z(0.1)),
+        ("sensor.samples", &|s| s.exposure.camera.samples += 1),
+        ("sensor.lines", &|s| s.exposure.camera.lines += 1),
+        ("sensor pitch", &|s| s.exposure.camera.pitch[1] *= 1.0 + 1e-9),
+        ("sensor.boresight_px", &|s| s.exposure.camera.boresight_px[0] += 1e-6),
+        ("sensor.bands", &|s| s.exposure.bands.truncate(1)),
+        ("sensor.bands[1]", &|s| s.exposure.bands[1].centre_um = 2.1),
+        ("sensor.bands[0]", &|s| s.exposure.bands[0].fwhm_um = Some(0.1)),
     ];
     for (name, change) in changes {
-        let mut other = scene.clone();
-        change(&mut other);
+        let other = edited(&scene, change);
         for lines in [differ(&scene, &other), differ(&other, &scene)] {
             assert!(lines.iter().any(|line| line.starts_with(name)), "{name}: {lines:#?}");
         }
     }
-    let with = |photometry: Photometry| {
-        let mut other = scene.clone();
-        other.materials[1].photometry = photometry;
-        other
-    };
+    let with = |photometry: Photometry| edited(&scene, |scene| scene.surface.materials[1].photometry = photometry);
     assert!(differ(&with(hapke(0.0)), &with(hapke(0.1)))[0].starts_with("materials.\"b\".c4"));
     assert!(differ(&with(rpv(0.0)), &with(rpv(0.1)))[0].starts_with("materials.\"b\".h"));
     // What a table holds beyond its ends.
     let table = |extend| Spectrum::new(vec![0.5, 3.0], vec![0.1, 0.1], extend).unwrap();
-    let (mut a, mut b) = (scene.clone(), scene);
-    (a.materials[0].reflectance, b.materials[0].reflectance) = (table(Extend::Hold), table(Extend::Error));
+    let with = |extend| edited(&scene, |scene| scene.surface.materials[0].reflectance = table(extend));
+    let (a, b) = (with(Extend::Hold), with(Extend::Error));
     assert!(differ(&a, &b)[0].starts_with("materials.\"a\".reflectance beyond its ends"));
 }
 
@@ -155,19 +154,20 @@ fn what_means_the_same_is_no_difference() {
     let scratch = prepared();
     let scene = scratch.scene(SCENE);
     // Facets in another order, each from another corner, and other numbers of materials.
-    let mut other = scene.clone();
-    other.mesh.facets.reverse();
-    other.mesh.uv.reverse();
-    other.textures[0].corners.reverse();
-    other.mesh.facets[0].rotate_left(1);
-    other.mesh.uv[0].rotate_left(1);
-    other.textures[0].corners[0].rotate_left(1);
-    other.materials.reverse();
-    other.mesh.material = other.mesh.material.iter().rev().map(|m| MaterialId(1 - m.0)).collect();
-    other.textures[0].material = MaterialId(1);
-    for material in &mut other.materials {
+    let mut other = scene.clone().into_parts();
+    other.surface.mesh.facets.reverse();
+    other.surface.mesh.uv.reverse();
+    other.surface.textures[0].corners.reverse();
+    other.surface.mesh.facets[0].rotate_left(1);
+    other.surface.mesh.uv[0].rotate_left(1);
+    other.surface.textures[0].corners[0].rotate_left(1);
+    other.surface.materials.reverse();
+    other.surface.mesh.material = other.surface.mesh.material.iter().rev().map(|m| MaterialId(1 - m.0)).collect();
+    other.surface.textures[0].material = MaterialId(1);
+    for material in &mut other.surface.materials {
         material.mixture.iter_mut().for_each(|(part, _)| *part = 1 - *part);
     }
+    let other = other.check().unwrap();
     assert_eq!(differ(&scene, &other), [""; 0]);
 }
 

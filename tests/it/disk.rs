@@ -340,9 +340,9 @@ fn a_table_that_was_tampered_with_is_told_at_its_place_and_makes_no_product() {
     let good = product_bytes(Path::new(&product));
     /// The last facet is lit in these triangles, and no other facet at all.
     fn lit_in(table: &mut mmxrt::product::FacetTable, triangles: &[[[f64; 2]; 3]]) {
-        let f = table.sunlit.lit.len() - 1;
-        table.sunlit.lit.iter_mut().for_each(|lit| *lit = mmxrt::product::Lit::Dark);
-        table.sunlit.lit[f] = mmxrt::product::Lit::Part;
+        let f = table.sunlit.shown.len() - 1;
+        table.sunlit.shown.iter_mut().for_each(|lit| *lit = mmxrt::visibility::Shown::Nothing);
+        table.sunlit.shown[f] = mmxrt::visibility::Shown::Part;
         table.sunlit.polygon_facet = vec![f as u32; triangles.len()];
         table.sunlit.polygon_start = (0..=triangles.len() as u32).map(|i| 3 * i).collect();
         table.sunlit.uv = triangles.concat();

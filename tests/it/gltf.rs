@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use glam::DVec3;
+use mmxrt::formats::coloured_mesh::ColouredMesh;
 use mmxrt::formats::gltf::{encode, read, told_apart};
 use mmxrt::formats::mtl::ObjMaterial;
-use mmxrt::formats::surface::Surface;
 use mmxrt::geometry::{MaterialId, Mesh};
 use mmxrt::report::{Fate, Report};
 use serde_json::{Value, json};
@@ -57,7 +57,7 @@ impl Folder {
         path
     }
 
-    pub(crate) fn read(&self, json: &Value, binary: &[u8]) -> mmxrt::Result<(Surface, Report)> {
+    pub(crate) fn read(&self, json: &Value, binary: &[u8]) -> mmxrt::Result<(ColouredMesh, Report)> {
         self.put("quad.bin", binary);
         let path = self.put("quad.gltf", json.to_string().as_bytes());
         read(&path, false).map(|(surface, report, _)| (surface, report))
@@ -80,7 +80,7 @@ fn glb(json: &Value, binary: &[u8]) -> Vec<u8> {
     bytes
 }
 
-pub(crate) fn corners(surface: &Surface) -> Vec<[[f64; 3]; 3]> {
+pub(crate) fn corners(surface: &ColouredMesh) -> Vec<[[f64; 3]; 3]> {
     let mesh = &surface.mesh;
     (0..mesh.facets.len()).map(|f| mesh.facet(f).corners_m.map(|c| c.to_array())).collect()
 }
@@ -211,7 +211,7 @@ fn colours_scenes_and_what_else_there_is() {
 }
 
 /// A small landscape far from its origin, with three materials.
-fn surface() -> Surface {
+fn surface() -> ColouredMesh {
     let vertices_m: Vec<DVec3> = (0..16)
         .map(|i| {
             let (x, y) = (f64::from(i % 4), f64::from(i / 4));
@@ -224,7 +224,7 @@ fn surface() -> Surface {
     let materials = ["a", "phobos blue", "#b03020"].map(|name| ObjMaterial { name: name.into(), kd: None });
     let mesh = Mesh { vertices_m, facets, material, face_of_facet: vec![], uv: vec![] };
     let origin_m = Some(DVec3::new(-2743.5946, 11860.036, 0.51269));
-    Surface { mesh, materials: materials.to_vec(), origin_m, sun: None }
+    ColouredMesh { mesh, materials: materials.to_vec(), origin_m, sun: None }
 }
 
 #[test]
@@ -244,7 +244,7 @@ fn residuals_bring_the_digits_back() {
             assert!((*a - *b).abs().max_element() <= 1e-14 * b.length(), "{a} {b}");
         }
         // The same facets, by material.
-        let sorted = |surface: &Surface| {
+        let sorted = |surface: &ColouredMesh| {
             let mut all: Vec<_> = surface.mesh.material.iter().zip(&surface.mesh.facets).collect();
             all.sort_by_key(|(material, _)| **material);
             all.into_iter().map(|(m, f)| (*m, *f)).collect::<Vec<_>>()

@@ -285,7 +285,7 @@ fn the_brightest_directional_light_is_the_sun() {
     scratch.write("quad.bin", &binary);
     scratch.write("a.gltf", json.to_string());
     let scene = scene_of(&scratch, &["a.gltf"]);
-    assert!((scene.sun.direction.vec() - DVec3::NEG_X).length() < 1e-15);
+    assert!((scene.sky.sun.direction.vec() - DVec3::NEG_X).length() < 1e-15);
     // One that does not exist is told.
     json["nodes"][2]["extensions"] = light(9);
     let error = folder.read(&json, &binary).unwrap_err().to_string();

@@ -5,11 +5,9 @@ use crate::shapes::*;
 use glam::DVec3;
 use mmxrt::geometry::{Direction, Mesh};
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{Mars, Scene};
-use mmxrt::solve::sunlit;
+use mmxrt::scene::Scene;
 use mmxrt::study::Observation;
 use mmxrt::units::AU_M;
-use mmxrt::visibility::Topology;
 
 /// Hills with a box in them, 40 m wide; all coordinates are whole multiples of 2^-10 m.
 fn site() -> Mesh {
@@ -195,25 +193,26 @@ fn the_sun_casts_the_same_shadows_from_any_distance_along_its_ray() {
     scratch.obj("site", &moved(site(), PLACE), &[("ground", None), ("box", None)]);
     let scene = |sun: &str| -> Scene { scratch.scene(&text(PLACE, PLACE, sun, "body")) };
     let shadows = |scene: &Scene, towards: Direction| {
-        sunlit(&scene.mesh, &Topology::new(&scene.mesh), towards, &unwatched).unwrap()
+        let (mesh, topology) = (&scene.body.mesh, scene.body.topology());
+        mmxrt::visibility::Seen::from_afar(mesh, topology, towards, "sunlight", &unwatched).unwrap()
     };
     let true_m = SUN.length();
     let reference = scene(&sun_at(PLACE + SUN));
-    let lit = shadows(&reference, reference.sun.direction);
+    let lit = shadows(&reference, reference.sky.sun.direction);
     assert!(lit.polygon_facet.len() > 100);
     let mut same_direction = 0;
     for distance_m in [true_m, AU_M, 1e15] {
         // Along the ray, as near as its coordinates in the body frame are rounded.
         let by_position = scene(&sun_at(PLACE + SUN * (distance_m / true_m)));
-        assert!((by_position.sun.distance_m / distance_m - 1.0).abs() < 1e-15);
+        assert!((by_position.sky.sun.distance_m / distance_m - 1.0).abs() < 1e-15);
         let by_direction = scene(&format!("direction = {:?}\ndistance_au = {:?}", SUN.to_array(), distance_m / AU_M));
         for other in [&by_position, &by_direction] {
-            let far = shadows(other, other.sun.direction);
-            if other.sun.direction == reference.sun.direction {
+            let far = shadows(other, other.sky.sun.direction);
+            if other.sky.sun.direction == reference.sky.sun.direction {
                 same_direction += 1;
                 assert!(far == lit, "{distance_m} m");
             }
-            for f in 0..other.mesh.facets.len() as u32 {
+            for f in 0..other.body.mesh.facets.len() as u32 {
                 let (here, there) = (lit.fraction(f), far.fraction(f));
                 assert!((here - there).abs() <= 1e-12, "facet {f}, {distance_m} m: {here} {there}");
             }
@@ -227,11 +226,7 @@ fn mars_is_where_it_is_from_any_origin() {
     let scratch = Scratch::new();
     scratch.obj("site", &site(), &[("ground", None), ("box", None)]);
     let centre_m = |place: DVec3| -> DVec3 {
-        let Scene { mars: Some(Mars { centre_m, .. }), .. } = scratch.scene(&text(place, PLACE, &sun_at(SUN), "local"))
-        else {
-            panic!("no Mars")
-        };
-        centre_m + place
+        scratch.scene(&text(place, PLACE, &sun_at(SUN), "local")).sky.mars.as_ref().expect("Mars").centre_m + place
     };
     assert_eq!(centre_m(PLACE), PLACE + DVec3::new(9e6, 1e6, 2e6));
     assert_eq!(centre_m(PLACE + DVec3::new(512.0, 0.0, -512.0)), centre_m(PLACE));

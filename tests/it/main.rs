@@ -56,6 +56,7 @@ mod scene_files;
 mod schema;
 mod scratch;
 mod shapes;
+mod shared_body;
 mod sides;
 mod spectra;
 mod spectra_from_the_wild;

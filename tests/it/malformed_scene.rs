@@ -61,22 +61,22 @@ fn the_good_scene_is_read() {
     let folder = prepared();
     let file = scene_toml::read(&folder.write("scene.toml", GOOD), &unwatched).unwrap();
     let scene = &file.scene;
-    assert_eq!(scene.mesh.facets.len(), 4);
-    assert_eq!(scene.mesh.material.iter().map(|m| m.0).collect::<Vec<_>>(), [0, 0, 1, 2]);
-    let names: Vec<&str> = scene.materials.iter().map(|m| m.name.as_str()).collect();
+    assert_eq!(scene.body.mesh.facets.len(), 4);
+    assert_eq!(scene.body.mesh.material.iter().map(|m| m.0).collect::<Vec<_>>(), [0, 0, 1, 2]);
+    let names: Vec<&str> = scene.body.materials.iter().map(|m| m.name.as_str()).collect();
     assert_eq!(names, ["ground", "#ff0000", "mix"]);
     // 5 to 15 % from 0.9 to 2.5 um: 0.05 + 0.1 x 0.7 / 1.6 at 1.6 um.
     let ground = 0.05 + 0.1 * 0.7 / 1.6;
-    let [a, b, mix] = &scene.materials[..] else { panic!() };
+    let [a, b, mix] = &scene.body.materials[..] else { panic!() };
     assert!((a.reflectance.at(1.6).unwrap() - ground).abs() < 1e-15);
     assert!((a.emissivity.at(1.6).unwrap() - (1.0 - ground)).abs() < 1e-15);
     assert!((mix.reflectance.at(1.6).unwrap() - (0.25 * ground + 0.75 * 0.2)).abs() < 1e-15);
     assert_eq!(mix.mixture, [(0, 0.25), (1, 0.75)]);
     assert_eq!(b.emissivity.at(3.0), Some(0.8));
     assert!((b.bond_albedo - 0.2).abs() < 1e-12 && b.emissivity_bolometric == 0.95);
-    assert_eq!(scene.sun.distance_m, 1.5 * 149_597_870_700.0);
-    assert!((scene.sun.total_irradiance_1au_w_m2 - 1366.090796839).abs() < 1e-6);
-    let camera = &scene.sensor.camera;
+    assert_eq!(scene.sky.sun.distance_m, 1.5 * 149_597_870_700.0);
+    assert!((scene.sky.sun.total_irradiance_1au_w_m2 - 1366.090796839).abs() < 1e-6);
+    let camera = &scene.exposure.camera;
     assert_eq!(camera.centre_m().to_array(), [0.0, 0.0, 10000.0]);
     // Looking down with north up: right is east, the image's bottom is south.
     let axes = camera.world_from_sensor.rotation;
@@ -84,7 +84,7 @@ fn the_good_scene_is_read() {
     assert_eq!(axes.y_axis.to_array(), [0.0, -1.0, 0.0]);
     assert_eq!(axes.z_axis.to_array(), [0.0, 0.0, -1.0]);
     assert!((camera.pitch[0] - 2.0 * 0.5_f64.to_radians().tan() / 8.0).abs() < 1e-18);
-    let centres: Vec<f64> = scene.sensor.bands.iter().map(|b| b.centre_um).collect();
+    let centres: Vec<f64> = scene.exposure.bands.iter().map(|b| b.centre_um).collect();
     assert_eq!(centres, [1.0, 1.5, 2.0]);
     let read: Vec<&str> = file.inputs.iter().filter_map(|i| i.path.file_name()?.to_str()).collect();
     assert_eq!(read, ["scene.toml", "flat.csv", "plate.obj", "plate.mtl"]);
@@ -99,11 +99,11 @@ fn faces_without_a_material_are_the_default_and_a_mesh_can_be_of_one() {
     let with_default = GOOD.replace("[sun]", "default = { reflectance = 0.3 }\n[sun]");
     let read = |text: &str| scene_toml::read(&folder.write("scene.toml", text), &unwatched).unwrap().scene;
     let unnamed = read(&with_default.replace("plate.obj", "unnamed.obj"));
-    assert_eq!(unnamed.materials[unnamed.mesh.material[0].0 as usize].name, "default");
+    assert_eq!(unnamed.body.materials[unnamed.body.mesh.material[0].0 as usize].name, "default");
     let all_mix = read(&GOOD.replace("obj = \"plate.obj\"", "obj = \"plate.obj\"\nmaterial = \"mix\""));
-    assert_eq!(all_mix.mesh.material.iter().map(|m| m.0).collect::<Vec<_>>(), [2; 4]);
+    assert_eq!(all_mix.body.mesh.material.iter().map(|m| m.0).collect::<Vec<_>>(), [2; 4]);
     let unnamed = read(&GOOD.replace("obj = \"plate.obj\"", "obj = \"unnamed.obj\"\nmaterial = \"ground\""));
-    assert_eq!(unnamed.mesh.material.len(), 1);
+    assert_eq!(unnamed.body.mesh.material.len(), 1);
 }
 
 #[test]
@@ -329,10 +329,10 @@ fn what_is_unusual_and_defined_is_computed_and_told() {
         let told = file.notes.iter().filter(|note| note.contains(words)).count();
         assert_eq!(told, 1, "{unusual}: {:?}", file.notes);
         let scene = &file.scene;
-        let rotation = scene.sensor.camera.world_from_sensor.rotation;
+        let rotation = scene.exposure.camera.world_from_sensor.rotation;
         let off = rotation * rotation.transpose() - glam::DMat3::IDENTITY;
         assert!(off.to_cols_array().iter().all(|x| x.abs() < 1e-15), "{unusual}: {rotation}");
-        for material in &scene.materials {
+        for material in &scene.body.materials {
             let sum: f64 = material.mixture.iter().map(|(_, share)| share).sum();
             assert!((sum - 1.0).abs() < 1e-15, "{unusual}: {sum}");
         }
@@ -340,11 +340,11 @@ fn what_is_unusual_and_defined_is_computed_and_told() {
     assert!(UNUSUAL.len() >= 10);
     // A turn by 90 deg about z takes (1, 1, 0) to (-1, 1, 0), to the last digits but for the direction that rounding left.
     let turned = GOOD.replace("obj = \"plate.obj\"", UNUSUAL[5].1);
-    let corner_m = folder.scene(&turned).mesh.vertices_m[2];
+    let corner_m = folder.scene(&turned).body.mesh.vertices_m[2];
     assert!((corner_m - glam::DVec3::new(-1.0, 1.0, 0.0)).length() < 1e-15, "{corner_m}");
     // At the north pole, east is y of the body, as on the meridian of longitude 0, so that north is -x.
     let polar = GOOD.replace("obj = \"plate.obj\"", UNUSUAL[6].1);
-    assert_eq!(folder.scene(&polar).mesh.vertices_m[2], glam::DVec3::new(-1.0, 1.0, 0.0));
+    assert_eq!(folder.scene(&polar).body.mesh.vertices_m[2], glam::DVec3::new(-1.0, 1.0, 0.0));
 }
 
 #[test]
@@ -381,7 +381,7 @@ fn what_a_windows_editor_puts_into_files_changes_nothing() {
         folder.write(name, format!("\u{feff}{}", text.replace('\n', "\r\n")));
     }
     let marked = read().unwrap();
-    assert_eq!((&marked.scene.mesh, &marked.scene.materials), (&plain.mesh, &plain.materials));
+    assert_eq!((&marked.scene.body.mesh, &marked.scene.body.materials), (&plain.body.mesh, &plain.body.materials));
     assert!(!marked.notes.iter().any(|note| note.contains("passed over")), "{:?}", marked.notes);
     // Errors stand on their own line, though the mark moves all bytes.
     let text = format!("\u{feff}{}", GOOD.replace("samples = 8", "sample = 8"));
@@ -400,7 +400,7 @@ fn many_materials_are_read_in_no_time_and_too_many_are_refused() {
         let text = GOOD.replace("[sun]", &format!("{chain}m{entries} = {{ reflectance = 0.1 }}\n[sun]"));
         scene_toml::read(&folder.write("scene.toml", &text), &unwatched)
     };
-    assert_eq!(read(500).unwrap().scene.materials.len(), 504);
+    assert_eq!(read(500).unwrap().scene.body.materials.len(), 504);
     let flat = (0..70_000).map(|i| format!("m{i} = {{ reflectance = 0.1 }}\n")).collect::<String>();
     let text = GOOD.replace("[sun]", &format!("{flat}[sun]"));
     let told = scene_toml::read(&folder.write("scene.toml", &text), &unwatched).unwrap_err().to_string();

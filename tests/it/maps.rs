@@ -4,14 +4,14 @@ use glam::DVec3;
 use mmxrt::geometry::{Mesh, Pose, Texels as Between};
 use mmxrt::integrate::Choice;
 use mmxrt::landscape::{self, Recipe};
-use mmxrt::product::{Atlas, Eye, FacetTable, Placement, Projection, RadianceMap, Sky, TexelSource, ViewImage};
+use mmxrt::product::{Atlas, Eye, FacetTable, Placement, Projection, RadianceMap, SkyShare, TexelSource, ViewImage};
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{FrameCamera, Material, Photometry, Scene, Sensor, Sun, Thermal};
+use mmxrt::scene::{Exposure, FrameCamera, Material, Models, Parts, Photometry, Scene, Sky, Sun, Surface, Thermal};
 use mmxrt::spectral::{Band, Spectrum};
 use mmxrt::study::{self, Fill, MapAccount, MapOptions, Observation};
 use mmxrt::units::AU_M;
-use mmxrt::visibility::Topology;
 
+use crate::scratch::edited;
 use crate::shapes::*;
 
 /// Texels held in memory: [band][texel].
@@ -39,7 +39,7 @@ pub(crate) fn map(placement: Placement, values: Vec<f64>) -> RadianceMap {
         source: Box::new(Texels(at_1_um(), vec![values])),
         weight: 1.0,
         light: vec![],
-        sky: Sky::LeftOut,
+        sky: SkyShare::LeftOut,
         registration: None,
     }
 }
@@ -54,29 +54,26 @@ pub(crate) fn scene(mesh: Mesh, camera: FrameCamera, sun_direction: [f64; 3]) ->
         emissivity_bolometric: 0.95,
         mixture: vec![(0, 1.0)],
     };
-    Scene {
-        origin_m: DVec3::new(0.0, 0.0, 11_000.0),
-        mesh,
-        materials: vec![grey],
-        textures: vec![],
-        sun: Sun {
-            direction: direction(sun_direction),
-            distance_m: 1.5 * AU_M,
-            irradiance_1au: Spectrum::constant(700.0),
-            total_irradiance_1au_w_m2: 1361.0,
+    Parts {
+        surface: Surface { origin_m: DVec3::new(0.0, 0.0, 11_000.0), mesh, materials: vec![grey], textures: vec![] },
+        sky: Sky {
+            sun: Sun {
+                direction: direction(sun_direction),
+                distance_m: 1.5 * AU_M,
+                irradiance_1au: Spectrum::constant(700.0),
+                total_irradiance_1au_w_m2: 1361.0,
+            },
+            mars: None,
         },
-        mars: None,
-        thermal: Thermal::Off,
-        sensor: Sensor { name: "test".into(), camera, bands: at_1_um() },
+        exposure: Exposure { instrument: "test".into(), camera, bands: at_1_um() },
+        models: Models { thermal: Thermal::Off, ..Models::default() },
     }
     .check()
     .unwrap()
 }
 
-pub(crate) fn solved(scene: &Scene) -> (Topology, FacetTable) {
-    let topology = Topology::new(&scene.mesh);
-    let table = mmxrt::solve::solve(scene, &topology, &unwatched).unwrap();
-    (topology, table)
+pub(crate) fn solved(scene: &Scene) -> FacetTable {
+    mmxrt::solve::solve(scene, &unwatched).unwrap()
 }
 
 pub(crate) fn observe(
@@ -84,8 +81,8 @@ pub(crate) fn observe(
     terms: Vec<Vec<RadianceMap>>,
     options: &MapOptions,
 ) -> mmxrt::Result<(Observation, MapAccount)> {
-    let (topology, table) = solved(scene);
-    study::observe_maps(scene, &topology, &table, terms, options, &unwatched)
+    let table = solved(scene);
+    study::observe_maps(scene, &table, terms, options, &unwatched)
 }
 
 /// The radiance of the only band, by one map.
@@ -153,14 +150,14 @@ fn worst(a: &[f64], b: &[f64]) -> f64 {
 fn ones_own_image_gives_the_same_image() {
     let camera = camera([15.0, -25.0, 60.0], [0.0; 3], [0.0, 1.0, 0.0], 48, 0.016);
     let scene = scene(site(), camera, [1.0, 0.5, 0.6]);
-    let (topology, table) = solved(&scene);
-    let own = study::observe(&scene, &topology, &table, &unwatched).unwrap();
+    let table = solved(&scene);
+    let own = study::observe(&scene, &table, &unwatched).unwrap();
     let image = own.cube.band(0);
     let values: Vec<f64> =
         image.iter().zip(coverage(&own)).map(|(l, c)| if *c > 0.0 { l / c } else { f64::NAN }).collect();
     let partly = coverage(&own).iter().filter(|c| **c > 0.0 && **c < 0.999).count();
     assert!(partly > 20, "{partly} pixels at the rim");
-    let map = map(camera_image(&scene.sensor.camera, true), values);
+    let map = map(camera_image(&scene.exposure.camera, true), values);
     let (again, account) = observe(&scene, vec![vec![map]], &MapOptions::default()).unwrap();
     let largest = image.iter().copied().fold(0.0, f64::max);
     assert!(worst(&again.cube.band(0), &image) < 1e-12 * largest, "{:e}", worst(&again.cube.band(0), &image) / largest);
@@ -267,7 +264,7 @@ fn a_map_is_as_good_as_a_mesh_cut_along_its_texels() {
     assert!(worst(&by_texel, &by_facet) < 1e-11, "{:e}", worst(&by_texel, &by_facet));
     // And by texture coordinates: those of the two facets' corners.
     let texel = |p: DVec3| [p.x, (p.y / tilt.cos())].map(|x| (x + half) * n as f64 / (2.0 * half));
-    let corners = (0..2).map(|f| coarse.mesh.facet(f).corners_m.map(texel)).collect();
+    let corners = (0..2).map(|f| coarse.body.mesh.facet(f).corners_m.map(texel)).collect();
     let atlas = Placement::Atlas(Atlas { corners, rows: n, columns: n });
     let by_atlas = radiance(&coarse, map(atlas, values), &MapOptions::default());
     assert!(worst(&by_atlas, &by_facet) < 1e-11, "{:e}", worst(&by_atlas, &by_facet));
@@ -291,10 +288,10 @@ fn a_checkerboard_of_sevenths_of_a_pixel_has_exact_fractions() {
 fn what_pixels_receive_is_what_facets_send() {
     let camera = camera([20.0, -15.0, 60.0], [0.0; 3], [0.0, 1.0, 0.0], 32, 0.02);
     let scene = scene(site(), camera, [1.0, 0.5, 0.6]);
-    let facets = scene.mesh.facets.len();
+    let facets = scene.body.mesh.facets.len();
     let values: Vec<f64> = (0..facets).map(|f| ((f * 31) % 97) as f64).collect();
     let image = radiance(&scene, map(Placement::Facets(facets), values.clone()), &MapOptions::default());
-    let seen = see(&scene.mesh, scene.sun.direction, &scene.sensor.camera);
+    let seen = see(&scene.body.mesh, scene.sky.sun.direction, &scene.exposure.camera);
     let sent: f64 = (0..facets).map(|f| values[f] * totals(&seen, |g| g as usize == f).0).sum();
     let received: f64 = image.iter().sum();
     assert!((received / sent - 1.0).abs() < 1e-10, "{received} {sent}");
@@ -304,8 +301,8 @@ fn what_pixels_receive_is_what_facets_send() {
 fn a_map_that_knows_nothing_leaves_all_to_the_scene() {
     let camera = camera([15.0, -25.0, 60.0], [0.0; 3], [0.0, 1.0, 0.0], 24, 0.03);
     let scene = scene(site(), camera, [1.0, 0.5, 0.6]);
-    let (topology, table) = solved(&scene);
-    let own = study::observe(&scene, &topology, &table, &unwatched).unwrap().cube.band(0);
+    let table = solved(&scene);
+    let own = study::observe(&scene, &table, &unwatched).unwrap().cube.band(0);
     let nadir = || parallel_image([0.0, 0.0, 1.0], [-30.0, 30.0], 1.0, 60, 60, true);
     let nothing = || map(nadir(), vec![f64::NAN; 3600]);
     let solve = MapOptions { fill: Fill::Solved, ..MapOptions::default() };
@@ -498,18 +495,18 @@ fn maps_add_with_their_weights() {
     assert_eq!(account.maps.iter().map(|m| m.term).collect::<Vec<_>>(), [1, 1, 2]);
     let own = MapOptions { add_solved: true, ..MapOptions::default() };
     let (both, _) = observe(&scene, vec![vec![map(placement, vec![2.0; 64])]], &own).unwrap();
-    let (topology, table) = solved(&scene);
-    let alone = study::observe(&scene, &topology, &table, &unwatched).unwrap().cube.band(0);
+    let table = solved(&scene);
+    let alone = study::observe(&scene, &table, &unwatched).unwrap().cube.band(0);
     assert!(worst(&both.cube.band(0), &alone.iter().map(|l| l + 2.0).collect::<Vec<_>>()) < 1e-12);
 }
 
 #[test]
 fn what_one_band_alone_does_not_know_is_told() {
     // One texel of 3600, as large as a pixel: below what may be unknown, but that pixel would be 0 and called known.
-    let mut scene = scene(plane(5.0, 0.0), nadir(1000.0, 6.0, 60), [0.0, 0.3, 1.0]);
-    scene.sensor.bands.push(Band::new(2.0, None));
+    let scene = scene(plane(5.0, 0.0), nadir(1000.0, 6.0, 60), [0.0, 0.3, 1.0]);
+    let scene = edited(&scene, |scene| scene.exposure.bands.push(Band::new(2.0, None)));
     let second: Vec<f64> = (0..3600).map(|i| if i == 1000 { f64::NAN } else { 1.0 }).collect();
-    let source = Texels(scene.sensor.bands.clone(), vec![vec![1.0; 3600], second]);
+    let source = Texels(scene.exposure.bands.clone(), vec![vec![1.0; 3600], second]);
     let placement = parallel_image([0.0, 0.0, 1.0], [-3.0, 3.0], 0.1, 60, 60, true);
     let map = RadianceMap { source: Box::new(source), ..map(placement, vec![]) };
     let error = observe(&scene, vec![vec![map]], &MapOptions::default()).unwrap_err().to_string();
@@ -549,23 +546,27 @@ fn facets_that_reach_behind_the_camera_are_mapped_as_they_are_textured() {
     let mesh = joined(&[plane(half, 0.0), of_material(cuboid([-4.0, -100.0, 0.0], [4.0, -92.0, 6.0]), 1)]);
     let camera = camera([0.3, -140.0, 5.0], [0.0, -95.0, 0.0], [0.0, 0.0, 1.0], 24, 0.04);
     let values: Vec<f64> = (0..300 * 300).map(|i| 0.2 + 0.8 * ((i * 7919) % 101) as f64 / 101.0).collect();
-    let mut plain = scene(of_material(mesh.clone(), 0), camera, [0.0, 0.0, 1.0]);
-    plain.materials.push(Material { name: "box".into(), mixture: vec![(1, 1.0)], ..plain.materials[0].clone() });
-    plain.mesh = mesh;
+    let mut plain = scene(of_material(mesh.clone(), 0), camera, [0.0, 0.0, 1.0]).into_parts();
+    plain.surface.materials.push(Material {
+        name: "box".into(),
+        mixture: vec![(1, 1.0)],
+        ..plain.surface.materials[0].clone()
+    });
+    plain.surface.mesh = mesh;
     let plain = plain.check().unwrap();
-    let mut textured = plain.clone();
     let texel = |p: DVec3| [p.x + half, half - p.y];
-    textured.textures = vec![mmxrt::scene::Texture {
+    let texture = mmxrt::scene::Texture {
         material: mmxrt::geometry::MaterialId(0),
         kind: mmxrt::scene::TextureKind::Factor,
-        corners: (0..plain.mesh.facets.len()).map(|f| plain.mesh.facet(f).corners_m.map(texel)).collect(),
+        corners: (0..plain.body.mesh.facets.len()).map(|f| plain.body.mesh.facet(f).corners_m.map(texel)).collect(),
         rows: 300,
         columns: 300,
         wavelength_um: vec![],
         values: values.clone(),
         texels: Between::Nearest,
-    }];
-    let by_texture = study::simulate(&textured.check().unwrap(), &unwatched).unwrap().1.cube.band(0);
+    };
+    let textured = edited(&plain, |scene| scene.surface.textures = vec![texture]);
+    let by_texture = study::simulate(&textured, &unwatched).unwrap().1.cube.band(0);
     let alone = study::simulate(&plain, &unwatched).unwrap().1;
     let image = parallel_image([0.0, 0.0, 1.0], [-half, half], 1.0, 300, 300, true);
     let options = MapOptions { fill: Fill::Refuse(0.5), ..MapOptions::default() };

@@ -1,11 +1,12 @@
 //! Texels of an image that show the scene in part: their sky counts once.
 
 use mmxrt::geometry::Texels as Between;
-use mmxrt::product::{RadianceMap, Sky};
+use mmxrt::product::{RadianceMap, SkyShare};
 use mmxrt::progress::unwatched;
 use mmxrt::study::{self, MapOptions};
 
 use crate::maps::{camera_image, map, observe, parallel_image, scene, solved};
+use crate::scratch::edited;
 use crate::shapes::*;
 
 /// A square of 10 m, from 1 km above, in pixels of 3.75 m: 1/3 of those at its borders show it.
@@ -28,17 +29,17 @@ fn assert_near(image: &[f64], expected: &[f64], tolerance: f64) {
 fn a_camera_gives_back_its_own_image() {
     let scene = square();
     let own: Vec<f64> = shares().iter().map(|share| 9.0 * share).collect();
-    let image = |sky: Sky| RadianceMap { sky, ..map(camera_image(&scene.sensor.camera, true), own.clone()) };
-    for sky in [Sky::Guessed, Sky::Included] {
+    let image = |sky: SkyShare| RadianceMap { sky, ..map(camera_image(&scene.exposure.camera, true), own.clone()) };
+    for sky in [SkyShare::Guessed, SkyShare::Included] {
         let (seen, account) = observe(&scene, vec![vec![image(sky)]], &MapOptions::default()).unwrap();
         assert_near(&seen.cube.band(0), &own, 1e-12);
         assert_eq!(account.maps[0].divided_texels, 12);
         let told = seen.warnings.iter().filter(|w| w.contains("12 texels are partly sky")).count();
-        assert_eq!(told, usize::from(sky == Sky::Guessed), "{:?}", seen.warnings);
+        assert_eq!(told, usize::from(sky == SkyShare::Guessed), "{:?}", seen.warnings);
     }
     // As means over the surface alone, each would count its share once more.
     let squared: Vec<f64> = shares().iter().map(|share| 9.0 * share * share).collect();
-    let (seen, _) = observe(&scene, vec![vec![image(Sky::LeftOut)]], &MapOptions::default()).unwrap();
+    let (seen, _) = observe(&scene, vec![vec![image(SkyShare::LeftOut)]], &MapOptions::default()).unwrap();
     assert_near(&seen.cube.band(0), &squared, 1e-12);
 }
 
@@ -48,19 +49,20 @@ fn every_rim_of_a_landscape_comes_back() {
     let mesh = joined(&[plane(6.0, 0.0), cuboid([-2.0, -1.0, 0.0], [1.0, 2.0, 3.0])]);
     let camera = camera([15.0, -25.0, 20.0], [0.0; 3], [0.0, 0.0, 1.0], 40, 0.018);
     let scene = scene(of_material(mesh, 0), camera, [1.0, 0.5, 0.6]);
-    let (topology, table) = solved(&scene);
-    let own = study::observe(&scene, &topology, &table, &unwatched).unwrap();
+    let table = solved(&scene);
+    let own = study::observe(&scene, &table, &unwatched).unwrap();
     let coverage = &own.backplanes.plane("COVERAGE").unwrap().values;
     assert!(coverage.iter().filter(|c| **c > 0.0 && **c < 1.0 - 1e-9).count() > 50);
     let image = own.cube.band(0);
-    let map = || RadianceMap { sky: Sky::Guessed, ..map(camera_image(&scene.sensor.camera, true), image.clone()) };
+    let map =
+        || RadianceMap { sky: SkyShare::Guessed, ..map(camera_image(&scene.exposure.camera, true), image.clone()) };
     let (again, account) = observe(&scene, vec![vec![map()]], &MapOptions::default()).unwrap();
     let largest = image.iter().copied().fold(0.0, f64::max);
     assert_near(&again.cube.band(0), &image, 1e-9 * largest);
     assert!(account.unknown_share < 1e-9, "{account:?}");
     // From elsewhere the ground's radiance is what it was seen with: no darker towards the rim.
-    let mut other = scene.clone();
-    other.sensor.camera = crate::shapes::camera([-10.0, -25.0, 30.0], [0.0; 3], [0.0, 0.0, 1.0], 40, 0.018);
+    let elsewhere = crate::shapes::camera([-10.0, -25.0, 30.0], [0.0; 3], [0.0, 0.0, 1.0], 40, 0.018);
+    let other = edited(&scene, |scene| scene.exposure.camera = elsewhere);
     let lit = 0.07 / std::f64::consts::PI * 700.0 / 2.25;
     let options = MapOptions { fill: study::Fill::Value(0.0), ..MapOptions::default() };
     let (seen, _) = observe(&other, vec![vec![map()]], &options).unwrap();
@@ -81,7 +83,7 @@ fn between_texel_centres_sky_does_not_count() {
     let texel = |i: usize| ((2.0 * i as f64 + 2.0).min(13.0) - (2.0 * i as f64).max(3.0)).max(0.0) / 2.0;
     let values: Vec<f64> = (0..64).map(|i| 9.0 * texel(i / 8) * texel(i % 8)).collect();
     for texels in [Between::Nearest, Between::Bilinear] {
-        let map = RadianceMap { sky: Sky::Guessed, ..map(camera_image(&eye, true), values.clone()) };
+        let map = RadianceMap { sky: SkyShare::Guessed, ..map(camera_image(&eye, true), values.clone()) };
         let options = MapOptions { texels, ..MapOptions::default() };
         let (seen, account) = observe(&scene, vec![vec![map]], &options).unwrap();
         assert_near(&seen.cube.band(0), &expected, 1e-9);
@@ -106,7 +108,7 @@ fn an_orthographic_render_is_divided_and_an_orthoimage_is_not() {
     let placement = || parallel_image([0.0, 0.0, 1.0], [-8.0, 8.0], 2.0, 8, 8, true);
     // Dark around: a render. As bright all around: a map of more than the scene.
     for values in [of(0.0), of(9.0)] {
-        let map = RadianceMap { sky: Sky::Guessed, ..map(placement(), values) };
+        let map = RadianceMap { sky: SkyShare::Guessed, ..map(placement(), values) };
         let (seen, _) = observe(&scene, vec![vec![map]], &MapOptions::default()).unwrap();
         assert_near(&seen.cube.band(0), &expected, 1e-12);
     }
@@ -116,7 +118,7 @@ fn an_orthographic_render_is_divided_and_an_orthoimage_is_not() {
 fn a_patch_within_a_brighter_picture_is_not_brightened() {
     // A camera that saw more ground than the scene has: no texel is partly sky.
     let scene = square();
-    let map = RadianceMap { sky: Sky::Guessed, ..map(camera_image(&nadir(1000.0, 18.0, 6), true), vec![9.0; 36]) };
+    let map = RadianceMap { sky: SkyShare::Guessed, ..map(camera_image(&nadir(1000.0, 18.0, 6), true), vec![9.0; 36]) };
     let (seen, account) = observe(&scene, vec![vec![map]], &MapOptions::default()).unwrap();
     let expected: Vec<f64> = shares().iter().map(|share| 9.0 * share).collect();
     assert_near(&seen.cube.band(0), &expected, 1e-12);

@@ -9,9 +9,10 @@ use mmxrt::Error;
 use mmxrt::formats::envi::{self, Interleave, Precision};
 use mmxrt::formats::{exr_cube, npz, quicklook, report_json};
 use mmxrt::geometry::Direction;
-use mmxrt::product::{Backplanes, Cube, FacetTable, Footprints, Lit, Plane, Sunlit};
+use mmxrt::product::{Backplanes, Cube, FacetTable, Footprints, Plane};
 use mmxrt::progress::unwatched;
 use mmxrt::spectral::Band;
+use mmxrt::visibility::{Seen, Shown};
 
 /// 2 samples x 2 lines x 2 bands; pixel p has radiance p + 1 in band 0 and 10 (p + 1) in band 1.
 fn small_cube() -> Cube {
@@ -315,8 +316,8 @@ fn table() -> FacetTable {
     FacetTable {
         sun_direction: direction(1.0, -2.0, 3.0),
         sun_irradiance: vec![0.0, 1.0 / 3.0, 0.1, f64::MIN_POSITIVE],
-        sunlit: Sunlit {
-            lit: vec![Lit::Dark, Lit::Full, Lit::Part, Lit::Part],
+        sunlit: Seen {
+            shown: vec![Shown::Nothing, Shown::Whole, Shown::Part, Shown::Part],
             polygon_facet: vec![2, 2, 3],
             polygon_start: vec![0, 3, 7, 10],
             uv: (0..10).map(|i| [f64::from(i) / 9.0, -0.0]).collect(),
@@ -498,7 +499,7 @@ fn arrays_that_are_the_same_bytes_over_and_over_are_refused() {
     let path = scratch.join("table.npz");
     let table = FacetTable {
         sun_irradiance: vec![0.5; 1000],
-        sunlit: Sunlit { lit: vec![Lit::Full; 1000], polygon_start: vec![0], ..Default::default() },
+        sunlit: Seen { shown: vec![Shown::Whole; 1000], polygon_start: vec![0], ..Default::default() },
         ..table()
     };
     npz::write_table(&path, &table, "s").unwrap();

@@ -4,7 +4,9 @@ use glam::DVec3;
 use mmxrt::geometry::{Direction, Mesh};
 use mmxrt::product::FacetTable;
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{FrameCamera, Mars, MarsModel, Material, Photometry, Scene, Sensor, Sun, Thermal};
+use mmxrt::scene::{
+    Exposure, FrameCamera, Mars, MarsModel, Material, Models, Parts, Photometry, Sky, Sun, Surface, Thermal,
+};
 use mmxrt::spectral::{Band, Light, Spectrum, solar_e490};
 use mmxrt::study::{Effect, Observation, simulate, table_id};
 
@@ -31,34 +33,37 @@ fn mars(towards: [f64; 3]) -> Mars {
         reflectance: Spectrum::constant(0.25),
         bond_albedo: 0.25,
         thermal_exitance_w_m2: 110.0,
-        model: MarsModel::NearField,
     }
 }
 
 /// A scene of one material, without Mars or heat, in bands at 1 and 3.6 um.
-fn scene(mesh: Mesh, towards_sun: Direction, camera: FrameCamera) -> Scene {
-    Scene {
-        origin_m: DVec3::new(0.0, 0.0, 11_000.0),
-        mesh,
-        materials: vec![material(0.07)],
-        textures: vec![],
-        sun: Sun {
-            direction: towards_sun,
-            distance_m: 1.5237 * mmxrt::units::AU_M,
-            irradiance_1au: solar_e490().clone(),
-            total_irradiance_1au_w_m2: 1366.1,
+fn scene(mesh: Mesh, towards_sun: Direction, camera: FrameCamera) -> Parts {
+    Parts {
+        surface: Surface {
+            origin_m: DVec3::new(0.0, 0.0, 11_000.0),
+            mesh,
+            materials: vec![material(0.07)],
+            textures: vec![],
         },
-        mars: None,
-        thermal: Thermal::Off,
-        sensor: Sensor {
-            name: "camera".into(),
+        sky: Sky {
+            sun: Sun {
+                direction: towards_sun,
+                distance_m: 1.5237 * mmxrt::units::AU_M,
+                irradiance_1au: solar_e490().clone(),
+                total_irradiance_1au_w_m2: 1366.1,
+            },
+            mars: None,
+        },
+        exposure: Exposure {
+            instrument: "camera".into(),
             camera,
             bands: [1.0, 3.6].map(|centre_um| Band::new(centre_um, None)).into(),
         },
+        models: Models { thermal: Thermal::Off, ..Models::default() },
     }
 }
 
-fn observed(scene: &Scene) -> Observation {
+fn observed(scene: &Parts) -> Observation {
     let (_, observation) = simulate(&scene.clone().check().unwrap(), &unwatched).unwrap();
     for check in &observation.checks {
         assert!(check.passed(), "{check:?}");
@@ -114,8 +119,8 @@ fn every_effect_says_what_it_is() {
     let modelled: Vec<&str> = observation.effects.iter().filter(|e| e.modelled).map(|e| e.name.as_str()).collect();
     assert_eq!(modelled, ["sunlight"]);
     let mut all = scene(hills(), sun(40.0, 10.0), nadir(1e4, 80.0, 24));
-    all.mars = Some(mars([0.3, -0.1, 1.0]));
-    all.thermal = Thermal::Equilibrium;
+    all.sky.mars = Some(mars([0.3, -0.1, 1.0]));
+    all.models.thermal = Thermal::Equilibrium;
     let modelled = observed(&all).effects.iter().filter(|e| e.modelled).count();
     assert_eq!(modelled, 4);
 }
@@ -126,13 +131,13 @@ fn bounds_of_what_is_left_out_hold() {
     let without = observed(&plain);
     // A half Mars, 30 deg above the horizon.
     let mut with_mars = plain.clone();
-    with_mars.mars = Some(mars([-0.9, -0.15, 0.5]));
+    with_mars.sky.mars = Some(mars([-0.9, -0.15, 0.5]));
     let change = largest_change(&without, &observed(&with_mars));
     let bound = effect(&without, "Mars-light").bound.unwrap();
     assert!(change > 0.0 && change <= bound, "Mars-light: {change} {bound}");
 
     let mut warm = plain.clone();
-    warm.thermal = Thermal::Equilibrium;
+    warm.models.thermal = Thermal::Equilibrium;
     let warm_seen = observed(&warm);
     let change = largest_change(&without, &warm_seen);
     let bound = effect(&without, "thermal emission").bound.unwrap();
@@ -142,7 +147,7 @@ fn bounds_of_what_is_left_out_hold() {
     assert!(change <= bound, "thermal inertia: {change} {bound}");
 
     let mut heated = warm.clone();
-    heated.mars = with_mars.mars.clone();
+    heated.sky.mars = with_mars.sky.mars.clone();
     let change = largest_change(&warm_seen, &observed(&heated));
     let bound = effect(&warm_seen, "heat from Mars").bound.unwrap() + effect(&warm_seen, "Mars-light").bound.unwrap();
     assert!(change > 0.0 && change <= bound, "heat: {change} {bound}");
@@ -151,10 +156,10 @@ fn bounds_of_what_is_left_out_hold() {
 #[test]
 fn what_no_band_has_changes_nothing() {
     let mut warm = scene(hills(), sun(40.0, 10.0), nadir(1e4, 80.0, 24));
-    warm.thermal = Thermal::Equilibrium;
+    warm.models.thermal = Thermal::Equilibrium;
     let with = |light: Light| {
         let mut scene = warm.clone();
-        scene.sensor.bands = vec![Band { light, ..Band::new(3.6, None) }];
+        scene.exposure.bands = vec![Band { light, ..Band::new(3.6, None) }];
         observed(&scene)
     };
     let (sunlight, heat) = (with(Light::Sunlight), with(Light::Heat));
@@ -173,7 +178,7 @@ fn the_bound_of_thermal_inertia_knows_that_noon_was_warmer() {
     // Level ground just before sunset. Ground with a thermal inertia of 50 J m-2 K-1 s-1/2 is then at 200.263 K at the equator
     // of Phobos, 1.523679 au from the Sun (A 0.03, eps 0.95; periodic solution by harmonic balance, computed independently).
     let mut dusk = scene(grid(50.0, 60, |_, _| 0.0), sun(89.0, 10.0), nadir(1e4, 80.0, 8));
-    dusk.thermal = Thermal::Equilibrium;
+    dusk.models.thermal = Thermal::Equilibrium;
     let dusk = observed(&dusk);
     // Emission of that, less that in equilibrium with sunlight at 89 deg.
     let normal = 0.93 * 1366.1 / 1.5237_f64.powi(2);
@@ -203,7 +208,7 @@ fn surroundings_that_glow_stay_below_the_bound_of_interreflection() {
     // planes, 1 - cos(30 deg). At 3.6 um walls at 310 K outshine the sunlight that they reflect.
     let valley = grid(50.0, 60, |x, _| (x.abs() - 10.0).max(0.0) * 30f64.to_radians().tan());
     let mut valley = scene(valley, sun(10.0, 90.0), nadir(1e4, 80.0, 24));
-    valley.thermal = Thermal::Equilibrium;
+    valley.models.thermal = Thermal::Equilibrium;
     let seen = observed(&valley);
     let form_factor = 1.0 - 30f64.to_radians().cos();
     let walls = mmxrt::physics::blackbody::radiance_w_m2_sr_um(3.6, 310.0) * 0.93;
@@ -254,10 +259,10 @@ fn a_black_scene_is_a_result_and_says_so() {
     assert!(black.counts.visible_facets > 100 && black.counts.lit_facets == 0);
     assert_eq!(effect(&black, "Mars-light").bound, None);
     let mut warm = scene(flat(), sun(95.0, 10.0), nadir(1e4, 80.0, 8));
-    warm.thermal = Thermal::Equilibrium;
+    warm.models.thermal = Thermal::Equilibrium;
     // Without a source nothing is warm.
     assert!(warned(&observed(&warm), "the image is black"));
-    warm.mars = Some(mars([0.0, 0.0, 1.0]));
+    warm.sky.mars = Some(mars([0.0, 0.0, 1.0]));
     assert!(warned(&observed(&warm), "Mars-light and heat"));
 }
 
@@ -278,7 +283,7 @@ fn a_site_in_eclipse_says_so() {
     for (off_deg, words) in [(0.0, "is in eclipse"), (20.9, "is in eclipse"), (21.2, "in partial eclipse"), (21.5, "")]
     {
         let mut site = scene(plane(10.0, 0.0), towards, nadir(1000.0, 10.0, 8));
-        site.mars = Some(mars(sun(30.0 + off_deg, 0.0).vec().to_array()));
+        site.sky.mars = Some(mars(sun(30.0 + off_deg, 0.0).vec().to_array()));
         let seen = observed(&site);
         let expected = usize::from(!words.is_empty());
         assert_eq!(seen.warnings.iter().filter(|w| w.contains("eclipse") && w.contains(words)).count(), expected);
@@ -319,38 +324,38 @@ fn terrain_outside_a_site_may_shadow_it_under_a_low_sun() {
 fn one_table_serves_all_cameras_and_bands_and_no_other_scene() {
     let base = {
         let mut base = scene(hills(), sun(40.0, 10.0), nadir(1e4, 80.0, 8));
-        base.mars = Some(mars([0.0, 1.0, 1.0]));
-        base.thermal = Thermal::Equilibrium;
+        base.sky.mars = Some(mars([0.0, 1.0, 1.0]));
+        base.models.thermal = Thermal::Equilibrium;
         base
     };
-    let id = table_id(&base);
+    let id = table_id(&base.clone().check().unwrap());
     assert_eq!(id.len(), 64);
-    let changed = |change: &dyn Fn(&mut Scene)| {
+    let changed = |change: &dyn Fn(&mut Parts)| {
         let mut other = base.clone();
         change(&mut other);
-        table_id(&other)
+        table_id(&other.check().unwrap())
     };
-    let same: [&dyn Fn(&mut Scene); 4] = [
-        &|s| s.sensor.camera = nadir(2e4, 10.0, 64),
-        &|s| s.sensor.bands.truncate(1),
-        &|s| s.materials[0].reflectance = Spectrum::constant(0.2),
-        &|s| s.sun.irradiance_1au = Spectrum::constant(1.0),
+    let same: [&dyn Fn(&mut Parts); 4] = [
+        &|s| s.exposure.camera = nadir(2e4, 10.0, 64),
+        &|s| s.exposure.bands.truncate(1),
+        &|s| s.surface.materials[0].reflectance = Spectrum::constant(0.2),
+        &|s| s.sky.sun.irradiance_1au = Spectrum::constant(1.0),
     ];
     for (i, change) in same.into_iter().enumerate() {
         assert_eq!(changed(change), id, "{i}");
     }
-    let other: [&dyn Fn(&mut Scene); 11] = [
-        &|s| s.origin_m.z += 1.0,
-        &|s| s.mesh.vertices_m[7].z += 1e-9,
-        &|s| s.mesh.facets.swap(3, 4),
-        &|s| s.sun.direction = sun(40.0, 10.1),
-        &|s| s.sun.distance_m *= 1.01,
-        &|s| s.sun.total_irradiance_1au_w_m2 = 1361.0,
-        &|s| s.mars = None,
-        &|s| s.mars.iter_mut().for_each(|m| m.model = MarsModel::Thesis),
-        &|s| s.mars.iter_mut().for_each(|m| m.thermal_exitance_w_m2 = 0.0),
-        &|s| s.thermal = Thermal::Off,
-        &|s| s.materials[0].bond_albedo = 0.02,
+    let other: [&dyn Fn(&mut Parts); 11] = [
+        &|s| s.surface.origin_m.z += 1.0,
+        &|s| s.surface.mesh.vertices_m[7].z += 1e-9,
+        &|s| s.surface.mesh.facets.swap(3, 4),
+        &|s| s.sky.sun.direction = sun(40.0, 10.1),
+        &|s| s.sky.sun.distance_m *= 1.01,
+        &|s| s.sky.sun.total_irradiance_1au_w_m2 = 1361.0,
+        &|s| s.sky.mars = None,
+        &|s| s.models.mars_light = MarsModel::Thesis,
+        &|s| s.sky.mars.iter_mut().for_each(|m| m.thermal_exitance_w_m2 = 0.0),
+        &|s| s.models.thermal = Thermal::Off,
+        &|s| s.surface.materials[0].bond_albedo = 0.02,
     ];
     let mut ids: Vec<String> = other.into_iter().map(changed).collect();
     ids.push(id);
@@ -361,11 +366,10 @@ fn one_table_serves_all_cameras_and_bands_and_no_other_scene() {
 
 #[test]
 fn a_table_of_another_mesh_is_refused() {
-    let one = scene(hills(), sun(40.0, 10.0), nadir(1e4, 80.0, 8));
+    let one = scene(hills(), sun(40.0, 10.0), nadir(1e4, 80.0, 8)).check().unwrap();
     let (table, _) = simulate(&one, &unwatched).unwrap();
-    let other = scene(plane(50.0, 0.0), sun(40.0, 10.0), nadir(1e4, 80.0, 8));
-    let topology = mmxrt::visibility::Topology::new(&other.mesh);
-    let error = mmxrt::study::observe(&other, &topology, &table, &unwatched).unwrap_err().to_string();
+    let other = scene(plane(50.0, 0.0), sun(40.0, 10.0), nadir(1e4, 80.0, 8)).check().unwrap();
+    let error = mmxrt::study::observe(&other, &table, &unwatched).unwrap_err().to_string();
     assert!(error.contains("has 7200 values, but the scene needs 2"), "{error}");
 }
 
@@ -373,10 +377,10 @@ fn a_table_of_another_mesh_is_refused() {
 #[test]
 fn a_table_without_what_the_scene_asks_for_is_refused() {
     let mut one = scene(plane(50.0, 0.0), sun(40.0, 10.0), nadir(1e4, 80.0, 8));
-    one.thermal = Thermal::Equilibrium;
+    one.models.thermal = Thermal::Equilibrium;
+    let one = one.check().unwrap();
     let (whole, _) = simulate(&one, &unwatched).unwrap();
-    let topology = mmxrt::visibility::Topology::new(&one.mesh);
-    let observe = |table| mmxrt::study::observe(&one, &topology, &table, &unwatched).map(drop);
+    let observe = |table| mmxrt::study::observe(&one, &table, &unwatched).map(drop);
     observe(whole.clone()).unwrap();
     let cold = FacetTable { temperature_lit_k: vec![], temperature_shaded_k: vec![], ..whole.clone() };
     assert!(observe(cold).unwrap_err().to_string().contains("temperature_lit_k: has 0 values, but the scene needs 2"));

@@ -15,12 +15,12 @@ fn root() -> PathBuf {
 fn the_site_of_table_i_is_read_as_it_is_printed() {
     let file = scene_toml::read(&root().join("scenes/phobos_site/scene.toml"), &unwatched).unwrap();
     let scene = &file.scene;
-    let camera = &scene.sensor.camera;
+    let camera = &scene.exposure.camera;
     // Distances and angles of Table I: range 77 273.6 m, Sun 1.4842525 au, incidence 23.5734 deg.
     assert!((camera.centre_m().length() - 77_273.6).abs() < 0.05);
-    assert!((scene.sun.distance_m / mmxrt::units::AU_M - 1.484_252_5).abs() < 1e-7);
-    let outward = mmxrt::geometry::Direction::new(scene.origin_m).unwrap();
-    assert!((scene.sun.direction.angle_rad(outward).to_degrees() - 23.5734).abs() < 5e-5);
+    assert!((scene.sky.sun.distance_m / mmxrt::units::AU_M - 1.484_252_5).abs() < 1e-7);
+    let outward = mmxrt::geometry::Direction::new(scene.body.origin_m).unwrap();
+    assert!((scene.sky.sun.direction.angle_rad(outward).to_degrees() - 23.5734).abs() < 5e-5);
     // Straight above, north up: right of the image is east, which is x of the radial pose.
     let down = camera.world_from_sensor.rotation.z_axis;
     assert!((down + outward.vec()).length() < 1e-4);
@@ -29,14 +29,14 @@ fn the_site_of_table_i_is_read_as_it_is_printed() {
     // 2 km, and what perspective adds for relief, in 256 pixels: 7.8 m.
     let pixel_m = camera.pitch[0] * camera.centre_m().length();
     assert!((7.8..8.0).contains(&pixel_m), "{pixel_m}");
-    assert_eq!((camera.samples, camera.lines, scene.sensor.bands.len()), (256, 256, 300));
-    assert_eq!(scene.sensor.bands[299].centre_um, 3.6);
-    assert_eq!(scene.materials.len(), 2);
-    assert!((scene.materials[0].reflectance.at(1.0).unwrap() - 0.10617).abs() < 1e-15);
+    assert_eq!((camera.samples, camera.lines, scene.exposure.bands.len()), (256, 256, 300));
+    assert_eq!(scene.exposure.bands[299].centre_um, 3.6);
+    assert_eq!(scene.body.materials.len(), 2);
+    assert!((scene.body.materials[0].reflectance.at(1.0).unwrap() - 0.10617).abs() < 1e-15);
     // The mesh lies around the origin, its relief along the outward radius.
     let height = |v: &glam::DVec3| v.dot(outward.vec()).abs();
-    assert!(scene.mesh.vertices_m.iter().map(height).fold(0.0, f64::max) < 300.0);
-    assert!(scene.mesh.vertices_m.len() > 50_000);
+    assert!(scene.body.mesh.vertices_m.iter().map(height).fold(0.0, f64::max) < 300.0);
+    assert!(scene.body.mesh.vertices_m.len() > 50_000);
     assert!(file.notes.is_empty(), "{:?}", file.notes);
 }
 
@@ -44,11 +44,11 @@ fn the_site_of_table_i_is_read_as_it_is_printed() {
 fn mars_stands_high_over_the_mars_side_and_the_sun_low() {
     let file = scene_toml::read(&root().join("scenes/phobos_mars_side/scene.toml"), &unwatched).unwrap();
     let scene = &file.scene;
-    let outward = mmxrt::geometry::Direction::new(scene.origin_m).unwrap();
-    let mars = mmxrt::geometry::Direction::new(scene.mars.as_ref().unwrap().centre_m).unwrap();
-    assert!((scene.sun.direction.angle_rad(outward).to_degrees() - 77.07).abs() < 0.01);
+    let outward = mmxrt::geometry::Direction::new(scene.body.origin_m).unwrap();
+    let mars = mmxrt::geometry::Direction::new(scene.sky.mars.as_ref().unwrap().centre_m).unwrap();
+    assert!((scene.sky.sun.direction.angle_rad(outward).to_degrees() - 77.07).abs() < 0.01);
     assert!((mars.angle_rad(outward).to_degrees() - 20.03).abs() < 0.01);
-    assert!((scene.sensor.camera.centre_m().length() - 77_000.0).abs() < 0.1);
+    assert!((scene.exposure.camera.centre_m().length() - 77_000.0).abs() < 0.1);
 }
 
 #[test]
@@ -59,9 +59,9 @@ fn the_scene_in_the_readme_is_read_as_it_stands() {
     std::fs::copy(root().join("scenes/phobos_site/blue_unit.csv"), scratch.path().join("blue_unit.csv")).unwrap();
     let scene = scratch.scene(text);
     // 0.4 of the blue unit, which has 0.10617 at 1 um, and 0.6 of 0.12.
-    let mixed = scene.materials[1].reflectance.at(1.0).unwrap();
+    let mixed = scene.body.materials[1].reflectance.at(1.0).unwrap();
     assert!((mixed - (0.4 * 0.10617 + 0.6 * 0.12)).abs() < 1e-15, "{mixed}");
-    assert_eq!(scene.sensor.bands.len(), 300);
+    assert_eq!(scene.exposure.bands.len(), 300);
 }
 
 #[test]

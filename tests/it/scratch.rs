@@ -7,7 +7,7 @@ use mmxrt::formats::mtl::{self, ObjMaterial};
 use mmxrt::formats::{obj, scene_toml};
 use mmxrt::geometry::Mesh;
 use mmxrt::progress::unwatched;
-use mmxrt::scene::Scene;
+use mmxrt::scene::{Parts, Scene};
 use mmxrt::study::{self, Observation};
 
 /// A site of 1000 facets on top of a body, seen from 70 km above in 16 x 16 pixels of one band.
@@ -105,4 +105,11 @@ impl Drop for Scratch {
     fn drop(&mut self) {
         let _ = std::fs::remove_dir_all(&self.0);
     }
+}
+
+/// A scene of which some parts are others.
+pub(crate) fn edited(scene: &Scene, change: impl FnOnce(&mut Parts)) -> Scene {
+    let mut parts = scene.clone().into_parts();
+    change(&mut parts);
+    parts.check().unwrap()
 }

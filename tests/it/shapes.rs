@@ -3,9 +3,8 @@
 use glam::{DMat3, DVec3};
 use mmxrt::geometry::{Direction, MaterialId, Mesh, Pose};
 use mmxrt::integrate::footprints;
-use mmxrt::product::{Footprints, Sunlit};
+use mmxrt::product::Footprints;
 use mmxrt::scene::FrameCamera;
-use mmxrt::solve::sunlit;
 use mmxrt::visibility::Topology;
 
 pub(crate) fn mesh(vertices: &[[f64; 3]], facets: &[[u32; 3]]) -> Mesh {
@@ -206,7 +205,7 @@ pub(crate) fn sun(incidence_deg: f64, azimuth_deg: f64) -> Direction {
 }
 
 pub(crate) struct Seen {
-    pub(crate) sunlit: Sunlit,
+    pub(crate) sunlit: mmxrt::visibility::Seen,
     pub(crate) footprints: Footprints,
 }
 
@@ -220,7 +219,8 @@ impl Seen {
 /// Shadows and footprints, checked for inner consistency.
 pub(crate) fn see(mesh: &Mesh, sun: Direction, camera: &FrameCamera) -> Seen {
     let topology = Topology::new(mesh);
-    let sunlit = sunlit(mesh, &topology, sun, &mmxrt::progress::unwatched).expect("not interrupted");
+    let sunlit = mmxrt::visibility::Seen::from_afar(mesh, &topology, sun, "sunlight", &mmxrt::progress::unwatched)
+        .expect("not interrupted");
     sunlit.validate().expect("sunlit polygons are consistent");
     let footprints = footprints(mesh, &topology, &sunlit, camera);
     footprints.validate().expect("footprints are consistent");

@@ -5,6 +5,7 @@ use mmxrt::Error;
 use mmxrt::formats::scene_toml;
 use mmxrt::geometry::Mesh;
 use mmxrt::progress::unwatched;
+use mmxrt::scene::Exposure;
 use mmxrt::study::{Observation, simulate};
 use mmxrt::visibility::{Enclosure, Topology};
 
@@ -141,16 +142,15 @@ fn only_inside_the_only_body_is_an_error() {
         ("above a block on hills", &site, down(3.0, 40.0), ""),
         ("in one of two balls", &two, down(3.0, 1.0), inside),
     ] {
-        let scene = crate::maps::scene(of_material(mesh.clone(), 0), camera, [0.3, 0.2, 1.0]).check().unwrap();
+        let scene = crate::maps::scene(of_material(mesh.clone(), 0), camera, [0.3, 0.2, 1.0]);
         let (_, seen) = simulate(&scene, &unwatched).unwrap();
         let of_sides = |w: &&String| w.contains("from behind") || w.contains("closed part");
         let told: Vec<&String> = seen.warnings.iter().filter(of_sides).collect();
         assert!(told.iter().any(|w| w.contains(words)) != told.is_empty(), "{what}: {told:?}");
         assert_eq!(told.is_empty(), words.is_empty(), "{what}: {told:?}");
     }
-    let mut scene = crate::maps::scene(of_material(ball, 0), down(3.0, 11.0), [0.3, 0.2, 1.0]);
-    scene.sensor.camera = down(3.0, 1.0);
-    let refused = scene.check();
+    let scene = crate::maps::scene(of_material(ball, 0), down(3.0, 11.0), [0.3, 0.2, 1.0]);
+    let refused = scene.seen_by(Exposure { camera: down(3.0, 1.0), ..scene.exposure.clone() });
     let Err(Error::Invalid(problems)) = refused else { panic!("{refused:?}") };
     assert_eq!((problems.len(), problems[0].at.item.as_deref()), (1, Some("observer.position_m")));
     assert!(problems[0].message.contains("inside the surface"), "{}", problems[0].message);
@@ -166,5 +166,5 @@ fn open_panels_become_a_scene() {
     let (code, _, err) = crate::cli::run(&["convert", &path, &scratch.argument("s/scene.toml")]);
     assert_eq!(code, 0, "{err}");
     let scene = scene_toml::read(&scratch.join("s/scene.toml"), &unwatched).unwrap().scene;
-    assert_eq!(scene.mesh.facets.len(), 4);
+    assert_eq!(scene.body.mesh.facets.len(), 4);
 }

@@ -2,12 +2,12 @@
 
 use mmxrt::geometry::{MaterialId, Mesh, Texels};
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{Mars, MarsModel, Scene, Texture, TextureKind, Thermal};
+use mmxrt::scene::{Mars, Scene, Texture, TextureKind, Thermal};
 use mmxrt::spectral::{Band, Spectrum};
 use mmxrt::study;
 
 use crate::maps::scene;
-use crate::scratch::Scratch;
+use crate::scratch::{Scratch, edited};
 use crate::shapes::*;
 
 fn radiance(scene: &Scene, band: usize) -> Vec<f64> {
@@ -34,18 +34,23 @@ fn on_plane(mesh: &Mesh, r: f64, columns: usize, rows: usize, values: Vec<f64>) 
 /// Ground with a post, lit from the side, warm and under Mars: lit, shadowed and half-lit pixels.
 fn post() -> Scene {
     let mesh = joined(&[plane(5.0, 0.0), cuboid([-0.5, -0.5, 0.0], [0.5, 0.5, 2.0])]);
-    let mut scene = scene(mesh, camera([6.0, -9.0, 20.0], [0.0; 3], [0.0, 1.0, 0.0], 24, 0.025), [1.0, 0.3, 0.7]);
-    scene.thermal = Thermal::Equilibrium;
-    scene.mars = Some(Mars {
-        centre_m: glam::DVec3::new(3e6, 2e6, 8.7e6),
-        radius_m: 3_389_500.0,
-        reflectance: Spectrum::constant(0.25),
-        bond_albedo: 0.25,
-        thermal_exitance_w_m2: 110.0,
-        model: MarsModel::NearField,
-    });
-    scene.sensor.bands.push(Band::new(3.5, Some(0.1)));
-    scene.check().unwrap()
+    let scene = scene(mesh, camera([6.0, -9.0, 20.0], [0.0; 3], [0.0, 1.0, 0.0], 24, 0.025), [1.0, 0.3, 0.7]);
+    edited(&scene, |scene| {
+        scene.models.thermal = Thermal::Equilibrium;
+        scene.sky.mars = Some(Mars {
+            centre_m: glam::DVec3::new(3e6, 2e6, 8.7e6),
+            radius_m: 3_389_500.0,
+            reflectance: Spectrum::constant(0.25),
+            bond_albedo: 0.25,
+            thermal_exitance_w_m2: 110.0,
+        });
+        scene.exposure.bands.push(Band::new(3.5, Some(0.1)));
+    })
+}
+
+/// The scene with a texture.
+fn with(scene: &Scene, texture: Texture) -> Scene {
+    edited(scene, |scene| scene.surface.textures = vec![texture])
 }
 
 #[test]
@@ -54,11 +59,9 @@ fn a_texture_of_ones_changes_nothing() {
     for (texels, layers) in
         [(Texels::Nearest, vec![]), (Texels::Bilinear, vec![]), (Texels::Nearest, vec![1.0, 2.0, 4.0])]
     {
-        let mut textured = plain.clone();
         let count = layers.len().max(1);
-        let ones = on_plane(&plain.mesh, 5.0, 37, 23, vec![1.0; 37 * 23 * count]);
-        textured.textures = vec![Texture { texels, wavelength_um: layers, ..ones }];
-        let textured = textured.check().unwrap();
+        let ones = on_plane(&plain.body.mesh, 5.0, 37, 23, vec![1.0; 37 * 23 * count]);
+        let textured = with(&plain, Texture { texels, wavelength_um: layers, ..ones });
         for band in 0..2 {
             let (a, b) = (radiance(&plain, band), radiance(&textured, band));
             let largest = a.iter().copied().fold(0.0, f64::max);
@@ -79,7 +82,7 @@ fn what_an_image_receives_of_a_texture_is_its_mean() {
     for texels in [Texels::Nearest, Texels::Bilinear] {
         let texture = Texture { texels, ..on_plane(&mesh, 5.0, 37, 23, values.clone()) };
         assert!((texture.means(&mesh)[0] / mean - 1.0).abs() < 1e-13, "{texels:?}: {:?} {mean}", texture.means(&mesh));
-        let textured = Scene { textures: vec![texture], ..plain.clone() }.check().unwrap();
+        let textured = with(&plain, texture);
         let received: f64 = radiance(&textured, 0).iter().sum();
         assert!((received / sent / mean - 1.0).abs() < 1e-11, "{texels:?}: {:e}", received / sent / mean - 1.0);
     }
@@ -91,9 +94,8 @@ fn a_checkerboard_halves_what_it_halves() {
     let mesh = plane(4.2, 0.0);
     let plain = scene(mesh.clone(), nadir(1000.0, 8.4, 12), [0.0, 0.3, 1.0]);
     let values = (0..84 * 84).map(|i| if (i % 84 + i / 84) % 2 == 0 { 2.0 } else { 0.0 }).collect();
-    let mut textured = plain.clone();
-    textured.textures = vec![on_plane(&mesh, 4.2, 84, 84, values)];
-    let (a, b) = (radiance(&plain, 0), radiance(&textured.check().unwrap(), 0));
+    let textured = with(&plain, on_plane(&mesh, 4.2, 84, 84, values));
+    let (a, b) = (radiance(&plain, 0), radiance(&textured, 0));
     for pixel in 0..144 {
         let share = if (pixel % 12 + pixel / 12) % 2 == 0 { 50.0 / 49.0 } else { 48.0 / 49.0 };
         assert!((b[pixel] / a[pixel] - share).abs() < 1e-9, "{pixel}: {}", b[pixel] / a[pixel]);
@@ -107,9 +109,8 @@ fn only_light_that_is_there_is_modulated() {
     let mesh = joined(&[plane(4.0, 0.0), wall]);
     let plain = scene(mesh.clone(), nadir(1000.0, 8.0, 4), [1.0, 0.0, 1.0]);
     let values = (0..8).map(|i| if i == 3 { 3.0 } else { 0.5 }).collect();
-    let mut textured = plain.clone();
-    textured.textures = vec![on_plane(&mesh, 4.0, 8, 1, values)];
-    let (a, b) = (radiance(&plain, 0), radiance(&textured.check().unwrap(), 0));
+    let textured = with(&plain, on_plane(&mesh, 4.0, 8, 1, values));
+    let (a, b) = (radiance(&plain, 0), radiance(&textured, 0));
     for pixel in 0..16 {
         // Of the pixels from x = -2 to 0 only the half at x < -1 is lit, where the texture is 0.5, as everywhere that is lit.
         assert!((b[pixel] / a[pixel] - 0.5).abs() < 1e-12, "{pixel}: {} {}", b[pixel], a[pixel]);
@@ -121,10 +122,10 @@ fn only_light_that_is_there_is_modulated() {
 fn a_texture_of_layers_is_a_reflectance_at_each_wavelength() {
     // Left half 0.1 at 1 um and 0.3 at 2 um, right half 0.2 and 0.6; bands at 1, 1.25 and 2 um.
     let mesh = plane(4.0, 0.0);
-    let mut scene = scene(mesh.clone(), nadir(1000.0, 8.0, 2), [0.0, 0.0, 1.0]);
-    scene.sensor.bands = [1.0, 1.25, 2.0].map(|centre_um| Band::new(centre_um, None)).to_vec();
+    let mut scene = scene(mesh.clone(), nadir(1000.0, 8.0, 2), [0.0, 0.0, 1.0]).into_parts();
+    scene.exposure.bands = [1.0, 1.25, 2.0].map(|centre_um| Band::new(centre_um, None)).to_vec();
     let texture = on_plane(&mesh, 4.0, 2, 1, vec![0.1, 0.3, 0.2, 0.6]);
-    scene.textures = vec![Texture { kind: TextureKind::Reflectance, wavelength_um: vec![1.0, 2.0], ..texture }];
+    scene.surface.textures = vec![Texture { kind: TextureKind::Reflectance, wavelength_um: vec![1.0, 2.0], ..texture }];
     let scene = scene.check().unwrap();
     let white = 700.0 / 2.25 / std::f64::consts::PI;
     for (band, left) in [(0, 0.1), (1, 0.15), (2, 0.3)] {

@@ -62,7 +62,7 @@ fn a_mixture_emits_what_its_parts_emit() {
                      plain = { mixture = { dust = 1.0 } }";
     let opened = opened(&scratch, materials, "");
     let emissivity = |name: &str| {
-        let material = opened.scene.materials.iter().find(|m| m.name == name).unwrap();
+        let material = opened.scene.body.materials.iter().find(|m| m.name == name).unwrap();
         material.emissivity.at(10.0).unwrap()
     };
     // 0.25 x 0.2 + 0.75 x 0.9; 0.5 x 0.55 + 0.5 x 0.2.

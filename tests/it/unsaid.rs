@@ -41,7 +41,7 @@ fn bond_albedo_follows_a_reflectance_that_is_edited() {
     let edited = text.replace("reflectance = 0.8", "reflectance = 0.07");
     assert_ne!(edited, text);
     scratch.write("s.toml", edited);
-    let material = &read(&scratch, "s.toml").scene.materials[0];
+    let material = &read(&scratch, "s.toml").scene.body.materials[0];
     assert!((material.bond_albedo - 0.07).abs() < 1e-15 && material.emissivity_bolometric == 0.95, "{material:?}");
     // By hand: the Sun in the zenith at 1 au, (1 - 0.07) 1366.1 W m-2 = 0.95 sigma T^4.
     let (table, _) = study::simulate(&read(&scratch, "s.toml").scene, &unwatched).unwrap();
@@ -100,7 +100,7 @@ fn what_dart_does_not_say_is_not_written() {
 fn unit_and_axes_of_a_mesh_can_be_said() {
     let scratch = Scratch::new();
     scratch.write("m.obj", "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\nf 1 2 3 4\n");
-    let corner = |name: &str| read(&scratch, name).scene.mesh.vertices_m[2];
+    let corner = |name: &str| read(&scratch, name).scene.body.mesh.vertices_m[2];
     let (_, out) = converted(&scratch, "m.obj", "a.toml", &[]);
     assert!(out.contains("mesh.unit_m: 1: the mesh is 2.236 m across") && out.contains("mesh.up: z"), "{out}");
     assert_eq!(corner("a.toml"), DVec3::new(2.0, 1.0, 0.0));
@@ -144,8 +144,8 @@ fn a_site_made_at_home_stands_upright_on_the_body() {
     assert!(obj.contains("v -1 -1 0\n") && obj.contains("v 1 1 0\n"), "{obj}");
     let scene = read(&scratch, "b.toml").scene;
     let radius = DVec3::new(10000.0, 3000.0, 2000.0).normalize();
-    assert!((scene.mesh.facet(0).normal() - radius).length() < 1e-15);
-    assert!((scene.sun.direction.vec() - radius).length() < 1e-15);
+    assert!((scene.body.mesh.facet(0).normal() - radius).length() < 1e-15);
+    assert!((scene.sky.sun.direction.vec() - radius).length() < 1e-15);
     let (_, seen) = study::simulate(&scene, &unwatched).unwrap();
     let incidence = &seen.backplanes.plane("INCIDENCE").unwrap().values;
     let middle = incidence[128 * 256 + 128];
@@ -157,7 +157,7 @@ fn a_site_made_at_home_stands_upright_on_the_body() {
         converted(&scratch, "m.obj", "dart", &[&origin[..], &["--pose", "radial"]].concat());
         converted(&scratch, "dart", "c/scene.toml", &[]);
         let back = read(&scratch, "c/scene.toml").scene;
-        assert!((back.mesh.facet(0).normal() - radius).length() < 1e-6, "{}", back.mesh.facet(0).normal());
+        assert!((back.body.mesh.facet(0).normal() - radius).length() < 1e-6, "{}", back.body.mesh.facet(0).normal());
     }
 }
 
@@ -180,8 +180,8 @@ fn observer_and_sun_in_the_axes_of_the_site() {
         "position_m = [-3, 1050, 4]\ntarget_m = [0, 1000, 0]\nup = [0, 0, 1]",
     );
     let (a, b) = (scratch.scene(&site), scratch.scene(&body));
-    assert!((a.sun.direction.vec() - b.sun.direction.vec()).length() < 1e-15);
-    let (a, b) = (a.sensor.camera.world_from_sensor, b.sensor.camera.world_from_sensor);
+    assert!((a.sky.sun.direction.vec() - b.sky.sun.direction.vec()).length() < 1e-15);
+    let (a, b) = (a.exposure.camera.world_from_sensor, b.exposure.camera.world_from_sensor);
     assert!((a.translation_m - b.translation_m).length() < 1e-12, "{a:?} {b:?}");
     assert!((a.rotation - b.rotation).to_cols_array().iter().all(|x| x.abs() < 1e-15), "{a:?} {b:?}");
     // h, v and u as a program has them; the Sun by its place.
@@ -190,8 +190,10 @@ fn observer_and_sun_in_the_axes_of_the_site() {
         "frame = \"site\"\nposition_m = [0, 0, 50]\nh = [1, 0, 0]\nv = [0, -1, 0]\nu = [0, 0, -1]",
     );
     let scene = scratch.scene(&axes);
-    assert!((scene.sun.direction.vec() - DVec3::Y).length() < 1e-15 && (scene.sun.distance_m - 2.2e11).abs() < 1e-3);
-    let rotation = scene.sensor.camera.world_from_sensor.rotation;
+    assert!(
+        (scene.sky.sun.direction.vec() - DVec3::Y).length() < 1e-15 && (scene.sky.sun.distance_m - 2.2e11).abs() < 1e-3
+    );
+    let rotation = scene.exposure.camera.world_from_sensor.rotation;
     assert!((rotation.x_axis - DVec3::NEG_X).length() + (rotation.z_axis - DVec3::NEG_Y).length() < 1e-15);
     // At the body's centre there is no zenith; at a pole east is told.
     let path = scratch.write("centre.toml", site.replace("[0, 1000, 0]", "[0, 0, 0]"));
@@ -202,7 +204,7 @@ fn observer_and_sun_in_the_axes_of_the_site() {
     scratch.write("pole.toml", site.replace("origin_m = [0, 1000, 0]", "origin_m = [0, 0, 1000]"));
     let pole = read(&scratch, "pole.toml");
     assert!(pole.notes.iter().any(|n| n.contains("at a pole")), "{:?}", pole.notes);
-    assert!((pole.scene.sun.direction.vec() - DVec3::new(0.0, 0.6, 0.8)).length() < 1e-15);
+    assert!((pole.scene.sky.sun.direction.vec() - DVec3::new(0.0, 0.6, 0.8)).length() < 1e-15);
 }
 
 #[test]

@@ -38,12 +38,12 @@ fn a_lamp_warms_by_what_its_table_holds() {
     folder.write("lamp.csv", "wavelength_um,irradiance_w_m2_um\n0.9,1\n2.5,1\n");
     let (scene, told) = under(&folder, "spectrum = \"lamp.csv\"");
     // 1.6 W m-2 in all; T = ((1 - A) E / (eps sigma))^(1/4) with A = 1 - eps.
-    assert!((scene.sun.total_irradiance_1au_w_m2 - 1.6).abs() < 1e-12);
+    assert!((scene.sky.sun.total_irradiance_1au_w_m2 - 1.6).abs() < 1e-12);
     assert!((temperature_k(&scene) / (1.6_f64 / 5.670374419e-8).powf(0.25) - 1.0).abs() < 1e-9);
     assert!(told.contains("1.60 W m-2 in the table, which is not that of the Sun: nothing is added"), "{told}");
     // A total that is given is the table's own.
     let (scene, _) = under(&folder, "spectrum = \"lamp.csv\"\ntotal_irradiance_w_m2 = 3.2");
-    assert_eq!((scene.sun.total_irradiance_1au_w_m2, scene.sun.irradiance_1au.at(1.0)), (3.2, Some(2.0)));
+    assert_eq!((scene.sky.sun.total_irradiance_1au_w_m2, scene.sky.sun.irradiance_1au.at(1.0)), (3.2, Some(2.0)));
 }
 
 #[test]
@@ -54,18 +54,18 @@ fn a_table_of_the_sun_that_ends_early_is_continued_by_e490() {
     let rows: String = rows.map(|(um, value)| format!("{um},{}\n", 0.97 * value)).collect();
     folder.write("cut.csv", format!("wavelength_um,irradiance_w_m2_um\n{rows}"));
     let (scene, told) = under(&folder, "spectrum = \"cut.csv\"");
-    let total = scene.sun.total_irradiance_1au_w_m2;
+    let total = scene.sky.sun.total_irradiance_1au_w_m2;
     assert!((total / (0.97 * E490_W_M2) - 1.0).abs() < 1e-9, "{total}");
     assert!(told.contains("of E490 beyond its ends, scaled by 0.9700"), "{told}");
     // What the table holds is scaled to the part of the total that it has.
     let (scene, _) = under(&folder, "spectrum = \"cut.csv\"\ntotal_irradiance_w_m2 = 1361");
-    let at_1_um = scene.sun.irradiance_1au.at(1.0).unwrap();
+    let at_1_um = scene.sky.sun.irradiance_1au.at(1.0).unwrap();
     assert!((at_1_um / (747.9 * 1361.0 / E490_W_M2) - 1.0).abs() < 1e-9, "{at_1_um}");
-    assert_eq!(scene.sun.total_irradiance_1au_w_m2, 1361.0);
+    assert_eq!(scene.sky.sun.total_irradiance_1au_w_m2, 1361.0);
     // One point has the ratio, and no integral.
     folder.write("point.csv", "wavelength_um,irradiance_w_m2_um\n1,373.95\n");
     let (scene, _) = under(&folder, "spectrum = \"point.csv\"");
-    assert!((scene.sun.total_irradiance_1au_w_m2 / (0.5 * E490_W_M2) - 1.0).abs() < 1e-9);
+    assert!((scene.sky.sun.total_irradiance_1au_w_m2 / (0.5 * E490_W_M2) - 1.0).abs() < 1e-9);
 }
 
 #[test]
@@ -87,9 +87,9 @@ fn a_sun_comes_back_with_its_total() {
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
         scene_toml::write(&scene, &path, true).unwrap().0.commit().unwrap();
         let back = scene_toml::read(&path, &unwatched).unwrap().scene;
-        let [a, b] = [&scene, &back].map(|s| s.sun.total_irradiance_1au_w_m2);
+        let [a, b] = [&scene, &back].map(|s| s.sky.sun.total_irradiance_1au_w_m2);
         assert!((a / b - 1.0).abs() < 1e-12, "{sun}: {a} {b}");
-        let [a, b] = [&scene, &back].map(|s| s.sun.irradiance_1au.at(1.0).unwrap());
+        let [a, b] = [&scene, &back].map(|s| s.sky.sun.irradiance_1au.at(1.0).unwrap());
         assert!((a / b - 1.0).abs() < 1e-12, "{sun}: {a} {b}");
     }
 }

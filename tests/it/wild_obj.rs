@@ -109,11 +109,14 @@ fn names_that_are_not_utf8_stay_apart() {
         "\"sol grün\" = { reflectance = 0.1 }\n\"sol grön\" = { reflectance = 0.2 }\n\"5 €\" = { reflectance = 0.3 }";
     let file = read(&scratch, &scene("obj = \"a.obj\"", entries, 10.0, 50.0)).unwrap();
     assert!(file.notes.iter().any(|n| n.contains("Windows-1252")), "{:?}", file.notes);
-    assert_eq!(file.scene.mesh.material.len(), 3);
+    assert_eq!(file.scene.body.mesh.material.len(), 3);
     let (code, out, err) = run(&["convert", &scratch.argument("a.obj"), &scratch.argument("out/s.toml")]);
     assert_eq!(code, 0, "{out}{err}");
     let scene = scene_toml::read(&scratch.join("out/s.toml"), &unwatched).unwrap().scene;
-    assert_eq!(scene.materials.iter().map(|m| m.name.as_str()).collect::<Vec<_>>(), ["sol grün", "sol grön", "5 €"]);
+    assert_eq!(
+        scene.body.materials.iter().map(|m| m.name.as_str()).collect::<Vec<_>>(),
+        ["sol grün", "sol grön", "5 €"]
+    );
     // UTF-8 is UTF-8.
     scratch.write("b.obj", format!("{SQUARE}usemtl grün\nf 1 2 3 4\n"));
     assert_eq!(obj::read(&scratch.join("b.obj")).unwrap().materials[0].name, "grün");
@@ -288,7 +291,7 @@ fn a_body_inside_out_is_told_and_turned() {
     assert!(!good.notes.iter().any(|n| n.contains("inside out")), "{:?}", good.notes);
     let flipped = read(&scratch, &text("obj = \"bad.obj\"\nflip = true")).unwrap();
     assert!(!flipped.notes.iter().any(|n| n.contains("inside out")), "{:?}", flipped.notes);
-    let volume = |file: &SceneFile| file.scene.mesh.enclosed_m3().unwrap();
+    let volume = |file: &SceneFile| file.scene.body.mesh.enclosed_m3().unwrap();
     assert!(volume(&good) > 3.5 && (volume(&good) - volume(&flipped)).abs() < 1e-12);
     let bad = read(&scratch, &text("obj = \"bad.obj\""));
     let told = bad.map_or_else(|error| error, |file| file.notes.join("\n"));
@@ -301,7 +304,7 @@ fn a_body_inside_out_is_told_and_turned() {
     assert!(out.contains("mesh.flip: as it is: its facets face inwards") || err.contains("from behind"), "{out}{err}");
     let (code, out, err) = run(&["convert", "--flip", &scratch.argument("bad.obj"), &scratch.argument("b.toml")]);
     assert!(code == 0 && !out.contains("mesh.flip"), "{out}{err}");
-    let facet = scene_toml::read(&scratch.join("b.toml"), &unwatched).unwrap().scene.mesh.facet(300);
+    let facet = scene_toml::read(&scratch.join("b.toml"), &unwatched).unwrap().scene.body.mesh.facet(300);
     assert!(facet.normal().dot(facet.centroid_m()) > 0.0);
     // A recipe has no sides to turn.
     let recipe = scene(

@@ -8,11 +8,13 @@ use std::fmt::Debug;
 
 use glam::DVec3;
 
+use crate::formats::coloured_mesh::ColouredMesh;
 use crate::formats::dart::{Camera, Step};
 use crate::formats::mtl::ObjMaterial;
-use crate::formats::surface::Surface;
 use crate::geometry::{MaterialId, Mesh, Pose};
-use crate::scene::{FrameCamera, Hapke, Mars, Material, Photometry, Rpv, Scene, Sensor, Sun, Texture};
+use crate::scene::{
+    Exposure, FrameCamera, Hapke, Mars, Material, Models, Photometry, Rpv, Scene, Setup, Sky, Sun, Surface, Texture,
+};
 use crate::spectral::{Band, Column, Extend, SpectralLibrary, Spectrum};
 
 use super::Content;
@@ -35,7 +37,7 @@ pub fn differences(a: &Content, b: &Content) -> Vec<String> {
             lines.scenes(a, b);
             lines.flights(flights_a, flights_b);
         }
-        (Content::Surface(a), Content::Surface(b)) => lines.surfaces(a, b),
+        (Content::Mesh(a), Content::Mesh(b)) => lines.coloured_meshes(a, b),
         // One spectrum's name is its file's.
         (Content::Spectra(a), Content::Spectra(b)) if a.len() == 1 && b.len() == 1 => {
             lines.libraries("spectra", &a[0], &b[0]);
@@ -154,8 +156,8 @@ impl Lines {
         });
     }
 
-    fn surfaces(&mut self, a: &Surface, b: &Surface) {
-        let Surface { mesh, materials, origin_m, sun } = a;
+    fn coloured_meshes(&mut self, a: &ColouredMesh, b: &ColouredMesh) {
+        let ColouredMesh { mesh, materials, origin_m, sun } = a;
         self.places("origin_m", origin_m.unwrap_or_default(), b.origin_m.unwrap_or_default());
         if *sun != b.sun {
             self.push("sun.direction", format!("{sun:?}"), format!("{:?}", b.sun));
@@ -178,13 +180,14 @@ impl Lines {
     }
 
     fn scenes(&mut self, a: &Scene, b: &Scene) {
-        let Scene { origin_m, mesh, materials, textures, sun, mars, thermal, sensor } = a;
-        self.places("origin_m", *origin_m, b.origin_m);
-        let names = |scene: &Scene| scene.materials.iter().map(|m| m.name.clone()).collect::<Vec<_>>();
+        let Setup { body, sky: Sky { sun, mars }, exposure, models: Models { thermal, mars_light } } = &**a;
+        let Surface { origin_m, mesh, materials, textures } = &**body;
+        self.places("origin_m", *origin_m, b.body.origin_m);
+        let names = |scene: &Scene| scene.body.materials.iter().map(|m| m.name.clone()).collect::<Vec<_>>();
         let (names_a, names_b) = (names(a), names(b));
-        let pairs = self.meshes((mesh, &names_a), (&b.mesh, &names_b));
+        let pairs = self.meshes((mesh, &names_a), (&b.body.mesh, &names_b));
         self.each("materials", &names_a, &names_b, |lines, at, i, j| {
-            lines.materials(at, (&materials[i], materials), (&b.materials[j], &b.materials));
+            lines.materials(at, (&materials[i], materials), (&b.body.materials[j], &b.body.materials));
         });
         let of = |textures: &[Texture], names: &[String]| {
             textures
@@ -192,17 +195,20 @@ impl Lines {
                 .map(|t| names.get(usize::from(t.material.0)).cloned().unwrap_or_default())
                 .collect::<Vec<_>>()
         };
-        self.each("textures", &of(textures, &names_a), &of(&b.textures, &names_b), |lines, at, i, j| {
-            lines.textures(at, (&textures[i], mesh), (&b.textures[j], &b.mesh), &pairs);
+        self.each("textures", &of(textures, &names_a), &of(&b.body.textures, &names_b), |lines, at, i, j| {
+            lines.textures(at, (&textures[i], mesh), (&b.body.textures[j], &b.body.mesh), &pairs);
         });
-        self.suns(sun, &b.sun);
-        match (mars, &b.mars) {
-            (Some(a), Some(b)) => self.mars(a, b),
+        self.suns(sun, &b.sky.sun);
+        match (mars, &b.sky.mars) {
+            (Some(mars), Some(other)) => {
+                self.mars(mars, other);
+                self.debugged("mars.model", mars_light, &b.models.mars_light);
+            }
             (None, None) => {}
             (a, _) => self.push("mars", if a.is_some() { "is there" } else { "is not" }, "the other way round"),
         }
-        self.debugged("thermal.model", thermal, &b.thermal);
-        self.sensors(sensor, &b.sensor);
+        self.debugged("thermal.model", thermal, &b.models.thermal);
+        self.exposures(exposure, &b.exposure);
     }
 
     fn materials(&mut self, at: &str, (a, all_a): (&Material, &[Material]), (b, all_b): (&Material, &[Material])) {
@@ -305,8 +311,8 @@ impl Lines {
         self.numbers("sun.total_irradiance_w_m2", *total_irradiance_1au_w_m2, b.total_irradiance_1au_w_m2);
     }
 
-    fn sensors(&mut self, a: &Sensor, b: &Sensor) {
-        let Sensor { name, camera, bands } = a;
+    fn exposures(&mut self, a: &Exposure, b: &Exposure) {
+        let Exposure { instrument, camera, bands } = a;
         let FrameCamera { world_from_sensor: Pose { rotation, translation_m }, samples, lines, pitch, boresight_px } =
             camera;
         self.places("observer.position_m", *translation_m, b.camera.world_from_sensor.translation_m);
@@ -314,7 +320,7 @@ impl Lines {
             let of_b = b.camera.world_from_sensor.rotation.col(i);
             self.directions(&format!("observer.{axis}"), rotation.col(i), of_b);
         }
-        self.words("sensor.name", name, &b.name);
+        self.words("sensor.name", instrument, &b.instrument);
         self.numbers("sensor.samples", f64::from(*samples), f64::from(b.camera.samples));
         self.numbers("sensor.lines", f64::from(*lines), f64::from(b.camera.lines));
         if !(0..2).all(|k| same(pitch[k] / b.camera.pitch[k], 1.0)) {
@@ -361,13 +367,12 @@ impl Lines {
     }
 
     fn mars(&mut self, a: &Mars, b: &Mars) {
-        let Mars { centre_m, radius_m, reflectance, bond_albedo, thermal_exitance_w_m2, model } = a;
+        let Mars { centre_m, radius_m, reflectance, bond_albedo, thermal_exitance_w_m2 } = a;
         self.places("mars.position_m", *centre_m, b.centre_m);
         self.numbers("mars.radius_m", *radius_m, b.radius_m);
         self.spectra("mars.albedo", reflectance, &b.reflectance);
         self.numbers("mars.bond_albedo", *bond_albedo, b.bond_albedo);
         self.numbers("mars.thermal_exitance_w_m2", *thermal_exitance_w_m2, b.thermal_exitance_w_m2);
-        self.debugged("mars.model", model, &b.model);
     }
 
     /// What flies over a scene: the Sun and cameras of a sequence's simulations.

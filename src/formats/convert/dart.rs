@@ -68,12 +68,12 @@ pub(super) fn package(scene: &Scene, options: &Options, report: &mut Report) -> 
     };
     let options = WriteOptions { target, cell_m: options.cell_m, ..WriteOptions::default() };
     let (package, more) = dart::from_scene(scene, &options)?;
-    if !scene.mesh.uv.is_empty() {
+    if !scene.body.mesh.uv.is_empty() {
         let message = "DART's objects have no texture coordinates";
         report.note(Fate::Dropped, Location::item("mesh"), message);
     }
-    for texture in &scene.textures {
-        let name = scene.materials.get(texture.material.0 as usize).map_or("", |m| m.name.as_str());
+    for texture in &scene.body.textures {
+        let name = scene.body.materials.get(texture.material.0 as usize).map_or("", |m| m.name.as_str());
         let at = Location::item(format!("materials.{name:?}.texture"));
         report.note(Fate::Dropped, at, "DART has no textures: the material's own reflectance stays");
     }

@@ -21,6 +21,7 @@ use crate::report::{Fate, Report};
 use crate::scene::{Photometry, Scene};
 use crate::spectral::{Band, Column, Extend, SpectralLibrary, Spectrum};
 
+use super::coloured_mesh::{self, ColouredMesh};
 use super::dart::Step;
 use super::envi::{self, DataType, Interleave};
 use super::file_name::shortened;
@@ -28,11 +29,10 @@ use super::folder::{FolderKind, Staged, spares};
 use super::input::InputFile;
 use super::raster::{self, Raster, Target};
 use super::scene_toml::{Axes, Unsaid, WriteOptions};
-use super::surface::{self, Surface};
 use super::{gltf, mtl, obj, scene_toml, spectra, spectrum_csv};
 
+pub use super::coloured_mesh::{NamedPose, Placing, Up};
 pub use super::dart::{Finding, Severity};
-pub use super::surface::{NamedPose, Placing, Up};
 pub use compare::differences;
 pub use dart::check;
 pub use format::{About, Format};
@@ -107,7 +107,7 @@ pub enum Content {
     /// A scene, and what flies over it.
     Scene(Box<Scene>, Flights),
     /// A mesh and its materials' names.
-    Surface(Surface),
+    Mesh(ColouredMesh),
     /// Spectra.
     Spectra(Vec<SpectralLibrary>),
     /// An image.
@@ -248,12 +248,12 @@ fn read_all(input: &Path, options: &Options, watch: Watch<'_>) -> Result<(Format
             }
             let told = [&obj.report.notes, &obj.material_doubts, &obj.doubts];
             report.notes.extend(told.into_iter().flatten().cloned());
-            (Content::Surface(Surface::from(obj).placed(&placing, Up::Z)), report)
+            (Content::Mesh(ColouredMesh::from(obj).placed(&placing, Up::Z)), report)
         }
         Format::Gltf | Format::Glb => {
             let (surface, report, inputs) = gltf::read(&path, options.allow_outside)?;
             read_from(&inputs);
-            (Content::Surface(surface.placed(&placing, Up::Y)), report)
+            (Content::Mesh(surface.placed(&placing, Up::Y)), report)
         }
         Format::Dart => {
             let (scene, flights, report, inputs) = dart::read(&path, options, watch)?;
@@ -310,7 +310,7 @@ impl Content {
     fn kind(&self) -> &'static str {
         match self {
             Content::Scene(..) => "a scene",
-            Content::Surface(_) => "a mesh",
+            Content::Mesh(_) => "a mesh",
             Content::Spectra(_) => "spectra",
             Content::Raster(_) => "an image",
         }
@@ -319,8 +319,8 @@ impl Content {
     /// How much it is, in words.
     pub fn size(&self) -> String {
         match self {
-            Content::Scene(scene, _) => format!("{} facets", scene.mesh.facets.len()),
-            Content::Surface(surface) => format!("{} facets", surface.mesh.facets.len()),
+            Content::Scene(scene, _) => format!("{} facets", scene.body.mesh.facets.len()),
+            Content::Mesh(surface) => format!("{} facets", surface.mesh.facets.len()),
             Content::Spectra(libraries) => format!("{} spectra", libraries.len()),
             Content::Raster(raster) => raster_size(raster, raster.bands.len()),
         }
@@ -436,35 +436,35 @@ impl Job<'_> {
             }
             (Content::Scene(scene, _), _) => {
                 self.forget_defaults();
-                let surface = Surface::of_scene(&scene, self.input, self.report);
+                let surface = ColouredMesh::of_scene(&scene, self.input, self.report);
                 self.surface(&surface, to)
             }
-            (Content::Surface(surface), Format::Scene) => {
+            (Content::Mesh(surface), Format::Scene) => {
                 let scene = self.scene_of(surface)?;
                 if self.options.pose == Some(NamedPose::Radial) {
                     // Whether its origin has a zenith.
-                    surface::in_body_axes(scene.clone())?;
+                    coloured_mesh::in_body_axes(scene.clone())?;
                 }
                 let unsaid = self.unsaid();
                 self.scene(&scene, &[], unsaid)
             }
-            (Content::Surface(surface), Format::Dart) => {
+            (Content::Mesh(surface), Format::Dart) => {
                 let scene = self.scene_of(surface)?;
                 let is_radial = self.options.pose == Some(NamedPose::Radial);
-                let scene = if is_radial { surface::in_body_axes(scene)? } else { scene };
+                let scene = if is_radial { coloured_mesh::in_body_axes(scene)? } else { scene };
                 self.dart(&scene)
             }
-            (Content::Surface(_), _) if to.is_spectral() => {
+            (Content::Mesh(_), _) if to.is_spectral() => {
                 let message = format!("holds a mesh: it has no spectra for {}", to.about().name);
                 let help = "convert it to a scene, and give its materials spectra there";
                 Err(Error::Invalid(vec![Problem::new(Location::file(self.input), message).with_help(help)]))
             }
-            (Content::Surface(surface), _) => self.surface(&surface, to),
+            (Content::Mesh(surface), _) => self.surface(&surface, to),
         }
     }
 
     /// A scene to begin with, in the mesh's axes.
-    fn scene_of(&mut self, surface: Surface) -> Result<Scene> {
+    fn scene_of(&mut self, surface: ColouredMesh) -> Result<Scene> {
         let Options { unit_m, up, pose, .. } = *self.options;
         if self.from == Format::Obj {
             let (low, high) = surface.mesh.bounds_m().unwrap_or_default();
@@ -507,8 +507,8 @@ impl Job<'_> {
         let options = WriteOptions { replace: self.options.replace, unsaid, axes };
         let (mut files, report) = scene_toml::write_with(scene, &path, &options).map_err(named)?;
         self.report.notes.extend(report.notes);
-        for texture in &scene.textures {
-            let name = scene.materials.get(texture.material.0 as usize).map_or("", |m| m.name.as_str());
+        for texture in &scene.body.textures {
+            let name = scene.body.materials.get(texture.material.0 as usize).map_or("", |m| m.name.as_str());
             let at = Location::item(format!("materials.{name:?}.texture"));
             self.report.note(Fate::Dropped, at, "textures are not written: name its raster in the new scene again");
         }
@@ -542,7 +542,7 @@ impl Job<'_> {
         Ok(true)
     }
 
-    fn surface(self, surface: &Surface, to: Format) -> Result<bool> {
+    fn surface(self, surface: &ColouredMesh, to: Format) -> Result<bool> {
         let Job { input, output, options, sources, .. } = self;
         let sources = || sources.iter().map(PathBuf::as_path);
         if surface.sun.is_some() {
@@ -690,7 +690,7 @@ fn file_name(path: &Path) -> String {
 /// The spectra of a scene's materials, each as the table that its photometry needs.
 fn libraries(scene: &Scene, report: &mut Report) -> Vec<SpectralLibrary> {
     let mut libraries = Vec::new();
-    for material in &scene.materials {
+    for material in &scene.body.materials {
         let at = || Location::item(format!("materials.{:?}", material.name));
         let columns = match &material.photometry {
             Photometry::Lambert => vec![("reflectance", &material.reflectance)],
@@ -725,7 +725,7 @@ fn wavelengths(scene: &Scene, columns: &[(&str, &Spectrum)]) -> Vec<f64> {
     let tables = columns.iter().map(|(_, s)| *s).filter(is_table);
     let mut all: Vec<f64> = tables.flat_map(|s| s.wavelength_um().iter().copied()).collect();
     if all.is_empty() {
-        all = (scene.sensor.bands.iter())
+        all = (scene.exposure.bands.iter())
             .flat_map(|band| <[f64; 2]>::from(band.support_within_um(scene.known_um(band.light))))
             .collect();
     }

@@ -9,7 +9,7 @@ use crate::error::{Error, Location, Result};
 use crate::geometry::{Direction, Mesh};
 use crate::physics::sun;
 use crate::report::{Fate, Report};
-use crate::scene::{FrameCamera, Mars, Scene, Thermal};
+use crate::scene::{FrameCamera, Mars, Scene, Setup, Thermal};
 use crate::spectral::{Band, Response, SpectralLibrary};
 
 use super::frame;
@@ -33,7 +33,7 @@ pub struct Package {
     /// The inputs.
     pub simulation: Simulation,
     /// The meshes that its objects name, in the order of the objects.
-    pub surfaces: Vec<Surface>,
+    pub surfaces: Vec<ObjectMesh>,
     /// Its databases: file name and tables.
     pub databases: Vec<(String, Vec<SpectralLibrary>)>,
     /// The same surface lit by Mars alone, where it is: DART has one parallel source, and light adds.
@@ -46,7 +46,7 @@ pub struct Package {
 
 /// An OBJ file's mesh.
 #[derive(Debug, Clone)]
-pub struct Surface {
+pub struct ObjectMesh {
     /// In DART's axes, its own origin.
     pub mesh: Mesh,
     /// Group of each material; empty for one that no facet is made of.
@@ -119,8 +119,8 @@ const DISTANT: f64 = 5.0;
 /// [`Error::Invalid`] for a cell that is no length.
 pub fn from_scene(scene: &Scene, options: &WriteOptions) -> Result<(Package, Report)> {
     let mut report = Report::default();
-    let dart_from_body = frame::dart_from_body(scene.origin_m);
-    let mut mesh = scene.mesh.clone();
+    let dart_from_body = frame::dart_from_body(scene.body.origin_m);
+    let mut mesh = scene.body.mesh.clone();
     mesh.vertices_m.iter_mut().for_each(|v| *v = dart_from_body * *v);
     mesh.face_of_facet = Vec::new();
     let (low_m, high_m) = mesh.bounds_m().unwrap_or_default();
@@ -145,7 +145,7 @@ pub fn from_scene(scene: &Scene, options: &WriteOptions) -> Result<(Package, Rep
     let names = unique_names(scene);
     let links = links(scene, &names);
     let thermal = thermal_functions(scene);
-    let surfaces = surfaces(mesh, scene.materials.len());
+    let surfaces = surfaces(mesh, scene.body.materials.len());
     let bands = intervals(scene, &thermal);
     let irradiance = sunlight(scene).into_iter().map(|e| Some((e, 0.0))).collect();
     let camera = site.camera();
@@ -159,10 +159,10 @@ pub fn from_scene(scene: &Scene, options: &WriteOptions) -> Result<(Package, Rep
             size_m: [extent_m.x, extent_m.y],
             cell_m: [cell_m; 2],
             boundary: 0,
-            ground: links[scene.materials.len()].clone(),
+            ground: links[scene.body.materials.len()].clone(),
             ground_enabled: options.target == Target::V5_7_4,
             topography: None,
-            latitude_longitude_altitude: latitude_longitude_altitude(scene.origin_m),
+            latitude_longitude_altitude: latitude_longitude_altitude(scene.body.origin_m),
             at: Location::item("maket"),
         },
         optical: optical(scene, &names),
@@ -178,9 +178,9 @@ pub fn from_scene(scene: &Scene, options: &WriteOptions) -> Result<(Package, Rep
             at: Location::item("sun"),
         },
     };
-    let object = |(i, surface): (usize, &Surface)| site.object(i, &surface.groups, options.target, &links);
+    let object = |(i, surface): (usize, &ObjectMesh)| site.object(i, &surface.groups, options.target, &links);
     simulation.objects = surfaces.iter().enumerate().map(object).collect();
-    let size = Size::of(&simulation, scene.mesh.facets.len() as u64, extent_m.z);
+    let size = Size::of(&simulation, scene.body.mesh.facets.len() as u64, extent_m.z);
     let sidecar = Sidecar::of(scene, origin_in_dart_m);
     site.notes(&simulation, &size, options, &mut report);
     let mars = site.by_mars(&simulation, &mut report);
@@ -190,16 +190,16 @@ pub fn from_scene(scene: &Scene, options: &WriteOptions) -> Result<(Package, Rep
 
 /// A simulation of the scene with Mars in the Sun's place: a beam from its centre, with the irradiance of a facet that faces it.
 /// `None` without a Mars, and if it is below the site's horizon, or dark.
-pub(super) fn lit_by_mars(scene: &Scene, dart_from_body: DMat3, simulation: &Simulation) -> Option<Simulation> {
-    let mars = scene.mars.as_ref()?;
+pub(super) fn lit_by_mars(scene: &Setup, dart_from_body: DMat3, simulation: &Simulation) -> Option<Simulation> {
+    let mars = scene.sky.mars.as_ref()?;
     let towards = Direction::new(mars.centre_m)?.vec();
     let mars_deg = frame::angles_deg(dart_from_body * towards);
-    let share = on_facet_from_mars(mars, towards, scene.sun.direction.vec());
+    let share = on_facet_from_mars(mars, scene.models.mars_light, towards, scene.sky.sun.direction.vec());
     if mars_deg[0] >= 90.0 || share <= 0.0 {
         return None;
     }
-    let sun = &scene.sun;
-    let irradiance = scene.sensor.bands.iter().map(|band| {
+    let sun = &scene.sky.sun;
+    let irradiance = scene.exposure.bands.iter().map(|band| {
         // A band of heat alone has no light of Mars either.
         let product = match band.light.is_lit() {
             true => band_mean(band, &[&sun.irradiance_1au, &mars.reflectance]),
@@ -218,8 +218,8 @@ pub(super) fn lit_by_mars(scene: &Scene, dart_from_body: DMat3, simulation: &Sim
 
 /// What a pixel of the camera sees of the scene's middle, m, in two digits; between a tenth and a two-thousandth of its extent.
 fn pixel_m(scene: &Scene, size_m: DVec3) -> f64 {
-    let (low_m, high_m) = scene.mesh.bounds_m().unwrap_or_default();
-    let camera = &scene.sensor.camera;
+    let (low_m, high_m) = scene.body.mesh.bounds_m().unwrap_or_default();
+    let camera = &scene.exposure.camera;
     // A point has no extent.
     let extent_m = Some(size_m.max_element()).filter(|extent_m| *extent_m > 0.0).unwrap_or(1.0);
     let pixel_m = (camera.mean_pitch() * (camera.centre_m() - 0.5 * (low_m + high_m)).length())
@@ -282,7 +282,7 @@ impl Site<'_> {
     }
 
     fn camera(&self) -> Camera {
-        let camera = &self.scene.sensor.camera;
+        let camera = &self.scene.exposure.camera;
         let (look_deg, roll_deg) = camera_deg(self.dart_from_body * camera.world_from_sensor.rotation, camera.pitch[0]);
         let angle_deg = |pixels: u32, pitch: f64| FrameCamera::angle_of_pitch(pitch, pixels).to_degrees();
         Camera {
@@ -297,9 +297,9 @@ impl Site<'_> {
 
     /// Share of the facets that have light of Mars above their own horizon.
     fn under_mars(&self, mars: &Mars) -> f64 {
-        let (mesh, to_sun) = (&self.scene.mesh, self.scene.sun.direction.vec());
+        let (mesh, to_sun) = (&self.scene.body.mesh, self.scene.sky.sun.direction.vec());
         let Some(towards) = Direction::new(mars.centre_m).map(Direction::vec) else { return 0.0 };
-        if on_facet_from_mars(mars, towards, to_sun) <= 0.0 || mesh.facets.is_empty() {
+        if on_facet_from_mars(mars, self.scene.models.mars_light, towards, to_sun) <= 0.0 || mesh.facets.is_empty() {
             return 0.0;
         }
         let sees =
@@ -309,18 +309,19 @@ impl Site<'_> {
 
     /// What a beam from Mars' centre sends to level ground, against all of Mars: in words.
     fn beam_on_level_ground(&self, mars: &Mars) -> String {
-        let (towards, up) = (Direction::new(mars.centre_m), Direction::new(self.scene.origin_m));
+        let (towards, up) = (Direction::new(mars.centre_m), Direction::new(self.scene.body.origin_m));
         let (Some(towards), Some(up)) = (towards.map(Direction::vec), up.map(Direction::vec)) else {
             return "another one".into();
         };
-        let on_facet = |normal| on_facet_from_mars(mars, normal, self.scene.sun.direction.vec());
+        let (model, to_sun) = (self.scene.models.mars_light, self.scene.sky.sun.direction.vec());
+        let on_facet = |normal| on_facet_from_mars(mars, model, normal, to_sun);
         let off = on_facet(towards) * towards.dot(up).max(0.0) / on_facet(up) - 1.0;
         if off.is_finite() { format!("{:.1} % off", 100.0 * off.abs()) } else { "another one".into() }
     }
 
     /// The simulation with Mars in the Sun's place.
     fn by_mars(&self, simulation: &Simulation, report: &mut Report) -> Option<Simulation> {
-        let mars = self.scene.mars.as_ref()?;
+        let mars = self.scene.sky.mars.as_ref()?;
         let by_mars = lit_by_mars(self.scene, self.dart_from_body, simulation);
         let (fate, message): (Fate, String) = match by_mars {
             None => match self.under_mars(mars) {
@@ -352,7 +353,7 @@ impl Site<'_> {
     fn notes(&self, simulation: &Simulation, size: &Size, options: &WriteOptions, report: &mut Report) {
         let scene = self.scene;
         let item = Location::item;
-        let camera = &scene.sensor.camera;
+        let camera = &scene.exposure.camera;
         let middle_px = [camera.samples, camera.lines].map(|n| 0.5 * f64::from(n));
         if camera.boresight_px != middle_px {
             report.note(
@@ -374,18 +375,18 @@ impl Site<'_> {
             item("sun"),
             format!(
                 "distance and spectrum: DART has irradiances at the body, one for each of {} bands",
-                scene.sensor.bands.len()
+                scene.exposure.bands.len()
             ),
         );
         if sun_deg(scene).is_none() {
-            let towards = self.dart_from_body * scene.sun.direction.vec();
+            let towards = self.dart_from_body * scene.sky.sun.direction.vec();
             let message = format!(
                 "the Sun stands {:.3} deg below the site's horizon, where DART has none: irradiance 0",
                 frame::angles_deg(towards)[0] - 90.0
             );
             report.note(Fate::Approximated, item("sun"), message);
         }
-        if scene.thermal != Thermal::Off {
+        if scene.models.thermal != Thermal::Off {
             let message =
                 "DART spreads temperatures by sunlight between two ends, which are those of this scene's model";
             report.note(Fate::Carried, item("thermal"), message);
@@ -395,7 +396,7 @@ impl Site<'_> {
             item("materials"),
             "Bond albedo, bolometric emissivity and mixtures; DART's emissivity is 1 - reflectance",
         );
-        for (material, function) in scene.materials.iter().zip(&simulation.thermal) {
+        for (material, function) in scene.body.materials.iter().zip(&simulation.thermal) {
             let off = emissivity_off(scene, material, &simulation.phase.bands);
             if off > 1e-12 && function.mean_k > 0.0 {
                 let message = format!("in DART it is 1 - reflectance: up to {off:.4} off in the bands with heat");
@@ -406,7 +407,7 @@ impl Site<'_> {
                 );
             }
         }
-        let bands = &scene.sensor.bands;
+        let bands = &scene.exposure.bands;
         let monochromatic = bands.iter().filter(|b| b.fwhm_um.is_none()).count();
         for (is_table, message) in [
             (false, "Gaussian responses; DART's are rectangles of the same width"),
@@ -436,7 +437,7 @@ impl Site<'_> {
             );
             report.note(Fate::Defaulted, item("observer"), message);
         }
-        let ahead = self.dart_from_body * scene.sensor.camera.world_from_sensor.rotation.z_axis;
+        let ahead = self.dart_from_body * scene.exposure.camera.world_from_sensor.rotation.z_axis;
         let tilt_rad = crate::geometry::angle_rad(ahead, DVec3::NEG_Z);
         if simulation.phase.cameras.iter().any(|c| c.look_deg[0] == 180.0) && tilt_rad > 0.0 {
             let message = format!(
@@ -449,7 +450,7 @@ impl Site<'_> {
             let message = format!("{files} OBJ files: the groups of one are told apart up to {GROUPS} materials");
             report.note(Fate::Carried, item("mesh"), message);
         }
-        match sidecar::runs_of_faces(&scene.mesh) {
+        match sidecar::runs_of_faces(&scene.body.mesh) {
             Some(runs) if runs.is_empty() => {}
             Some(_) if files == 1 => report.note(Fate::Carried, item("mesh"), "which face each triangle was cut from"),
             _ => report.note(

@@ -30,7 +30,7 @@ mod write;
 pub use check::{Coverage, CoverageOf, Finding, Severity, check, no_coverage};
 pub use diff::{diff, differences};
 pub use folder::Folder;
-pub use from_scene::{Package, Size, Surface, WriteOptions, from_scene, group_names};
+pub use from_scene::{ObjectMesh, Package, Size, WriteOptions, from_scene, group_names};
 pub use inputs::{Target, inputs};
 pub use place::{placed, scene_from_dart};
 pub use read::sequence::{Step, flight, rows};

@@ -80,13 +80,13 @@ pub fn scene_from_dart(simulation: &Simulation, folder: &Folder, scene: &Scene) 
     let sidecar = Sidecar::read(&path)?.map(|(sidecar, _)| sidecar);
     let kept = Place::of(&simulation.maket, sidecar.as_ref(), None);
     if !kept.is_kept {
-        return Ok(Place::of(&simulation.maket, None, Some(scene.origin_m)).scene_from_dart());
+        return Ok(Place::of(&simulation.maket, None, Some(scene.body.origin_m)).scene_from_dart());
     }
-    if !same_all(&kept.origin_m.to_array(), &scene.origin_m.to_array()) {
+    if !same_all(&kept.origin_m.to_array(), &scene.body.origin_m.to_array()) {
         let message = format!(
             "the simulation was made of a scene with the origin {:?}, that of this scene is {:?}",
             kept.origin_m.to_array(),
-            scene.origin_m.to_array()
+            scene.body.origin_m.to_array()
         );
         let help = "give the scene that the simulation was made of or into, or the placement `scene_from_dart`";
         return Err(Error::Invalid(vec![

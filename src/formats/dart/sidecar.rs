@@ -13,7 +13,7 @@ use crate::error::{Error, Location, Result};
 use crate::formats::input::{self, InputFile};
 use crate::formats::scene_toml::types::{LightToml, ShapeToml};
 use crate::geometry::{Direction, Mesh};
-use crate::scene::{Hapke, Mars, MarsModel, Material, Photometry, Rpv, Scene, Sun, Thermal};
+use crate::scene::{Hapke, Mars, MarsModel, Material, Models, Photometry, Rpv, Scene, Sun, Thermal};
 use crate::spectral::{Band, Extend, Light, Response, Spectrum, solar_e490};
 
 use super::from_scene::sun_deg;
@@ -178,26 +178,26 @@ impl Table {
 impl Sidecar {
     /// Of a scene whose origin stands at `origin_in_dart_m`.
     pub(super) fn of(scene: &Scene, origin_in_dart_m: DVec3) -> Self {
-        let sun = &scene.sun;
+        let sun = &scene.sky.sun;
         let spectrum = match sun.irradiance_1au == *solar_e490() {
             true => SunSpectrum::Named("e490".into()),
             false => SunSpectrum::Table(Table::of(&sun.irradiance_1au)),
         };
         Sidecar {
             mmxrt_dart: 1,
-            origin_m: scene.origin_m.to_array(),
+            origin_m: scene.body.origin_m.to_array(),
             origin_in_dart_m: origin_in_dart_m.to_array(),
-            thermal: match scene.thermal {
+            thermal: match scene.models.thermal {
                 Thermal::Equilibrium => ThermalName::Equilibrium,
                 Thermal::Thesis => ThermalName::Thesis,
                 Thermal::Off => ThermalName::Off,
             },
-            faces: runs_of_faces(&scene.mesh).unwrap_or_default(),
+            faces: runs_of_faces(&scene.body.mesh).unwrap_or_default(),
             sensor: SensorPart {
-                name: scene.sensor.name.clone(),
-                axes: scene.sensor.camera.world_from_sensor.rotation.to_cols_array_2d(),
-                fwhm_um: scene.sensor.bands.iter().map(|b| b.fwhm_um.unwrap_or(0.0)).collect(),
-                unusual: scene.sensor.bands.iter().enumerate().filter_map(UnusualBand::of).collect(),
+                name: scene.exposure.instrument.clone(),
+                axes: scene.exposure.camera.world_from_sensor.rotation.to_cols_array_2d(),
+                fwhm_um: scene.exposure.bands.iter().map(|b| b.fwhm_um.unwrap_or(0.0)).collect(),
+                unusual: scene.exposure.bands.iter().enumerate().filter_map(UnusualBand::of).collect(),
             },
             sun: SunPart {
                 below_horizon: sun_deg(scene).is_none().then(|| sun.direction.vec().to_array()),
@@ -205,18 +205,18 @@ impl Sidecar {
                 total_irradiance_1au_w_m2: sun.total_irradiance_1au_w_m2,
                 irradiance_1au: spectrum,
             },
-            mars: scene.mars.as_ref().map(|mars| MarsPart {
+            mars: scene.sky.mars.as_ref().map(|mars| MarsPart {
                 centre_m: mars.centre_m.to_array(),
                 radius_m: mars.radius_m,
                 bond_albedo: mars.bond_albedo,
                 thermal_exitance_w_m2: mars.thermal_exitance_w_m2,
-                model: match mars.model {
+                model: match scene.models.mars_light {
                     MarsModel::NearField => MarsModelName::NearField,
                     MarsModel::Thesis => MarsModelName::Thesis,
                 },
                 reflectance: Table::of(&mars.reflectance),
             }),
-            materials: scene.materials.iter().map(material_part).collect(),
+            materials: scene.body.materials.iter().map(material_part).collect(),
         }
     }
 
@@ -272,19 +272,20 @@ impl Sidecar {
             reflectance: mars.reflectance.spectrum()?,
             bond_albedo: mars.bond_albedo,
             thermal_exitance_w_m2: mars.thermal_exitance_w_m2,
-            model: match mars.model {
-                MarsModelName::NearField => MarsModel::NearField,
-                MarsModelName::Thesis => MarsModel::Thesis,
-            },
         })
     }
 
-    pub(super) fn thermal(&self) -> Thermal {
-        match self.thermal {
+    pub(super) fn models(&self) -> Models {
+        let thermal = match self.thermal {
             ThermalName::Equilibrium => Thermal::Equilibrium,
             ThermalName::Thesis => Thermal::Thesis,
             ThermalName::Off => Thermal::Off,
-        }
+        };
+        let mars_light = self.mars.as_ref().map_or_else(MarsModel::default, |mars| match mars.model {
+            MarsModelName::NearField => MarsModel::NearField,
+            MarsModelName::Thesis => MarsModel::Thesis,
+        });
+        Models { thermal, mars_light }
     }
 
     /// The camera's axes right, down, ahead as columns; `None` if they are no axes.

@@ -17,7 +17,9 @@ use crate::formats::scene_toml::{EMISSIVITY_BOLOMETRIC, USUAL_UM};
 use crate::geometry::{Direction, Mesh, Pose};
 use crate::progress::Watch;
 use crate::report::{Fate, Report};
-use crate::scene::{FrameCamera, Hapke, Material, Photometry, Rpv, Scene, Sensor, Sun, Thermal};
+use crate::scene::{
+    Body, Exposure, FrameCamera, Hapke, Material, Models, Photometry, Rpv, Scene, Setup, Sky, Sun, Surface, Thermal,
+};
 use crate::spectral::{ALL_UM, Band, Extend, Light, MOST_BEYOND, SpectralLibrary, Spectrum, solar_e490, solar_mean};
 use crate::units::AU_M;
 
@@ -63,7 +65,7 @@ const CAMERA_DISTANCE: f64 = 10.0;
 ///
 /// # Errors
 /// [`Error::Invalid`] for links that lead nowhere, files that are missing, lie outside, or cannot be used, a scene that cannot be
-/// repeated as often as is asked for, and as [`Scene::check`]; [`Error::Unsupported`] for terrains as [`super::terrain`];
+/// repeated as often as is asked for, and as [`Scene::new`]; [`Error::Unsupported`] for terrains as [`super::terrain`];
 /// [`Error::Io`]; [`Error::Interrupted`].
 pub fn to_scene(
     simulation: &Simulation,
@@ -86,7 +88,7 @@ pub fn to_scene(
         reader.inputs.push(input);
         reader.sidecar = Some(sidecar);
     }
-    let scene = reader.scene()?.check()?;
+    let scene = reader.scene()?;
     Ok(Converted { scene, report: reader.report, inputs: reader.inputs })
 }
 
@@ -118,19 +120,15 @@ impl Reader<'_> {
         let mesh = self.mesh(&place, &material_of)?;
         let camera = self.camera(&place, &mesh);
         let name = self.sidecar.as_ref().map_or("DART camera", Sidecar::sensor_name).to_owned();
-        let sensor = Sensor { name, camera, bands };
-        let scene = Scene {
-            origin_m: place.origin_m,
-            mesh,
-            materials,
-            textures: vec![],
-            sun,
-            mars: None,
-            thermal: Thermal::Off,
-            sensor,
+        let exposure = Exposure { instrument: name, camera, bands };
+        let scene = Setup {
+            body: Body::new(Surface { origin_m: place.origin_m, mesh, materials, textures: vec![] })?,
+            sky: Sky { sun, mars: None },
+            exposure,
+            models: Models { thermal: Thermal::Off, ..Models::default() },
         };
-        let scene = self.with_mars(scene, &place)?;
-        Ok(self.with_thermal(scene))
+        let scene = self.with_mars(scene, &place);
+        Scene::new(self.with_thermal(scene))
     }
 
     /// Where the scene is on the body.
@@ -597,10 +595,10 @@ impl Reader<'_> {
     }
 
     /// The thermal model: the one that these temperatures were made of, or the one that is nearest.
-    fn with_thermal(&mut self, mut scene: Scene) -> Scene {
+    fn with_thermal(&mut self, mut scene: Setup) -> Setup {
         let simulation = self.simulation;
         if let Some(sidecar) = &self.sidecar {
-            scene.thermal = sidecar.thermal();
+            scene.models.thermal = sidecar.models().thermal;
             let functions = thermal_functions(&scene);
             let modes = intervals(&scene, &functions);
             let is_same = functions.len() == simulation.thermal.len()
@@ -610,7 +608,8 @@ impl Reader<'_> {
                     .all(|(a, b)| same(a.mean_k, b.mean_k) && same(a.range_k, b.range_k));
             if is_same {
                 // What a band with both is written as is what matters of them; another mode was put there by hand.
-                for ((band, written), given) in scene.sensor.bands.iter_mut().zip(modes).zip(&simulation.phase.bands) {
+                for ((band, written), given) in scene.exposure.bands.iter_mut().zip(modes).zip(&simulation.phase.bands)
+                {
                     if written.mode != given.mode {
                         band.light = light(given.mode);
                     }
@@ -618,17 +617,17 @@ impl Reader<'_> {
                 return scene;
             }
         }
-        for (band, given) in scene.sensor.bands.iter_mut().zip(&simulation.phase.bands) {
+        for (band, given) in scene.exposure.bands.iter_mut().zip(&simulation.phase.bands) {
             band.light = light(given.mode);
         }
         if simulation.phase.bands.iter().all(|band| band.mode == 0) {
-            scene.thermal = Thermal::Off;
+            scene.models.thermal = Thermal::Off;
             return scene;
         }
         let at = simulation.thermal.first().map_or(Location::item("thermal"), |t| t.at.clone());
         let message = "temperatures are spread between two ends by sunlight: taken to be those of equilibrium";
         self.note(Fate::Approximated, &at, message);
-        scene.thermal = Thermal::Equilibrium;
+        scene.models.thermal = Thermal::Equilibrium;
         scene
     }
 }

@@ -21,7 +21,7 @@ use crate::formats::folder::{FolderKind, Staged};
 use crate::formats::obj;
 use crate::geometry::{Direction, MaterialId, Mesh, Pose};
 use crate::progress::{Watch, tell};
-use crate::scene::{FrameCamera, Material, Photometry, Scene, Sensor, Sun, Thermal};
+use crate::scene::{Exposure, FrameCamera, Material, Models, Parts, Photometry, Sky, Sun, Surface, Thermal};
 use crate::spectral::{Band, Spectrum};
 use crate::units::AU_M;
 
@@ -152,22 +152,25 @@ fn tetrahedron(target: Target) -> Result<(Package, [Face; 4])> {
         let (name, reflectance, _) = facets[f];
         Face { name, reflectance, cos_incidence: normal.dot(towards_sun).max(0.0), is_seen: normal.z > 0.0 }
     });
-    let scene = Scene {
-        origin_m: DVec3::ZERO,
-        materials: facets.iter().enumerate().map(material).collect(),
-        textures: vec![],
-        mesh,
-        sun: Sun {
-            direction: Direction::new(towards_sun)
-                .ok_or_else(|| Error::invalid(crate::error::Location::item("check"), "the Sun has no direction"))?,
-            distance_m: AU_M,
-            irradiance_1au: Spectrum::constant(CHECK_IRRADIANCE),
-            total_irradiance_1au_w_m2: 1361.0,
+    let parts = Parts {
+        surface: Surface {
+            origin_m: DVec3::ZERO,
+            materials: facets.iter().enumerate().map(material).collect(),
+            textures: vec![],
+            mesh,
         },
-        mars: None,
-        thermal: Thermal::Off,
-        sensor: Sensor {
-            name: "check".into(),
+        sky: Sky {
+            sun: Sun {
+                direction: Direction::new(towards_sun)
+                    .ok_or_else(|| Error::invalid(crate::error::Location::item("check"), "the Sun has no direction"))?,
+                distance_m: AU_M,
+                irradiance_1au: Spectrum::constant(CHECK_IRRADIANCE),
+                total_irradiance_1au_w_m2: 1361.0,
+            },
+            mars: None,
+        },
+        exposure: Exposure {
+            instrument: "check".into(),
             camera: FrameCamera::centred(
                 Pose {
                     rotation: DMat3::from_cols(DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z),
@@ -179,7 +182,9 @@ fn tetrahedron(target: Target) -> Result<(Package, [Face; 4])> {
             ),
             bands: vec![Band::new(1.0, Some(0.02))],
         },
+        models: Models { thermal: Thermal::Off, ..Models::default() },
     };
+    let scene = parts.check()?;
     let options = WriteOptions { target, cell_m: Some(0.125), ..WriteOptions::default() };
     let (package, _) = from_scene(&scene, &options)?;
     Ok((Package { sidecar: None, ..package }, faces))

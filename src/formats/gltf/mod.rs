@@ -31,4 +31,4 @@ pub use write::{Encoded, encode};
 pub const MAGIC: &[u8] = b"glTF";
 /// Position minus its f32.
 const RESIDUAL: &str = "_POSITION_RESIDUAL";
-use crate::formats::surface::MOST;
+use crate::formats::coloured_mesh::MOST;

@@ -8,9 +8,9 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 use serde_json::Value;
 
 use crate::error::{Error, Location, Problem, Result};
+use crate::formats::coloured_mesh::{ColouredMesh, FLAT};
 use crate::formats::input::{self, InputFile};
 use crate::formats::mtl::{self, ObjMaterial};
-use crate::formats::surface::{FLAT, Surface};
 use crate::geometry::{Direction, MaterialId, Mesh};
 use crate::report::{Fate, Report};
 
@@ -40,7 +40,7 @@ pub fn told_apart(bytes: &[u8]) -> bool {
 /// [`Error::Io`]; [`Error::Syntax`] where it is not JSON or not a GLB; [`Error::Invalid`] with the item that cannot be used: an
 /// index, offset or count beyond what there is, a position that is not finite, a node that is reached twice, a buffer outside the
 /// folder; [`Error::Unsupported`] for a version that is not known, compressed geometry, or an extension that may move or add geometry.
-pub fn read(path: &Path, outside: bool) -> Result<(Surface, Report, Vec<InputFile>)> {
+pub fn read(path: &Path, outside: bool) -> Result<(ColouredMesh, Report, Vec<InputFile>)> {
     parse(&input::bytes(path, LIMIT)?, path, outside)
 }
 
@@ -48,7 +48,7 @@ pub fn read(path: &Path, outside: bool) -> Result<(Surface, Report, Vec<InputFil
 ///
 /// # Errors
 /// As [`read`].
-pub fn parse(bytes: &[u8], path: &Path, outside: bool) -> Result<(Surface, Report, Vec<InputFile>)> {
+pub fn parse(bytes: &[u8], path: &Path, outside: bool) -> Result<(ColouredMesh, Report, Vec<InputFile>)> {
     let mut inputs = vec![InputFile::of(path, bytes)];
     let (json, binary) = if bytes.starts_with(MAGIC) { chunks(bytes, path)? } else { (bytes, None) };
     let root: Root = serde_json::from_slice(json).map_err(|e| {
@@ -85,7 +85,7 @@ pub fn parse(bytes: &[u8], path: &Path, outside: bool) -> Result<(Surface, Repor
         return data.wrong("meshes", "the scene has no triangles");
     }
     let sun = sun.map(|sun| sun.direction);
-    Ok((Surface { mesh, materials, origin_m, sun }, report, inputs))
+    Ok((ColouredMesh { mesh, materials, origin_m, sun }, report, inputs))
 }
 
 /// The JSON and the binary chunk of a GLB; chunks of other kinds are passed over, as the format wants it.

@@ -5,7 +5,7 @@ use glam::DVec3;
 use serde_json::{Value, json};
 
 use crate::error::{Error, Location, Result};
-use crate::formats::surface::Surface;
+use crate::formats::coloured_mesh::ColouredMesh;
 
 use super::{MAGIC, RESIDUAL};
 
@@ -22,7 +22,7 @@ pub struct Encoded {
 ///
 /// # Errors
 /// [`Error::Invalid`] if there are no facets, if a position is beyond f32, or if the buffer would be 4 GiB or more.
-pub fn encode(surface: &Surface) -> Result<Encoded> {
+pub fn encode(surface: &ColouredMesh) -> Result<Encoded> {
     let mesh = &surface.mesh;
     let wrong = |message: &str| Err(Error::invalid(Location::item("mesh"), message));
     if mesh.facets.is_empty() {
@@ -165,7 +165,7 @@ impl Encoded {
 }
 
 /// The middle of a mesh that is farther from its origin than it is large, in glTF's axes and to f32, so that no reader rounds it; else 0.
-fn middle(surface: &Surface) -> DVec3 {
+fn middle(surface: &ColouredMesh) -> DVec3 {
     let (low, high) = surface.mesh.bounds_m().unwrap_or_default();
     let middle = y_up(0.5 * (low + high));
     let is_far = middle.abs().max_element() > (high - low).max_element();

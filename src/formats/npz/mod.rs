@@ -13,7 +13,8 @@ use serde::{Deserialize, Serialize};
 use self::archive::Npz;
 use self::write::{Column, Values, write};
 use crate::error::{Error, Location, Problem, Result, number};
-use crate::product::{FacetTable, Footprints, Lit, Sunlit};
+use crate::product::{FacetTable, Footprints};
+use crate::visibility::{Seen, Shown};
 
 pub use self::archive::{ArrayInfo, Shaped, list, read_f64s};
 pub(super) use self::archive::{Member, Preamble, beginning, members, preamble, text};
@@ -71,7 +72,7 @@ pub fn write_table(path: &Path, table: &FacetTable, scene: &str) -> Result<()> {
             "sun_lit",
             "1",
             "each facet: 0 dark, 1 lit all over, 2 lit in the polygons below",
-            Values::Lit(&sunlit.lit),
+            Values::Shown(&sunlit.shown),
         ),
         column("sun_polygon_facet", "1", "facet of each sunlit polygon, ascending", Values::U32(&sunlit.polygon_facet)),
         column(
@@ -162,9 +163,10 @@ pub fn read_table(path: &Path) -> Result<(FacetTable, Header)> {
     if let Some(i) = lit_codes.iter().position(|code| *code > 2) {
         problems.push(Problem::new(at(format!("sun_lit[{i}]")), format!("{} is none of 0, 1, 2", lit_codes[i])));
     }
-    let lit = lit_codes.iter().map(|code| [Lit::Dark, Lit::Full, Lit::Part][usize::from(*code).min(2)]).collect();
+    let lit =
+        lit_codes.iter().map(|code| [Shown::Nothing, Shown::Whole, Shown::Part][usize::from(*code).min(2)]).collect();
     let uv = uv.chunks_exact(2).map(|p| [p[0], p[1]]).collect();
-    let sunlit = Sunlit { lit, polygon_facet, polygon_start, uv };
+    let sunlit = Seen { shown: lit, polygon_facet, polygon_start, uv };
     let columns = [
         ("sun_irradiance", sun_irradiance.as_slice()),
         ("mars_irradiance", &mars_irradiance),
@@ -196,15 +198,15 @@ const ROUNDING: f64 = 1e-3;
 /// Tells what of a table does not fit together or is out of range: (item, message). Lengths are compared only on request.
 fn check(
     columns: [(&str, &[f64]); 4],
-    sunlit: &Sunlit,
+    sunlit: &Seen,
     has_mars: bool,
     is_comparable: bool,
     mut problem: impl FnMut(String, String),
 ) {
     let [(_, sun), (_, mars), (_, lit_k), (_, shaded_k)] = columns;
     let facets = sun.len();
-    if is_comparable && sunlit.lit.len() != facets {
-        problem("sun_lit".into(), format!("has {} values, but sun_irradiance has {facets}", sunlit.lit.len()));
+    if is_comparable && sunlit.shown.len() != facets {
+        problem("sun_lit".into(), format!("has {} values, but sun_irradiance has {facets}", sunlit.shown.len()));
     }
     for (name, values) in columns {
         // All but the Sun's may be left out.

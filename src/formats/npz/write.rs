@@ -9,7 +9,7 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 
 use super::{FORMAT_VERSION, Field, Header};
 use crate::error::{Error, Result};
-use crate::product::Lit;
+use crate::visibility::Shown;
 
 /// An array about to be written.
 pub(super) struct Column<'a> {
@@ -22,7 +22,7 @@ pub(super) struct Column<'a> {
 pub(super) enum Values<'a> {
     F64(&'a [f64]),
     U32(&'a [u32]),
-    Lit(&'a [Lit]),
+    Shown(&'a [Shown]),
     Uv(&'a [[f64; 2]]),
     Vector([f64; 3]),
 }
@@ -139,7 +139,7 @@ impl Column<'_> {
         let (descr, shape, bytes) = match &self.values {
             Values::F64(v) => ("<f8", format!("({},)", v.len()), 8 * v.len()),
             Values::U32(v) => ("<u4", format!("({},)", v.len()), 4 * v.len()),
-            Values::Lit(v) => ("|u1", format!("({},)", v.len()), v.len()),
+            Values::Shown(v) => ("|u1", format!("({},)", v.len()), v.len()),
             Values::Uv(v) => ("<f8", format!("({}, 2)", v.len()), 16 * v.len()),
             Values::Vector(_) => ("<f8", "(3,)".to_owned(), 24),
         };
@@ -147,7 +147,7 @@ impl Column<'_> {
         match &self.values {
             Values::F64(v) => pieces(zip, v, |x| x.to_le_bytes()),
             Values::U32(v) => pieces(zip, v, |x| x.to_le_bytes()),
-            Values::Lit(v) => pieces(zip, v, |x| [*x as u8]),
+            Values::Shown(v) => pieces(zip, v, |x| [*x as u8]),
             Values::Uv(v) => pieces(zip, v.as_flattened(), |x| x.to_le_bytes()),
             Values::Vector(v) => pieces(zip, v, |x| x.to_le_bytes()),
         }

@@ -11,9 +11,9 @@ use super::library;
 use super::materials::Materials;
 use super::number::{decimal, digits_of, integer};
 use crate::error::{Error, Location, Problem, Result};
+use crate::formats::coloured_mesh::FLAT;
 use crate::formats::input::{Problems, decoded};
 use crate::formats::mtl::ObjMaterial;
-use crate::formats::surface::FLAT;
 use crate::geometry::NO_UV;
 use crate::report::{Fate, Note, Report};
 

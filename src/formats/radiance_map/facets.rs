@@ -6,7 +6,7 @@ use super::values::FacetTexels;
 use crate::error::{Error, Location, Problem, Result};
 use crate::formats::input::{self, InputFile, Problems};
 use crate::formats::npz;
-use crate::product::{Placement, RadianceMap, Sky};
+use crate::product::{Placement, RadianceMap, SkyShare};
 use crate::spectral::Band;
 
 /// Name of the array or columns.
@@ -44,7 +44,7 @@ pub(super) fn open(path: &Path, weight: f64) -> Result<Option<(RadianceMap, Inpu
         source: Box::new(texels),
         weight,
         light: vec![],
-        sky: Sky::LeftOut,
+        sky: SkyShare::LeftOut,
         registration: None,
     };
     Ok(Some((map, input)))

@@ -24,7 +24,7 @@ use super::raster::{self, Raster};
 use super::scene_toml::{self, Lens, Reader, Tiling};
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::{Direction, Pose};
-use crate::product::{Eye, Placement, Projection, RadianceMap, Sky, TexelSource, ViewImage};
+use crate::product::{Eye, Placement, Projection, RadianceMap, SkyShare, TexelSource, ViewImage};
 use crate::progress::Watch;
 use crate::scene::{FrameCamera, Scene};
 use crate::spectral::{Band, KnownLight, Light};
@@ -162,11 +162,11 @@ pub fn describe(path: &Path) -> Result<Vec<(String, String)>> {
     Ok(document.keys("").into_iter().map(value).collect())
 }
 
-fn sky(toml: Option<SkyToml>) -> Sky {
+fn sky(toml: Option<SkyToml>) -> SkyShare {
     match toml {
-        None => Sky::Guessed,
-        Some(SkyToml::Included) => Sky::Included,
-        Some(SkyToml::LeftOut) => Sky::LeftOut,
+        None => SkyShare::Guessed,
+        Some(SkyToml::Included) => SkyShare::Included,
+        Some(SkyToml::LeftOut) => SkyShare::LeftOut,
     }
 }
 
@@ -217,7 +217,7 @@ fn read(file: &Path, asked: &Path, scene: &Scene, weight: f64, watch: Watch<'_>)
     if document.has("dart") {
         let toml: DartMapToml = document.read()?;
         let scene_from_dart =
-            toml.origin_in_dart_m.map(|origin| dart::placed(scene.origin_m, DVec3::from_array(origin)));
+            toml.origin_in_dart_m.map(|origin| dart::placed(scene.body.origin_m, DVec3::from_array(origin)));
         let irradiance_w_m2_um = toml.irradiance_w_m2_um;
         let placing = match (toml.shift_texels, toml.registration) {
             (Some(_), Some(_)) => {
@@ -236,7 +236,7 @@ fn read(file: &Path, asked: &Path, scene: &Scene, weight: f64, watch: Watch<'_>)
         return Ok(opened);
     }
     let toml: MapToml = document.read()?;
-    let mut reader = Reader::new(file, document, scene.origin_m, input, watch);
+    let mut reader = Reader::new(file, document, scene.body.origin_m, input, watch);
     let rasters = match &toml.raster {
         Some(named) => reader.rasters("raster", named, toml.channels.as_deref()),
         None if asked != file => reader.opened("raster", vec![asked.to_owned()], toml.channels.as_deref()),
@@ -283,7 +283,7 @@ fn map(
     scene: &Scene,
     watch: Watch<'_>,
 ) -> Option<(Placement, Box<dyn TexelSource>)> {
-    let facets = scene.mesh.facets.len();
+    let facets = scene.body.mesh.facets.len();
     if toml.placement == PlacementToml::Facets {
         // A table of [facet, band], which a reader of images takes for one band.
         rasters = rasters.into_iter().map(|r| if r.pixels() == facets { r } else { r.columns_as_bands() }).collect();
@@ -413,7 +413,7 @@ fn placement(
     match toml.placement {
         PlacementToml::Facets => Some((Placement::Facets(rows * columns), None)),
         PlacementToml::Atlas => {
-            if scene.mesh.uv.is_empty() {
+            if scene.body.mesh.uv.is_empty() {
                 reader.helped(
                     "placement",
                     "the scene's meshes have no texture coordinates",
@@ -422,7 +422,7 @@ fn placement(
                 return None;
             }
             let (atlas, tiling) =
-                reader.atlas("placement", scene.mesh.uv.clone(), [rows, columns], toml.wrap, MOST_TEXELS)?;
+                reader.atlas("placement", scene.body.mesh.uv.clone(), [rows, columns], toml.wrap, MOST_TEXELS)?;
             Some((Placement::Atlas(atlas), tiling))
         }
         PlacementToml::Camera => {
@@ -470,7 +470,7 @@ fn placement(
 
 /// Whether the outer side of any facet is seen from a direction.
 fn seen_from(scene: &Scene, towards: Direction) -> bool {
-    (0..scene.mesh.facets.len()).any(|facet| scene.mesh.facet(facet).cross_m2().dot(towards.vec()) > 0.0)
+    (0..scene.body.mesh.facets.len()).any(|facet| scene.body.mesh.facet(facet).cross_m2().dot(towards.vec()) > 0.0)
 }
 
 /// The camera that an image was taken by, local to the scene.
@@ -486,7 +486,7 @@ fn camera(
         (Some(name), None, None) => {
             let path = reader.path(name);
             let other = reader.taken("scene", scene_toml::read(&path, watch))?;
-            let mut camera = other.scene.sensor.camera;
+            let mut camera = other.scene.exposure.camera.clone();
             if (camera.samples, camera.lines) != (samples, lines) {
                 let message = format!(
                     "{name} has a camera of {} x {} pixels, but the raster has {samples} x {lines}",
@@ -495,7 +495,7 @@ fn camera(
                 reader.problem("scene", message);
                 return None;
             }
-            let moved_m = other.scene.origin_m - reader.origin_m();
+            let moved_m = other.scene.body.origin_m - reader.origin_m();
             camera.world_from_sensor.translation_m += moved_m;
             Some(camera)
         }

@@ -1,7 +1,7 @@
 //! `scene.toml`: everything a simulation needs, or where it lies.
 //!
 //! Reading goes in three steps, and each tells all its problems: the text against the schema
-//! ([`located`]); each part against itself and the files it names; the whole, by [`Scene::check`].
+//! ([`located`]); each part against itself and the files it names; the whole, by [`Parts::check`].
 
 mod angles;
 mod atlas;
@@ -21,7 +21,9 @@ use glam::DVec3;
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::{Direction, Pose};
 use crate::progress::{Progress, Watch};
-use crate::scene::{FARTHEST_M, MARS_ALBEDO, Mars, MarsModel, Scene, Sun, Texture, Thermal};
+use crate::scene::{
+    FARTHEST_M, MARS_ALBEDO, Mars, MarsModel, Models, Parts, Scene, Sky, Sun, Surface, Texture, Thermal,
+};
 use crate::spectral::{Extend, Spectrum, SunTotal, solar_e490};
 use crate::units::{AU_M, MARS_RADIUS_M, SUN_RADIUS_M, TSI_1AU_W_M2};
 
@@ -122,7 +124,7 @@ pub fn read(path: &Path, watch: Watch<'_>) -> Result<SceneFile> {
         return Err(Error::Invalid(reader.problems));
     };
     let scene = scene.check().map_err(|e| reader.placed(e))?;
-    let mesh = &scene.mesh;
+    let mesh = &scene.body.mesh;
     tracing::info!(vertices = mesh.vertices_m.len(), facets = mesh.facets.len(), "read {}", path.display());
     let unsimulated = match scene.simulable() {
         Err(Error::Unsupported { at, feature }) => Some((reader.document.at(&reader.item_of(&at)), feature)),
@@ -206,31 +208,31 @@ impl<'a> Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn scene(&mut self, toml: &SceneToml) -> Option<Scene> {
+    fn scene(&mut self, toml: &SceneToml) -> Option<Parts> {
         let mut dictionary = self.dictionary(&toml.materials);
         let mesh = self.meshes(&toml.mesh, &mut dictionary);
         let by_angles = toml.geometry.as_ref().map(|geometry| self.by_angles(geometry)).unwrap_or_default();
         let sun = self.sun(&toml.sun, by_angles.sun);
         let mars = toml.mars.as_ref().map(|mars| self.mars(mars));
+        let mars_light = toml.mars.as_ref().map(|mars| self.mars_light(mars)).unwrap_or_default();
         let thermal = self.thermal(toml.thermal.as_ref());
         let pose = self.camera_pose(toml.observer.as_ref(), by_angles.camera);
-        let sensor = self.sensor(&toml.sensor, pose, mesh.as_ref());
-        if let (Some(mesh), Some(sensor)) = (&mesh, &sensor) {
-            self.suspect_scale(&toml.mesh, mesh, &sensor.camera);
+        let exposure = self.exposure(&toml.sensor, pose, mesh.as_ref());
+        if let (Some(mesh), Some(exposure)) = (&mesh, &exposure) {
+            self.suspect_scale(&toml.mesh, mesh, &exposure.camera);
         }
         let textures = self.textures(toml, &dictionary.names, mesh.as_ref());
-        Some(Scene {
-            origin_m: self.origin_m,
-            mesh: mesh?,
-            materials: dictionary.materials?,
-            textures,
-            sun: sun?,
-            mars: match mars {
-                Some(mars) => Some(mars?),
-                None => None,
+        Some(Parts {
+            surface: Surface { origin_m: self.origin_m, mesh: mesh?, materials: dictionary.materials?, textures },
+            sky: Sky {
+                sun: sun?,
+                mars: match mars {
+                    Some(mars) => Some(mars?),
+                    None => None,
+                },
             },
-            thermal,
-            sensor: sensor?,
+            exposure: exposure?,
+            models: Models { thermal, mars_light },
         })
     }
 
@@ -562,14 +564,6 @@ impl Reader<'_> {
             }
             None => Some(self.default("mars.thermal_exitance_w_m2", MARS_THERMAL_EXITANCE_W_M2)),
         };
-        let model = match toml.model {
-            Some(MarsModelToml::Thesis) => MarsModel::Thesis,
-            Some(MarsModelToml::NearField) => MarsModel::NearField,
-            None => {
-                self.stated("mars.model", "near_field");
-                MarsModel::NearField
-            }
-        };
         let centre_m = DVec3::from_array(toml.position_m) - self.origin_m;
         if centre_m.length() <= radius_m? {
             let message = format!("the origin is {:.0} m from the centre of Mars, inside it", centre_m.length());
@@ -582,8 +576,18 @@ impl Reader<'_> {
             reflectance: reflectance?,
             bond_albedo: bond_albedo?,
             thermal_exitance_w_m2: thermal_exitance_w_m2?,
-            model,
         })
+    }
+
+    fn mars_light(&mut self, toml: &MarsToml) -> MarsModel {
+        match toml.model {
+            Some(MarsModelToml::Thesis) => MarsModel::Thesis,
+            Some(MarsModelToml::NearField) => MarsModel::NearField,
+            None => {
+                self.stated("mars.model", "near_field");
+                MarsModel::NearField
+            }
+        }
     }
 
     fn thermal(&mut self, toml: Option<&ThermalToml>) -> Thermal {
@@ -614,7 +618,7 @@ impl Reader<'_> {
         of_material.unwrap_or(item)
     }
 
-    /// What [`Scene::check`] found, with the places of the items it names.
+    /// What [`Parts::check`] found, with the places of the items it names.
     fn placed(&self, error: Error) -> Error {
         let Error::Invalid(problems) = error else { return error };
         let placed = problems.into_iter().map(|problem| {

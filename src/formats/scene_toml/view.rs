@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3};
 use crate::error::number;
 use crate::formats::response_csv;
 use crate::geometry::{Direction, Mesh, Pose};
-use crate::scene::{FrameCamera, LEAST_PITCH, Sensor};
+use crate::scene::{Exposure, FrameCamera, LEAST_PITCH};
 use crate::spectral::{Band, Response, Spectrum};
 
 use super::Reader;
@@ -32,7 +32,7 @@ const TOLD: usize = 20;
 
 impl Reader<'_> {
     /// The sensor, at a pose that is `None` if what is wrong with it has been told.
-    pub(super) fn sensor(&mut self, toml: &SensorToml, pose: Option<Pose>, mesh: Option<&Mesh>) -> Option<Sensor> {
+    pub(super) fn exposure(&mut self, toml: &SensorToml, pose: Option<Pose>, mesh: Option<&Mesh>) -> Option<Exposure> {
         let preset = toml.preset == Some(Preset::Macromega);
         let samples = self.given("sensor.samples", toml.samples, preset.then_some(256));
         let lines = self.given("sensor.lines", toml.lines, preset.then_some(256));
@@ -84,7 +84,7 @@ impl Reader<'_> {
             return None;
         }
         let camera = FrameCamera { world_from_sensor: pose?, samples, lines, pitch, boresight_px };
-        Some(Sensor { name, camera, bands: bands? })
+        Some(Exposure { instrument: name, camera, bands: bands? })
     }
 
     fn given(&mut self, item: &str, value: Option<u32>, preset: Option<u32>) -> Option<u32> {

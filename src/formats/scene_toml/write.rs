@@ -123,7 +123,7 @@ fn names(scene: &Scene) -> Vec<String> {
         }
         name
     };
-    scene.materials.iter().map(|material| plain(&material.name)).map(unique).collect()
+    scene.body.materials.iter().map(|material| plain(&material.name)).map(unique).collect()
 }
 
 struct Writer<'a> {
@@ -242,27 +242,27 @@ impl Writer<'_> {
         let scene = self.scene;
         let mut text = String::new();
         // Writing to a string does not fail.
-        let _ = writeln!(text, "mmxrt_scene = 1\norigin_m = {}\n", list(scene.origin_m));
+        let _ = writeln!(text, "mmxrt_scene = 1\norigin_m = {}\n", list(scene.body.origin_m));
         let obj = self.mesh()?;
         let _ = writeln!(text, "[[mesh]]\nobj = {}", quoted(&obj));
         let is_site = self.options.axes == Axes::Site;
         if is_site {
             text.push_str("pose = \"radial\"\n");
         }
-        for (i, material) in scene.materials.iter().enumerate() {
+        for (i, material) in scene.body.materials.iter().enumerate() {
             text += &self.material(i, material)?;
         }
         text += &self.sun()?;
         text += &self.mars()?;
-        let model = match scene.thermal {
+        let model = match scene.models.thermal {
             Thermal::Equilibrium => "equilibrium",
             Thermal::Thesis => "thesis",
             Thermal::Off => "off",
         };
-        if !self.is_left_out("thermal.model", scene.thermal == Thermal::Equilibrium) {
+        if !self.is_left_out("thermal.model", scene.models.thermal == Thermal::Equilibrium) {
             let _ = writeln!(text, "\n[thermal]\nmodel = \"{model}\"");
         }
-        let pose = &scene.sensor.camera.world_from_sensor;
+        let pose = &scene.exposure.camera.world_from_sensor;
         let _ = match is_site {
             true => writeln!(
                 text,
@@ -274,7 +274,7 @@ impl Writer<'_> {
                 text,
                 "\n{}[observer]\nposition_m = {}",
                 self.comment("observer"),
-                absolute(pose.translation_m, scene.origin_m)
+                absolute(pose.translation_m, scene.body.origin_m)
             ),
         };
         let axes = [("h", pose.rotation.x_axis), ("v", pose.rotation.y_axis), ("u", pose.rotation.z_axis)];
@@ -287,13 +287,13 @@ impl Writer<'_> {
 
     /// The mesh and the names of its materials; gives the name of the OBJ.
     fn mesh(&mut self) -> Result<String> {
-        let mesh = &self.scene.mesh;
+        let mesh = &self.scene.body.mesh;
         let lost = obj::faces_lost(mesh);
         if lost > 0 {
             let message = format!("{lost} faces of more than three corners become triangles");
             self.note(Fate::Dropped, "mesh", message);
         }
-        for (material, name) in self.scene.materials.iter().zip(self.names.clone()) {
+        for (material, name) in self.scene.body.materials.iter().zip(self.names.clone()) {
             if material.name != name {
                 let message = format!("is called {name:?}: such names must be different, and can have no other signs");
                 self.note(Fate::Approximated, format!("materials.{:?}", material.name), message);
@@ -373,7 +373,7 @@ impl Writer<'_> {
         if material.mixture == [(i, 1.0)] {
             return Some(Vec::new());
         }
-        let part = |&(part, share): &(usize, f64)| Some((share, self.scene.materials.get(part)?));
+        let part = |&(part, share): &(usize, f64)| Some((share, self.scene.body.materials.get(part)?));
         material.mixture.iter().map(part).collect()
     }
 
@@ -382,7 +382,7 @@ impl Writer<'_> {
         if material.mixture == [(i, 1.0)] {
             return None;
         }
-        let of = |&(part, share): &(usize, f64)| Some((share, &self.scene.materials.get(part)?.reflectance));
+        let of = |&(part, share): &(usize, f64)| Some((share, &self.scene.body.materials.get(part)?.reflectance));
         let parts: Option<Vec<_>> = material.mixture.iter().map(of).collect();
         let mixed = parts.and_then(|parts| Spectrum::mixture(&parts)).filter(|mixed| {
             mixed.wavelength_um() == material.reflectance.wavelength_um()
@@ -416,7 +416,7 @@ impl Writer<'_> {
     }
 
     fn sun(&mut self) -> Result<String> {
-        let sun = &self.scene.sun;
+        let sun = &self.scene.sky.sun;
         let au = exact(sun.distance_m / AU_M, |au| au * AU_M, sun.distance_m);
         let direction = list(sun.direction.vec());
         let frame = if self.options.axes == Axes::Site { "frame = \"site\"\n" } else { "" };
@@ -451,7 +451,7 @@ impl Writer<'_> {
     /// Notes a total that is not that of the spectrum as it is written.
     fn total_irradiance(&mut self, written: Option<f64>) {
         let written = written.unwrap_or_else(|| SunTotal::of(solar_e490()).w_m2());
-        let total = self.scene.sun.total_irradiance_1au_w_m2;
+        let total = self.scene.sky.sun.total_irradiance_1au_w_m2;
         if (written / total - 1.0).abs() > SAME {
             let message = format!("{written} W m-2, the integral of the spectrum, instead of {total}");
             self.note(Fate::Approximated, "sun.total_irradiance_w_m2", message);
@@ -465,7 +465,7 @@ impl Writer<'_> {
         }
         self.note(Fate::Approximated, item, "is known where the bands look, instead of everywhere");
         let supports =
-            self.scene.sensor.bands.iter().map(|band| band.support_within_um(self.scene.known_um(band.light)));
+            self.scene.exposure.bands.iter().map(|band| band.support_within_um(self.scene.known_um(band.light)));
         let ends = supports.fold((f64::INFINITY, 0.0_f64), |(a, b), (low, high)| (a.min(low), b.max(high)));
         let mut um = spectrum.wavelength_um().to_vec();
         um.extend([ends.0, ends.1].into_iter().filter(|um| *um > 0.0));
@@ -476,8 +476,8 @@ impl Writer<'_> {
     }
 
     fn mars(&mut self) -> Result<String> {
-        let Some(mars) = &self.scene.mars else { return Ok(String::new()) };
-        let mut text = format!("\n[mars]\nposition_m = {}\n", absolute(mars.centre_m, self.scene.origin_m));
+        let Some(mars) = &self.scene.sky.mars else { return Ok(String::new()) };
+        let mut text = format!("\n[mars]\nposition_m = {}\n", absolute(mars.centre_m, self.scene.body.origin_m));
         let albedo = constant(&mars.reflectance);
         if !self.is_left_out("mars.albedo", albedo == Some(MARS_ALBEDO)) {
             let albedo = match albedo {
@@ -499,22 +499,22 @@ impl Writer<'_> {
                 let _ = writeln!(text, "{key} = {value:?}");
             }
         }
-        let model = match mars.model {
+        let model = match self.scene.models.mars_light {
             MarsModel::NearField => "near_field",
             MarsModel::Thesis => "thesis",
         };
-        if !self.is_left_out("mars.model", mars.model == MarsModel::NearField) {
+        if !self.is_left_out("mars.model", self.scene.models.mars_light == MarsModel::NearField) {
             let _ = writeln!(text, "model = \"{model}\"");
         }
         Ok(text)
     }
 
     fn sensor(&mut self) -> Result<String> {
-        let sensor = &self.scene.sensor;
+        let sensor = &self.scene.exposure;
         let camera = &sensor.camera;
         let mut text = format!("\n{}[sensor]\n", self.comment("sensor"));
-        if !self.is_left_out("sensor.name", sensor.name == SENSOR_NAME) {
-            let _ = writeln!(text, "name = {}", quoted(&sensor.name));
+        if !self.is_left_out("sensor.name", sensor.instrument == SENSOR_NAME) {
+            let _ = writeln!(text, "name = {}", quoted(&sensor.instrument));
         }
         let _ = writeln!(text, "samples = {}\nlines = {}", camera.samples, camera.lines);
         let ifov_mrad = 1e3 * camera.ifov_rad();
@@ -533,7 +533,7 @@ impl Writer<'_> {
     }
 
     fn bands(&mut self) -> Result<String> {
-        let bands = &self.scene.sensor.bands;
+        let bands = &self.scene.exposure.bands;
         let mut text = String::from("\n[sensor.bands]\n");
         let tables: Vec<(&str, &Spectrum)> =
             bands.iter().filter_map(|b| Some((b.name.as_str(), b.response.table()?))).collect();

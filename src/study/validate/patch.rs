@@ -5,11 +5,12 @@ use glam::{DMat3, DVec3};
 use crate::geometry::{Direction, MaterialId, Mesh, Pose};
 use crate::product::{Backplanes, FacetTable};
 use crate::progress::unwatched;
-use crate::scene::{FrameCamera, Mars, MarsModel, Material, Photometry, Scene, Sensor, Sun, Thermal};
+use crate::scene::{
+    Exposure, FrameCamera, Mars, Material, Models, Parts, Photometry, Scene, Sky, Sun, Surface, Thermal,
+};
 use crate::spectral::{Band, Spectrum};
 use crate::study::{observe, simulate};
 use crate::units::AU_M;
-use crate::visibility::Topology;
 
 /// A square metre at the origin, and what lights and sees it. Spectra are the same at all wavelengths.
 #[derive(Debug, Clone)]
@@ -72,12 +73,11 @@ impl Patch {
     /// The same, of a patch without light and with this temperature.
     pub(super) fn radiance_at(&self, temperature_k: f64) -> Option<f64> {
         let scene = Patch { thermal: Thermal::Thesis, ..self.clone() }.scene()?;
-        let topology = Topology::new(&scene.mesh);
         let mut table = simulate(&scene, &unwatched).ok()?.0;
         table.sun_irradiance.fill(0.0);
         table.temperature_lit_k.fill(temperature_k);
         table.temperature_shaded_k.fill(temperature_k);
-        Some(observe(&scene, &topology, &table, &unwatched).ok()?.cube.band(0)[0])
+        Some(observe(&scene, &table, &unwatched).ok()?.cube.band(0)[0])
     }
 
     /// The planes of that pixel.
@@ -104,36 +104,39 @@ impl Patch {
             reflectance: Spectrum::constant(1.0),
             bond_albedo: 1.0,
             thermal_exitance_w_m2: 0.0,
-            model: MarsModel::NearField,
         });
-        let scene = Scene {
-            origin_m: self.origin_m,
-            mesh,
-            materials: vec![Material {
-                name: "patch".to_owned(),
-                reflectance: Spectrum::constant(self.reflectance),
-                photometry: Photometry::Lambert,
-                emissivity: Spectrum::constant(self.emissivity),
-                bond_albedo: self.bond_albedo,
-                emissivity_bolometric: self.emissivity_bolometric,
-                mixture: vec![(0, 1.0)],
-            }],
-            textures: vec![],
-            sun: Sun {
-                direction: Direction::new(self.sun)?,
-                distance_m: self.sun_distance_m,
-                irradiance_1au: Spectrum::constant(self.irradiance_1au),
-                total_irradiance_1au_w_m2: self.total_irradiance_1au_w_m2,
+        let parts = Parts {
+            surface: Surface {
+                origin_m: self.origin_m,
+                mesh,
+                materials: vec![Material {
+                    name: "patch".to_owned(),
+                    reflectance: Spectrum::constant(self.reflectance),
+                    photometry: Photometry::Lambert,
+                    emissivity: Spectrum::constant(self.emissivity),
+                    bond_albedo: self.bond_albedo,
+                    emissivity_bolometric: self.emissivity_bolometric,
+                    mixture: vec![(0, 1.0)],
+                }],
+                textures: vec![],
             },
-            mars,
-            thermal: self.thermal,
-            sensor: Sensor {
-                name: "frame camera".to_owned(),
+            sky: Sky {
+                sun: Sun {
+                    direction: Direction::new(self.sun)?,
+                    distance_m: self.sun_distance_m,
+                    irradiance_1au: Spectrum::constant(self.irradiance_1au),
+                    total_irradiance_1au_w_m2: self.total_irradiance_1au_w_m2,
+                },
+                mars,
+            },
+            exposure: Exposure {
+                instrument: "frame camera".to_owned(),
                 camera: camera(self.observer_m, 1, 0.1 / self.observer_m.length())?,
                 bands: vec![Band::new(self.wavelength_um, None)],
             },
+            models: Models { thermal: self.thermal, ..Models::default() },
         };
-        scene.check().ok()
+        parts.check().ok()
     }
 }
 

@@ -9,14 +9,13 @@ use super::{By, Row, Verdict, patch};
 use crate::error::{Error, Location, Result};
 use crate::geometry::{Direction, MaterialId, Mesh, Pose};
 use crate::integrate;
-use crate::product::{Lit, Sunlit};
 use crate::progress::unwatched;
-use crate::scene::{FrameCamera, Material, Photometry, Scene, Sensor, Sun, Thermal};
-use crate::solve;
+use crate::scene::{Exposure, FrameCamera, Material, Models, Parts, Photometry, Sky, Sun, Surface, Thermal};
 use crate::spectral::{Band, Spectrum, solar_e490};
 use crate::study::simulate;
 use crate::units::AU_M;
 use crate::visibility::Topology;
+use crate::visibility::{Seen, Shown};
 
 /// Table I of Domagala (2020): spacecraft, Sun and target in the body-fixed frame of Phobos, m.
 const SPACECRAFT_M: DVec3 = DVec3::new(-20159.4581, 87145.4911, 3.7671);
@@ -102,7 +101,7 @@ fn shadow_of_a_box(incidence_deg: f64) -> Result<Row> {
     let (sin, cos) = incidence_deg.to_radians().sin_cos();
     let (sin_azimuth, cos_azimuth) = 33f64.to_radians().sin_cos();
     let towards = direction(DVec3::new(sin * cos_azimuth, sin * sin_azimuth, cos))?;
-    let sunlit = solve::sunlit(&scene, &Topology::new(&scene), towards, &unwatched)?;
+    let sunlit = Seen::from_afar(&scene, &Topology::new(&scene), towards, "sunlight", &unwatched)?;
     let dark_m2 = (0..2).map(|f| (1.0 - sunlit.fraction(f)) * scene.facet(f as usize).area_m2()).sum();
     let [x, y, _] = (high_m - low_m).to_array();
     // The foot, swept by height x tan i along the Sun's azimuth.
@@ -119,7 +118,7 @@ pub(super) fn coverage(polygon: &[[f64; 2]], columns: u32, rows: u32) -> Vec<Vec
     let corners_m: Vec<DVec3> = polygon.iter().map(|[x, y]| DVec3::new(x - x0, y - y0, 1.0)).collect();
     let fan: Vec<[u32; 3]> = (2..corners_m.len() as u32).map(|i| [0, i - 1, i]).collect();
     let mesh = mesh(&corners_m, &fan);
-    let dark = Sunlit { lit: vec![Lit::Dark; fan.len()], polygon_start: vec![0], ..Sunlit::default() };
+    let dark = Seen { shown: vec![Shown::Nothing; fan.len()], polygon_start: vec![0], ..Seen::default() };
     let footprints = integrate::footprints(&mesh, &Topology::new(&mesh), &dark, &camera);
     let (columns, rows) = (columns as usize, rows as usize);
     (0..rows).map(|row| (0..columns).map(|column| footprints.coverage(row * columns + column)).collect()).collect()
@@ -137,17 +136,13 @@ fn look(mesh: Mesh, reflectance: f64, sun: Sun, camera: FrameCamera) -> Result<V
         mixture: vec![(0, 1.0)],
     };
     let bands = vec![Band::new(1.0, None)];
-    let scene = Scene {
-        origin_m: TARGET_M,
-        mesh,
-        materials: vec![material],
-        textures: vec![],
-        sun,
-        mars: None,
-        thermal: Thermal::Off,
-        sensor: Sensor { name: "frame camera".to_owned(), camera, bands },
+    let parts = Parts {
+        surface: Surface { origin_m: TARGET_M, mesh, materials: vec![material], textures: vec![] },
+        sky: Sky { sun, mars: None },
+        exposure: Exposure { instrument: "frame camera".to_owned(), camera, bands },
+        models: Models { thermal: Thermal::Off, ..Models::default() },
     };
-    let (_, observation) = simulate(&scene.check()?, &unwatched)?;
+    let (_, observation) = simulate(&parts.check()?, &unwatched)?;
     Ok(observation.cube.band(0))
 }
 

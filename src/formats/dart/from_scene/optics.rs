@@ -8,7 +8,7 @@ use glam::DVec3;
 use crate::error::Location;
 use crate::geometry::Direction;
 use crate::physics::{blackbody, heat, mars, sun};
-use crate::scene::{Mars, MarsModel, Material, Photometry, Scene, Sun, Thermal};
+use crate::scene::{Mars, MarsModel, Material, Photometry, Scene, Setup, Sun, Thermal};
 use crate::spectral::{ALL_UM, Band, Column, Light, SpectralLibrary, Spectrum};
 
 use super::super::database::Kind;
@@ -40,16 +40,16 @@ pub(super) fn band_mean(band: &Band, factors: &[&Spectrum]) -> f64 {
 }
 
 /// Zenith angle and azimuth of the Sun in DART's frame, deg; `None` below the horizon of the site, where DART has no Sun.
-pub(in super::super) fn sun_deg(scene: &Scene) -> Option<[f64; 2]> {
-    let angles_deg = frame::angles_deg(frame::dart_from_body(scene.origin_m) * scene.sun.direction.vec());
+pub(in super::super) fn sun_deg(scene: &Setup) -> Option<[f64; 2]> {
+    let angles_deg = frame::angles_deg(frame::dart_from_body(scene.body.origin_m) * scene.sky.sun.direction.vec());
     Some(angles_deg).filter(|[zenith_deg, _]| *zenith_deg < 90.0)
 }
 
 /// Irradiance of the Sun on a plane normal to its beam, at the body, in each band, W m-2 um-1; none from below the horizon.
-pub(super) fn sunlight(scene: &Scene) -> Vec<f64> {
+pub(super) fn sunlight(scene: &Setup) -> Vec<f64> {
     match sun_deg(scene) {
-        Some(_) => irradiance(&scene.sun, &scene.sensor.bands),
-        None => vec![0.0; scene.sensor.bands.len()],
+        Some(_) => irradiance(&scene.sky.sun, &scene.exposure.bands),
+        None => vec![0.0; scene.exposure.bands.len()],
     }
 }
 
@@ -69,7 +69,7 @@ pub(in super::super) fn width_um(band: &Band) -> f64 {
 
 /// First and last wavelength that DART looks at, um.
 fn reach_um(scene: &Scene) -> (f64, f64) {
-    let ends = scene.sensor.bands.iter().map(|band| {
+    let ends = scene.exposure.bands.iter().map(|band| {
         let (lo, hi) = band.support_within_um(scene.known_um(band.light));
         let half = 0.5 * width_um(band);
         (lo.min(band.centre_um - half), hi.max(band.centre_um + half))
@@ -97,14 +97,14 @@ pub(in super::super) fn tabulated(spectra: &[&Spectrum], (first_um, last_um): (f
 
 /// Names of the materials, then of the ground: for people, and of a table. No two are the same, whatever their case; the prefix keeps
 /// tables apart from words of SQL.
-pub(super) fn unique_names(scene: &Scene) -> Vec<(String, String)> {
+pub(super) fn unique_names(scene: &Setup) -> Vec<(String, String)> {
     let (mut idents, mut models) = (BTreeSet::new(), BTreeSet::new());
     let unused = |taken: &mut BTreeSet<String>, wanted: String| {
         let numbered = (2..).map(|i: u64| format!("{wanted}_{i}"));
         let mut names = std::iter::once(wanted.clone()).chain(numbered);
         names.find(|name| taken.insert(name.clone())).unwrap_or(wanted)
     };
-    let names = scene.materials.iter().map(|m| m.name.as_str()).chain([SKY]);
+    let names = scene.body.materials.iter().map(|m| m.name.as_str()).chain([SKY]);
     let both = names.map(|name| {
         let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' };
         let model = format!("mmxrt_{}", name.chars().map(plain).collect::<String>());
@@ -136,9 +136,9 @@ fn database(kind: OpticalKind) -> (&'static str, &'static [&'static str]) {
 /// Optical properties: the materials in the dictionary's order, then the ground's.
 pub(super) fn optical(scene: &Scene, names: &[(String, String)]) -> Vec<OpticalProperty> {
     // Only its transmittances count, which are 0.
-    let opaque = (DATABASES[0].1.to_owned(), names[scene.materials.len()].1.clone());
+    let opaque = (DATABASES[0].1.to_owned(), names[scene.body.materials.len()].1.clone());
     let entry = |(i, (ident, model)): (usize, &(String, String))| {
-        let material = scene.materials.get(i);
+        let material = scene.body.materials.get(i);
         let kind = material.map_or(OpticalKind::Lambertian, |m| spectra(m).0);
         OpticalProperty {
             kind,
@@ -157,7 +157,7 @@ pub(super) fn databases(scene: &Scene, names: &[(String, String)]) -> Vec<(Strin
     let reach_um = reach_um(scene);
     let black = Spectrum::constant(0.0);
     let sky = (OpticalKind::Lambertian, vec![&black]);
-    let all: Vec<_> = scene.materials.iter().map(spectra).chain([sky]).collect();
+    let all: Vec<_> = scene.body.materials.iter().map(spectra).chain([sky]).collect();
     let table = |i: usize| {
         let (kind, spectra) = &all[i];
         let (wavelength_um, mut columns) = tabulated(spectra, reach_um);
@@ -167,7 +167,7 @@ pub(super) fn databases(scene: &Scene, names: &[(String, String)]) -> Vec<(Strin
         let columns = names_of_columns.iter().zip(columns);
         SpectralLibrary {
             name: names[i].1.clone(),
-            comment: match scene.materials.get(i) {
+            comment: match scene.body.materials.get(i) {
                 Some(material) => format!("{}: written by mmxrt, reflectance in percent", material.name),
                 None => "a black ground that stands for the sky: written by mmxrt".into(),
             },
@@ -183,36 +183,36 @@ pub(super) fn databases(scene: &Scene, names: &[(String, String)]) -> Vec<(Strin
 /// The links of each material, then of the ground, which neither reflects nor glows.
 pub(super) fn links(scene: &Scene, names: &[(String, String)]) -> Vec<Links> {
     let kinds: Vec<OpticalKind> =
-        scene.materials.iter().map(|m| spectra(m).0).chain([OpticalKind::Lambertian]).collect();
+        scene.body.materials.iter().map(|m| spectra(m).0).chain([OpticalKind::Lambertian]).collect();
     let one = |(i, (ident, _)): (usize, &(String, String))| Links {
         kind: kinds[i] as u32,
         index: kinds[..i].iter().filter(|k| **k == kinds[i]).count() as u32,
         ident: ident.clone(),
         thermal_index: i as u32,
         thermal_ident: format!("T_{ident}"),
-        at: Location::item(if i < scene.materials.len() { "mesh" } else { "ground" }),
+        at: Location::item(if i < scene.body.materials.len() { "mesh" } else { "ground" }),
     };
     names.iter().enumerate().map(one).collect()
 }
 
 /// Temperatures, one for each material and one for the ground: DART makes T^4 linear in sunlight between the two ends, as the
 /// equilibrium is. The cold end is a surface without sunlight (that faces up, under Mars), the hot one the facet that faces the Sun most.
-pub(in super::super) fn thermal_functions(scene: &Scene) -> Vec<ThermalFunction> {
-    let towards = scene.sun.direction.vec();
-    let facets = 0..scene.mesh.facets.len();
+pub(in super::super) fn thermal_functions(scene: &Setup) -> Vec<ThermalFunction> {
+    let towards = scene.sky.sun.direction.vec();
+    let facets = 0..scene.body.mesh.facets.len();
     let most = match sun_deg(scene) {
-        Some(_) => facets.map(|f| scene.mesh.facet(f).normal().dot(towards)).fold(0.0, f64::max).min(1.0),
+        Some(_) => facets.map(|f| scene.body.mesh.facet(f).normal().dot(towards)).fold(0.0, f64::max).min(1.0),
         None => 0.0,
     };
-    let sun_w_m2 = sun::irradiance_at(scene.sun.total_irradiance_1au_w_m2, scene.sun.distance_m);
-    let up = Direction::new(scene.origin_m).map_or(DVec3::Z, Direction::vec);
-    let from_mars = scene.mars.as_ref().map(|mars| {
+    let sun_w_m2 = sun::irradiance_at(scene.sky.sun.total_irradiance_1au_w_m2, scene.sky.sun.distance_m);
+    let up = Direction::new(scene.body.origin_m).map_or(DVec3::Z, Direction::vec);
+    let from_mars = scene.sky.mars.as_ref().map(|mars| {
         let (distance_m, cos_tilt) = (mars.centre_m.length(), up.dot(mars.centre_m) / mars.centre_m.length());
         let heat = mars.thermal_exitance_w_m2 * mars::uniform_sphere_form_factor(mars.radius_m / distance_m, cos_tilt);
-        (mars.bond_albedo * on_facet_from_mars(mars, up, towards) * sun_w_m2, heat)
+        (mars.bond_albedo * on_facet_from_mars(mars, scene.models.mars_light, up, towards) * sun_w_m2, heat)
     });
     let (reflected_w_m2, heat_w_m2) = from_mars.unwrap_or_default();
-    let ends_k = |bond_albedo: f64, emissivity: f64| match scene.thermal {
+    let ends_k = |bond_albedo: f64, emissivity: f64| match scene.models.thermal {
         Thermal::Off => (0.0, 0.0),
         Thermal::Thesis => (heat::thesis_temperature_k(0.0), heat::thesis_temperature_k(most)),
         Thermal::Equilibrium => {
@@ -231,13 +231,13 @@ pub(in super::super) fn thermal_functions(scene: &Scene) -> Vec<ThermalFunction>
     let of_material = |(m, (ident, _)): (&Material, &(String, String))| {
         function(format!("T_{ident}"), ends_k(m.bond_albedo, m.emissivity_bolometric), "thermal")
     };
-    let ground = function(format!("T_{}", names[scene.materials.len()].0), (0.0, 0.0), "ground");
-    scene.materials.iter().zip(&names).map(of_material).chain([ground]).collect()
+    let ground = function(format!("T_{}", names[scene.body.materials.len()].0), (0.0, 0.0), "ground");
+    scene.body.materials.iter().zip(&names).map(of_material).chain([ground]).collect()
 }
 
 /// Mars-light on a facet at the origin: E / (reflectance of Mars x solar irradiance normal to the beam).
-pub(super) fn on_facet_from_mars(mars: &Mars, normal: DVec3, towards_sun: DVec3) -> f64 {
-    match mars.model {
+pub(super) fn on_facet_from_mars(mars: &Mars, model: MarsModel, normal: DVec3, towards_sun: DVec3) -> f64 {
+    match model {
         MarsModel::NearField => mars::irradiance(mars.centre_m, mars.radius_m, normal, towards_sun),
         MarsModel::Thesis => {
             let distance_m = mars.centre_m.length();
@@ -247,7 +247,7 @@ pub(super) fn on_facet_from_mars(mars: &Mars, normal: DVec3, towards_sun: DVec3)
 }
 
 /// Bands, each with sunlight, heat, or both; where a band has both, as matters at the scene's highest temperature.
-pub(in super::super) fn intervals(scene: &Scene, thermal: &[ThermalFunction]) -> Vec<SpectralInterval> {
+pub(in super::super) fn intervals(scene: &Setup, thermal: &[ThermalFunction]) -> Vec<SpectralInterval> {
     let sunlight = sunlight(scene);
     let one = |(i, band): (usize, &Band)| {
         let um = band.centre_um;
@@ -256,7 +256,7 @@ pub(in super::super) fn intervals(scene: &Scene, thermal: &[ThermalFunction]) ->
         let (first_um, last_um) = scene.known_um(band.light);
         let half_um = 0.5 * width_um(band);
         let points_um = [(um - half_um).max(first_um), um, (um + half_um).min(last_um)];
-        for (material, function) in scene.materials.iter().zip(thermal) {
+        for (material, function) in scene.body.materials.iter().zip(thermal) {
             let hot_k = function.mean_k + 0.5 * function.range_k;
             let at = |um: f64| {
                 let value = |s: &Spectrum| s.at(um).unwrap_or(0.0);
@@ -283,20 +283,20 @@ pub(in super::super) fn intervals(scene: &Scene, thermal: &[ThermalFunction]) ->
             at: Location::item(format!("sensor.bands[{i}]")),
         }
     };
-    scene.sensor.bands.iter().enumerate().map(one).collect()
+    scene.exposure.bands.iter().enumerate().map(one).collect()
 }
 
 /// How far what is reflected in a band is off if its response is a rectangle in DART, at most of all materials, relative: the
 /// irradiance is that of the response, reflectances are DART's own.
 pub(super) fn rectangle_off(scene: &Scene, band: &Band) -> f64 {
     let rectangle = Band::boxed(band.centre_um, width_um(band));
-    let sun = &scene.sun.irradiance_1au;
+    let sun = &scene.sky.sun.irradiance_1au;
     let off = |m: &Material| {
         let as_in_dart = band_mean(band, &[sun]) * band_mean(&rectangle, &[&m.reflectance]);
         (as_in_dart / band_mean(band, &[sun, &m.reflectance]) - 1.0).abs()
     };
     // Where nothing is known, or nothing is reflected, nothing can be said.
-    scene.materials.iter().map(off).filter(|off| off.is_finite()).fold(0.0, f64::max)
+    scene.body.materials.iter().map(off).filter(|off| off.is_finite()).fold(0.0, f64::max)
 }
 
 /// How far a Lambert surface's emissivity is from 1 - reflectance, at most, in bands that have heat.
@@ -306,7 +306,7 @@ pub(super) fn emissivity_off(scene: &Scene, material: &Material, intervals: &[Sp
         let um = band.centre_um;
         (value(&material.emissivity, um) - (1.0 - value(&material.reflectance, um))).abs()
     };
-    let bands = scene.sensor.bands.iter().zip(intervals);
+    let bands = scene.exposure.bands.iter().zip(intervals);
     bands
         .filter(|(_, i)| i.mode != 0 && material.photometry == Photometry::Lambert)
         .map(|(b, _)| off(b))

@@ -2,13 +2,13 @@
 
 use crate::geometry::Mesh;
 
-use super::Surface;
+use super::ObjectMesh;
 
 /// As many groups of an OBJ file can be told apart.
 pub(super) const GROUPS: usize = 676;
 
 /// The surface as OBJ files, each with a group for each of its materials; one file unless there are more than [`GROUPS`].
-pub(super) fn surfaces(mesh: Mesh, materials: usize) -> Vec<Surface> {
+pub(super) fn surfaces(mesh: Mesh, materials: usize) -> Vec<ObjectMesh> {
     let mut is_used = vec![false; materials];
     mesh.material.iter().for_each(|m| is_used[m.0 as usize] = true);
     let used: Vec<usize> = (0..materials).filter(|m| is_used[*m]).collect();
@@ -19,11 +19,11 @@ pub(super) fn surfaces(mesh: Mesh, materials: usize) -> Vec<Surface> {
         groups
     };
     if used.len() <= GROUPS {
-        return vec![Surface { groups: groups(&used), mesh }];
+        return vec![ObjectMesh { groups: groups(&used), mesh }];
     }
     let part = |batch: &[usize]| {
         let groups = groups(batch);
-        Surface { mesh: part(&mesh, |material| !groups[material].is_empty()), groups }
+        ObjectMesh { mesh: part(&mesh, |material| !groups[material].is_empty()), groups }
     };
     used.chunks(GROUPS).map(part).collect()
 }

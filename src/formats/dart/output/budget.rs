@@ -13,7 +13,7 @@ use crate::formats::input;
 use crate::geometry::coplanar::{self, Overlaps};
 use crate::geometry::{Facet, Pose};
 use crate::physics::reflectance;
-use crate::product::{Patches, Placement, RadianceMap, Sky, TexelSource};
+use crate::product::{Patches, Placement, RadianceMap, SkyShare, TexelSource};
 use crate::scene::Scene;
 use crate::spectral::Band;
 
@@ -100,7 +100,7 @@ pub(super) fn map(
         source: Box::new(source),
         weight: 1.0,
         light: bands.iter().map(|band| properties.light(band.number)).collect(),
-        sky: Sky::LeftOut,
+        sky: SkyShare::LeftOut,
         registration: None,
     };
     Ok((map, mismatch))
@@ -185,7 +185,7 @@ fn triangles(path: &Path, properties: &Properties) -> Result<Triangles> {
 
 /// The parts of facets that each triangle is.
 fn place(triangles: &Triangles, pose: &Pose, scene: &Scene, path: &Path) -> Result<(Patches, Mismatch)> {
-    let mesh = &scene.mesh;
+    let mesh = &scene.body.mesh;
     let of_dart = || triangles.facets.iter().flat_map(|f| f.corners_m);
     let largest = |m: f64, p: DVec3| m.max(p.abs().max_element());
     let tolerance_m = TOLERANCE * mesh.used_vertices_m().chain(of_dart()).fold(0.0, largest);

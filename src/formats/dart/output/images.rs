@@ -295,7 +295,7 @@ fn disagreement(
 
 /// Tells if no texel of an image is where the scene is.
 fn overlaps(projection: &Projection, size: [usize; 2], scene: &Scene, path: &Path) -> Result<()> {
-    let Some((low_m, high_m)) = scene.mesh.bounds_m() else { return Ok(()) };
+    let Some((low_m, high_m)) = scene.body.mesh.bounds_m() else { return Ok(()) };
     let corner = |i: usize| {
         let pick = |axis: usize| if i >> axis & 1 == 0 { low_m[axis] } else { high_m[axis] };
         projection.texel(DVec3::new(pick(0), pick(1), pick(2)))

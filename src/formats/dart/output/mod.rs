@@ -17,7 +17,7 @@ use glam::DVec3;
 
 use crate::error::{Error, Location, Problem, Result};
 use crate::geometry::{Direction, Pose};
-use crate::product::{RadianceMap, Sky};
+use crate::product::{RadianceMap, SkyShare};
 use crate::progress::Watch;
 use crate::scene::Scene;
 use crate::spectral::Band;
@@ -114,7 +114,7 @@ pub struct MapOptions {
     /// How an image's place is found.
     pub placing: Placing,
     /// What texels at the scene's rim hold.
-    pub sky: Sky,
+    pub sky: SkyShare,
 }
 
 /// How an image's place is found: oblique images of DART-FT lie beside the corners that DART prints.

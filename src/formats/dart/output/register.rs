@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::product::{Registration, ViewImage};
 use crate::progress::Watch;
 use crate::scene::Scene;
-use crate::visibility::{Drawing, Grid, Topology, View, covered};
+use crate::visibility::{Drawing, Grid, View, covered};
 
 /// What an outline tells.
 pub(super) enum Found {
@@ -79,7 +79,7 @@ struct Outline {
 
 impl Outline {
     fn draw(image: &ViewImage, valid: &[bool], scene: &Scene, watch: Watch<'_>) -> Result<Option<Outline>> {
-        let Some((View::Parallel { h, v, u, scale, offset }, _, is_mirrored)) = image.drawn(&scene.mesh) else {
+        let Some((View::Parallel { h, v, u, scale, offset }, _, is_mirrored)) = image.drawn(&scene.body.mesh) else {
             return Ok(None);
         };
         let size = [image.columns, image.rows];
@@ -98,8 +98,7 @@ impl Outline {
             scale: scale.map(cells),
             offset: offset.map(|offset| cells(offset + margin as f64)),
         };
-        let topology = Topology::new(&scene.mesh);
-        let drawing = Drawing::new(&scene.mesh, &topology, view, Grid { columns, rows });
+        let drawing = Drawing::new(&scene.body.mesh, scene.body.topology(), view, Grid { columns, rows });
         let shares = covered(&drawing, "outline of an image", |[outer, inner]| (outer + inner).min(1.0), watch)?;
         let width = columns as usize + 1;
         let mut sums = vec![0.0; width * (rows as usize + 1)];

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use crate::error::{Location, Result};
+use crate::error::Location;
 use crate::report::Fate;
-use crate::scene::Scene;
+use crate::scene::Setup;
 
 use super::super::diff::diff;
 use super::super::folder::Folder;
@@ -27,7 +27,7 @@ pub(in crate::formats) fn has_mars(folder: &Folder) -> bool {
 
 impl Reader<'_> {
     /// The scene with Mars, if there is one. A simulation in `mars/` that was edited, or is gone, wins.
-    pub(super) fn with_mars(&mut self, mut scene: Scene, place: &Place) -> Result<Scene> {
+    pub(super) fn with_mars(&mut self, mut scene: Setup, place: &Place) -> Setup {
         let item = Location::item("mars");
         let path = self.folder.simulation.join(FOLDER);
         let is_there = path.join("input").is_dir();
@@ -38,26 +38,28 @@ impl Reader<'_> {
                 );
                 self.note(Fate::Dropped, &item, message);
             }
-            return Ok(scene);
+            return scene;
         };
         if !place.is_kept {
             self.note(Fate::Dropped, &item, "the scene is elsewhere than where Mars was given for it");
-            return Ok(scene);
+            return scene;
         }
-        scene.mars = Some(mars);
+        scene.sky.mars = Some(mars);
+        scene.models.mars_light =
+            self.sidecar.as_ref().map_or(scene.models.mars_light, |sidecar| sidecar.models().mars_light);
         let expected = lit_by_mars(&scene, place.dart_from_body, self.simulation);
         let why = match (expected, is_there) {
-            (None, false) => return Ok(scene),
+            (None, false) => return scene,
             (None, true) => {
                 let message = format!(
                     "Mars is below the site's horizon, or dark: what the simulation in {FOLDER}/ holds is not read"
                 );
                 self.note(Fate::Dropped, &item, message);
-                return Ok(scene);
+                return scene;
             }
             (Some(_), false) => format!("{FOLDER}/ is not there"),
             (Some(expected), true) => match self.edited(expected, &path) {
-                None => return Ok(scene),
+                None => return scene,
                 Some(why) => format!("{FOLDER}/ is not what Mars makes of this simulation ({why})"),
             },
         };
@@ -65,8 +67,8 @@ impl Reader<'_> {
             "{why}: the scene has no Mars. To have it, convert the scene to DART again, or write `[mars]` of {FILE} into the scene file"
         );
         self.note(Fate::Dropped, &item, message);
-        scene.mars = None;
-        Ok(scene)
+        scene.sky.mars = None;
+        scene
     }
 
     /// What differs between a simulation and the one that lies at `path`, with the files that both name; `None` if nothing does.

@@ -4,9 +4,9 @@ use std::borrow::Cow;
 use std::rc::Rc;
 
 use crate::error::{Error, Location, Result};
+use crate::formats::coloured_mesh::MOST;
 use crate::formats::input::{self, Hashing};
 use crate::formats::obj::{self, ObjFile};
-use crate::formats::surface::MOST;
 use crate::geometry::{MaterialId, Mesh};
 use crate::progress::tell;
 use crate::report::{Fate, Report};

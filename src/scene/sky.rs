@@ -1,9 +1,19 @@
-//! What lights and warms the surface.
+//! What lights and warms the surface at an instant.
 
 use glam::DVec3;
 
+use crate::error::{Location, Problem};
 use crate::geometry::Direction;
-use crate::spectral::{Band, Spectrum};
+use crate::spectral::Spectrum;
+
+/// What lights a body at an instant.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sky {
+    /// The Sun.
+    pub sun: Sun,
+    /// Mars as a second source, if there is one.
+    pub mars: Option<Mars>,
+}
 
 /// The Sun: a direction and a distance, both from the scene's origin.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,16 +26,6 @@ pub struct Sun {
     pub irradiance_1au: Spectrum,
     /// Total irradiance at 1 au, for the heat balance, W m-2.
     pub total_irradiance_1au_w_m2: f64,
-}
-
-/// How Mars-light is computed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum MarsModel {
-    /// Lambert sphere near at hand: phase, tilt and horizon of each facet.
-    #[default]
-    NearField,
-    /// Domagala (2020), equations (4) to (8) as printed.
-    Thesis,
 }
 
 /// Lambert reflectance of Mars where nothing else is said.
@@ -44,30 +44,25 @@ pub struct Mars {
     pub bond_albedo: f64,
     /// Mean thermal exitance of Mars, for the heat balance, W m-2.
     pub thermal_exitance_w_m2: f64,
-    /// Which equations.
-    pub model: MarsModel,
 }
 
-/// How warm the surface is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Thermal {
-    /// Each facet in equilibrium with what it absorbs; lit and shaded parts each their own.
-    #[default]
-    Equilibrium,
-    /// Domagala (2020), equation (9): 150 K + 180 K E_sun / E_S.
-    Thesis,
-    /// No thermal emission.
-    Off,
+impl Sky {
+    /// What is wrong with it, whatever it lights.
+    pub(super) fn problems(&self) -> Vec<Problem> {
+        let mut problems = Vec::new();
+        let mut problem = |item: &str, message: String| problems.push(Problem::new(Location::item(item), message));
+        self.sun.check(&mut problem);
+        if let Some(mars) = &self.mars {
+            mars.check(&mut problem);
+        }
+        problems
+    }
 }
 
 impl Sun {
-    pub(super) fn check(&self, bands: &[Band], problem: &mut impl FnMut(&str, String)) {
+    fn check(&self, problem: &mut impl FnMut(&str, String)) {
         if !(self.distance_m > 0.0 && self.distance_m.is_finite()) {
             problem("sun", format!("distance {} m is not a positive length", self.distance_m));
-        }
-        if let Some(message) = super::uncovered("the solar spectrum", &self.irradiance_1au, bands, |b| b.light.is_lit())
-        {
-            problem("sun.spectrum", message);
         }
         if let Some(v) = self.irradiance_1au.value().iter().find(|v| **v < 0.0) {
             problem("sun.spectrum", format!("irradiance {v} is negative"));
@@ -76,14 +71,12 @@ impl Sun {
 }
 
 impl Mars {
-    pub(super) fn check(&self, bands: &[Band], problem: &mut impl FnMut(&str, String)) {
+    fn check(&self, problem: &mut impl FnMut(&str, String)) {
+        super::near_enough("mars.position_m", self.centre_m, problem);
         if !(self.radius_m > 0.0 && self.radius_m.is_finite()) {
             problem("mars.radius_m", format!("{} is not a positive length", self.radius_m));
         } else if self.centre_m.length() <= self.radius_m {
             problem("mars.position_m", "the scene lies inside Mars".into());
-        }
-        if let Some(message) = super::uncovered("albedo", &self.reflectance, bands, |b| b.light.is_lit()) {
-            problem("mars.albedo", message);
         }
     }
 }

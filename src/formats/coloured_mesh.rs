@@ -9,7 +9,7 @@ use crate::error::{Error, Location, Result};
 use crate::geometry::{Direction, MaterialId, Mesh, Pose, body_from_site, signed_solid_angle_sr};
 use crate::physics::reflectance::kirchhoff_emissivity;
 use crate::report::{Fate, Report};
-use crate::scene::{FrameCamera, Material, Photometry, Scene, Sensor, Sun, Thermal};
+use crate::scene::{Exposure, FrameCamera, Material, Models, Parts, Photometry, Scene, Sky, Sun, Surface, Thermal};
 use crate::spectral::{Band, Spectrum, solar_e490};
 use crate::units::{AU_M, TSI_1AU_W_M2};
 
@@ -24,7 +24,7 @@ pub(super) const FLAT: f64 = 1e-3;
 
 /// A mesh and what its materials are called.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Surface {
+pub struct ColouredMesh {
     /// The mesh, m, z up, local to the origin if there is one.
     pub mesh: Mesh,
     /// Its materials: names and linear colours.
@@ -68,7 +68,7 @@ pub enum NamedPose {
     Radial,
 }
 
-impl From<ObjFile> for Surface {
+impl From<ObjFile> for ColouredMesh {
     /// As the file has it: metres, z up.
     fn from(obj: ObjFile) -> Self {
         let mesh = Mesh {
@@ -78,7 +78,7 @@ impl From<ObjFile> for Surface {
             face_of_facet: obj.face_of_facet,
             uv: obj.uv,
         };
-        Surface { mesh, materials: obj.materials, origin_m: None, sun: None }
+        ColouredMesh { mesh, materials: obj.materials, origin_m: None, sun: None }
     }
 }
 
@@ -89,22 +89,22 @@ const PIXELS: u32 = 256;
 /// The camera's distance from the middle of the mesh, in its radii.
 const AWAY: f64 = 10.0;
 
-impl Surface {
+impl ColouredMesh {
     /// The surface of a scene; what of it has no place in a mesh is noted.
     pub fn of_scene(scene: &Scene, path: &Path, report: &mut Report) -> Self {
         let mut dropped =
             |item: &str, what: &str| report.note(Fate::Dropped, Location::file(path).with_item(item), what);
         dropped("materials", "spectra and what else is known of materials: only their names stay");
         dropped("sun", "where it is, and its spectrum");
-        if scene.mars.is_some() {
+        if scene.sky.mars.is_some() {
             dropped("mars", "where it is, and what it reflects");
         }
         dropped("thermal", "how warm the surface is");
         dropped("observer", "where the camera is, and where it looks");
         dropped("sensor", "its pixels and bands");
         let materials =
-            scene.materials.iter().map(|m| ObjMaterial { name: mtl::plain_name(&m.name), kd: None }).collect();
-        Surface { mesh: scene.mesh.clone(), materials, origin_m: Some(scene.origin_m), sun: None }
+            scene.body.materials.iter().map(|m| ObjMaterial { name: mtl::plain_name(&m.name), kd: None }).collect();
+        ColouredMesh { mesh: scene.body.mesh.clone(), materials, origin_m: Some(scene.body.origin_m), sun: None }
     }
 
     /// As its user has it, who knows more than the file; `up` is the axis that its format has up.
@@ -129,7 +129,7 @@ impl Surface {
     /// A scene to begin with, in the mesh's axes: all that a mesh does not say is taken to be something, and noted.
     ///
     /// # Errors
-    /// [`Error::Invalid`] if the mesh has no area, or makes no scene, as [`Scene::check`] says.
+    /// [`Error::Invalid`] if the mesh has no area, or makes no scene, as [`Parts::check`] says.
     pub fn into_scene(self, path: &Path, pose: Option<NamedPose>, report: &mut Report) -> Result<Scene> {
         let mut taken = |item: &str, what: String| {
             report.note(Fate::Defaulted, Location::file(path).with_item(item), what);
@@ -204,24 +204,23 @@ impl Surface {
         taken("sensor", format!("{PIXELS} x {PIXELS} pixels that hold the mesh, one band at 1 um"));
         // The sphere around the mesh fills the image.
         let pitch = 2.0 / (AWAY * AWAY - 1.0).sqrt() / f64::from(PIXELS);
-        Scene {
-            origin_m,
-            mesh: self.mesh,
-            materials,
-            textures: vec![],
-            sun: Sun {
-                direction: sun,
-                distance_m: AU_M,
-                irradiance_1au: e490.clone(),
-                total_irradiance_1au_w_m2: e490_w_m2,
+        Parts {
+            surface: Surface { origin_m, mesh: self.mesh, materials, textures: vec![] },
+            sky: Sky {
+                sun: Sun {
+                    direction: sun,
+                    distance_m: AU_M,
+                    irradiance_1au: e490.clone(),
+                    total_irradiance_1au_w_m2: e490_w_m2,
+                },
+                mars: None,
             },
-            mars: None,
-            thermal: Thermal::Equilibrium,
-            sensor: Sensor {
-                name: SENSOR_NAME.into(),
+            exposure: Exposure {
+                instrument: SENSOR_NAME.into(),
                 camera: FrameCamera::centred(world_from_sensor, PIXELS, PIXELS, pitch),
                 bands: vec![Band::new(1.0, None)],
             },
+            models: Models { thermal: Thermal::Equilibrium, ..Models::default() },
         }
         .check()
     }
@@ -231,18 +230,19 @@ impl Surface {
 ///
 /// # Errors
 /// [`Error::Invalid`] if its origin is the body's centre.
-pub fn in_body_axes(mut scene: Scene) -> Result<Scene> {
-    let Some(body_from_site) = body_from_site(scene.origin_m) else {
+pub fn in_body_axes(scene: Scene) -> Result<Scene> {
+    let Some(body_from_site) = body_from_site(scene.body.origin_m) else {
         return Err(Error::invalid(
             Location::item("--pose"),
             "radial needs an origin away from the body's centre: give --origin-m",
         ));
     };
-    scene.mesh.vertices_m.iter_mut().for_each(|v| *v = body_from_site * *v);
-    scene.sun.direction = Direction::new(body_from_site * scene.sun.direction.vec()).unwrap_or(scene.sun.direction);
-    let pose = &mut scene.sensor.camera.world_from_sensor;
+    let Parts { mut surface, mut sky, mut exposure, models } = scene.into_parts();
+    surface.mesh.vertices_m.iter_mut().for_each(|v| *v = body_from_site * *v);
+    sky.sun.direction = Direction::new(body_from_site * sky.sun.direction.vec()).unwrap_or(sky.sun.direction);
+    let pose = &mut exposure.camera.world_from_sensor;
     *pose = Pose { rotation: body_from_site * pose.rotation, translation_m: body_from_site * pose.translation_m };
-    Ok(scene)
+    Parts { surface, sky, exposure, models }.check()
 }
 
 /// Facets that a place for the camera is judged by.

@@ -1,11 +1,8 @@
-//! What looks at the surface.
+//! The camera that looks at the surface.
 
 use glam::DVec3;
 
 use crate::geometry::Pose;
-use crate::spectral::{ALL_UM, Band, MOST_BEYOND};
-
-use super::percent;
 
 /// Farther from the image than this, in sizes of the image, no boresight is taken for meant: beyond, digits of pixels are lost.
 const FARTHEST: f64 = 1e6;
@@ -89,31 +86,16 @@ impl FrameCamera {
     pub fn angle_of_pitch(pitch: f64, pixels: u32) -> f64 {
         2.0 * (0.5 * f64::from(pixels) * pitch).atan()
     }
-}
 
-/// A camera and its bands.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Sensor {
-    /// Name of the instrument.
-    pub name: String,
-    /// Its optics and pose.
-    pub camera: FrameCamera,
-    /// Its bands, in the order of the cube.
-    pub bands: Vec<Band>,
-}
-
-impl Sensor {
+    /// What is wrong with it, whatever it looks at.
     pub(super) fn check(&self, problem: &mut impl FnMut(&str, String)) {
-        let camera = &self.camera;
-        if camera.samples == 0 || camera.lines == 0 {
-            problem(
-                "sensor",
-                format!("an image of {} x {} pixels: both must be at least 1", camera.samples, camera.lines),
-            );
+        super::near_enough("observer.position_m", self.centre_m(), problem);
+        if self.samples == 0 || self.lines == 0 {
+            problem("sensor", format!("an image of {} x {} pixels: both must be at least 1", self.samples, self.lines));
         }
-        if let Some(pitch) = camera.pitch.into_iter().find(|pitch| !(*pitch > 0.0 && pitch.is_finite())) {
+        if let Some(pitch) = self.pitch.into_iter().find(|pitch| !(*pitch > 0.0 && pitch.is_finite())) {
             problem("sensor", format!("pixel pitch {pitch} is not positive"));
-        } else if let Some(pitch) = camera.pitch.into_iter().find(|pitch| *pitch < LEAST_PITCH) {
+        } else if let Some(pitch) = self.pitch.into_iter().find(|pitch| *pitch < LEAST_PITCH) {
             problem(
                 "sensor",
                 format!(
@@ -121,34 +103,12 @@ impl Sensor {
                 ),
             );
         }
-        let size_px = f64::from(camera.samples.max(camera.lines));
-        if let Some(at) = camera.boresight_px.into_iter().find(|at| at.is_nan() || at.abs() > FARTHEST * size_px) {
+        let size_px = f64::from(self.samples.max(self.lines));
+        if let Some(at) = self.boresight_px.into_iter().find(|at| at.is_nan() || at.abs() > FARTHEST * size_px) {
             problem(
                 "sensor",
                 format!("a boresight {at} pixels from the image's corner, {FARTHEST} times the image's size"),
             );
-        }
-        if self.bands.is_empty() {
-            problem("sensor.bands", "no bands: a sensor needs at least one".into());
-        }
-        for (i, band) in self.bands.iter().enumerate() {
-            if !(band.centre_um > 0.0 && band.centre_um.is_finite()) {
-                problem(&format!("sensor.bands[{i}]"), format!("centre {} um is not a wavelength", band.centre_um));
-            }
-            if band.fwhm_um.is_some_and(|w| !(w > 0.0 && w.is_finite())) {
-                problem(
-                    &format!("sensor.bands[{i}]"),
-                    "FWHM must be positive; leave it out for a monochromatic band".into(),
-                );
-            } else if band.fwhm_um.is_some_and(|w| w < f64::EPSILON.sqrt() * band.centre_um) {
-                problem(
-                    &format!("sensor.bands[{i}]"),
-                    "FWHM is too narrow for the digits of a number; leave it out for a monochromatic band".into(),
-                );
-            } else if band.share_beyond(ALL_UM) > MOST_BEYOND {
-                let share = percent(band.share_beyond(ALL_UM));
-                problem(&format!("sensor.bands[{i}]"), format!("{share} of the response lies below wavelength 0"));
-            }
         }
     }
 }

@@ -1,62 +1,153 @@
-//! Exact shadows: the sunlit part of every facet is what the Sun sees of it. And what another camera sees of it, alike.
+//! What an eye sees of each facet, exactly: the Sun, a source like it, or the camera of a map. What the Sun sees is lit.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::{Coverage, Drawing, Grid, OnFacet, Scratch, Side, Topology, View, Visit, cells_of};
 use crate::error::Result;
 use crate::geometry::polygon::{Point, Rect, area, clip_to_rect};
 use crate::geometry::{Direction, Mesh};
-use crate::product::{Lit, Sunlit};
 use crate::progress::{Pulse, Watch, tell};
-use crate::visibility::{Coverage, Drawing, Grid, OnFacet, Scratch, Side, Topology, View, Visit, cells_of};
 
-/// So many facets share a cell of the Sun's view, in the mean: fewer make more work at cell borders, more are quartered.
+/// So many facets share a cell of the view from afar, in the mean: fewer make more work at cell borders, more are quartered.
 const FACETS_PER_CELL: f64 = 6.0;
-/// Lit polygons below this share of their facet are what rounding leaves at shared edges, ...
+/// Polygons below this share of their facet are what rounding leaves at shared edges, ...
 const SLIVER: f64 = 1e-14;
 /// ... and so are those narrower than this share of the drawing.
 const NARROW: f64 = 4.0 * f64::EPSILON;
 
-/// Which part of each facet sees the Sun, a point at infinity in direction `towards`.
-///
-/// Facets that face away are dark; they still block. Facets seen edge-on, up to rounding, are dark.
-///
-/// # Errors
-/// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
-pub fn sunlit(mesh: &Mesh, topology: &Topology, towards: Direction, watch: Watch<'_>) -> Result<Sunlit> {
-    let cells = mesh.facets.len() as f64 / FACETS_PER_CELL;
-    seen(&Drawing::from_sun(mesh, topology, towards, cells), "sunlight", watch)
+/// How much of a facet an eye sees.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Shown {
+    /// Nothing.
+    Nothing = 0,
+    /// All of it: nothing was cut off anywhere.
+    Whole = 1,
+    /// The polygons in [`Seen`].
+    Part = 2,
 }
 
-/// Which part of each facet is seen from `centre_m`, local, m, within the cone of some rays about `axis`.
+/// What an eye sees of every facet, as convex polygons that do not overlap: of the Sun, what it lights.
 ///
-/// # Errors
-/// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
-pub fn seen_from(
-    mesh: &Mesh,
-    topology: &Topology,
-    centre_m: DVec3,
-    axis: Direction,
-    rays: &[DVec3],
-    watch: Watch<'_>,
-) -> Result<Sunlit> {
-    let u = axis.vec();
-    let (h, v) = axis.frame();
-    let tangents: Vec<Point> = rays.iter().map(|r| [r.dot(h) / r.dot(u), r.dot(v) / r.dot(u)]).collect();
-    let frame = Rect::of(&tangents);
-    let extent = [0, 1].map(|k| frame.max[k] - frame.min[k]);
-    let cells = (mesh.facets.len() as f64 / FACETS_PER_CELL).clamp(1.0, 4096.0 * 4096.0);
-    let scale = (cells / (extent[0] * extent[1])).sqrt();
-    let [columns, rows] = extent.map(|e| (e * scale).ceil().clamp(1.0, 16384.0) as u32);
-    let offset = [0, 1].map(|k| -frame.min[k] * scale);
-    let view = View::pinhole(mesh, centre_m, [h, v, u], [scale; 2], offset);
-    seen(&Drawing::new(mesh, topology, view, Grid { columns, rows }), "what the map sees", watch)
+/// Polygon vertices are (u, v) on the facet: point = a + u (b - a) + v (c - a).
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Seen {
+    /// How much of each facet.
+    pub shown: Vec<Shown>,
+    /// The facet of each polygon, ascending.
+    pub polygon_facet: Vec<u32>,
+    /// First vertex of each polygon, and the number of vertices as the last element.
+    pub polygon_start: Vec<u32>,
+    /// Vertices of the polygons.
+    pub uv: Vec<[f64; 2]>,
+}
+
+impl Seen {
+    /// The polygons of a facet that is seen in part.
+    pub fn polygons(&self, facet: u32) -> impl ExactSizeIterator<Item = &[[f64; 2]]> {
+        let first = self.polygon_facet.partition_point(|f| *f < facet);
+        let last = first + self.polygon_facet[first..].partition_point(|f| *f == facet);
+        (first..last).map(|i| &self.uv[self.polygon_start[i] as usize..self.polygon_start[i + 1] as usize])
+    }
+
+    /// Share of a facet's area that is seen.
+    pub fn fraction(&self, facet: u32) -> f64 {
+        match self.shown[facet as usize] {
+            Shown::Nothing => 0.0,
+            Shown::Whole => 1.0,
+            Shown::Part => self.polygons(facet).map(|p| 2.0 * area(p).abs()).sum(),
+        }
+    }
+
+    /// The first facet whose polygons fill more than `most` of its area, overlaps counted twice, and what they fill.
+    pub fn overfull(&self, most: f64) -> Option<(u32, f64)> {
+        // Polygons are in the order of their facets.
+        let (mut facet, mut sum) = (None, 0.0);
+        for (of, bounds) in self.polygon_facet.iter().zip(self.polygon_start.windows(2)) {
+            if facet != Some(*of) {
+                (facet, sum) = (Some(*of), 0.0);
+            }
+            sum += 2.0 * area(&self.uv[bounds[0] as usize..bounds[1] as usize]).abs();
+            if sum > most {
+                return Some((*of, sum));
+            }
+        }
+        None
+    }
+
+    /// Says what is inconsistent; `Ok` if nothing is.
+    ///
+    /// # Errors
+    /// The first thing that does not hold, as a sentence.
+    pub fn validate(&self) -> std::result::Result<(), String> {
+        if self.polygon_start.len() != self.polygon_facet.len() + 1 {
+            return Err(format!("{} polygons, but {} starts", self.polygon_facet.len(), self.polygon_start.len()));
+        }
+        if self.polygon_start.first() != Some(&0)
+            || self.polygon_start.last().map(|e| *e as usize) != Some(self.uv.len())
+            || self.polygon_start.windows(2).any(|w| w[0] > w[1])
+        {
+            return Err("polygon starts are not an ascending list from 0 to the number of vertices".into());
+        }
+        if self.polygon_facet.windows(2).any(|w| w[0] > w[1]) {
+            return Err("polygons are not in the order of their facets".into());
+        }
+        match self.polygon_facet.iter().find(|f| self.shown.get(**f as usize) != Some(&Shown::Part)) {
+            Some(f) => Err(format!("facet {f} has polygons, but is not seen in part")),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Seen {
+    /// What an eye at infinity sees, in the direction `towards`; `stage` is what `watch` is told.
+    ///
+    /// Of facets that face away it sees nothing; they still block. Nor does it of facets seen edge-on, up to rounding.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
+    pub fn from_afar(
+        mesh: &Mesh,
+        topology: &Topology,
+        towards: Direction,
+        stage: &'static str,
+        watch: Watch<'_>,
+    ) -> Result<Self> {
+        let cells = mesh.facets.len() as f64 / FACETS_PER_CELL;
+        seen(&Drawing::from_afar(mesh, topology, towards, cells), stage, watch)
+    }
+
+    /// What an eye at `centre_m`, local, m, sees within the cone of some rays about `axis`; `stage` is what `watch` is told.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
+    pub fn from_point(
+        mesh: &Mesh,
+        topology: &Topology,
+        centre_m: DVec3,
+        (axis, rays): (Direction, &[DVec3]),
+        stage: &'static str,
+        watch: Watch<'_>,
+    ) -> Result<Self> {
+        let u = axis.vec();
+        let (h, v) = axis.frame();
+        let tangents: Vec<Point> = rays.iter().map(|r| [r.dot(h) / r.dot(u), r.dot(v) / r.dot(u)]).collect();
+        let frame = Rect::of(&tangents);
+        let extent = [0, 1].map(|k| frame.max[k] - frame.min[k]);
+        let cells = (mesh.facets.len() as f64 / FACETS_PER_CELL).clamp(1.0, 4096.0 * 4096.0);
+        let scale = (cells / (extent[0] * extent[1])).sqrt();
+        let [columns, rows] = extent.map(|e| (e * scale).ceil().clamp(1.0, 16384.0) as u32);
+        let offset = [0, 1].map(|k| -frame.min[k] * scale);
+        let view = View::pinhole(mesh, centre_m, [h, v, u], [scale; 2], offset);
+        seen(&Drawing::new(mesh, topology, view, Grid { columns, rows }), stage, watch)
+    }
 }
 
 /// What a view sees of each facet.
-fn seen(drawing: &Drawing, stage: &'static str, watch: Watch<'_>) -> Result<Sunlit> {
+fn seen(drawing: &Drawing, stage: &'static str, watch: Watch<'_>) -> Result<Seen> {
     let coverage = Coverage::new(drawing);
     let total = u64::from(drawing.grid.rows);
     let done = AtomicU64::new(0);
@@ -64,13 +155,13 @@ fn seen(drawing: &Drawing, stage: &'static str, watch: Watch<'_>) -> Result<Sunl
     let rows: Result<Vec<Row>> = (0..drawing.grid.rows)
         .into_par_iter()
         .map_init(
-            || (Scratch::new(pulse()), CellShadows::new(drawing), Row::default()),
-            |(scratch, shadows, work), row| {
+            || (Scratch::new(pulse()), CellSight::new(drawing), Row::default()),
+            |(scratch, sight, work), row| {
                 work.clear();
                 for column in 0..drawing.grid.columns {
-                    shadows.clear();
-                    coverage.cell(column, row, scratch, shadows)?;
-                    shadows.append_to(work, column);
+                    sight.clear();
+                    coverage.cell(column, row, scratch, sight)?;
+                    sight.append_to(work, column);
                 }
                 tell(watch, stage, done.fetch_add(1, Relaxed) + 1, total)?;
                 // A copy is no longer than it must be, and the working memory serves the next row.
@@ -82,7 +173,7 @@ fn seen(drawing: &Drawing, stage: &'static str, watch: Watch<'_>) -> Result<Sunl
     Ok(assemble(drawing, &rows?))
 }
 
-/// What is not wholly lit in the cells of one row, and the lit polygons there, in drawing coordinates.
+/// What is not wholly seen in the cells of one row, and the polygons that are seen there, in drawing coordinates.
 #[derive(Debug, Clone, Default)]
 struct Row {
     entries: Vec<Entry>,
@@ -90,12 +181,12 @@ struct Row {
     points: Vec<Point>,
 }
 
-/// A triangle that is not wholly lit in a cell.
+/// A triangle that is not wholly seen in a cell.
 #[derive(Debug, Clone, Copy)]
 struct Entry {
     triangle: u32,
     column: u32,
-    /// Its lit polygons among those of the row.
+    /// Its polygons among those of the row.
     first: u32,
     end: u32,
 }
@@ -118,8 +209,8 @@ impl Row {
     }
 }
 
-/// What the Sun sees in a cell: facets of which something is hidden, and what is seen of each facet.
-struct CellShadows<'a> {
+/// What is seen in a cell: facets of which something is hidden, and what is seen of each facet.
+struct CellSight<'a> {
     drawing: &'a Drawing<'a>,
     cut: Vec<u32>,
     whole: Vec<(u32, Rect)>,
@@ -130,9 +221,9 @@ struct CellShadows<'a> {
     spare: Vec<Point>,
 }
 
-impl<'a> CellShadows<'a> {
+impl<'a> CellSight<'a> {
     fn new(drawing: &'a Drawing<'a>) -> Self {
-        CellShadows {
+        CellSight {
             drawing,
             cut: vec![],
             whole: vec![],
@@ -184,7 +275,7 @@ impl<'a> CellShadows<'a> {
     }
 }
 
-impl Visit for CellShadows<'_> {
+impl Visit for CellSight<'_> {
     fn settled(&mut self, _: &[u32], _: &Rect) {}
 
     fn whole(&mut self, triangle: u32, rect: &Rect) {
@@ -209,7 +300,7 @@ impl Visit for CellShadows<'_> {
 }
 
 /// Gathers what the cells say about each facet.
-fn assemble(drawing: &Drawing, rows: &[Row]) -> Sunlit {
+fn assemble(drawing: &Drawing, rows: &[Row]) -> Seen {
     // Entries by triangle: (row, entry), rows ascending.
     let (triangles, facets) = (drawing.len(), drawing.mesh().facets.len());
     let mut start = vec![0u32; triangles + 1];
@@ -232,10 +323,10 @@ fn assemble(drawing: &Drawing, rows: &[Row]) -> Sunlit {
     }
     drop(fill);
     let chunk = 4096;
-    let parts: Vec<Sunlit> = (0..facets.div_ceil(chunk))
+    let parts: Vec<Seen> = (0..facets.div_ceil(chunk))
         .into_par_iter()
         .map(|c| {
-            let mut part = Sunlit { polygon_start: vec![0], ..Sunlit::default() };
+            let mut part = Seen { polygon_start: vec![0], ..Seen::default() };
             let mut gather = Gather::default();
             for facet in c * chunk..((c + 1) * chunk).min(facets) {
                 let entries = |t: u32| &entry[start[t as usize] as usize..start[t as usize + 1] as usize];
@@ -244,14 +335,14 @@ fn assemble(drawing: &Drawing, rows: &[Row]) -> Sunlit {
             part
         })
         .collect();
-    let mut all = Sunlit { polygon_start: vec![0], ..Sunlit::default() };
-    all.lit.reserve_exact(facets);
+    let mut all = Seen { polygon_start: vec![0], ..Seen::default() };
+    all.shown.reserve_exact(facets);
     all.polygon_facet.reserve_exact(parts.iter().map(|p| p.polygon_facet.len()).sum());
     all.polygon_start.reserve_exact(parts.iter().map(|p| p.polygon_facet.len()).sum());
     all.uv.reserve_exact(parts.iter().map(|p| p.uv.len()).sum());
     for part in parts {
         let base = all.uv.len() as u32;
-        all.lit.extend(part.lit);
+        all.shown.extend(part.shown);
         all.polygon_facet.extend(part.polygon_facet);
         all.polygon_start.extend(part.polygon_start[1..].iter().map(|e| base + e));
         all.uv.extend(part.uv);
@@ -273,15 +364,15 @@ impl Gather {
         facet: u32,
         entries: impl Fn(u32) -> &'e [(u32, u32)],
         rows: &[Row],
-        out: &mut Sunlit,
+        out: &mut Seen,
     ) {
         if drawing.side(facet) != Side::Front || (!drawing.is_cut(facet) && drawing.is_edge_on(facet)) {
-            out.lit.push(Lit::Dark);
+            out.shown.push(Shown::Nothing);
             return;
         }
         let is_whole = !drawing.is_cut(facet) && entries(facet).is_empty();
         if is_whole && drawing.grid.bounds().contains(&Rect::of(&drawing.outline(facet))) {
-            out.lit.push(Lit::Full);
+            out.shown.push(Shown::Whole);
             return;
         }
         let frame = OnFacet::new(&drawing.view, &drawing.mesh().facet(facet as usize));
@@ -306,7 +397,7 @@ impl Gather {
             };
             let entries = entries(triangle);
             let mut next = 0;
-            // Cells without an entry are wholly lit: they are joined along their row, so that a large facet has few polygons.
+            // Cells without an entry are wholly seen: they are joined along their row, so that a large facet has few polygons.
             cells_of(outline, drawing.grid, |row, columns| {
                 let mut run = columns.start;
                 let mut close_run = |from: u32, to: u32, add: &mut dyn FnMut(&[Point])| {
@@ -330,6 +421,6 @@ impl Gather {
                 close_run(run, columns.end, &mut add);
             });
         }
-        out.lit.push(if out.polygon_facet.len() == polygons_before { Lit::Dark } else { Lit::Part });
+        out.shown.push(if out.polygon_facet.len() == polygons_before { Shown::Nothing } else { Shown::Part });
     }
 }

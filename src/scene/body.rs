@@ -1,0 +1,135 @@
+//! What is looked at: a surface, and the same surface once it is checked.
+
+use std::ops::Deref;
+use std::sync::{Arc, OnceLock};
+
+use glam::DVec3;
+
+use super::{FARTHEST_M, Material, Texture};
+use crate::error::{Error, Location, Problem, Result};
+use crate::geometry::Mesh;
+use crate::visibility::Topology;
+
+/// A facet's number and one of its edges are kept in 31 bits.
+pub(crate) const MOST_FACETS: usize = 1 << 29;
+
+/// A surface and what it is made of: plain values, which nobody has checked.
+#[derive(Debug, Clone)]
+pub struct Surface {
+    /// Origin of all local coordinates, in the body-fixed frame, m.
+    pub origin_m: DVec3,
+    /// Facets, local to the origin, axes of the body-fixed frame.
+    pub mesh: Mesh,
+    /// What they are made of; facets refer to it by index.
+    pub materials: Vec<Material>,
+    /// Variation of reflectance inside facets: at most one texture for a material.
+    pub textures: Vec<Texture>,
+}
+
+/// A surface that has been checked. Clones share it: one body serves any number of skies and exposures.
+#[derive(Clone)]
+pub struct Body(Arc<Checked>);
+
+struct Checked {
+    surface: Surface,
+    bounds_m: Option<(DVec3, DVec3)>,
+    topology: OnceLock<Topology>,
+}
+
+impl Body {
+    /// Checks a surface.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with everything that is missing or out of range.
+    pub fn new(surface: Surface) -> Result<Self> {
+        let problems = surface.problems();
+        if problems.is_empty() { Ok(Body::checked(surface)) } else { Err(Error::Invalid(problems)) }
+    }
+
+    /// Of a surface that has no [problems](Surface::problems).
+    pub(super) fn checked(surface: Surface) -> Self {
+        let bounds_m = surface.mesh.bounds_m();
+        Body(Arc::new(Checked { surface, bounds_m, topology: OnceLock::new() }))
+    }
+
+    /// Lowest and highest coordinates of its facets, local, m; `None` if it has none.
+    pub fn bounds_m(&self) -> Option<(DVec3, DVec3)> {
+        self.0.bounds_m
+    }
+
+    /// What hangs together with what: found when it is first asked for.
+    pub fn topology(&self) -> &Topology {
+        self.0.topology.get_or_init(|| Topology::new(&self.mesh))
+    }
+
+    /// The surface, to be changed and checked again: copied only if others share it.
+    pub fn into_surface(self) -> Surface {
+        Arc::try_unwrap(self.0).map_or_else(|shared| shared.surface.clone(), |checked| checked.surface)
+    }
+}
+
+impl Deref for Body {
+    type Target = Surface;
+
+    fn deref(&self) -> &Surface {
+        &self.0.surface
+    }
+}
+
+impl std::fmt::Debug for Body {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_tuple("Body").field(&self.0.surface).finish()
+    }
+}
+
+impl Surface {
+    /// What is wrong with it, whoever lights it and looks at it.
+    pub(super) fn problems(&self) -> Vec<Problem> {
+        let mut problems = Vec::new();
+        let mut problem = |item: &str, message: String| {
+            problems.push(Problem::new(Location::item(item), message));
+        };
+        let mesh = &self.mesh;
+        if mesh.facets.is_empty() {
+            problem("mesh", "has no facets".into());
+        }
+        if mesh.facets.len() > MOST_FACETS {
+            problem("mesh", format!("{} facets are more than the {MOST_FACETS} there may be", mesh.facets.len()));
+        }
+        if mesh.material.len() != mesh.facets.len() {
+            problem("mesh", format!("{} facets, but {} materials of facets", mesh.facets.len(), mesh.material.len()));
+        }
+        if let Some(i) = mesh.vertices_m.iter().position(|v| !v.is_finite()) {
+            problem("mesh", format!("vertex {i} (counted from 0) is not finite"));
+        }
+        let far = |v: &DVec3| v.is_finite() && v.abs().max_element() > FARTHEST_M;
+        if let Some(i) = mesh.vertices_m.iter().position(far) {
+            problem("mesh", format!("vertex {i} (counted from 0) is more than {FARTHEST_M:e} m from the origin"));
+        }
+        super::near_enough("origin_m", self.origin_m, &mut problem);
+        let vertices = mesh.vertices_m.len();
+        if let Some(i) = mesh.facets.iter().position(|f| f.iter().any(|v| *v as usize >= vertices)) {
+            problem("mesh", format!("facet {i} (counted from 0) refers to a vertex beyond the {vertices} there are"));
+        }
+        if let Some(i) = mesh.material.iter().position(|m| m.0 as usize >= self.materials.len()) {
+            problem("mesh", format!("facet {i} (counted from 0) has no material"));
+        }
+        for material in &self.materials {
+            material.check(&mut problem);
+        }
+        for (i, texture) in self.textures.iter().enumerate() {
+            let item = self.item_of(texture);
+            texture.check(mesh, &self.materials, |message| problem(&item, message));
+            if self.textures[..i].iter().any(|t| t.material == texture.material) {
+                problem(&item, "a material has one texture at most".into());
+            }
+        }
+        problems
+    }
+
+    /// What a texture is called in messages.
+    pub(super) fn item_of(&self, texture: &Texture) -> String {
+        let name = self.materials.get(texture.material.0 as usize).map_or("", |m| m.name.as_str());
+        format!("materials.{name:?}.texture")
+    }
+}

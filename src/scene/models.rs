@@ -1,0 +1,32 @@
+//! Which equations are used where there is a choice.
+
+/// The choice of models.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Models {
+    /// How warm the surface is.
+    pub thermal: Thermal,
+    /// How Mars lights it.
+    pub mars_light: MarsModel,
+}
+
+/// How warm the surface is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Thermal {
+    /// Each facet in equilibrium with what it absorbs; lit and shaded parts each their own.
+    #[default]
+    Equilibrium,
+    /// Domagala (2020), equation (9): 150 K + 180 K E_sun / E_S.
+    Thesis,
+    /// No thermal emission.
+    Off,
+}
+
+/// How Mars-light is computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum MarsModel {
+    /// Lambert sphere near at hand: phase, tilt and horizon of each facet.
+    #[default]
+    NearField,
+    /// Domagala (2020), equations (4) to (8) as printed.
+    Thesis,
+}
