@@ -1,5 +1,6 @@
 //! Pure shapes in f64: they know no light, file or sensor.
 
+pub mod cell;
 pub mod coplanar;
 mod direction;
 mod mesh;

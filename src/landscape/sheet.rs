@@ -7,6 +7,7 @@ use super::crater::Crater;
 use super::relief::Octave;
 use super::{GROUND, rounded_m};
 use crate::geometry::Mesh;
+use crate::geometry::cell::{cut, is_cut_from_first};
 
 /// Rows that are made together: as many as share a look at the craters.
 const BAND: usize = 16;
@@ -97,11 +98,6 @@ impl Sheet {
         [south, south + 1, north + 1, north].map(|i| self.heights_m[i])
     }
 
-    /// Whether the diagonal from south-west to north-east is the shorter one in space. Both are as long on the map.
-    fn rising([sw, se, ne, nw]: [f64; 4]) -> bool {
-        (ne - sw).abs() <= (nw - se).abs()
-    }
-
     /// Height of the triangles at a place on the sheet, m.
     pub(super) fn height_m(&self, x_m: f64, y_m: f64) -> f64 {
         let place = |p_m: f64, cells: usize| {
@@ -112,7 +108,7 @@ impl Sheet {
         let ((i, u), (j, v)) = (place(x_m, self.columns), place(y_m, self.rows));
         let corners_m = self.corners_m(i, j);
         let [sw, se, ne, nw] = corners_m;
-        match Self::rising(corners_m) {
+        match is_cut_from_first(corners_m) {
             true if u >= v => sw + u * (se - sw) + v * (ne - se),
             true => sw + v * (nw - sw) + u * (ne - nw),
             false if u + v <= 1.0 => sw + u * (se - sw) + v * (nw - sw),
@@ -136,11 +132,7 @@ impl Sheet {
                 let sw = (j * width + i) as u32;
                 let nw = sw + width as u32;
                 let (se, ne) = (sw + 1, nw + 1);
-                if Self::rising(self.corners_m(i, j)) {
-                    mesh.facets.extend([[sw, se, ne], [sw, ne, nw]]);
-                } else {
-                    mesh.facets.extend([[sw, se, nw], [se, ne, nw]]);
-                }
+                mesh.facets.extend(cut([sw, se, ne, nw], self.corners_m(i, j)));
             }
         }
         mesh.material = vec![GROUND; mesh.facets.len()];

@@ -14,7 +14,7 @@ use crate::geometry::Mesh;
 use crate::physics::reflectance::ALL_LIGHT;
 
 use super::folder::Folder;
-use super::frame::obj_from_dart;
+use super::frame;
 use super::groups;
 use super::mandatory::{self, Kind};
 use super::object::{reaches_beyond, seen_facets, standing};
@@ -597,10 +597,10 @@ impl<'a> Check<'a> {
         let alike = |a: DVec3, b: DVec3| (a - b).abs().max_element() <= 1e-3 * a.abs().max_element();
         if let Some((dimension, given)) = given {
             let at = dimension.at();
-            if alike(given, obj_from_dart(size)) && !alike(given, size) {
+            if alike(given, frame::obj_from_dart(size)) && !alike(given, size) {
                 let what = format!("the dimensions of `{}` are those of its own x, y, z", object.file);
-                let effect = "reads `v a b c` as x = c, y = a, z = b: the object lies on its side";
-                return self.warning(&at, what, effect, "write the OBJ file as `v y z x`");
+                let effect = format!("{}: the object lies on its side", frame::OBJ_AXES);
+                return self.warning(&at, what, &effect, frame::WRITE_OBJ_AXES);
             }
             if !alike(given, size) {
                 let what = format!("dimensions {given}, but those of `{}` are {size} along DART's axes", object.file);
@@ -611,8 +611,8 @@ impl<'a> Check<'a> {
         let (sum, area) = mesh.vector_area_m2();
         if area > 0.0 && sum.x.abs() > 0.8 * area {
             let what = format!("`{}` stands on edge: its facets look along x", object.file);
-            let effect = "reads `v a b c` as x = c, y = a, z = b";
-            self.warning(&object.at, what, effect, "write the OBJ file as `v y z x` if its third number is the height");
+            let fix = format!("{} if its third number is the height", frame::WRITE_OBJ_AXES);
+            self.warning(&object.at, what, frame::OBJ_AXES, fix);
         }
     }
 

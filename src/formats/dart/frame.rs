@@ -3,9 +3,9 @@
 //! A site's frame has x down the image (South), y to its right (East), z up: right-handed, as mmxrt's frames are, so that a
 //! rotation leads from one to the other, and facets keep the way they turn. Azimuths run from +x to +y.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 
-use crate::geometry::body_from_site;
+use crate::geometry::{Direction, body_from_site};
 
 /// Angles below this are rounding errors of a rotation: a camera that looks straight down has no azimuth of its own, rad.
 const ROUNDING_RAD: f64 = 1e-13;
@@ -22,10 +22,30 @@ pub(super) fn angles_deg(v: DVec3) -> [f64; 2] {
     [v.x.hypot(v.y).atan2(v.z).to_degrees(), full_turn(v.y.atan2(v.x).to_degrees())]
 }
 
+/// Zenith angle and azimuth of the Sun, towards which `sun` leads in axes of the body, deg; `None` below the horizon of the site at
+/// `origin_m`, where DART has no Sun.
+pub(super) fn sun_deg(origin_m: DVec3, sun: Direction) -> Option<[f64; 2]> {
+    let angles_deg = angles_deg(dart_from_body(origin_m) * sun.vec());
+    Some(angles_deg).filter(|[zenith_deg, _]| *zenith_deg < 90.0)
+}
+
+/// Planetocentric latitude and longitude (-180 to 180), deg, and no altitude: DART uses them for dates.
+pub(super) fn latitude_longitude_altitude(origin_m: DVec3) -> [f64; 3] {
+    let latitude = origin_m.z.atan2(origin_m.x.hypot(origin_m.y)).to_degrees();
+    [latitude, origin_m.y.atan2(origin_m.x).to_degrees(), 0.0]
+}
+
 /// The unit vector with this zenith angle and azimuth, deg.
 pub(super) fn vector([zenith_deg, azimuth_deg]: [f64; 2]) -> DVec3 {
-    let ((sin_z, cos_z), (sin_a, cos_a)) = (zenith_deg.to_radians().sin_cos(), azimuth_deg.to_radians().sin_cos());
-    DVec3::new(sin_z * cos_a, sin_z * sin_a, cos_z)
+    let (sin, cos) = zenith_deg.to_radians().sin_cos();
+    (sin * horizontal(azimuth_deg)).extend(cos)
+}
+
+/// The horizontal unit vector with this azimuth, deg. In an image that faces where it leads, lines follow one another along it, and
+/// pixels of a line along its perpendicular, [`DVec2::perp`].
+pub(super) fn horizontal(azimuth_deg: f64) -> DVec2 {
+    let (sin, cos) = azimuth_deg.to_radians().sin_cos();
+    DVec2::new(cos, sin)
 }
 
 /// The opposite direction, deg.
@@ -38,8 +58,7 @@ pub(super) fn reversed([zenith_deg, azimuth_deg]: [f64; 2]) -> [f64; 2] {
 /// Looking straight down along azimuth a, the image's rows run along a - 180 deg, as DART's own nadir images do for a = 180.
 fn upright([zenith_deg, azimuth_deg]: [f64; 2]) -> (DVec3, DVec3) {
     let look = vector([zenith_deg, azimuth_deg]);
-    let (sin_a, cos_a) = azimuth_deg.to_radians().sin_cos();
-    let right = DVec3::new(sin_a, -cos_a, 0.0);
+    let right = (-horizontal(azimuth_deg).perp()).extend(0.0);
     (right, look.cross(right))
 }
 
@@ -65,6 +84,17 @@ pub(super) fn camera_rotation(look_deg: [f64; 2], roll_deg: f64) -> DMat3 {
     DMat3::from_cols(cos * right + sin * down, cos * down - sin * right, vector(look_deg))
 }
 
+/// The turn of an object by its intrinsic rotation, nutation and precession, deg.
+pub(super) fn object_rotation(angles_deg: DVec3) -> DMat3 {
+    let [intrinsic, nutation, precession] = angles_deg.to_array().map(f64::to_radians);
+    DMat3::from_rotation_z(precession) * DMat3::from_rotation_y(nutation) * DMat3::from_rotation_z(intrinsic)
+}
+
+/// How DART takes an OBJ file's `v`, for people: [`dart_from_obj`] in words.
+pub(super) const OBJ_AXES: &str = "reads `v a b c` as x = c, y = a, z = b";
+/// What to write so that it is taken as is meant: [`obj_from_dart`] in words.
+pub(super) const WRITE_OBJ_AXES: &str = "write the OBJ file as `v y z x`";
+
 /// An OBJ file's `v` from DART's axes.
 pub(super) fn obj_from_dart(v: DVec3) -> DVec3 {
     DVec3::new(v.y, v.z, v.x)
@@ -75,7 +105,8 @@ pub(super) fn dart_from_obj(v: DVec3) -> DVec3 {
     DVec3::new(v.z, v.x, v.y)
 }
 
-fn full_turn(deg: f64) -> f64 {
+/// An azimuth from 0 to below 360, deg.
+pub(super) fn full_turn(deg: f64) -> f64 {
     let turned = deg.rem_euclid(360.0);
     // A hair below 0 is rounded up to all of the turn.
     if turned < 360.0 { turned } else { 0.0 }

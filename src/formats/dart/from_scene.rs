@@ -20,7 +20,7 @@ use optics::{
     MONOCHROMATIC_UM, band_mean, databases, emissivity_off, links, on_facet_from_mars, optical, rectangle_off,
     sunlight, unique_names,
 };
-pub(super) use optics::{intervals, irradiance, spectra, sun_deg, tabulated, thermal_functions, width_um};
+pub(super) use optics::{intervals, irradiance, spectra, tabulated, thermal_functions, width_um};
 pub use surfaces::group_names;
 use surfaces::{GROUPS, surfaces};
 
@@ -162,7 +162,7 @@ pub fn from_scene(scene: &Scene, options: &WriteOptions) -> Result<(Package, Rep
             ground: links[scene.body.materials.len()].clone(),
             ground_enabled: options.target == Target::V5_7_4,
             topography: None,
-            latitude_longitude_altitude: latitude_longitude_altitude(scene.body.origin_m),
+            latitude_longitude_altitude: frame::latitude_longitude_altitude(scene.body.origin_m),
             at: Location::item("maket"),
         },
         optical: optical(scene, &names),
@@ -173,7 +173,7 @@ pub fn from_scene(scene: &Scene, options: &WriteOptions) -> Result<(Package, Rep
         phase: Phase { bands, irradiance_mode: 1, irradiance, radiance_products: true, cameras: vec![camera] },
         directions: Directions {
             // A Sun without light stands in the zenith.
-            sun_deg: sun_deg(scene).unwrap_or_default(),
+            sun_deg: frame::sun_deg(scene.body.origin_m, scene.sky.sun.direction).unwrap_or_default(),
             views_deg: views_deg.into_iter().collect(),
             at: Location::item("sun"),
         },
@@ -232,12 +232,6 @@ fn pixel_m(scene: &Scene, size_m: DVec3) -> f64 {
 /// A camera's line of sight and turn, deg; straight down if it is that within a tenth of a pixel.
 pub(super) fn camera_deg(dart_from_sensor: DMat3, pitch: f64) -> ([f64; 2], f64) {
     frame::camera_deg(dart_from_sensor, 0.1 * pitch)
-}
-
-/// Planetocentric latitude and longitude (-180 to 180), deg, and no altitude: DART uses them for dates.
-pub(super) fn latitude_longitude_altitude(origin_m: DVec3) -> [f64; 3] {
-    let latitude = origin_m.z.atan2(origin_m.x.hypot(origin_m.y)).to_degrees();
-    [latitude, origin_m.y.atan2(origin_m.x).to_degrees(), 0.0]
 }
 
 /// A scene and its place in DART's frame.
@@ -378,7 +372,7 @@ impl Site<'_> {
                 scene.exposure.bands.len()
             ),
         );
-        if sun_deg(scene).is_none() {
+        if frame::sun_deg(scene.body.origin_m, scene.sky.sun.direction).is_none() {
             let towards = self.dart_from_body * scene.sky.sun.direction.vec();
             let message = format!(
                 "the Sun stands {:.3} deg below the site's horizon, where DART has none: irradiance 0",

@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use crate::error::{Error, Location, Result};
 use crate::formats::input::InputFile;
+use crate::geometry::cell::{cut, is_cut_from_first};
 use crate::geometry::{MaterialId, Mesh};
 use crate::report::{Fate, Report};
 
@@ -219,10 +220,7 @@ impl Ground {
                 let heights_m = self.corners(line % cells_x, column % cells_y).map(|corner| self.heights_m[corner]);
                 let near = line * columns + column;
                 let [a, b, c, d] = [near, near + columns, near + columns + 1, near + 1].map(|v| v as u32);
-                mesh.facets.extend(match is_cut_from_first(heights_m) {
-                    true => [[a, b, c], [a, c, d]],
-                    false => [[a, b, d], [b, c, d]],
-                });
+                mesh.facets.extend(cut([a, b, c, d], heights_m));
             }
         }
         let cells = mesh.facets.len() as u32 / 2;
@@ -279,11 +277,6 @@ impl Ground {
         );
         Err(Error::invalid(at.clone(), message))
     }
-}
-
-/// Whether a cell is cut from its first corner to the third: the shorter diagonal, the first if both are as long. On the map they are.
-fn is_cut_from_first([a, b, c, d]: [f64; 4]) -> bool {
-    (c - a).abs() <= (d - b).abs()
 }
 
 /// In four digits, for people.

@@ -1,6 +1,6 @@
 //! Where an object's facets are in a simulation's frame.
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 use crate::formats::obj::ObjFile;
 use crate::geometry::Mesh;
@@ -24,9 +24,7 @@ pub(super) fn seen_facets(object: &Object, obj: &ObjFile, version: &Version) -> 
 /// These facets of an object's file in the simulation's frame, m, where its position says, before anything is dropped to the ground;
 /// without materials. Outside stays outside where a scale mirrors.
 pub(super) fn standing(object: &Object, obj: &ObjFile, facets: &[usize]) -> Mesh {
-    let [intrinsic, nutation, precession] = object.rotation_deg.to_array().map(f64::to_radians);
-    let turned =
-        DMat3::from_rotation_z(precession) * DMat3::from_rotation_y(nutation) * DMat3::from_rotation_z(intrinsic);
+    let turned = frame::object_rotation(object.rotation_deg);
     let is_turned = object.rotation_deg != DVec3::ZERO;
     let placed = |vertex: &DVec3| {
         let v = object.scale * frame::dart_from_obj(*vertex);

@@ -8,7 +8,6 @@ use crate::scene::Scene;
 
 use super::folder::Folder;
 use super::frame;
-use super::from_scene::latitude_longitude_altitude;
 use super::sidecar::{self, Sidecar};
 use super::simulation::{Maket, Simulation};
 
@@ -38,7 +37,7 @@ impl Place {
     pub(super) fn of(maket: &Maket, sidecar: Option<&Sidecar>, origin_m: Option<DVec3>) -> Self {
         if let (Some(sidecar), None) = (sidecar, origin_m) {
             let origin_m = DVec3::from_array(sidecar.origin_m);
-            if same_all(&latitude_longitude_altitude(origin_m), &maket.latitude_longitude_altitude) {
+            if same_all(&frame::latitude_longitude_altitude(origin_m), &maket.latitude_longitude_altitude) {
                 let origin_in_dart_m = DVec3::from_array(sidecar.origin_in_dart_m);
                 let dart_from_body = frame::dart_from_body(origin_m);
                 return Place { origin_m, dart_from_body, origin_in_dart_m, is_kept: true };

@@ -16,7 +16,7 @@ use crate::geometry::{Direction, Mesh};
 use crate::scene::{Hapke, Mars, MarsModel, Material, Models, Photometry, Rpv, Scene, Sun, Thermal};
 use crate::spectral::{Band, Extend, Light, Response, Spectrum, solar_e490};
 
-use super::from_scene::sun_deg;
+use super::frame;
 
 /// Its name in a simulation's folder.
 pub(super) const FILE: &str = "mmxrt.toml";
@@ -200,7 +200,9 @@ impl Sidecar {
                 unusual: scene.exposure.bands.iter().enumerate().filter_map(UnusualBand::of).collect(),
             },
             sun: SunPart {
-                below_horizon: sun_deg(scene).is_none().then(|| sun.direction.vec().to_array()),
+                below_horizon: frame::sun_deg(scene.body.origin_m, sun.direction)
+                    .is_none()
+                    .then(|| sun.direction.vec().to_array()),
                 distance_m: sun.distance_m,
                 total_irradiance_1au_w_m2: sun.total_irradiance_1au_w_m2,
                 irradiance_1au: spectrum,

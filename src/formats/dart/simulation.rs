@@ -151,7 +151,7 @@ pub struct Object {
     pub position_m: DVec3,
     /// Scale along DART's axes.
     pub scale: DVec3,
-    /// Intrinsic rotation, nutation, precession, deg: p = position + Rz(z) Ry(y) Rz(x) scale v.
+    /// Intrinsic rotation, nutation, precession, deg; scale comes before them, position after.
     pub rotation_deg: DVec3,
     /// 0 dropped to the ground, 1 part of the terrain, 2 as given.
     pub dem_mode: u32,

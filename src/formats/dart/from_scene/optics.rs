@@ -39,15 +39,9 @@ pub(super) fn band_mean(band: &Band, factors: &[&Spectrum]) -> f64 {
     band.quadrature(&knots, known_um).iter().map(|(um, weight)| weight * product(*um)).sum()
 }
 
-/// Zenith angle and azimuth of the Sun in DART's frame, deg; `None` below the horizon of the site, where DART has no Sun.
-pub(in super::super) fn sun_deg(scene: &Setup) -> Option<[f64; 2]> {
-    let angles_deg = frame::angles_deg(frame::dart_from_body(scene.body.origin_m) * scene.sky.sun.direction.vec());
-    Some(angles_deg).filter(|[zenith_deg, _]| *zenith_deg < 90.0)
-}
-
 /// Irradiance of the Sun on a plane normal to its beam, at the body, in each band, W m-2 um-1; none from below the horizon.
 pub(super) fn sunlight(scene: &Setup) -> Vec<f64> {
-    match sun_deg(scene) {
+    match frame::sun_deg(scene.body.origin_m, scene.sky.sun.direction) {
         Some(_) => irradiance(&scene.sky.sun, &scene.exposure.bands),
         None => vec![0.0; scene.exposure.bands.len()],
     }
@@ -200,7 +194,7 @@ pub(super) fn links(scene: &Scene, names: &[(String, String)]) -> Vec<Links> {
 pub(in super::super) fn thermal_functions(scene: &Setup) -> Vec<ThermalFunction> {
     let towards = scene.sky.sun.direction.vec();
     let facets = 0..scene.body.mesh.facets.len();
-    let most = match sun_deg(scene) {
+    let most = match frame::sun_deg(scene.body.origin_m, scene.sky.sun.direction) {
         Some(_) => facets.map(|f| scene.body.mesh.facet(f).normal().dot(towards)).fold(0.0, f64::max).min(1.0),
         None => 0.0,
     };

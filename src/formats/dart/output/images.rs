@@ -254,9 +254,9 @@ fn disagreement(
     at: Location,
 ) -> Option<Problem> {
     let towards = frame::vector(view.towards_deg);
-    let (sin, cos) = view.towards_deg[1].to_radians().sin_cos();
+    let down = frame::horizontal(view.towards_deg[1]);
     let along = [size[0] as f64 * pixel_m[0] / towards.z, size[1] as f64 * pixel_m[1]];
-    let (rows, columns) = (along[0] * DVec2::new(cos, sin), along[1] * DVec2::new(-sin, cos));
+    let (rows, columns) = (along[0] * down, along[1] * down.perp());
     let origin = corners.xy_m[0];
     let expected = [origin, origin + rows, origin + rows + columns, origin + columns];
     let rounding_rad = view.rounding_deg.to_radians();

@@ -7,9 +7,10 @@ use glam::DVec3;
 
 use crate::formats::xml::Element;
 use crate::report::Fate;
+use crate::scene::FrameCamera;
 
+use super::super::frame::{self, angles_deg, full_turn};
 use super::super::{Camera, Maket};
-use super::directions::turn;
 use super::reading::Reading;
 
 pub(super) fn read(phase: &Element, maket: &Maket, reading: &mut Reading) -> Vec<Camera> {
@@ -43,12 +44,6 @@ fn position(element: &Element, reading: &mut Reading) -> DVec3 {
     DVec3::from_array(["sensorPosX", "sensorPosY", "sensorPosZ"].map(|name| reading.number(element, name)))
 }
 
-/// Zenith angle and azimuth of a direction, deg.
-fn angles(direction: DVec3) -> [f64; 2] {
-    let horizontal = direction.x.hypot(direction.y);
-    [horizontal.atan2(direction.z).to_degrees(), turn(direction.y.atan2(direction.x).to_degrees())]
-}
-
 /// A turn about the line of sight, deg; 0 where none is given.
 fn roll(element: Option<&Element>, name: &str, reading: &mut Reading) -> f64 {
     element.filter(|e| e.get(name).is_some()).map_or(0.0, |e| reading.number_or(e, name, 0.0))
@@ -76,10 +71,15 @@ fn angles_of_view(element: &Element, names: [&str; 2], reading: &mut Reading) ->
     })
 }
 
+/// The full angle, deg, of what spans this size at a distance across the line of sight.
+fn angle_deg(size_m: f64, distance_m: f64) -> f64 {
+    FrameCamera::angle_of_pitch(size_m / distance_m, 1).to_degrees()
+}
+
 /// Full angles of a detector of these sizes, m, behind a focal length, m.
 fn from_focal_length(dimensions: &Element, focal: &Element, reading: &mut Reading) -> [f64; 2] {
     let focal_m = reading.positive(focal, "focaleDistance");
-    ["width", "height"].map(|name| 2.0 * (reading.positive(dimensions, name) / (2.0 * focal_m)).atan().to_degrees())
+    ["width", "height"].map(|name| angle_deg(reading.positive(dimensions, name), focal_m))
 }
 
 /// A frame camera above the scene, before 5.10.
@@ -99,23 +99,23 @@ fn pinhole(element: &Element, maket: &Maket, reading: &mut Reading) -> Option<Ca
         let orientation = reading.child(definition, "CameraOrientation")?;
         let zenith = reading.number(orientation, "cameraTheta");
         let azimuth = reading.number(orientation, "cameraPhi");
-        look_deg = [180.0 - zenith, turn(azimuth + 180.0)];
+        look_deg = frame::reversed([zenith, full_turn(azimuth)]);
         roll_deg = roll(Some(orientation), "cameraRotation", reading);
     } else {
         let middle = DVec3::new(maket.size_m[0] / 2.0, maket.size_m[1] / 2.0, 0.0);
-        look_deg = if middle == position_m { look_deg } else { angles(middle - position_m) };
+        look_deg = if middle == position_m { look_deg } else { angles_deg(middle - position_m) };
         let message = "a camera without orientation: taken to look at the middle of the ground";
         reading.note(Fate::Defaulted, element.at(), message);
     }
     // How far the ground is along the line of sight.
     let drop = -look_deg[0].to_radians().cos();
     let range_m = if drop > 0.0 { position_m.z / drop } else { 0.0 };
-    let over_range = |size_m: f64| 2.0 * (size_m / (2.0 * range_m)).atan().to_degrees();
+    let over_range = |size_m: f64| angle_deg(size_m, range_m);
     let field = element.child("CamImageFOV").filter(|_| element.get("setImageSize") == Some("1"));
     let (field_of_view_deg, size_m) = match field.map(|f| (f, reading.integer_or(f, "definitionFOV", 1))) {
         Some((field, 1)) => {
             let view = angles_of_view(reading.child(field, "CamImageAOV")?, ["aovX", "aovY"], reading);
-            (view, view.map(|a| 2.0 * range_m * (a / 2.0).to_radians().tan()))
+            (view, view.map(|a| range_m * FrameCamera::pitch_of_angle(a.to_radians(), 1)))
         }
         Some((field, _)) => {
             let dimensions = reading.child(field, "CamImageDim")?;
@@ -166,11 +166,11 @@ fn look(view: &Element, zenith: &str, reading: &mut Reading) -> Option<[f64; 2]>
             if direction == DVec3::ZERO {
                 reading.problem(element.at(), "a camera looks along (0, 0, 0)");
             }
-            Some(angles(direction))
+            Some(angles_deg(direction))
         }
         1 => {
             let element = reading.child(view, "SensorAngleDirection")?;
-            Some([reading.number(element, zenith), turn(reading.number(element, "sensorDirectionPhi"))])
+            Some([reading.number(element, zenith), full_turn(reading.number(element, "sensorDirectionPhi"))])
         }
         _ => {
             reading.note(Fate::Dropped, view.at(), "a camera turned by yaw, pitch and roll");

@@ -4,6 +4,7 @@ use crate::error::Location;
 use crate::formats::xml::Element;
 use crate::report::Fate;
 
+use super::super::frame::{self, full_turn};
 use super::super::{Directions, Maket};
 use super::reading::Reading;
 
@@ -25,19 +26,12 @@ pub(super) fn read(directions: &Element, maket: &Maket, reading: &mut Reading) -
                 reading
                     .problem(angles.at_attribute("directionZenithalAngle"), format!("a zenith angle of {zenith} deg"));
             }
-            views_deg.push([zenith, turn(azimuth)]);
+            views_deg.push([zenith, full_turn(azimuth)]);
         } else {
             reading.note(Fate::Dropped, view.at(), "a direction without an image");
         }
     }
     Directions { sun_deg, views_deg, at }
-}
-
-/// An azimuth in [0, 360), deg.
-pub(super) fn turn(azimuth_deg: f64) -> f64 {
-    let turned = azimuth_deg.rem_euclid(360.0);
-    // rem_euclid of a small negative number rounds to 360.
-    if turned == 360.0 { 0.0 } else { turned }
 }
 
 /// Zenith angle and azimuth of the Sun as seen from the ground, deg, and where they stand.
@@ -71,12 +65,12 @@ fn sun(directions: &Element, maket: &Maket, reading: &mut Reading) -> ([f64; 2],
             // The way light travels: from the Sun, downwards.
             let zenith = reading.number(element, "sunZenithAngle");
             let azimuth = reading.number(element, "sunAzimuthAngle");
-            [180.0 - zenith, turn(azimuth + 180.0)]
+            frame::reversed([zenith, full_turn(azimuth)])
         }
         _ => {
             let zenith = reading.number(element, "sunViewingZenithAngle");
             let azimuth = reading.number(element, "sunViewingAzimuthAngle");
-            [zenith, turn(azimuth)]
+            [zenith, full_turn(azimuth)]
         }
     };
     if !(0.0..=90.0).contains(&angles[0]) {
@@ -100,7 +94,7 @@ fn sun(directions: &Element, maket: &Maket, reading: &mut Reading) -> ([f64; 2],
 /// 1950 to 2050), without refraction and parallax.
 fn by_date(date: &Element, maket: &Maket, offset_deg: f64, reading: &mut Reading) -> [f64; 2] {
     if let Some([zenith, azimuth]) = reading.options.sun_deg {
-        return [zenith, turn(azimuth)];
+        return [zenith, full_turn(azimuth)];
     }
     let [year, month, day, hour] = ["year", "month", "day", "hour"].map(|name| f64::from(reading.integer(date, name)));
     let [minute, second] = ["minute", "second"].map(|name| f64::from(reading.integer_or(date, name, 0)));
@@ -139,7 +133,7 @@ fn by_date(date: &Element, maket: &Maket, offset_deg: f64, reading: &mut Reading
     let south = latitude.sin() * declination.cos() * hour_angle.cos() - latitude.cos() * declination.sin();
     let to_east = -declination.cos() * hour_angle.sin();
     let up = latitude.sin() * declination.sin() + latitude.cos() * declination.cos() * hour_angle.cos();
-    let angles = [up.clamp(-1.0, 1.0).acos().to_degrees(), turn(to_east.atan2(south).to_degrees() + offset_deg)];
+    let angles = [up.clamp(-1.0, 1.0).acos().to_degrees(), full_turn(to_east.atan2(south).to_degrees() + offset_deg)];
     let message = format!(
         "the Sun by a date on the Earth: zenith angle {:.3}, azimuth {:.3} deg, to some 0.02 deg. \
          Give the angles that are meant, or those that DART prints, to have them exactly",
@@ -147,7 +141,7 @@ fn by_date(date: &Element, maket: &Maket, offset_deg: f64, reading: &mut Reading
     );
     let south = format!(
         ". South of the equator DART is said to count azimuths from North, which is not confirmed: it would be {:.3} deg there",
-        turn(angles[1] + 180.0)
+        full_turn(angles[1] + 180.0)
     );
     reading.note(Fate::Approximated, date.at(), message + if latitude < 0.0 { &south } else { "" });
     if angles[0] > 90.0 {
