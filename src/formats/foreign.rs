@@ -2,8 +2,10 @@
 
 use std::path::Path;
 
-use super::raster;
 use crate::error::{Error, Location, Problem};
+
+/// How JPEG files begin.
+pub(super) const JPEG: &[u8] = &[0xff, 0xd8, 0xff];
 
 /// What a file is, if it is of one of them.
 ///
@@ -84,7 +86,7 @@ pub(super) fn refused(path: &Path, beginning: &[u8]) -> Option<Error> {
 fn known(beginning: &[u8]) -> Option<&'static str> {
     let begins: [(&[u8], &str); 11] = [
         (b"\x89PNG", "PNG"),
-        (raster::JPEG, "JPEG"),
+        (JPEG, "JPEG"),
         (&[0x76, 0x2f, 0x31, 0x01], "OpenEXR"),
         (b"\x93NUMPY", "NumPy"),
         (b"PK\x03\x04", "a Zip archive, as .npz, .xlsx and .ods are"),
@@ -118,7 +120,7 @@ pub(super) fn is_an_image(extension: &str) -> bool {
 pub(super) fn is_begun(beginning: &[u8], extension: &str) -> bool {
     let bytes: &[u8] = match extension {
         "png" => b"\x89PNG",
-        "jpg" | "jpeg" => raster::JPEG,
+        "jpg" | "jpeg" => JPEG,
         "exr" => &[0x76, 0x2f, 0x31, 0x01],
         "npy" => b"\x93NUMPY",
         "npz" => b"PK",

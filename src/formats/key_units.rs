@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use serde_json::Value;
 
-use super::located::nearest;
+use super::spelling::nearest;
 use crate::error::number;
 use crate::units::AU_M;
 

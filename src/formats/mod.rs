@@ -36,6 +36,7 @@ mod staging;
 pub mod coloured_mesh;
 mod spectral_heading;
 mod spectral_table;
+mod spelling;
 mod table;
 pub mod xml;
 

@@ -59,6 +59,13 @@ pub(super) fn plan(recipe: &Recipe) -> Result<Plan, Vec<Problem>> {
     Ok(Plan { columns: columns as usize, rows: rows as usize, boulders })
 }
 
+impl Recipe {
+    /// Everything that [`generate`](super::generate) would refuse, each problem at `recipe.key`.
+    pub fn check(&self) -> Vec<Problem> {
+        plan(self).err().unwrap_or_default()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,7 +3,6 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::plan::plan;
 use crate::error::{Location, Problem, number};
 
 /// The facet counts that a recipe may ask for.
@@ -147,11 +146,6 @@ impl Recipe {
             craters: Craters::default(),
             boulders: Boulders::default(),
         }
-    }
-
-    /// Everything that [`generate`](super::generate) would refuse, each problem at `recipe.key`.
-    pub fn check(&self) -> Vec<Problem> {
-        plan(self).err().unwrap_or_default()
     }
 
     /// The values that are out of their ranges.

@@ -1,6 +1,5 @@
 //! What light radiance maps hold: heat must count once, and a band without heat, or sunlight, has none of a map's either.
 
-use super::maps::MapOptions;
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::product::RadianceMap;
 use crate::scene::{Scene, Thermal};
@@ -14,7 +13,7 @@ const HEAT_FROM_UM: f64 = 2.5;
 const ROUNDED_MEAN: f64 = 1e-9;
 
 /// Says if thermal emission would count more than once; what may hold it, as far as anybody knows, is only told.
-pub(super) fn heat_counts_once(scene: &Scene, terms: &[Vec<RadianceMap>], options: &MapOptions) -> Result<Vec<String>> {
+pub(super) fn heat_counts_once(scene: &Scene, terms: &[Vec<RadianceMap>], add_solved: bool) -> Result<Vec<String>> {
     let holds = |heat: Option<bool>| {
         // A term's views are of the same sum; what is subtracted does not count twice.
         let of_term = move |views: &Vec<RadianceMap>| {
@@ -24,7 +23,7 @@ pub(super) fn heat_counts_once(scene: &Scene, terms: &[Vec<RadianceMap>], option
         terms.iter().filter_map(of_term).filter(|(weight, _)| *weight > 0.0).collect::<Vec<(f64, String)>>()
     };
     let mut known = holds(Some(true));
-    if options.add_solved && scene.models.thermal != Thermal::Off {
+    if add_solved && scene.models.thermal != Thermal::Off {
         known.push((1.0, "the scene's own table".into()));
     }
     let names = |held: &[(f64, String)]| held.iter().map(|h| h.1.as_str()).collect::<Vec<_>>().join(", ");

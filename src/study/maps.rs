@@ -138,7 +138,7 @@ pub fn observe_maps(
     super::simulate::fits(scene, table)?;
     has_room(scene, true, None)?;
     fit(scene, &terms)?;
-    let mut notes = map_light::heat_counts_once(scene, &terms, options)?;
+    let mut notes = map_light::heat_counts_once(scene, &terms, options.add_solved)?;
     let subtracts = terms.iter().flatten().any(|map| map.weight < 0.0);
     if let Fill::Value(value) = options.fill
         && !(0.0..=LARGEST).contains(&value)

@@ -4,7 +4,8 @@ use std::collections::HashSet;
 
 use crate::geometry::Mesh;
 
-use super::drawing::SAME_PLANE;
+/// Facets lie in one plane within this, times the magnitude of coordinates: closer than some view can tell, so that no view shall.
+pub(super) const SAME_PLANE: f64 = 512.0 * f64::EPSILON;
 
 /// Whether two facets that run along an edge the same way lie on one another, in one plane with the same side out. Otherwise one of them is
 /// turned over.

@@ -13,30 +13,10 @@ use super::drawing::{Drawing, Side};
 use super::layers::Layers;
 use super::partition::{Candidate, Ground, Partition};
 use super::topology::NONE;
+use super::visit::Visit;
 use crate::error::Result;
 use crate::geometry::polygon::{Line, Point, Rect};
 use crate::progress::Pulse;
-
-/// Receives what is seen in the parts of a cell.
-pub trait Visit {
-    /// All of the triangle that lies in `rect` is seen.
-    fn whole(&mut self, triangle: u32, rect: &Rect);
-    /// A convex piece of the triangle is seen, counter-clockwise (x right, y up); more pieces may follow.
-    fn piece(&mut self, triangle: u32, rect: &Rect, polygon: &[Point]);
-    /// Of a triangle that was `whole`, this convex piece is hidden nevertheless; such pieces do not overlap.
-    /// Only a visitor that is [`SIGNED`](Visit::SIGNED) is told so, and only of the triangle that was whole last.
-    fn hidden(&mut self, _triangle: u32, _rect: &Rect, _polygon: &[Point]) {}
-    /// Whether pieces may be added first and subtracted later: sums can, lists of polygons cannot.
-    const SIGNED: bool = false;
-    /// Some or all of the triangle that lies in `rect` is hidden; the pieces that are seen follow.
-    fn cut(&mut self, triangle: u32, rect: &Rect);
-    /// The cell is not divided, and all of these are wholly seen in it.
-    fn settled(&mut self, triangles: &[u32], rect: &Rect) {
-        for t in triangles {
-            self.whole(*t, rect);
-        }
-    }
-}
 
 /// A cell with more triangles than this is quartered, if quartering helps.
 const FEW: usize = 12;

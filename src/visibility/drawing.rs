@@ -8,6 +8,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use robust::{Coord, Coord3D, orient2d, orient3d};
 
+use super::coincident::SAME_PLANE;
 use super::topology::{NONE, Topology};
 use crate::geometry::polygon::{Point, Rect, area};
 use crate::geometry::{Direction, Facet, Mesh};
@@ -210,8 +211,6 @@ const NARROW: f64 = 1e-3;
 
 /// Corners lie in a facet's plane within this, times the magnitude of coordinates: their rounding.
 const PLANE_ROUNDING: f64 = 4.0 * f64::EPSILON;
-/// Facets lie in one plane within this, times the magnitude of coordinates: closer than some view can tell, so that no view shall.
-pub(super) const SAME_PLANE: f64 = 512.0 * f64::EPSILON;
 
 impl<'a> Drawing<'a> {
     /// Draws a mesh for light from a direction, with cells fitted to what is there.

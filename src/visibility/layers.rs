@@ -3,8 +3,8 @@
 //!
 //! No partition is needed then: what the others win, pair by pair, is what the sheet loses.
 
-use super::coverage::Visit;
 use super::partition::{Candidate, Cutter, Ground, Won, least_area};
+use super::visit::Visit;
 use crate::geometry::polygon::{Point, Rect, area, clip_to_rect};
 
 /// More pairs than this are left to be quartered first.

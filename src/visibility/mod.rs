@@ -14,11 +14,13 @@ mod on_facet;
 mod partition;
 mod seen;
 mod topology;
+mod visit;
 
 pub use bins::for_each_cell_of as cells_of;
-pub use coverage::{Coverage, Scratch, Visit};
+pub use coverage::{Coverage, Scratch};
 pub use covered::covered;
 pub use drawing::{Drawing, Grid, Side, View};
 pub use on_facet::OnFacet;
 pub use seen::{Seen, Shown};
 pub use topology::{Enclosure, NONE, Topology};
+pub use visit::Visit;

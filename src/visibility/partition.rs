@@ -4,9 +4,9 @@
 //! Against one owner the overlap is convex and nearness is affine over it, so one cut by "equal nearness" decides exactly;
 //! facets that pierce each other and cyclic overlaps need no special case. The fragments always add up to the cell.
 
-use super::coverage::Visit;
 use super::drawing::Drawing;
 use super::topology::NONE;
+use super::visit::Visit;
 use crate::error::Result;
 use crate::geometry::polygon::{Line, Point, Rect, area, clip_to_rect, clip_to_sides, split};
 use crate::progress::Pulse;

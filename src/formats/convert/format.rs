@@ -185,7 +185,7 @@ impl Format {
             _ if beginning.starts_with(b"\x93NUMPY") => Format::Npy,
             _ if beginning.starts_with(b"\x89PNG") => Format::Png,
             _ if beginning.starts_with(&[0x76, 0x2f, 0x31, 0x01]) => Format::Exr,
-            _ if beginning.starts_with(raster::JPEG) => Format::Jpeg,
+            _ if beginning.starts_with(foreign::JPEG) => Format::Jpeg,
             Some(Format::Csv) if raster::is_grid(&beginning) => Format::Grid,
             // An image's numbers, called so, with a header beside them.
             Some(Format::Envi) if envi::pair(path).is_ok() => Format::Envi,

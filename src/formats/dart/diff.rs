@@ -12,14 +12,13 @@ use crate::geometry::angle_rad;
 use crate::report::Fate;
 
 use super::frame;
-use super::read::{self, Inputs, Options, unread};
+use super::read::unread::{self, ROUNDING};
+use super::read::{self, Inputs, Options};
 use super::simulation::{
     Camera, Directions, Group, Links, Maket, Object, ObjectField, OpticalProperty, Phase, Placement, Sequence,
     SequenceEntry, SequenceGroup, Simulation, SpectralInterval, ThermalFunction, Topography, Version,
 };
 
-/// Numbers of one meaning that were computed along two ways differ by less: relative, and lengths, angles and temperatures in their unit.
-pub(super) const ROUNDING: f64 = 1e-12;
 /// As many attributes that are not read are told one by one.
 const TOLD: usize = 10;
 

@@ -7,7 +7,7 @@ use super::{CODES, DataType, Interleave, SPECTRAL_LIBRARY};
 use crate::error::{Error, Location, Problem, Result};
 use crate::formats::input;
 use crate::formats::length::Unit;
-use crate::formats::located;
+use crate::formats::spelling;
 use crate::report::{Fate, Report};
 
 /// Value = (number x gain + offset) / divisor.
@@ -398,7 +398,7 @@ impl<'a> Fields<'a> {
             if !known.insert(&field.key) {
                 continue;
             }
-            if let Some(near) = located::nearest(&field.key, &KEYS).filter(|near| !there.contains(near)) {
+            if let Some(near) = spelling::nearest(&field.key, &KEYS).filter(|near| !there.contains(near)) {
                 told += 1;
                 let message = format!("is no key of ENVI, and passed over: did you mean `{near}`?");
                 report.note(Fate::Dropped, Location::line(self.path, field.line).with_item(&field.key), message);
@@ -449,7 +449,7 @@ impl<'a> Fields<'a> {
         let mut problem = Problem::new(self.at(key), message);
         let keys: Vec<&str> = self.list.iter().map(|f| f.key.as_str()).filter(|key| !KEYS.contains(key)).collect();
         if self.get(key).is_none()
-            && let Some(near) = located::nearest(key, &keys)
+            && let Some(near) = spelling::nearest(key, &keys)
         {
             problem = problem.with_help(format!("is `{near}` meant for it?"));
         }

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::formats::located;
+use crate::formats::spelling;
 
 use super::names::{self, Order};
 
@@ -169,7 +169,7 @@ fn named(all: &[&str], name: &str) -> std::result::Result<usize, (String, String
         .or_else(|| only(&|other| other.eq_ignore_ascii_case(name)))
         .or_else(|| only(&|other| names::base(other).eq_ignore_ascii_case(name)))
         .ok_or_else(|| {
-            let help = match located::nearest(name, all) {
+            let help = match spelling::nearest(name, all) {
                 Some(near) => format!("did you mean {near:?}?"),
                 None if all.iter().all(|name| name.is_empty()) => "its bands have no names".into(),
                 None => {

@@ -53,9 +53,6 @@ const BEGINNING: u64 = 4096;
 /// What data files of ENVI are called, besides by their satellite's or nothing.
 const ENVI_ENDINGS: [&str; 7] = ["img", "dat", "bsq", "bil", "bip", "raw", "sli"];
 
-/// How JPEG files begin.
-pub(crate) const JPEG: &[u8] = &[0xff, 0xd8, 0xff];
-
 /// A raster whose bands are read one by one.
 #[derive(Debug, Clone)]
 pub struct Raster {
@@ -164,7 +161,7 @@ pub fn open(path: &Path) -> Result<Raster> {
     match extension.as_str() {
         _ if beginning.starts_with(&[0x76, 0x2f, 0x31, 0x01]) => exr::open(path),
         _ if beginning.starts_with(b"\x89PNG") => picture::open(path),
-        _ if beginning.starts_with(JPEG) => jpeg::open(path),
+        _ if beginning.starts_with(foreign::JPEG) => jpeg::open(path),
         _ if beginning.starts_with(b"\x93NUMPY") => npy::open(path),
         _ if beginning.starts_with(b"PK\x03\x04") => npy::open_npz(path),
         "npy" | "npz" | "exr" | "png" | "jpg" | "jpeg" if !foreign::is_begun(&beginning, &extension) => {

@@ -2,9 +2,8 @@
 
 use glam::{DMat3, DVec3};
 
-use super::Reader;
-use super::mesh::{ROUNDED, UNIT_TOLERANCE};
 use super::types::ConventionToml;
+use super::{ROUNDED, Reader, UNIT_TOLERANCE};
 
 /// A scale that differs from 1 by less is single precision's.
 const SCALED: f64 = 1e-6;

@@ -9,12 +9,12 @@ use crate::physics::reflectance::kirchhoff_emissivity;
 use crate::scene::{Hapke, Material, Photometry, Rpv};
 use crate::spectral::{Extend, Spectrum, solar_mean, sunlight_share};
 
-use super::super::located::{self, member};
+use super::super::located::member;
 use super::super::photometry_csv;
 use super::super::spectrum_csv::Quantity;
-use super::Reader;
-use super::mesh::ROUNDED;
+use super::super::spelling;
 use super::types::{ExtendToml, MaterialToml};
+use super::{ROUNDED, Reader};
 
 /// As much more than 1 may be the sum of numbers of three digits.
 const EXCESS: f64 = 2e-3;
@@ -433,7 +433,7 @@ fn parts_first(parts: &[Vec<usize>]) -> Vec<usize> {
 /// What may have been meant by a name that is no entry.
 fn help_for(name: &str, entries: &[String]) -> String {
     let known: Vec<&str> = entries.iter().map(String::as_str).collect();
-    match located::nearest(name, &known) {
+    match spelling::nearest(name, &known) {
         Some(near) => format!("did you mean {near:?}?"),
         None => format!("entries are {}", quoted(entries)),
     }

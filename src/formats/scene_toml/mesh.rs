@@ -11,16 +11,12 @@ use crate::progress::Progress;
 use crate::report::Note;
 use crate::scene::FrameCamera;
 
-use super::Reader;
 use super::materials::Dictionary;
 use super::types::{Coordinates, GivenPose, MeshToml, NamedPose, PoseToml, RecipeToml, Up};
+use super::{ROUNDED, Reader, UNIT_TOLERANCE};
 
 /// A camera that is more sizes of the scene away looks at next to nothing.
 const FAR: f64 = 1000.0;
-/// Unit vectors and quaternions have length 1 to within this.
-pub(super) const UNIT_TOLERANCE: f64 = 1e-9;
-/// What is farther off than this is no rounding: axes and quaternions of length 1, and shares that add up to 1.
-pub(super) const ROUNDED: f64 = 0.01;
 
 impl Reader<'_> {
     /// All meshes in one, local to the origin, with the dictionary's materials.

@@ -44,6 +44,11 @@ pub use write::{Axes, Unsaid, WriteOptions, write, write_with};
 
 use types::{Frame, MarsModelToml, MarsToml, ObserverToml, SceneToml, SunToml, ThermalModelToml, ThermalToml, Values};
 
+/// Unit vectors and quaternions have length 1 to within this.
+const UNIT_TOLERANCE: f64 = 1e-9;
+/// What is farther off than this is no rounding: axes and quaternions of length 1, and shares that add up to 1.
+const ROUNDED: f64 = 0.01;
+
 /// A scene and what its report should say about where it came from.
 #[derive(Debug, Clone)]
 pub struct SceneFile {

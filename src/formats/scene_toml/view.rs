@@ -8,14 +8,13 @@ use crate::geometry::{Direction, Mesh, Pose};
 use crate::scene::{Exposure, FrameCamera, LEAST_PITCH};
 use crate::spectral::{Band, Response, Spectrum};
 
-use super::Reader;
 use super::attitude::no_rotation;
 use super::lens::Lens;
-use super::mesh::ROUNDED;
 use super::types::{
     BandsToml, Coordinates, Frame, Fwhm, LightToml, LightsToml, ObserverToml, Preset, ResponseToml, SensorToml,
     ShapeToml, ShapesToml,
 };
+use super::{ROUNDED, Reader};
 
 /// A camera that has no name.
 pub(in crate::formats) const SENSOR_NAME: &str = "frame camera";

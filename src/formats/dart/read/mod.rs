@@ -4,6 +4,7 @@
 //! them. What is not known is passed over and told.
 
 mod camera;
+mod carried;
 pub(super) mod coeff_diff;
 mod directions;
 mod losses;

@@ -11,7 +11,7 @@ use crate::report::{Fate, Report};
 use super::super::Links;
 use super::super::folder::Folder;
 use super::super::mandatory::{self, Kind, Missing};
-use super::{Inputs, Options, unread};
+use super::{Inputs, Options, carried};
 
 /// The state of reading one simulation. A value that cannot be used is a problem, and reading goes on with a stand-in.
 pub(super) struct Reading<'a> {
@@ -150,7 +150,7 @@ impl<'a> Reading<'a> {
         for Missing { path, at, kind } in mandatory::missing(inputs) {
             let Kind::Attribute { name, places } = kind else { continue };
             let element = path.rsplit('/').nth(1).unwrap_or_default();
-            if self.defaulted.contains(&path) || !unread::is_carried(element, name) {
+            if self.defaulted.contains(&path) || !carried::is_carried(element, name) {
                 continue;
             }
             let where_ = if places > 1 { format!(" (in {places} places)") } else { String::new() };
