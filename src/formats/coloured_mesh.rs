@@ -8,6 +8,7 @@ use glam::{DMat3, DVec3};
 use crate::error::{Error, Location, Result};
 use crate::geometry::{Direction, MaterialId, Mesh, Pose, body_from_site, signed_solid_angle_sr};
 use crate::physics::reflectance::kirchhoff_emissivity;
+use crate::physics::srgb::hex_from_linear;
 use crate::report::{Fate, Report};
 use crate::scene::{Exposure, FrameCamera, Material, Models, Parts, Photometry, Scene, Sky, Sun, Surface, Thermal};
 use crate::spectral::{Band, Spectrum, solar_e490};
@@ -15,7 +16,7 @@ use crate::units::{AU_M, TSI_1AU_W_M2};
 
 use super::mtl::{self, ObjMaterial};
 use super::obj::ObjFile;
-use super::scene_toml::{EMISSIVITY_BOLOMETRIC, SENSOR_NAME, hex_from_linear};
+use super::scene_toml::{EMISSIVITY_BOLOMETRIC, SENSOR_NAME};
 
 /// More vertices, or more facets, are refused.
 pub(super) const MOST: usize = 1 << 27;

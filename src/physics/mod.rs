@@ -22,6 +22,7 @@
 //! | eclipse | [`sun::eclipse`] | two discs | oracles `eclipse_by_mars_central_duration` |
 //! | radiance of a reflectance factor, of a Lambert surface's exitance | [`reflectance::radiance_of_reflectance_factor`], [`reflectance::lambert_radiance`] | Nicodemus et al. (1977); Lambert | white surface; integral over the hemisphere |
 //! | (2), (13): BRDF | [`reflectance::Brdf`] | Nicodemus et al. (1977); Hapke (2012) | Lambert rho / pi |
+//! | sRGB to linear light and back | [`srgb::linear_from_hex`], [`srgb::hex_from_linear`] | IEC 61966-2-1 | mid grey; the straight part |
 //!
 //! Elsewhere, because they are geometry or sums: (11) to (13) in `solve::Emission`, (16) in `spectral::Band::in_band_w_m2_sr`,
 //! (17) to (19) in `scene::FrameCamera`.
@@ -33,6 +34,7 @@ pub mod mars;
 pub mod mars_light;
 mod quadrature;
 pub mod reflectance;
+pub mod srgb;
 pub mod sun;
 
 pub(crate) use quadrature::GaussLegendre;

@@ -35,7 +35,6 @@ use super::spectrum_csv::{NOISE, Quantity};
 pub(super) use atlas::Tiling;
 pub(super) use lens::Lens;
 pub(super) use materials::EMISSIVITY_BOLOMETRIC;
-pub(crate) use materials::hex_from_linear;
 pub(super) use view::SENSOR_NAME;
 pub(super) use view::USUAL_UM;
 pub(super) use view::pitch_of_fov;

@@ -19,13 +19,14 @@ use crate::formats::folder::Staged;
 use crate::formats::located::LONGEST_NAME;
 use crate::formats::mtl::{self, ObjMaterial};
 use crate::formats::{obj, photometry_csv, response_csv};
+use crate::physics::srgb::linear_from_hex;
 use crate::report::{Fate, Report};
 use crate::scene::{FrameCamera, MARS_ALBEDO, MarsModel, Material, Scene, Thermal};
 use crate::spectral::{Band, Extend, Response, Spectrum, SunTotal, solar_e490, solar_mean};
 use crate::units::{AU_M, MARS_RADIUS_M};
 
 use super::super::located::member;
-use super::materials::{EMISSIVITY_BOLOMETRIC, linear_from_hex, mean, mixed_emissivity};
+use super::materials::{EMISSIVITY_BOLOMETRIC, mean, mixed_emissivity};
 use super::view::{SENSOR_NAME, pitch_of_ifov};
 use super::{MARS_BOND_ALBEDO, MARS_THERMAL_EXITANCE_W_M2};
 
