@@ -19,7 +19,7 @@ pub struct Overlaps {
     /// The triangle of each polygon, ascending within a facet.
     pub polygon_triangle: Vec<u32>,
     /// First vertex of each polygon, and the number of vertices as the last element.
-    pub polygon_start: Vec<u32>,
+    pub polygon_start: Vec<usize>,
     /// Vertices of the polygons.
     pub uv: Vec<Point>,
 }
@@ -27,11 +27,11 @@ pub struct Overlaps {
 impl Overlaps {
     /// A polygon.
     pub fn polygon(&self, i: usize) -> &[Point] {
-        &self.uv[self.polygon_start[i] as usize..self.polygon_start[i + 1] as usize]
+        &self.uv[self.polygon_start[i]..self.polygon_start[i + 1]]
     }
 
     fn append(&mut self, other: Overlaps) {
-        let base = self.uv.len() as u32;
+        let base = self.uv.len();
         self.polygon_facet.extend(other.polygon_facet);
         self.polygon_triangle.extend(other.polygon_triangle);
         self.polygon_start.extend(other.polygon_start.iter().skip(1).map(|start| base + start));
@@ -63,7 +63,7 @@ pub fn overlaps(mesh: &Mesh, triangles: &[Facet], tolerance_m: f64) -> Overlaps 
                             part.polygon_facet.push(f as u32);
                             part.polygon_triangle.push(t);
                             part.uv.extend_from_slice(&common);
-                            part.polygon_start.push(part.uv.len() as u32);
+                            part.polygon_start.push(part.uv.len());
                         }
                     }
                 }

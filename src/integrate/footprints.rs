@@ -40,7 +40,7 @@ pub fn footprints(mesh: &Mesh, topology: &Topology, sunlit: &Seen, camera: &Fram
                 pixel.new_line(row);
                 for column in 0..camera.samples {
                     pixel.look(&coverage, column, row, scratch)?;
-                    line.row_start.push(line.facet.len() as u32);
+                    line.row_start.push(line.facet.len());
                     for e in &pixel.entries {
                         line.facet.push(e.facet);
                         line.fraction.push(e.area);
@@ -54,12 +54,12 @@ pub fn footprints(mesh: &Mesh, topology: &Topology, sunlit: &Seen, camera: &Fram
     let mut all = Footprints::default();
     // Nobody asks to stop.
     for line in lines.unwrap_or_default() {
-        let base = all.facet.len() as u32;
+        let base = all.facet.len();
         all.row_start.extend(line.row_start.iter().map(|s| base + s));
         all.facet.extend(line.facet);
         all.fraction.extend(line.fraction);
         all.lit_fraction.extend(line.lit_fraction);
     }
-    all.row_start.push(all.facet.len() as u32);
+    all.row_start.push(all.facet.len());
     all
 }

@@ -60,7 +60,7 @@ const MAP_PLANES: [(&str, &str); 2] = [("MAP_COVERAGE", "1"), ("MAP_ANGLE", "deg
 #[derive(Default)]
 struct Line {
     maps: MapLine,
-    row_start: Vec<u32>,
+    row_start: Vec<usize>,
     row: Vec<u32>,
     weight: Vec<f64>,
     back_area_px: f64,
@@ -131,7 +131,7 @@ fn look(scene: &Scene, table: &FacetTable, maps: Option<&Maps<'_>>, watch: Watch
                 }
                 for column in 0..camera.samples {
                     pixel.look(&coverage, column, row, scratch)?;
-                    line.row_start.push(line.row.len() as u32);
+                    line.row_start.push(line.row.len());
                     line.look(pixel, &seen);
                     let rect = pixel.rect;
                     let send = |e: &Entry, area: f64, lit: f64, weights: &mut Weights| {
@@ -261,11 +261,11 @@ fn assemble(scene: &Scene, emission: &Emission, lines: Vec<Line>) -> Cube {
         added: vec![],
     };
     for line in lines {
-        let base = cube.row.len() as u32;
+        let base = cube.row.len();
         cube.row_start.extend(line.row_start.iter().map(|s| base + s));
         cube.row.extend(line.row);
         cube.weight.extend(line.weight);
     }
-    cube.row_start.push(cube.row.len() as u32);
+    cube.row_start.push(cube.row.len());
     cube
 }

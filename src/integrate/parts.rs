@@ -59,8 +59,8 @@ impl Window<'_> {
 #[derive(Debug)]
 pub(super) struct Polygons<'a> {
     /// First polygon of each facet; one more element than facets.
-    first: Vec<u32>,
-    start: &'a [u32],
+    first: Vec<usize>,
+    start: &'a [usize],
     uv: &'a [Point],
 }
 
@@ -80,17 +80,17 @@ impl<'a> Polygons<'a> {
     }
 
     fn of(&self, facet: u32) -> std::ops::Range<usize> {
-        self.first[facet as usize] as usize..self.first[facet as usize + 1] as usize
+        self.first[facet as usize]..self.first[facet as usize + 1]
     }
 
     fn uv(&self, i: usize) -> &'a [Point] {
-        &self.uv[self.start[i] as usize..self.start[i + 1] as usize]
+        &self.uv[self.start[i]..self.start[i + 1]]
     }
 }
 
 /// First polygon of each facet, and the number of polygons as the last element.
-fn first(facets: usize, polygon_facet: &[u32]) -> Vec<u32> {
-    let mut first = vec![0u32; facets + 1];
+fn first(facets: usize, polygon_facet: &[u32]) -> Vec<usize> {
+    let mut first = vec![0; facets + 1];
     for f in polygon_facet {
         first[*f as usize + 1] += 1;
     }

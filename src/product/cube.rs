@@ -19,7 +19,7 @@ pub struct Cube {
     /// The bands.
     pub bands: Vec<Band>,
     /// First weight of each pixel, and the number of weights as the last element.
-    pub row_start: Vec<u32>,
+    pub row_start: Vec<usize>,
     /// The row of each weight.
     pub row: Vec<u32>,
     /// Weights.
@@ -37,13 +37,13 @@ impl Cube {
     pub fn thermal(&self) -> Cube {
         let mut part = Cube { row_start: vec![0], row: vec![], weight: vec![], added: vec![], ..self.clone() };
         for entries in self.row_start.windows(2) {
-            for i in entries[0] as usize..entries[1] as usize {
+            for i in entries[0]..entries[1] {
                 if self.row[i] >= self.first_thermal_row {
                     part.row.push(self.row[i]);
                     part.weight.push(self.weight[i]);
                 }
             }
-            part.row_start.push(part.row.len() as u32);
+            part.row_start.push(part.row.len());
         }
         part
     }
@@ -71,7 +71,7 @@ impl Cube {
 
     /// Radiance of a pixel in `N` bands.
     fn panel<const N: usize>(&self, pixel: usize, first_band: usize) -> [f64; N] {
-        let entries = self.row_start[pixel] as usize..self.row_start[pixel + 1] as usize;
+        let entries = self.row_start[pixel]..self.row_start[pixel + 1];
         let mut sum = [0.0; N];
         if !self.added.is_empty() {
             let pixels = self.samples * self.lines;

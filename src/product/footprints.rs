@@ -4,7 +4,7 @@
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Footprints {
     /// First entry of each pixel, and the number of entries as the last element.
-    pub row_start: Vec<u32>,
+    pub row_start: Vec<usize>,
     /// The facet of each entry; ascending within a pixel.
     pub facet: Vec<u32>,
     /// Share of the pixel's area that sees the facet.
@@ -16,7 +16,7 @@ pub struct Footprints {
 impl Footprints {
     /// The entries of a pixel: (facet, fraction, lit fraction).
     pub fn pixel(&self, pixel: usize) -> impl Iterator<Item = (u32, f64, f64)> {
-        let range = self.row_start[pixel] as usize..self.row_start[pixel + 1] as usize;
+        let range = self.row_start[pixel]..self.row_start[pixel + 1];
         range.map(|i| (self.facet[i], self.fraction[i], self.lit_fraction[i]))
     }
 

@@ -126,7 +126,7 @@ pub struct Patches {
     /// The texel of each polygon.
     pub polygon_texel: Vec<u32>,
     /// First vertex of each polygon, and the number of vertices as the last element.
-    pub polygon_start: Vec<u32>,
+    pub polygon_start: Vec<usize>,
     /// Vertices of the polygons.
     pub uv: Vec<[f64; 2]>,
 }

@@ -238,7 +238,7 @@ fn largest_lit_excess(scene: &Scene, table: &FacetTable) -> f64 {
         if facet != Some(of) {
             (facet, sum) = (Some(of), 0.0);
         }
-        sum += 2.0 * area(&sunlit.uv[bounds[0] as usize..bounds[1] as usize]).abs();
+        sum += 2.0 * area(&sunlit.uv[bounds[0]..bounds[1]]).abs();
         if sum > 1.0 {
             most = most.max(excess(*of, sum));
         }

@@ -40,7 +40,7 @@ pub struct Seen {
     /// The facet of each polygon, ascending.
     pub polygon_facet: Vec<u32>,
     /// First vertex of each polygon, and the number of vertices as the last element.
-    pub polygon_start: Vec<u32>,
+    pub polygon_start: Vec<usize>,
     /// Vertices of the polygons.
     pub uv: Vec<[f64; 2]>,
 }
@@ -50,7 +50,7 @@ impl Seen {
     pub fn polygons(&self, facet: u32) -> impl ExactSizeIterator<Item = &[[f64; 2]]> {
         let first = self.polygon_facet.partition_point(|f| *f < facet);
         let last = first + self.polygon_facet[first..].partition_point(|f| *f == facet);
-        (first..last).map(|i| &self.uv[self.polygon_start[i] as usize..self.polygon_start[i + 1] as usize])
+        (first..last).map(|i| &self.uv[self.polygon_start[i]..self.polygon_start[i + 1]])
     }
 
     /// Share of a facet's area that is seen.
@@ -70,7 +70,7 @@ impl Seen {
             if facet != Some(*of) {
                 (facet, sum) = (Some(*of), 0.0);
             }
-            sum += 2.0 * area(&self.uv[bounds[0] as usize..bounds[1] as usize]).abs();
+            sum += 2.0 * area(&self.uv[bounds[0]..bounds[1]]).abs();
             if sum > most {
                 return Some((*of, sum));
             }
@@ -87,7 +87,7 @@ impl Seen {
             return Err(format!("{} polygons, but {} starts", self.polygon_facet.len(), self.polygon_start.len()));
         }
         if self.polygon_start.first() != Some(&0)
-            || self.polygon_start.last().map(|e| *e as usize) != Some(self.uv.len())
+            || self.polygon_start.last() != Some(&self.uv.len())
             || self.polygon_start.windows(2).any(|w| w[0] > w[1])
         {
             return Err("polygon starts are not an ascending list from 0 to the number of vertices".into());
@@ -177,7 +177,7 @@ fn seen(drawing: &Drawing, stage: &'static str, watch: Watch<'_>) -> Result<Seen
 #[derive(Debug, Clone, Default)]
 struct Row {
     entries: Vec<Entry>,
-    polygon_end: Vec<u32>,
+    polygon_end: Vec<usize>,
     points: Vec<Point>,
 }
 
@@ -187,8 +187,8 @@ struct Entry {
     triangle: u32,
     column: u32,
     /// Its polygons among those of the row.
-    first: u32,
-    end: u32,
+    first: usize,
+    end: usize,
 }
 
 impl Row {
@@ -200,12 +200,12 @@ impl Row {
 
     fn add(&mut self, polygon: &[Point]) {
         self.points.extend_from_slice(polygon);
-        self.polygon_end.push(self.points.len() as u32);
+        self.polygon_end.push(self.points.len());
     }
 
-    fn polygon(&self, i: u32) -> &[Point] {
-        let start = if i == 0 { 0 } else { self.polygon_end[i as usize - 1] };
-        &self.points[start as usize..self.polygon_end[i as usize] as usize]
+    fn polygon(&self, i: usize) -> &[Point] {
+        let start = if i == 0 { 0 } else { self.polygon_end[i - 1] };
+        &self.points[start..self.polygon_end[i]]
     }
 }
 
@@ -252,7 +252,7 @@ impl<'a> CellSight<'a> {
         self.whole.sort_by_key(|w| w.0);
         let (mut pieces, mut whole) = (self.pieces.iter().peekable(), self.whole.iter().peekable());
         for &triangle in &self.cut {
-            let first = row.polygon_end.len() as u32;
+            let first = row.polygon_end.len();
             while let Some((of, points)) = pieces.next_if(|p| p.0 <= triangle) {
                 if *of == triangle {
                     row.add(&self.points[points.clone()]);
@@ -266,7 +266,7 @@ impl<'a> CellSight<'a> {
                     }
                 }
             }
-            row.entries.push(Entry { triangle, column, first, end: row.polygon_end.len() as u32 });
+            row.entries.push(Entry { triangle, column, first, end: row.polygon_end.len() });
         }
     }
 
@@ -303,7 +303,7 @@ impl Visit for CellSight<'_> {
 fn assemble(drawing: &Drawing, rows: &[Row]) -> Seen {
     // Entries by triangle: (row, entry), rows ascending.
     let (triangles, facets) = (drawing.len(), drawing.mesh().facets.len());
-    let mut start = vec![0u32; triangles + 1];
+    let mut start = vec![0; triangles + 1];
     for row in rows {
         for e in &row.entries {
             start[e.triangle as usize + 1] += 1;
@@ -312,12 +312,12 @@ fn assemble(drawing: &Drawing, rows: &[Row]) -> Seen {
     for i in 0..triangles {
         start[i + 1] += start[i];
     }
-    let mut entry = vec![(0u32, 0u32); start[triangles] as usize];
+    let mut entry = vec![(0u32, 0u32); start[triangles]];
     let mut fill = start.clone();
     for (r, row) in rows.iter().enumerate() {
         for (i, e) in row.entries.iter().enumerate() {
             let at = &mut fill[e.triangle as usize];
-            entry[*at as usize] = (r as u32, i as u32);
+            entry[*at] = (r as u32, i as u32);
             *at += 1;
         }
     }
@@ -329,7 +329,7 @@ fn assemble(drawing: &Drawing, rows: &[Row]) -> Seen {
             let mut part = Seen { polygon_start: vec![0], ..Seen::default() };
             let mut gather = Gather::default();
             for facet in c * chunk..((c + 1) * chunk).min(facets) {
-                let entries = |t: u32| &entry[start[t as usize] as usize..start[t as usize + 1] as usize];
+                let entries = |t: u32| &entry[start[t as usize]..start[t as usize + 1]];
                 gather.facet(drawing, facet as u32, entries, rows, &mut part);
             }
             part
@@ -341,7 +341,7 @@ fn assemble(drawing: &Drawing, rows: &[Row]) -> Seen {
     all.polygon_start.reserve_exact(parts.iter().map(|p| p.polygon_facet.len()).sum());
     all.uv.reserve_exact(parts.iter().map(|p| p.uv.len()).sum());
     for part in parts {
-        let base = all.uv.len() as u32;
+        let base = all.uv.len();
         all.shown.extend(part.shown);
         all.polygon_facet.extend(part.polygon_facet);
         all.polygon_start.extend(part.polygon_start[1..].iter().map(|e| base + e));
@@ -392,7 +392,7 @@ impl Gather {
                 if area > least_area && (area > ample || area > narrow * around(polygon)) {
                     out.uv.extend(polygon.iter().map(|p| frame.uv(*p)));
                     out.polygon_facet.push(facet);
-                    out.polygon_start.push(out.uv.len() as u32);
+                    out.polygon_start.push(out.uv.len());
                 }
             };
             let entries = entries(triangle);

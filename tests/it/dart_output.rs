@@ -601,7 +601,7 @@ fn the_budget_of_triangles_is_on_the_facets_they_lie_on() {
         let mut area_m2 = [0.0; 4];
         for (i, polygon) in patches.polygon_start.windows(2).enumerate() {
             let facet = scene.body.mesh.facet(patches.polygon_facet[i] as usize);
-            let uv = &patches.uv[polygon[0] as usize..polygon[1] as usize];
+            let uv = &patches.uv[polygon[0]..polygon[1]];
             let twice: f64 =
                 (0..uv.len()).map(|k| (uv[k], uv[(k + 1) % uv.len()])).map(|(p, q)| p[0] * q[1] - p[1] * q[0]).sum();
             area_m2[patches.polygon_texel[i] as usize] += twice * facet.area_m2();

@@ -344,7 +344,7 @@ fn a_table_that_was_tampered_with_is_told_at_its_place_and_makes_no_product() {
         table.sunlit.shown.iter_mut().for_each(|lit| *lit = mmxrt::visibility::Shown::Nothing);
         table.sunlit.shown[f] = mmxrt::visibility::Shown::Part;
         table.sunlit.polygon_facet = vec![f as u32; triangles.len()];
-        table.sunlit.polygon_start = (0..=triangles.len() as u32).map(|i| 3 * i).collect();
+        table.sunlit.polygon_start = (0..=triangles.len()).map(|i| 3 * i).collect();
         table.sunlit.uv = triangles.concat();
     }
     const WHOLE: [[f64; 2]; 3] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];

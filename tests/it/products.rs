@@ -37,7 +37,7 @@ fn random_cube(samples: usize, lines: usize, bands: usize, rows: usize, rows_per
         samples,
         lines,
         bands: (0..bands).map(|i| Band::new(0.95 + 0.01 * i as f64, Some(0.01))).collect(),
-        row_start: (0..=pixels).map(|p| (p * rows_per_pixel) as u32).collect(),
+        row_start: (0..=pixels).map(|p| p * rows_per_pixel).collect(),
         row: (0..pixels * rows_per_pixel).map(|_| (random.share() * rows as f64) as u32).collect(),
         weight: (0..pixels * rows_per_pixel).map(|_| random.share()).collect(),
         spectra: (0..rows * bands).map(|_| random.share()).collect(),
@@ -352,6 +352,60 @@ fn facet_tables_come_back_bit_for_bit() {
         let uv = arrays.iter().find(|a| a.name == "sun_polygon_uv").unwrap();
         assert_eq!((uv.descr.as_str(), uv.shape.as_slice()), ("<f8", [10, 2].as_slice()));
     }
+}
+
+/// The bytes of an array in a zip file, as NumPy's format 1.0 has them.
+fn member(path: &Path, name: &str) -> Vec<u8> {
+    let mut zip = zip::ZipArchive::new(std::fs::File::open(path).unwrap()).unwrap();
+    let mut bytes = Vec::new();
+    std::io::Read::read_to_end(&mut zip.by_name(name).unwrap(), &mut bytes).unwrap();
+    bytes
+}
+
+/// Replaces that array.
+fn replace_member(path: &Path, name: &str, bytes: &[u8]) {
+    let mut old = zip::ZipArchive::new(std::io::Cursor::new(std::fs::read(path).unwrap())).unwrap();
+    let mut new = zip::ZipWriter::new(std::fs::File::create(path).unwrap());
+    for i in 0..old.len() {
+        let file = old.by_index_raw(i).unwrap();
+        if file.name().unwrap() != name {
+            new.raw_copy_file(file).unwrap();
+        }
+    }
+    new.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
+    std::io::Write::write_all(&mut new, bytes).unwrap();
+    new.finish().unwrap();
+}
+
+#[test]
+fn ends_of_64_bits_are_read_and_are_written_where_32_do_not_hold_them() {
+    let scratch = Scratch::new();
+    let path = scratch.join("table.npz");
+    let name = "sun_polygon_start.npy";
+    npz::write_table(&path, &table(), "s").unwrap();
+    let (good, _) = npz::read_table(&path).unwrap();
+    let short = member(&path, name);
+    assert_eq!((&short[10..25], short.len()), (&b"{'descr': '<u4'"[..], 128 + 4 * 4));
+    let mut long = short[..128].to_vec();
+    long[22..24].copy_from_slice(b"u8");
+    long.extend([0u64, 3, 7, 10].iter().flat_map(|end| end.to_le_bytes()));
+    replace_member(&path, name, &long);
+    assert_eq!(npz::read_table(&path).unwrap().0, good);
+
+    // In 32 bits it would be the right end.
+    let mut far = table();
+    far.sunlit.polygon_start[3] += 1 << 32;
+    npz::write_table(&path, &far, "s").unwrap();
+    let written = member(&path, name);
+    assert_eq!(&written[10..25], b"{'descr': '<u8'");
+    assert_eq!(written[128..], [0u64, 3, 7, (1 << 32) + 10].map(u64::to_le_bytes).concat());
+    let error = npz::read_table(&path).unwrap_err().to_string();
+    assert!(error.contains("sun_polygon_start: polygon starts are not an ascending list from 0"), "{error}");
+
+    let footprints = Footprints { row_start: vec![0, 1 << 32], ..Footprints::default() };
+    npz::write_footprints(&path, &footprints, "s").unwrap();
+    let (_, arrays) = npz::list(&path).unwrap();
+    assert_eq!((arrays[0].name.as_str(), arrays[0].descr.as_str()), ("row_start", "<u8"));
 }
 
 #[test]

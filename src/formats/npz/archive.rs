@@ -189,34 +189,35 @@ impl Npz {
         Ok(Some(Array { descr, shape, data: bytes }))
     }
 
-    /// The data of an array of a type with `columns` values a row (1: a plain list); empty, and a problem if it is
-    /// needed, when it is not there or of another type.
+    /// The data of an array of one of these types with `columns` values a row (1: a plain list), and its type; empty, and a problem
+    /// if it is needed, when it is not there or of another type.
     fn data(
         &mut self,
         name: &str,
-        descr: &str,
+        descrs: &[&str],
         columns: usize,
         needed: bool,
         problems: &mut Vec<Problem>,
-    ) -> Result<Vec<u8>> {
+    ) -> Result<(String, Vec<u8>)> {
         let Some(array) = self.array(name)? else {
             if needed {
                 problems.push(Problem::new(self.at(name), "is missing"));
             }
-            return Ok(Vec::new());
+            return Ok(Default::default());
         };
         let is_shaped = match array.shape[..] {
             [_] => columns == 1,
             [_, n] => columns == n && n > 1,
             _ => false,
         };
-        if array.descr != descr || !is_shaped {
+        if !descrs.contains(&array.descr.as_str()) || !is_shaped {
             let rows = if columns == 1 { "(n,)".to_owned() } else { format!("(n, {columns})") };
-            let message = format!("is {:?} of {:?}, expected {descr:?} of shape {rows}", array.descr, array.shape);
+            let wanted = descrs.iter().map(|descr| format!("{descr:?}")).collect::<Vec<_>>().join(" or ");
+            let message = format!("is {:?} of {:?}, expected {wanted} of shape {rows}", array.descr, array.shape);
             problems.push(Problem::new(self.at(name), message));
-            return Ok(Vec::new());
+            return Ok(Default::default());
         }
-        Ok(array.data)
+        Ok((array.descr, array.data))
     }
 
     pub(super) fn f64s(
@@ -226,17 +227,27 @@ impl Npz {
         needed: bool,
         problems: &mut Vec<Problem>,
     ) -> Result<Vec<f64>> {
-        let data = self.data(name, "<f8", columns, needed, problems)?;
+        let data = self.data(name, &["<f8"], columns, needed, problems)?.1;
         Ok(data.as_chunks::<8>().0.iter().map(|b| f64::from_le_bytes(*b)).collect())
     }
 
     pub(super) fn u32s(&mut self, name: &str, problems: &mut Vec<Problem>) -> Result<Vec<u32>> {
-        let data = self.data(name, "<u4", 1, true, problems)?;
+        let data = self.data(name, &["<u4"], 1, true, problems)?.1;
         Ok(data.as_chunks::<4>().0.iter().map(|b| u32::from_le_bytes(*b)).collect())
     }
 
+    /// Ends of lists, of 32 or 64 bits. One that no list can have is the largest number: then it is none in the table either.
+    pub(super) fn ends(&mut self, name: &str, problems: &mut Vec<Problem>) -> Result<Vec<usize>> {
+        let (descr, data) = self.data(name, &["<u4", "<u8"], 1, true, problems)?;
+        let end = |end: u64| usize::try_from(end).unwrap_or(usize::MAX);
+        Ok(match descr.as_str() {
+            "<u8" => data.as_chunks::<8>().0.iter().map(|b| end(u64::from_le_bytes(*b))).collect(),
+            _ => data.as_chunks::<4>().0.iter().map(|b| end(u32::from_le_bytes(*b).into())).collect(),
+        })
+    }
+
     pub(super) fn bytes(&mut self, name: &str, problems: &mut Vec<Problem>) -> Result<Vec<u8>> {
-        self.data(name, "|u1", 1, true, problems)
+        Ok(self.data(name, &["|u1"], 1, true, problems)?.1)
     }
 
     pub(super) fn direction(

@@ -79,7 +79,7 @@ pub fn write_table(path: &Path, table: &FacetTable, scene: &str) -> Result<()> {
             "sun_polygon_start",
             "1",
             "first vertex of each sunlit polygon, and the number of vertices as the last element",
-            Values::U32(&sunlit.polygon_start),
+            Values::Ends(&sunlit.polygon_start),
         ),
         column(
             "sun_polygon_uv",
@@ -124,7 +124,7 @@ pub fn write_footprints(path: &Path, footprints: &Footprints, scene: &str) -> Re
         column(
             "row_start",
             "first entry of each pixel (line by line), and the number of entries as the last element",
-            Values::U32(&footprints.row_start),
+            Values::Ends(&footprints.row_start),
         ),
         column("facet", "facet of each entry, from 0, ascending within a pixel", Values::U32(&footprints.facet)),
         column("fraction", "share of the pixel's area that sees the facet", Values::F64(&footprints.fraction)),
@@ -149,7 +149,7 @@ pub fn read_table(path: &Path) -> Result<(FacetTable, Header)> {
     let sun_irradiance = file.f64s("sun_irradiance", 1, true, &mut problems)?;
     let lit_codes = file.bytes("sun_lit", &mut problems)?;
     let polygon_facet = file.u32s("sun_polygon_facet", &mut problems)?;
-    let polygon_start = file.u32s("sun_polygon_start", &mut problems)?;
+    let polygon_start = file.ends("sun_polygon_start", &mut problems)?;
     let uv = file.f64s("sun_polygon_uv", 2, true, &mut problems)?;
     let sun_direction = file.direction("sun_direction", true, &mut problems)?;
     let mars_direction = file.direction("mars_direction", false, &mut problems)?;

@@ -22,6 +22,8 @@ pub(super) struct Column<'a> {
 pub(super) enum Values<'a> {
     F64(&'a [f64]),
     U32(&'a [u32]),
+    /// Ends of lists, ascending: `<u4` if the last fits, else `<u8`.
+    Ends(&'a [usize]),
     Shown(&'a [Shown]),
     Uv(&'a [[f64; 2]]),
     Vector([f64; 3]),
@@ -134,11 +136,24 @@ fn start<W: Write + Seek>(
     zip.write_all(preamble.as_bytes())
 }
 
+/// Whether ends, the last of which is the largest, fit into 32 bits.
+fn fits(ends: &[usize]) -> bool {
+    ends.last().is_none_or(|last| u32::try_from(*last).is_ok())
+}
+
+/// The low four of an end's bytes, which are all if it [`fits`].
+fn short(end: &usize) -> [u8; 4] {
+    let [a, b, c, d, ..] = (*end as u64).to_le_bytes();
+    [a, b, c, d]
+}
+
 impl Column<'_> {
     fn write<W: Write + Seek>(&self, zip: &mut ZipWriter<W>) -> std::io::Result<()> {
         let (descr, shape, bytes) = match &self.values {
             Values::F64(v) => ("<f8", format!("({},)", v.len()), 8 * v.len()),
             Values::U32(v) => ("<u4", format!("({},)", v.len()), 4 * v.len()),
+            Values::Ends(v) if fits(v) => ("<u4", format!("({},)", v.len()), 4 * v.len()),
+            Values::Ends(v) => ("<u8", format!("({},)", v.len()), 8 * v.len()),
             Values::Shown(v) => ("|u1", format!("({},)", v.len()), v.len()),
             Values::Uv(v) => ("<f8", format!("({}, 2)", v.len()), 16 * v.len()),
             Values::Vector(_) => ("<f8", "(3,)".to_owned(), 24),
@@ -147,6 +162,8 @@ impl Column<'_> {
         match &self.values {
             Values::F64(v) => pieces(zip, v, |x| x.to_le_bytes()),
             Values::U32(v) => pieces(zip, v, |x| x.to_le_bytes()),
+            Values::Ends(v) if fits(v) => pieces(zip, v, short),
+            Values::Ends(v) => pieces(zip, v, |x| (*x as u64).to_le_bytes()),
             Values::Shown(v) => pieces(zip, v, |x| [*x as u8]),
             Values::Uv(v) => pieces(zip, v.as_flattened(), |x| x.to_le_bytes()),
             Values::Vector(v) => pieces(zip, v, |x| x.to_le_bytes()),
