@@ -218,7 +218,7 @@ def numbers(folder):
 def values(name, path, part):
     """The numbers of an array that differs, or None."""
     data = content(path)[part]
-    if data[:6] == b"\x93NUMPY":
+    if data[:6] == b"\x93NUMPY" and b"'descr': '<U" not in data[:64]:
         length, start = (struct.unpack("<H", data[8:10])[0], 10) if data[6] == 1 else (struct.unpack("<I", data[8:12])[0], 12)
         kind = re.search(rb"'descr': '[<|]([a-z]\d)'", data[start : start + length]).group(1).decode()
         data = data[start + length :]

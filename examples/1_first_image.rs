@@ -53,6 +53,7 @@ fn main() -> Result<()> {
                 total_irradiance_1au_w_m2: TSI_1AU_W_M2,
             },
             mars: None,
+            beams: vec![],
         },
         models: Models { thermal: Thermal::Equilibrium, ..Models::default() },
         exposure: Exposure {

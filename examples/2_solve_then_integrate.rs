@@ -8,6 +8,7 @@
 use std::path::Path;
 
 use mmxrt::formats::{npz, scene_toml};
+use mmxrt::integrate::Wanted;
 use mmxrt::integrate::integrate;
 use mmxrt::progress::unwatched;
 use mmxrt::solve::solve;
@@ -22,7 +23,8 @@ fn main() -> Result<()> {
     file.defaults.iter().for_each(|d| println!("  {} = {}", d.item, d.value));
 
     let table = solve(&file.scene, &unwatched)?;
-    let lit = (0..table.sunlit.shown.len() as u32).map(|f| table.sunlit.fraction(f)).sum::<f64>();
+    let sunlit = table.sunlit().expect("what is solved has the Sun");
+    let lit = (0..table.facets() as u32).map(|f| sunlit.fraction(f)).sum::<f64>();
     println!("the Sun sees {lit:.2} facets' worth of it");
 
     // The table keeps every bit on its way through a file.
@@ -39,7 +41,7 @@ fn main() -> Result<()> {
     narrow.bands = [2.0, 3.6].map(|centre_um| Band::new(centre_um, Some(0.02))).into();
     let narrow = file.scene.seen_by(narrow)?;
     for scene in [file.scene, narrow] {
-        let image = integrate(&scene, &table, &unwatched)?;
+        let image = integrate(&scene, &table, Wanted::default(), &unwatched)?;
         let last = scene.exposure.bands.len() - 1;
         let radiance = image.cube.band(last);
         println!(

@@ -116,6 +116,7 @@ fn scene(camera: FrameCamera) -> Result<Scene> {
                 total_irradiance_1au_w_m2: 1361.0,
             },
             mars: None,
+            beams: vec![],
         },
         exposure: Exposure { instrument: "walker".into(), camera, bands: vec![Band::new(1.0, None)] },
         models: Models { thermal: Thermal::Off, ..Models::default() },

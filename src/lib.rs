@@ -44,7 +44,7 @@
 //! };
 //! let scene = Parts {
 //!     surface: Surface { origin_m: DVec3::new(0.0, 0.0, 11_000.0), mesh, materials: vec![grey], textures: vec![] },
-//!     sky: Sky { sun, mars: None },
+//!     sky: Sky { sun, mars: None, beams: vec![] },
 //!     models: Models { thermal: Thermal::Off, ..Models::default() },
 //!     exposure: Exposure {
 //!         instrument: "tour".into(),
@@ -56,7 +56,8 @@
 //! let (table, seen) = mmxrt::study::simulate(&scene, &unwatched)?;
 //!
 //! // The wall's shadow reaches 1 m to the west (x < 0): half of either triangle of the ground.
-//! assert!((table.sunlit.fraction(0) + table.sunlit.fraction(1) - 1.0).abs() < 1e-12);
+//! let sunlit = table.sunlit().unwrap();
+//! assert!((sunlit.fraction(0) + sunlit.fraction(1) - 1.0).abs() < 1e-12);
 //! // L = reflectance / pi x irradiance x cos 45 deg in the east, nothing in the west.
 //! let lit = 0.07 / std::f64::consts::PI * 700.0 / 1.5_f64.powi(2) * 0.5_f64.sqrt();
 //! let radiance = seen.cube.band(0);

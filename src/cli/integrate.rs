@@ -84,7 +84,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     if arguments.radiance.is_empty() {
         let Some(table) = table else { return Err(no_radiance()) };
         arguments.product.admit(&staged, &opened, &tables_from, false, Extras::default())?;
-        let observation = study::observe(&opened.scene, &table, &watch)?;
+        let observation = study::observe(&opened.scene, &table, arguments.product.wanted(), &watch)?;
         let table_from = tables_from.pop();
         let made = Made { opened, table, table_from, observation, maps: None };
         return product::write("integrate", &arguments.product, staged, &made, Extras::default(), console);
@@ -100,6 +100,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         },
         fill: arguments.unknown,
         add_solved: false,
+        footprints: arguments.product.wanted().footprints,
     };
     // Term by term, the maps of all views.
     let mut terms: Vec<Vec<RadianceMap>> = Vec::new();

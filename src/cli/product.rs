@@ -7,11 +7,12 @@ use mmxrt::formats::envi::{self, Interleave, Precision};
 use mmxrt::formats::folder::Staged;
 use mmxrt::formats::report_json::{self, BandEntry, Image, Report};
 use mmxrt::formats::{exr_cube, machine, npz, quicklook};
+use mmxrt::integrate::Wanted;
 use mmxrt::product::FacetTable;
 use mmxrt::progress::tell;
 use mmxrt::spectral::Band;
 use mmxrt::study::{Check, MapAccount, Observation};
-use mmxrt::{Error, Location, Problem, Result, integrate, study};
+use mmxrt::{Error, Location, Problem, Result, study};
 
 use super::Outcome;
 use super::console::Console;
@@ -58,6 +59,11 @@ enum PrecisionName {
 }
 
 impl ProductOptions {
+    /// What it asks for besides the cube.
+    pub(super) fn wanted(&self) -> Wanted<'static> {
+        Wanted { footprints: self.footprints, ..Wanted::default() }
+    }
+
     /// Makes the folder to write into, before anything is computed: it may not be possible.
     pub(super) fn stage(&self, console: &Console) -> Result<Staged> {
         super::settle(&self.output, console)?;
@@ -192,11 +198,8 @@ fn write_files(
     tell(&watch, "writing backplanes", 0, 1)?;
     // Always in double precision: positions in metres have more digits than f32 holds.
     envi::write_backplanes(&file("backplanes.img"), planes, Precision::F64, &title("Backplanes"))?;
-    if options.footprints {
-        let scene = &opened.scene;
-        let footprints =
-            integrate::footprints(&scene.body.mesh, scene.body.topology(), &table.sunlit, &scene.exposure.camera);
-        npz::write_footprints(&file("footprints.npz"), &footprints, &opened.id)?;
+    if let Some(footprints) = &observation.footprints {
+        npz::write_footprints(&file("footprints.npz"), footprints, &opened.id)?;
     }
     if with_table {
         npz::write_table(&file("table.npz"), table, &study::table_id(&opened.scene))?;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use mmxrt::{Result, study};
+use mmxrt::{Result, solve, study};
 
 use super::console::Console;
 use super::product::{self, Extras, Made, ProductOptions};
@@ -29,7 +29,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let opened = scene::open(&arguments.scene, &watch)?;
     let extras = Extras { with_table: arguments.table, with_split: arguments.split };
     arguments.product.admit(&staged, &opened, &[], false, extras)?;
-    let (table, observation) = study::simulate(&opened.scene, &watch)?;
+    let table = solve::solve(&opened.scene, &watch)?;
+    let observation = study::observe(&opened.scene, &table, arguments.product.wanted(), &watch)?;
     let made = Made { opened, table, table_from: None, observation, maps: None };
     product::write("simulate", &arguments.product, staged, &made, extras, console)
 }

@@ -40,7 +40,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     npz::write_table(staged.path(), &table, &study::table_id(&opened.scene)).map_err(|e| staged.named(e))?;
     tell(&watch, "writing the table", 1, 1)?;
     staged.commit()?;
-    let (path, facets) = (arguments.output.display().to_string(), table.sun_irradiance.len());
+    let (path, facets) = (arguments.output.display().to_string(), table.facets());
     let json = serde_json::json!({ "table": path, "facets": facets, "defaults": opened.defaults, "warnings": opened.warnings });
     console.done(&format!("{path}: {facets} facets"), &json);
     Ok(Outcome::Done)

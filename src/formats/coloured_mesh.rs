@@ -215,6 +215,7 @@ impl ColouredMesh {
                     total_irradiance_1au_w_m2: e490_w_m2,
                 },
                 mars: None,
+                beams: vec![],
             },
             exposure: Exposure {
                 instrument: SENSOR_NAME.into(),

@@ -8,42 +8,103 @@ use glam::DVec3;
 
 use super::pixel::Pixel;
 use crate::geometry::angle_rad;
-use crate::product::{Backplanes, FacetTable, Plane};
+use crate::product::{Backplanes, Plane};
 use crate::scene::{Material, Scene};
 
-/// Planes that every product has: name and unit.
-const FIXED: [(&str, &str); 30] = [
-    ("COVERAGE", "1"),
-    ("LIT_FRACTION", "1"),
-    ("FACET", "index from 0"),
-    ("FACE", "index from 0"),
-    ("MATERIAL", "index from 0"),
-    ("LATITUDE", "deg"),
-    ("LONGITUDE", "deg"),
-    ("BODYFIXEDX", "m"),
-    ("BODYFIXEDY", "m"),
-    ("BODYFIXEDZ", "m"),
-    ("RANGE", "m"),
-    ("PHASE", "deg"),
-    ("INCIDENCE", "deg"),
-    ("EMISSION", "deg"),
-    ("LOCALINCIDENCE", "deg"),
-    ("LOCALEMISSION", "deg"),
-    ("PIXELRESOLUTION", "m"),
-    ("OBLIQUEDETECTORRESOLUTION", "m"),
-    ("SUNILLUMINATIONMASK", "1"),
-    ("LATITUDE_MEAN", "deg"),
-    ("LONGITUDE_MEAN", "deg"),
-    ("BODYFIXEDX_MEAN", "m"),
-    ("BODYFIXEDY_MEAN", "m"),
-    ("BODYFIXEDZ_MEAN", "m"),
-    ("RANGE_MEAN", "m"),
-    ("PHASE_MEAN", "deg"),
-    ("INCIDENCE_MEAN", "deg"),
-    ("EMISSION_MEAN", "deg"),
-    ("LOCALINCIDENCE_MEAN", "deg"),
-    ("LOCALEMISSION_MEAN", "deg"),
+/// A plane that every product has.
+struct Kind {
+    name: &'static str,
+    unit: &'static str,
+    /// Its value in a pixel that sees something; NaN where it has none.
+    value: fn(&Sums) -> f64,
+}
+
+const fn plane(name: &'static str, unit: &'static str, value: fn(&Sums) -> f64) -> Kind {
+    Kind { name, unit, value }
+}
+
+/// Planes that every product has, in their order.
+const KINDS: [Kind; 30] = [
+    plane("COVERAGE", "1", |of| of.coverage),
+    plane("LIT_FRACTION", "1", |of| of.lit / of.coverage),
+    plane("FACET", "index from 0", |of| f64::from(of.largest.1)),
+    plane("FACE", "index from 0", |of| of.face),
+    plane("MATERIAL", "index from 0", |of| of.material),
+    plane("LATITUDE", "deg", |of| of.centre.latitude_deg),
+    plane("LONGITUDE", "deg", |of| of.centre.longitude_deg),
+    plane("BODYFIXEDX", "m", |of| of.centre.body_m.x),
+    plane("BODYFIXEDY", "m", |of| of.centre.body_m.y),
+    plane("BODYFIXEDZ", "m", |of| of.centre.body_m.z),
+    plane("RANGE", "m", |of| of.centre.range_m),
+    plane("PHASE", "deg", |of| of.centre.phase_rad.to_degrees()),
+    plane("INCIDENCE", "deg", |of| of.centre.incidence_rad.to_degrees()),
+    plane("EMISSION", "deg", |of| of.centre.emission_rad.to_degrees()),
+    plane("LOCALINCIDENCE", "deg", |of| of.centre.local_incidence_rad.to_degrees()),
+    plane("LOCALEMISSION", "deg", |of| of.centre.local_emission_rad.to_degrees()),
+    plane("PIXELRESOLUTION", "m", |of| of.resolution_m),
+    plane("OBLIQUEDETECTORRESOLUTION", "m", |of| of.resolution_m / of.centre.local_emission_rad.cos().abs()),
+    plane("SUNILLUMINATIONMASK", "1", |of| of.centre_is_lit),
+    plane("LATITUDE_MEAN", "deg", |of| of.mean.latitude_deg),
+    plane("LONGITUDE_MEAN", "deg", |of| of.mean.longitude_deg),
+    plane("BODYFIXEDX_MEAN", "m", |of| of.mean.body_m.x),
+    plane("BODYFIXEDY_MEAN", "m", |of| of.mean.body_m.y),
+    plane("BODYFIXEDZ_MEAN", "m", |of| of.mean.body_m.z),
+    plane("RANGE_MEAN", "m", |of| of.mean.range_m),
+    plane("PHASE_MEAN", "deg", |of| of.mean.phase_rad.to_degrees()),
+    plane("INCIDENCE_MEAN", "deg", |of| of.mean.incidence_rad.to_degrees()),
+    plane("EMISSION_MEAN", "deg", |of| of.mean.emission_rad.to_degrees()),
+    plane("LOCALINCIDENCE_MEAN", "deg", |of| of.mean.local_incidence_rad.to_degrees()),
+    plane("LOCALEMISSION_MEAN", "deg", |of| of.mean.local_emission_rad.to_degrees()),
 ];
+
+/// What a pixel's planes are made from.
+struct Sums {
+    /// Area that shows a surface, and what of it is lit, pixels.
+    coverage: f64,
+    lit: f64,
+    /// The largest area of a facet, and the facet.
+    largest: (f64, u32),
+    /// The face that it was cut from.
+    face: f64,
+    /// The material with the largest area.
+    material: f64,
+    /// Where the centre ray meets the surface.
+    centre: Place,
+    centre_is_lit: f64,
+    /// Width of a pixel there, square to the ray, m.
+    resolution_m: f64,
+    /// The mean of all that is seen.
+    mean: Place,
+}
+
+/// A place on the surface, and how it is lit and seen; NaN if there is none.
+struct Place {
+    latitude_deg: f64,
+    longitude_deg: f64,
+    body_m: DVec3,
+    range_m: f64,
+    phase_rad: f64,
+    /// On the radial.
+    incidence_rad: f64,
+    emission_rad: f64,
+    /// On the facet.
+    local_incidence_rad: f64,
+    local_emission_rad: f64,
+}
+
+impl Place {
+    const NONE: Place = Place {
+        latitude_deg: f64::NAN,
+        longitude_deg: f64::NAN,
+        body_m: DVec3::NAN,
+        range_m: f64::NAN,
+        phase_rad: f64::NAN,
+        incidence_rad: f64::NAN,
+        emission_rad: f64::NAN,
+        local_incidence_rad: f64::NAN,
+        local_emission_rad: f64::NAN,
+    };
+}
 
 /// Computes the planes.
 pub(super) struct Planes<'a> {
@@ -86,11 +147,11 @@ fn entries_used(scene: &Scene) -> Vec<usize> {
 
 /// How many planes an image of a scene has, apart from those of maps.
 pub fn plane_count(scene: &Scene) -> usize {
-    FIXED.len() + 2 * entries_used(scene).len()
+    KINDS.len() + 2 * entries_used(scene).len()
 }
 
 impl<'a> Planes<'a> {
-    pub(super) fn new(scene: &'a Scene, table: &FacetTable) -> Self {
+    pub(super) fn new(scene: &'a Scene) -> Self {
         let used = entries_used(scene);
         let mut entries: Vec<String> = used.iter().map(|i| format!("entry {i}")).collect();
         let place = |entry: usize| used.partition_point(|i| *i < entry);
@@ -101,29 +162,28 @@ impl<'a> Planes<'a> {
         }
         let of = |m: &Material| m.mixture.iter().map(|(entry, share)| (place(*entry), *share)).collect();
         let shares = scene.body.materials.iter().map(of).collect();
-        Planes { scene, towards_sun: table.sun_direction.vec(), entries, shares }
+        Planes { scene, towards_sun: scene.sky.sun.direction.vec(), entries, shares }
     }
 
     pub(super) fn count(&self) -> usize {
-        FIXED.len() + 2 * self.entries.len()
+        KINDS.len() + 2 * self.entries.len()
     }
 
     /// Writes one pixel's values into its line of each plane.
-    pub(super) fn add(&self, pixel: &mut Pixel, column: u32, row: u32, planes: &mut [&mut [f64]]) {
-        let mut values = [f64::NAN; FIXED.len()];
+    pub(super) fn gather(&self, pixel: &Pixel, column: u32, row: u32, planes: &mut [&mut [f64]]) {
         let mut abundance = vec![0.0; 2 * self.entries.len()];
-        let coverage: f64 = pixel.entries.iter().map(|e| e.area).sum();
-        values[0] = coverage;
-        if coverage > 0.0 {
-            self.means(pixel, coverage, &mut values, &mut abundance);
-            self.centre(pixel, column, row, &mut values);
+        let coverage: f64 = pixel.entries.iter().map(|e| e.shown.area).sum();
+        let sums = (coverage > 0.0).then(|| self.sums(pixel, coverage, [column, row], &mut abundance));
+        let fixed = KINDS.iter().map(|kind| sums.as_ref().map_or(f64::NAN, kind.value));
+        for (plane, value) in planes.iter_mut().zip(fixed.chain(abundance)) {
+            plane[column as usize] = value;
         }
-        for (plane, value) in planes.iter_mut().zip(values.iter().chain(&abundance)) {
-            plane[column as usize] = *value;
+        if sums.is_none() {
+            planes[0][column as usize] = coverage;
         }
     }
 
-    fn means(&self, pixel: &Pixel, coverage: f64, values: &mut [f64; FIXED.len()], abundance: &mut [f64]) {
+    fn sums(&self, pixel: &Pixel, coverage: f64, [column, row]: [u32; 2], abundance: &mut [f64]) -> Sums {
         let mesh = &self.scene.body.mesh;
         let (mut position_m, mut range_m, mut lit) = (DVec3::ZERO, 0.0, 0.0);
         let (mut local_incidence, mut local_emission) = (0.0, 0.0);
@@ -131,74 +191,70 @@ impl<'a> Planes<'a> {
         let mut more_materials = std::collections::BTreeMap::new();
         let mut largest = (0.0, 0);
         for e in &pixel.entries {
+            let area = e.shown.area;
             let [x, y] = e.centroid(&pixel.rect);
             let hit = self.hit(e.facet, x, y);
-            position_m += e.area * hit.point_m;
-            range_m += e.area * hit.range_m;
-            local_incidence += e.area * hit.local_incidence_rad(self);
-            local_emission += e.area * hit.local_emission_rad();
-            lit += e.lit;
-            if e.area > largest.0 {
-                largest = (e.area, e.facet);
+            position_m += area * hit.point_m;
+            range_m += area * hit.range_m;
+            local_incidence += area * hit.local_incidence_rad(self);
+            local_emission += area * hit.local_emission_rad();
+            lit += e.lit.area;
+            if area > largest.0 {
+                largest = (area, e.facet);
             }
             let material = mesh.material[e.facet as usize].0 as usize;
             match area_of_material.get_mut(material) {
-                Some(area) => *area += e.area,
-                None => *more_materials.entry(material).or_insert(0.0) += e.area,
+                Some(sum) => *sum += area,
+                None => *more_materials.entry(material).or_insert(0.0) += area,
             }
             for (entry, share) in &self.shares[material] {
-                abundance[2 * entry] += share * e.area;
-                abundance[2 * entry + 1] += share * e.lit;
+                abundance[2 * entry] += share * area;
+                abundance[2 * entry + 1] += share * e.lit.area;
             }
         }
         let most = area_of_material.iter().copied().enumerate().chain(more_materials);
         let material = most.fold((0, 0.0), |m, (i, area)| if area > m.1 { (i, area) } else { m }).0;
-        values[1] = lit / coverage;
-        values[2] = f64::from(largest.1);
-        values[3] = f64::from(mesh.face(largest.1 as usize));
-        values[4] = material as f64;
         let mean_m = position_m / coverage;
-        let body_m = mean_m + self.scene.body.origin_m;
         let to_observer = self.scene.exposure.camera.centre_m() - mean_m;
-        let (latitude, longitude) = planetocentric_deg(body_m);
-        let degrees = |sum: f64| (sum / coverage).to_degrees();
-        values[19..30].copy_from_slice(&[
-            latitude,
-            longitude,
-            body_m.x,
-            body_m.y,
-            body_m.z,
-            range_m / coverage,
-            angle_rad(self.towards_sun, to_observer).to_degrees(),
-            angle_rad(body_m, self.towards_sun).to_degrees(),
-            angle_rad(body_m, to_observer).to_degrees(),
-            degrees(local_incidence),
-            degrees(local_emission),
-        ]);
+        let mean = Place {
+            range_m: range_m / coverage,
+            local_incidence_rad: local_incidence / coverage,
+            local_emission_rad: local_emission / coverage,
+            ..self.place(mean_m, to_observer)
+        };
+        let centre = pixel.centre.map(|facet| self.hit(facet, f64::from(column) + 0.5, f64::from(row) + 0.5));
+        let of_centre = |hit: &Hit| Place {
+            range_m: hit.range_m,
+            local_incidence_rad: hit.local_incidence_rad(self),
+            local_emission_rad: hit.local_emission_rad(),
+            ..self.place(hit.point_m, -hit.ray)
+        };
+        Sums {
+            coverage,
+            lit,
+            largest,
+            face: f64::from(mesh.face(largest.1 as usize)),
+            material: material as f64,
+            resolution_m: centre.as_ref().map_or(f64::NAN, |hit| hit.range_m * self.scene.exposure.camera.mean_pitch()),
+            centre_is_lit: centre.as_ref().map_or(f64::NAN, |_| f64::from(u8::from(pixel.centre_is_lit))),
+            centre: centre.as_ref().map_or(Place::NONE, of_centre),
+            mean,
+        }
     }
 
-    fn centre(&self, pixel: &mut Pixel, column: u32, row: u32, values: &mut [f64; FIXED.len()]) {
-        let Some(facet) = pixel.centre else { return };
-        let hit = self.hit(facet, f64::from(column) + 0.5, f64::from(row) + 0.5);
-        let body_m = hit.point_m + self.scene.body.origin_m;
-        let (latitude, longitude) = planetocentric_deg(body_m);
-        let resolution_m = hit.range_m * self.scene.exposure.camera.mean_pitch();
-        values[5..19].copy_from_slice(&[
-            latitude,
-            longitude,
-            body_m.x,
-            body_m.y,
-            body_m.z,
-            hit.range_m,
-            angle_rad(self.towards_sun, -hit.ray).to_degrees(),
-            angle_rad(body_m, self.towards_sun).to_degrees(),
-            angle_rad(body_m, -hit.ray).to_degrees(),
-            hit.local_incidence_rad(self).to_degrees(),
-            hit.local_emission_rad().to_degrees(),
-            resolution_m,
-            resolution_m / hit.local_emission_rad().cos().abs(),
-            f64::from(u8::from(pixel.centre_is_lit)),
-        ]);
+    /// A point of the scene, m, by itself: no facet and no range.
+    fn place(&self, point_m: DVec3, to_observer: DVec3) -> Place {
+        let body_m = point_m + self.scene.body.origin_m;
+        let (latitude_deg, longitude_deg) = planetocentric_deg(body_m);
+        Place {
+            latitude_deg,
+            longitude_deg,
+            body_m,
+            phase_rad: angle_rad(self.towards_sun, to_observer),
+            incidence_rad: angle_rad(body_m, self.towards_sun),
+            emission_rad: angle_rad(body_m, to_observer),
+            ..Place::NONE
+        }
     }
 
     /// Where the ray through an image point meets the plane of a facet.
@@ -213,7 +269,7 @@ impl<'a> Planes<'a> {
 
     /// Puts names to the planes.
     pub(super) fn name(&self, values: Vec<Vec<f64>>, samples: usize, lines: usize) -> Backplanes {
-        let fixed = FIXED.iter().map(|(name, unit)| ((*name).to_string(), (*unit).to_string()));
+        let fixed = KINDS.iter().map(|kind| (kind.name.to_owned(), kind.unit.to_owned()));
         let abundance = self
             .entries
             .iter()

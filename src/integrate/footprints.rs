@@ -1,19 +1,14 @@
 //! Which facets each pixel sees, as a product.
 
-use std::sync::atomic::AtomicU64;
-
-use rayon::prelude::*;
-
 use super::lit::LitArea;
 use super::parts::Polygons;
 use super::pixel::Pixel;
-use crate::error::Result;
+use super::sweep::{Line, sweep};
 use crate::geometry::Mesh;
 use crate::product::Footprints;
-use crate::progress::{Pulse, unwatched};
+use crate::progress::unwatched;
 use crate::scene::FrameCamera;
-use crate::visibility::Seen;
-use crate::visibility::{Coverage, Drawing, Grid, Scratch, Topology, View};
+use crate::visibility::{Drawing, Grid, Seen, Topology, View};
 
 /// The drawing of a mesh in a camera.
 pub(super) fn draw<'a>(mesh: &'a Mesh, topology: &'a Topology, camera: &FrameCamera) -> Drawing<'a> {
@@ -24,36 +19,20 @@ pub(super) fn draw<'a>(mesh: &'a Mesh, topology: &'a Topology, camera: &FrameCam
     Drawing::new(mesh, topology, view, Grid { columns: camera.samples, rows: camera.lines })
 }
 
-/// The facets that each pixel sees and the share of them that is lit: exact area fractions.
-pub fn footprints(mesh: &Mesh, topology: &Topology, sunlit: &Seen, camera: &FrameCamera) -> Footprints {
-    let drawing = draw(mesh, topology, camera);
-    let coverage = Coverage::new(&drawing);
-    let lit = Polygons::of_sunlit(sunlit);
-    let done = AtomicU64::new(0);
-    let pulse = || Pulse::new(&unwatched, "footprints", &done, u64::from(camera.lines));
-    let lines: Result<Vec<Footprints>> = (0..camera.lines)
-        .into_par_iter()
-        .map_init(
-            || (Scratch::new(pulse()), Pixel::new(&drawing, LitArea::new(&drawing, sunlit, &lit))),
-            |(scratch, pixel), row| {
-                let mut line = Footprints::default();
-                pixel.new_line(row);
-                for column in 0..camera.samples {
-                    pixel.look(&coverage, column, row, scratch)?;
-                    line.row_start.push(line.facet.len());
-                    for e in &pixel.entries {
-                        line.facet.push(e.facet);
-                        line.fraction.push(e.area);
-                        line.lit_fraction.push(e.lit);
-                    }
-                }
-                Ok(line)
-            },
-        )
-        .collect();
+/// Adds what a pixel sees.
+pub(super) fn gather(pixel: &Pixel, line: &mut Footprints) {
+    line.row_start.push(line.facet.len());
+    for e in &pixel.entries {
+        line.facet.push(e.facet);
+        line.fraction.push(e.shown.area);
+        line.lit_fraction.push(e.lit.area);
+    }
+}
+
+/// All lines together.
+pub(super) fn join(lines: impl Iterator<Item = Footprints>) -> Footprints {
     let mut all = Footprints::default();
-    // Nobody asks to stop.
-    for line in lines.unwrap_or_default() {
+    for line in lines {
         let base = all.facet.len();
         all.row_start.extend(line.row_start.iter().map(|s| base + s));
         all.facet.extend(line.facet);
@@ -62,4 +41,20 @@ pub fn footprints(mesh: &Mesh, topology: &Topology, sunlit: &Seen, camera: &Fram
     }
     all.row_start.push(all.facet.len());
     all
+}
+
+/// The facets that each pixel sees and the share of them that is lit: exact area fractions.
+pub fn footprints(mesh: &Mesh, topology: &Topology, sunlit: &Seen, camera: &FrameCamera) -> Footprints {
+    let drawing = draw(mesh, topology, camera);
+    let polygons = Polygons::of_seen(sunlit);
+    let start = || Pixel::new(&drawing, vec![LitArea::new(&drawing, sunlit, &polygons)]);
+    let look = |pixel: &mut Pixel, line: &mut Line, ()| {
+        let mut footprints = Footprints::default();
+        line.each(pixel, |pixel, _| gather(pixel, &mut footprints))?;
+        Ok(footprints)
+    };
+    let parts = vec![(); camera.lines as usize];
+    // Nobody asks to stop.
+    let lines = sweep(&drawing, parts, ("footprints", &unwatched), start, look).unwrap_or_default();
+    join(lines.into_iter())
 }

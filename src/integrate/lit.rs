@@ -1,7 +1,8 @@
-//! The lit part of what a pixel sees of a facet: sunlit polygons carried from the Sun's view into the image.
+//! The part of what a pixel sees of a facet that a source lights: polygons carried from the source's view into the image.
 
 use super::parts::{Parts, Polygons, Window};
-use crate::geometry::polygon::{Point, Rect, area, clip_to_rect};
+use crate::geometry::polygon::{Point, Rect, area, area_and_moment, clip_to_rect};
+use crate::solve::Part;
 use crate::visibility::Drawing;
 use crate::visibility::{Seen, Shown};
 
@@ -31,6 +32,22 @@ impl<'a> LitArea<'a> {
             Shown::Nothing => 0.0,
             Shown::Whole => seen,
             Shown::Part => self.of_part(facet, window).min(seen),
+        }
+    }
+
+    /// The same with its moment; `seen` is all that the window shows.
+    pub(super) fn part(&mut self, facet: u32, window: &Window, seen: Part) -> Part {
+        match self.sunlit.shown[facet as usize] {
+            Shown::Nothing => Part::default(),
+            Shown::Whole => seen,
+            Shown::Part => {
+                let mut lit = Part::default();
+                self.parts.each(facet, window, |_, common| {
+                    let (area, moment) = area_and_moment(common);
+                    lit.add(&Part { area: area.max(0.0), moment });
+                });
+                Part { area: lit.area.min(seen.area), ..lit }
+            }
         }
     }
 

@@ -10,9 +10,10 @@ use super::together::{Together, differ, without};
 use crate::error::Result;
 use crate::geometry::polygon::{Point, Rect, area, split};
 use crate::geometry::{Chart, Direction, Overlay, Texels, angle_rad};
-use crate::product::{Eye, Patches, Placement, TexelLine, TexelWeights, ViewImage};
+use crate::product::{Eye, Patches, Placement, Plane, TexelLine, TexelWeights, ViewImage};
 use crate::progress::Watch;
 use crate::scene::Scene;
+use crate::solve::Part;
 use crate::visibility::Drawing;
 use crate::visibility::{Seen, Shown};
 
@@ -81,8 +82,29 @@ pub struct MapImage {
     pub quadrature_error: f64,
 }
 
+/// Images of geometry that maps add: name and unit.
+const PLANES: [(&str, &str); 2] = [("MAP_COVERAGE", "1"), ("MAP_ANGLE", "deg")];
+
+/// All lines together, and the planes that they add.
+pub(super) fn join(maps: &Maps, lines: impl Iterator<Item = MapLine>) -> (MapImage, Vec<Plane>) {
+    let mut image = MapImage::new(maps);
+    let mut values: [Vec<f64>; 2] = Default::default();
+    for line in lines {
+        values[0].extend(&line.coverage);
+        values[1].extend(&line.angle_deg);
+        image.append(line);
+    }
+    let named = PLANES.iter().zip(values);
+    let plane = |((name, unit), values): (&(&str, &str), Vec<f64>)| Plane {
+        name: (*name).to_owned(),
+        unit: (*unit).to_owned(),
+        values,
+    };
+    (image, named.map(plane).collect())
+}
+
 impl MapImage {
-    pub(super) fn new(maps: &Maps) -> Self {
+    fn new(maps: &Maps) -> Self {
         MapImage {
             weights: maps.terms.iter().map(|views| vec![TexelWeights::default(); views.len()]).collect(),
             unknown: vec![vec![]; maps.terms.len()],
@@ -91,7 +113,7 @@ impl MapImage {
         }
     }
 
-    pub(super) fn append(&mut self, line: MapLine) {
+    fn append(&mut self, line: MapLine) {
         let ours = self.weights.iter_mut().flatten();
         ours.zip(line.weights.into_iter().flatten()).for_each(|(ours, line)| ours.lines.push(line));
         self.unknown.iter_mut().zip(&line.unknown).for_each(|(ours, line)| ours.extend(line));
@@ -144,7 +166,7 @@ impl Prepared<'_> {
     pub(super) fn polygons(&self, facets: usize) -> Option<Polygons<'_>> {
         match (self.view.placement, &self.seen) {
             (Placement::Patches(patches), _) => Some(Polygons::of_patches(facets, patches)),
-            (_, Some(seen)) => Some(Polygons::of_sunlit(seen)),
+            (_, Some(seen)) => Some(Polygons::of_seen(seen)),
             _ => None,
         }
     }
@@ -163,6 +185,19 @@ impl Share {
         self.texels.clear();
         self.area = 0.0;
     }
+
+    fn take(&mut self, texel: u32, area: f64) {
+        self.texels.push((texel, area));
+        self.area += area;
+    }
+}
+
+/// That of all that is seen, or of what a source lights.
+fn share<'s>(light: Option<usize>, seen: &'s mut Share, lit: &'s mut [Share]) -> &'s mut Share {
+    match light {
+        None => seen,
+        Some(light) => &mut lit[light],
+    }
 }
 
 /// One map, and what is known of the facet at hand.
@@ -179,9 +214,9 @@ pub(super) struct Lookup<'a> {
     overlay: Overlay,
     piece: Vec<Point>,
     chart: Option<(u32, Chart)>,
-    /// What is seen of the facet, and what of that is lit.
+    /// What is seen of the facet, and what of that each source lights that is known by parts.
     pub(super) seen: Share,
-    pub(super) lit: Share,
+    pub(super) lit: Vec<Share>,
     sums: TexelSums,
     quadrature_error: f64,
 }
@@ -233,7 +268,7 @@ impl<'a> Lookup<'a> {
             piece: vec![],
             chart: None,
             seen: Share::default(),
-            lit: Share::default(),
+            lit: vec![],
             sums: TexelSums::default(),
             quadrature_error: 0.0,
         }
@@ -246,21 +281,23 @@ impl<'a> Lookup<'a> {
         }
     }
 
-    /// Finds the texels of what a pixel sees of a facet, its entry `index`, and if that is wanted those of the lit part.
+    /// Finds the texels of what a pixel sees of a facet, its entry `index`, and if that is wanted those of its lit parts.
     pub(super) fn look(&mut self, pixel: &mut Pixel, index: usize, wants_lit: bool) {
         self.seen.clear();
-        self.lit.clear();
+        self.lit.resize_with(if wants_lit { pixel.lights() } else { 0 }, Share::default);
+        self.lit.iter_mut().for_each(Share::clear);
         let entry = pixel.entries[index];
         if let Kind::Facets = self.kind {
             if self.known.is_none_or(|known| known[entry.facet as usize]) {
-                self.seen.texels.push((entry.facet, entry.area));
-                self.lit.texels.push((entry.facet, entry.lit));
-                (self.seen.area, self.lit.area) = (entry.area, entry.lit);
+                self.seen.take(entry.facet, entry.shown.area);
+                for (light, share) in self.lit.iter_mut().enumerate() {
+                    share.take(entry.facet, pixel.lit_part(&entry, light).area);
+                }
             }
             return;
         }
-        for k in pixel.fragments.of(index) {
-            let (of, sign, outline) = pixel.fragments.get(k);
+        for k in pixel.pieces.of(index) {
+            let (of, sign, outline) = pixel.pieces.get(k);
             if of != entry.facet {
                 // What rounding alone left of a facet has no entry.
                 continue;
@@ -270,16 +307,17 @@ impl<'a> Lookup<'a> {
             piece.clear();
             piece.extend_from_slice(outline);
             let before = (self.seen.texels.len(), self.seen.area);
-            self.lay(entry.facet, &piece, sign, false);
-            if wants_lit {
-                match pixel.lit_of(entry.facet) {
+            self.lay(entry.facet, &piece, sign, None);
+            for light in 0..self.lit.len() {
+                match pixel.lit_of(light, entry.facet) {
                     Shown::Nothing => {}
                     Shown::Whole => {
-                        self.lit.texels.extend_from_slice(&self.seen.texels[before.0..]);
-                        self.lit.area += self.seen.area - before.1;
+                        self.lit[light].texels.extend_from_slice(&self.seen.texels[before.0..]);
+                        self.lit[light].area += self.seen.area - before.1;
                     }
-                    Shown::Part => pixel
-                        .lit_parts(entry.facet, &Window::Piece(&piece), |part| self.lay(entry.facet, part, sign, true)),
+                    Shown::Part => pixel.lit_parts(light, entry.facet, &Window::Piece(&piece), |part| {
+                        self.lay(entry.facet, part, sign, Some(light));
+                    }),
                 }
             }
             self.piece = piece;
@@ -389,29 +427,26 @@ impl<'a> Lookup<'a> {
         }
     }
 
-    /// Lays the map's texels over a convex part of a facet's image.
-    pub(super) fn lay(&mut self, facet: u32, part: &[Point], sign: f64, is_lit: bool) {
+    /// Lays the map's texels over a convex part of a facet's image: of all that is seen, or of what a source lights.
+    pub(super) fn lay(&mut self, facet: u32, part: &[Point], sign: f64, light: Option<usize>) {
         if part.len() < 3 {
             return;
         }
         match &self.kind {
             Kind::Facets => {
                 if self.known.is_none_or(|known| known[facet as usize]) {
-                    let share = if is_lit { &mut self.lit } else { &mut self.seen };
-                    share.texels.push((facet, sign * area(part)));
-                    share.area += sign * area(part);
+                    share(light, &mut self.seen, &mut self.lit).take(facet, sign * area(part));
                 }
                 return;
             }
             Kind::Patches(patches) => {
                 let Some(parts) = &mut self.parts else { return };
-                let share = if is_lit { &mut self.lit } else { &mut self.seen };
+                let share = share(light, &mut self.seen, &mut self.lit);
                 let known = self.known;
                 parts.each(facet, &Window::Piece(part), |i, common| {
                     let (texel, common) = (patches.polygon_texel[i], area(common));
                     if common > 0.0 && known.is_none_or(|known| known[texel as usize]) {
-                        share.texels.push((texel, sign * common));
-                        share.area += sign * common;
+                        share.take(texel, sign * common);
                     }
                 });
                 return;
@@ -425,15 +460,14 @@ impl<'a> Lookup<'a> {
             _ => Shown::Whole,
         };
         let Lookup { known, sky, parts, texels, overlay, seen: all, lit, quadrature_error, .. } = self;
-        let share = if is_lit { lit } else { all };
+        let share = share(light, all, lit);
         let known = |column: usize, row: usize| known.is_none_or(|known| known[row * size[0] + column]);
         let number = |column: usize, row: usize| (row * size[0] + column) as u32;
         let shows = |column: usize, row: usize| !is_sky(sky, row * size[0] + column);
         let mut lay = |part: &[Point]| match texels {
             Texels::Nearest => overlay.texels(&chart, part, size, |column, row, area| {
                 if known(column, row) && shows(column, row) {
-                    share.texels.push((number(column, row), sign * area));
-                    share.area += sign * area;
+                    share.take(number(column, row), sign * area);
                 }
             }),
             Texels::Bilinear => overlay.centres(&chart, part, size, |around, area, error| {
@@ -582,6 +616,9 @@ pub(super) struct Looker<'a> {
     /// Of the entry at hand: see [`Looker::measure_angles`] and [`measure_shares`].
     angles: Vec<Vec<f64>>,
     shares: Vec<f64>,
+    /// Lit area of the entry at hand that no map knows, for each source known by parts.
+    lit_rest: Vec<f64>,
+    parts: Vec<Part>,
 }
 
 impl<'a> Looker<'a> {
@@ -601,7 +638,7 @@ impl<'a> Looker<'a> {
         let terms: Vec<Vec<Lookup>> = prepared.iter().zip(polygons).map(lookups).collect();
         let angles = terms.iter().map(|views| vec![f64::NAN; views.len()]).collect();
         let (together, choice, unknown) = (Together::default(), maps.choice, maps.unknown);
-        Looker { scene, terms, together, choice, unknown, angles, shares: vec![] }
+        Looker { scene, terms, together, choice, unknown, angles, shares: vec![], lit_rest: vec![], parts: vec![] }
     }
 
     pub(super) fn new_line(&mut self, row: u32) -> MapLine {
@@ -616,8 +653,14 @@ impl<'a> Looker<'a> {
         }
     }
 
-    /// Adds what a pixel sees, whose fragments have been sorted. `solved(entry, area, lit)` is called with what is left for the scene's own sources.
-    pub(super) fn look(&mut self, pixel: &mut Pixel, line: &mut MapLine, mut solved: impl FnMut(&Entry, f64, f64)) {
+    /// Adds what a pixel sees, whose pieces have been sorted. `solved(entry, area, lit)` is called with what is left for the scene's own
+    /// sources: of the entry, and of what each lights that is known by parts.
+    pub(super) fn gather(
+        &mut self,
+        pixel: &mut Pixel,
+        line: &mut MapLine,
+        mut solved: impl FnMut(&Entry, f64, &[Part]),
+    ) {
         let mut front = 0.0;
         let (mut angle_sum, mut angle_area) = (0.0, 0.0);
         let (mut unknown, mut unfilled) = (vec![0.0; self.terms.len()], vec![0.0; self.terms.len()]);
@@ -626,33 +669,41 @@ impl<'a> Looker<'a> {
             if !entry.front {
                 continue;
             }
-            front += entry.area;
+            front += entry.shown.area;
             self.measure_angles(pixel, &entry);
             let angles = &self.angles;
             let wants_lit = self.unknown == Unknown::Solved;
             for (t, views) in self.terms.iter_mut().enumerate() {
                 views.iter_mut().for_each(|lookup| lookup.look(pixel, index, wants_lit));
-                let is_divided = differ(views, &angles[t], self.choice, entry.area);
-                let (most, lit_rest) = if is_divided {
+                let is_divided = differ(views, &angles[t], self.choice, entry.shown.area);
+                let most = if is_divided {
                     let together = &mut self.together;
                     together.look(pixel, index, views, &angles[t], self.choice, wants_lit);
-                    (together.area.iter().sum::<f64>().min(entry.area), together.lit_rest)
+                    self.lit_rest.clone_from(&together.lit_rest);
+                    together.area.iter().sum::<f64>().min(entry.shown.area)
                 } else {
                     let knows_most = views.iter().max_by(|a, b| a.seen.area.total_cmp(&b.seen.area));
                     let Some(Lookup { seen, lit, .. }) = knows_most else { continue };
-                    let most = seen.area.min(entry.area);
-                    (most, if most > 0.0 { entry.lit - lit.area } else { entry.lit })
+                    let most = seen.area.min(entry.shown.area);
+                    let known = |light: usize| if most > 0.0 { lit[light].area } else { 0.0 };
+                    let rest = |light: usize| pixel.lit_part(&entry, light).area - known(light);
+                    self.lit_rest.clear();
+                    self.lit_rest.extend((0..lit.len()).map(rest));
+                    most
                 };
-                let rest = entry.area - most.max(0.0);
+                let rest = entry.shown.area - most.max(0.0);
                 unknown[t] += rest;
                 let target = match self.unknown {
-                    Unknown::Mean if most >= LEAST_KNOWN * entry.area => entry.area,
+                    Unknown::Mean if most >= LEAST_KNOWN * entry.shown.area => entry.shown.area,
                     Unknown::Mean => 0.0,
                     Unknown::Left | Unknown::Solved => most.max(0.0),
                 };
-                unfilled[t] += entry.area - target;
+                unfilled[t] += entry.shown.area - target;
                 if rest > 0.0 && self.unknown == Unknown::Solved {
-                    solved(&entry, rest, lit_rest.clamp(0.0, rest));
+                    let parts = self.lit_rest.iter().map(|lit| Part { area: lit.clamp(0.0, rest), ..Part::default() });
+                    self.parts.clear();
+                    self.parts.extend(parts);
+                    solved(&entry, rest, &self.parts);
                 }
                 if target <= 0.0 {
                     continue;

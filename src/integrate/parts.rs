@@ -66,7 +66,7 @@ pub(super) struct Polygons<'a> {
 
 impl<'a> Polygons<'a> {
     /// What is lit, or seen.
-    pub(super) fn of_sunlit(sunlit: &'a Seen) -> Self {
+    pub(super) fn of_seen(sunlit: &'a Seen) -> Self {
         Polygons {
             first: first(sunlit.shown.len(), &sunlit.polygon_facet),
             start: &sunlit.polygon_start,

@@ -6,6 +6,8 @@ use crate::visibility::{Drawing, Scratch, Side, Visit};
 
 use super::lit::{LitArea, around};
 use super::parts::Window;
+use super::pieces::Pieces;
+use crate::solve::Part;
 use crate::visibility::Shown;
 
 /// Of a facet that is hidden all over, subtraction leaves less than this, pixels.
@@ -17,82 +19,29 @@ pub(super) struct Entry {
     pub(super) facet: u32,
     /// Whether its outer side is seen; the inner one only blocks.
     pub(super) front: bool,
-    /// Area in the image, pixels.
-    pub(super) area: f64,
-    /// Lit area in the image, pixels.
-    pub(super) lit: f64,
-    /// Area times centroid, image coordinates.
-    pub(super) moment: Point,
+    /// All that is seen.
+    pub(super) shown: Part,
+    /// What of that the Sun lights; its moment is there if it was asked for.
+    pub(super) lit: Part,
 }
 
 impl Entry {
     /// Image centroid of what is seen, pixels.
     pub(super) fn centroid(&self, pixel: &Rect) -> Point {
         // What little subtraction leaves has a moment of rounding.
-        [0, 1].map(|k| (self.moment[k] / self.area).clamp(pixel.min[k], pixel.max[k]))
-    }
-}
-
-/// The convex pieces that a pixel's entries are made of: outer sides only, and only if they are kept.
-#[derive(Debug, Default)]
-pub(super) struct Fragments {
-    pub(super) are_kept: bool,
-    /// Facet, sign (-1: taken away again), and end of the outline among the points.
-    pieces: Vec<(u32, f64, usize)>,
-    points: Vec<Point>,
-    /// Pieces by facet, and the first of each entry.
-    order: Vec<u32>,
-    first: Vec<u32>,
-}
-
-impl Fragments {
-    fn clear(&mut self) {
-        self.pieces.clear();
-        self.points.clear();
-    }
-
-    fn add(&mut self, facet: u32, sign: f64, outline: &[Point]) {
-        if self.are_kept {
-            self.points.extend_from_slice(outline);
-            self.pieces.push((facet, sign, self.points.len()));
-        }
-    }
-
-    /// Sorts the pieces by facet, for entries of these facets, ascending.
-    fn sort(&mut self, facets: impl Iterator<Item = u32>) {
-        self.order.clear();
-        self.order.extend(0..self.pieces.len() as u32);
-        let pieces = &self.pieces;
-        self.order.sort_by_key(|i| pieces[*i as usize].0);
-        self.first.clear();
-        let mut at = 0;
-        for facet in facets {
-            while at < self.order.len() && pieces[self.order[at] as usize].0 < facet {
-                at += 1;
-            }
-            self.first.push(at as u32);
-        }
-        self.first.push(self.order.len() as u32);
-    }
-
-    /// The pieces of an entry: to be had one by one.
-    pub(super) fn of(&self, entry: usize) -> std::ops::Range<usize> {
-        self.first[entry] as usize..self.first[entry + 1] as usize
-    }
-
-    /// Whose a piece is, its sign, and its outline.
-    pub(super) fn get(&self, k: usize) -> (u32, f64, &[Point]) {
-        let i = self.order[k] as usize;
-        let (facet, sign, end) = self.pieces[i];
-        let start = if i == 0 { 0 } else { self.pieces[i - 1].2 };
-        (facet, sign, &self.points[start..end])
+        [0, 1].map(|k| (self.shown.moment[k] / self.shown.area).clamp(pixel.min[k], pixel.max[k]))
     }
 }
 
 /// Collects what a pixel sees.
 pub(super) struct Pixel<'a> {
     drawing: &'a Drawing<'a>,
-    lit: LitArea<'a>,
+    /// For each source that is known by parts: the Sun first.
+    lights: Vec<LitArea<'a>>,
+    /// Whether moments of lit parts are wanted.
+    pub(super) wants_moments: bool,
+    /// What sources after the Sun light: facet, source, part; ascending, one each, once [`Pixel::look`] is done.
+    further: Vec<(u32, usize, Part)>,
     /// Facets, ascending, one entry each, once [`Pixel::look`] is done.
     pub(super) entries: Vec<Entry>,
     /// The facet at the pixel's centre.
@@ -105,7 +54,7 @@ pub(super) struct Pixel<'a> {
     /// Whether some entries are the rest after a subtraction.
     subtracted: bool,
     /// What is seen of each facet, for who asks for more than areas.
-    pub(super) fragments: Fragments,
+    pub(super) pieces: Pieces,
     /// The pixel's square, and its centre.
     pub(super) rect: Rect,
     at: Point,
@@ -114,11 +63,13 @@ pub(super) struct Pixel<'a> {
 }
 
 impl<'a> Pixel<'a> {
-    pub(super) fn new(drawing: &'a Drawing<'a>, lit: LitArea<'a>) -> Self {
+    pub(super) fn new(drawing: &'a Drawing<'a>, lights: Vec<LitArea<'a>>) -> Self {
         Pixel {
-            fragments: Fragments::default(),
+            pieces: Pieces::default(),
             drawing,
-            lit,
+            lights,
+            wants_moments: false,
+            further: vec![],
             entries: vec![],
             centre: None,
             centre_is_lit: false,
@@ -143,7 +94,8 @@ impl<'a> Pixel<'a> {
         scratch: &mut Scratch,
     ) -> Result<()> {
         self.entries.clear();
-        self.fragments.clear();
+        self.further.clear();
+        self.pieces.clear();
         self.subtracted = false;
         self.centre = None;
         self.rect = self.drawing.grid.cell(column, row);
@@ -197,23 +149,23 @@ impl<'a> Pixel<'a> {
         row: u32,
         scratch: &mut Scratch,
     ) -> Result<bool> {
-        match self.lit.state(facet) {
+        let Some(sun) = self.lights.first_mut() else { return Ok(false) };
+        match sun.state(facet) {
             Shown::Nothing => return Ok(false),
             Shown::Whole => return Ok(true),
             Shown::Part => {}
         }
-        let (drawn, lit) = self.lit.around(facet, self.at);
+        let (drawn, lit) = sun.around(facet, self.at);
         // All or nothing of the facet is lit there, to rounding; else what another one hides does not count.
         if lit >= (1.0 - 1e-4) * drawn || lit <= 0.0 {
             return Ok(lit > 0.0);
         }
         let (mut seen, mut lit) = (0.0, 0.0);
-        let areas = &mut self.lit;
         let mut near = Near::new(self.drawing, self.at, |of, part: &[Point], sign| {
             if of == facet {
                 let area = area(part);
                 seen += sign * area;
-                lit += sign * areas.of(facet, &Window::Piece(part), area);
+                lit += sign * sun.of(facet, &Window::Piece(part), area);
             }
         });
         coverage.cell(column, row, scratch, &mut near)?;
@@ -228,26 +180,41 @@ impl<'a> Pixel<'a> {
         }
     }
 
-    /// How much of a facet is lit.
-    pub(super) fn lit_of(&self, facet: u32) -> crate::visibility::Shown {
-        self.lit.state(facet)
+    /// How many sources are known by parts.
+    pub(super) fn lights(&self) -> usize {
+        self.lights.len()
     }
 
-    /// Calls `put` with each lit part that `window` shows of a facet that is lit in part, counter-clockwise in the image.
-    pub(super) fn lit_parts(&mut self, facet: u32, window: &Window, put: impl FnMut(&[Point])) {
-        self.lit.each(facet, window, put);
+    /// What of an entry such a source lights.
+    pub(super) fn lit_part(&self, entry: &Entry, light: usize) -> Part {
+        if light == 0 {
+            return entry.lit;
+        }
+        let found = self.further.binary_search_by_key(&(entry.facet, light), |f| (f.0, f.1));
+        let lit = found.map_or(Part::default(), |i| self.further[i].2);
+        Part { area: lit.area.clamp(0.0, entry.shown.area.max(0.0)), ..lit }
     }
 
-    /// Puts the fragments in the order of the entries.
-    pub(super) fn sort_fragments(&mut self) {
-        if self.fragments.are_kept {
-            self.fragments.sort(self.entries.iter().map(|e| e.facet));
+    /// How much of a facet such a source lights.
+    pub(super) fn lit_of(&self, light: usize, facet: u32) -> Shown {
+        self.lights[light].state(facet)
+    }
+
+    /// Calls `put` with each part that `window` shows of a facet that such a source lights in part, counter-clockwise in the image.
+    pub(super) fn lit_parts(&mut self, light: usize, facet: u32, window: &Window, put: impl FnMut(&[Point])) {
+        self.lights[light].each(facet, window, put);
+    }
+
+    /// Puts the pieces in the order of the entries.
+    pub(super) fn sort_pieces(&mut self) {
+        if self.pieces.are_kept {
+            self.pieces.sort(self.entries.iter().map(|e| e.facet));
         }
     }
 
     /// Called when a new line of the image begins.
     pub(super) fn new_line(&mut self, row: u32) {
-        self.lit.new_line(row);
+        self.lights.iter_mut().for_each(|light| light.new_line(row));
     }
 
     /// Pieces of a facet become one entry, and what is left of it by rounding alone none.
@@ -257,18 +224,26 @@ impl<'a> Pixel<'a> {
             self.entries.dedup_by(|next, first| {
                 let same = next.facet == first.facet;
                 if same {
-                    first.area += next.area;
-                    first.lit += next.lit;
-                    first.moment[0] += next.moment[0];
-                    first.moment[1] += next.moment[1];
+                    first.shown.add(&next.shown);
+                    first.lit.add(&next.lit);
+                }
+                same
+            });
+        }
+        if !self.further.is_empty() {
+            self.further.sort_by_key(|f| (f.0, f.1));
+            self.further.dedup_by(|next, first| {
+                let same = (next.0, next.1) == (first.0, first.1);
+                if same {
+                    first.2.add(&next.2);
                 }
                 same
             });
         }
         if self.subtracted {
             self.entries.retain_mut(|e| {
-                e.lit = e.lit.clamp(0.0, e.area.max(0.0));
-                e.area > REMAINDER
+                e.lit.area = e.lit.area.clamp(0.0, e.shown.area.max(0.0));
+                e.shown.area > REMAINDER
             });
         }
     }
@@ -279,13 +254,23 @@ impl<'a> Pixel<'a> {
         if area <= 0.0 {
             return;
         }
+        let shown = Part { area, moment };
         let front = self.drawing.side(facet) == Side::Front;
-        let lit = if front { self.lit.of(facet, window, area) } else { 0.0 };
+        let mut lit = Part::default();
         if front {
-            self.fragments.add(facet, sign, polygon);
+            self.pieces.add(facet, sign, polygon);
+            for (light, of) in self.lights.iter_mut().enumerate() {
+                let part = match self.wants_moments {
+                    true => of.part(facet, window, shown),
+                    false => Part { area: of.of(facet, window, area), ..Part::default() },
+                };
+                match light {
+                    0 => lit = part,
+                    _ => self.further.push((facet, light, part.signed(sign))),
+                }
+            }
         }
-        let moment = [sign * moment[0], sign * moment[1]];
-        self.entries.push(Entry { facet, front, area: sign * area, lit: sign * lit, moment });
+        self.entries.push(Entry { facet, front, shown: shown.signed(sign), lit: lit.signed(sign) });
     }
 }
 

@@ -3,7 +3,7 @@
 use super::maps::{Kind, Lookup};
 use super::pixel::Pixel;
 use crate::scene::{Scene, Texture};
-use crate::solve::Emission;
+use crate::solve::Modulation;
 use crate::visibility::Drawing;
 
 /// Of a facet that a texture covers all over, rounding leaves less than this share uncovered.
@@ -15,9 +15,10 @@ pub(super) struct Textures<'a> {
     /// For each material its texture.
     of_material: Vec<Option<usize>>,
     lookups: Vec<Lookup<'a>>,
-    /// Means over what is seen, and over what is lit, of each layer.
-    seen: Vec<f64>,
-    lit: Vec<f64>,
+    /// Of the entry at hand: the mean of each layer, and of each lit part its area and the mean of each layer, [part, layer].
+    means: Vec<f64>,
+    lit_area: Vec<f64>,
+    lit_means: Vec<f64>,
 }
 
 impl<'a> Textures<'a> {
@@ -29,48 +30,51 @@ impl<'a> Textures<'a> {
             Lookup::of(scene, drawing, kind, None, None, texture.texels)
         };
         let lookups = scene.body.textures.iter().map(lookup).collect();
-        Textures { textures: &scene.body.textures, of_material, lookups, seen: vec![], lit: vec![] }
+        Textures {
+            textures: &scene.body.textures,
+            of_material,
+            lookups,
+            means: vec![],
+            lit_area: vec![],
+            lit_means: vec![],
+        }
     }
 
     pub(super) fn new_line(&mut self, row: u32) {
         self.lookups.iter_mut().for_each(|lookup| lookup.new_line(row));
     }
 
-    /// Whether facets of a material have a texture.
-    pub(super) fn has(&self, material: usize) -> bool {
-        self.of_material[material].is_some()
-    }
-
-    /// Adds what a pixel's entry `index`, of a material with a texture, sends; fragments have been sorted.
-    pub(super) fn send(
-        &mut self,
-        pixel: &mut Pixel,
-        index: usize,
-        material: usize,
-        emission: &Emission,
-        mut add: impl FnMut(u32, f64),
-    ) {
+    /// What the texture is over a pixel's entry `index`, of a material that has one; pieces have been sorted.
+    pub(super) fn look(&mut self, pixel: &mut Pixel, index: usize, material: usize) -> Option<Modulation<'_>> {
         let entry = pixel.entries[index];
-        let Some(number) = self.of_material[material] else { return };
+        let number = self.of_material[material]?;
         let (texture, lookup) = (&self.textures[number], &mut self.lookups[number]);
         lookup.look(pixel, index, true);
-        let (mut area, mut lit) = (lookup.seen.area.clamp(0.0, entry.area), lookup.lit.area.clamp(0.0, entry.lit));
-        if area >= entry.area * (1.0 - UNCOVERED) {
-            (area, lit) = (entry.area, entry.lit);
+        let mut area = lookup.seen.area.clamp(0.0, entry.shown.area);
+        let is_all = area >= entry.shown.area * (1.0 - UNCOVERED);
+        if is_all {
+            area = entry.shown.area;
         }
-        mean(&lookup.seen.texels, texture, &mut self.seen);
-        mean(&lookup.lit.texels, texture, &mut self.lit);
-        emission.textured(entry.facet, number, (area, &self.seen), (lit, &self.lit), &mut add);
-        emission.reflected(entry.facet, entry.area - area, entry.lit - lit, &mut add);
-        emission.heat(entry.facet, entry.area, entry.lit, &mut add);
+        self.means.clear();
+        append_means(&lookup.seen.texels, texture, &mut self.means);
+        self.lit_area.clear();
+        self.lit_means.clear();
+        for (light, share) in lookup.lit.iter().enumerate() {
+            let lit = pixel.lit_part(&entry, light).area;
+            self.lit_area.push(if is_all { lit } else { share.area.clamp(0.0, lit) });
+            append_means(&share.texels, texture, &mut self.lit_means);
+        }
+        let Textures { means, lit_area, lit_means, .. } = self;
+        Some(Modulation { area, means, lit_area, lit_means })
     }
 }
 
 /// Mean of each layer over some texels with their weights; 1 without any, so that a mean times nothing is nothing.
-fn mean(weights: &[(u32, f64)], texture: &Texture, means: &mut Vec<f64>) {
+fn append_means(weights: &[(u32, f64)], texture: &Texture, means: &mut Vec<f64>) {
     let layers = texture.layers();
-    means.clear();
-    means.resize(layers, 0.0);
+    let first = means.len();
+    means.resize(first + layers, 0.0);
+    let means = &mut means[first..];
     let mut total = 0.0;
     for (texel, weight) in weights {
         total += weight;

@@ -31,8 +31,8 @@ pub(super) struct Together {
     pub(super) texels: Vec<(usize, u32, f64)>,
     /// For each map the area that it serves, pixels.
     pub(super) area: Vec<f64>,
-    /// Lit area that no map knows, pixels.
-    pub(super) lit_rest: f64,
+    /// For each source known by parts the lit area that no map knows, pixels.
+    pub(super) lit_rest: Vec<f64>,
     cells: Vec<Cell>,
     next: Vec<Cell>,
 }
@@ -45,7 +45,7 @@ struct Cell {
 }
 
 impl Together {
-    /// Divides what a pixel sees of a facet, its entry `index`, among maps; fragments have been sorted.
+    /// Divides what a pixel sees of a facet, its entry `index`, among maps; pieces have been sorted.
     pub(super) fn look(
         &mut self,
         pixel: &mut Pixel,
@@ -58,12 +58,13 @@ impl Together {
         self.texels.clear();
         self.area.clear();
         self.area.resize(views.len(), 0.0);
-        self.lit_rest = 0.0;
+        self.lit_rest.clear();
+        self.lit_rest.resize(if wants_lit { pixel.lights() } else { 0 }, 0.0);
         let facet = pixel.entries[index].facet;
         let mut order: Vec<usize> = (0..views.len()).filter(|i| views[*i].seen.area > 0.0).collect();
         order.sort_by(|a, b| angles[*a].total_cmp(&angles[*b]));
-        for k in pixel.fragments.of(index) {
-            let (of, sign, outline) = pixel.fragments.get(k);
+        for k in pixel.pieces.of(index) {
+            let (of, sign, outline) = pixel.pieces.get(k);
             if of != facet {
                 continue;
             }
@@ -92,8 +93,8 @@ impl Together {
             }
             for cell in &self.cells {
                 if cell.knowing.is_empty() {
-                    if wants_lit {
-                        self.lit_rest += sign * lit_area(pixel, facet, &cell.outline);
+                    for (light, rest) in self.lit_rest.iter_mut().enumerate() {
+                        *rest += sign * lit_area(pixel, light, facet, &cell.outline);
                     }
                     continue;
                 }
@@ -103,7 +104,7 @@ impl Together {
                     let share = share / all;
                     let lookup = &mut views[view];
                     lookup.seen.clear();
-                    lookup.lay(facet, &cell.outline, sign, false);
+                    lookup.lay(facet, &cell.outline, sign, None);
                     self.area[view] += share * lookup.seen.area;
                     self.texels.extend(lookup.seen.texels.iter().map(|(texel, weight)| (view, *texel, share * weight)));
                 }
@@ -112,14 +113,14 @@ impl Together {
     }
 }
 
-/// Lit area of a part of a facet.
-fn lit_area(pixel: &mut Pixel, facet: u32, part: &[Point]) -> f64 {
-    match pixel.lit_of(facet) {
+/// Area of a part of a facet that a source lights.
+fn lit_area(pixel: &mut Pixel, light: usize, facet: u32, part: &[Point]) -> f64 {
+    match pixel.lit_of(light, facet) {
         Shown::Nothing => 0.0,
         Shown::Whole => area(part),
         Shown::Part => {
             let mut lit = 0.0;
-            pixel.lit_parts(facet, &Window::Piece(part), |part| lit += area(part));
+            pixel.lit_parts(light, facet, &Window::Piece(part), |part| lit += area(part));
             lit
         }
     }

@@ -1,25 +1,158 @@
 //! What reaches each facet, and how warm it is. Not radiance: that depends on who looks.
 
-use crate::geometry::Direction;
+use crate::error::{Error, Location, Problem, Result, number};
+use crate::physics::heat;
+use crate::scene::{Field, Scene, Sky, Thermal};
 use crate::visibility::Seen;
 
-/// What the sources send to each facet, and its temperature.
+/// Two directions to a source are the same to within this, rad: tables of other programs round.
+const DIRECTION_TOLERANCE: f64 = 1e-9;
+
+/// What of each facet a source sees.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Sees {
+    /// All of it, as far as anybody asked.
+    All,
+    /// These parts: the rest is in its shadow.
+    Polygons(Seen),
+    /// This share of each facet, anywhere on it.
+    Shares(Vec<f64>),
+}
+
+/// What one source sends to each facet.
 ///
 /// Irradiances are geometric: relative to what they scale with, so that spectra are multiplied in afterwards.
 #[derive(Debug, Clone, PartialEq)]
+pub struct Lighting {
+    /// What the source is called in its sky.
+    pub source: String,
+    /// From where its light comes.
+    pub field: Field,
+    /// Irradiance on each facet where the source sees it. By a beam over that on a plane normal to it: cos i, or 0 for a facet that
+    /// faces away. By Mars over its reflectance times the solar irradiance normal to the beam.
+    pub irradiance: Vec<f64>,
+    /// What of each facet it sees.
+    pub sees: Sees,
+}
+
+impl Lighting {
+    /// The parts of facets that the source sees, if it is known by parts.
+    pub fn seen(&self) -> Option<&Seen> {
+        match &self.sees {
+            Sees::Polygons(seen) => Some(seen),
+            Sees::All | Sees::Shares(_) => None,
+        }
+    }
+}
+
+/// What the sources send to each facet, and its temperature.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct FacetTable {
-    /// Towards the Sun, from the scene's origin.
-    pub sun_direction: Direction,
-    /// Irradiance by the Sun on the lit part of each facet over that on a plane normal to the beam: cos i, or 0 for a facet that faces away.
-    pub sun_irradiance: Vec<f64>,
-    /// Where each facet is lit.
-    pub sunlit: Seen,
-    /// Towards the centre of Mars from the scene's origin, if there is a Mars.
-    pub mars_direction: Option<Direction>,
-    /// Irradiance by Mars on each facet, over Mars' reflectance times the solar irradiance normal to the beam. Empty without Mars.
-    pub mars_irradiance: Vec<f64>,
-    /// Temperature of the lit part, K. Empty without thermal emission.
+    /// One for each source of the sky, in its order: the Sun first.
+    pub sources: Vec<Lighting>,
+    /// Temperature of the part that the Sun sees, K. Empty without thermal emission.
     pub temperature_lit_k: Vec<f64>,
-    /// Temperature of the shaded part, K. Empty without thermal emission.
+    /// Temperature of the part in its shadow, K. Empty without thermal emission.
     pub temperature_shaded_k: Vec<f64>,
+}
+
+impl FacetTable {
+    /// Number of facets.
+    pub fn facets(&self) -> usize {
+        self.sources.first().map_or(0, |sun| sun.irradiance.len())
+    }
+
+    /// What a source of this name sends.
+    pub fn of(&self, source: &str) -> Option<&Lighting> {
+        self.sources.iter().find(|lighting| lighting.source == source)
+    }
+
+    /// What the Sun sees of each facet; `None` in a table that lacks it.
+    pub fn sunlit(&self) -> Option<&Seen> {
+        self.sources.first().and_then(Lighting::seen)
+    }
+
+    /// Says if it cannot be of a scene: what it lacks would be missing from an image, and its report would not know.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with everything that does not fit.
+    pub fn fits(&self, scene: &Scene) -> Result<()> {
+        const OF_ANOTHER: &str =
+            "the table is of another mesh, or of a scene with other sources or heat: solve the scene again";
+        const AGAIN: &str = "solve the scene again";
+        let mut problems = Vec::new();
+        let mut problem = |item: String, message: String, help: &str| {
+            problems.push(Problem::new(Location::item(item), message).with_help(help));
+        };
+        let sources = scene.sky.sources();
+        let facets = scene.body.mesh.facets.len();
+        let mut has = |item: String, count: usize, wanted: usize| {
+            if count != wanted {
+                problem(item, format!("has {count} values, but the scene needs {wanted}"), OF_ANOTHER);
+            }
+        };
+        for source in &sources {
+            let irradiance = self.of(source.name).map_or(0, |lighting| lighting.irradiance.len());
+            has(format!("{}_irradiance", source.name), irradiance, facets);
+        }
+        let is_wanted = |name: &str| sources.iter().any(|source| source.name == name);
+        for lighting in self.sources.iter().filter(|lighting| !is_wanted(&lighting.source)) {
+            has(format!("{}_irradiance", lighting.source), lighting.irradiance.len(), 0);
+        }
+        for lighting in &self.sources {
+            match &lighting.sees {
+                Sees::All => {}
+                Sees::Shares(shares) => has(format!("{}_share", lighting.source), shares.len(), facets),
+                Sees::Polygons(seen) => has(format!("{}_lit", lighting.source), seen.shown.len(), facets),
+            }
+        }
+        let warm = if scene.models.thermal == Thermal::Off { 0 } else { facets };
+        let temperatures =
+            [("temperature_lit_k", &self.temperature_lit_k), ("temperature_shaded_k", &self.temperature_shaded_k)];
+        temperatures.iter().for_each(|(name, values)| has((*name).into(), values.len(), warm));
+        let warmest_k = warmest_k(scene);
+        for (name, values) in temperatures {
+            if let Some(i) = values.iter().position(|t_k| *t_k > warmest_k) {
+                let message =
+                    format!("is {} K: nothing in this scene is warmer than {warmest_k:.1} K", number(values[i]));
+                problem(format!("{name}[{i}]"), message, AGAIN);
+            }
+        }
+        for (i, source) in sources.iter().enumerate() {
+            let Some(lighting) = self.of(source.name) else { continue };
+            if self.sources.get(i).is_none_or(|lighting| lighting.source != source.name) {
+                let message = format!("is not source {} of the table", i + 1);
+                problem(source.name.into(), message, AGAIN);
+            }
+            if source.name == Sky::NAMES[0] && lighting.seen().is_none() {
+                problem("sun_lit".into(), "what the Sun sees of each facet is missing".into(), AGAIN);
+            }
+            let directions = lighting.field.direction().zip(source.field.direction());
+            let off_rad = directions.map_or(0.0, |(table, scene)| table.angle_rad(scene));
+            if off_rad > DIRECTION_TOLERANCE {
+                let whose = match source.name {
+                    "sun" => "the Sun",
+                    "mars" => "Mars",
+                    name => name,
+                };
+                let message = format!("is {:.3e} deg from where the scene has {whose}", off_rad.to_degrees());
+                problem(format!("{}_direction", source.name), message, AGAIN);
+            }
+        }
+        if problems.is_empty() { Ok(()) } else { Err(Error::Invalid(problems)) }
+    }
+}
+
+/// No facet is warmer, K: one that faces the Sun under a Mars that sends it as much light again, and all its heat, and every beam.
+fn warmest_k(scene: &Scene) -> f64 {
+    let sun_w_m2 = scene.sky.sun.total_irradiance_w_m2();
+    let mars_w_m2 = scene.sky.mars.as_ref().map_or(0.0, |mars| mars.thermal_exitance_w_m2);
+    let beams_w_m2: f64 = scene.sky.beams.iter().map(|beam| beam.total_irradiance_w_m2).sum();
+    let emissivity = scene.body.materials.iter().map(|m| m.emissivity_bolometric).fold(1.0, f64::min);
+    match scene.models.thermal {
+        Thermal::Equilibrium => heat::equilibrium_temperature_k(2.0 * sun_w_m2 + mars_w_m2 + beams_w_m2, emissivity),
+        // Tables of our own have rounding too.
+        Thermal::Thesis => heat::thesis_temperature_k(1.0 + 1e-9),
+        Thermal::Off => f64::INFINITY,
+    }
 }

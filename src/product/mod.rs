@@ -9,7 +9,7 @@ mod texel_weights;
 
 pub use backplanes::{Backplanes, Plane};
 pub use cube::Cube;
-pub use facet_table::FacetTable;
+pub use facet_table::{FacetTable, Lighting, Sees};
 pub use footprints::Footprints;
 pub use radiance_map::{
     Atlas, Eye, Patches, Placement, Projection, RadianceMap, Registration, SkyShare, TexelSource, ViewImage,

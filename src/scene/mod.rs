@@ -9,6 +9,7 @@ mod material;
 mod models;
 mod photometry;
 mod sky;
+mod source;
 mod texture;
 
 use std::f64::consts::PI;
@@ -28,7 +29,8 @@ pub use exposure::Exposure;
 pub use material::Material;
 pub use models::{MarsModel, Models, Thermal};
 pub use photometry::{Hapke, Photometry, Rpv};
-pub use sky::{MARS_ALBEDO, Mars, Sky, Sun};
+pub use sky::{Beam, MARS_ALBEDO, Mars, Sky, Sun};
+pub use source::{Field, Incoming, Kind, Source};
 pub use texture::{Texture, TextureKind};
 
 /// All that a scene is made of: plain values, which nobody has checked.
@@ -154,6 +156,11 @@ fn together(surface: &Surface, sky: &Sky, exposure: &Exposure, models: Models) -
     {
         problem("mars.albedo", message);
     }
+    for beam in &sky.beams {
+        if let Some(message) = uncovered("irradiance", &beam.irradiance, bands, is_lit) {
+            problem(&format!("{}.irradiance", beam.item()), message);
+        }
+    }
     problems
 }
 
@@ -165,8 +172,7 @@ impl Setup {
             let reflectance = light.is_lit().then_some(&m.reflectance);
             reflectance.into_iter().chain(glows.then_some(&m.emissivity))
         });
-        let sources = [&self.sky.sun.irradiance_1au].into_iter().chain(self.sky.mars.iter().map(|m| &m.reflectance));
-        let all = materials.chain(sources.filter(|_| light.is_lit()));
+        let all = materials.chain(self.sky.spectra().filter(|_| light.is_lit()));
         all.map(Spectrum::coverage_um).fold(ALL_UM, |(a, b), (first, last)| (a.max(first), b.min(last)))
     }
 

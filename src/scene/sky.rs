@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use crate::error::{Location, Problem};
 use crate::geometry::Direction;
+use crate::physics::sun;
 use crate::spectral::Spectrum;
 
 /// What lights a body at an instant.
@@ -13,6 +14,21 @@ pub struct Sky {
     pub sun: Sun,
     /// Mars as a second source, if there is one.
     pub mars: Option<Mars>,
+    /// Further sources at infinity.
+    pub beams: Vec<Beam>,
+}
+
+/// Parallel light besides the Sun's: of a lamp, another star, or a part of the Sun's disc.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Beam {
+    /// What it is called: letters, digits, `-` and `_`.
+    pub name: String,
+    /// Towards its source.
+    pub direction: Direction,
+    /// Spectral irradiance at the scene on a plane normal to the beam, W m-2 um-1.
+    pub irradiance: Spectrum,
+    /// Total irradiance on such a plane, for the heat balance, W m-2.
+    pub total_irradiance_w_m2: f64,
 }
 
 /// The Sun: a direction and a distance, both from the scene's origin.
@@ -47,6 +63,12 @@ pub struct Mars {
 }
 
 impl Sky {
+    /// All spectra that its light is made of.
+    pub fn spectra(&self) -> impl Iterator<Item = &Spectrum> {
+        let beams = self.beams.iter().map(|beam| &beam.irradiance);
+        [&self.sun.irradiance_1au].into_iter().chain(self.mars.iter().map(|mars| &mars.reflectance)).chain(beams)
+    }
+
     /// What is wrong with it, whatever it lights.
     pub(super) fn problems(&self) -> Vec<Problem> {
         let mut problems = Vec::new();
@@ -55,17 +77,54 @@ impl Sky {
         if let Some(mars) = &self.mars {
             mars.check(&mut problem);
         }
+        for (i, beam) in self.beams.iter().enumerate() {
+            beam.check(&mut problem);
+            if Sky::NAMES.contains(&beam.name.as_str()) || self.beams[..i].iter().any(|other| other.name == beam.name) {
+                problem(&beam.item(), "another source has this name".into());
+            }
+        }
         problems
     }
 }
 
 impl Sun {
+    /// Spectral irradiance at the scene on a plane normal to the beam, W m-2 um-1; `None` where its spectrum is not known.
+    pub fn irradiance_w_m2_um(&self, um: f64) -> Option<f64> {
+        Some(sun::irradiance_at(self.irradiance_1au.at(um)?, self.distance_m))
+    }
+
+    /// Total irradiance at the scene on a plane normal to the beam, W m-2.
+    pub fn total_irradiance_w_m2(&self) -> f64 {
+        sun::irradiance_at(self.total_irradiance_1au_w_m2, self.distance_m)
+    }
+
     fn check(&self, problem: &mut impl FnMut(&str, String)) {
         if !(self.distance_m > 0.0 && self.distance_m.is_finite()) {
             problem("sun", format!("distance {} m is not a positive length", self.distance_m));
         }
         if let Some(v) = self.irradiance_1au.value().iter().find(|v| **v < 0.0) {
             problem("sun.spectrum", format!("irradiance {v} is negative"));
+        }
+    }
+}
+
+impl Beam {
+    /// What it is called in messages.
+    pub(super) fn item(&self) -> String {
+        format!("beams.{:?}", self.name)
+    }
+
+    fn check(&self, problem: &mut impl FnMut(&str, String)) {
+        let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_".contains(c);
+        if self.name.is_empty() || !self.name.chars().all(is_plain) {
+            problem(&self.item(), "a name of letters, digits, - and _ is wanted".into());
+        }
+        if let Some(v) = self.irradiance.value().iter().find(|v| !(**v >= 0.0 && v.is_finite())) {
+            problem(&format!("{}.irradiance", self.item()), format!("{v} is not a number from 0"));
+        }
+        if !(self.total_irradiance_w_m2 >= 0.0 && self.total_irradiance_w_m2.is_finite()) {
+            let message = format!("{} is not a number from 0", self.total_irradiance_w_m2);
+            problem(&format!("{}.total_irradiance_w_m2", self.item()), message);
         }
     }
 }

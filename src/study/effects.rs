@@ -102,7 +102,7 @@ impl<'a> Account<'a> {
             cos_incidence: median_cos_incidence(backplanes),
             open_to_shadow: site.open_to_shadow(&scene.body.mesh, scene.sky.sun.direction.vec()),
             eclipse: eclipse(scene),
-            largest_mars_irradiance: largest(&table.mars_irradiance),
+            largest_mars_irradiance: table.of("mars").map_or(0.0, |mars| largest(&mars.irradiance)),
             warmest_k,
             noon_k,
             bands_um: bands_um(scene, &materials),
@@ -166,7 +166,7 @@ impl<'a> Account<'a> {
 
     fn mars_light(&self) -> Effect {
         let bound = self.mars_light_bound();
-        let is_lit_by_mars = self.scene.sky.mars.is_some() && !self.table.mars_irradiance.is_empty();
+        let is_lit_by_mars = self.scene.sky.mars.is_some() && self.table.of("mars").is_some();
         match is_lit_by_mars.then_some(self.scene.models.mars_light) {
             Some(MarsModel::NearField) => modelled(
                 "Mars-light",

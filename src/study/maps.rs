@@ -9,7 +9,7 @@ use super::warnings::enclosed;
 use super::{map_light, partly_sky};
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::Texels;
-use crate::integrate::{self, Choice, MapImage, MapView, Maps, Unknown};
+use crate::integrate::{self, Choice, MapImage, MapView, Maps, Unknown, Wanted};
 use crate::product::{Cube, Eye, FacetTable, Placement, RadianceMap, Registration, SkyShare, TexelSource, ViewImage};
 use crate::progress::{Watch, tell};
 use crate::scene::Scene;
@@ -58,6 +58,8 @@ pub struct MapOptions {
     pub fill: Fill,
     /// What is solved for the scene is added, too.
     pub add_solved: bool,
+    /// Which facets each pixel sees is wanted, too.
+    pub footprints: bool,
 }
 
 /// What a product says of the maps it was made from.
@@ -135,7 +137,7 @@ pub fn observe_maps(
     options: &MapOptions,
     watch: Watch<'_>,
 ) -> Result<(Observation, MapAccount)> {
-    super::simulate::fits(scene, table)?;
+    table.fits(scene)?;
     has_room(scene, true, None)?;
     fit(scene, &terms)?;
     let mut notes = map_light::heat_counts_once(scene, &terms, options.add_solved)?;
@@ -176,7 +178,8 @@ pub fn observe_maps(
         },
         adds_solved: options.add_solved,
     };
-    let mut image = integrate::integrate_maps(scene, table, &maps, watch)?;
+    let mut image =
+        integrate::integrate(scene, table, Wanted { maps: Some(&maps), footprints: options.footprints }, watch)?;
     let on_scene = image.maps.take().unwrap_or_default();
     drop(maps);
     let unverified = unverified(&terms);

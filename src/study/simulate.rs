@@ -7,18 +7,15 @@ use super::cost::has_room;
 use super::effects::{Account, Effect, mars_seen};
 use super::site::Site;
 use super::warnings;
-use crate::error::{Error, Location, Problem, Result, number};
+use crate::error::Result;
 use crate::geometry::polygon::area;
-use crate::integrate::{self, Image};
-use crate::physics::{bounds, heat, sun};
-use crate::product::{Backplanes, Cube, FacetTable};
+use crate::integrate::{self, Image, Wanted};
+use crate::physics::bounds;
+use crate::product::{Backplanes, Cube, FacetTable, Footprints};
 use crate::progress::{Watch, tell};
-use crate::scene::{MarsModel, Scene, Thermal};
+use crate::scene::{MarsModel, Scene};
 use crate::solve;
 use crate::visibility::Shown;
-
-/// Two directions to the Sun are the same to within this, rad: tables of other programs round.
-const DIRECTION_TOLERANCE: f64 = 1e-9;
 
 /// What a camera sees of a scene.
 #[derive(Debug, Clone)]
@@ -27,6 +24,8 @@ pub struct Observation {
     pub cube: Cube,
     /// Images of geometry.
     pub backplanes: Backplanes,
+    /// Which facets each pixel sees, if that was wanted.
+    pub footprints: Option<Footprints>,
     /// What was modelled, and what was not.
     pub effects: Vec<Effect>,
     /// What was verified of this very result.
@@ -82,7 +81,7 @@ pub struct Counts {
 /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
 pub fn simulate(scene: &Scene, watch: Watch<'_>) -> Result<(FacetTable, Observation)> {
     let table = solve::solve(scene, watch)?;
-    let observation = observe(scene, &table, watch)?;
+    let observation = observe(scene, &table, Wanted::default(), watch)?;
     Ok((table, observation))
 }
 
@@ -91,10 +90,10 @@ pub fn simulate(scene: &Scene, watch: Watch<'_>) -> Result<(FacetTable, Observat
 /// # Errors
 /// [`Error::Invalid`](crate::Error::Invalid) if the table is not of this scene, or memory cannot hold the image;
 /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
-pub fn observe(scene: &Scene, table: &FacetTable, watch: Watch<'_>) -> Result<Observation> {
-    fits(scene, table)?;
+pub fn observe(scene: &Scene, table: &FacetTable, wanted: Wanted<'_>, watch: Watch<'_>) -> Result<Observation> {
+    table.fits(scene)?;
     has_room(scene, false, None)?;
-    let image = integrate::integrate(scene, table, watch)?;
+    let image = integrate::integrate(scene, table, wanted, watch)?;
     account_for(scene, table, image, true, watch)
 }
 
@@ -109,7 +108,8 @@ pub(super) fn account_for(
     tell(watch, "report", 0, 1)?;
     let site = Site::new(&scene.body.mesh, scene.body.topology());
     let account = Account::new(scene, table, &site, &image.backplanes);
-    let lit = |kind| table.sunlit.shown.iter().filter(|l| **l == kind).count() as u64;
+    let shown = table.sunlit().map_or(&[][..], |sunlit| &sunlit.shown);
+    let lit = |kind| shown.iter().filter(|l| **l == kind).count() as u64;
     let counts = Counts {
         facets: scene.body.mesh.facets.len() as u64,
         zero_area_facets: site.zero_area_facets,
@@ -132,59 +132,10 @@ pub(super) fn account_for(
         counts,
         cube: image.cube,
         backplanes: image.backplanes,
+        footprints: image.footprints,
     };
     tell(watch, "report", 1, 1)?;
     Ok(observation)
-}
-
-/// Says if a table cannot be of a scene: what it lacks would be missing from the image, and the report would not know.
-pub(super) fn fits(scene: &Scene, table: &FacetTable) -> Result<()> {
-    let facets = scene.body.mesh.facets.len();
-    let has_heat = scene.models.thermal != Thermal::Off;
-    let mut problems: Vec<Problem> = [
-        ("sun_irradiance", table.sun_irradiance.len(), true),
-        ("sunlit", table.sunlit.shown.len(), true),
-        ("mars_irradiance", table.mars_irradiance.len(), scene.sky.mars.is_some()),
-        ("temperature_lit_k", table.temperature_lit_k.len(), has_heat),
-        ("temperature_shaded_k", table.temperature_shaded_k.len(), has_heat),
-    ]
-    .into_iter()
-    .map(|(name, n, is_wanted)| (name, n, if is_wanted { facets } else { 0 }))
-    .filter(|(_, n, wanted)| n != wanted)
-    .map(|(name, n, wanted)| {
-        Problem::new(Location::item(name), format!("has {n} values, but the scene needs {wanted}"))
-            .with_help("the table is of another mesh, or of a scene with other sources or heat: solve the scene again")
-    })
-    .collect();
-    let warmest_k = warmest_k(scene);
-    for (name, values) in
-        [("temperature_lit_k", &table.temperature_lit_k), ("temperature_shaded_k", &table.temperature_shaded_k)]
-    {
-        if let Some(i) = values.iter().position(|t_k| *t_k > warmest_k) {
-            let message = format!("is {} K: nothing in this scene is warmer than {warmest_k:.1} K", number(values[i]));
-            problems
-                .push(Problem::new(Location::item(format!("{name}[{i}]")), message).with_help("solve the scene again"));
-        }
-    }
-    let angle_rad = table.sun_direction.angle_rad(scene.sky.sun.direction);
-    if angle_rad > DIRECTION_TOLERANCE {
-        let message = format!("is {:.3e} deg from where the scene has the Sun", angle_rad.to_degrees());
-        problems.push(Problem::new(Location::item("sun_direction"), message).with_help("solve the scene again"));
-    }
-    if problems.is_empty() { Ok(()) } else { Err(Error::Invalid(problems)) }
-}
-
-/// No facet is warmer, K: one that faces the Sun under a Mars that sends it as much light again, and all its heat.
-fn warmest_k(scene: &Scene) -> f64 {
-    let sun_w_m2 = sun::irradiance_at(scene.sky.sun.total_irradiance_1au_w_m2, scene.sky.sun.distance_m);
-    let mars_w_m2 = scene.sky.mars.as_ref().map_or(0.0, |mars| mars.thermal_exitance_w_m2);
-    let emissivity = scene.body.materials.iter().map(|m| m.emissivity_bolometric).fold(1.0, f64::min);
-    match scene.models.thermal {
-        Thermal::Equilibrium => heat::equilibrium_temperature_k(2.0 * sun_w_m2 + mars_w_m2, emissivity),
-        // Tables of our own have rounding too.
-        Thermal::Thesis => heat::thesis_temperature_k(1.0 + 1e-9),
-        Thermal::Off => f64::INFINITY,
-    }
 }
 
 /// What must hold whatever the scene.
@@ -203,7 +154,7 @@ fn checks(account: &Account, image: &Image) -> Vec<Check> {
         check("lit part of a facet reaches beyond it by, sizes of the scene", largest_lit_excess(scene, table), 1e-11),
         check(
             "largest irradiance by the Sun, over that normal to its beam",
-            largest(&table.sun_irradiance),
+            table.sources.first().map_or(0.0, |sun| largest(&sun.irradiance)),
             1.0 + 1e-12,
         ),
         check("weights and spectra that are no finite number", bad as f64, 0.0),
@@ -220,12 +171,12 @@ fn checks(account: &Account, image: &Image) -> Vec<Check> {
 /// to have as much too much area. As the Sun sees it, over the size of the scene, which is where they are rounded; so a facet seen
 /// edge-on is judged like any other.
 fn largest_lit_excess(scene: &Scene, table: &FacetTable) -> f64 {
-    let sunlit = &table.sunlit;
+    let Some(sunlit) = table.sunlit() else { return 0.0 };
     let Some((low_m, high_m)) = scene.body.mesh.bounds_m() else { return 0.0 };
     let size_m = (high_m - low_m).length();
     let excess = |facet: u32, share: f64| {
         let facet = scene.body.mesh.facet(facet as usize);
-        let towards = table.sun_direction.vec();
+        let towards = scene.sky.sun.direction.vec();
         let [a, b, c] = facet.corners_m;
         let around_m: f64 =
             [b - a, c - b, a - c].iter().map(|edge| edge.reject_from_normalized(towards).length()).sum();

@@ -11,7 +11,7 @@ use crate::scene::{MarsModel, Models, Scene, Setup, Sky, Surface, Thermal};
 pub fn table_id(scene: &Scene) -> String {
     let mut hasher = Hasher::new();
     let mut put = |values: &[f64]| values.iter().for_each(|v| _ = hasher.update(&v.to_le_bytes()));
-    let Setup { body, sky: Sky { sun, mars }, exposure: _, models: Models { thermal, mars_light } } = &**scene;
+    let Setup { body, sky: Sky { sun, mars, beams }, exposure: _, models: Models { thermal, mars_light } } = &**scene;
     let Surface { origin_m, mesh, materials, textures: _ } = &**body;
     put(&origin_m.to_array());
     put(&sun.direction.vec().to_array());
@@ -19,6 +19,10 @@ pub fn table_id(scene: &Scene) -> String {
     if let Some(mars) = mars {
         put(&mars.centre_m.to_array());
         put(&[mars.radius_m, mars.bond_albedo, mars.thermal_exitance_w_m2]);
+    }
+    for beam in beams {
+        put(&beam.direction.vec().to_array());
+        put(&[beam.total_irradiance_w_m2]);
     }
     materials.iter().for_each(|m| put(&[m.bond_albedo, m.emissivity_bolometric]));
     // Which of the above there are, so that no two scenes are the same row of numbers.
@@ -33,6 +37,10 @@ pub fn table_id(scene: &Scene) -> String {
     };
     for number in [mars_model, thermal, materials.len(), mesh.vertices_m.len(), mesh.facets.len()] {
         hasher.update(&(number as u64).to_le_bytes());
+    }
+    for beam in beams {
+        hasher.update(beam.name.as_bytes());
+        hasher.update(&[0]);
     }
     update_in_pieces(&mut hasher, &mesh.vertices_m, |v: &DVec3, bytes| {
         v.to_array().iter().for_each(|x| bytes.extend(x.to_le_bytes()));

@@ -8,7 +8,7 @@ use super::site::Site;
 use crate::geometry::angle_rad;
 use crate::integrate::Image;
 use crate::physics::sun::Eclipse;
-use crate::scene::Scene;
+use crate::scene::{Scene, Sky};
 use crate::visibility::Enclosure;
 use crate::visibility::Shown;
 
@@ -45,12 +45,19 @@ pub(super) fn of_image(account: &Account, counts: &Counts, image: &Image, uses_s
         mars: MarsInView::new(account.scene, rays, 1.0),
         about: "",
     };
-    let is_dark = uses_sun && account.table.sunlit.shown.iter().all(|l| *l == Shown::Nothing);
-    let rest = match (account.largest_mars_irradiance > 0.0, account.warmest_k > 0.0) {
-        (false, false) => "the image is black",
-        (false, true) => "what the image shows is heat",
-        (true, false) => "what the image shows is Mars-light",
-        (true, true) => "what the image shows is Mars-light and heat",
+    let sunlit = account.table.sunlit();
+    let is_dark = uses_sun && sunlit.is_none_or(|sunlit| sunlit.shown.iter().all(|shown| *shown == Shown::Nothing));
+    let beams = account.table.sources.iter().filter(|lighting| !Sky::NAMES.contains(&lighting.source.as_str()));
+    let has_beams = beams.flat_map(|lighting| &lighting.irradiance).any(|irradiance| *irradiance > 0.0);
+    let others = [
+        ("Mars-light", account.largest_mars_irradiance > 0.0),
+        ("other beams", has_beams),
+        ("heat", account.warmest_k > 0.0),
+    ];
+    let others: Vec<&str> = others.into_iter().filter(|other| other.1).map(|other| other.0).collect();
+    let rest = match others[..] {
+        [] => "the image is black".to_owned(),
+        _ => format!("what the image shows is {}", others.join(" and ")),
     };
     let dark = format!("nothing is lit: the Sun is below every facet or behind the terrain; {rest}");
     of_sight(&sight, is_dark.then_some(dark))

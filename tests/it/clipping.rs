@@ -8,6 +8,7 @@ use glam::DVec3;
 use mmxrt::formats::scene_toml;
 use mmxrt::geometry::Mesh;
 use mmxrt::geometry::polygon::{Point, area, holds, intersect};
+use mmxrt::integrate::Wanted;
 use mmxrt::progress::{Progress, unwatched};
 use mmxrt::scene::Scene;
 use mmxrt::study::{self, Observation};
@@ -281,17 +282,18 @@ fn walls_edge_on_to_the_sun_are_dark() {
         let scene = scratch.scene(&(body_text(direction) + &view));
         let (table, seen) = study::simulate(&scene, &unwatched).unwrap();
         assert_sound(&seen);
+        let sunlit = table.sunlit().unwrap();
         let mut edge_on = 0;
         for f in 0..mesh.facets.len() {
             let cos_i = mesh.facet(f).normal().dot(scene.sky.sun.direction.vec());
             if cos_i.abs() < 1e-12 {
-                assert_eq!(table.sunlit.shown[f], Shown::Nothing, "facet {f}, cos i {cos_i}");
+                assert_eq!(sunlit.shown[f], Shown::Nothing, "facet {f}, cos i {cos_i}");
                 edge_on += 1;
             }
         }
         assert!(edge_on >= 80, "{edge_on}");
         // What is written is a polygon, not noise: rounding, relative to what the facet is wide to the Sun, is all it may stick out by.
-        for uv in &table.sunlit.uv {
+        for uv in &sunlit.uv {
             assert!(uv[0] > -1e-6 && uv[1] > -1e-6 && uv[0] + uv[1] < 1.0 + 1e-6, "{uv:?}");
         }
     }
@@ -362,5 +364,5 @@ fn one_cell_that_takes_long_hears_that_it_should_stop() {
     let table = solve::lit(&scene, &unwatched).unwrap();
     // Between the beginning of the image and the end of its only line.
     let stop = |p: Progress| p.stage != "image" || p.done != 0;
-    assert!(matches!(study::observe(&scene, &table, &stop), Err(Error::Interrupted)));
+    assert!(matches!(study::observe(&scene, &table, Wanted::default(), &stop), Err(Error::Interrupted)));
 }

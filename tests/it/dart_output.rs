@@ -41,6 +41,7 @@ pub(crate) fn scene(mesh: Mesh, origin_m: DVec3) -> Scene {
                 total_irradiance_1au_w_m2: 1361.0,
             },
             mars: None,
+            beams: vec![],
         },
         exposure: Exposure {
             instrument: "test".into(),

@@ -67,6 +67,7 @@ pub(crate) fn tetrahedron() -> Scene {
                 total_irradiance_1au_w_m2: 1361.0,
             },
             mars: None,
+            beams: vec![],
         },
         exposure: Exposure {
             instrument: "seeker".into(),

@@ -5,6 +5,8 @@ use std::process::Stdio;
 use std::time::{Duration, Instant};
 
 use mmxrt::formats::npz;
+use mmxrt::product::Sees;
+use mmxrt::visibility::{Seen, Shown};
 
 use crate::cli::{mmxrt, run};
 use crate::scratch::{SITE, Scratch, is_heavy};
@@ -340,24 +342,27 @@ fn a_table_that_was_tampered_with_is_told_at_its_place_and_makes_no_product() {
     let good = product_bytes(Path::new(&product));
     /// The last facet is lit in these triangles, and no other facet at all.
     fn lit_in(table: &mut mmxrt::product::FacetTable, triangles: &[[[f64; 2]; 3]]) {
-        let f = table.sunlit.shown.len() - 1;
-        table.sunlit.shown.iter_mut().for_each(|lit| *lit = mmxrt::visibility::Shown::Nothing);
-        table.sunlit.shown[f] = mmxrt::visibility::Shown::Part;
-        table.sunlit.polygon_facet = vec![f as u32; triangles.len()];
-        table.sunlit.polygon_start = (0..=triangles.len()).map(|i| 3 * i).collect();
-        table.sunlit.uv = triangles.concat();
+        let f = table.facets() - 1;
+        let mut shown = vec![Shown::Nothing; f + 1];
+        shown[f] = Shown::Part;
+        table.sources[0].sees = Sees::Polygons(Seen {
+            shown,
+            polygon_facet: vec![f as u32; triangles.len()],
+            polygon_start: (0..=triangles.len()).map(|i| 3 * i).collect(),
+            uv: triangles.concat(),
+        });
     }
     const WHOLE: [[f64; 2]; 3] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
     type Change = Box<dyn FnOnce(&mut mmxrt::product::FacetTable)>;
     let cases: [(&str, Change, &str); 7] = [
-        ("sun.npz", Box::new(|t| t.sun_irradiance[3] *= 10.0), "sun_irradiance[3]: "),
-        ("mars.npz", Box::new(|t| t.mars_irradiance[4] = 7.0), "mars_irradiance[4]: 7 is above 1"),
+        ("sun.npz", Box::new(|t| t.sources[0].irradiance[3] *= 10.0), "sun_irradiance[3]: "),
+        ("mars.npz", Box::new(|t| t.sources[1].irradiance[4] = 7.0), "mars_irradiance[4]: 7 is above 1"),
         ("warm.npz", Box::new(|t| t.temperature_lit_k[5] = 1e11), "temperature_lit_k[5]: is 100000000000 K"),
         ("cold.npz", Box::new(|t| t.temperature_shaded_k[5] = f64::NAN), "temperature_shaded_k[5]: NaN"),
         ("uv.npz", Box::new(|t| lit_in(t, &[[[0.0, 0.0], [0.8, 0.8], [0.0, 1.0]]])), "sun_polygon_uv[1]: 0.8 0.8"),
         ("twice.npz", Box::new(|t| lit_in(t, &[WHOLE, WHOLE])), "are 2 of it"),
         // In its range, and more than this Mars can send: the product's own check, and not our fault.
-        ("most.npz", Box::new(|t| t.mars_irradiance[4] = 0.9), "what "),
+        ("most.npz", Box::new(|t| t.sources[1].irradiance[4] = 0.9), "what "),
     ];
     for (name, change, told) in cases {
         let table = tampered(&scratch, name, change);

@@ -3,6 +3,7 @@
 use glam::DVec3;
 use mmxrt::geometry::{Mesh, Pose, Texels as Between};
 use mmxrt::integrate::Choice;
+use mmxrt::integrate::Wanted;
 use mmxrt::landscape::{self, Recipe};
 use mmxrt::product::{Atlas, Eye, FacetTable, Placement, Projection, RadianceMap, SkyShare, TexelSource, ViewImage};
 use mmxrt::progress::unwatched;
@@ -64,6 +65,7 @@ pub(crate) fn scene(mesh: Mesh, camera: FrameCamera, sun_direction: [f64; 3]) ->
                 total_irradiance_1au_w_m2: 1361.0,
             },
             mars: None,
+            beams: vec![],
         },
         exposure: Exposure { instrument: "test".into(), camera, bands: at_1_um() },
         models: Models { thermal: Thermal::Off, ..Models::default() },
@@ -151,7 +153,7 @@ fn ones_own_image_gives_the_same_image() {
     let camera = camera([15.0, -25.0, 60.0], [0.0; 3], [0.0, 1.0, 0.0], 48, 0.016);
     let scene = scene(site(), camera, [1.0, 0.5, 0.6]);
     let table = solved(&scene);
-    let own = study::observe(&scene, &table, &unwatched).unwrap();
+    let own = study::observe(&scene, &table, Wanted::default(), &unwatched).unwrap();
     let image = own.cube.band(0);
     let values: Vec<f64> =
         image.iter().zip(coverage(&own)).map(|(l, c)| if *c > 0.0 { l / c } else { f64::NAN }).collect();
@@ -302,7 +304,7 @@ fn a_map_that_knows_nothing_leaves_all_to_the_scene() {
     let camera = camera([15.0, -25.0, 60.0], [0.0; 3], [0.0, 1.0, 0.0], 24, 0.03);
     let scene = scene(site(), camera, [1.0, 0.5, 0.6]);
     let table = solved(&scene);
-    let own = study::observe(&scene, &table, &unwatched).unwrap().cube.band(0);
+    let own = study::observe(&scene, &table, Wanted::default(), &unwatched).unwrap().cube.band(0);
     let nadir = || parallel_image([0.0, 0.0, 1.0], [-30.0, 30.0], 1.0, 60, 60, true);
     let nothing = || map(nadir(), vec![f64::NAN; 3600]);
     let solve = MapOptions { fill: Fill::Solved, ..MapOptions::default() };
@@ -496,7 +498,7 @@ fn maps_add_with_their_weights() {
     let own = MapOptions { add_solved: true, ..MapOptions::default() };
     let (both, _) = observe(&scene, vec![vec![map(placement, vec![2.0; 64])]], &own).unwrap();
     let table = solved(&scene);
-    let alone = study::observe(&scene, &table, &unwatched).unwrap().cube.band(0);
+    let alone = study::observe(&scene, &table, Wanted::default(), &unwatched).unwrap().cube.band(0);
     assert!(worst(&both.cube.band(0), &alone.iter().map(|l| l + 2.0).collect::<Vec<_>>()) < 1e-12);
 }
 

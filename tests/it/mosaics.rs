@@ -9,7 +9,7 @@ use crate::maps::{camera_image, map, observe, parallel_image, scene};
 use crate::shapes::*;
 
 fn options(choice: Choice, texels: Between) -> MapOptions {
-    MapOptions { choice, texels, fill: Fill::Value(0.0), add_solved: false }
+    MapOptions { choice, texels, fill: Fill::Value(0.0), add_solved: false, footprints: false }
 }
 
 const CHOICES: [Choice; 2] = [Choice::Nearest, Choice::Interpolated];

@@ -1,6 +1,7 @@
 //! Texels of an image that show the scene in part: their sky counts once.
 
 use mmxrt::geometry::Texels as Between;
+use mmxrt::integrate::Wanted;
 use mmxrt::product::{RadianceMap, SkyShare};
 use mmxrt::progress::unwatched;
 use mmxrt::study::{self, MapOptions};
@@ -50,7 +51,7 @@ fn every_rim_of_a_landscape_comes_back() {
     let camera = camera([15.0, -25.0, 20.0], [0.0; 3], [0.0, 0.0, 1.0], 40, 0.018);
     let scene = scene(of_material(mesh, 0), camera, [1.0, 0.5, 0.6]);
     let table = solved(&scene);
-    let own = study::observe(&scene, &table, &unwatched).unwrap();
+    let own = study::observe(&scene, &table, Wanted::default(), &unwatched).unwrap();
     let coverage = &own.backplanes.plane("COVERAGE").unwrap().values;
     assert!(coverage.iter().filter(|c| **c > 0.0 && **c < 1.0 - 1e-9).count() > 50);
     let image = own.cube.band(0);

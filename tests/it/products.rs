@@ -9,8 +9,9 @@ use mmxrt::Error;
 use mmxrt::formats::envi::{self, Interleave, Precision};
 use mmxrt::formats::{exr_cube, npz, quicklook, report_json};
 use mmxrt::geometry::Direction;
-use mmxrt::product::{Backplanes, Cube, FacetTable, Footprints, Plane};
+use mmxrt::product::{Backplanes, Cube, FacetTable, Footprints, Lighting, Plane, Sees};
 use mmxrt::progress::unwatched;
+use mmxrt::scene::Field;
 use mmxrt::spectral::Band;
 use mmxrt::visibility::{Seen, Shown};
 
@@ -313,17 +314,36 @@ fn open_exr_reads_back_in_the_order_of_wavelength() {
 /// Four facets: dark, lit, and two lit in part.
 fn table() -> FacetTable {
     let direction = |x, y, z| Direction::new(DVec3::new(x, y, z)).unwrap();
+    let sunlit = Seen {
+        shown: vec![Shown::Nothing, Shown::Whole, Shown::Part, Shown::Part],
+        polygon_facet: vec![2, 2, 3],
+        polygon_start: vec![0, 3, 7, 10],
+        uv: (0..10).map(|i| [f64::from(i) / 9.0, -0.0]).collect(),
+    };
+    let lighting = |source: &str, field, irradiance: [f64; 4], sees| Lighting {
+        source: source.into(),
+        field,
+        irradiance: irradiance.to_vec(),
+        sees,
+    };
+    let mars_m = DVec3::new(0.3e6, -0.2e6, 9e6 + 0.1);
     FacetTable {
-        sun_direction: direction(1.0, -2.0, 3.0),
-        sun_irradiance: vec![0.0, 1.0 / 3.0, 0.1, f64::MIN_POSITIVE],
-        sunlit: Seen {
-            shown: vec![Shown::Nothing, Shown::Whole, Shown::Part, Shown::Part],
-            polygon_facet: vec![2, 2, 3],
-            polygon_start: vec![0, 3, 7, 10],
-            uv: (0..10).map(|i| [f64::from(i) / 9.0, -0.0]).collect(),
-        },
-        mars_direction: Some(direction(0.3, 0.2, 0.1)),
-        mars_irradiance: vec![0.25, 0.0, 1e-300, 0.1 + 0.2],
+        sources: vec![
+            lighting(
+                "sun",
+                Field::Afar(direction(1.0, -2.0, 3.0)),
+                [0.0, 1.0 / 3.0, 0.1, f64::MIN_POSITIVE],
+                Sees::Polygons(sunlit.clone()),
+            ),
+            lighting("mars", Field::Near(mars_m), [0.25, 0.0, 1e-300, 0.1 + 0.2], Sees::All),
+            lighting("lamp", Field::Afar(direction(0.0, 0.6, 0.8)), [0.5, 0.0, 1.0, 0.1], Sees::Polygons(sunlit)),
+            lighting(
+                "far-star",
+                Field::Afar(direction(1.0, 0.0, 0.0)),
+                [0.1; 4],
+                Sees::Shares(vec![0.0, 1.0, 0.25, 0.1]),
+            ),
+        ],
         temperature_lit_k: vec![300.1, 0.0, 1.0, 2.0],
         temperature_shaded_k: vec![100.1, 0.0, 1.0, 2.0],
     }
@@ -333,13 +353,8 @@ fn table() -> FacetTable {
 fn facet_tables_come_back_bit_for_bit() {
     let scratch = Scratch::new();
     let path = scratch.join("table.npz");
-    let bare = FacetTable {
-        mars_direction: None,
-        mars_irradiance: vec![],
-        temperature_lit_k: vec![],
-        temperature_shaded_k: vec![],
-        ..table()
-    };
+    let sun = table().sources.remove(0);
+    let bare = FacetTable { sources: vec![sun], temperature_lit_k: vec![], temperature_shaded_k: vec![] };
     for table in [table(), bare] {
         npz::write_table(&path, &table, "a scene \u{3bb}").unwrap();
         let (read, header) = npz::read_table(&path).unwrap();
@@ -347,6 +362,7 @@ fn facet_tables_come_back_bit_for_bit() {
         assert_eq!(format!("{read:?}"), format!("{table:?}"));
         assert_eq!(header.scene, "a scene \u{3bb}");
         assert_eq!(header.fields["sun_irradiance"].unit, "1");
+        assert_eq!((header.format_version, header.sources.len()), (2, table.sources.len()));
         let (header, arrays) = npz::list(&path).unwrap();
         assert_eq!(header.unwrap().fields.len(), arrays.len());
         let uv = arrays.iter().find(|a| a.name == "sun_polygon_uv").unwrap();
@@ -394,7 +410,8 @@ fn ends_of_64_bits_are_read_and_are_written_where_32_do_not_hold_them() {
 
     // In 32 bits it would be the right end.
     let mut far = table();
-    far.sunlit.polygon_start[3] += 1 << 32;
+    let Sees::Polygons(sunlit) = &mut far.sources[0].sees else { panic!() };
+    sunlit.polygon_start[3] += 1 << 32;
     npz::write_table(&path, &far, "s").unwrap();
     let written = member(&path, name);
     assert_eq!(&written[10..25], b"{'descr': '<u8'");
@@ -425,7 +442,7 @@ fn facet_tables_are_stored_zips_of_numpy_arrays() {
     let preamble = std::str::from_utf8(&bytes[start + 10..start + 10 + length]).unwrap();
     assert_eq!(preamble.trim_end(), "{'descr': '<f8', 'fortran_order': False, 'shape': (4,), }");
     assert!(preamble.ends_with('\n') && (10 + length).is_multiple_of(64));
-    assert_eq!(f64s(&bytes[start + 10 + length..][..32]), table().sun_irradiance);
+    assert_eq!(f64s(&bytes[start + 10 + length..][..32]), table().sources[0].irradiance);
 }
 
 #[test]
@@ -484,14 +501,20 @@ fn tables_that_do_not_fit_together_are_refused_with_all_that_is_wrong() {
     let scratch = Scratch::new();
     let path = scratch.join("table.npz");
     let mut bad = table();
-    bad.sun_irradiance[1] = f64::NAN;
-    bad.mars_irradiance.pop();
+    let [sun, mars, _, star] = &mut bad.sources[..] else { panic!() };
+    sun.irradiance[1] = f64::NAN;
+    mars.irradiance.pop();
     bad.temperature_lit_k[2] = -1.0;
-    bad.sunlit.polygon_facet[0] = 0;
+    let Sees::Polygons(sunlit) = &mut sun.sees else { panic!() };
+    sunlit.polygon_facet[0] = 0;
+    star.sees = Sees::Shares(vec![0.5, 0.5, 1.5, 0.5]);
     npz::write_table(&path, &bad, "s").unwrap();
     let Err(Error::Invalid(problems)) = npz::read_table(&path) else { panic!("accepted") };
     let items: Vec<&str> = problems.iter().filter_map(|p| p.at.item.as_deref()).collect();
-    assert_eq!(items, ["mars_irradiance", "sun_irradiance[1]", "temperature_lit_k[2]", "sun_polygon_start"]);
+    assert_eq!(
+        items,
+        ["mars_irradiance", "sun_irradiance[1]", "temperature_lit_k[2]", "far-star_share[2]", "sun_polygon_start"]
+    );
 }
 
 /// Kind, bytes and description of a PNG.
@@ -551,11 +574,11 @@ fn reports_come_back_and_their_errors_are_located() {
 fn arrays_that_are_the_same_bytes_over_and_over_are_refused() {
     let scratch = Scratch::new();
     let path = scratch.join("table.npz");
-    let table = FacetTable {
-        sun_irradiance: vec![0.5; 1000],
-        sunlit: Seen { shown: vec![Shown::Whole; 1000], polygon_start: vec![0], ..Default::default() },
-        ..table()
-    };
+    let mut table = table();
+    table.sources.truncate(2);
+    table.sources[0].irradiance = vec![0.5; 1000];
+    let all = Seen { shown: vec![Shown::Whole; 1000], polygon_start: vec![0], ..Default::default() };
+    table.sources[0].sees = Sees::Polygons(all);
     npz::write_table(&path, &table, "s").unwrap();
     let mut bytes = std::fs::read(&path).unwrap();
     let u16_at = |bytes: &[u8], at: usize| usize::from(u16::from_le_bytes([bytes[at], bytes[at + 1]]));

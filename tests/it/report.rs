@@ -2,10 +2,11 @@
 
 use glam::DVec3;
 use mmxrt::geometry::{Direction, Mesh};
+use mmxrt::integrate::Wanted;
 use mmxrt::product::FacetTable;
 use mmxrt::progress::unwatched;
 use mmxrt::scene::{
-    Exposure, FrameCamera, Mars, MarsModel, Material, Models, Parts, Photometry, Sky, Sun, Surface, Thermal,
+    Exposure, Field, FrameCamera, Mars, MarsModel, Material, Models, Parts, Photometry, Sky, Sun, Surface, Thermal,
 };
 use mmxrt::spectral::{Band, Light, Spectrum, solar_e490};
 use mmxrt::study::{Effect, Observation, simulate, table_id};
@@ -53,6 +54,7 @@ fn scene(mesh: Mesh, towards_sun: Direction, camera: FrameCamera) -> Parts {
                 total_irradiance_1au_w_m2: 1366.1,
             },
             mars: None,
+            beams: vec![],
         },
         exposure: Exposure {
             instrument: "camera".into(),
@@ -369,7 +371,7 @@ fn a_table_of_another_mesh_is_refused() {
     let one = scene(hills(), sun(40.0, 10.0), nadir(1e4, 80.0, 8)).check().unwrap();
     let (table, _) = simulate(&one, &unwatched).unwrap();
     let other = scene(plane(50.0, 0.0), sun(40.0, 10.0), nadir(1e4, 80.0, 8)).check().unwrap();
-    let error = mmxrt::study::observe(&other, &table, &unwatched).unwrap_err().to_string();
+    let error = mmxrt::study::observe(&other, &table, Wanted::default(), &unwatched).unwrap_err().to_string();
     assert!(error.contains("has 7200 values, but the scene needs 2"), "{error}");
 }
 
@@ -380,10 +382,11 @@ fn a_table_without_what_the_scene_asks_for_is_refused() {
     one.models.thermal = Thermal::Equilibrium;
     let one = one.check().unwrap();
     let (whole, _) = simulate(&one, &unwatched).unwrap();
-    let observe = |table| mmxrt::study::observe(&one, &table, &unwatched).map(drop);
+    let observe = |table| mmxrt::study::observe(&one, &table, Wanted::default(), &unwatched).map(drop);
     observe(whole.clone()).unwrap();
     let cold = FacetTable { temperature_lit_k: vec![], temperature_shaded_k: vec![], ..whole.clone() };
     assert!(observe(cold).unwrap_err().to_string().contains("temperature_lit_k: has 0 values, but the scene needs 2"));
-    let turned = FacetTable { sun_direction: sun(40.001, 10.0), ..whole };
+    let mut turned = whole;
+    turned.sources[0].field = Field::Afar(sun(40.001, 10.0));
     assert!(observe(turned).unwrap_err().to_string().contains("sun_direction: is 1.000e-3 deg"));
 }

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use mmxrt::geometry::{Direction, Mesh};
+use mmxrt::integrate::Wanted;
 use mmxrt::progress::unwatched;
 use mmxrt::scene::{Exposure, FrameCamera, Scene, Setup, Sky, Sun};
 use mmxrt::solve::solve;
@@ -39,7 +40,7 @@ fn one_body_serves_three_hundred_skies_and_exposures() {
         if step % 60 == 0 {
             // What is solved and seen of it is its own.
             let table = solve(&seen, &unwatched).unwrap();
-            let image = study::observe(&seen, &table, &unwatched).unwrap();
+            let image = study::observe(&seen, &table, Wanted::default(), &unwatched).unwrap();
             let alone =
                 Setup { body: mmxrt::scene::Body::new(seen.clone().into_parts().surface).unwrap(), ..(*seen).clone() };
             let (_, same) = study::simulate(&Scene::new(alone).unwrap(), &unwatched).unwrap();

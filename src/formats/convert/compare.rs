@@ -13,7 +13,8 @@ use crate::formats::dart::{Camera, Step};
 use crate::formats::mtl::ObjMaterial;
 use crate::geometry::{MaterialId, Mesh, Pose};
 use crate::scene::{
-    Exposure, FrameCamera, Hapke, Mars, Material, Models, Photometry, Rpv, Scene, Setup, Sky, Sun, Surface, Texture,
+    Beam, Exposure, FrameCamera, Hapke, Mars, Material, Models, Photometry, Rpv, Scene, Setup, Sky, Sun, Surface,
+    Texture,
 };
 use crate::spectral::{Band, Column, Extend, SpectralLibrary, Spectrum};
 
@@ -180,7 +181,7 @@ impl Lines {
     }
 
     fn scenes(&mut self, a: &Scene, b: &Scene) {
-        let Setup { body, sky: Sky { sun, mars }, exposure, models: Models { thermal, mars_light } } = &**a;
+        let Setup { body, sky: Sky { sun, mars, beams }, exposure, models: Models { thermal, mars_light } } = &**a;
         let Surface { origin_m, mesh, materials, textures } = &**body;
         self.places("origin_m", *origin_m, b.body.origin_m);
         let names = |scene: &Scene| scene.body.materials.iter().map(|m| m.name.clone()).collect::<Vec<_>>();
@@ -207,6 +208,13 @@ impl Lines {
             (None, None) => {}
             (a, _) => self.push("mars", if a.is_some() { "is there" } else { "is not" }, "the other way round"),
         }
+        let names = |beams: &[Beam]| beams.iter().map(|beam| beam.name.clone()).collect::<Vec<_>>();
+        self.each("beams", &names(beams), &names(&b.sky.beams), |lines, at, i, j| {
+            let (Beam { name: _, direction, irradiance, total_irradiance_w_m2 }, b) = (&beams[i], &b.sky.beams[j]);
+            lines.directions(&format!("{at}.direction"), direction.vec(), b.direction.vec());
+            lines.spectra(&format!("{at}.irradiance"), irradiance, &b.irradiance);
+            lines.numbers(&format!("{at}.total_irradiance_w_m2"), *total_irradiance_w_m2, b.total_irradiance_w_m2);
+        });
         self.debugged("thermal.model", thermal, &b.models.thermal);
         self.exposures(exposure, &b.exposure);
     }

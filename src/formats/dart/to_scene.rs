@@ -123,7 +123,7 @@ impl Reader<'_> {
         let exposure = Exposure { instrument: name, camera, bands };
         let scene = Setup {
             body: Body::new(Surface { origin_m: place.origin_m, mesh, materials, textures: vec![] })?,
-            sky: Sky { sun, mars: None },
+            sky: Sky { sun, mars: None, beams: vec![] },
             exposure,
             models: Models { thermal: Thermal::Off, ..Models::default() },
         };

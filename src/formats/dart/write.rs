@@ -168,6 +168,7 @@ fn tetrahedron(target: Target) -> Result<(Package, [Face; 4])> {
                 total_irradiance_1au_w_m2: 1361.0,
             },
             mars: None,
+            beams: vec![],
         },
         exposure: Exposure {
             instrument: "check".into(),

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use zip::{CompressionMethod, ZipArchive};
 
-use super::{FORMAT_VERSION, Header};
+use super::Header;
 use crate::error::{Error, Location, Problem, Result};
 use crate::formats::input::{self, MOST_DEFLATED};
 use crate::geometry::Direction;
@@ -106,11 +106,12 @@ impl Npz {
         Ok(Npz { path: path.to_owned(), file_bytes, array_bytes: 0, zip })
     }
 
-    fn at(&self, name: &str) -> Location {
+    pub(super) fn at(&self, name: &str) -> Location {
         Location::file(&self.path).with_item(name)
     }
 
-    pub(super) fn header(&mut self, format: &str) -> Result<Header> {
+    /// The header of a file of this format, in one of these versions.
+    pub(super) fn header(&mut self, format: &str, versions: &[u32]) -> Result<Header> {
         let Some(array) = self.array("header")? else {
             return Err(Error::invalid(self.at("header"), format!("is missing: this is no {format}")));
         };
@@ -122,11 +123,16 @@ impl Npz {
         if header.format != format {
             return Err(Error::invalid(self.at("header"), format!("says {:?}; expected {format:?}", header.format)));
         }
-        if header.format_version != FORMAT_VERSION {
+        if !versions.contains(&header.format_version) {
             let feature = format!("format version {} of {format}", header.format_version);
             return Err(Error::Unsupported { at: self.at("header"), feature });
         }
         Ok(header)
+    }
+
+    /// Whether there is an array of this name.
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.zip.index_for_name(&format!("{name}.npy")).is_some()
     }
 
     /// The bytes of an array; `None` if there is none of this name. Never holds more than the file can; nor do all arrays together,

@@ -7,16 +7,27 @@ use std::path::Path;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-use super::{FORMAT_VERSION, Field, Header};
+use super::{Field, Header};
 use crate::error::{Error, Result};
 use crate::visibility::Shown;
 
 /// An array about to be written.
 pub(super) struct Column<'a> {
-    pub(super) name: &'static str,
-    pub(super) unit: &'static str,
-    pub(super) meaning: &'static str,
-    pub(super) values: Values<'a>,
+    name: String,
+    unit: &'static str,
+    meaning: String,
+    values: Values<'a>,
+}
+
+impl<'a> Column<'a> {
+    pub(super) fn new(
+        name: impl Into<String>,
+        unit: &'static str,
+        meaning: impl Into<String>,
+        values: Values<'a>,
+    ) -> Self {
+        Column { name: name.into(), unit, meaning: meaning.into(), values }
+    }
 }
 
 pub(super) enum Values<'a> {
@@ -29,16 +40,24 @@ pub(super) enum Values<'a> {
     Vector([f64; 3]),
 }
 
-pub(super) fn write(path: &Path, format: &str, scene: &str, columns: &[Column<'_>]) -> Result<()> {
+/// Writes columns, and a header before them; `format` is its name and its versions, the last of which this is.
+pub(super) fn write(
+    path: &Path,
+    (format, versions): (&str, &[u32]),
+    scene: &str,
+    sources: &[String],
+    columns: &[Column<'_>],
+) -> Result<()> {
     let fields = columns
         .iter()
-        .map(|c| (c.name.to_owned(), Field { unit: c.unit.to_owned(), meaning: c.meaning.to_owned() }))
+        .map(|c| (c.name.clone(), Field { unit: c.unit.to_owned(), meaning: c.meaning.clone() }))
         .collect();
     let header = Header {
         format: format.to_owned(),
-        format_version: FORMAT_VERSION,
+        format_version: versions.last().copied().unwrap_or(1),
         mmxrt: env!("CARGO_PKG_VERSION").to_owned(),
         scene: scene.to_owned(),
+        sources: sources.to_vec(),
         fields,
     };
     let io = |e| Error::io(path, "writing", e);
@@ -158,7 +177,7 @@ impl Column<'_> {
             Values::Uv(v) => ("<f8", format!("({}, 2)", v.len()), 16 * v.len()),
             Values::Vector(_) => ("<f8", "(3,)".to_owned(), 24),
         };
-        start(zip, self.name, descr, &shape, bytes)?;
+        start(zip, &self.name, descr, &shape, bytes)?;
         match &self.values {
             Values::F64(v) => pieces(zip, v, |x| x.to_le_bytes()),
             Values::U32(v) => pieces(zip, v, |x| x.to_le_bytes()),

@@ -234,6 +234,7 @@ impl Reader<'_> {
                     Some(mars) => Some(mars?),
                     None => None,
                 },
+                beams: vec![],
             },
             exposure: exposure?,
             models: Models { thermal, mars_light },

@@ -3,6 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use crate::geometry::{Direction, MaterialId, Mesh, Pose};
+use crate::integrate::Wanted;
 use crate::product::{Backplanes, FacetTable};
 use crate::progress::unwatched;
 use crate::scene::{
@@ -74,10 +75,10 @@ impl Patch {
     pub(super) fn radiance_at(&self, temperature_k: f64) -> Option<f64> {
         let scene = Patch { thermal: Thermal::Thesis, ..self.clone() }.scene()?;
         let mut table = simulate(&scene, &unwatched).ok()?.0;
-        table.sun_irradiance.fill(0.0);
+        table.sources[0].irradiance.fill(0.0);
         table.temperature_lit_k.fill(temperature_k);
         table.temperature_shaded_k.fill(temperature_k);
-        Some(observe(&scene, &table, &unwatched).ok()?.cube.band(0)[0])
+        Some(observe(&scene, &table, Wanted::default(), &unwatched).ok()?.cube.band(0)[0])
     }
 
     /// The planes of that pixel.
@@ -128,6 +129,7 @@ impl Patch {
                     total_irradiance_1au_w_m2: self.total_irradiance_1au_w_m2,
                 },
                 mars,
+                beams: vec![],
             },
             exposure: Exposure {
                 instrument: "frame camera".to_owned(),

@@ -151,7 +151,7 @@ impl Oracle<'_> {
                 let facing_full = mars::irradiance(distance * DVec3::Z, radius, DVec3::Z, DVec3::NEG_Z);
                 answers.push(Answer {
                     by: By::Simulate,
-                    value: json!(table.mars_irradiance.first()?),
+                    value: json!(table.of("mars")?.irradiance.first()?),
                     own_tolerance: Some(MARS_LIGHT_ERROR * facing_full),
                 });
                 answers

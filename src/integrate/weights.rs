@@ -1,0 +1,123 @@
+//! Weights of spectra: what each pixel's facets send.
+
+use super::pixel::{Entry, Pixel};
+use super::textures::Textures;
+use crate::product::Cube;
+use crate::scene::Scene;
+use crate::solve::{Emission, Fragment, Part};
+use crate::visibility::Drawing;
+
+/// Sums up what the facets of a pixel send.
+pub(super) struct Weights<'a> {
+    scene: &'a Scene,
+    emission: &'a Emission<'a>,
+    textures: Textures<'a>,
+    sums: Sums,
+    lit: Vec<Part>,
+}
+
+/// Weights of a line's pixels, by ascending row.
+#[derive(Default)]
+pub(super) struct WeightLine {
+    row_start: Vec<usize>,
+    row: Vec<u32>,
+    weight: Vec<f64>,
+}
+
+impl<'a> Weights<'a> {
+    pub(super) fn new(scene: &'a Scene, drawing: &'a Drawing<'a>, emission: &'a Emission<'a>) -> Self {
+        let sums = Sums { value: vec![0.0; emission.rows()], used: vec![] };
+        Weights { scene, emission, textures: Textures::new(scene, drawing), sums, lit: vec![] }
+    }
+
+    pub(super) fn new_line(&mut self, row: u32) {
+        self.textures.new_line(row);
+    }
+
+    /// Adds all that a pixel sees; its pieces have been sorted if there are textures.
+    pub(super) fn gather(&mut self, pixel: &mut Pixel) {
+        for index in 0..pixel.entries.len() {
+            let entry = pixel.entries[index];
+            if !entry.front {
+                continue;
+            }
+            self.lit.clear();
+            self.lit.extend((0..pixel.lights()).map(|light| pixel.lit_part(&entry, light)));
+            let fragment = Fragment { facet: entry.facet, shown: entry.shown, lit: &self.lit };
+            let material = self.scene.body.mesh.material[entry.facet as usize].0 as usize;
+            let texture = self.textures.look(pixel, index, material);
+            let sums = &mut self.sums;
+            self.emission.send(&fragment, texture.as_ref(), |row, weight| sums.add(row, weight));
+        }
+    }
+
+    /// Adds a part of an entry of this area, pixels, and what of it each source lights.
+    pub(super) fn add(&mut self, entry: &Entry, area: f64, lit: &[Part]) {
+        let fragment = Fragment { facet: entry.facet, shown: Part { area, ..entry.shown }, lit };
+        let sums = &mut self.sums;
+        self.emission.send(&fragment, None, |row, weight| sums.add(row, weight));
+    }
+
+    /// Ends a pixel: its weights go into the line.
+    pub(super) fn end(&mut self, line: &mut WeightLine) {
+        line.row_start.push(line.row.len());
+        self.sums.drain(|row, weight| {
+            line.row.push(row);
+            line.weight.push(weight);
+        });
+    }
+}
+
+/// Sums of a pixel, by row.
+struct Sums {
+    value: Vec<f64>,
+    used: Vec<u32>,
+}
+
+impl Sums {
+    #[inline]
+    fn add(&mut self, row: u32, weight: f64) {
+        let value = &mut self.value[row as usize];
+        if *value == 0.0 {
+            self.used.push(row);
+        }
+        *value += weight;
+    }
+
+    /// Hands out the weights by ascending row, and forgets them.
+    fn drain(&mut self, mut put: impl FnMut(u32, f64)) {
+        self.used.sort_unstable();
+        self.used.dedup();
+        for row in self.used.drain(..) {
+            let weight = std::mem::take(&mut self.value[row as usize]);
+            if weight != 0.0 {
+                put(row, weight);
+            }
+        }
+    }
+}
+
+/// The cube of all lines.
+pub(super) fn cube(scene: &Scene, emission: &Emission, lines: Vec<WeightLine>) -> Cube {
+    let camera = &scene.exposure.camera;
+    let entries = lines.iter().map(|l| l.row.len()).sum();
+    let mut cube = Cube {
+        samples: camera.samples as usize,
+        lines: camera.lines as usize,
+        bands: scene.exposure.bands.clone(),
+        row_start: Vec::with_capacity(camera.samples as usize * camera.lines as usize + 1),
+        row: Vec::with_capacity(entries),
+        weight: Vec::with_capacity(entries),
+        spectra: emission.spectra(),
+        first_thermal_row: emission.first_thermal_row() as u32,
+        added: vec![],
+    };
+    for line in lines {
+        let base = cube.row.len();
+        cube.row_start.extend(line.row_start.iter().map(|s| base + s));
+        cube.row.extend(line.row);
+        cube.weight.extend(line.weight);
+    }
+    cube.row_start.push(cube.row.len());
+    cube
+}

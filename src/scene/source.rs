@@ -1,0 +1,96 @@
+//! What lights a body, as one list: the Sun first, then Mars if there is one, then further beams.
+
+use glam::DVec3;
+
+use super::{Beam, Mars, Sky};
+use crate::geometry::Direction;
+use crate::spectral::Spectrum;
+
+/// From where a source's light comes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Field {
+    /// From infinity: in this direction everywhere.
+    Afar(Direction),
+    /// From a point, or the centre of a body near at hand, local, m.
+    Near(DVec3),
+}
+
+impl Field {
+    /// Towards the source from a point, local, m; of any length.
+    pub fn towards(&self, p_m: DVec3) -> DVec3 {
+        match self {
+            Field::Afar(direction) => direction.vec(),
+            Field::Near(centre_m) => *centre_m - p_m,
+        }
+    }
+
+    /// Towards the source from the origin; `None` if it is there.
+    pub fn direction(&self) -> Option<Direction> {
+        match self {
+            Field::Afar(direction) => Some(*direction),
+            Field::Near(centre_m) => Direction::new(*centre_m),
+        }
+    }
+}
+
+/// The spectrum that a source's light has, before it meets the surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Incoming<'a> {
+    /// Sunlight.
+    Sunlight,
+    /// Sunlight that something of this reflectance sends on.
+    Reflected(&'a Spectrum),
+    /// Its own irradiance on a plane normal to the beam, W m-2 um-1.
+    Own(&'a Spectrum),
+}
+
+/// What a source is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Kind<'a> {
+    /// A point at infinity, which casts shadows; its total irradiance normal to the beam, W m-2.
+    Beam(f64),
+    /// A sphere near at hand, lit by the Sun; a facet's own horizon cuts it, other terrain does not.
+    Sphere(&'a Mars),
+}
+
+/// A source of light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Source<'a> {
+    /// What it is called.
+    pub name: &'a str,
+    /// From where its light comes.
+    pub field: Field,
+    /// The spectrum of its light.
+    pub incoming: Incoming<'a>,
+    /// What it is.
+    pub kind: Kind<'a>,
+}
+
+impl Sky {
+    /// Names of the Sun and of Mars in the list; no beam has one of them.
+    pub const NAMES: [&'static str; 2] = ["sun", "mars"];
+
+    /// All sources; the Sun is the first.
+    pub fn sources<'s>(&'s self) -> Vec<Source<'s>> {
+        let [sun, mars] = Sky::NAMES;
+        let sun = Source {
+            name: sun,
+            field: Field::Afar(self.sun.direction),
+            incoming: Incoming::Sunlight,
+            kind: Kind::Beam(self.sun.total_irradiance_w_m2()),
+        };
+        let mars = self.mars.as_ref().map(|sphere| Source {
+            name: mars,
+            field: Field::Near(sphere.centre_m),
+            incoming: Incoming::Reflected(&sphere.reflectance),
+            kind: Kind::Sphere(sphere),
+        });
+        let of_beam = |beam: &'s Beam| Source {
+            name: &beam.name,
+            field: Field::Afar(beam.direction),
+            incoming: Incoming::Own(&beam.irradiance),
+            kind: Kind::Beam(beam.total_irradiance_w_m2),
+        };
+        [sun].into_iter().chain(mars).chain(self.beams.iter().map(of_beam)).collect()
+    }
+}

@@ -1,0 +1,96 @@
+//! Thermal emission: a row for each material at each temperature of a grid, or of few bands one for each.
+
+use super::at;
+use super::light::Fragment;
+use super::temperature_grid::{POINTS, TemperatureGrid};
+use crate::physics::blackbody;
+use crate::product::FacetTable;
+use crate::scene::Scene;
+use crate::spectral::Band;
+
+#[derive(Debug)]
+pub(super) struct Heat<'a> {
+    grid: TemperatureGrid,
+    /// Of each facet where the Sun sees it, and in its shadow, K.
+    lit_k: &'a [f64],
+    shaded_k: &'a [f64],
+    bands: usize,
+    /// Thermal radiance of [material, temperature, band], W m-2 sr-1 um-1.
+    radiance: Vec<f64>,
+}
+
+/// Whether so few bands take a row each: fewer weights than temperatures would need.
+pub(super) fn has_row_per_band(bands: usize) -> bool {
+    bands <= POINTS
+}
+
+impl<'a> Heat<'a> {
+    /// `None` if nothing is warm. `quadrature` gives wavelengths, um, and weights of a band.
+    pub(super) fn new(
+        scene: &Scene,
+        table: &'a FacetTable,
+        quadrature: impl Fn(&Band) -> Vec<(f64, f64)>,
+    ) -> Option<Self> {
+        let FacetTable { temperature_lit_k: lit_k, temperature_shaded_k: shaded_k, .. } = table;
+        let grid = TemperatureGrid::new(lit_k.iter().chain(shaded_k).copied());
+        if grid.len() == 0 {
+            return None;
+        }
+        let (bands, materials) = (&scene.exposure.bands, &scene.body.materials);
+        let temperatures_k: Vec<f64> = grid.temperatures_k().collect();
+        let mut radiance = vec![0.0; materials.len() * temperatures_k.len() * bands.len()];
+        for (b, band) in bands.iter().enumerate().filter(|(_, band)| band.light.glows()) {
+            for (um, weight) in quadrature(band) {
+                let black: Vec<f64> = temperatures_k.iter().map(|t| blackbody::radiance_w_m2_sr_um(um, *t)).collect();
+                for (m, material) in materials.iter().enumerate() {
+                    let emissivity = at(&material.emissivity, um);
+                    for (k, black) in black.iter().enumerate() {
+                        radiance[(m * temperatures_k.len() + k) * bands.len() + b] += weight * emissivity * black;
+                    }
+                }
+            }
+        }
+        Some(Heat { grid, lit_k, shaded_k, bands: bands.len(), radiance })
+    }
+
+    /// Number of rows: bands, or [material, temperature].
+    pub(super) fn rows(&self) -> usize {
+        if has_row_per_band(self.bands) { self.bands } else { self.radiance.len() / self.bands }
+    }
+
+    /// Writes the rows' spectra, [row, band].
+    pub(super) fn spectra(&self, bands: &[Band], out: &mut [f64]) {
+        if has_row_per_band(self.bands) {
+            (0..bands.len()).filter(|b| bands[*b].light.glows()).for_each(|b| out[b * bands.len() + b] = 1.0);
+        } else {
+            out.copy_from_slice(&self.radiance);
+        }
+    }
+
+    /// The rows' weights for a fragment of a material, of which the Sun sees `lit`, pixels.
+    #[inline]
+    pub(super) fn weights(&self, material: usize, fragment: &Fragment, lit: f64, mut add: impl FnMut(usize, f64)) {
+        let facet = fragment.facet as usize;
+        for (part, temperature_k) in [(lit, self.lit_k), (fragment.shown.area - lit, self.shaded_k)] {
+            if part > 0.0
+                && let Some((at, weights)) = self.grid.weights(temperature_k[facet])
+            {
+                self.interpolate(part, material * self.grid.len() + at, &weights, &mut add);
+            }
+        }
+    }
+
+    /// The emission of a part, between some temperatures of a material of which the first is `first`.
+    fn interpolate(&self, part: f64, first: usize, weights: &[f64; POINTS], add: &mut impl FnMut(usize, f64)) {
+        if has_row_per_band(self.bands) {
+            for band in 0..self.bands {
+                let of_point = |(k, weight): (usize, &f64)| weight * self.radiance[(first + k) * self.bands + band];
+                add(band, part * weights.iter().enumerate().map(of_point).sum::<f64>());
+            }
+        } else {
+            for (k, weight) in weights.iter().enumerate() {
+                add(first + k, part * weight);
+            }
+        }
+    }
+}

@@ -1,0 +1,196 @@
+//! What a facet sends towards an observer: a few weights on spectra that many facets share.
+//!
+//! Radiance = sum over rows of weight x spectrum. Rows belong to families: a material's reflectance under each incoming spectrum, the
+//! same under a texture, and heat. Each knows its rows, their spectra, and its weights for what is seen of a facet.
+
+mod constant;
+mod heat;
+mod light;
+mod temperature_grid;
+
+use crate::product::FacetTable;
+use crate::scene::{Incoming, Scene, Source, Texture};
+use crate::spectral::{Band, Spectrum};
+
+use constant::Constant;
+use heat::Heat;
+use light::Light;
+
+pub use light::{Fragment, Modulation, Part};
+pub use temperature_grid::interpolation_error;
+
+/// What some rows are.
+#[derive(Debug)]
+enum Family<'a> {
+    /// The reflectance of a material that is the same in all directions, plain or under a texture.
+    Constant(Constant<'a>),
+    /// Thermal emission of all materials.
+    Heat(Heat<'a>),
+}
+
+/// Answers what a facet sends towards an observer.
+#[derive(Debug)]
+pub struct Emission<'a> {
+    scene: &'a Scene,
+    lights: Vec<Light<'a>>,
+    /// Each with its first row, ascending.
+    families: Vec<(usize, Family<'a>)>,
+    rows: usize,
+    first_thermal_row: usize,
+    of_material: Vec<OfMaterial>,
+    heat: Option<usize>,
+}
+
+/// The families of a material, by their place in the list.
+#[derive(Debug, Clone, Copy)]
+struct OfMaterial {
+    plain: usize,
+    textured: Option<usize>,
+}
+
+impl<'a> Emission<'a> {
+    /// For the facets of a scene and what was solved for them, which fits the scene.
+    pub fn new(scene: &'a Scene, table: &'a FacetTable) -> Self {
+        let lights = Light::list(&table.sources);
+        let materials = &scene.body.materials;
+        let plain = materials.iter().map(|material| Constant { material, texture: None });
+        let of_texture = |texture: &'a Texture| {
+            let material = &materials[texture.material.0 as usize];
+            Constant { material, texture: Some(texture) }
+        };
+        let reflecting = plain.chain(scene.body.textures.iter().map(of_texture)).map(Family::Constant);
+        let mut of_material: Vec<OfMaterial> =
+            (0..materials.len()).map(|plain| OfMaterial { plain, textured: None }).collect();
+        for (i, texture) in scene.body.textures.iter().enumerate() {
+            of_material[texture.material.0 as usize].textured = Some(materials.len() + i);
+        }
+        let mut emission =
+            Emission { scene, lights, families: vec![], rows: 0, first_thermal_row: 0, of_material, heat: None };
+        reflecting.for_each(|family| emission.push(family));
+        emission.first_thermal_row = emission.rows;
+        if let Some(heat) = Heat::new(scene, table, |band| emission.quadrature(band)) {
+            emission.heat = Some(emission.families.len());
+            emission.push(Family::Heat(heat));
+        }
+        emission
+    }
+
+    fn push(&mut self, family: Family<'a>) {
+        let rows = match &family {
+            Family::Constant(constant) => constant.rows(self.lights.len()),
+            Family::Heat(heat) => heat.rows(),
+        };
+        self.families.push((self.rows, family));
+        self.rows += rows;
+    }
+
+    /// Whether so few bands take a row each for thermal emission.
+    pub(crate) fn has_row_per_band(bands: &[Band]) -> bool {
+        heat::has_row_per_band(bands.len())
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// The first row of what is emitted; those before it are what is reflected.
+    pub fn first_thermal_row(&self) -> usize {
+        self.first_thermal_row
+    }
+
+    /// Adds to `add(row, weight)` what a facet sends towards the observer that sees this fragment of it; weights are those of the pixel's
+    /// mean. `texture` is what the texture of its material is there, if it has one.
+    pub fn send(&self, fragment: &Fragment, texture: Option<&Modulation>, mut add: impl FnMut(u32, f64)) {
+        let material = self.scene.body.mesh.material[fragment.facet as usize].0 as usize;
+        let OfMaterial { plain, textured } = self.of_material[material];
+        let rest = match (texture, textured) {
+            (Some(texture), Some(textured)) => {
+                self.reflect(textured, |light| light.of_texture(fragment, texture), texture, fragment, &mut add);
+                Some(texture)
+            }
+            _ => None,
+        };
+        let amount = |light: &Light| match rest {
+            Some(texture) => light.of(fragment) - light.of_texture(fragment, texture),
+            None => light.of(fragment),
+        };
+        self.reflect(plain, amount, &Modulation::default(), fragment, &mut add);
+        if let (Some(heat), [sun, ..]) = (self.heat, &self.lights[..])
+            && let (first, Family::Heat(heat)) = &self.families[heat]
+        {
+            heat.weights(material, fragment, sun.of(fragment), |row, weight| add((first + row) as u32, weight));
+        }
+    }
+
+    fn reflect(
+        &self,
+        family: usize,
+        amount: impl Fn(&Light) -> f64,
+        texture: &Modulation,
+        fragment: &Fragment,
+        add: &mut impl FnMut(u32, f64),
+    ) {
+        if let (first, Family::Constant(constant)) = &self.families[family] {
+            constant.weights(fragment.facet, &self.lights, amount, texture, |row, weight| {
+                add((first + row) as u32, weight)
+            });
+        }
+    }
+
+    /// The spectra of the rows, [row, band], W m-2 sr-1 um-1 for a weight of 1.
+    pub fn spectra(&self) -> Vec<f64> {
+        let bands = &self.scene.exposure.bands;
+        let mut spectra = vec![0.0; self.rows * bands.len()];
+        let sources = self.scene.sky.sources();
+        for (b, band) in bands.iter().enumerate().filter(|(_, band)| band.light.is_lit()) {
+            for (um, weight) in self.quadrature(band) {
+                let incoming: Vec<[f64; 2]> = sources.iter().map(|source| self.incoming(source, um)).collect();
+                for (first, family) in &self.families {
+                    if let Family::Constant(constant) = family {
+                        let add = |row: usize, value: f64| spectra[(first + row) * bands.len() + b] += value;
+                        constant.spectra(um, weight, &incoming, add);
+                    }
+                }
+            }
+        }
+        if let Some((first, Family::Heat(heat))) = self.heat.map(|heat| &self.families[heat]) {
+            heat.spectra(bands, &mut spectra[first * bands.len()..]);
+        }
+        spectra
+    }
+
+    /// Irradiance normal to a source's beam, W m-2 um-1, as a product: of a light, and of what becomes of it on the way.
+    fn incoming(&self, source: &Source, um: f64) -> [f64; 2] {
+        let sunlight = || self.scene.sky.sun.irradiance_w_m2_um(um).unwrap_or(f64::NAN);
+        match source.incoming {
+            Incoming::Sunlight => [sunlight(), 1.0],
+            Incoming::Reflected(reflectance) => [sunlight(), at(reflectance, um)],
+            Incoming::Own(irradiance) => [at(irradiance, um), 1.0],
+        }
+    }
+
+    /// Wavelengths and weights of a band, which ends where the spectra do.
+    fn quadrature(&self, band: &Band) -> Vec<(f64, f64)> {
+        let known_um = self.scene.known_um(band.light);
+        band.quadrature(&self.knots_um(band.support_within_um(known_um)), known_um)
+    }
+
+    /// Where the spectra that meet in a band have corners, um, ascending.
+    fn knots_um(&self, (lo, hi): (f64, f64)) -> Vec<f64> {
+        let body = &self.scene.body;
+        let materials = body.materials.iter().flat_map(|m| [&m.reflectance, &m.emissivity]);
+        let all = materials.chain(self.scene.sky.spectra());
+        let layers = body.textures.iter().flat_map(|t| &t.wavelength_um);
+        let mut knots: Vec<f64> =
+            all.flat_map(|s| s.wavelength_um()).chain(layers).copied().filter(|um| lo < *um && *um < hi).collect();
+        knots.sort_by(f64::total_cmp);
+        knots.dedup();
+        knots
+    }
+}
+
+/// A spectrum within its coverage, which a scene's check has compared with the bands.
+fn at(spectrum: &Spectrum, um: f64) -> f64 {
+    spectrum.at(um).unwrap_or(f64::NAN)
+}
