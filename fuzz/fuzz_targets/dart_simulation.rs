@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 use files::{Folder, told};
 use glam::DVec3;
 use libfuzzer_sys::fuzz_target;
-use mmxrt::formats::{convert, dart, xml};
+use mmxrt::formats::{convert, dart, registry, xml};
 use mmxrt::progress::unwatched;
 
 mod files;
@@ -35,7 +35,7 @@ fuzz_target!(|data: &[u8]| {
         if let Some((simulation, _, _)) = told(dart::read(folder, &options)) {
             taken(folder, &simulation, &options);
         }
-        let options = convert::Options { from: Some(convert::Format::Dart), ..Default::default() };
+        let options = convert::Options { from: registry::named("dart"), ..Default::default() };
         told(convert::check(folder, &options));
     });
 });

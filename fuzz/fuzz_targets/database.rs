@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 use files::told;
 use libfuzzer_sys::fuzz_target;
 use mmxrt::formats::dart::database::{self, Database};
-use mmxrt::formats::{convert, spectra};
+use mmxrt::formats::{convert, registry, spectra};
 use rusqlite::Connection;
 use rusqlite::limits::Limit;
 
@@ -31,7 +31,7 @@ fuzz_target!(|bytes: &[u8]| {
         told(database.rpv(&model.name));
     }
     std::fs::write(&*FILE, bytes).unwrap();
-    told(convert::check(&FILE, &convert::Options { from: Some(convert::Format::Database), ..Default::default() }));
+    told(convert::check(&FILE, &convert::Options { from: registry::named("db"), ..Default::default() }));
     if let Some((libraries, _)) = all {
         told(database::append(&FILE, &libraries[..libraries.len().min(1)]));
         let _ = spectra::resample(&libraries, &[]);

@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 
 use files::told;
 use libfuzzer_sys::fuzz_target;
-use mmxrt::formats::{radiance_map, raster};
+use mmxrt::formats::{radiance_map, registry};
 use mmxrt::progress::unwatched;
 use mmxrt::scene::Scene;
 
@@ -42,7 +42,7 @@ fuzz_target!(|data: &[u8]| {
     let folder = files::scratch("raster");
     std::fs::write(folder.join(text), first).unwrap();
     std::fs::write(folder.join(bytes), second).unwrap();
-    if let Some(mut raster) = told(raster::open(&folder.join(file))) {
+    if let Some(mut raster) = told(registry::image(&folder.join(file))) {
         if raster.pixels() < 1 << 16 {
             let (mut values, last) = (Vec::new(), raster.bands.len() - 1);
             for band in [0, last] {

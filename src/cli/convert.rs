@@ -3,8 +3,10 @@
 use std::path::PathBuf;
 
 use mmxrt::Result;
-use mmxrt::formats::convert::{self, Content, Conversion, Finding, Format, NamedPose, Options, Severity, Up};
+use mmxrt::formats::convert::{self, Content, Conversion, Finding, NamedPose, Options, Severity};
+use mmxrt::formats::mesh_file::Up;
 use mmxrt::formats::raster::DataType;
+use mmxrt::formats::{Format, registry};
 use mmxrt::report::{Note, Report};
 use mmxrt::spectral::Band;
 use serde_json::{Value, json};
@@ -31,10 +33,10 @@ pub(crate) struct Arguments {
     diff: bool,
     /// Format of the input
     #[arg(long, value_name = "FORMAT", value_parser = format)]
-    from: Option<Format>,
+    from: Option<&'static Format>,
     /// Format of the output
     #[arg(long, value_name = "FORMAT", value_parser = format)]
-    to: Option<Format>,
+    to: Option<&'static Format>,
     /// Version of DART to write for
     #[arg(long, value_name = "VERSION", value_parser = ["5.7.4", "5.11.0"], default_value = "5.7.4")]
     dart_version: String,
@@ -94,9 +96,9 @@ pub(crate) struct Arguments {
     append: bool,
 }
 
-fn format(name: &str) -> std::result::Result<Format, String> {
-    let names: Vec<&str> = Format::ALL.iter().map(|format| format.about().name).collect();
-    Format::named(name).ok_or_else(|| format!("formats are {}", names.join(", ")))
+fn format(name: &str) -> std::result::Result<&'static Format, String> {
+    let names: Vec<&str> = registry::ALL.iter().map(|format| format.name).collect();
+    registry::named(name).ok_or_else(|| format!("formats are {}", names.join(", ")))
 }
 
 fn up(name: &str) -> std::result::Result<Up, String> {
@@ -225,7 +227,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
 
 fn text(conversion: &Conversion, path: &str) -> String {
     let notes: String = conversion.report.notes.iter().map(|note| format!("{note}\n")).collect();
-    let (from, to) = (conversion.from.about().name, conversion.to.about().name);
+    let (from, to) = (conversion.from.name, conversion.to.name);
     let size = &conversion.size;
     if conversion.written {
         format!("{notes}{path}: {size}, {from} to {to}")
@@ -238,8 +240,8 @@ fn json(conversion: &Conversion, path: &str) -> Value {
     json!({
         "output": path,
         "written": conversion.written,
-        "from": conversion.from.about().name,
-        "to": conversion.to.about().name,
+        "from": conversion.from.name,
+        "to": conversion.to.name,
         "size": conversion.size,
         "notes": notes(&conversion.report),
     })
@@ -256,17 +258,16 @@ fn notes(report: &Report) -> Vec<Value> {
 }
 
 fn list_formats(console: &Console) -> Result<Outcome> {
-    let all = Format::ALL.map(Format::about);
-    let row = |about: &convert::About| {
-        let endings: Vec<String> = about.extensions.iter().map(|e| format!(".{e}")).collect();
-        let writes = if about.writes.is_empty() { "nothing" } else { about.writes };
-        format!("{:10} {:6} reads {}; writes {writes}\n", about.name, endings.join(" "), about.reads)
+    let row = |format: &&Format| {
+        let endings: Vec<String> = format.extensions.iter().map(|e| format!(".{e}")).collect();
+        let writes = if format.writes.is_empty() { "nothing" } else { format.writes };
+        format!("{:10} {:6} reads {}; writes {writes}\n", format.name, endings.join(" "), format.reads)
     };
-    let shown: Vec<Value> = all
+    let shown: Vec<Value> = registry::ALL
         .iter()
         .map(|a| json!({ "name": a.name, "extensions": a.extensions, "reads": a.reads, "writes": a.writes }))
         .collect();
-    console.result(&all.iter().map(row).collect::<String>(), &json!({ "formats": shown }))?;
+    console.result(&registry::ALL.iter().map(row).collect::<String>(), &json!({ "formats": shown }))?;
     Ok(Outcome::Done)
 }
 

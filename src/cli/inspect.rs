@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
-use mmxrt::formats::convert::{self, Content, Format};
+use mmxrt::formats::Format;
+use mmxrt::formats::convert::{self, Content};
 use mmxrt::formats::dart::output;
 use mmxrt::formats::folder::Staged;
 use mmxrt::formats::located::Document;
@@ -11,7 +12,9 @@ use mmxrt::formats::mtl::{self, ObjMaterial};
 use mmxrt::formats::raster::{self, Raster};
 use mmxrt::formats::report_json::{self, Report, Run};
 use mmxrt::formats::spectrum_csv::{self, Quantity};
-use mmxrt::formats::{envi, exr_cube, gltf, npz, obj, pixel, quicklook, radiance_map, recipe_toml, spectrum_svg};
+use mmxrt::formats::{
+    envi, exr_cube, gltf, npz, obj, pixel, quicklook, radiance_map, recipe_toml, registry, spectrum_svg,
+};
 use mmxrt::progress::tell;
 use mmxrt::spectral::{Extend, solar_e490};
 use mmxrt::{Error, Location, Problem, Result};
@@ -68,17 +71,17 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     // Of a product, the cube is the image.
     let cube = path.join("cube.img");
     let path = if arguments.picture.is_some() && cube.is_file() { &cube } else { path };
-    let found = match path.is_file().then(|| Format::of_input(path)) {
+    let found = match path.is_file().then(|| registry::of_input(path)) {
         Some(Err(e @ Error::Unsupported { .. })) => return Err(e),
-        found => found.and_then(|found| found.ok()),
+        found => found.and_then(|found| Some(found.ok()?.0)),
     };
     let facts = match found {
-        Some((format, _)) if format.is_raster() => image(path, format, arguments, console)?,
+        Some(format) if format.is_image() => image(path, format, arguments, console)?,
         _ if arguments.picture.is_some() => {
             return Err(Error::invalid(Location::file(path), "is no image, of which a picture could be made"));
         }
         _ if is_scene(path)? => return super::dry_run::run(path, console),
-        _ => inspect(path, console)?,
+        _ => inspect(path, found, console)?,
     };
     let text = facts.iter().map(|(name, value)| line(name, value)).collect::<String>();
     let json: serde_json::Map<String, Value> =
@@ -182,28 +185,27 @@ fn line(name: &str, value: &Value) -> String {
     }
 }
 
-fn inspect(path: &Path, console: &Console) -> Result<Facts> {
+fn inspect(path: &Path, format: Option<&Format>, console: &Console) -> Result<Facts> {
     if path.is_dir() {
-        let is_convertible = !path.join("report.json").is_file() && Format::of_input(path).is_ok();
+        let is_convertible = !path.join("report.json").is_file() && registry::of_input(path).is_ok();
         return if is_convertible { converted(path, console) } else { folder(path) };
     }
     let extension = extension(path);
-    match extension.as_str() {
-        "json" => report(path),
-        "obj" => mesh(path),
-        "gltf" | "glb" => surface(path),
-        "toml" => toml(path),
-        "csv" | "tab" | "asc" | "tsv" | "dat" => spectrum(path, console),
-        "txt" if Format::of_input(path).is_ok_and(|(format, _)| format == Format::Csv) => spectrum(path, console),
-        "db" | "hdr" | "sli" | "txt" => converted(path, console),
-        "mtl" => Ok(vec![("kind", json!("MTL materials")), ("materials", materials(&mtl::read(path)?.0.materials))]),
+    match (extension.as_str(), format.map(|format| format.name)) {
+        ("json", _) => report(path),
+        ("mtl", _) => {
+            Ok(vec![("kind", json!("MTL materials")), ("materials", materials(&mtl::read(path)?.0.materials))])
+        }
+        ("toml", _) => toml(path),
+        (_, Some("obj")) => mesh(path),
+        (_, Some("gltf" | "glb")) => surface(path),
+        (_, Some("csv")) => spectrum(path, console),
+        (_, Some(_)) => converted(path, console),
         _ if path.is_file() => {
-            let problem = Problem::new(Location::file(path), format!("no format of ours ends in {extension:?}"))
-                .with_help(
-                    "these do: hdr, img, mpr, npy, npz, exr, png, jpg, json, toml, csv, obj, mtl, gltf, glb, db, sli, txt; or name a \
-                     folder of a product or a DART simulation",
-                );
-            Err(Error::Invalid(vec![problem]))
+            let message = format!("no format of ours ends in {extension:?}");
+            let endings = registry::endings(|_| true).join(", ");
+            let help = format!("these do: {endings}, json, mtl; or name a folder of a product or a DART simulation");
+            Err(Error::Invalid(vec![Problem::new(Location::file(path), message).with_help(help)]))
         }
         _ => Err(match path.metadata() {
             Ok(_) => {
@@ -253,7 +255,7 @@ fn converted(path: &Path, console: &Console) -> Result<Facts> {
         Content::Raster(_) => vec![],
     };
     Ok(vec![
-        ("kind", json!(format.about().name)),
+        ("kind", json!(format.name)),
         ("size", json!(content.size())),
         ("materials", names.into()),
         ("passed_over", report.notes.iter().map(|note| json!(note.to_string())).collect()),
@@ -455,42 +457,39 @@ fn arrays(path: &Path) -> Result<Facts> {
 }
 
 /// What an image holds, band by band, and on request a picture of it.
-fn image(path: &Path, format: Format, arguments: &Arguments, console: &Console) -> Result<Facts> {
+fn image(path: &Path, format: &Format, arguments: &Arguments, console: &Console) -> Result<Facts> {
     if let Some(picture) =
         arguments.picture.as_ref().filter(|p| p.extension().is_some_and(|e| !e.eq_ignore_ascii_case("png")))
     {
         let message = "a picture of an image is written as PNG: give it a name that ends in .png";
         return Err(Error::invalid(Location::file(picture), message));
     }
-    let mut facts = match format {
-        Format::Envi => {
+    let mut facts = match format.name {
+        "envi" => {
             let header = envi::read_header(&envi::pair(path)?.0)?;
             vec![
-                ("kind", json!("ENVI image")),
+                ("kind", json!(format.kind())),
                 ("description", json!(header.field("description").unwrap_or(""))),
                 ("interleave", json!(header.interleave.name())),
             ]
         }
-        Format::Exr => {
+        "exr" => {
             let attributes = exr_cube::read_info(path)?.attributes;
             let attributes = attributes.iter().map(|(name, text)| json!({ "name": name, "text": text }));
-            vec![("kind", json!("OpenEXR image")), ("attributes", attributes.collect())]
+            vec![("kind", json!(format.kind())), ("attributes", attributes.collect())]
         }
-        Format::Npz => {
+        "npz" => {
             let facts = arrays(path)?;
             let is_ours = facts.iter().any(|(name, _)| *name == "scene");
             // Tables and footprints are no images; of other arrays it is not said which is one.
-            if arguments.picture.is_none() && (is_ours || raster::open(path).is_err()) {
+            if arguments.picture.is_none() && (is_ours || registry::image(path).is_err()) {
                 return Ok(facts);
             }
             facts
         }
-        Format::Ilwis => vec![("kind", json!("ILWIS map"))],
-        Format::Npy => vec![("kind", json!("NumPy array"))],
-        Format::Png | Format::Jpeg => vec![("kind", json!("picture"))],
-        _ => vec![("kind", json!("CSV of numbers"))],
+        _ => vec![("kind", json!(format.kind()))],
     };
-    let mut raster = raster::open(path)?;
+    let mut raster = registry::image(path)?;
     let shown: Vec<usize> = match (&arguments.picture, arguments.band.is_empty()) {
         (None, _) => Vec::new(),
         (Some(_), true) => raster.colour_bands(),

@@ -1,4 +1,4 @@
-//! A mesh with names and colours of its materials: what OBJ and glTF hold of a scene, and how one becomes the other.
+//! How a mesh with names and colours of its materials becomes a scene, and a scene such a mesh.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::path::Path;
 use glam::{DMat3, DVec3};
 
 use crate::error::{Error, Location, Result};
-use crate::geometry::{Direction, MaterialId, Mesh, Pose, body_from_site, signed_solid_angle_sr};
+use crate::geometry::{Direction, Mesh, Pose, body_from_site, signed_solid_angle_sr};
 use crate::physics::reflectance::kirchhoff_emissivity;
 use crate::physics::srgb::hex_from_linear;
 use crate::report::{Fate, Report};
@@ -14,27 +14,9 @@ use crate::scene::{Exposure, FrameCamera, Material, Models, Parts, Photometry, S
 use crate::spectral::{Band, Spectrum, solar_e490};
 use crate::units::{AU_M, TSI_1AU_W_M2};
 
+use super::mesh_file::{ColouredMesh, Up};
 use super::mtl::{self, ObjMaterial};
-use super::obj::ObjFile;
 use super::scene_toml::{EMISSIVITY_BOLOMETRIC, SENSOR_NAME};
-
-/// More vertices, or more facets, are refused.
-pub(super) const MOST: usize = 1 << 27;
-/// Normals of a face's corners that differ by more make it look round.
-pub(super) const FLAT: f64 = 1e-3;
-
-/// A mesh and what its materials are called.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ColouredMesh {
-    /// The mesh, m, z up, local to the origin if there is one.
-    pub mesh: Mesh,
-    /// Its materials: names and linear colours.
-    pub materials: Vec<ObjMaterial>,
-    /// Origin of the mesh's coordinates in the body-fixed frame, m, if the file says it.
-    pub origin_m: Option<DVec3>,
-    /// Towards the Sun, axes of the mesh, if the file says it.
-    pub sun: Option<Direction>,
-}
 
 /// What its user knows of a mesh that its file does not say.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -51,15 +33,6 @@ pub struct Placing {
     pub flip: bool,
 }
 
-/// The axis of a file that points up.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Up {
-    /// z up.
-    Z,
-    /// y up, z towards the viewer.
-    Y,
-}
-
 /// How coordinates stand on the body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NamedPose {
@@ -67,20 +40,6 @@ pub enum NamedPose {
     Body,
     /// x east, y north, z along the outward radius at the origin.
     Radial,
-}
-
-impl From<ObjFile> for ColouredMesh {
-    /// As the file has it: metres, z up.
-    fn from(obj: ObjFile) -> Self {
-        let mesh = Mesh {
-            vertices_m: obj.vertices,
-            facets: obj.facets,
-            material: obj.facet_material.into_iter().map(MaterialId).collect(),
-            face_of_facet: obj.face_of_facet,
-            uv: obj.uv,
-        };
-        ColouredMesh { mesh, materials: obj.materials, origin_m: None, sun: None }
-    }
 }
 
 /// A surface of which nothing is known: about that of regolith, so that a first image is neither black nor white.

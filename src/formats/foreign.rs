@@ -2,15 +2,12 @@
 
 use std::path::Path;
 
-use crate::error::{Error, Location, Problem};
-
-/// How JPEG files begin.
-pub(super) const JPEG: &[u8] = &[0xff, 0xd8, 0xff];
+use crate::error::{Error, Location};
 
 /// What a file is, if it is of one of them.
 ///
 /// Sources: the magic numbers in the formats' own specifications.
-fn named(beginning: &[u8]) -> Option<&'static str> {
+pub(super) fn named(beginning: &[u8]) -> Option<&'static str> {
     let is = |bytes: &[u8]| beginning.starts_with(bytes);
     let at = |offset: usize, bytes: &[u8]| beginning.get(offset..).is_some_and(|rest| rest.starts_with(bytes));
     // Labels are text.
@@ -82,90 +79,9 @@ pub(super) fn refused(path: &Path, beginning: &[u8]) -> Option<Error> {
     Some(Error::Unsupported { at: Location::file(path), feature: format!("{name} ({line} makes a file that is read)") })
 }
 
-/// What else a file may be that begins so, of what is read and of what nobody takes for an image.
-fn known(beginning: &[u8]) -> Option<&'static str> {
-    let begins: [(&[u8], &str); 11] = [
-        (b"\x89PNG", "PNG"),
-        (JPEG, "JPEG"),
-        (&[0x76, 0x2f, 0x31, 0x01], "OpenEXR"),
-        (b"\x93NUMPY", "NumPy"),
-        (b"PK\x03\x04", "a Zip archive, as .npz, .xlsx and .ods are"),
-        (b"\x1f\x8b", "compressed by gzip"),
-        (b"%PDF", "PDF"),
-        (b"SQLite format 3\0", "an SQLite database"),
-        (b"glTF", "glTF"),
-        (&[0xff, 0xfe], "text in UTF-16"),
-        (&[0xfe, 0xff], "text in UTF-16"),
-    ];
-    begins.iter().find(|(bytes, _)| beginning.starts_with(bytes)).map(|(_, name)| *name).or_else(|| named(beginning))
-}
-
-/// Whether a beginning tells what a file is.
-pub(super) fn is_known(beginning: &[u8]) -> bool {
-    known(beginning).is_some()
-}
-
-/// How names of images end that begin with a mark.
-const IMAGES: [&str; 18] = [
-    "png", "jpg", "jpeg", "exr", "npy", "npz", "tif", "tiff", "gif", "bmp", "webp", "jp2", "hdf", "h5", "nc", "fits",
-    "fit", "heic",
-];
-
-/// Whether names of images end so that begin with a mark.
-pub(super) fn is_an_image(extension: &str) -> bool {
-    IMAGES.contains(&extension)
-}
-
-/// Whether a file begins as those do whose names end so.
-pub(super) fn is_begun(beginning: &[u8], extension: &str) -> bool {
-    let bytes: &[u8] = match extension {
-        "png" => b"\x89PNG",
-        "jpg" | "jpeg" => JPEG,
-        "exr" => &[0x76, 0x2f, 0x31, 0x01],
-        "npy" => b"\x93NUMPY",
-        "npz" => b"PK",
-        _ => return true,
-    };
-    // Of a file that ends early, its reader says so.
-    !beginning.is_empty() && bytes.starts_with(&beginning[..beginning.len().min(bytes.len())])
-}
-
-/// That a file is none of what its name says: what it is instead, or how it begins.
-pub(super) fn not_what_it_is_called(path: &Path, beginning: &[u8]) -> Error {
-    let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    let message = match (beginning, known(beginning)) {
-        ([], _) => "is empty".to_owned(),
-        (_, Some(name)) => format!("is {name}, and no image"),
-        (_, None) => {
-            let first: String = beginning.iter().take(8).flat_map(|byte| byte.escape_ascii()).map(char::from).collect();
-            match is_an_image(&ending) {
-                true => {
-                    format!(
-                        "begins with \"{first}\", as no whole .{ending} file does: damaged, or something else by that name"
-                    )
-                }
-                false => format!(
-                    "begins with \"{first}\", as no image does that is read; as numbers of ENVI, its header is not beside it"
-                ),
-            }
-        }
-    };
-    let problem = Problem::new(Location::file(path), message);
-    Error::Invalid(vec![match is_an_image(&ending) || known(beginning).is_some() {
-        true => problem,
-        false => problem.with_help("a header of ENVI has the data file's name with .hdr"),
-    }])
-}
-
-/// Bytes that are no text, in words.
-pub(super) fn not_text(beginning: &[u8]) -> String {
-    match known(beginning) {
-        Some("text in UTF-16") => "damaged text in UTF-16: save the file as UTF-8".into(),
-        Some(name) => format!("is {name}, where text is wanted"),
-        None if beginning.contains(&0) => "is no text, which is wanted here".into(),
-        None => "not UTF-8 text: save the file as UTF-8".into(),
-    }
-}
+/// How names of images end that begin with a mark and are not read.
+pub(super) const ENDINGS: [&str; 12] =
+    ["tif", "tiff", "gif", "bmp", "webp", "jp2", "hdf", "h5", "nc", "fits", "fit", "heic"];
 
 #[cfg(test)]
 mod tests {

@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 
-use super::foreign;
+use super::marks;
 use crate::error::{Error, Location, Problem, Result};
 
 use super::staging::folder_of;
@@ -190,7 +190,7 @@ pub fn text(path: &Path, limit: u64) -> Result<(String, InputFile)> {
         Err(e) => {
             let good = String::from_utf8_lossy(&e.as_bytes()[..e.utf8_error().valid_up_to()]);
             let at = Location::span(path, &good, good.len(), good.len());
-            Err(Error::syntax(at, foreign::not_text(&e.as_bytes()[..e.as_bytes().len().min(BEGINNING)])))
+            Err(Error::syntax(at, marks::not_text(&e.as_bytes()[..e.as_bytes().len().min(BEGINNING)])))
         }
     }
 }

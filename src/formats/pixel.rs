@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::error::{Error, Location, Problem, Result, number};
 
 use super::number::DataType;
-use super::raster;
+use super::registry;
 
 /// What a product says of one pixel.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,7 +77,7 @@ fn decimal(value: f64) -> f64 {
 }
 
 fn spectrum(path: &Path, sample: usize, line: usize) -> Result<Vec<AtPixel>> {
-    let mut raster = raster::open(path)?;
+    let mut raster = registry::image(path)?;
     if sample >= raster.columns || line >= raster.rows {
         let message = format!(
             "pixel {sample},{line} is beyond its {} samples and {} lines; both are counted from 0",

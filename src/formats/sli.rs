@@ -14,9 +14,21 @@ use crate::spectral::SpectralLibrary;
 use super::dart::kind::{outside, range};
 use super::envi::{self, Header};
 use super::folder::Staged;
+use super::format::{Format, Holds};
 use super::input;
 use super::spectral_table::DELETED_BELOW;
 use super::table::{flat, gathered, parts};
+
+/// An ENVI spectral library, which is often named by its header.
+pub(super) static SLI: Format = Format {
+    name: "sli",
+    extensions: &["sli", "hdr"],
+    reads: "ENVI spectral libraries, with .hdr",
+    writes: "the same",
+    mark: &[],
+    told: None,
+    holds: Holds::Spectra { read, stage, file_of: None },
+};
 
 /// Longer files of numbers are refused, bytes.
 const LIMIT: u64 = 512 << 20;

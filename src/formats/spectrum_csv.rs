@@ -19,11 +19,31 @@ use crate::spectral::{Column, Extend, SpectralLibrary, Spectrum};
 use crate::units::fraction_from_percent;
 
 use super::dart::kind::{Kind, outside, range};
+use super::dart::text_spectra;
 use super::folder::Staged;
+use super::format::{Format, Holds};
 use super::input::{self, InputFile, Problems};
 use super::spectral_heading::{ALBEDO, EMISSIVITY, IRRADIANCE, LOG, REFLECTANCE, Unit, quantities};
 use super::spectral_table::{self, SpectralTable, TableColumn};
-use super::table::{Labelled, Places, doubtful_unit, gathered, is_plain, labelled, parts, place};
+use super::table::{self, Labelled, Places, doubtful_unit, gathered, is_plain, labelled, parts, place};
+
+/// Tables of spectra, as text: with a header that states units, and as others write them.
+pub(super) static CSV: Format = Format {
+    name: "csv",
+    extensions: &["csv"],
+    reads: "spectra: tables, ECOSTRESS, USGS splib07, RELAB (.txt, .tab, .dat too)",
+    writes: "a table with a header that states units",
+    mark: &[],
+    told: Some(|path, beginning| {
+        let is_other = |text| text_spectra::begins(path, text);
+        table::beginning(path, beginning).filter(|text| !is_other(text)).map(|_| path.to_owned())
+    }),
+    holds: Holds::Spectra {
+        read: |path| read_all(path, None),
+        stage,
+        file_of: Some(|material| format!("{material}.csv")),
+    },
+};
 
 /// What a table must hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

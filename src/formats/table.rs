@@ -6,8 +6,22 @@ use crate::error::{Error, Location, Problem, Result, number};
 use crate::spectral::{Column, SpectralLibrary};
 
 use super::dart::kind::{is_known, outside, range, same};
+use super::format::ending;
 use super::input::Problems;
 use super::length;
+
+/// Endings of tables of text, besides `.csv`.
+const ENDINGS: [&str; 5] = ["txt", "tab", "dat", "asc", "tsv"];
+
+/// The beginning of a table of text, which may be cut within a character; `None` of what is called otherwise, or is no text.
+pub(super) fn beginning<'a>(path: &Path, bytes: &'a [u8]) -> Option<&'a str> {
+    let text = match std::str::from_utf8(bytes) {
+        Ok(text) => text,
+        Err(e) if e.error_len().is_none() => std::str::from_utf8(&bytes[..e.valid_up_to()]).unwrap_or_default(),
+        Err(_) => return None,
+    };
+    (ENDINGS.contains(&ending(path).as_str()) && !text.contains('\0')).then_some(text)
+}
 
 /// A row of a table in text.
 pub(super) struct Row<'a> {

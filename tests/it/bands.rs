@@ -310,7 +310,7 @@ fn filters_are_called_what_their_table_calls_them() {
         for (name, text) in [("bandNames", "b, v"), ("bandWidths", "0.05 0.025")] {
             assert!(attributes.contains(&(name.to_owned(), text.to_owned())), "{path}: {attributes:?}");
         }
-        let bands = mmxrt::formats::raster::open(&scratch.join(path)).unwrap().bands;
+        let bands = mmxrt::formats::registry::image(&scratch.join(path)).unwrap().bands;
         assert_eq!(bands.iter().map(|b| b.fwhm_um).collect::<Vec<_>>(), [Some(0.05), Some(0.025)]);
     }
 }

@@ -5,13 +5,13 @@ use std::time::Instant;
 
 use mmxrt::Error;
 use mmxrt::formats::dart::database::{self, Database, Kind, model_name};
-use mmxrt::formats::spectra::{self, Format};
+use mmxrt::formats::spectra;
 use mmxrt::report::Fate;
 use mmxrt::spectral::{Column, SpectralLibrary};
 use rusqlite::Connection;
 
 use crate::scratch::Scratch;
-use crate::spectra::{library, paint};
+use crate::spectra::{called, library, paint};
 
 /// Makes a database by SQL.
 fn by_sql(scratch: &Scratch, name: &str, statements: &str) -> PathBuf {
@@ -46,7 +46,7 @@ fn a_database_comes_back_as_it_was() {
     let fluid = library("haze", &[0.3], &["sigma", "albedo", "a", "g1", "g2"].map(|n| (n, &[1.0][..])));
     let sun = library("TOASolar", &[0.3, 0.4], &[("irradiance", &[514.0, 1743.0])]);
     let all = [paint(), hapke(), rpv(), index, fluid, sun];
-    let report = spectra::write(&path, Format::Database, &all, false).unwrap();
+    let report = spectra::write(&path, called("db"), &all, false).unwrap();
     assert!(report.notes.is_empty(), "{report:?}");
     let (back, report) = spectra::read(&path).unwrap();
     assert_eq!(back, all);

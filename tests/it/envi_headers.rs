@@ -1,7 +1,8 @@
 //! ENVI headers as other programs write them.
 
 use mmxrt::formats::envi;
-use mmxrt::formats::raster::{self, Raster};
+use mmxrt::formats::raster::Raster;
+use mmxrt::formats::registry;
 
 use crate::cli::run;
 use crate::scratch::Scratch;
@@ -12,7 +13,7 @@ const HEAD: &str = "samples = 2\nlines = 1\nbands = 2\ndata type = 4\ninterleave
 fn opened(folder: &Scratch, header: impl AsRef<[u8]>) -> Raster {
     folder.write("a.hdr", header);
     let path = folder.write("a.img", [1_f32, 2.0, 3.0, 4.0].map(f32::to_le_bytes).concat());
-    raster::open(&path).unwrap()
+    registry::image(&path).unwrap()
 }
 
 fn with(more: &str) -> String {
@@ -109,11 +110,11 @@ fn headers_are_read_as_they_are_written() {
     // One more byte than belongs there.
     folder.write("b.hdr", with(lists));
     let path = folder.write("b.img", [0; 17]);
-    assert!(notes(&raster::open(&path).unwrap()).contains("has 17 bytes where 0 + 1 rows"));
+    assert!(notes(&registry::image(&path).unwrap()).contains("has 17 bytes where 0 + 1 rows"));
     // Names in capitals.
     folder.write("C.HDR", with(lists));
     let path = folder.write("C.IMG", [0; 16]);
-    assert!(raster::open(&path).is_ok() && raster::open(&folder.join("C.HDR")).is_ok());
+    assert!(registry::image(&path).is_ok() && registry::image(&folder.join("C.HDR")).is_ok());
 }
 
 #[test]
@@ -137,7 +138,7 @@ fn what_is_misspelt_is_asked_about_and_other_headers_are_named() {
     let said = notes(&raster);
     assert!(said.contains("a.hdr:8 wavelengths") && said.contains("did you mean `wavelength`?"), "{said}");
     folder.write("a.hdr", with("").replace("data type", "data_type"));
-    let error = raster::open(&folder.join("a.img")).unwrap_err().to_string();
+    let error = registry::image(&folder.join("a.img")).unwrap_err().to_string();
     assert!(error.contains("data type: is missing (help: is `data_type` meant for it?)"), "{error}");
     // As GDAL writes beside a .bil.
     let path = folder

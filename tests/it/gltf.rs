@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use glam::DVec3;
-use mmxrt::formats::coloured_mesh::ColouredMesh;
-use mmxrt::formats::gltf::{encode, read, told_apart};
+use mmxrt::formats::gltf::{encode, read};
+use mmxrt::formats::mesh_file::ColouredMesh;
 use mmxrt::formats::mtl::ObjMaterial;
+use mmxrt::formats::registry;
 use mmxrt::geometry::{MaterialId, Mesh};
 use mmxrt::report::{Fate, Report};
 use serde_json::{Value, json};
@@ -101,7 +102,10 @@ fn a_quad_stands_upright() {
     binary_json["buffers"] = json!([{ "byteLength": 60 }]);
     let path = folder.put("quad.glb", &glb(&binary_json, &binary));
     assert_eq!(read(&path, false).unwrap().0, surface);
-    assert!(told_apart(&glb(&binary_json, &binary)) && told_apart(json.to_string().as_bytes()));
+    // They are told by what they hold, whatever they are called.
+    let named_x = folder.put("binary.x", &glb(&binary_json, &binary));
+    let text = folder.put("text.x", json.to_string().as_bytes());
+    assert_eq!([named_x, text].map(|path| registry::of_input(&path).unwrap().0.name), ["glb", "gltf"]);
     // A file that many buffers name is read once.
     let mut many = json.clone();
     many["buffers"] = vec![json["buffers"][0].clone(); 1000].into();

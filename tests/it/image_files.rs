@@ -1,6 +1,6 @@
 //! Images of other programs as radiance maps: which channel is which band, where the pixels lie, what the numbers are.
 
-use mmxrt::formats::raster;
+use mmxrt::formats::registry;
 
 use crate::cli::run;
 use crate::scratch::Scratch;
@@ -167,7 +167,7 @@ fn coverage_divides_and_passes_beside_the_image_are_told() {
         ("V.Depth.Z", &[9.0; 4]),
     ];
     let path = folder.write("v.exr", exr(&channels));
-    let mut image = raster::open(&path).unwrap();
+    let mut image = registry::image(&path).unwrap();
     let names: Vec<&str> = image.bands.iter().map(|b| b.name.as_str()).collect();
     assert_eq!(names, ["V.Combined.R", "V.Combined.G", "V.Combined.B", "V.Depth.Z", "V.Combined.A"]);
     image.take_image(None).unwrap();
@@ -192,7 +192,7 @@ fn pixels_outside_of_the_data_window_are_not_known() {
     };
     let map = format!("{HEAD}{PER_UM}bands = {{ centres_um = [1.0] }}\n{ATLAS}");
     let read = |bytes| {
-        let mut image = raster::open(&bench.0.write("w.exr", bytes)).unwrap();
+        let mut image = registry::image(&bench.0.write("w.exr", bytes)).unwrap();
         let mut values = Vec::new();
         image.read(0, &mut values).unwrap();
         let notes: String = image.report.notes.iter().map(|note| note.to_string()).collect();
@@ -208,7 +208,7 @@ fn pixels_outside_of_the_data_window_are_not_known() {
         size == [1, 2] && values[0] == 2.0 && values[1].is_nan() && notes.contains("beyond the display window"),
         "{notes}"
     );
-    assert!(raster::open(&bench.0.write("w.exr", file([4, 0, 5, 1], [0, 0, 3, 3]))).is_err());
+    assert!(registry::image(&bench.0.write("w.exr", file([4, 0, 5, 1], [0, 0, 3, 3]))).is_err());
     // Each texel of a 4 x 4 image is 2 m wide: of a pixel's four, one is known.
     bench.0.write("w.exr", file([1, 1, 2, 2], [0, 0, 3, 3]));
     let (code, said) = bench.try_to("w.exr", &map);
@@ -324,7 +324,7 @@ fn a_plane_from_the_south_names_towards() {
 fn an_openexr_file_is_read_once() {
     let folder = Scratch::new();
     let path = folder.write("a.exr", exr(&[("1nm", &[1.0; 4]), ("2nm", &[2.0; 4]), ("3nm", &[3.0; 4])]));
-    let mut image = raster::open(&path).unwrap();
+    let mut image = registry::image(&path).unwrap();
     let mut values = Vec::new();
     image.read(0, &mut values).unwrap();
     // All bands came with the first.
@@ -375,7 +375,7 @@ fn jpeg_and_the_order_of_a_pictures_bands() {
     assert!((grey[0] - 0.2).abs() < 1e-12 && (grey[1] - 0.8).abs() < 1e-12, "{grey:?}");
     for length in 0..GREY.len() {
         let path = bench.0.write("d.jpg", &GREY[..length]);
-        assert!(raster::open(&path).is_err(), "{length}");
+        assert!(registry::image(&path).is_err(), "{length}");
     }
     let (code, out, _) = run(&["inspect", &bench.0.argument("c.jpg")]);
     assert!(code == 0 && out.contains("grey"), "{out}");
@@ -466,7 +466,7 @@ fn compressed_arrays_are_read_and_say_how_many_bands_they_have() {
     let mut bomb = npz(&[("raster", npy("(2, 2)", &[0.0; 4]))]);
     let at = bomb.windows(4).rposition(|w| w == b"PK\x01\x02").unwrap() + 24;
     bomb[at..at + 4].copy_from_slice(&[0xff, 0xff, 0xff, 0x7f]);
-    assert!(raster::open(&bench.0.write("c.npz", bomb)).is_err());
+    assert!(registry::image(&bench.0.write("c.npz", bomb)).is_err());
 }
 
 #[test]

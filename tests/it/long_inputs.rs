@@ -5,7 +5,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use mmxrt::formats::{envi, gltf, mtl, obj, raster, response_csv, spectrum_csv};
+use mmxrt::formats::{envi, gltf, mtl, obj, registry, response_csv, spectrum_csv};
 
 use crate::scratch::Scratch;
 
@@ -36,7 +36,7 @@ fn a_text_that_stands_where_a_band_has_its_name() {
     let image = scratch.write("a.img", [0; 4]);
     for name in ["500nm.".repeat(100_000) + "500nm", "1.".repeat(1_000_000) + "1nm"] {
         scratch.write("a.hdr", format!("{ENVI}band names = {{{name}}}\n"));
-        let raster = soon(|| raster::open(&image)).unwrap();
+        let raster = soon(|| registry::image(&image)).unwrap();
         assert_eq!((raster.bands[0].name.len(), raster.bands[0].centre_um), (name.len(), None));
     }
 }
@@ -152,7 +152,7 @@ fn tall() -> Vec<u8> {
 fn an_image_of_one_pixel_in_a_tile_as_tall_as_a_mountain() {
     let scratch = Scratch::new();
     let path = scratch.write("a.exr", tall());
-    let mut raster = raster::open(&path).unwrap();
+    let mut raster = registry::image(&path).unwrap();
     assert_eq!((raster.rows, raster.columns, raster.bands.len()), (1, 1, 500));
     let error = soon(|| raster.read(0, &mut Vec::new())).unwrap_err().to_string();
     assert!(error.contains("a.exr"), "{error}");
@@ -165,7 +165,7 @@ fn a_photograph_of_a_few_bytes_holds_no_image_of_gigabytes() {
     // Of the frame's header: a marker, a length of two bytes, a number of bits, then lines and columns.
     let frame = bytes.windows(2).position(|pair| pair == [0xff, 0xc0]).unwrap();
     bytes[frame + 5..frame + 9].copy_from_slice(&[0x3f, 0xff, 0x3f, 0xff]);
-    let error = raster::open(&scratch.write("a.jpg", &bytes)).unwrap_err().to_string();
+    let error = registry::image(&scratch.write("a.jpg", &bytes)).unwrap_err().to_string();
     assert!(error.contains("163 bytes cannot hold 16383 x 16383 pixels"), "{error}");
 }
 
@@ -193,6 +193,6 @@ fn a_million_wavelengths_are_not_a_million_bands() {
     }
     archive.finish().unwrap();
     assert!(std::fs::metadata(&path).unwrap().len() < 10_000);
-    let error = raster::open(&path).unwrap_err().to_string();
+    let error = registry::image(&path).unwrap_err().to_string();
     assert!(error.contains("1000000 bands are more than the 65536 that are read"), "{error}");
 }

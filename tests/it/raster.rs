@@ -4,7 +4,8 @@ use std::io::Write;
 use std::path::Path;
 
 use mmxrt::Error;
-use mmxrt::formats::raster::{self, Raster};
+use mmxrt::formats::raster::Raster;
+use mmxrt::formats::registry;
 
 use crate::scratch::Scratch;
 
@@ -20,7 +21,7 @@ fn bands(raster: &mut Raster) -> Vec<Vec<f64>> {
 }
 
 fn refused(path: &Path) -> String {
-    raster::open(path).map(|_| ()).unwrap_err().to_string()
+    registry::image(path).map(|_| ()).unwrap_err().to_string()
 }
 
 /// 2 rows, 3 columns, 2 bands: the value is 100 band + 10 row + column.
@@ -70,13 +71,13 @@ fn envi_is_read_in_every_order_type_and_byte_order() {
             );
             let numbers: Vec<u8> = [1, 2, 3].into_iter().chain(file.into_iter().flat_map(bytes)).collect();
             let path = folder.write("a.img", numbers);
-            let mut raster = raster::open(&path).unwrap();
+            let mut raster = registry::image(&path).unwrap();
             assert_eq!((raster.rows, raster.columns, raster.bands.len()), (2, 3, 2));
             assert_eq!(bands(&mut raster), values(), "type {code}, byte order {order}, {interleave}");
         }
     }
     // By its header; and bands in any order, twice.
-    let mut raster = raster::open(&folder.join("a.hdr")).unwrap();
+    let mut raster = registry::image(&folder.join("a.hdr")).unwrap();
     let mut one = Vec::new();
     for band in [1, 1, 0] {
         raster.read(band, &mut one).unwrap();
@@ -96,7 +97,7 @@ fn what_an_envi_header_says_of_bands_and_numbers_is_taken() {
                 data gain values = {2, 1}\ndata offset values = {0.5, 0}\nreflectance scale factor = 10\n";
     folder.write("a.hdr", header(more));
     let path = folder.write("a", BIP.map(|v| i16::from(v).to_le_bytes()).concat());
-    let mut raster = raster::open(&path).unwrap();
+    let mut raster = registry::image(&path).unwrap();
     assert_eq!((raster.unit.as_deref(), raster.ignore), (Some("W/m2"), Some(11.0)));
     assert_eq!((raster.bands[0].name.as_str(), raster.bands[1].name.as_str()), ("one", "two"));
     assert_eq!((raster.bands[0].centre_um, raster.bands[0].fwhm_um), (Some(0.95), Some(0.01)));
@@ -112,7 +113,7 @@ fn what_an_envi_header_says_of_bands_and_numbers_is_taken() {
         "ENVI\nsamples = 2\nlines = 1\nbands = 1\ndata type = 4\ndata ignore value = -0.1\nwavelength = {0.9}\n",
     );
     let path = folder.write("b.img", [(-0.1_f32).to_le_bytes(), 1_f32.to_le_bytes()].concat());
-    let mut raster = raster::open(&path).unwrap();
+    let mut raster = registry::image(&path).unwrap();
     assert!(bands(&mut raster)[0][0].is_nan());
     assert_eq!(raster.bands[0].centre_um, Some(0.9));
     assert!(raster.report.notes[0].to_string().contains("wavelength units: not given: taken as micrometres"));
@@ -176,7 +177,7 @@ fn ilwis_is_read_in_every_type_and_its_undefined_is_no_data() {
     // As they stand but for ILWIS' undefined; DART's -1 is a value.
     let reals = [-1.0, 0.5, -1e308, 1.25, f64::NAN, 3.0];
     folder.write("m.mp#", reals.map(f64::to_le_bytes).concat());
-    let mut raster = raster::open(&path).unwrap();
+    let mut raster = registry::image(&path).unwrap();
     assert_eq!((raster.rows, raster.columns, raster.bands.len()), (2, 3, 1));
     let read = bands(&mut raster).remove(0);
     assert_eq!((&read[..2], read[3], read[5]), (&[-1.0, 0.5][..], 1.25, 3.0));
@@ -192,7 +193,7 @@ fn ilwis_is_read_in_every_type_and_its_undefined_is_no_data() {
     ] {
         folder.write("m.mpr", mpr(type_, more));
         let path = folder.write("m.mp#", bytes);
-        let read = bands(&mut raster::open(&path).unwrap()).remove(0);
+        let read = bands(&mut registry::image(&path).unwrap()).remove(0);
         assert!(read[0] == 1.5 && read[1].is_nan() && read[2..] == [0.0; 4], "{type_}: {read:?}");
     }
 }
@@ -238,15 +239,15 @@ fn numpy_arrays_are_read_in_both_orders_and_byte_orders() {
         for (is_fortran, file) in [(false, BIP), (true, fortran)] {
             let numbers: Vec<u8> = file.into_iter().flat_map(bytes).collect();
             let path = folder.write("a.npy", npy(descr, is_fortran, "(2, 3, 2)", &numbers));
-            let mut raster = raster::open(&path).unwrap();
+            let mut raster = registry::image(&path).unwrap();
             assert_eq!((raster.rows, raster.columns, raster.bands.len()), (2, 3, 2));
             assert_eq!(bands(&mut raster), values(), "{descr}, Fortran order {is_fortran}");
         }
     }
     let flat = folder.write("b.npy", npy("|i1", true, "(2, 3)", &[0, 3, 1, 4, 2, 255]));
-    assert_eq!(bands(&mut raster::open(&flat).unwrap()), [[0.0, 1.0, 2.0, 3.0, 4.0, -1.0]]);
+    assert_eq!(bands(&mut registry::image(&flat).unwrap()), [[0.0, 1.0, 2.0, 3.0, 4.0, -1.0]]);
     let list = folder.write("c.npy", npy("|u1", false, "(3,)", &[1, 2, 3]));
-    let mut list = raster::open(&list).unwrap();
+    let mut list = registry::image(&list).unwrap();
     assert_eq!((list.rows, list.columns), (1, 3));
     assert_eq!(bands(&mut list), [[1.0, 2.0, 3.0]]);
 }
@@ -274,7 +275,7 @@ fn an_array_that_cannot_be_is_refused() {
         let error = refused(&path);
         assert!(error.contains(message), "{message}: {error}");
     }
-    assert!(matches!(raster::open(&folder.join("none.npy")), Err(Error::Io { .. })));
+    assert!(matches!(registry::image(&folder.join("none.npy")), Err(Error::Io { .. })));
 }
 
 /// A zip file with one stored member for each array.
@@ -304,12 +305,12 @@ fn an_array_of_a_npz_file_is_read_with_its_wavelengths() {
     let unit = npy("<U2", false, "()", &[b'K', 0, 0, 0, 0, 0, 0, 0]);
     let path =
         folder.write("a.npz", npz(&[("arr_0", array()), ("wavelength_um", doubles(&[0.9, 1.5])), ("unit", unit)]));
-    let mut raster = raster::open(&path).unwrap();
+    let mut raster = registry::image(&path).unwrap();
     assert_eq!(bands(&mut raster), values());
     assert_eq!((raster.bands[1].centre_um, raster.unit.as_deref()), (Some(1.5), Some("K")));
 
     let path = folder.write("a.npz", npz(&[("raster", array()), ("mask", doubles(&[1.0]))]));
-    let mut raster = raster::open(&path).unwrap();
+    let mut raster = registry::image(&path).unwrap();
     assert_eq!(bands(&mut raster), values());
     assert!(raster.report.notes[0].to_string().contains("mask: an array beside the raster"));
     for (arrays, message) in [
@@ -389,14 +390,14 @@ fn openexr_is_read_in_every_type_and_in_the_order_of_wavelength() {
     // By text 1000 nm comes before 900,5 nm.
     let channels = [("S0.1000nm", 1, 1), ("S0.900,5nm", 2, 1), ("T.3um", 0, 1)];
     let path = folder.write("a.exr", exr(&channels[..2], [2, 1], &[line(0.25, 0)[..12].to_vec()], Some("K")));
-    let mut raster = raster::open(&path).unwrap();
+    let mut raster = registry::image(&path).unwrap();
     assert_eq!((raster.rows, raster.columns, raster.unit.as_deref()), (1, 2, Some("K")));
     assert_eq!([raster.bands[0].centre_um, raster.bands[1].centre_um], [Some(0.9005), Some(1.0)]);
     assert_eq!(bands(&mut raster), [[0.25, 0.5], [1.5, -2.0]]);
 
     let channels = [("D", 1, 1), ("E", 2, 1), ("F", 0, 1)];
     let path = folder.write("b.exr", exr(&channels, [2, 2], &lines, None));
-    let mut raster = raster::open(&path).unwrap();
+    let mut raster = registry::image(&path).unwrap();
     assert!(raster.bands.iter().all(|b| b.centre_um.is_none()));
     let all = bands(&mut raster);
     assert_eq!((&all[0][..], &all[2][..]), (&[1.5, -2.0, 1.5, -2.0][..], &[3.0, 7.0, 4294967295.0, 7.0][..]));
@@ -413,7 +414,7 @@ fn an_openexr_file_that_cannot_be_is_refused() {
     for length in 0..whole.len() {
         let path = folder.write("a.exr", &whole[..length]);
         // Refused when it is opened, or when it is read: nowhere else, and never without a word.
-        let error = raster::open(&path).and_then(|mut raster| raster.read(0, &mut one)).unwrap_err().to_string();
+        let error = registry::image(&path).and_then(|mut raster| raster.read(0, &mut one)).unwrap_err().to_string();
         assert!(
             error.contains("a.exr: not a complete OpenEXR file")
                 || error.contains("cut short")
@@ -440,7 +441,7 @@ fn an_openexr_file_that_cannot_be_is_refused() {
     let (from, to) = (whole.len() - 48, whole.len() - 24);
     twice.copy_within(from..to, to);
     let path = folder.write("a.exr", twice);
-    let error = raster::open(&path).unwrap().read(0, &mut one).unwrap_err().to_string();
+    let error = registry::image(&path).unwrap().read(0, &mut one).unwrap_err().to_string();
     assert!(error.contains("a.exr: lines are missing"), "{error}");
 }
 
@@ -464,7 +465,7 @@ const GREY2: [u8; 70] = [
 fn pictures_are_shares_of_the_largest_number_and_nothing_where_transparent() {
     let folder = Scratch::new();
     let path = folder.write("a.png", RGBA16);
-    let mut raster = raster::open(&path).unwrap();
+    let mut raster = registry::image(&path).unwrap();
     assert_eq!(raster.bands.iter().map(|b| b.name.as_str()).collect::<Vec<_>>(), ["red", "green", "blue"]);
     let all = bands(&mut raster);
     assert_eq!([all[0][0], all[1][0], all[2][0]], [1.0, 0.2, 0.0]);
@@ -473,11 +474,11 @@ fn pictures_are_shares_of_the_largest_number_and_nothing_where_transparent() {
     raster.take_image(Some(&["blue".into(), "Green".into()])).unwrap();
     assert_eq!(bands(&mut raster).iter().map(|band| band[0]).collect::<Vec<_>>(), [0.0, 0.2]);
     let path = folder.write("b.png", GREY2);
-    assert_eq!(bands(&mut raster::open(&path).unwrap()), [[2.0 / 3.0, 1.0, 0.0, 0.0]]);
+    assert_eq!(bands(&mut registry::image(&path).unwrap()), [[2.0 / 3.0, 1.0, 0.0, 0.0]]);
     let mut one = Vec::new();
     for length in 0..GREY2.len() - 16 {
         let path = folder.write("b.png", &GREY2[..length]);
-        let error = raster::open(&path).and_then(|mut raster| raster.read(0, &mut one)).unwrap_err().to_string();
+        let error = registry::image(&path).and_then(|mut raster| raster.read(0, &mut one)).unwrap_err().to_string();
         let told = if length == 0 { "b.png: is empty" } else { "b.png: not a complete PNG" };
         assert!(error.contains(told), "{length}: {error}");
     }
@@ -493,7 +494,7 @@ fn text_is_read_with_any_separator_and_told_where_it_is_none() {
         " 1  25 nan\n-3 4 nan",
     ] {
         let path = folder.write("a.csv", text);
-        let mut raster = raster::open(&path).unwrap();
+        let mut raster = registry::image(&path).unwrap();
         assert_eq!((raster.rows, raster.columns), (2, 3), "{text:?}");
         let read = bands(&mut raster).remove(0);
         assert_eq!((&read[..2], &read[3..5]), (&[1.0, 25.0][..], &[-3.0, 4.0][..]), "{text:?}");
@@ -522,5 +523,5 @@ fn what_is_no_raster_is_refused_with_what_to_do() {
         let error = refused(&folder.write(name, bytes));
         assert!(error.contains(message), "{name}: {error}");
     }
-    assert!(matches!(raster::open(folder.path()), Err(Error::Io { .. })));
+    assert!(matches!(registry::image(folder.path()), Err(Error::Io { .. })));
 }

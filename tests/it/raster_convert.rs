@@ -1,6 +1,6 @@
 //! Rasters from one format to another: the same numbers, the bytes that other programs expect, and a word for what is lost.
 
-use mmxrt::formats::raster;
+use mmxrt::formats::registry;
 use serde_json::Value;
 
 use crate::cli::run;
@@ -25,7 +25,7 @@ fn converted(folder: &Scratch, from: &str, to: &str, more: &[&str]) -> String {
 }
 
 fn read(folder: &Scratch, name: &str) -> Vec<Vec<f64>> {
-    let mut raster = raster::open(&folder.join(name)).unwrap();
+    let mut raster = registry::image(&folder.join(name)).unwrap();
     let mut all = vec![Vec::new(); raster.bands.len()];
     all.iter_mut().enumerate().for_each(|(band, values)| raster.read(band, values).unwrap());
     all

@@ -3,12 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use mmxrt::formats::dart::text_spectra;
-use mmxrt::formats::spectra::{self, Format};
+use mmxrt::formats::{Format, registry, spectra};
 use mmxrt::formats::{sli, spectrum_csv};
 use mmxrt::report::Fate;
 use mmxrt::spectral::{Band, Column, SpectralLibrary};
 
 use crate::scratch::Scratch;
+
+/// The format of a name.
+pub(crate) fn called(name: &str) -> &'static Format {
+    registry::named(name).unwrap()
+}
 
 /// Spectra of one material.
 pub(crate) fn library(name: &str, wavelength_um: &[f64], columns: &[(&str, &[f64])]) -> SpectralLibrary {
@@ -44,7 +49,7 @@ fn notes(report: &mmxrt::report::Report, fate: Fate) -> Vec<String> {
 fn darts_text_comes_back_as_it_was() {
     let scratch = Scratch::new();
     let path = scratch.path().join(text_spectra::file_name("inner_paint"));
-    let report = spectra::write(&path, Format::DartText, &[paint()], false).unwrap();
+    let report = spectra::write(&path, called("dart-text"), &[paint()], false).unwrap();
     assert!(report.notes.is_empty(), "{report:?}");
     let text = std::fs::read_to_string(&path).unwrap();
     let expected = "# demo spectrum\n# PERCENT\nwavelength;reflectance;direct_transmittance;diffuse_transmittance\n\
@@ -243,7 +248,7 @@ fn many_materials_pass_through_libraries_tables_and_folders() {
     plain.comment.clear();
     plain.columns.remove(1); // opaque: left out of tables of many
     let all = [plain, opaque];
-    for (name, format) in [("a.sli", Format::Sli), ("a.csv", Format::Csv), ("tables", Format::Csv)] {
+    for (name, format) in [("a.sli", called("sli")), ("a.csv", called("csv")), ("tables", called("csv"))] {
         let path = scratch.path().join(name);
         let report = spectra::write(&path, format, &all, false).unwrap();
         assert!(report.notes.is_empty(), "{name} {report:?}");
@@ -263,7 +268,7 @@ fn many_materials_pass_through_libraries_tables_and_folders() {
 
     // What materials in scenes read is what is written.
     let one = scratch.path().join("basalt.csv");
-    assert!(spectra::write(&one, Format::Csv, &all[1..], false).unwrap().notes.is_empty());
+    assert!(spectra::write(&one, called("csv"), &all[1..], false).unwrap().notes.is_empty());
     let (reflectance, _) =
         spectrum_csv::read(&one, spectrum_csv::Quantity::Reflectance, mmxrt::spectral::Extend::Error)
             .map(|r| (r.0, r.1))
@@ -272,14 +277,14 @@ fn many_materials_pass_through_libraries_tables_and_folders() {
 
     // Texts: one material in a file, Lambertian ones only; nothing half done is left.
     let told = |path: &str, spectra: &[SpectralLibrary]| {
-        spectra::write(&scratch.path().join(path), Format::DartText, spectra, false).unwrap_err().to_string()
+        spectra::write(&scratch.path().join(path), called("dart-text"), spectra, false).unwrap_err().to_string()
     };
     assert!(told("b.txt", &all).contains("name a folder"));
     let hapke = library("h", &[1.0], &["w", "c1", "c2", "c3", "c4", "h1", "h2"].map(|n| (n, &[0.5][..])));
     let refused = told("texts", &[paint(), hapke]);
     assert!(refused.contains("texts/2D-LAM_h.txt") && refused.contains("not supported"), "{refused}");
     assert!(!scratch.path().join("texts").exists());
-    let report = spectra::write(&scratch.path().join("texts"), Format::DartText, &[paint()], false).unwrap();
+    let report = spectra::write(&scratch.path().join("texts"), called("dart-text"), &[paint()], false).unwrap();
     assert!(report.notes.is_empty(), "{report:?}");
     assert_eq!(spectra::read(&scratch.path().join("texts")).unwrap().0, [paint()]);
 }
@@ -288,43 +293,49 @@ fn many_materials_pass_through_libraries_tables_and_folders() {
 fn what_a_format_cannot_hold_is_told() {
     let scratch = Scratch::new();
     let a = library("a", &[1.0, 2.0], &[("reflectance", &[0.1, 0.2])]);
-    let told = |name: &str, format: Format, spectra: &[SpectralLibrary]| {
+    let told = |name: &str, format: &Format, spectra: &[SpectralLibrary]| {
         spectra::write(&scratch.path().join(name), format, spectra, false).unwrap_err().to_string()
     };
     let other = library("b", &[1.0, 3.0], &[("reflectance", &[0.1, 0.2])]);
     assert!(
-        told("a.sli", Format::Sli, &[a.clone(), other.clone()]).contains("its wavelengths are not those of the first")
+        told("a.sli", called("sli"), &[a.clone(), other.clone()])
+            .contains("its wavelengths are not those of the first")
     );
     // A table has gaps where one of its spectra has no value, and reads them as such.
     let gappy = scratch.path().join("gaps.csv");
-    assert!(spectra::write(&gappy, Format::Csv, &[a.clone(), other.clone()], false).unwrap().notes.is_empty());
+    assert!(spectra::write(&gappy, called("csv"), &[a.clone(), other.clone()], false).unwrap().notes.is_empty());
     assert_eq!(std::fs::read_to_string(&gappy).unwrap(), "wavelength_um,a,b\n1,0.1,0.1\n2,0.2,NaN\n3,NaN,0.2\n");
     let (back, report) = spectra::read(&gappy).unwrap();
     assert_eq!((back, report.notes.len()), (vec![a.clone(), other], 2));
-    assert!(told("a.sli", Format::Sli, &[]).contains("no spectra to write"));
-    assert!(told("a.sli", Format::Sli, &[library("x, y", &[1.0], &[("reflectance", &[0.1])])]).contains("such a name"));
+    assert!(told("a.sli", called("sli"), &[]).contains("no spectra to write"));
     assert!(
-        told("a.sli", Format::Sli, &[library("x", &[1.0], &[("speed", &[0.1])])]).contains("speed cannot be written")
+        told("a.sli", called("sli"), &[library("x, y", &[1.0], &[("reflectance", &[0.1])])]).contains("such a name")
     );
-    assert!(told("a.csv", Format::Csv, &[library("x", &[1.0], &[("speed", &[0.1])])]).contains("none of its columns"));
     assert!(
-        told("a.csv", Format::Csv, &[library("x", &[1.0], &[("reflectance_percent", &[0.1])])])
+        told("a.sli", called("sli"), &[library("x", &[1.0], &[("speed", &[0.1])])]).contains("speed cannot be written")
+    );
+    assert!(
+        told("a.csv", called("csv"), &[library("x", &[1.0], &[("speed", &[0.1])])]).contains("none of its columns")
+    );
+    assert!(
+        told("a.csv", called("csv"), &[library("x", &[1.0], &[("reflectance_percent", &[0.1])])])
             .contains("name of a column")
     );
     // A header with one of these is parted there, whatever else parts it.
     for name in ["sand; wet", "sand\twet"] {
         let wet = library(name, &[1.0, 2.0], &[("reflectance", &[0.1, 0.2])]);
-        assert!(told("a.csv", Format::Csv, &[a.clone(), wet]).contains("cannot be the name of a column"), "{name}");
+        assert!(told("a.csv", called("csv"), &[a.clone(), wet]).contains("cannot be the name of a column"), "{name}");
     }
     assert!(
-        told("a.sli", Format::Sli, &[library("x", &[1.0], &[("reflectance", &[f64::NAN])])]).contains("not all values")
+        told("a.sli", called("sli"), &[library("x", &[1.0], &[("reflectance", &[f64::NAN])])])
+            .contains("not all values")
     );
     // Named by the file, comments for several.
-    let report = spectra::write(&scratch.path().join("b.csv"), Format::Csv, std::slice::from_ref(&a), false).unwrap();
+    let report = spectra::write(&scratch.path().join("b.csv"), called("csv"), std::slice::from_ref(&a), false).unwrap();
     assert!(notes(&report, Fate::Approximated)[0].contains("the name \"a\" is not kept"), "{report:?}");
     let mut said = library("c", &[1.0, 2.0], &[("reflectance", &[0.1, 0.2])]);
     said.comment = "measured".into();
-    let report = spectra::write(&scratch.path().join("c.sli"), Format::Sli, &[a, said], false).unwrap();
+    let report = spectra::write(&scratch.path().join("c.sli"), called("sli"), &[a, said], false).unwrap();
     assert!(notes(&report, Fate::Dropped)[0].contains("no place for comments"), "{report:?}");
     // Names of files.
     assert!(matches!(spectra::read(&scratch.path().join("none.sli")), Err(mmxrt::Error::Invalid(_))));
@@ -389,8 +400,6 @@ fn without_sqlite_databases_are_not_supported() {
         told.contains("a.db: a SQLite database (mmxrt was built without its feature `sqlite`) is not supported"),
         "{told}"
     );
-    assert!(
-        spectra::write(&path, Format::Database, &[paint()], true).unwrap_err().to_string().contains("not supported")
-    );
+    assert!(spectra::write(&path, called("db"), &[paint()], true).unwrap_err().to_string().contains("not supported"));
     assert!(matches!(spectra::read(&scratch.path().join("b.db")), Err(mmxrt::Error::Io { .. })));
 }

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use mmxrt::formats::spectra::{self, Format};
 use mmxrt::formats::spectrum_csv::{self, Quantity};
+use mmxrt::formats::{registry, spectra};
 use mmxrt::spectral::{Extend, Spectrum};
 
 use crate::cli::run;
@@ -132,7 +132,7 @@ fn ecostress() -> String {
 fn libraries_of_spectra_in_text_are_read_by_what_they_say() {
     let scratch = Scratch::new();
     let rock = scratch.write("rock.spectrum.txt", ecostress());
-    assert_eq!(Format::of(&rock), Some(Format::Csv));
+    assert_eq!(registry::of_spectra(&rock), registry::named("csv"));
     let (read, report) = spectra::read(&rock).unwrap();
     assert_eq!((read[0].name.as_str(), read[0].wavelength_um.as_slice()), ("Made-up rock", &[0.5, 1.0, 2.0][..]));
     assert_eq!(read[0].column("reflectance"), Some(&[0.075, 0.1, 0.125][..]));

@@ -1,7 +1,7 @@
 //! Files as they are found whose meaning is easily taken for another: what they say is computed by hand.
 
 use glam::DVec3;
-use mmxrt::formats::{raster, scene_toml, spectrum_csv};
+use mmxrt::formats::{registry, scene_toml, spectrum_csv};
 use mmxrt::progress::unwatched;
 use mmxrt::scene::Scene;
 use mmxrt::spectral::{Extend, solar_e490};
@@ -138,7 +138,7 @@ fn an_envi_image_with_frame_offsets_or_two_opinions_is_refused() {
     let folder = Scratch::new();
     let head = "ENVI\nsamples = 2\nlines = 1\nbands = 1\ndata type = 4\ninterleave = bsq\nbyte order = 0\n";
     folder.write("a.img", [1_f32, 2.0, 3.0, 4.0].map(f32::to_le_bytes).concat());
-    let opened = |more: &str| raster::open(&folder.write("a.hdr", format!("{head}{more}")));
+    let opened = |more: &str| registry::image(&folder.write("a.hdr", format!("{head}{more}")));
     for key in ["major frame offsets", "minor frame offsets"] {
         let error = opened(&format!("{key} = {{4, 4}}\n")).unwrap_err().to_string();
         assert!(error.contains(&format!("a.hdr:8 {key}")), "{error}");
@@ -174,10 +174,10 @@ fn the_orientation_of_a_photograph_is_told() {
         let exif = [&b"Exif\0\0"[..], &tiff].concat();
         let length = (exif.len() as u16 + 2).to_be_bytes();
         let whole = [&picture[..2], &[0xff, 0xe1], &length, &exif, &picture[2..]].concat();
-        let raster = raster::open(&folder.write("a.jpg", whole)).unwrap();
+        let raster = registry::image(&folder.write("a.jpg", whole)).unwrap();
         assert!(raster.report.notes.iter().any(|n| n.message.starts_with("orientation 6 of EXIF")), "{is_big}");
     }
-    let plain = raster::open(&folder.write("a.jpg", picture)).unwrap();
+    let plain = registry::image(&folder.write("a.jpg", picture)).unwrap();
     assert!(plain.report.notes.iter().all(|n| !n.message.contains("orientation")));
 }
 
@@ -261,7 +261,7 @@ fn text_is_read_in_utf_16_and_with_cr_alone() {
         assert_eq!((read.wavelength_um(), read.value()), (&[0.5, 1.0][..], &[0.25, 0.5][..]));
     }
     folder.write("a.hdr", "ENVI\rsamples = 1\rlines = 1\rbands = 1\rdata type = 1\r");
-    assert_eq!(raster::open(&folder.write("a.img", [7])).unwrap().pixels(), 1);
+    assert_eq!(registry::image(&folder.write("a.img", [7])).unwrap().pixels(), 1);
 }
 
 #[test]

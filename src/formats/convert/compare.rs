@@ -8,8 +8,8 @@ use std::fmt::Debug;
 
 use glam::DVec3;
 
-use crate::formats::coloured_mesh::ColouredMesh;
 use crate::formats::dart::{Camera, Step};
+use crate::formats::mesh_file::ColouredMesh;
 use crate::formats::mtl::ObjMaterial;
 use crate::geometry::{MaterialId, Mesh, Pose};
 use crate::scene::{

@@ -15,7 +15,7 @@ use crate::report::{Fate, Report};
 use crate::scene::Scene;
 use crate::spectral::SpectralLibrary;
 
-use super::{Content, Format, Options, differences, format_of, unsupported};
+use super::{Content, DATABASE, Options, SIMULATION, differences, format_of, unsupported};
 
 /// The Sun and cameras of a sequence's simulations, by its name.
 pub(super) type Flights = Vec<(String, Vec<Step>)>;
@@ -104,7 +104,7 @@ pub(super) fn diff(a: &Path, b: &Path, options: &Options, watch: Watch<'_>) -> R
 pub fn check(input: &Path, options: &Options) -> Result<Vec<Finding>> {
     let (format, path) = format_of(input, options)?;
     match format {
-        Format::Dart => {
+        of if *of == SIMULATION => {
             let reading = reading(options)?;
             let databases = RefCell::new(Databases::default());
             let of =
@@ -121,8 +121,8 @@ pub fn check(input: &Path, options: &Options) -> Result<Vec<Finding>> {
             }
             Ok(findings)
         }
-        Format::Database => check_database(&path),
-        other => Err(unsupported(input, &format!("checking {}", other.about().name))),
+        of if *of == DATABASE => check_database(&path),
+        other => Err(unsupported(input, &format!("checking {}", other.name))),
     }
 }
 

@@ -7,7 +7,6 @@
 
 mod compare;
 mod dart;
-mod format;
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -21,21 +20,29 @@ use crate::report::{Fate, Report};
 use crate::scene::{Photometry, Scene};
 use crate::spectral::{Band, Column, Extend, SpectralLibrary, Spectrum};
 
-use super::coloured_mesh::{self, ColouredMesh};
+use super::coloured_mesh;
 use super::dart::Step;
-use super::envi::{self, DataType, Interleave};
+use super::dart::database::DATABASE;
+use super::dart::format::SIMULATION;
+use super::envi::{self, DataType};
 use super::file_name::shortened;
 use super::folder::{FolderKind, Staged, spares};
+use super::format::{Format, Holds, ending};
+use super::gltf::format::BINARY;
 use super::input::InputFile;
-use super::raster::{self, Raster, Target};
+use super::mesh_file::{ColouredMesh, Up};
+use super::obj::format::OBJ;
+use super::raster::headers::ENVI;
+use super::raster::text::GRID;
+use super::raster::{self, Raster};
 use super::scene_toml::{Axes, Unsaid, WriteOptions};
-use super::{gltf, mtl, obj, scene_toml, spectra, spectrum_csv};
+use super::spectrum_csv::CSV;
+use super::{gltf, mtl, obj, registry, scene_toml, spectra, spectrum_csv};
 
-pub use super::coloured_mesh::{NamedPose, Placing, Up};
+pub use super::coloured_mesh::{NamedPose, Placing};
 pub use super::dart::{Finding, Severity};
 pub use compare::differences;
 pub use dart::check;
-pub use format::{About, Format};
 
 use self::dart::Flights;
 
@@ -43,9 +50,9 @@ use self::dart::Flights;
 #[derive(Debug, Clone, Default)]
 pub struct Options {
     /// The input's format, instead of what it looks like.
-    pub from: Option<Format>,
+    pub from: Option<&'static Format>,
     /// The output's format, instead of what its name says.
-    pub to: Option<Format>,
+    pub to: Option<&'static Format>,
     /// Version of DART to write for, as in "5.7.4", which is taken if none is given.
     pub dart_version: Option<String>,
     /// Size of DART's cells, m; what a pixel of the camera sees if none is given.
@@ -90,9 +97,9 @@ pub struct Options {
 #[derive(Debug, Clone)]
 pub struct Conversion {
     /// What the input was.
-    pub from: Format,
+    pub from: &'static Format,
     /// What the output is.
-    pub to: Format,
+    pub to: &'static Format,
     /// What was not carried over as it was.
     pub report: Report,
     /// Whether the output was written: not where [`Options::strict`] forbids a loss.
@@ -124,7 +131,7 @@ const SCENE: FolderKind = FolderKind { marks: &["scene.toml"], parts: &["scene."
 pub fn convert(input: &Path, output: &Path, options: &Options, watch: Watch<'_>) -> Result<Conversion> {
     let to = match options.to {
         Some(to) => to,
-        None => Format::of_output(output)?,
+        None => registry::of_output(output)?,
     };
     let (from, _) = format_of(input, options)?;
     without_effect(options, from, to)?;
@@ -144,36 +151,37 @@ pub fn convert(input: &Path, output: &Path, options: &Options, watch: Watch<'_>)
 }
 
 /// The format of an input, and its main file or folder.
-fn format_of(input: &Path, options: &Options) -> Result<(Format, PathBuf)> {
+fn format_of(input: &Path, options: &Options) -> Result<(&'static Format, PathBuf)> {
     match options.from {
         Some(from) => Ok((from, input.to_owned())),
-        None => Format::of_input(input),
+        None => registry::of_input(input),
     }
 }
 
 /// Refuses what is asked for and would not be done: a Sun that is not moved, spectra that are not resampled.
-fn without_effect(options: &Options, from: Format, to: Format) -> Result<()> {
+fn without_effect(options: &Options, from: &Format, to: &Format) -> Result<()> {
     let mut problems = Vec::new();
     let mut only = |is_given: bool, option: &str, is_of_use: bool, of: &str| {
         if is_given && !is_of_use {
-            let (from, to) = (from.about().name, to.about().name);
+            let (from, to) = (from.name, to.name);
             let message = format!("changes nothing from {from} to {to}: it is for {of}");
             problems.push(Problem::new(Location::item(option), message).with_help("leave it out"));
         }
     };
     only(!options.models.is_empty(), "--model", to.is_spectral(), "spectra as output");
     only(!options.bands.is_empty(), "--bands", to.is_spectral(), "spectra as output");
-    only(options.append, "--append", to == Format::Database, "a database as output");
-    only(options.cell_m.is_some(), "--cell-m", to == Format::Dart, "DART as output");
-    only(options.sun_deg.is_some(), "--sun-deg", from == Format::Dart, "DART as input");
-    only(options.dart_databases.is_some(), "--databases", from == Format::Dart, "DART as input");
-    let has_origin = from == Format::Scene || from.is_spectral();
+    only(options.append, "--append", *to == DATABASE, "a database as output");
+    only(options.cell_m.is_some(), "--cell-m", *to == SIMULATION, "DART as output");
+    only(options.sun_deg.is_some(), "--sun-deg", *from == SIMULATION, "DART as input");
+    only(options.dart_databases.is_some(), "--databases", *from == SIMULATION, "DART as input");
+    let is_scene = |format: &Format| matches!(format.holds, Holds::Scene);
+    let has_origin = is_scene(from) || from.is_spectral();
     only(options.origin_m.is_some(), "--origin-m", !has_origin, "DART or a mesh as input");
-    let is_mesh = matches!(from, Format::Obj | Format::Gltf | Format::Glb);
+    let is_mesh = from.is_mesh();
     only(options.unit_m.is_some(), "--unit-m", is_mesh, "a mesh as input");
     only(options.up.is_some(), "--up", is_mesh, "a mesh as input");
     only(options.flip, "--flip", is_mesh, "a mesh as input");
-    let is_placed = is_mesh && matches!(to, Format::Scene | Format::Dart);
+    let is_placed = is_mesh && (is_scene(to) || *to == SIMULATION);
     only(options.pose.is_some(), "--pose", is_placed, "a mesh as input and a scene or DART as output");
     if let Some(unit_m) = options.unit_m.filter(|unit_m| !(*unit_m > 0.0 && unit_m.is_finite())) {
         problems.push(
@@ -202,29 +210,32 @@ fn of_input(error: Error, input: &Path) -> Error {
 ///
 /// # Errors
 /// What the format's reader says; [`Error::Invalid`] if there is no telling what it is.
-pub fn read(input: &Path, options: &Options, watch: Watch<'_>) -> Result<(Format, Content, Report)> {
+pub fn read(input: &Path, options: &Options, watch: Watch<'_>) -> Result<(&'static Format, Content, Report)> {
     let (format, content, report, _) = read_all(input, options, watch)?;
     Ok((format, content, report))
 }
 
 /// [`read`], with the files that were read.
-fn read_all(input: &Path, options: &Options, watch: Watch<'_>) -> Result<(Format, Content, Report, Vec<PathBuf>)> {
+fn read_all(
+    input: &Path,
+    options: &Options,
+    watch: Watch<'_>,
+) -> Result<(&'static Format, Content, Report, Vec<PathBuf>)> {
     let (format, path) = format_of(input, options)?;
-    if options.repeat > 0 && format != Format::Dart {
-        let message =
-            format!("is {}: only the scene of a DART simulation can be repeated (`--repeat`)", format.about().name);
+    if options.repeat > 0 && *format != SIMULATION {
+        let message = format!("is {}: only the scene of a DART simulation can be repeated (`--repeat`)", format.name);
         return Err(Error::invalid(Location::file(&path), message));
     }
-    if options.wavelengths.is_some() && format != Format::Csv {
-        let message = format!("is {}: its wavelengths are its own (`--wavelengths`)", format.about().name);
+    if options.wavelengths.is_some() && *format != CSV {
+        let message = format!("is {}: its wavelengths are its own (`--wavelengths`)", format.name);
         return Err(Error::invalid(Location::file(&path), message));
     }
     let Options { origin_m, unit_m, up, pose, flip, .. } = *options;
     let placing = Placing { origin_m, unit_m, up, pose, flip };
     let mut sources = vec![path.clone()];
     let mut read_from = |inputs: &[InputFile]| sources.extend(inputs.iter().map(|input| input.path.clone()));
-    let (content, report) = match format {
-        Format::Scene => {
+    let (content, report) = match format.holds {
+        Holds::Scene => {
             let file = scene_toml::read(&path, watch)?;
             read_from(&file.inputs);
             let mut report = Report::default();
@@ -233,51 +244,35 @@ fn read_all(input: &Path, options: &Options, watch: Watch<'_>) -> Result<(Format
             }
             (Content::Scene(Box::new(file.scene), Flights::new()), report)
         }
-        Format::Obj => {
-            let obj = obj::read_where(&path, options.allow_outside)?;
-            read_from(&obj.inputs);
+        Holds::Mesh { read } => {
+            let mut file = read(&path, options.allow_outside)?;
+            read_from(&file.inputs);
             let mut report = Report::default();
-            let mut dropped = |what: String| report.note(Fate::Dropped, Location::file(&path), what);
-            if obj.texture_vertices > 0 && obj.uv.is_empty() {
-                dropped(format!("{} texture coordinates that no face uses", obj.texture_vertices));
+            for (word, count) in &file.ignored {
+                report.note(Fate::Dropped, Location::file(&path), format!("{count} x `{word}`"));
             }
-            obj.ignored.iter().for_each(|(word, count)| dropped(format!("{count} x `{word}`")));
-            let parts = obj.groups.len().max(obj.objects);
-            if parts > 1 {
-                dropped(format!("which of {parts} objects or groups a face belongs to"));
+            for notes in [&mut file.report.notes, &mut file.material_doubts, &mut file.doubts] {
+                report.notes.append(notes);
             }
-            let told = [&obj.report.notes, &obj.material_doubts, &obj.doubts];
-            report.notes.extend(told.into_iter().flatten().cloned());
-            (Content::Mesh(ColouredMesh::from(obj).placed(&placing, Up::Z)), report)
+            (Content::Mesh(file.surface.placed(&placing, file.up)), report)
         }
-        Format::Gltf | Format::Glb => {
-            let (surface, report, inputs) = gltf::read(&path, options.allow_outside)?;
-            read_from(&inputs);
-            (Content::Mesh(surface.placed(&placing, Up::Y)), report)
-        }
-        Format::Dart => {
+        Holds::Simulation => {
             let (scene, flights, report, inputs) = dart::read(&path, options, watch)?;
             read_from(&inputs);
             (Content::Scene(Box::new(scene), flights), report)
         }
-        Format::Database | Format::DartText | Format::Sli | Format::Csv => {
+        Holds::Spectra { read, .. } => {
             let (libraries, mut report) = match path.is_dir() {
                 true => spectra::read(&path)?,
-                false if format == Format::Csv => spectrum_csv::read_all(&path, options.wavelengths.as_deref())?,
-                false => spectra::read_as(&path, spectral(format))?,
+                false if *format == CSV => spectrum_csv::read_all(&path, options.wavelengths.as_deref())?,
+                false => read(&path)?,
             };
             // The header of a library, or its numbers: whichever was not named.
             sources.extend(envi::pair(&path).into_iter().flat_map(|(header, numbers)| [header, numbers]));
             (Content::Spectra(chosen(libraries, options, &path, &mut report)?), report)
         }
-        Format::Grid => {
-            let mut raster = raster::open_csv(&path)?;
-            let report = std::mem::take(&mut raster.report);
-            sources.extend_from_slice(raster.files());
-            (Content::Raster(Box::new(raster)), report)
-        }
-        Format::Envi | Format::Ilwis | Format::Exr | Format::Npy | Format::Npz | Format::Png | Format::Jpeg => {
-            let mut raster = raster::open(&path)?;
+        Holds::Image { open, .. } => {
+            let mut raster = open(&path)?;
             let report = std::mem::take(&mut raster.report);
             sources.extend_from_slice(raster.files());
             (Content::Raster(Box::new(raster)), report)
@@ -292,7 +287,7 @@ fn read_all(input: &Path, options: &Options, watch: Watch<'_>) -> Result<(Format
 /// As [`read`].
 pub fn diff(a: &Path, b: &Path, options: &Options, watch: Watch<'_>) -> Result<Vec<String>> {
     let is_dart = |path: &Path| {
-        options.from == Some(Format::Dart) || Format::of_input(path).is_ok_and(|(f, _)| f == Format::Dart)
+        options.from == Some(&SIMULATION) || registry::of_input(path).is_ok_and(|(format, _)| *format == SIMULATION)
     };
     if is_dart(a) && is_dart(b) {
         return dart::diff(a, b, options, watch);
@@ -370,16 +365,6 @@ fn chosen(
     Ok(resampled)
 }
 
-/// A format of spectra; CSV for one that is none.
-fn spectral(format: Format) -> spectra::Format {
-    match format {
-        Format::Database => spectra::Format::Database,
-        Format::DartText => spectra::Format::DartText,
-        Format::Sli => spectra::Format::Sli,
-        _ => spectra::Format::Csv,
-    }
-}
-
 fn unsupported(path: &Path, feature: &str) -> Error {
     Error::Unsupported { at: Location::file(path), feature: feature.to_owned() }
 }
@@ -387,7 +372,7 @@ fn unsupported(path: &Path, feature: &str) -> Error {
 /// One conversion.
 struct Job<'a> {
     input: &'a Path,
-    from: Format,
+    from: &'static Format,
     output: &'a Path,
     options: &'a Options,
     /// Files that were read, none of which is replaced.
@@ -410,24 +395,22 @@ impl Job<'_> {
     }
 
     /// Writes; `false` if a loss forbids it.
-    fn write(mut self, content: Content, to: Format) -> Result<bool> {
-        match (content, to) {
+    fn write(mut self, content: Content, to: &Format) -> Result<bool> {
+        match (content, &to.holds) {
             (Content::Raster(mut raster), _) => self.raster(&mut raster, to),
-            (_, _) if to.is_raster() => {
-                Err(unsupported(self.input, &format!("anything but an image as {}", to.about().name)))
-            }
-            (Content::Spectra(libraries), _) if to.is_spectral() => self.spectra(&libraries, to),
+            (_, Holds::Image { .. }) => Err(unsupported(self.input, &format!("anything but an image as {}", to.name))),
+            (Content::Spectra(libraries), Holds::Spectra { .. }) => self.spectra(&libraries, to),
             (Content::Spectra(_), _) => {
-                let message = format!("holds spectra alone: they make no scene, and so no {}", to.about().name);
+                let message = format!("holds spectra alone: they make no scene, and so no {}", to.name);
                 let help = "end the output's name in .db, .txt, .sli or .csv, or say which with --to";
                 Err(Error::Invalid(vec![Problem::new(Location::file(self.input), message).with_help(help)]))
             }
-            (Content::Scene(scene, flights), Format::Scene) => {
+            (Content::Scene(scene, flights), Holds::Scene) => {
                 let unsaid = self.unsaid();
                 self.scene(&scene, &flights, unsaid)
             }
-            (Content::Scene(scene, _), Format::Dart) => self.dart(&scene),
-            (Content::Scene(scene, _), _) if to.is_spectral() => {
+            (Content::Scene(scene, _), Holds::Simulation) => self.dart(&scene),
+            (Content::Scene(scene, _), Holds::Spectra { .. }) => {
                 let message = "mesh, Sun, camera and heat: only the spectra of its materials are written";
                 self.report.note(Fate::Dropped, Location::file(self.input), message);
                 self.forget_defaults();
@@ -439,7 +422,7 @@ impl Job<'_> {
                 let surface = ColouredMesh::of_scene(&scene, self.input, self.report);
                 self.surface(&surface, to)
             }
-            (Content::Mesh(surface), Format::Scene) => {
+            (Content::Mesh(surface), Holds::Scene) => {
                 let scene = self.scene_of(surface)?;
                 if self.options.pose == Some(NamedPose::Radial) {
                     // Whether its origin has a zenith.
@@ -448,14 +431,14 @@ impl Job<'_> {
                 let unsaid = self.unsaid();
                 self.scene(&scene, &[], unsaid)
             }
-            (Content::Mesh(surface), Format::Dart) => {
+            (Content::Mesh(surface), Holds::Simulation) => {
                 let scene = self.scene_of(surface)?;
                 let is_radial = self.options.pose == Some(NamedPose::Radial);
                 let scene = if is_radial { coloured_mesh::in_body_axes(scene)? } else { scene };
                 self.dart(&scene)
             }
-            (Content::Mesh(_), _) if to.is_spectral() => {
-                let message = format!("holds a mesh: it has no spectra for {}", to.about().name);
+            (Content::Mesh(_), Holds::Spectra { .. }) => {
+                let message = format!("holds a mesh: it has no spectra for {}", to.name);
                 let help = "convert it to a scene, and give its materials spectra there";
                 Err(Error::Invalid(vec![Problem::new(Location::file(self.input), message).with_help(help)]))
             }
@@ -466,7 +449,7 @@ impl Job<'_> {
     /// A scene to begin with, in the mesh's axes.
     fn scene_of(&mut self, surface: ColouredMesh) -> Result<Scene> {
         let Options { unit_m, up, pose, .. } = *self.options;
-        if self.from == Format::Obj {
+        if *self.from == OBJ {
             let (low, high) = surface.mesh.bounds_m().unwrap_or_default();
             let size_m = (high - low).length();
             let mut taken = |is_given: bool, item: &str, what: String| {
@@ -488,14 +471,14 @@ impl Job<'_> {
     fn unsaid(&self) -> Unsaid {
         let defaults = self.report.notes.iter().filter(|note| note.fate == Fate::Defaulted);
         let items = defaults.filter_map(|note| Some((note.at.item.clone()?, note.message.clone())));
-        match self.from {
-            Format::Scene => Unsaid::Items(items.map(|(item, _)| item).collect()),
+        match self.from.holds {
+            Holds::Scene => Unsaid::Items(items.map(|(item, _)| item).collect()),
             _ => Unsaid::Defaults(items.collect()),
         }
     }
 
     fn scene(self, scene: &Scene, flights: &[(String, Vec<Step>)], unsaid: Unsaid) -> Result<bool> {
-        let folder = format::is_folder(self.output);
+        let folder = registry::is_folder(self.output);
         // A folder's files appear with it.
         let staged = if folder { Some(Staged::folder_of(&SCENE, self.output, self.options.replace)?) } else { None };
         let path = staged.as_ref().map_or(self.output.to_owned(), |staged| staged.path().join("scene.toml"));
@@ -542,13 +525,13 @@ impl Job<'_> {
         Ok(true)
     }
 
-    fn surface(self, surface: &ColouredMesh, to: Format) -> Result<bool> {
+    fn surface(self, surface: &ColouredMesh, to: &Format) -> Result<bool> {
         let Job { input, output, options, sources, .. } = self;
         let sources = || sources.iter().map(PathBuf::as_path);
         if surface.sun.is_some() {
             self.report.note(Fate::Dropped, Location::file(input).with_item("sun"), "where the light is");
         }
-        if to == Format::Obj {
+        if *to == OBJ {
             if surface.origin_m.is_some() {
                 self.report.note(Fate::Dropped, Location::file(input).with_item("origin_m"), "OBJ has no place for it");
             }
@@ -592,7 +575,7 @@ impl Job<'_> {
         if self.refused() {
             return Ok(false);
         }
-        if to == Format::Glb {
+        if *to == BINARY {
             let staged = Staged::file(output, options.replace)?;
             staged.put(staged.path(), |out| out.write_all(&encoded.glb()))?;
             staged.spares(sources())?;
@@ -610,33 +593,21 @@ impl Job<'_> {
         Ok(true)
     }
 
-    fn raster(self, raster: &mut Raster, to: Format) -> Result<bool> {
-        let target = match to {
-            Format::Envi => Target::Envi(match self.output.extension().map(|e| e.to_string_lossy().to_lowercase()) {
-                Some(e) if e == "bil" => Interleave::Bil,
-                Some(e) if e == "bip" => Interleave::Bip,
-                _ => Interleave::Bsq,
-            }),
-            Format::Ilwis => Target::Ilwis,
-            Format::Exr => Target::Exr,
-            Format::Npy => Target::Npy,
-            // A name alone does not tell what a table is to hold.
-            Format::Grid | Format::Csv => Target::Csv,
-            Format::Png | Format::Jpeg | Format::Npz => {
-                let help = match to {
-                    Format::Png | Format::Jpeg => "`mmxrt inspect FILE --picture OUT.png` makes one to look at",
-                    _ => "write .npy",
-                };
-                let problem =
-                    Problem::new(Location::file(self.output), "is a format that is read only").with_help(help);
-                return Err(Error::Invalid(vec![problem]));
+    fn raster(self, raster: &mut Raster, to: &Format) -> Result<bool> {
+        // A name alone does not tell what a table is to hold.
+        let to = if *to == CSV { &GRID } else { to };
+        let target = match to.holds {
+            Holds::Image { target: Ok(target), .. } => target(self.output),
+            Holds::Image { target: Err(instead), .. } => {
+                let problem = Problem::new(Location::file(self.output), "is a format that is read only");
+                return Err(Error::Invalid(vec![problem.with_help(instead)]));
             }
             _ => {
-                let feature = format!("an image as {}: it has neither mesh nor spectra", to.about().name);
+                let feature = format!("an image as {}: it has neither mesh nor spectra", to.name);
                 return Err(unsupported(self.input, &feature));
             }
         };
-        if to == Format::Envi && self.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("hdr")) {
+        if *to == ENVI && ending(self.output) == "hdr" {
             let message = "is a header's name: name the file of numbers, as .img";
             return Err(Error::invalid(Location::file(self.output), message));
         }
@@ -651,8 +622,7 @@ impl Job<'_> {
         Ok(true)
     }
 
-    fn spectra(self, libraries: &[SpectralLibrary], to: Format) -> Result<bool> {
-        let format = spectral(to);
+    fn spectra(self, libraries: &[SpectralLibrary], to: &Format) -> Result<bool> {
         if libraries.is_empty() {
             return Err(Error::invalid(Location::file(self.input), "holds no spectra"));
         }
@@ -660,7 +630,7 @@ impl Job<'_> {
         tell(self.watch, "writing the spectra", 0, 1)?;
         let (staged, report) = match self.options.append {
             true => super::dart::database::stage_more(self.output, libraries)?,
-            false => spectra::stage(self.output, format, libraries, self.options.replace)?,
+            false => spectra::stage(self.output, to, libraries, self.options.replace)?,
         };
         self.report.notes.extend(report.notes);
         if self.refused() {

@@ -11,12 +11,25 @@ use crate::spectral::{Column, Extend, SpectralLibrary, Spectrum};
 use crate::units::{fraction_from_percent, percent_from_fraction};
 
 use super::super::folder::Staged;
+use super::super::format::{Format, Holds};
 use super::super::input::{self, Problems};
+use super::super::marks;
 use super::kind::suspect_fractions;
 use super::kind::{DartTable, check_order, distinct_names, is_percent, is_wavelength, outside, range, same};
 use super::store::{Store, Table};
 
 pub use super::kind::{Kind, model_name};
+
+/// A DART optical database.
+pub(in crate::formats) static DATABASE: Format = Format {
+    name: "db",
+    extensions: &["db"],
+    reads: "DART optical databases",
+    writes: "a new one, or more into one with --append",
+    mark: marks::SQLITE,
+    told: None,
+    holds: Holds::Spectra { read: |path| Database::open(path)?.read_all(), stage, file_of: None },
+};
 
 /// A model of a database.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -7,6 +7,7 @@ mod check;
 pub mod database;
 mod diff;
 mod folder;
+pub(super) mod format;
 mod frame;
 mod from_scene;
 mod ground;

@@ -11,6 +11,7 @@ use rusqlite::types::ValueRef;
 use rusqlite::{Connection, ErrorCode};
 
 use crate::error::{Error, Location, Result};
+use crate::formats::marks;
 
 /// A table's name, and its columns in order.
 pub(super) struct Table {
@@ -29,9 +30,6 @@ const LONGEST_VALUE: i32 = 1 << 20;
 /// Steps of SQLite's machine after which it is stopped: ten seconds, hundreds of times what the largest file takes.
 const STEPS_AT_A_TIME: i32 = 100_000;
 const MOST_STEPS: u32 = 10_000;
-
-/// What SQLite writes first.
-const MAGIC: &[u8] = b"SQLite format 3\0";
 
 impl Store {
     /// Opens a file's bytes to read them; `path` is for messages.
@@ -210,7 +208,7 @@ impl Store {
 fn check_header(path: &Path, bytes: &[u8]) -> Result<()> {
     let whole = |at: usize| bytes.get(at..at + 4).and_then(|b| b.try_into().ok()).map_or(0, u32::from_be_bytes);
     let wrong = |message: String| Err(Error::syntax(Location::file(path), message));
-    if !bytes.starts_with(MAGIC) {
+    if !bytes.starts_with(marks::SQLITE) {
         return wrong("is not a SQLite database: those begin with \"SQLite format 3\"".into());
     }
     if bytes.len() < 512 {

@@ -13,9 +13,34 @@ use crate::spectral::{Column, SpectralLibrary};
 use crate::units::fraction_from_percent;
 
 use super::super::folder::Staged;
+use super::super::format::{Format, Holds};
 use super::super::input;
 use super::super::table::{self, Reading, Row, place};
 use super::kind::{DartTable, Kind, check_order, is_percent, is_wavelength, suspect_fractions};
+
+/// DART's spectra as text: one material in a file.
+pub(in crate::formats) static TEXT: Format = Format {
+    name: "dart-text",
+    extensions: &["txt"],
+    reads: "DART spectra",
+    writes: "the same",
+    mark: &[],
+    told: Some(|path, beginning| {
+        table::beginning(path, beginning).filter(|text| begins(path, text)).map(|_| path.to_owned())
+    }),
+    holds: Holds::Spectra {
+        read: |path| read(path).map(|(library, report)| (vec![library], report)),
+        stage: |path, spectra, replace| match spectra {
+            [one] => stage(path, one, replace),
+            _ => {
+                let message = format!("cannot hold {} materials: name a folder", spectra.len());
+                let help = "a name without an ending, and --to dart-text; or take one of them with --model";
+                Err(Error::Invalid(vec![Problem::new(Location::file(path), message).with_help(help)]))
+            }
+        },
+        file_of: Some(file_name),
+    },
+};
 
 /// Longer files are refused, bytes.
 const LIMIT: u64 = 64 << 20;

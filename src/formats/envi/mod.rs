@@ -12,7 +12,7 @@ pub use self::write::{write_backplanes, write_cube};
 pub use super::number::DataType;
 
 pub(super) use self::header::{KEYS, Scale};
-pub(super) use self::pair::header_of;
+pub(super) use self::pair::{ENDINGS, header_of};
 pub(super) use self::write::{list, plain, stream_lines_f32};
 
 /// Order of the numbers in the file, slowest index first.

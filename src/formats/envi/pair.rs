@@ -4,6 +4,9 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Location, Problem, Result};
 
+/// What data files of images are called, besides by their satellite's or nothing.
+pub(in crate::formats) const ENDINGS: [&str; 6] = ["img", "dat", "bsq", "bil", "bip", "raw"];
+
 /// The header and the data file of one image, whichever of the two is named.
 ///
 /// # Errors
@@ -17,9 +20,9 @@ pub fn pair(path: &Path) -> Result<(PathBuf, PathBuf)> {
     };
     let found = if is_header {
         let bare = path.with_extension("");
-        let endings = ["img", "dat", "bsq", "bil", "bip", "raw", "sli"];
-        let candidates = endings.iter().map(|e| path.with_extension(e));
-        let in_capitals = endings.iter().map(|e| path.with_extension(e.to_uppercase()));
+        let endings = ENDINGS.iter().chain(&["sli"]);
+        let candidates = endings.clone().map(|e| path.with_extension(e));
+        let in_capitals = endings.map(|e| path.with_extension(e.to_uppercase()));
         candidates.chain(in_capitals).chain([bare]).find(|p| p.is_file()).map(|data| (path.to_owned(), data))
     } else {
         let in_capitals = path.with_extension("HDR");

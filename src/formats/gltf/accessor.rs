@@ -6,8 +6,8 @@ use std::rc::Rc;
 
 use crate::error::{Error, Location, Result};
 
-use super::MOST;
 use super::json::{Accessor, Root, SparsePart};
+use crate::formats::mesh_file::MOST;
 
 /// A file's JSON and the bytes of its buffers.
 pub(super) struct Data<'a> {

@@ -19,16 +19,14 @@
 
 mod accessor;
 mod extensions;
+pub(super) mod format;
 mod instances;
 mod json;
 mod read;
 mod write;
 
-pub use read::{parse, read, told_apart};
+pub use read::{parse, read};
 pub use write::{Encoded, encode};
 
-/// What tells a binary file: its first bytes.
-pub const MAGIC: &[u8] = b"glTF";
 /// Position minus its f32.
 const RESIDUAL: &str = "_POSITION_RESIDUAL";
-use crate::formats::coloured_mesh::MOST;

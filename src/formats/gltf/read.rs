@@ -8,29 +8,21 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 use serde_json::Value;
 
 use crate::error::{Error, Location, Problem, Result};
-use crate::formats::coloured_mesh::{ColouredMesh, FLAT};
 use crate::formats::input::{self, InputFile};
+use crate::formats::mesh_file::{ColouredMesh, FLAT, MOST};
 use crate::formats::mtl::{self, ObjMaterial};
 use crate::geometry::{Direction, MaterialId, Mesh};
 use crate::report::{Fate, Report};
 
+use super::RESIDUAL;
 use super::accessor::{Buffer, Data};
 use super::extensions::{self, INSTANCING, LIGHTS, SPECULAR, VISIBILITY};
 use super::instances::instances;
 use super::json::{Light, LightOfNode, Lights, Node, Primitive, Root, SpecularGlossiness, Visibility, extension};
-use super::{MAGIC, MOST, RESIDUAL};
+use crate::formats::marks::GLB;
 
 /// Longer files are refused, bytes.
 const LIMIT: u64 = 8 << 30;
-
-/// Whether bytes are the start of a glTF file, binary or text.
-pub fn told_apart(bytes: &[u8]) -> bool {
-    let text = || {
-        let start = bytes.iter().position(|b| !b.is_ascii_whitespace()).unwrap_or(0);
-        bytes[start..].starts_with(b"{") && memchr::memmem::find(bytes, b"\"asset\"").is_some()
-    };
-    bytes.starts_with(MAGIC) || text()
-}
 
 /// Reads the default scene of a `.gltf` or `.glb` file as one mesh, in metres, z up, with what of the file has no place in it.
 ///
@@ -50,7 +42,7 @@ pub fn read(path: &Path, outside: bool) -> Result<(ColouredMesh, Report, Vec<Inp
 /// As [`read`].
 pub fn parse(bytes: &[u8], path: &Path, outside: bool) -> Result<(ColouredMesh, Report, Vec<InputFile>)> {
     let mut inputs = vec![InputFile::of(path, bytes)];
-    let (json, binary) = if bytes.starts_with(MAGIC) { chunks(bytes, path)? } else { (bytes, None) };
+    let (json, binary) = if bytes.starts_with(GLB) { chunks(bytes, path)? } else { (bytes, None) };
     let root: Root = serde_json::from_slice(json).map_err(|e| {
         let place = Location { column: Some(e.column()), ..Location::line(path, e.line()) };
         let place = if binary.is_some() { place.with_item("JSON chunk") } else { place };

@@ -5,9 +5,10 @@ use glam::DVec3;
 use serde_json::{Value, json};
 
 use crate::error::{Error, Location, Result};
-use crate::formats::coloured_mesh::ColouredMesh;
+use crate::formats::mesh_file::ColouredMesh;
 
-use super::{MAGIC, RESIDUAL};
+use super::RESIDUAL;
+use crate::formats::marks::GLB;
 
 /// A mesh as glTF: its JSON but for the buffer, the buffer, and what f32 alone loses.
 #[derive(Debug, Clone, PartialEq)]
@@ -133,7 +134,7 @@ impl Encoded {
         let mut bytes = Vec::with_capacity(28 + json.len() + padded);
         // `encode` has seen to it that lengths fit.
         let push = |bytes: &mut Vec<u8>, n: usize| bytes.extend_from_slice(&(n as u32).to_le_bytes());
-        bytes.extend_from_slice(MAGIC);
+        bytes.extend_from_slice(GLB);
         push(&mut bytes, 2);
         push(&mut bytes, 28 + json.len() + padded);
         push(&mut bytes, json.len());

@@ -16,6 +16,7 @@
 //! the first is cut off. A face of n corners always gives n - 2 facets, which turn the way the face turns.
 
 mod faces;
+pub(super) mod format;
 mod library;
 mod materials;
 mod number;
@@ -92,7 +93,7 @@ pub fn read(path: &Path) -> Result<ObjFile> {
 }
 
 /// That a mesh is in another format, by the ending of its name.
-fn other_mesh(path: &Path) -> Option<Error> {
+pub(super) fn other_mesh(path: &Path) -> Option<Error> {
     let ending = path.extension()?.to_str()?.to_lowercase();
     let (what, help) = match ending.as_str() {
         "gltf" | "glb" => {

@@ -5,7 +5,9 @@ use std::path::Path;
 use super::values::FacetTexels;
 use crate::error::{Error, Location, Problem, Result};
 use crate::formats::input::{self, InputFile, Problems};
-use crate::formats::npz;
+use crate::formats::raster::npy::NPZ;
+use crate::formats::spectrum_csv::CSV;
+use crate::formats::{Format, npz, registry};
 use crate::product::{Placement, RadianceMap, SkyShare};
 use crate::spectral::Band;
 
@@ -14,27 +16,31 @@ pub(super) const RADIANCE: &str = "radiance_w_m2_sr_um";
 /// No table is longer, bytes.
 const LIMIT: u64 = 16 << 30;
 
+/// The format of a file that may be a table of facets.
+fn form(path: &Path) -> Option<&'static Format> {
+    registry::called(path, |format| [&NPZ, &CSV].contains(&format))
+}
+
 /// A table of facets; `None` if it is something else.
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::Invalid`] with all that is wrong in the table; [`Error::Syntax`] for a damaged `.npz`.
 pub(super) fn open(path: &Path, weight: f64) -> Result<Option<(RadianceMap, InputFile)>> {
-    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    let (texels, input) = match extension.as_str() {
-        "npz" => {
+    let (texels, input) = match form(path) {
+        Some(format) if *format == NPZ => {
             if !npz::list(path)?.1.iter().any(|array| array.name == RADIANCE) {
                 return Ok(None);
             }
             of_npz(path)?
         }
-        "csv" => {
+        Some(_) => {
             let (text, input) = input::text(path, LIMIT)?;
             if !text.lines().next().is_some_and(|line| line.contains(RADIANCE)) {
                 return Ok(None);
             }
             (of_csv(path, &text)?, input)
         }
-        _ => return Ok(None),
+        None => return Ok(None),
     };
     texels.check()?;
     let facets = texels.values.len() / texels.bands.len();
@@ -52,13 +58,12 @@ pub(super) fn open(path: &Path, weight: f64) -> Result<Option<(RadianceMap, Inpu
 
 /// What a file lacks of a table of facets, if it is of a form that one has: which arrays or columns are there instead.
 pub(super) fn missing(path: &Path) -> Result<Option<Problem>> {
-    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    let (what, there) = match extension.as_str() {
-        "npz" => {
+    let (what, there) = match form(path) {
+        Some(format) if *format == NPZ => {
             let named = |array: &npz::ArrayInfo| format!("{} {:?}", array.name, array.shape);
             ("array", npz::list(path)?.1.iter().map(named).collect::<Vec<_>>())
         }
-        "csv" => {
+        Some(_) => {
             let (text, _) = input::text(path, LIMIT)?;
             let header = text.lines().next().unwrap_or_default();
             if !header.split(',').next().is_some_and(|name| name.trim().eq_ignore_ascii_case("facet")) {
@@ -66,7 +71,7 @@ pub(super) fn missing(path: &Path) -> Result<Option<Problem>> {
             }
             ("column", header.split(',').map(|name| name.trim().to_owned()).collect())
         }
-        _ => return Ok(None),
+        None => return Ok(None),
     };
     let there = if there.is_empty() { "nothing".to_owned() } else { there.join(", ") };
     Ok(Some(Problem::new(Location::file(path), format!("has no {what} `{RADIANCE}`; it has {there}"))))

@@ -16,12 +16,14 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
-use super::InputFile;
 use super::dart::{self, output as dart_output, output::Placing};
 use super::input;
 use super::located::Document;
-use super::raster::{self, Raster};
+use super::raster::Raster;
+use super::raster::headers::ILWIS;
+use super::registry;
 use super::scene_toml::{self, Lens, Reader, Tiling};
+use super::{Format, InputFile};
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::{Direction, Pose};
 use crate::product::{Eye, Placement, Projection, RadianceMap, SkyShare, TexelSource, ViewImage};
@@ -85,7 +87,7 @@ pub fn open(path: &Path, scene: &Scene, weight: f64, watch: Watch<'_>) -> Result
         );
         return Err(Error::Invalid(vec![problem.with_help(help)]));
     }
-    if path.is_dir() || path.extension().is_some_and(|e| e == "mpr" || e == "mp#") {
+    if path.is_dir() || registry::called(path, Format::is_image) == Some(&ILWIS) {
         return of_dart(path, scene, weight, &dart_output::MapOptions::default(), watch);
     }
     if let Some(problem) = facets::missing(path)? {
@@ -97,7 +99,7 @@ pub fn open(path: &Path, scene: &Scene, weight: f64, watch: Watch<'_>) -> Result
         return Err(Error::Invalid(vec![problem.with_help(help)]));
     }
     // What is no raster either is told as that.
-    let raster = raster::open(path)?;
+    let raster = registry::image(path)?;
     let message = format!(
         "is a raster of {} x {} pixels and {} bands, but what its numbers are, and where they lie, is not known",
         raster.columns,

@@ -18,13 +18,26 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Location, Problem, Result};
 use crate::formats::exr_cube;
+use crate::formats::format::{Format, Holds};
 use crate::formats::input::MOST_DEFLATED;
+use crate::formats::marks;
 use crate::formats::number::DataType;
 use crate::report::{Fate, Report};
 
 use super::layers::{self, Layer};
-use super::{PASS_BYTES, Raster, RasterBand, Reader, check_size, names};
+use super::{PASS_BYTES, Raster, RasterBand, Reader, Target, check_size, names};
 use crate::formats::input;
+
+/// An OpenEXR image.
+pub(in crate::formats) static OPEN_EXR: Format = Format {
+    name: "exr",
+    extensions: &["exr"],
+    reads: "channels, wavelengths",
+    writes: "the same, f32",
+    mark: marks::OPEN_EXR,
+    told: None,
+    holds: Holds::Image { kind: "OpenEXR image", open, target: Ok(|_| Target::Exr) },
+};
 
 /// All bands of a file are held up to this size, or as many as fit.
 const HELD_BYTES: usize = 8 << 30;

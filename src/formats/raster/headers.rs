@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use crate::error::{Error, Location, Problem, Result};
-use crate::formats::envi::{self, Scale};
+use crate::formats::envi::{self, Interleave, Scale};
+use crate::formats::format::{Format, Holds, ending};
 use crate::formats::ilwis;
 use crate::formats::number::DataType;
 use crate::report::{Fate, Report};
@@ -11,7 +12,51 @@ use crate::report::{Fate, Report};
 use super::flat::{Flat, Order};
 use super::names;
 use super::place::Georeference;
-use super::{Raster, RasterBand, Reader, check_length, check_size};
+use super::{Raster, RasterBand, Reader, Target, check_length, check_size};
+
+/// An ENVI image: numbers, with a header beside them.
+pub(in crate::formats) static ENVI: Format = Format {
+    name: "envi",
+    extensions: &envi::ENDINGS,
+    reads: "images with .hdr: real numbers in any order",
+    writes: "the same; .bil and .bip interleave bands so",
+    mark: &[],
+    told: Some(|path, beginning| is_envi(path, beginning).then(|| path.to_owned())),
+    holds: Holds::Image {
+        kind: "ENVI image",
+        open: open_envi,
+        target: Ok(|path| {
+            Target::Envi(match ending(path).as_str() {
+                "bil" => Interleave::Bil,
+                "bip" => Interleave::Bip,
+                _ => Interleave::Bsq,
+            })
+        }),
+    },
+};
+
+/// An ILWIS 2 map, as DART writes images.
+pub(in crate::formats) static ILWIS: Format = Format {
+    name: "ilwis",
+    extensions: &["mpr", "mp#"],
+    reads: "maps of values",
+    writes: "one band as DART writes it, with .grf",
+    mark: &[],
+    told: None,
+    holds: Holds::Image { kind: "ILWIS map", open: open_ilwis, target: Ok(|_| Target::Ilwis) },
+};
+
+/// Whether a file is an image's: its numbers, called so, with a header beside them; or that header, which may be named like a library.
+fn is_envi(path: &Path, beginning: &[u8]) -> bool {
+    match ending(path).as_str() {
+        "hdr" | "sli" => {
+            let text = String::from_utf8_lossy(beginning).to_lowercase();
+            let is_header = text.trim_start_matches('\u{feff}').starts_with("envi");
+            is_header && !text.contains(&envi::SPECTRAL_LIBRARY.to_lowercase())
+        }
+        other => envi::ENDINGS.contains(&other) && envi::pair(path).is_ok(),
+    }
+}
 
 /// Opens an ENVI image by its header or its data file.
 pub(super) fn open_envi(path: &Path) -> Result<Raster> {

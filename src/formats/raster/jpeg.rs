@@ -8,11 +8,28 @@ use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
 use crate::error::{Error, Location, Result};
+use crate::formats::format::{Format, Holds};
 use crate::formats::input;
+use crate::formats::marks;
 use crate::formats::number::DataType;
 use crate::report::Fate;
 
 use super::{MOST_PIXELS, Raster, RasterBand, Reader, check_size, resize};
+
+/// A photograph.
+pub(in crate::formats) static JPEG: Format = Format {
+    name: "jpeg",
+    extensions: &["jpg", "jpeg"],
+    reads: "grey or colours, 0 to 1",
+    writes: "",
+    mark: marks::JPEG,
+    told: None,
+    holds: Holds::Image {
+        kind: "picture",
+        open,
+        target: Err("`mmxrt inspect FILE --picture OUT.png` makes one to look at"),
+    },
+};
 
 /// Longer files are refused, bytes.
 const LIMIT: u64 = 1 << 30;

@@ -5,19 +5,19 @@
 //! OpenEXR (see `exr.rs`).
 
 mod compare;
-mod exr;
+pub(super) mod exr;
 mod flat;
-mod headers;
-mod jpeg;
+pub(super) mod headers;
+pub(super) mod jpeg;
 mod layers;
 mod names;
-mod npy;
-mod picture;
+pub(super) mod npy;
+pub(super) mod picture;
 mod place;
-mod text;
+pub(super) mod text;
 mod write;
 
-use std::io::{Cursor, Read};
+use std::io::Cursor;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -29,13 +29,12 @@ use crate::spectral::Band;
 pub use self::compare::{differences, statistics};
 pub(crate) use self::names::{bare_number, colour};
 pub(crate) use self::place::Georeference;
-pub(crate) use self::text::{is_grid, open as open_csv};
 pub use self::write::{Options, Target, write};
-use super::envi::{self, Scale};
-use super::input::{self, InputFile};
+use super::envi::Scale;
+use super::ilwis;
+use super::input::InputFile;
 pub use super::number::DataType;
 use super::quicklook;
-use super::{foreign, ilwis};
 
 use self::exr::Numbers;
 use self::flat::{Flat, Order};
@@ -47,12 +46,6 @@ const PASS_BYTES: usize = 256 << 20;
 const MOST_PIXELS: u64 = 1 << 28;
 /// No raster has more bands.
 const MOST_BANDS: u64 = 1 << 16;
-/// As much of a file is looked at to tell what it is, bytes.
-const BEGINNING: u64 = 4096;
-
-/// What data files of ENVI are called, besides by their satellite's or nothing.
-const ENVI_ENDINGS: [&str; 7] = ["img", "dat", "bsq", "bil", "bip", "raw", "sli"];
-
 /// A raster whose bands are read one by one.
 #[derive(Debug, Clone)]
 pub struct Raster {
@@ -131,74 +124,6 @@ struct Pass {
     bands: Range<usize>,
     /// [band, row, column].
     numbers: Numbers,
-}
-
-/// Opens a raster, by any of its files. Its format is told by what it holds, and where that does not tell, by its name.
-///
-/// | format | what is read |
-/// |---|---|
-/// | ENVI | any interleave, real types and byte order; `data gain values`, `data offset values` and `reflectance scale factor` apply |
-/// | ILWIS 2 (`.mpr`, `.mp#`) | maps of values; its undefined values are NaN, and -1 where nothing is less, which is no data in DART's images (not in a `DEM`) |
-/// | OpenEXR | channels of all parts, on the display window; a name that ends in a wavelength (`S0.0950,000000nm`, `1000nm`, `0.95um`) says it |
-/// | PNG, JPEG | grey or red, green, blue, 0 to 1 as stored; NaN where transparent |
-/// | CSV | numbers alone, a line for each row; `nan`, or nothing between two commas, is no data |
-/// | NumPy (`.npy`, `.npz` with one array of numbers or one named `raster`) | \[row, column\] or \[row, column, band\]; of one axis: one row |
-///
-/// # Errors
-/// [`Error::Io`]; [`Error::Syntax`] and [`Error::Invalid`] at all places of a header that cannot be used, for a file that is
-/// not as long as its header says, and a partner that is not there; [`Error::Unsupported`] for what is not read.
-pub fn open(path: &Path) -> Result<Raster> {
-    let reading = |e| Error::io(path, "reading", e);
-    let mut beginning = Vec::new();
-    input::open(path).and_then(|file| file.take(BEGINNING).read_to_end(&mut beginning)).map_err(reading)?;
-    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    if holds_numbers_alone(path) {
-        return if extension == "mp#" { headers::open_ilwis(path) } else { headers::open_envi(path) };
-    }
-    if let Some(error) = foreign::refused(path, &beginning) {
-        return Err(error);
-    }
-    match extension.as_str() {
-        _ if beginning.starts_with(&[0x76, 0x2f, 0x31, 0x01]) => exr::open(path),
-        _ if beginning.starts_with(b"\x89PNG") => picture::open(path),
-        _ if beginning.starts_with(foreign::JPEG) => jpeg::open(path),
-        _ if beginning.starts_with(b"\x93NUMPY") => npy::open(path),
-        _ if beginning.starts_with(b"PK\x03\x04") => npy::open_npz(path),
-        "npy" | "npz" | "exr" | "png" | "jpg" | "jpeg" if !foreign::is_begun(&beginning, &extension) => {
-            Err(foreign::not_what_it_is_called(path, &beginning))
-        }
-        "npy" => npy::open(path),
-        "npz" => npy::open_npz(path),
-        "mpr" | "mp#" => headers::open_ilwis(path),
-        "exr" => exr::open(path),
-        "png" => picture::open(path),
-        "jpg" | "jpeg" => jpeg::open(path),
-        "csv" => text::open(path),
-        _ => match envi::pair(path) {
-            Err(_)
-                if extension != "hdr"
-                    && (foreign::is_known(&beginning) || !ENVI_ENDINGS.contains(&extension.as_str())) =>
-            {
-                Err(foreign::not_what_it_is_called(path, &beginning))
-            }
-            _ => headers::open_envi(path),
-        },
-    }
-}
-
-/// Whether a file holds numbers alone, so that how it begins tells nothing: 2815 in the first pixel is the mark of JPEG XL. They are
-/// ILWIS', or just as many as a header of ENVI beside them says.
-pub(super) fn holds_numbers_alone(path: &Path) -> bool {
-    let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    if ending == "mp#" {
-        return true;
-    }
-    if ending == "hdr" || foreign::is_an_image(&ending) {
-        return false;
-    }
-    let Ok(header) = envi::pair(path).and_then(|(header, _)| envi::read_header(&header)) else { return false };
-    let expected = header.data_bytes().and_then(|bytes| bytes.checked_add(header.header_offset));
-    path.metadata().is_ok_and(|file| Some(file.len()) == expected)
 }
 
 impl Raster {

@@ -4,13 +4,44 @@ use std::io::{Cursor, Read};
 use std::path::Path;
 
 use crate::error::{Error, Location, Problem, Result};
+use crate::formats::format::{Format, Holds};
+use crate::formats::marks;
 use crate::formats::npz::{self, Member, Preamble, preamble};
 use crate::formats::number::DataType;
 use crate::report::Fate;
 
 use super::flat::{Flat, Order};
-use super::{Raster, RasterBand, Reader, check_length, check_size};
+use super::{Raster, RasterBand, Reader, Target, check_length, check_size};
 use crate::formats::input;
+
+/// A NumPy array.
+pub(in crate::formats) static NPY: Format = Format {
+    name: "npy",
+    extensions: &["npy"],
+    reads: "[row, column] or [row, column, band]",
+    writes: "the same",
+    mark: marks::NUMPY,
+    told: None,
+    holds: Holds::Image { kind: "NumPy array", open, target: Ok(|_| Target::Npy) },
+};
+
+/// NumPy arrays in a Zip archive; other archives hold no `.npy` first.
+pub(in crate::formats) static NPZ: Format = Format {
+    name: "npz",
+    extensions: &["npz"],
+    reads: "the array in it, or that named raster; wavelength_um",
+    writes: "",
+    mark: marks::ZIP,
+    told: Some(|path, beginning| holds_arrays(beginning).then(|| path.to_owned())),
+    holds: Holds::Image { kind: "NumPy arrays", open: open_npz, target: Err("write .npy") },
+};
+
+/// Whether the first file in an archive is an array, by its local header (APPNOTE.TXT 4.3.7): the length of its name is at byte 26, the name
+/// from byte 30 on.
+fn holds_arrays(archive: &[u8]) -> bool {
+    let length = archive.get(26..28).map(|b| usize::from(u16::from_le_bytes([b[0], b[1]])));
+    length.and_then(|length| archive.get(30..30 + length)).is_some_and(|name| name.ends_with(b".npy"))
+}
 
 /// Preambles end before this, bytes.
 const PREAMBLE: u64 = 1 << 16;

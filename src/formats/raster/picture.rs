@@ -8,11 +8,28 @@ use std::path::Path;
 use png::{BitDepth, ColorType, Transformations};
 
 use crate::error::{Error, Location, Result};
+use crate::formats::format::{Format, Holds};
+use crate::formats::marks;
 use crate::formats::number::DataType;
 use crate::report::Fate;
 
 use super::{Raster, RasterBand, Reader, check_size, resize};
 use crate::formats::input;
+
+/// A picture.
+pub(in crate::formats) static PNG: Format = Format {
+    name: "png",
+    extensions: &["png"],
+    reads: "grey or colours, 0 to 1; transparent is no data",
+    writes: "",
+    mark: marks::PNG,
+    told: None,
+    holds: Holds::Image {
+        kind: "picture",
+        open,
+        target: Err("`mmxrt inspect FILE --picture OUT.png` makes one to look at"),
+    },
+};
 
 /// Opens a picture.
 pub(super) fn open(path: &Path) -> Result<Raster> {

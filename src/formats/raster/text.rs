@@ -4,10 +4,22 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 use crate::error::{Error, Location, Problem, Result};
+use crate::formats::format::{Format, Holds, ending};
 use crate::formats::input::{self, Problems};
 use crate::formats::number::DataType;
 
-use super::{MOST_PIXELS, Raster, RasterBand, Reader, check_size};
+use super::{MOST_PIXELS, Raster, RasterBand, Reader, Target, check_size};
+
+/// A band as comma-separated values.
+pub(in crate::formats) static GRID: Format = Format {
+    name: "grid",
+    extensions: &["csv"],
+    reads: "CSV of numbers alone: one band",
+    writes: "the same",
+    mark: &[],
+    told: Some(|path, beginning| (ending(path) == "csv" && is_grid(beginning)).then(|| path.to_owned())),
+    holds: Holds::Image { kind: "CSV of numbers", open, target: Ok(|_| Target::Csv) },
+};
 
 /// Longer files are refused, bytes.
 const LIMIT: u64 = 8 << 30;
@@ -33,7 +45,7 @@ fn is_left_out(line: &str) -> bool {
 }
 
 /// Whether a text is a table of nothing but numbers, by its first row.
-pub(crate) fn is_grid(beginning: &[u8]) -> bool {
+fn is_grid(beginning: &[u8]) -> bool {
     let text = String::from_utf8_lossy(beginning);
     let text = text.trim_start_matches('\u{feff}');
     let first = text.lines().find(|line| !is_left_out(line.trim())).unwrap_or_default();
@@ -43,7 +55,7 @@ pub(crate) fn is_grid(beginning: &[u8]) -> bool {
 }
 
 /// Reads a text.
-pub(crate) fn open(path: &Path) -> Result<Raster> {
+pub(super) fn open(path: &Path) -> Result<Raster> {
     let reading = |e| Error::io(path, "reading", e);
     let file = input::open(path).map_err(reading)?;
     if file.metadata().map_err(reading)?.len() > LIMIT {

@@ -6,6 +6,7 @@
 mod angles;
 mod atlas;
 mod attitude;
+pub(super) mod format;
 mod lens;
 mod materials;
 mod mesh;
@@ -28,8 +29,11 @@ use crate::spectral::{Extend, Spectrum, SunTotal, solar_e490};
 use crate::units::{AU_M, MARS_RADIUS_M, SUN_RADIUS_M, TSI_1AU_W_M2};
 
 use super::InputFile;
+use super::dart::database::DATABASE;
 use super::input;
 use super::located::{self, Document};
+use super::registry;
+use super::sli::SLI;
 use super::spectra;
 use super::spectrum_csv::{NOISE, Quantity};
 pub(super) use atlas::Tiling;
@@ -315,8 +319,8 @@ impl Reader<'_> {
 
     fn spectrum_file(&mut self, item: &str, name: &str, quantity: Quantity, extend: Extend) -> Option<Spectrum> {
         let path = self.path(name);
-        if let Some(format @ (spectra::Format::Database | spectra::Format::Sli)) = spectra::Format::of(&path) {
-            let what = if format == spectra::Format::Sli { "a spectral library" } else { "a database of spectra" };
+        if let Some(many) = registry::of_spectra(&path).filter(|format| [&SLI, &DATABASE].contains(format)) {
+            let what = if *many == SLI { "a spectral library" } else { "a database of spectra" };
             let help = format!(
                 "take a spectrum out of it: mmxrt convert {name} one.csv --model NAME; --list {name} has the names"
             );

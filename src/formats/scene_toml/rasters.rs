@@ -6,6 +6,7 @@ use glam::{DMat3, DVec3};
 
 use super::super::located::member;
 use super::super::raster::{self, Georeference, Raster};
+use super::super::registry;
 use super::types::{
     BandsToml, Coordinates, FactorUnitToml, MeanToml, PlaneToml, RasterToml, TexelsToml, TexturePlacementToml,
     TextureQuantityToml, TextureToml,
@@ -68,7 +69,7 @@ impl Reader<'_> {
         let count = paths.len();
         let mut rasters: Vec<Raster> = Vec::new();
         for path in paths {
-            let Some(mut raster) = self.taken(item, raster::open(&path)) else { continue };
+            let Some(mut raster) = self.taken(item, registry::image(&path)) else { continue };
             if let Err((message, help)) = raster.take_image(channels) {
                 let of_channels = item.strip_suffix("raster").map(|before| format!("{before}channels"));
                 let item = of_channels.filter(|_| channels.is_some()).unwrap_or_else(|| item.to_owned());

@@ -4,8 +4,8 @@ use std::borrow::Cow;
 use std::rc::Rc;
 
 use crate::error::{Error, Location, Result};
-use crate::formats::coloured_mesh::MOST;
 use crate::formats::input::{self, Hashing};
+use crate::formats::mesh_file::MOST;
 use crate::formats::obj::{self, ObjFile};
 use crate::geometry::{MaterialId, Mesh};
 use crate::progress::tell;

@@ -1,0 +1,40 @@
+//! How files begin that are no text: once for those who read them, and for what is said of a file that is something else.
+
+use super::foreign;
+
+pub(super) const PNG: &[u8] = b"\x89PNG";
+pub(super) const JPEG: &[u8] = &[0xff, 0xd8, 0xff];
+pub(super) const OPEN_EXR: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
+pub(super) const NUMPY: &[u8] = b"\x93NUMPY";
+pub(super) const ZIP: &[u8] = b"PK";
+pub(super) const SQLITE: &[u8] = b"SQLite format 3\0";
+pub(super) const GLB: &[u8] = b"glTF";
+
+/// What a file is that begins so, whether it is read or not.
+pub(super) fn named(beginning: &[u8]) -> Option<&'static str> {
+    let begins: [(&[u8], &str); 11] = [
+        (PNG, "PNG"),
+        (JPEG, "JPEG"),
+        (OPEN_EXR, "OpenEXR"),
+        (NUMPY, "NumPy"),
+        (b"PK\x03\x04", "a Zip archive, as .npz, .xlsx and .ods are"),
+        (b"\x1f\x8b", "compressed by gzip"),
+        (b"%PDF", "PDF"),
+        (SQLITE, "an SQLite database"),
+        (GLB, "glTF"),
+        (&[0xff, 0xfe], "text in UTF-16"),
+        (&[0xfe, 0xff], "text in UTF-16"),
+    ];
+    let ours = begins.iter().find(|(bytes, _)| beginning.starts_with(bytes)).map(|(_, name)| *name);
+    ours.or_else(|| foreign::named(beginning))
+}
+
+/// Bytes that are no text, in words.
+pub(super) fn not_text(beginning: &[u8]) -> String {
+    match named(beginning) {
+        Some("text in UTF-16") => "damaged text in UTF-16: save the file as UTF-8".into(),
+        Some(name) => format!("is {name}, where text is wanted"),
+        None if beginning.contains(&0) => "is no text, which is wanted here".into(),
+        None => "not UTF-8 text: save the file as UTF-8".into(),
+    }
+}

@@ -1,0 +1,56 @@
+//! What every reader of meshes gives: a mesh, its materials' names and colours, and what is to be told of its file.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+
+use super::input::InputFile;
+use super::mtl::ObjMaterial;
+use crate::geometry::{Direction, Mesh};
+use crate::report::{Note, Report};
+
+/// More vertices, or more facets, are refused.
+pub(super) const MOST: usize = 1 << 27;
+/// Normals of a face's corners that differ by more make it look round.
+pub(super) const FLAT: f64 = 1e-3;
+
+/// A mesh and what its materials are called.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ColouredMesh {
+    /// The mesh, m, z up, local to the origin if there is one.
+    pub mesh: Mesh,
+    /// Its materials: names and linear colours.
+    pub materials: Vec<ObjMaterial>,
+    /// Origin of the mesh's coordinates in the body-fixed frame, m, if the file says it.
+    pub origin_m: Option<DVec3>,
+    /// Towards the Sun, axes of the mesh, if the file says it.
+    pub sun: Option<Direction>,
+}
+
+/// The axis of a file that points up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Up {
+    /// z up.
+    Z,
+    /// y up, z towards the viewer.
+    Y,
+}
+
+/// A file of a mesh, as it was read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshFile {
+    /// The mesh, and what its materials are called.
+    pub surface: ColouredMesh,
+    /// The axis that files of this format have up; [`ColouredMesh::mesh`] has z up all the same, unless the file is in axes of its own.
+    pub up: Up,
+    /// Statements that were passed over, and how many of each.
+    pub ignored: BTreeMap<String, usize>,
+    /// What of the file has no place in a mesh.
+    pub report: Report,
+    /// What is probably not meant of the mesh, and what was taken all the same.
+    pub doubts: Vec<Note>,
+    /// The same of its materials.
+    pub material_doubts: Vec<Note>,
+    /// The files that were read: the one that was named, or all that it names too.
+    pub inputs: Vec<InputFile>,
+}

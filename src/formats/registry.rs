@@ -1,0 +1,244 @@
+//! The list of all formats, and which one a file is: by how it begins and what lies beside it, and where that does not tell, by its name.
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use super::dart::format::SIMULATION;
+use super::dart::{database, text_spectra};
+use super::foreign;
+use super::format::{Format, Holds, ending};
+use super::gltf::format::{BINARY, TEXT};
+use super::mesh_file::MeshFile;
+use super::obj::{self, format::OBJ};
+use super::raster::{Raster, exr, headers, jpeg, npy, picture, text};
+use super::scene_toml::format::SCENE;
+use super::{envi, input, marks, sli, spectrum_csv};
+use crate::error::{Error, Location, Problem, Result};
+
+/// All formats, in the order they are listed, and asked what a file is.
+pub static ALL: [&Format; 17] = [
+    &SCENE,
+    &OBJ,
+    &TEXT,
+    &BINARY,
+    &SIMULATION,
+    &headers::ENVI,
+    &headers::ILWIS,
+    &exr::OPEN_EXR,
+    &npy::NPY,
+    &npy::NPZ,
+    &picture::PNG,
+    &jpeg::JPEG,
+    &database::DATABASE,
+    &text_spectra::TEXT,
+    &sli::SLI,
+    &spectrum_csv::CSV,
+    &text::GRID,
+];
+
+/// As much of a file is looked at to tell what it is, bytes.
+const BEGINNING: u64 = 1 << 16;
+/// How names of files end that go with others, and may have a header of ENVI beside them by chance.
+const COMPANIONS: [&str; 2] = ["json", "mtl"];
+
+/// The format of a name, as `--from` and `--to` give it.
+pub fn named(name: &str) -> Option<&'static Format> {
+    ALL.into_iter().find(|format| format.name == name)
+}
+
+/// The format of what is there, and its main file or folder.
+///
+/// # Errors
+/// [`Error::Io`]; [`Error::Unsupported`] for an image in a format that is not read; [`Error::Invalid`] if there is no telling.
+pub fn of_input(path: &Path) -> Result<(&'static Format, PathBuf)> {
+    let beginning = if path.is_dir() { Vec::new() } else { beginning(path)? };
+    if holds_numbers_alone(path) {
+        return Ok((of_name(path).unwrap_or(&headers::ENVI), path.to_owned()));
+    }
+    if let Some(error) = foreign::refused(path, &beginning) {
+        return Err(error);
+    }
+    if let Some(found) = told(path, &beginning, |_| true) {
+        return Ok(found);
+    }
+    if path.is_dir() {
+        return unknown(path, "a folder with neither maket.xml nor scene.toml in it");
+    }
+    match of_name(path) {
+        Some(format) => Ok((format, path.to_owned())),
+        None if !COMPANIONS.contains(&ending(path).as_str()) && envi::pair(path).is_ok() => {
+            Ok((&headers::ENVI, path.to_owned()))
+        }
+        None => unknown(path, "neither what it holds nor how its name ends tells a format"),
+    }
+}
+
+/// The format that a name asks to be written.
+///
+/// # Errors
+/// [`Error::Invalid`] for an ending that no format has.
+pub fn of_output(path: &Path) -> Result<&'static Format> {
+    match of_name(path) {
+        Some(format) => Ok(format),
+        None if is_folder(path) => Ok(&SIMULATION),
+        None => unknown(path, "no format's names end like this"),
+    }
+}
+
+/// The format of a file that is to hold spectra; `None` if it is none of these.
+pub fn of_spectra(path: &Path) -> Option<&'static Format> {
+    // Whether it is there is found out by who reads it.
+    let beginning = beginning(path).unwrap_or_default();
+    let found = told(path, &beginning, Format::is_spectral).map(|(format, _)| format);
+    found.or_else(|| called(path, Format::is_spectral))
+}
+
+/// Opens an image, by any of its files, as whatever it is.
+///
+/// | format | what is read |
+/// |---|---|
+/// | ENVI | any interleave, real types and byte order; `data gain values`, `data offset values` and `reflectance scale factor` apply |
+/// | ILWIS 2 (`.mpr`, `.mp#`) | maps of values; its undefined values are NaN, and -1 where nothing is less, which is no data in DART's images (not in a `DEM`) |
+/// | OpenEXR | channels of all parts, on the display window; a name that ends in a wavelength (`S0.0950,000000nm`, `1000nm`, `0.95um`) says it |
+/// | PNG, JPEG | grey or red, green, blue, 0 to 1 as stored; NaN where transparent |
+/// | CSV | numbers alone, a line for each row; `nan`, or nothing between two commas, is no data |
+/// | NumPy (`.npy`, `.npz` with one array of numbers or one named `raster`) | \[row, column\] or \[row, column, band\]; of one axis: one row |
+///
+/// # Errors
+/// [`Error::Io`]; [`Error::Syntax`] and [`Error::Invalid`] at all places of a header that cannot be used, for a file that is
+/// not as long as its header says, and a partner that is not there; [`Error::Unsupported`] for what is not read.
+pub fn image(path: &Path) -> Result<Raster> {
+    let beginning = beginning(path)?;
+    let called = called(path, Format::is_image);
+    let format = if holds_numbers_alone(path) {
+        called.unwrap_or(&headers::ENVI)
+    } else if let Some(error) = foreign::refused(path, &beginning) {
+        return Err(error);
+    } else if let Some((format, _)) = told(path, &beginning, Format::is_image) {
+        format
+    } else {
+        // What has no header of ENVI beside it is told so if it may be its numbers, or is a header.
+        let may_be_envi = || ["hdr", "sli"].contains(&ending(path).as_str()) || envi::pair(path).is_ok();
+        let is_unknown = marks::named(&beginning).is_none();
+        match called {
+            Some(format) if *format == headers::ENVI && is_unknown => format,
+            Some(format) if *format != headers::ENVI && format.may_begin(&beginning) => format,
+            None if may_be_envi() => &headers::ENVI,
+            _ => return Err(no_image(path, &beginning)),
+        }
+    };
+    match format.holds {
+        Holds::Image { open, .. } => open(path),
+        _ => Err(no_image(path, &beginning)),
+    }
+}
+
+/// Reads a mesh, of whatever format it is. Files that it names may lie outside its folder if `outside` says so.
+///
+/// # Errors
+/// What the format's reader says; [`Error::Invalid`] if it is no mesh.
+pub fn mesh(path: &Path, outside: bool) -> Result<MeshFile> {
+    let beginning = beginning(path)?;
+    let found = told(path, &beginning, Format::is_mesh).map(|(format, _)| format);
+    let is_other = || marks::named(&beginning).or_else(|| Some(of_input(path).ok()?.0.name));
+    match found.or_else(|| called(path, Format::is_mesh)) {
+        Some(Format { holds: Holds::Mesh { read }, .. }) => read(path, outside),
+        _ => {
+            let other = obj::other_mesh(path);
+            Err(other.unwrap_or_else(|| {
+                let is = is_other().map_or("is none that is known".to_owned(), |name| format!("is {name}"));
+                let problem = Problem::new(Location::file(path), format!("{is}, where a mesh is wanted"));
+                let endings: Vec<String> = endings(Format::is_mesh).iter().map(|ending| format!(".{ending}")).collect();
+                Error::Invalid(vec![problem.with_help(format!("meshes are {}", endings.join(", ")))])
+            }))
+        }
+    }
+}
+
+/// How names of some formats' files end.
+pub fn endings(of: impl Fn(&Format) -> bool) -> Vec<&'static str> {
+    ALL.into_iter().filter(|format| of(format)).flat_map(|format| format.extensions).copied().collect()
+}
+
+/// Whether a name is a folder's: it ends in nothing, or in a number, as of a version.
+pub(super) fn is_folder(path: &Path) -> bool {
+    let is_number = |ending: &str| ending.trim_start_matches(['v', 'V']).starts_with(|c: char| c.is_ascii_digit());
+    path.is_dir() || path.extension().is_none_or(|ending| ending.to_str().is_some_and(is_number))
+}
+
+fn beginning(path: &Path) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let read = input::open(path).and_then(|file| file.take(BEGINNING).read_to_end(&mut bytes));
+    read.map_err(|e| Error::io(path, "reading", e))?;
+    Ok(bytes)
+}
+
+/// The first of some formats that is told by what is there.
+fn told(path: &Path, beginning: &[u8], of: impl Fn(&Format) -> bool) -> Option<(&'static Format, PathBuf)> {
+    ALL.into_iter().filter(|format| of(format)).find_map(|format| Some((format, format.told(path, beginning)?)))
+}
+
+/// The first format whose files are called like this.
+fn of_name(path: &Path) -> Option<&'static Format> {
+    called(path, |_| true)
+}
+
+/// The first of some formats whose files are called like this.
+pub(super) fn called(path: &Path, of: impl Fn(&Format) -> bool) -> Option<&'static Format> {
+    let ending = ending(path);
+    ALL.into_iter().find(|format| of(format) && format.extensions.contains(&ending.as_str()))
+}
+
+/// Whether names of images end so that begin with a mark, read or not.
+fn has_mark(ending: &str) -> bool {
+    foreign::ENDINGS.contains(&ending) || endings(|f| f.is_image() && !f.mark.is_empty()).contains(&ending)
+}
+
+/// Whether a file holds numbers alone, so that how it begins tells nothing: 2815 in the first pixel is the mark of JPEG XL. They are
+/// ILWIS', or just as many as a header of ENVI beside them says.
+fn holds_numbers_alone(path: &Path) -> bool {
+    let ending = ending(path);
+    if ending == "mp#" {
+        return true;
+    }
+    if ending == "hdr" || has_mark(&ending) {
+        return false;
+    }
+    let Ok(header) = envi::pair(path).and_then(|(header, _)| envi::read_header(&header)) else { return false };
+    let expected = header.data_bytes().and_then(|bytes| bytes.checked_add(header.header_offset));
+    path.metadata().is_ok_and(|file| Some(file.len()) == expected)
+}
+
+/// That a file is no image: what it is instead, or how it begins.
+fn no_image(path: &Path, beginning: &[u8]) -> Error {
+    let ending = ending(path);
+    let name = marks::named(beginning);
+    let message = match (beginning, name) {
+        ([], _) => "is empty".to_owned(),
+        (_, Some(name)) => format!("is {name}, and no image"),
+        (_, None) => {
+            let first: String = beginning.iter().take(8).flat_map(|byte| byte.escape_ascii()).map(char::from).collect();
+            match has_mark(&ending) {
+                true => {
+                    format!(
+                        "begins with \"{first}\", as no whole .{ending} file does: damaged, or something else by that name"
+                    )
+                }
+                false => format!(
+                    "begins with \"{first}\", as no image does that is read; as numbers of ENVI, its header is not beside it"
+                ),
+            }
+        }
+    };
+    let problem = Problem::new(Location::file(path), message);
+    Error::Invalid(vec![match has_mark(&ending) || name.is_some() {
+        true => problem,
+        false => problem.with_help("a header of ENVI has the data file's name with .hdr"),
+    }])
+}
+
+fn unknown<T>(path: &Path, message: &str) -> Result<T> {
+    let names = ALL.map(|format| format.name);
+    let help = format!("say it with --from or --to: {}", names.join(", "));
+    Err(Error::Invalid(vec![Problem::new(Location::file(path), message).with_help(help)]))
+}
