@@ -354,3 +354,76 @@ impl<F: FnMut(u32, &[Point], f64)> Visit for Near<'_, F> {
 
     fn cut(&mut self, _: u32, _: &Rect) {}
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::{DMat3, DVec3};
+
+    use super::super::footprints::draw;
+    use super::super::parts::Polygons;
+    use super::super::sweep::sweep;
+    use super::*;
+    use crate::geometry::{Direction, MaterialId, Mesh, Pose};
+    use crate::progress::unwatched;
+    use crate::scene::FrameCamera;
+    use crate::visibility::{Seen, Topology};
+
+    /// Ground from -2 to 2 and a wall along x = 0, 1 m high, from 1 km above: 2 x 2 pixels of 2 m; sample 0 is west, line 0 north.
+    fn parts(towards: DVec3) -> Vec<Vec<(Entry, Part)>> {
+        let points = [[-2, -2, 0], [2, -2, 0], [2, 2, 0], [-2, 2, 0], [0, -2, 0], [0, 2, 0], [0, 2, 1], [0, -2, 1]];
+        let mesh = Mesh {
+            vertices_m: points.map(|p| DVec3::from_array(p.map(f64::from))).to_vec(),
+            facets: vec![[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]],
+            material: vec![MaterialId(0); 4],
+            ..Mesh::default()
+        };
+        let topology = Topology::new(&mesh);
+        let seen = |towards| {
+            Seen::from_afar(&mesh, &topology, Direction::new(towards).unwrap(), "sunlight", &unwatched).unwrap()
+        };
+        // The Sun at the zenith, and another source.
+        let lit = [DVec3::Z, towards].map(seen);
+        let polygons = lit.each_ref().map(Polygons::of_seen);
+        let rotation = DMat3::from_cols(DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z);
+        let pose = Pose { rotation, translation_m: DVec3::new(0.0, 0.0, 1000.0) };
+        let camera = FrameCamera::centred(pose, 2, 2, 2e-3);
+        let drawing = draw(&mesh, &topology, &camera);
+        let start = || {
+            let lights = lit.iter().zip(&polygons).map(|(seen, polygons)| LitArea::new(&drawing, seen, polygons));
+            let mut pixel = Pixel::new(&drawing, lights.collect());
+            pixel.wants_moments = true;
+            pixel
+        };
+        let lines = sweep(&drawing, vec![(); 2], ("image", &unwatched), start, |pixel, line, ()| {
+            let mut found = Vec::new();
+            line.each(pixel, |pixel, _| {
+                found.push(pixel.entries.iter().map(|e| (*e, pixel.lit_part(e, 1))).collect::<Vec<_>>());
+            })?;
+            Ok(found)
+        });
+        lines.unwrap().concat()
+    }
+
+    #[test]
+    fn lit_parts_have_their_own_centroids() {
+        // 45 deg high in the east: of the west, x from -2 to -1 is lit.
+        let pixels = parts(DVec3::new(1.0, 0.0, 1.0));
+        let sums = |pixel: usize| {
+            let (mut shown, mut sun, mut other) = (Part::default(), Part::default(), Part::default());
+            for (entry, lit) in &pixels[pixel] {
+                shown.add(&entry.shown);
+                sun.add(&entry.lit);
+                other.add(lit);
+            }
+            [shown, sun, other].map(|part| [part.area, part.moment[0] / part.area, part.moment[1] / part.area])
+        };
+        let near = |a: [f64; 3], b: [f64; 3]| (0..3).all(|k| (a[k] - b[k]).abs() < 1e-12);
+        for (pixel, [x, y]) in [(0, [0.5, 0.5]), (1, [1.5, 0.5]), (2, [0.5, 1.5]), (3, [1.5, 1.5])] {
+            let [shown, sun, other] = sums(pixel);
+            let is_west = pixel % 2 == 0;
+            assert!(near(shown, [1.0, x, y]) && near(sun, [1.0, x, y]), "{pixel}: {shown:?} {sun:?}");
+            let expected = if is_west { [0.5, 0.25, y] } else { [1.0, x, y] };
+            assert!(near(other, expected), "{pixel}: {other:?}");
+        }
+    }
+}

@@ -62,7 +62,7 @@ enum Prepared<'a> {
     },
     Sphere {
         mars: &'a Mars,
-        light: MarsLight,
+        light: Box<MarsLight>,
         model: MarsModel,
     },
 }
@@ -74,7 +74,7 @@ impl<'a> Prepared<'a> {
             Kind::Sphere(mars) => {
                 let (low_m, high_m) = scene.body.bounds_m().unwrap_or_default();
                 let light = MarsLight::new(mars.centre_m, mars.radius_m, scene.sky.sun.direction, low_m, high_m);
-                Prepared::Sphere { mars, light, model: scene.models.mars_light }
+                Prepared::Sphere { mars, light: Box::new(light), model: scene.models.mars_light }
             }
         }
     }

@@ -5,6 +5,7 @@
 mod afar;
 mod angles;
 mod bands;
+mod beams;
 mod bodies;
 mod cameras;
 mod centres;

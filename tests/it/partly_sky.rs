@@ -21,7 +21,7 @@ fn shares() -> Vec<f64> {
     (0..16).map(|i| side[i / 4] * side[i % 4]).collect()
 }
 
-fn assert_near(image: &[f64], expected: &[f64], tolerance: f64) {
+pub(crate) fn assert_near(image: &[f64], expected: &[f64], tolerance: f64) {
     let worst = image.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(image.len() == expected.len() && worst < tolerance, "{image:?}\n{expected:?}");
 }
