@@ -4,7 +4,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::cost::has_room;
-use super::simulate::{Observation, account_for};
+use super::observation::Observation;
+use super::simulate::account_for;
 use super::warnings::enclosed;
 use super::{map_light, partly_sky};
 use crate::error::{Error, Location, Problem, Result, number};

@@ -1,79 +1,19 @@
 //! From a scene to what a camera sees of it, with an account of how good it is.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
 use super::cost::has_room;
-use super::effects::{Account, Effect, mars_seen};
+use super::effects::{Given, Reference, effects, mars_seen};
+use super::observation::{Check, Counts, Observation};
 use super::site::Site;
 use super::warnings;
 use crate::error::Result;
 use crate::geometry::polygon::area;
 use crate::integrate::{self, Image, Wanted};
 use crate::physics::bounds;
-use crate::product::{Backplanes, Cube, FacetTable, Footprints};
+use crate::product::FacetTable;
 use crate::progress::{Watch, tell};
 use crate::scene::{MarsModel, Scene};
 use crate::solve;
 use crate::visibility::Shown;
-
-/// What a camera sees of a scene.
-#[derive(Debug, Clone)]
-pub struct Observation {
-    /// Radiance.
-    pub cube: Cube,
-    /// Images of geometry.
-    pub backplanes: Backplanes,
-    /// Which facets each pixel sees, if that was wanted.
-    pub footprints: Option<Footprints>,
-    /// What was modelled, and what was not.
-    pub effects: Vec<Effect>,
-    /// What was verified of this very result.
-    pub checks: Vec<Check>,
-    /// What the mesh is like.
-    pub counts: Counts,
-    /// What a reader of the result should know, as sentences.
-    pub warnings: Vec<String>,
-}
-
-/// Something that must hold for a result to be right.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Check {
-    /// What must hold.
-    pub name: String,
-    /// What was found.
-    pub value: f64,
-    /// The largest value that is good.
-    pub limit: f64,
-}
-
-impl Check {
-    /// Whether it holds.
-    pub fn passed(&self) -> bool {
-        self.value <= self.limit
-    }
-}
-
-/// What the mesh is like, and how it is lit.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Counts {
-    /// Facets.
-    pub facets: u64,
-    /// Facets without area: they neither shine nor block.
-    pub zero_area_facets: u64,
-    /// Facets whose neighbours have the other side out.
-    pub flipped_facets: u64,
-    /// Edges with a facet on one side only.
-    pub open_edges: u64,
-    /// Facets lit all over.
-    pub lit_facets: u64,
-    /// Facets lit in part.
-    pub partly_lit_facets: u64,
-    /// Facets that some pixel sees.
-    pub visible_facets: u64,
-}
 
 /// Solves a scene and looks at it.
 ///
@@ -107,7 +47,7 @@ pub(super) fn account_for(
 ) -> Result<Observation> {
     tell(watch, "report", 0, 1)?;
     let site = Site::new(&scene.body.mesh, scene.body.topology());
-    let account = Account::new(scene, table, &site, &image.backplanes);
+    let given = Given::new(scene, &site, Reference::of(table, &image.backplanes));
     let shown = table.sunlit().map_or(&[][..], |sunlit| &sunlit.shown);
     let lit = |kind| shown.iter().filter(|l| **l == kind).count() as u64;
     let counts = Counts {
@@ -121,14 +61,14 @@ pub(super) fn account_for(
     };
     tracing::info!(?counts, "observed");
     let observation = Observation {
-        effects: account.effects(),
+        effects: effects(&given),
         warnings: [
             scene.remarks(),
-            warnings::of_image(&account, &counts, &image, uses_sun),
-            warnings::of_scene(scene, &site, account.open_to_shadow, uses_sun),
+            warnings::of_image((&given, table), &counts, &image, uses_sun),
+            warnings::of_scene(scene, &site, given.open_to_shadow, uses_sun),
         ]
         .concat(),
-        checks: checks(&account, &image),
+        checks: checks(scene, table, &given, &image),
         counts,
         cube: image.cube,
         backplanes: image.backplanes,
@@ -139,8 +79,7 @@ pub(super) fn account_for(
 }
 
 /// What must hold whatever the scene.
-fn checks(account: &Account, image: &Image) -> Vec<Check> {
-    let Account { scene, table, .. } = account;
+fn checks(scene: &Scene, table: &FacetTable, given: &Given, image: &Image) -> Vec<Check> {
     let check = |name: &str, value: f64, limit: f64| Check { name: name.to_owned(), value, limit };
     let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
     let bad =
@@ -160,9 +99,9 @@ fn checks(account: &Account, image: &Image) -> Vec<Check> {
         check("weights and spectra that are no finite number", bad as f64, 0.0),
     ];
     if scene.sky.mars.is_some() && scene.models.mars_light == MarsModel::NearField {
-        let bound = bounds::mars_light(1.0, mars_seen(scene, account.site).0, 1.0);
+        let bound = bounds::mars_light(1.0, mars_seen(scene, given.site).0, 1.0);
         let name = "largest irradiance by Mars, over that of sunlight at its zenith on all of Mars";
-        checks.push(check(name, account.largest_mars_irradiance / bound, 1.0));
+        checks.push(check(name, given.reference.largest_mars_irradiance / bound, 1.0));
     }
     checks
 }

@@ -2,13 +2,14 @@
 
 use glam::DVec3;
 
-use super::effects::{Account, eclipse};
-use super::simulate::Counts;
+use super::effects::{Given, by_mars};
+use super::observation::Counts;
 use super::site::Site;
 use crate::geometry::angle_rad;
 use crate::integrate::Image;
 use crate::physics::sun::Eclipse;
-use crate::scene::{Scene, Sky};
+use crate::product::FacetTable;
+use crate::scene::{Scene, Setup, Sky};
 use crate::visibility::Enclosure;
 use crate::visibility::Shown;
 
@@ -29,9 +30,14 @@ pub(super) struct Sight {
 
 /// What only the image tells. `uses_sun` says whether anything in it is sunlight of this scene: if not, where the Sun stands is of
 /// no interest.
-pub(super) fn of_image(account: &Account, counts: &Counts, image: &Image, uses_sun: bool) -> Vec<String> {
+pub(super) fn of_image(
+    (given, table): (&Given, &FacetTable),
+    counts: &Counts,
+    image: &Image,
+    uses_sun: bool,
+) -> Vec<String> {
     let covered_px: f64 = image.backplanes.plane("COVERAGE").map_or(0.0, |p| p.values.iter().sum());
-    let camera = &account.scene.exposure.camera;
+    let camera = &given.scene.exposure.camera;
     let samples = camera.samples as usize;
     let ranges_m = image.backplanes.plane("RANGE").map_or(&[][..], |plane| &plane.values);
     let rays = ranges_m.iter().enumerate().map(|(i, range_m)| {
@@ -42,17 +48,17 @@ pub(super) fn of_image(account: &Account, counts: &Counts, image: &Image, uses_s
     let sight = Sight {
         sees_mesh: counts.visible_facets > 0,
         back_share: if covered_px > 0.0 { image.back_area_px / covered_px } else { 0.0 },
-        mars: MarsInView::new(account.scene, rays, 1.0),
+        mars: MarsInView::new(given.scene, rays, 1.0),
         about: "",
     };
-    let sunlit = account.table.sunlit();
+    let sunlit = table.sunlit();
     let is_dark = uses_sun && sunlit.is_none_or(|sunlit| sunlit.shown.iter().all(|shown| *shown == Shown::Nothing));
-    let beams = account.table.sources.iter().filter(|lighting| !Sky::NAMES.contains(&lighting.source.as_str()));
+    let beams = table.sources.iter().filter(|lighting| !Sky::NAMES.contains(&lighting.source.as_str()));
     let has_beams = beams.flat_map(|lighting| &lighting.irradiance).any(|irradiance| *irradiance > 0.0);
     let others = [
-        ("Mars-light", account.largest_mars_irradiance > 0.0),
+        ("Mars-light", given.reference.largest_mars_irradiance > 0.0),
         ("other beams", has_beams),
-        ("heat", account.warmest_k > 0.0),
+        ("heat", given.reference.warmest_k > 0.0),
     ];
     let others: Vec<&str> = others.into_iter().filter(|other| other.1).map(|other| other.0).collect();
     let rest = match others[..] {
@@ -90,7 +96,7 @@ pub(super) fn of_scene(scene: &Scene, site: &Site, open_to_shadow: f64, uses_sun
         "the camera",
         scene.body.topology().enclosure(&scene.body.mesh, scene.exposure.camera.centre_m()),
     ));
-    match eclipse(scene).filter(|_| uses_sun) {
+    match by_mars(scene).filter(|_| uses_sun) {
         Some(Eclipse::Total) => {
             all.push("the site is in eclipse: Mars covers the Sun, but the image is lit as if it did not".into())
         }
@@ -159,7 +165,7 @@ pub(super) struct MarsInView {
 
 impl MarsInView {
     /// From rays of the camera, each with the range of the surface that it meets, m, or infinity; each stands for `ray_px` pixels.
-    pub(super) fn new(scene: &Scene, rays: impl Iterator<Item = (DVec3, f64)>, ray_px: f64) -> Self {
+    pub(super) fn new(scene: &Setup, rays: impl Iterator<Item = (DVec3, f64)>, ray_px: f64) -> Self {
         let mut found = MarsInView::default();
         let Some(mars) = &scene.sky.mars else { return found };
         let camera = &scene.exposure.camera;

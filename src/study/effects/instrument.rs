@@ -1,0 +1,11 @@
+//! What the instrument does to the light.
+
+use super::{Kind, left_out};
+
+pub(super) const KIND: Kind = Kind {
+    name: "instrument",
+    equation: None,
+    step: None,
+    light: None,
+    find: |_| left_out(None, "the cube is radiance at the aperture: no PSF, distortion, smear, stray light or noise"),
+};

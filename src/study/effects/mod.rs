@@ -1,0 +1,112 @@
+//! What shapes the light, modelled or not, each in a file of its own with a bound of what it costs.
+//!
+//! Bounds are relative to the **median sunlit radiance**: sunlight reflected by the same material at the median incidence of
+//! the sunlit pixels, in the worst band and material. A pixel in shadow may change by more of its own radiance.
+
+mod aberration;
+mod eclipse;
+mod given;
+mod heat_from_mars;
+mod instrument;
+mod interreflection;
+mod mars_light;
+mod mars_light_shadows;
+mod photometric_function;
+mod solar_disc;
+mod sunlight;
+mod terrain_outside;
+mod thermal_emission;
+mod thermal_inertia;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::spectral::Light;
+
+pub(super) use eclipse::by_mars;
+pub(super) use given::{Given, Reference, mars_seen};
+
+/// All effects, in the order of the report.
+const ALL: [Kind; 13] = [
+    sunlight::KIND,
+    photometric_function::KIND,
+    mars_light::KIND,
+    mars_light_shadows::KIND,
+    thermal_emission::KIND,
+    thermal_inertia::KIND,
+    heat_from_mars::KIND,
+    interreflection::KIND,
+    solar_disc::KIND,
+    terrain_outside::KIND,
+    eclipse::KIND,
+    aberration::KIND,
+    instrument::KIND,
+];
+
+/// Something that shapes the light.
+pub(super) struct Kind {
+    name: &'static str,
+    /// Where its equation is, if there is one.
+    #[expect(dead_code, reason = "for who reads the list; a plan will show it")]
+    equation: Option<&'static str>,
+    /// What adds it to a result, if anything does.
+    #[expect(dead_code, reason = "for who reads the list; a plan will show it")]
+    step: Option<&'static str>,
+    /// The light that it is in: it changes nothing in bands without that. `None`: in all.
+    light: Option<fn(Light) -> bool>,
+    find: fn(&Given) -> Finding,
+}
+
+/// What is found of an effect.
+struct Finding {
+    modelled: bool,
+    bound: Option<f64>,
+    note: String,
+}
+
+/// Something that shapes the light, modelled or left out.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Effect {
+    /// Its name.
+    pub name: String,
+    /// Whether it is in the result.
+    pub modelled: bool,
+    /// By at most this share of the median sunlit radiance would a sunlit pixel change with it (if left out) or without its
+    /// approximations (if modelled), in the worst band; null: not known.
+    pub bound: Option<f64>,
+    /// How it is modelled, or why it is left out, and what the bound is of.
+    pub note: String,
+}
+
+/// A bound of as much as all the sunlight, or more, tells nothing apart.
+const USELESS: f64 = 1.0;
+
+/// All effects in a scene.
+pub(super) fn effects(given: &Given) -> Vec<Effect> {
+    ALL.iter().map(|kind| kind.in_scene(given)).collect()
+}
+
+impl Kind {
+    fn in_scene(&self, given: &Given) -> Effect {
+        let is_in_no_band = |is: &fn(Light) -> bool| !given.bands_um.iter().any(|(_, light)| is(*light));
+        let Finding { modelled, bound, mut note } = match self.light.filter(is_in_no_band) {
+            // What is in none of the bands changes nothing.
+            Some(is) if is(Light::Heat) => left_out(Some(0.0), "no band has heat"),
+            Some(_) => left_out(Some(0.0), "no band has sunlight"),
+            None => (self.find)(given),
+        };
+        if bound.is_some_and(|bound| bound >= USELESS) {
+            note = format!("not bounded usefully: {note}");
+        }
+        Effect { name: self.name.to_owned(), modelled, bound, note }
+    }
+}
+
+fn modelled(bound: Option<f64>, note: impl Into<String>) -> Finding {
+    Finding { modelled: true, bound, note: note.into() }
+}
+
+fn left_out(bound: Option<f64>, note: impl Into<String>) -> Finding {
+    Finding { modelled: false, bound, note: note.into() }
+}
