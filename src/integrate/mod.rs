@@ -13,9 +13,7 @@ mod pieces;
 mod pixel;
 mod sky;
 mod sweep;
-mod texels;
 mod textures;
-mod together;
 mod weights;
 
 use crate::error::Result;

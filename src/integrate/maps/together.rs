@@ -1,9 +1,10 @@
 //! What several maps know together of a facet in a pixel: each point of it by the maps that know that very point.
 
-use super::maps::{Choice, Lookup, views_shares};
-use super::parts::Window;
-use super::pixel::Pixel;
-use crate::geometry::polygon::{Point, area, side, split};
+use super::choice::{Choice, views_shares};
+use super::lookup::Lookup;
+use crate::geometry::polygon::{Point, area};
+use crate::integrate::parts::Window;
+use crate::integrate::pixel::Pixel;
 use crate::visibility::Shown;
 
 /// Of a facet that a map knows all over, rounding leaves less than this share unknown; one that it does not know at all it knows
@@ -123,46 +124,5 @@ fn lit_area(pixel: &mut Pixel, light: usize, facet: u32, part: &[Point]) -> f64 
             pixel.lit_parts(light, facet, &Window::Piece(part), |part| lit += area(part));
             lit
         }
-    }
-}
-
-/// Takes a convex hole out of convex parts, all counter-clockwise: what is left of them, in convex parts.
-pub(super) fn without(parts: &mut Vec<Vec<Point>>, hole: &[Point]) {
-    let mut left = Vec::new();
-    let mut value = Vec::new();
-    for mut part in parts.drain(..) {
-        for (i, a) in hole.iter().enumerate() {
-            let b = hole[(i + 1) % hole.len()];
-            value.clear();
-            value.extend(part.iter().map(|p| side(*a, b, *p)));
-            let (mut inside, mut outside) = (vec![], vec![]);
-            split(&part, &value, &mut inside, &mut outside);
-            if outside.len() > 2 {
-                left.push(outside);
-            }
-            part = inside;
-            if part.len() < 3 {
-                break;
-            }
-        }
-    }
-    *parts = left;
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_square_without_a_triangle() {
-        let mut parts = vec![vec![[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]]];
-        without(&mut parts, &[[1.0, 1.0], [3.0, 1.0], [2.0, 3.0]]);
-        // 16 - 2 * 2 / 2.
-        assert!((parts.iter().map(|p| area(p)).sum::<f64>() - 14.0).abs() < 1e-15);
-        // A hole that lies beside takes nothing, whatever cuts it makes.
-        without(&mut parts, &[[5.0, 0.0], [6.0, 0.0], [6.0, 4.0]]);
-        assert!((parts.iter().map(|p| area(p)).sum::<f64>() - 14.0).abs() < 1e-14);
-        without(&mut parts, &[[-1.0, -1.0], [9.0, -1.0], [9.0, 9.0], [-1.0, 9.0]]);
-        assert!(parts.is_empty());
     }
 }

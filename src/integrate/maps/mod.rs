@@ -1,0 +1,180 @@
+//! Radiance maps from elsewhere: how much of each pixel each texel fills. Free of wavelength, like footprints: bands are
+//! multiplied in afterwards.
+
+mod charts;
+mod choice;
+mod lookup;
+mod looker;
+mod sums;
+mod together;
+
+use glam::DVec3;
+
+use super::parts::Polygons;
+use crate::error::Result;
+use crate::geometry::polygon::Rect;
+use crate::geometry::{Direction, Texels};
+use crate::product::{Eye, Placement, Plane, TexelWeights, ViewImage};
+use crate::progress::Watch;
+use crate::scene::Scene;
+use crate::visibility::Seen;
+
+pub use choice::Choice;
+pub(super) use looker::{Looker, MapLine};
+pub(super) use lookup::{Kind, Lookup};
+
+/// What is shown where a map knows nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Unknown {
+    /// What is known of the facet, else of the pixel, stands for the rest.
+    #[default]
+    Mean,
+    /// Nothing: the caller has something for it.
+    Left,
+    /// What the scene's own sources and heat send there.
+    Solved,
+}
+
+/// A map in a scene.
+#[derive(Debug, Clone, Copy)]
+pub struct MapView<'a> {
+    /// Where its texels lie.
+    pub placement: &'a Placement,
+    /// For each texel whether it holds a value.
+    pub known: &'a [bool],
+    /// For each texel whether its eye sees nothing of the scene there; empty if that is not asked for.
+    pub sky: &'a [bool],
+}
+
+/// How maps are put onto a scene.
+#[derive(Debug, Clone)]
+pub struct Maps<'a> {
+    /// Terms of a sum; each is one of several maps of the scene, seen from different directions.
+    pub terms: Vec<Vec<MapView<'a>>>,
+    /// Which of the maps of a term.
+    pub choice: Choice,
+    /// What holds between texel centres.
+    pub texels: Texels,
+    /// What is shown where nothing is known.
+    pub unknown: Unknown,
+    /// The scene's own light and heat are added, everywhere.
+    pub adds_solved: bool,
+}
+
+/// How much of the pixels the texels of maps fill.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct MapImage {
+    /// For each map of each term.
+    pub weights: Vec<Vec<TexelWeights>>,
+    /// For each term and pixel the area that it knows nothing of, of what is seen of outer sides, pixels.
+    pub unknown: Vec<Vec<f64>>,
+    /// As much of that as the weights do not stand for either: with [`Unknown::Mean`] that of facets of which nothing is known.
+    pub unfilled: Vec<Vec<f64>>,
+    /// For each pixel the area that shows outer sides, pixels.
+    pub area: Vec<f64>,
+    /// Largest angle between a direction of view and that of the map that serves it, deg; 0 if no map has a direction.
+    pub largest_angle_deg: f64,
+    /// Largest error by quadrature between texel centres, relative to the largest value of the texels around.
+    pub quadrature_error: f64,
+}
+
+/// Images of geometry that maps add: name and unit.
+const PLANES: [(&str, &str); 2] = [("MAP_COVERAGE", "1"), ("MAP_ANGLE", "deg")];
+
+/// All lines together, and the planes that they add.
+pub(super) fn join(maps: &Maps, lines: impl Iterator<Item = MapLine>) -> (MapImage, Vec<Plane>) {
+    let mut image = MapImage::new(maps);
+    let mut values: [Vec<f64>; 2] = Default::default();
+    for line in lines {
+        values[0].extend(&line.coverage);
+        values[1].extend(&line.angle_deg);
+        image.append(line);
+    }
+    let named = PLANES.iter().zip(values);
+    let plane = |((name, unit), values): (&(&str, &str), Vec<f64>)| Plane {
+        name: (*name).to_owned(),
+        unit: (*unit).to_owned(),
+        values,
+    };
+    (image, named.map(plane).collect())
+}
+
+impl MapImage {
+    fn new(maps: &Maps) -> Self {
+        MapImage {
+            weights: maps.terms.iter().map(|views| vec![TexelWeights::default(); views.len()]).collect(),
+            unknown: vec![vec![]; maps.terms.len()],
+            unfilled: vec![vec![]; maps.terms.len()],
+            ..MapImage::default()
+        }
+    }
+
+    fn append(&mut self, line: MapLine) {
+        let ours = self.weights.iter_mut().flatten();
+        ours.zip(line.weights.into_iter().flatten()).for_each(|(ours, line)| ours.lines.push(line));
+        self.unknown.iter_mut().zip(&line.unknown).for_each(|(ours, line)| ours.extend(line));
+        self.unfilled.iter_mut().zip(&line.unfilled).for_each(|(ours, line)| ours.extend(line));
+        self.area.extend(&line.area);
+        self.largest_angle_deg = line.angle_deg.iter().copied().fold(self.largest_angle_deg, f64::max);
+        self.quadrature_error = self.quadrature_error.max(line.quadrature_error);
+    }
+}
+
+/// A map, ready to be looked up.
+pub(super) struct Prepared<'a> {
+    view: MapView<'a>,
+    seen: Option<Seen>,
+}
+
+/// Finds what each map's eye sees of the scene.
+pub(super) fn prepare<'a>(maps: &Maps<'a>, scene: &Scene, watch: Watch<'_>) -> Result<Vec<Vec<Prepared<'a>>>> {
+    let prepare = |view: &MapView<'a>| {
+        let seen = match view.placement {
+            Placement::View(image) if image.occlusion => Some(seen_by(image, scene, watch)?),
+            _ => None,
+        };
+        Ok(Prepared { view: *view, seen })
+    };
+    maps.terms.iter().map(|views| views.iter().map(prepare).collect()).collect()
+}
+
+/// What an image's eye sees of each facet.
+fn seen_by(image: &ViewImage, scene: &Scene, watch: Watch<'_>) -> Result<Seen> {
+    const STAGE: &str = "what the map sees";
+    let (mesh, topology) = (&scene.body.mesh, scene.body.topology());
+    match image.eye {
+        Eye::Towards(direction) => Seen::from_afar(mesh, topology, direction, STAGE, watch),
+        Eye::At(centre_m) => {
+            // The last row of a central projection is its axis; the corners of the image are rays.
+            let axis = Direction::new(image.projection.linear.row(2))
+                .unwrap_or_else(|| Direction::new(-centre_m).unwrap_or(scene.sky.sun.direction));
+            let from_texel = image.projection.linear.inverse();
+            let (columns, rows) = (image.columns as f64, image.rows as f64);
+            let rays = [[0.0, 0.0], [columns, 0.0], [columns, rows], [0.0, rows]]
+                .map(|[s, t]| from_texel * DVec3::new(s, t, 1.0));
+            Seen::from_point(mesh, topology, centre_m, (axis, &rays), STAGE, watch)
+        }
+    }
+}
+
+impl Prepared<'_> {
+    /// The polygons on facets that the map is made of, or that it sees.
+    pub(super) fn polygons(&self, facets: usize) -> Option<Polygons<'_>> {
+        match (self.view.placement, &self.seen) {
+            (Placement::Patches(patches), _) => Some(Polygons::of_patches(facets, patches)),
+            (_, Some(seen)) => Some(Polygons::of_seen(seen)),
+            _ => None,
+        }
+    }
+}
+
+/// Whether some facet of a scene lies, in part, within an image of it: its bounds do.
+pub fn meets(image: &ViewImage, scene: &Scene) -> bool {
+    let frame = Rect { min: [0.0; 2], max: [image.columns as f64, image.rows as f64] };
+    (0..scene.body.mesh.facets.len()).any(|f| {
+        let corners = scene.body.mesh.facet(f).corners_m.map(|p| image.projection.homogeneous(p));
+        let in_front = corners.iter().filter(|c| c.z > 0.0).count();
+        // What reaches behind the eye may be anywhere.
+        in_front > 0 && (in_front < 3 || Rect::of(&corners.map(|c| [c.x / c.z, c.y / c.z])).overlaps(&frame))
+    })
+}
