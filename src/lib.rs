@@ -3,7 +3,7 @@
 //! Geometry is computed once, exactly and without wavelength; spectra are multiplied in afterwards.
 //! A [`Scene`](scene::Scene) is solved ([`solve::solve`]: where each facet is lit, what reaches it, how warm it is) and
 //! looked at ([`integrate::integrate`]: which facets each pixel sees, and the cube and backplanes that follow).
-//! [`study::simulate`] does both; [`formats`] reads scenes and writes products; the command `mmxrt` is built on these.
+//! [`study::simulate`] does both; [`formats`] reads scenes and writes products; [`job`] does what a command does, from files to files; the command `mmxrt` is built on these.
 //!
 //! A tour: a plane, half of it in the shadow of a wall, seen from above.
 //!
@@ -82,5 +82,6 @@ pub mod solve;
 pub mod integrate;
 pub mod study;
 pub mod formats;
+pub mod job;
 
 pub use error::{Error, Location, Problem, Result};

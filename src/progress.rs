@@ -1,6 +1,7 @@
 //! How long work tells its caller how far it is, and learns that it should stop.
 
-use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
+use std::sync::{Mutex, PoisonError};
 
 use crate::error::{Error, Result};
 
@@ -13,13 +14,6 @@ pub struct Progress {
     pub done: u64,
     /// Steps in all.
     pub total: u64,
-}
-
-impl Progress {
-    /// A stage that knows its share done (0 to 1), in steps of a thousandth.
-    pub fn of_share(stage: &'static str, share: f64) -> Self {
-        Progress { stage, done: (share * 1000.0) as u64, total: 1000 }
-    }
 }
 
 /// Called between steps, from any thread; `false` asks to stop.
@@ -39,6 +33,34 @@ pub fn tell(watch: Watch<'_>, stage: &'static str, done: u64, total: u64) -> Res
         tracing::debug!(done, total, "{stage}");
     }
     if watch(Progress { stage, done, total }) { Ok(()) } else { Err(Error::Interrupted) }
+}
+
+/// How far work is, for a host that asks instead of being called, and stops the work by a flag: from any thread, as often as it likes.
+///
+/// `&|progress| gauge.watch(progress)` is its [`Watch`].
+#[derive(Debug, Default)]
+pub struct Gauge {
+    // One value: stage and steps belong together.
+    now: Mutex<Option<Progress>>,
+    is_stopped: AtomicBool,
+}
+
+impl Gauge {
+    /// Notes how far the work is; `false` once it should stop.
+    pub fn watch(&self, progress: Progress) -> bool {
+        *self.now.lock().unwrap_or_else(PoisonError::into_inner) = Some(progress);
+        !self.is_stopped.load(Relaxed)
+    }
+
+    /// How far the work was when it last said so; `None` before it has begun.
+    pub fn progress(&self) -> Option<Progress> {
+        *self.now.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Makes the work end, with [`Error::Interrupted`], when it next says how far it is.
+    pub fn stop(&self) {
+        self.is_stopped.store(true, Relaxed);
+    }
 }
 
 /// Asks a [`Watch`] in the middle of a step too, so that it is heard however long a step takes.

@@ -3,60 +3,26 @@
 use std::path::Path;
 
 use mmxrt::formats::machine;
+use mmxrt::job::{self, Outlook};
 use mmxrt::scene::{Material, Scene};
 use mmxrt::spectral::Band;
-use mmxrt::study::{self, DryRun};
-use mmxrt::{Error, Result};
+use mmxrt::{Result, study};
 use serde_json::{Value, json};
 
 use super::Outcome;
 use super::console::Console;
-use super::scene::Opened;
-
-/// What the machine has, bytes, where it tells.
-struct Free {
-    memory_bytes: Option<u64>,
-    disk_bytes: Option<u64>,
-}
 
 pub(super) fn run(path: &Path, console: &Console) -> Result<Outcome> {
-    let (opened, simulable) = super::scene::open_to_inspect(path, &|progress| console.watch(progress))?;
-    let dry_run = study::dry_run(&opened.scene);
-    let has_room = study::has_room(&opened.scene, false, machine::memory_bytes());
-    let mut errors: Vec<Error> = [simulable, has_room].into_iter().filter_map(Result::err).collect();
-    let free = Free {
-        memory_bytes: machine::free_memory_bytes(),
-        // The product's folder is not named yet.
-        disk_bytes: machine::free_disk_bytes(Path::new(".")),
-    };
-    let warnings: Vec<String> =
-        opened.warnings.iter().chain(&dry_run.warnings).cloned().chain(shortages(&dry_run, &free)).collect();
-    let text = text(&opened, &dry_run, &free, &warnings, errors.is_empty());
-    console.result(&text, &json_of(&opened, &dry_run, &free, &warnings, errors.is_empty()))?;
-    match errors.len() {
-        0 => Ok(Outcome::Done),
-        1 => Err(errors.remove(0)),
-        _ => Err(Error::Invalid(errors.iter().flat_map(Error::problems).collect())),
-    }
-}
-
-/// What may become tight. It stops nothing: memory may be given back, and products may go to another disk.
-fn shortages(dry_run: &DryRun, free: &Free) -> Vec<String> {
-    let tight = |what: &str, wanted: u64, free: Option<u64>| {
-        let free = free.filter(|free| *free < wanted)?;
-        Some(format!("it takes about {} of {what}, and {} are free now", size(wanted), size(free)))
-    };
-    let all = [
-        tight("memory", dry_run.memory_bytes, free.memory_bytes),
-        tight("the disk of the current folder", dry_run.product_bytes, free.disk_bytes),
-    ];
-    all.into_iter().flatten().collect()
+    let outlook = job::dry_run(path, &|progress| console.watch(progress))?;
+    console.result(&text(&outlook), &json_of(&outlook))?;
+    outlook.error.map_or(Ok(Outcome::Done), Err)
 }
 
 /// In a few lines what is asked most; `--json` has it all, in all its digits.
-fn text(opened: &Opened, dry_run: &DryRun, free: &Free, warnings: &[String], begins: bool) -> String {
+fn text(outlook: &Outlook) -> String {
+    let Outlook { subject, dry_run, warnings, .. } = outlook;
     let about = &dry_run.summary;
-    let sensor = &opened.scene.exposure;
+    let sensor = &subject.scene.exposure;
     let degrees = |name: &str, value: Option<f64>| value.map(|deg| format!("{name} {deg:.2} deg"));
     let above = |value: Option<f64>| value.map(|deg| format!("{deg:.2} deg above level ground"));
     let joined = |parts: &[Option<String>]| parts.iter().flatten().cloned().collect::<Vec<_>>().join(", ");
@@ -79,7 +45,7 @@ fn text(opened: &Opened, dry_run: &DryRun, free: &Free, warnings: &[String], beg
         "dry run: nothing is computed or written".to_owned(),
         format!("facets: {}; {} vertices, {} open edges", about.facets, about.vertices, about.open_edges),
         format!("size: {}", metres(&about.size_m)),
-        list("materials", opened.scene.body.materials.iter().map(|m| material(&opened.scene, m))),
+        list("materials", subject.scene.body.materials.iter().map(|m| material(&subject.scene, m))),
         format!("sun: {}", joined(&sun)),
         format!("mars: {}", if mars.is_empty() { "none" } else { &mars }),
         format!("at the origin: {}", joined(&angles)),
@@ -94,22 +60,22 @@ fn text(opened: &Opened, dry_run: &DryRun, free: &Free, warnings: &[String], beg
             100.0 * dry_run.filled,
         ),
         format!("bands: {}", bands(&sensor.bands)),
-        format!("table_id: {}", study::table_id(&opened.scene)),
-        format!("defaults: {}, see --json", opened.defaults.len()),
+        format!("table_id: {}", study::table_id(&subject.scene)),
+        format!("defaults: {}, see --json", subject.defaults.len()),
         list("warnings", warnings.iter().cloned()),
         "expects:".to_owned(),
-        format!("  memory: about {}{}", size(dry_run.memory_bytes), has(free.memory_bytes, "")),
+        format!("  memory: about {}{}", size(dry_run.memory_bytes), has(outlook.free_memory_bytes, "")),
         format!(
             "  disk: about {} for the product's folder{}",
             size(dry_run.product_bytes),
-            has(free.disk_bytes, " here")
+            has(outlook.free_disk_bytes, " here")
         ),
         format!(
             "  time: about {} CPU s (on a machine of 2022, within a factor of {})",
             rounded(dry_run.cpu_s, 2),
             study::WITHIN
         ),
-        format!("begins: {}", if begins { "yes" } else { "no" }),
+        format!("begins: {}", if outlook.error.is_none() { "yes" } else { "no" }),
     ];
     lines.join("\n")
 }
@@ -166,8 +132,10 @@ fn rounded(value: f64, digits: i32) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
-fn json_of(opened: &Opened, dry_run: &DryRun, free: &Free, warnings: &[String], begins: bool) -> Value {
-    let scene = &opened.scene;
+fn json_of(outlook: &Outlook) -> Value {
+    let Outlook { subject, dry_run, warnings, .. } = outlook;
+    let scene = &subject.scene;
+    let defaults: Vec<String> = subject.defaults.iter().map(ToString::to_string).collect();
     let about = &dry_run.summary;
     let bands = &scene.exposure.bands;
     let [x, y, z] = about.size_m;
@@ -208,13 +176,13 @@ fn json_of(opened: &Opened, dry_run: &DryRun, free: &Free, warnings: &[String], 
         "last_band_um": bands.last().map(|b| b.centre_um),
         "fwhm_um": bands.first().and_then(|b| b.fwhm_um),
         "table_id": study::table_id(scene),
-        "defaults": opened.defaults,
+        "defaults": defaults,
         "warnings": warnings,
         "expects": {
             "memory_bytes": dry_run.memory_bytes, "disk_bytes": dry_run.product_bytes,
             "cpu_s": dry_run.cpu_s, "cpu_s_within_factor": study::WITHIN,
         },
-        "free": { "memory_bytes": free.memory_bytes, "disk_bytes": free.disk_bytes },
-        "begins": begins,
+        "free": { "memory_bytes": outlook.free_memory_bytes, "disk_bytes": outlook.free_disk_bytes },
+        "begins": outlook.error.is_none(),
     })
 }

@@ -7,7 +7,6 @@ mod inspect;
 mod integrate;
 mod landscape;
 mod product;
-mod scene;
 mod simulate;
 mod solve;
 mod validate;

@@ -2,18 +2,19 @@
 
 use std::path::PathBuf;
 
-use mmxrt::{Result, solve, study};
+use mmxrt::formats::Subject;
+use mmxrt::{Result, job};
 
+use super::Outcome;
 use super::console::Console;
-use super::product::{self, Extras, Made, ProductOptions};
-use super::{Outcome, scene};
+use super::product::ProductArguments;
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     /// The scene file
     scene: PathBuf,
     #[command(flatten)]
-    product: ProductOptions,
+    product: ProductArguments,
     /// Write the facet table as well
     #[arg(long)]
     table: bool,
@@ -25,12 +26,9 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let watch = |progress| console.watch(progress);
     super::settle_input(&arguments.scene, console)?;
-    let staged = arguments.product.stage(console)?;
-    let opened = scene::open(&arguments.scene, &watch)?;
-    let extras = Extras { with_table: arguments.table, with_split: arguments.split };
-    arguments.product.admit(&staged, &opened, &[], false, extras)?;
-    let table = solve::solve(&opened.scene, &watch)?;
-    let observation = study::observe(&opened.scene, &table, arguments.product.wanted(), &watch)?;
-    let made = Made { opened, table, table_from: None, observation, maps: None };
-    product::write("simulate", &arguments.product, staged, &made, extras, console)
+    let folder = arguments.product.stage(arguments.table, arguments.split, console)?;
+    let subject = Subject::open(&arguments.scene, &watch)?;
+    let written = job::simulate(subject, folder, || console.run("simulate"), &watch)?;
+    arguments.product.say(&written, console);
+    Ok(Outcome::Done)
 }

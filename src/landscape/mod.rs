@@ -14,6 +14,7 @@ pub use recipe::{Boulders, Craters, FACETS, Recipe, Relief};
 
 use crate::error::{Error, Result};
 use crate::geometry::{MaterialId, Mesh};
+use crate::progress::{Watch, tell};
 use boulder::Ball;
 
 /// Names and colours (linear RGB, as `Kd` in an MTL file) of the two materials, by their index in the mesh:
@@ -25,6 +26,9 @@ const BOULDER: MaterialId = MaterialId(1);
 
 /// Relief and craters less than this many grid steps wide are left out: a triangle grid would only alias them.
 const FINEST_STEPS: f64 = 3.0;
+
+/// What is done, as those who watch are told.
+const STAGE: &str = "making the landscape";
 
 /// A generated landscape.
 #[derive(Debug, Clone)]
@@ -41,11 +45,9 @@ pub struct Landscape {
 
 /// Makes the landscape of a recipe: the same bytes at any thread count.
 ///
-/// `progress` is told the share done (0 to 1) and returns false to stop.
-///
 /// # Errors
-/// [`Error::Invalid`] with all that [`Recipe::check`] finds; [`Error::Interrupted`] if `progress` says so.
-pub fn generate(recipe: &Recipe, progress: &dyn Fn(f64) -> bool) -> Result<Landscape> {
+/// [`Error::Invalid`] with all that [`Recipe::check`] finds; [`Error::Interrupted`] if `watch` asks to stop.
+pub fn generate(recipe: &Recipe, watch: Watch<'_>) -> Result<Landscape> {
     let plan = plan::plan(recipe).map_err(Error::Invalid)?;
     let shortest_m = FINEST_STEPS * plan::step_m(recipe);
     let octaves = relief::octaves(&recipe.relief, recipe.seed, shortest_m);
@@ -53,8 +55,7 @@ pub fn generate(recipe: &Recipe, progress: &dyn Fn(f64) -> bool) -> Result<Lands
         .filter(|crater| crater.diameter_m >= shortest_m)
         .collect();
 
-    let sheet = sheet::Sheet::new(recipe.size_m, plan.columns, plan.rows, &octaves, &craters, progress)
-        .ok_or(Error::Interrupted)?;
+    let sheet = sheet::Sheet::new(recipe.size_m, plan.columns, plan.rows, &octaves, &craters, watch)?;
     let mut mesh = sheet.mesh();
     let balls: Vec<Ball> = (1..=plan::FINEST).map(Ball::new).collect();
     for (boulder, frequency) in &plan.boulders {
@@ -68,9 +69,7 @@ pub fn generate(recipe: &Recipe, progress: &dyn Fn(f64) -> bool) -> Result<Lands
         mesh.facets.extend(ball.facets.iter().map(|f| f.map(|v| v + base)));
         mesh.material.resize(mesh.facets.len(), BOULDER);
     }
-    if !progress(1.0) {
-        return Err(Error::Interrupted);
-    }
+    tell(watch, STAGE, sheet.points() as u64, sheet.points() as u64)?;
     Ok(Landscape { mesh, craters: craters.len(), boulders: plan.boulders.len() })
 }
 
@@ -256,7 +255,7 @@ mod tests {
     #[test]
     fn stopping_makes_nothing() {
         for stop_at in [0.0, 0.3, 1.0] {
-            let result = generate(&small(), &|share| share < stop_at);
+            let result = generate(&small(), &|p| (p.done as f64) < stop_at * p.total as f64);
             assert!(matches!(result, Err(Error::Interrupted)), "{stop_at}");
         }
     }

@@ -5,14 +5,16 @@ use rayon::prelude::*;
 
 use super::crater::Crater;
 use super::relief::Octave;
-use super::{GROUND, rounded_m};
+use super::{GROUND, STAGE, rounded_m};
+use crate::error::Result;
 use crate::geometry::Mesh;
 use crate::geometry::cell::{cut, is_cut_from_first};
+use crate::progress::{Watch, tell};
 
 /// Rows that are made together: as many as share a look at the craters.
 const BAND: usize = 16;
 
-/// Bands between two looks at the progress callback.
+/// Bands between two words to who watches.
 const BANDS_AT_ONCE: usize = 8;
 
 /// A square sheet of ground, centred.
@@ -27,31 +29,37 @@ pub(super) struct Sheet {
 }
 
 impl Sheet {
-    /// Sums relief and craters at each grid point; `None` if `progress` says stop.
+    /// Sums relief and craters at each grid point.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
     pub(super) fn new(
         size_m: f64,
         columns: usize,
         rows: usize,
         octaves: &[Octave],
         craters: &[Crater],
-        progress: &dyn Fn(f64) -> bool,
-    ) -> Option<Self> {
+        watch: Watch<'_>,
+    ) -> Result<Self> {
         let width = columns + 1;
         let mut sheet = Sheet { size_m, columns, rows, heights_m: Vec::new() };
         let mut heights_m = vec![0.0; width * (rows + 1)];
         let points = heights_m.len();
         let block = width * BAND * BANDS_AT_ONCE;
         for (b, block_m) in heights_m.chunks_mut(block).enumerate() {
-            if !progress((b * block) as f64 / points as f64) {
-                return None;
-            }
+            tell(watch, STAGE, (b * block) as u64, points as u64)?;
             block_m
                 .par_chunks_mut(width * BAND)
                 .enumerate()
                 .for_each(|(i, band_m)| sheet.fill(band_m, (b * BANDS_AT_ONCE + i) * BAND, octaves, craters));
         }
         sheet.heights_m = heights_m;
-        Some(sheet)
+        Ok(sheet)
+    }
+
+    /// Grid points.
+    pub(super) fn points(&self) -> usize {
+        self.heights_m.len()
     }
 
     /// Makes the heights of whole rows, from row `first` on.

@@ -33,6 +33,7 @@ mod flat_plane;
 mod gltf;
 mod gltf_extensions;
 mod hazards;
+mod hosts;
 mod inspect_pixel;
 mod image_files;
 mod invariance;

@@ -8,6 +8,7 @@
 //!   counted from 0.
 
 mod facets;
+mod sum;
 mod types;
 pub(in crate::formats) mod unit;
 mod values;
@@ -31,6 +32,8 @@ use crate::progress::Watch;
 use crate::scene::{FrameCamera, Scene};
 use crate::spectral::{Band, KnownLight, Light};
 
+pub(crate) use sum::counts_once;
+pub use sum::{Sum, Summand, open_sum, summands};
 use types::{DartMapToml, MapToml, NegativeToml, NumbersToml, PlacementToml, QuantityToml, RegistrationToml, SkyToml};
 pub(super) use unit::Unit;
 use values::{Conversion, RasterTexels, TiledTexels};

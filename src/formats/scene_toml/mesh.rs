@@ -7,7 +7,6 @@ use crate::formats::mtl::{self, ObjMaterial};
 use crate::formats::{obj, recipe_toml};
 use crate::geometry::{MaterialId, Mesh, Pose, body_from_site};
 use crate::landscape;
-use crate::progress::Progress;
 use crate::report::Note;
 use crate::scene::FrameCamera;
 
@@ -248,17 +247,15 @@ impl Reader<'_> {
     }
 
     fn recipe(&mut self, item: &str, toml: &RecipeToml) -> Option<landscape::Landscape> {
-        let watch = self.watch;
-        let told = |share: f64| watch(Progress::of_share("making the landscape", share));
         let made = match toml {
             RecipeToml::Given(recipe) => {
-                landscape::generate(recipe, &told).map_err(|e| recipe_toml::placed(e, &self.document, item))
+                landscape::generate(recipe, self.watch).map_err(|e| recipe_toml::placed(e, &self.document, item))
             }
             RecipeToml::File(name) => {
                 let read = recipe_toml::read(&self.path(name));
                 let (recipe, input) = self.taken(item, read)?;
                 self.inputs.push(input);
-                landscape::generate(&recipe, &told)
+                landscape::generate(&recipe, self.watch)
             }
         };
         self.taken(item, made)

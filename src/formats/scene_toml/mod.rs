@@ -96,6 +96,12 @@ pub struct Stated {
     pub value: String,
 }
 
+impl std::fmt::Display for Stated {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} = {}", self.item, self.value)
+    }
+}
+
 /// As many problems are told with their lines.
 const PLACED: usize = 1000;
 /// Bond albedo of Mars, if none is given.

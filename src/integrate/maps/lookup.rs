@@ -1,8 +1,8 @@
 //! One map, or texture: which of its texels lie in what is seen of a facet.
 
+use super::Prepared;
 use super::charts::{of_corners, of_projection};
 use super::sums::TexelSums;
-use super::Prepared;
 use crate::geometry::polygon::{Point, area, side, split};
 use crate::geometry::{Chart, Overlay, Texels};
 use crate::integrate::parts::{Parts, Polygons, Window, on_facet};

@@ -1,0 +1,86 @@
+//! What a product is of: a scene, and what is to be told of where it came from.
+
+use std::path::Path;
+
+use super::scene_toml::{self, SceneFile, Stated};
+use super::{InputFile, npz};
+use crate::error::{Error, Location, Problem, Result};
+use crate::product::FacetTable;
+use crate::progress::Watch;
+use crate::scene::{Scene, Thermal};
+use crate::study;
+
+/// A scene, and what its products tell of where it came from.
+///
+/// One of a file follows from [`open`](Subject::open); whoever makes or changes a scene in code says what there is to say.
+#[derive(Debug, Clone)]
+pub struct Subject {
+    /// The scene.
+    pub scene: Scene,
+    /// Its name in products: of what was read, a hash of all of it.
+    pub id: String,
+    /// Every file that it depends on: the scene file first.
+    pub inputs: Vec<InputFile>,
+    /// What the input left to this program, and what was taken.
+    pub defaults: Vec<Stated>,
+    /// What a reader of its products should know.
+    pub warnings: Vec<String>,
+}
+
+impl From<SceneFile> for Subject {
+    fn from(file: SceneFile) -> Self {
+        let id = scene_toml::id(&file.inputs);
+        Subject { scene: file.scene, id, inputs: file.inputs, defaults: file.defaults, warnings: file.notes }
+    }
+}
+
+impl Subject {
+    /// Reads a scene file and all that it names, to simulate it.
+    ///
+    /// # Errors
+    /// Those of [`scene_toml::read`] and of [`SceneFile::simulable`].
+    pub fn open(path: &Path, watch: Watch<'_>) -> Result<Self> {
+        let file = scene_toml::read(path, watch)?;
+        file.simulable()?;
+        Ok(file.into())
+    }
+
+    /// Reads a table of the facets of this scene.
+    ///
+    /// # Errors
+    /// Those of [`npz::read_table`]; [`Error::Invalid`] for a table of another scene.
+    pub fn read_table(&self, path: &Path) -> Result<FacetTable> {
+        let (table, header) = npz::read_table(path)?;
+        if header.scene == study::table_id(&self.scene) {
+            return Ok(table);
+        }
+        let problem = Problem::new(
+            Location::file(path),
+            "was solved for another scene: another mesh, origin, Sun, Mars or heat (camera, bands and spectra may differ, but not what follows \
+             from them: a total of the Sun, and Bond albedos)",
+        );
+        let follow: Vec<&str> = self.left_open(&[".bond_albedo"]).take(8).map(|stated| stated.item.as_str()).collect();
+        let follow = match follow.is_empty() {
+            true => String::new(),
+            false => format!(
+                "; not given, and so of the reflectance: {} (a table outlives its change if they are)",
+                follow.join(", ")
+            ),
+        };
+        let scene = self.inputs.first().map_or("SCENE".into(), |input| input.path.display().to_string());
+        let help = format!("solve it again: mmxrt solve {scene} -o TABLE.npz{follow}");
+        Err(Error::Invalid(vec![problem.with_help(help)]))
+    }
+
+    /// Values of the heat balance that the input leaves open, if temperatures depend on them.
+    pub fn defaults_of_heat(&self) -> Vec<&Stated> {
+        if self.scene.models.thermal != Thermal::Equilibrium {
+            return vec![];
+        }
+        self.left_open(&[".bond_albedo", ".emissivity_bolometric"]).collect()
+    }
+
+    fn left_open(&self, endings: &'static [&'static str]) -> impl Iterator<Item = &Stated> {
+        self.defaults.iter().filter(|stated| endings.iter().any(|ending| stated.item.ends_with(ending)))
+    }
+}

@@ -1,0 +1,57 @@
+//! What can be told of a scene's simulation on this machine before it is made.
+
+use std::path::Path;
+
+use crate::error::{Error, Result};
+use crate::formats::{Subject, machine, scene_toml};
+use crate::progress::Watch;
+use crate::study::{self, DryRun};
+
+/// What can be told of a simulation before it is made.
+#[derive(Debug)]
+pub struct Outlook {
+    /// The scene.
+    pub subject: Subject,
+    /// What it will take.
+    pub dry_run: DryRun,
+    /// Memory that is free now, bytes, where the system tells.
+    pub free_memory_bytes: Option<u64>,
+    /// Room on the disk of the current folder, bytes, where the system tells: the product's is not named yet.
+    pub free_disk_bytes: Option<u64>,
+    /// What a reader of the product will be told, and what may become tight.
+    pub warnings: Vec<String>,
+    /// Why it cannot begin, if it cannot.
+    pub error: Option<Error>,
+}
+
+/// Reads a scene file and looks at what simulating it would take and tell.
+///
+/// # Errors
+/// Those of [`scene_toml::read`].
+pub fn dry_run(path: &Path, watch: Watch<'_>) -> Result<Outlook> {
+    let file = scene_toml::read(path, watch)?;
+    let simulable = file.simulable();
+    let subject = Subject::from(file);
+    let dry_run = study::dry_run(&subject.scene);
+    let has_room = study::has_room(&subject.scene, false, machine::memory_bytes());
+    let mut errors: Vec<Error> = [simulable, has_room].into_iter().filter_map(Result::err).collect();
+    let error = match errors.len() {
+        0 | 1 => errors.pop(),
+        _ => Some(Error::Invalid(errors.iter().flat_map(Error::problems).collect())),
+    };
+    let free_memory_bytes = machine::free_memory_bytes();
+    let free_disk_bytes = machine::free_disk_bytes(Path::new("."));
+    // It stops nothing: memory may be given back, and products may go to another disk.
+    let tight = |what: &str, wanted: u64, free: Option<u64>| {
+        let free = free.filter(|free| *free < wanted)?;
+        let [wanted, free] = [wanted, free].map(|bytes| machine::size(bytes, 1));
+        Some(format!("it takes about {wanted} of {what}, and {free} are free now"))
+    };
+    let shortages = [
+        tight("memory", dry_run.memory_bytes, free_memory_bytes),
+        tight("the disk of the current folder", dry_run.product_bytes, free_disk_bytes),
+    ];
+    let told = subject.warnings.iter().chain(&dry_run.warnings).cloned();
+    let warnings = told.chain(shortages.into_iter().flatten()).collect();
+    Ok(Outlook { subject, dry_run, free_memory_bytes, free_disk_bytes, warnings, error })
+}

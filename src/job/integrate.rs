@@ -1,0 +1,73 @@
+//! A scene, and the radiance that its facets send, become a product folder.
+
+use std::path::PathBuf;
+
+use crate::error::{Error, Location, Result};
+use crate::formats::Subject;
+use crate::formats::product_folder::{Product, ProductFolder, Written};
+use crate::formats::radiance_map::{self, Summand};
+use crate::formats::report_json::Run;
+use crate::geometry::Texels;
+use crate::integrate::{Choice, Wanted};
+use crate::progress::Watch;
+use crate::study::{Fill, MapOptions};
+use crate::{solve, study};
+
+/// Where the radiance of facets comes from.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Radiance {
+    /// A facet table.
+    pub table: Option<PathBuf>,
+    /// Maps that add up, once for each view; a facet table may be among them.
+    pub maps: Vec<Vec<Summand>>,
+    /// Which of maps of several views serve a facet.
+    pub choice: Choice,
+    /// What a map is between the centres of its texels.
+    pub texels: Texels,
+    /// What is shown where no map knows the radiance.
+    pub fill: Fill,
+}
+
+/// Looks at a scene by a facet table or maps, and writes the product; `run` is asked at the end what `run.json` is to say.
+///
+/// # Errors
+/// [`Error::Invalid`] without any radiance, and those of [`simulate`](super::simulate), of [`open_sum`](radiance_map::open_sum) and of
+/// [`observe_maps`](study::observe_maps).
+pub fn integrate(
+    mut subject: Subject,
+    radiance: &Radiance,
+    folder: ProductFolder,
+    run: impl FnOnce() -> Run,
+    watch: Watch<'_>,
+) -> Result<Written> {
+    let Radiance { table, maps, choice, texels, fill } = radiance;
+    let footprints = folder.options().footprints;
+    let given = table.as_ref().map(|path| Ok((path.clone(), subject.read_table(path)?))).transpose()?;
+    if maps.is_empty() {
+        let (path, table) =
+            given.ok_or_else(|| Error::invalid(Location::item("--table"), "give `--table`, `--radiance`, or both"))?;
+        folder.admit(&subject, [&path], false)?;
+        let wanted = Wanted { footprints, ..Wanted::default() };
+        let observation = study::observe(&subject.scene, &table, wanted, watch)?;
+        let product = Product { subject, table, table_from: Some(path), observation, maps: None };
+        return folder.write(product, run, watch);
+    }
+    let sum = radiance_map::open_sum(maps, &mut subject, watch)?;
+    if let (Some((path, _)), Some(_)) = (&sum.table, &given) {
+        return Err(radiance_map::counts_once(path));
+    }
+    if *choice == Choice::Interpolated && sum.terms.iter().all(|views| views.len() < 2) {
+        subject.warnings.push("--views interpolated: there is one view, and nothing to interpolate between".to_owned());
+    }
+    let add_solved = sum.table.is_some();
+    let (table_from, table) = given.or(sum.table).unzip();
+    folder.admit(&subject, &table_from, true)?;
+    let table = match table {
+        Some(table) => table,
+        None if *fill == Fill::Solved => solve::solve(&subject.scene, watch)?,
+        None => solve::lit(&subject.scene, watch)?,
+    };
+    let options = MapOptions { choice: *choice, texels: *texels, fill: *fill, add_solved, footprints };
+    let (observation, maps) = study::observe_maps(&subject.scene, &table, sum.terms, &options, watch)?;
+    folder.write(Product { subject, table, table_from, observation, maps: Some(maps) }, run, watch)
+}

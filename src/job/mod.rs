@@ -1,0 +1,15 @@
+//! Whole commands as functions: from opened inputs to finished files, for the command line, a campaign, or another language.
+//!
+//! A job touches no file but through [`formats`](crate::formats), says nothing, and asks no clock: what it has to tell it returns.
+
+mod dry_run;
+mod integrate;
+mod landscape;
+mod simulate;
+mod solve;
+
+pub use dry_run::{Outlook, dry_run};
+pub use integrate::{Radiance, integrate};
+pub use landscape::LandscapeFiles;
+pub use simulate::simulate;
+pub use solve::{solve, stage_table};

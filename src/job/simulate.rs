@@ -1,0 +1,28 @@
+//! A scene becomes a product folder.
+
+use crate::error::Result;
+use crate::formats::Subject;
+use crate::formats::product_folder::{Product, ProductFolder, Written};
+use crate::formats::report_json::Run;
+use crate::integrate::Wanted;
+use crate::progress::Watch;
+use crate::{solve, study};
+
+/// Simulates a scene and writes the product; `run` is asked at the end what `run.json` is to say.
+///
+/// # Errors
+/// [`Error::Invalid`](crate::Error::Invalid) if there is no room, if an input would be replaced, or if a check of the product does not
+/// hold; [`Error::Unsupported`](crate::Error::Unsupported), as [`Setup::simulable`](crate::scene::Setup::simulable) says;
+/// [`Error::Io`](crate::Error::Io); [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
+pub fn simulate(
+    subject: Subject,
+    folder: ProductFolder,
+    run: impl FnOnce() -> Run,
+    watch: Watch<'_>,
+) -> Result<Written> {
+    folder.admit(&subject, [], false)?;
+    let wanted = Wanted { footprints: folder.options().footprints, ..Wanted::default() };
+    let table = solve::solve(&subject.scene, watch)?;
+    let observation = study::observe(&subject.scene, &table, wanted, watch)?;
+    folder.write(Product { subject, table, table_from: None, observation, maps: None }, run, watch)
+}
