@@ -142,10 +142,13 @@ pub fn integrate(scene: &Scene, table: &FacetTable, wanted: Wanted<'_>, watch: W
     });
     let taken = lines.iter_mut().map(|line| std::mem::take(&mut line.footprints));
     let footprints = wanted.footprints.then(|| footprints::join(taken));
+    let back_area_px = lines.iter().map(|line| line.census.back_area_px).sum();
+    let excess_px = lines.iter().map(|line| line.census.excess_px).fold(0.0, f64::max);
+    let slab = weights::slab(scene, &emission, lines.into_iter().map(|line| line.weights).collect());
     Ok(Image {
-        back_area_px: lines.iter().map(|line| line.census.back_area_px).sum(),
-        excess_px: lines.iter().map(|line| line.census.excess_px).fold(0.0, f64::max),
-        cube: weights::cube(scene, &emission, lines.into_iter().map(|line| line.weights).collect()),
+        back_area_px,
+        excess_px,
+        cube: Cube::new(samples, rows, scene.exposure.bands.clone(), vec![slab])?,
         backplanes,
         footprints,
         seen: census.into_seen(),

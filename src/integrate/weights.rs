@@ -2,7 +2,7 @@
 
 use super::pixel::{Entry, Pixel};
 use super::textures::Textures;
-use crate::product::Cube;
+use crate::product::Slab;
 use crate::scene::Scene;
 use crate::solve::{Emission, Fragment, Part};
 use crate::visibility::Drawing;
@@ -97,15 +97,13 @@ impl Sums {
     }
 }
 
-/// The cube of all lines.
-pub(super) fn cube(scene: &Scene, emission: &Emission, lines: Vec<WeightLine>) -> Cube {
-    let camera = &scene.exposure.camera;
-    let entries = lines.iter().map(|l| l.row.len()).sum();
-    let mut cube = Cube {
-        samples: camera.samples as usize,
-        lines: camera.lines as usize,
-        bands: scene.exposure.bands.clone(),
-        row_start: Vec::with_capacity(camera.samples as usize * camera.lines as usize + 1),
+/// The slab of all lines.
+pub(super) fn slab(scene: &Scene, emission: &Emission, lines: Vec<WeightLine>) -> Slab {
+    let entries = lines.iter().map(|line| line.row.len()).sum();
+    let mut slab = Slab {
+        lines: 0..lines.len(),
+        bands: 0..scene.exposure.bands.len(),
+        row_start: Vec::with_capacity(lines.iter().map(|line| line.row_start.len()).sum::<usize>() + 1),
         row: Vec::with_capacity(entries),
         weight: Vec::with_capacity(entries),
         spectra: emission.spectra(),
@@ -113,11 +111,11 @@ pub(super) fn cube(scene: &Scene, emission: &Emission, lines: Vec<WeightLine>) -
         added: vec![],
     };
     for line in lines {
-        let base = cube.row.len();
-        cube.row_start.extend(line.row_start.iter().map(|s| base + s));
-        cube.row.extend(line.row);
-        cube.weight.extend(line.weight);
+        let base = slab.row.len();
+        slab.row_start.extend(line.row_start.iter().map(|start| base + start));
+        slab.row.extend(line.row);
+        slab.weight.extend(line.weight);
     }
-    cube.row_start.push(cube.row.len());
-    cube
+    slab.row_start.push(slab.row.len());
+    slab
 }

@@ -4,21 +4,24 @@ use std::ops::Range;
 
 use ndarray::Array3;
 
+use crate::error::{Error, Location, Problem, Result};
 use crate::spectral::Band;
 
-/// A radiance cube as a product of two matrices, [pixel, row] sparse weights x [row, band] spectra, and what maps add to it.
+/// Some bands of some lines of a cube, as a product of two matrices, [pixel, row] sparse weights x [row, band] spectra, and what maps
+/// add to it.
 ///
 /// A row is a spectrum that many pixels share: a material under a source, or a material at a temperature.
 /// A pixel needs a few of them, so 300 bands cost little more than one. W m-2 sr-1 um-1.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Cube {
-    /// Pixels in a line.
-    pub samples: usize,
-    /// Lines.
-    pub lines: usize,
-    /// The bands.
-    pub bands: Vec<Band>,
-    /// First weight of each pixel, and the number of weights as the last element.
+///
+/// All of a slab is made under one sky: a frame camera's cube is one slab, that of a tunable filter as many as bands, that of a
+/// push-broom as many as lines.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Slab {
+    /// Its lines in the cube.
+    pub lines: Range<usize>,
+    /// Its bands in the cube.
+    pub bands: Range<usize>,
+    /// First weight of each of its pixels, and the number of weights as the last element.
     pub row_start: Vec<usize>,
     /// The row of each weight.
     pub row: Vec<u32>,
@@ -32,58 +35,98 @@ pub struct Cube {
     pub added: Vec<f64>,
 }
 
+/// The hyperspectral cube, kept as what it was computed from: slabs that fill it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cube {
+    /// Pixels in a line.
+    pub samples: usize,
+    /// Lines.
+    pub lines: usize,
+    /// The bands.
+    pub bands: Vec<Band>,
+    slabs: Vec<Slab>,
+}
+
 impl Cube {
+    /// Of slabs that fill it.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if slabs overlap, or leave something open, or one is not as large as it says.
+    pub fn new(samples: usize, lines: usize, bands: Vec<Band>, slabs: Vec<Slab>) -> Result<Self> {
+        let mut problems = Vec::new();
+        let mut problem = |i: usize, message: String| {
+            problems.push(Problem::new(Location::item(format!("slab {i}")), message));
+        };
+        let overlap = |a: &Range<usize>, b: &Range<usize>| a.start.max(b.start) < a.end.min(b.end);
+        let mut filled = 0;
+        for (i, slab) in slabs.iter().enumerate() {
+            let Slab { lines: of_lines, bands: of_bands, row_start, row, weight, spectra, added, .. } = slab;
+            let pixels = samples * of_lines.len();
+            filled += of_lines.len() * of_bands.len();
+            if of_lines.end > lines || of_bands.end > bands.len() {
+                problem(i, format!("reaches beyond {lines} lines and {} bands", bands.len()));
+            }
+            let is_listed = row_start.len() == pixels + 1
+                && row_start.first() == Some(&0)
+                && row_start.last() == Some(&row.len())
+                && row_start.windows(2).all(|w| w[0] <= w[1]);
+            let rows = spectra.len() / of_bands.len().max(1);
+            if !is_listed || row.len() != weight.len() || row.iter().any(|row| *row as usize >= rows) {
+                problem(i, format!("{} weights of {} rows are not those of {pixels} pixels", row.len(), rows));
+            }
+            if spectra.len() != rows * of_bands.len() || !(added.is_empty() || added.len() == pixels * of_bands.len()) {
+                problem(i, format!("has not {} bands of {pixels} pixels", of_bands.len()));
+            }
+            if let Some(other) =
+                slabs[..i].iter().position(|s| overlap(&s.lines, of_lines) && overlap(&s.bands, of_bands))
+            {
+                problem(i, format!("overlaps slab {other}"));
+            }
+        }
+        if filled != lines * bands.len() && problems.is_empty() {
+            let message = format!("slabs hold {filled} of {} lines of bands", lines * bands.len());
+            problems.push(Problem::new(Location::item("cube"), message));
+        }
+        if problems.is_empty() { Ok(Cube { samples, lines, bands, slabs }) } else { Err(Error::Invalid(problems)) }
+    }
+
+    /// The slabs it is made of.
+    pub fn slabs(&self) -> &[Slab] {
+        &self.slabs
+    }
+
+    /// The slabs, to be put together with others.
+    pub fn into_slabs(self) -> Vec<Slab> {
+        self.slabs
+    }
+
+    /// What maps add to each slab, to be changed: [band, pixel], or empty.
+    pub(crate) fn added_mut(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
+        self.slabs.iter_mut().map(|slab| &mut slab.added)
+    }
+
     /// The part of it that the surface emits; what maps add is not in it.
     pub fn thermal(&self) -> Cube {
-        let mut part = Cube { row_start: vec![0], row: vec![], weight: vec![], added: vec![], ..self.clone() };
-        for entries in self.row_start.windows(2) {
-            for i in entries[0]..entries[1] {
-                if self.row[i] >= self.first_thermal_row {
-                    part.row.push(self.row[i]);
-                    part.weight.push(self.weight[i]);
-                }
-            }
-            part.row_start.push(part.row.len());
-        }
-        part
+        Cube { slabs: self.slabs.iter().map(Slab::thermal).collect(), bands: self.bands.clone(), ..*self }
     }
 
     /// Radiance of some pixels in some bands, W m-2 sr-1 um-1: `put(pixel, first_band, values)` gets a few bands of
-    /// one pixel at a time, all pixels before the next bands.
+    /// one pixel at a time, of each slab all pixels before the next bands.
     ///
     /// Each value is the sum of its weights times spectra in the order they are stored, however it is asked for.
     pub fn expand(&self, pixels: Range<usize>, bands: Range<usize>, mut put: impl FnMut(usize, usize, &[f64])) {
-        // 16 sums stay in registers while the weights stream by.
-        let mut band = bands.start;
-        while band + 16 <= bands.end {
-            pixels.clone().for_each(|pixel| put(pixel, band, &self.panel::<16>(pixel, band)));
-            band += 16;
-        }
-        while band + 4 <= bands.end {
-            pixels.clone().for_each(|pixel| put(pixel, band, &self.panel::<4>(pixel, band)));
-            band += 4;
-        }
-        while band < bands.end {
-            pixels.clone().for_each(|pixel| put(pixel, band, &self.panel::<1>(pixel, band)));
-            band += 1;
-        }
-    }
-
-    /// Radiance of a pixel in `N` bands.
-    fn panel<const N: usize>(&self, pixel: usize, first_band: usize) -> [f64; N] {
-        let entries = self.row_start[pixel]..self.row_start[pixel + 1];
-        let mut sum = [0.0; N];
-        if !self.added.is_empty() {
-            let pixels = self.samples * self.lines;
-            sum = std::array::from_fn(|k| self.added[(first_band + k) * pixels + pixel]);
-        }
-        for (row, weight) in self.row[entries.clone()].iter().zip(&self.weight[entries]) {
-            let spectrum = &self.spectra[*row as usize * self.bands.len() + first_band..][..N];
-            for (sum, value) in sum.iter_mut().zip(spectrum) {
-                *sum += weight * value;
+        for slab in &self.slabs {
+            let of_lines = slab.lines.start * self.samples..slab.lines.end * self.samples;
+            let pixels = pixels.start.max(of_lines.start)..pixels.end.min(of_lines.end);
+            let bands = bands.start.max(slab.bands.start)..bands.end.min(slab.bands.end);
+            if !pixels.is_empty() && !bands.is_empty() {
+                let (first_pixel, first_band) = (of_lines.start, slab.bands.start);
+                let of_slab = |range: Range<usize>, first: usize| range.start - first..range.end - first;
+                slab.expand(of_slab(pixels, first_pixel), of_slab(bands, first_band), |pixel, band, values| {
+                    put(first_pixel + pixel, first_band + band, values);
+                });
             }
         }
-        sum
     }
 
     /// Radiance of a pixel in every band, W m-2 sr-1 um-1.
@@ -112,26 +155,116 @@ impl Cube {
     }
 }
 
+impl Slab {
+    fn thermal(&self) -> Slab {
+        let mut part = Slab { row_start: vec![0], row: vec![], weight: vec![], added: vec![], ..self.clone() };
+        for entries in self.row_start.windows(2) {
+            for i in entries[0]..entries[1] {
+                if self.row[i] >= self.first_thermal_row {
+                    part.row.push(self.row[i]);
+                    part.weight.push(self.weight[i]);
+                }
+            }
+            part.row_start.push(part.row.len());
+        }
+        part
+    }
+
+    /// One slab of several, each times its weight: the same lines and bands, seen under the same sky from several poses.
+    /// `None` if they are not of the same pixels, bands and spectra.
+    pub fn sum(parts: &[(f64, Slab)]) -> Option<Slab> {
+        let (_, first) = parts.first()?;
+        let is_alike = |slab: &Slab| {
+            (&slab.lines, &slab.bands, slab.first_thermal_row) == (&first.lines, &first.bands, first.first_thermal_row)
+                && slab.row_start.len() == first.row_start.len()
+                && slab.spectra == first.spectra
+        };
+        if !parts.iter().all(|(_, slab)| is_alike(slab)) {
+            return None;
+        }
+        let mut sum = Slab { row_start: vec![0], row: vec![], weight: vec![], added: vec![], ..first.clone() };
+        let mut entries: Vec<(u32, f64)> = Vec::new();
+        for pixel in 0..first.row_start.len().saturating_sub(1) {
+            entries.clear();
+            for (share, slab) in parts {
+                let of = slab.row_start[pixel]..slab.row_start[pixel + 1];
+                entries.extend(slab.row[of.clone()].iter().copied().zip(slab.weight[of].iter().map(|w| share * w)));
+            }
+            entries.sort_by_key(|entry| entry.0);
+            entries.dedup_by(|next, first| {
+                let same = next.0 == first.0;
+                if same {
+                    first.1 += next.1;
+                }
+                same
+            });
+            sum.row.extend(entries.iter().map(|entry| entry.0));
+            sum.weight.extend(entries.iter().map(|entry| entry.1));
+            sum.row_start.push(sum.row.len());
+        }
+        for (share, slab) in parts.iter().filter(|(_, slab)| !slab.added.is_empty()) {
+            sum.added.resize(slab.added.len(), 0.0);
+            sum.added.iter_mut().zip(&slab.added).for_each(|(sum, added)| *sum += share * added);
+        }
+        Some(sum)
+    }
+
+    /// As [`Cube::expand`], of its own pixels and bands.
+    fn expand(&self, pixels: Range<usize>, bands: Range<usize>, mut put: impl FnMut(usize, usize, &[f64])) {
+        // 16 sums stay in registers while the weights stream by.
+        let mut band = bands.start;
+        while band + 16 <= bands.end {
+            pixels.clone().for_each(|pixel| put(pixel, band, &self.panel::<16>(pixel, band)));
+            band += 16;
+        }
+        while band + 4 <= bands.end {
+            pixels.clone().for_each(|pixel| put(pixel, band, &self.panel::<4>(pixel, band)));
+            band += 4;
+        }
+        while band < bands.end {
+            pixels.clone().for_each(|pixel| put(pixel, band, &self.panel::<1>(pixel, band)));
+            band += 1;
+        }
+    }
+
+    /// Radiance of a pixel in `N` bands.
+    fn panel<const N: usize>(&self, pixel: usize, first_band: usize) -> [f64; N] {
+        let entries = self.row_start[pixel]..self.row_start[pixel + 1];
+        let mut sum = [0.0; N];
+        if !self.added.is_empty() {
+            let pixels = self.row_start.len() - 1;
+            sum = std::array::from_fn(|k| self.added[(first_band + k) * pixels + pixel]);
+        }
+        for (row, weight) in self.row[entries.clone()].iter().zip(&self.weight[entries]) {
+            let spectrum = &self.spectra[*row as usize * self.bands.len() + first_band..][..N];
+            for (sum, value) in sum.iter_mut().zip(spectrum) {
+                *sum += weight * value;
+            }
+        }
+        sum
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     /// Two pixels of 21 bands; pixel 0 is 2 a + 3 b, pixel 1 is sky.
     fn cube() -> Cube {
-        let bands = (0..21).map(|i| Band::new(1.0 + f64::from(i), None)).collect();
+        let bands: Vec<Band> = (0..21).map(|i| Band::new(1.0 + f64::from(i), None)).collect();
         let a = (0..21).map(f64::from);
         let b = (0..21).map(|i| 100.0 * f64::from(i));
-        Cube {
-            samples: 2,
-            lines: 1,
-            bands,
+        let slab = Slab {
+            lines: 0..1,
+            bands: 0..21,
             row_start: vec![0, 2, 2],
             row: vec![0, 1],
             weight: vec![2.0, 3.0],
             spectra: a.chain(b).collect(),
             first_thermal_row: 1,
             added: vec![],
-        }
+        };
+        Cube::new(2, 1, bands, vec![slab]).unwrap()
     }
 
     #[test]
@@ -149,7 +282,7 @@ mod tests {
     fn what_is_emitted_is_the_rows_from_the_first_thermal_one_on() {
         let mut radiance = [f64::NAN; 21];
         let mut cube = cube();
-        cube.added = vec![1.0; 42];
+        cube.slabs[0].added = vec![1.0; 42];
         cube.thermal().pixel(0, &mut radiance);
         for (i, value) in radiance.iter().enumerate() {
             assert_eq!(*value, 300.0 * i as f64);
@@ -161,7 +294,7 @@ mod tests {
     #[test]
     fn maps_add_to_a_pixel() {
         let mut cube = cube();
-        cube.added = (0..42).map(|i| f64::from(i) * 1000.0).collect();
+        cube.slabs[0].added = (0..42).map(|i| f64::from(i) * 1000.0).collect();
         // Band i of pixel 1 is at 2 i + 1.
         let mut radiance = [f64::NAN; 21];
         cube.pixel(1, &mut radiance);
@@ -173,7 +306,7 @@ mod tests {
     #[test]
     fn pixels_bands_and_the_whole_cube_are_the_same_numbers() {
         let mut cube = cube();
-        cube.weight = vec![0.1, 1.0 / 3.0];
+        cube.slabs[0].weight = vec![0.1, 1.0 / 3.0];
         let array = cube.to_array();
         let mut radiance = [0.0; 21];
         cube.pixel(0, &mut radiance);

@@ -8,7 +8,7 @@ mod radiance_map;
 mod texel_weights;
 
 pub use backplanes::{Backplanes, Plane};
-pub use cube::Cube;
+pub use cube::{Cube, Slab};
 pub use facet_table::{FacetTable, Lighting, Sees};
 pub use footprints::Footprints;
 pub use radiance_map::{

@@ -1,5 +1,7 @@
 //! The camera that looks at the surface.
 
+use std::ops::Range;
+
 use glam::DVec3;
 
 use crate::geometry::Pose;
@@ -32,6 +34,18 @@ impl FrameCamera {
     pub fn centred(world_from_sensor: Pose, samples: u32, lines: u32, pitch: f64) -> Self {
         let boresight_px = [samples, lines].map(|n| 0.5 * f64::from(n));
         FrameCamera { world_from_sensor, samples, lines, pitch: [pitch; 2], boresight_px }
+    }
+
+    /// A part of the image: some samples of some lines, from the same place.
+    #[must_use]
+    pub fn window(&self, samples: Range<u32>, lines: Range<u32>) -> Self {
+        let [x, y] = self.boresight_px;
+        FrameCamera {
+            samples: samples.end.saturating_sub(samples.start),
+            lines: lines.end.saturating_sub(lines.start),
+            boresight_px: [x - f64::from(samples.start), y - f64::from(lines.start)],
+            ..self.clone()
+        }
     }
 
     /// Whether pixels are square, and the boresight goes through the image's middle.

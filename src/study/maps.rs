@@ -186,7 +186,10 @@ pub fn observe_maps(
     let unverified = unverified(&terms);
     let unknown_share = refuse(&on_scene, options, &unverified)?;
     let (added, magnitude) = add_up(scene, &mut terms, &on_scene, options, subtracts, watch)?;
-    image.cube.added = added;
+    // An image just made is one slab.
+    if let Some(of_slab) = image.cube.added_mut().next() {
+        *of_slab = added;
+    }
     if subtracts {
         subtract(&mut image.cube, &magnitude)?;
         notes.push(subtracted(&terms));
@@ -212,7 +215,7 @@ pub fn observe_maps(
     }
     if options.fill == Fill::Nan {
         // Only now: what is computed is checked for numbers that are none.
-        for band in observation.cube.added.chunks_exact_mut(pixels.max(1)) {
+        for band in observation.cube.added_mut().flat_map(|added| added.chunks_exact_mut(pixels.max(1))) {
             unknown.iter().for_each(|pixel| band[*pixel] = f64::NAN);
         }
     }
@@ -660,7 +663,9 @@ fn subtract(cube: &mut Cube, magnitude: &[f64]) -> Result<()> {
     let pixels = cube.samples * cube.lines;
     let (mut worst, mut count): (Option<(f64, usize, usize)>, u64) = (None, 0);
     for band in 0..cube.bands.len() {
-        for (pixel, sum) in cube.band(band).into_iter().enumerate() {
+        let sums = cube.band(band);
+        let Some(added) = cube.added_mut().next() else { break };
+        for (pixel, sum) in sums.into_iter().enumerate() {
             let at = band * pixels + pixel;
             if sum < -CANCELLED * magnitude[at] {
                 count += 1;
@@ -668,7 +673,7 @@ fn subtract(cube: &mut Cube, magnitude: &[f64]) -> Result<()> {
                     worst = Some((sum, band, pixel));
                 }
             } else if sum < 0.0 {
-                cube.added[at] -= sum;
+                added[at] -= sum;
             }
         }
     }

@@ -82,8 +82,13 @@ pub(super) fn account_for(
 fn checks(scene: &Scene, table: &FacetTable, given: &Given, image: &Image) -> Vec<Check> {
     let check = |name: &str, value: f64, limit: f64| Check { name: name.to_owned(), value, limit };
     let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
-    let bad =
-        image.cube.weight.iter().chain(&image.cube.spectra).chain(&image.cube.added).filter(|v| !v.is_finite()).count();
+    let bad = image
+        .cube
+        .slabs()
+        .iter()
+        .flat_map(|slab| slab.weight.iter().chain(&slab.spectra).chain(&slab.added))
+        .filter(|v| !v.is_finite())
+        .count();
     let mut checks = vec![
         check(
             "areas in a pixel exceed the pixel by, pixels",

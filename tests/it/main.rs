@@ -60,6 +60,7 @@ mod scratch;
 mod shapes;
 mod shared_body;
 mod sides;
+mod slabs;
 mod spectra;
 mod spectra_from_the_wild;
 mod textures;

@@ -9,7 +9,7 @@ use mmxrt::Error;
 use mmxrt::formats::envi::{self, Interleave, Precision};
 use mmxrt::formats::{exr_cube, npz, quicklook, report_json};
 use mmxrt::geometry::Direction;
-use mmxrt::product::{Backplanes, Cube, FacetTable, Footprints, Lighting, Plane, Sees};
+use mmxrt::product::{Backplanes, Cube, FacetTable, Footprints, Lighting, Plane, Sees, Slab};
 use mmxrt::progress::unwatched;
 use mmxrt::scene::Field;
 use mmxrt::spectral::Band;
@@ -17,34 +17,35 @@ use mmxrt::visibility::{Seen, Shown};
 
 /// 2 samples x 2 lines x 2 bands; pixel p has radiance p + 1 in band 0 and 10 (p + 1) in band 1.
 fn small_cube() -> Cube {
-    Cube {
-        samples: 2,
-        lines: 2,
-        bands: vec![Band::new(0.95, None), Band::new(3.6, None)],
+    let slab = Slab {
+        lines: 0..2,
+        bands: 0..2,
         row_start: vec![0, 1, 2, 3, 4],
         row: vec![0; 4],
         weight: vec![1.0, 2.0, 3.0, 4.0],
         spectra: vec![1.0, 10.0],
         first_thermal_row: 0,
         added: vec![],
-    }
+    };
+    Cube::new(2, 2, vec![Band::new(0.95, None), Band::new(3.6, None)], vec![slab]).unwrap()
 }
 
 /// A cube of several rows a pixel, of numbers without a pattern.
 fn random_cube(samples: usize, lines: usize, bands: usize, rows: usize, rows_per_pixel: usize) -> Cube {
     let mut random = Random(1);
     let pixels = samples * lines;
-    Cube {
-        samples,
-        lines,
-        bands: (0..bands).map(|i| Band::new(0.95 + 0.01 * i as f64, Some(0.01))).collect(),
+    let slab = Slab {
+        lines: 0..lines,
+        bands: 0..bands,
         row_start: (0..=pixels).map(|p| p * rows_per_pixel).collect(),
         row: (0..pixels * rows_per_pixel).map(|_| (random.share() * rows as f64) as u32).collect(),
         weight: (0..pixels * rows_per_pixel).map(|_| random.share()).collect(),
         spectra: (0..rows * bands).map(|_| random.share()).collect(),
         first_thermal_row: 0,
         added: vec![],
-    }
+    };
+    let bands = (0..bands).map(|i| Band::new(0.95 + 0.01 * i as f64, Some(0.01))).collect();
+    Cube::new(samples, lines, bands, vec![slab]).unwrap()
 }
 
 fn f32s(bytes: &[u8]) -> Vec<f32> {
