@@ -9,14 +9,16 @@
 //! The file is uncompressed and written line by line, without the crate `exr`: that holds all channels in memory and
 //! writes attributes in hash order, another one at each run. (It reads what is written here.)
 
-use std::fs::File;
-use std::io::{BufWriter, Seek, SeekFrom, Write};
+use std::ops::Range;
 use std::path::Path;
 
 use crate::error::{Error, Location, Problem, Result};
 use crate::product::Cube;
 use crate::progress::Watch;
 use crate::spectral::Band;
+
+use super::envi::DataType;
+use super::flat::{Flat, FlatFile, Order};
 
 /// The name of a band's channel, to 1e-6 nm.
 pub fn channel_name(band: &Band) -> String {
@@ -51,25 +53,24 @@ pub fn write(path: &Path, cube: &Cube, description: &str, watch: Watch<'_>) -> R
         names: band_names(order.iter().map(|band| cube.bands[*band].name.as_str())),
     };
     let head = head(path, &channels, [cube.samples, cube.lines], &about)?;
-    let line_bytes = 4 * cube.samples * cube.bands.len();
-
-    let io = |e| Error::io(path, "writing", e);
-    let mut file = BufWriter::with_capacity(1 << 20, File::create(path).map_err(io)?);
-    file.write_all(&head).map_err(io)?;
-    let mut y = 0_i32;
-    let mut put = |lines: &[u8]| {
-        for line in lines.chunks_exact(line_bytes) {
-            file.write_all(&y.to_le_bytes()).map_err(io)?;
-            file.write_all(&(line_bytes as i32).to_le_bytes()).map_err(io)?;
-            for &band in &order {
-                file.write_all(&line[4 * cube.samples * band..][..4 * cube.samples]).map_err(io)?;
-            }
-            y += 1;
+    let writing = |e| Error::io(path, "writing", e);
+    let flat = flat([cube.lines, cube.samples, cube.bands.len()]);
+    let mut file = FlatFile::create(path, flat, &head).map_err(writing)?;
+    let band_bytes = 4 * cube.samples;
+    let mut sorted = Vec::new();
+    let mut put = |lines: Range<usize>, bytes: &[u8]| {
+        sorted.clear();
+        for line in bytes.chunks_exact(band_bytes * order.len()) {
+            order.iter().for_each(|band| sorted.extend_from_slice(&line[band_bytes * band..][..band_bytes]));
         }
-        Ok(())
+        file.bytes(lines, 0..order.len(), &sorted).map_err(writing)
     };
-    super::envi::stream_lines_f32(cube, &mut put, watch)?;
-    file.flush().map_err(io)
+    super::envi::stream_lines_f32(cube, &mut put, watch)
+}
+
+/// How the numbers of a file lie behind its [`head`]: rows, columns and channels.
+pub(super) fn flat(size: [usize; 3]) -> Flat {
+    Flat { has_heads: true, ..Flat::new(size, DataType::F32, Order::RowBandColumn) }
 }
 
 /// What a file says of itself.
@@ -125,23 +126,6 @@ pub(super) fn head(path: &Path, names: &[&str], size: [usize; 2], about: &About<
         head.extend((first + line * (8 + line_bytes as u64)).to_le_bytes());
     }
     Ok(head)
-}
-
-/// Writes what comes before the numbers of each scan line: its place, and their length. `start` is where the first line begins.
-///
-/// # Errors
-/// [`Error::Io`].
-pub(super) fn write_line_heads(path: &Path, start: u64, size: [usize; 2], channels: usize) -> Result<()> {
-    let [columns, rows] = size;
-    let line_bytes = 4 * columns * channels;
-    let write = || {
-        let mut file = std::fs::OpenOptions::new().write(true).open(path)?;
-        (0..rows).try_for_each(|y| {
-            file.seek(SeekFrom::Start(start + y as u64 * (8 + line_bytes as u64)))?;
-            file.write_all(&[(y as i32).to_le_bytes(), (line_bytes as i32).to_le_bytes()].concat())
-        })
-    };
-    write().map_err(|e: std::io::Error| Error::io(path, "writing", e))
 }
 
 /// Magic number, version and attributes, the latter in the order of their names; `window` is first x, y and last x, y.

@@ -12,7 +12,7 @@ use crate::report::{Fate, Report};
 use crate::spectral::SpectralLibrary;
 
 use super::dart::kind::{outside, range};
-use super::envi::{self, Header};
+use super::envi::{self, DataType, Header, HeaderText, Interleave};
 use super::folder::Staged;
 use super::format::{Format, Holds};
 use super::input;
@@ -236,16 +236,13 @@ pub(super) fn stage(path: &Path, spectra: &[SpectralLibrary], replace: bool) -> 
         let at = Location::file(path).with_item(format!("spectra of {:?}", library.name));
         report.note(Fate::Dropped, at, "a spectral library has no place for comments");
     }
-    let mut text = format!(
-        "ENVI\ndescription = {{spectral library of mmxrt}}\nsamples = {}\nlines = {}\nbands = 1\nheader offset = 0\n\
-         file type = {}\ndata type = 5\ninterleave = bsq\nbyte order = 0\nwavelength units = Micrometers\n\
-         reflectance scale factor = 1\n",
-        wavelength_um.len(),
-        spectra_flat.len(),
-        envi::SPECTRAL_LIBRARY
-    );
-    envi::list(&mut text, "spectra names", spectra_flat.iter().map(|s| s.0.clone()));
-    envi::list(&mut text, "wavelength", wavelength_um.iter().map(f64::to_string));
+    let size = [wavelength_um.len(), spectra_flat.len(), 1];
+    let description = Some("spectral library of mmxrt");
+    let mut text = HeaderText::new(description, size, envi::SPECTRAL_LIBRARY, DataType::F64, Interleave::Bsq);
+    text.field("wavelength units", "Micrometers");
+    text.field("reflectance scale factor", 1);
+    text.list("spectra names", spectra_flat.iter().map(|s| s.0.clone()));
+    text.list("wavelength", wavelength_um.iter().map(f64::to_string));
     let bytes: Vec<u8> = spectra_flat.iter().flat_map(|s| s.2).flat_map(|v| v.to_le_bytes()).collect();
     let mut staged = Staged::file(path, replace)?;
     let header = staged.beside(&envi::header_of(path)?)?;

@@ -1,6 +1,7 @@
 //! ENVI: a file of numbers and a text header beside it. Cubes and backplanes are written; any header can be inspected.
 
 mod header;
+mod header_text;
 mod pair;
 mod statistics;
 mod write;
@@ -12,8 +13,9 @@ pub use self::write::{write_backplanes, write_cube};
 pub use super::number::DataType;
 
 pub(super) use self::header::{KEYS, Scale};
+pub(super) use self::header_text::{HeaderText, plain};
 pub(super) use self::pair::{ENDINGS, header_of};
-pub(super) use self::write::{list, plain, stream_lines_f32};
+pub(super) use self::write::stream_lines_f32;
 
 /// Order of the numbers in the file, slowest index first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -64,6 +66,16 @@ pub enum Precision {
     F32,
     /// Double: as computed.
     F64,
+}
+
+impl Precision {
+    /// The type of the numbers.
+    pub(super) fn data_type(self) -> DataType {
+        match self {
+            Precision::F32 => DataType::F32,
+            Precision::F64 => DataType::F64,
+        }
+    }
 }
 
 /// The file type of a spectral library.

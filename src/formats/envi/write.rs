@@ -1,19 +1,17 @@
-//! What is written: cubes and backplanes, number after number, and the texts of their headers.
+//! Cubes and backplanes are written: their numbers, and their headers.
 
-use std::fmt::Write as _;
-use std::fs::File;
-use std::io::Write;
 use std::ops::Range;
 use std::path::Path;
 
 use rayon::prelude::*;
 
+use super::header_text::{HeaderText, plain};
 use super::{Interleave, Precision};
 use crate::error::{Error, Location, Result};
+use crate::formats::flat::{Flat, FlatFile, Order};
 use crate::formats::quicklook;
 use crate::product::{Backplanes, Cube, Plane};
 use crate::progress::{Watch, tell};
-use crate::spectral::Band;
 
 /// A number as it is written.
 trait Sample {
@@ -58,43 +56,37 @@ pub fn write_cube(
     description: &str,
     watch: Watch<'_>,
 ) -> Result<()> {
-    let mut file = File::create(path).map_err(|e| Error::io(path, "writing", e))?;
-    let mut put = |bytes: &[u8]| file.write_all(bytes).map_err(|e| Error::io(path, "writing", e));
+    let size = [cube.lines, cube.samples, cube.bands.len()];
+    let flat = Flat::new(size, precision.data_type(), Order::from(interleave));
+    let file = FlatFile::create(path, flat, &[]).map_err(|e| Error::io(path, "writing", e))?;
     match precision {
-        Precision::F32 => stream::<f32>(cube, interleave, &mut put, watch)?,
-        Precision::F64 => stream::<f64>(cube, interleave, &mut put, watch)?,
+        Precision::F32 => stream::<f32>(path, file, cube, interleave, watch)?,
+        Precision::F64 => stream::<f64>(path, file, cube, interleave, watch)?,
     }
-    let mut text = common_header(description, cube.samples, cube.lines, cube.bands.len(), interleave, precision);
-    text.push_str("data units = W m-2 sr-1 um-1\nwavelength units = Micrometers\n");
-    list(&mut text, "wavelength", cube.bands.iter().map(|b| b.centre_um.to_string()));
-    if cube.bands.iter().any(|b| b.fwhm_um.is_some()) {
-        list(&mut text, "fwhm", cube.bands.iter().map(|b| b.fwhm_um.unwrap_or(0.0).to_string()));
-    }
-    if cube.bands.iter().any(|b| !b.name.is_empty()) {
-        let name = |(i, band): (usize, &Band)| match plain(&band.name) {
-            name if name.is_empty() => format!("band {}", i + 1),
-            name => name,
-        };
-        list(&mut text, "band names", cube.bands.iter().enumerate().map(name));
-    }
-    let [red, green, blue] = quicklook::colour_bands(&cube.bands);
+    let size = [cube.samples, cube.lines, cube.bands.len()];
+    let mut text = HeaderText::of_image(Some(description), size, precision.data_type(), interleave);
+    text.field("data units", "W m-2 sr-1 um-1");
+    text.bands(cube.bands.iter().map(|band| (Some(band.centre_um), band.fwhm_um, band.name.as_str())));
     if cube.bands.len() >= 3 {
-        list(&mut text, "default bands", [red, green, blue].map(|b| (b + 1).to_string()).into_iter());
+        text.list("default bands", quicklook::colour_bands(&cube.bands).map(|b| (b + 1).to_string()).into_iter());
     }
-    write_header(path, &text)
+    text.write(&path.with_extension("hdr"))
 }
 
-/// Expands a cube into the file's order, pass by pass, in one buffer.
+/// Expands a cube into a file, pass by pass, in one buffer.
 fn stream<S: Sample>(
+    path: &Path,
+    mut file: FlatFile,
     cube: &Cube,
     interleave: Interleave,
-    put: &mut impl FnMut(&[u8]) -> Result<()>,
     watch: Watch<'_>,
 ) -> Result<()> {
-    if interleave != Interleave::Bsq {
-        return stream_lines::<S>(cube, interleave == Interleave::Bil, put, watch);
-    }
+    let writing = |e| Error::io(path, "writing", e);
     let bands = cube.bands.len();
+    if interleave != Interleave::Bsq {
+        let mut put = |lines: Range<usize>, bytes: &[u8]| file.bytes(lines, 0..bands, bytes).map_err(writing);
+        return stream_lines::<S>(cube, interleave == Interleave::Bil, &mut put, watch);
+    }
     let pixels = cube.samples * cube.lines;
     let step = (PASS_BYTES / (pixels * S::BYTES).max(1)).clamp(1, PASS_BANDS);
     let mut buffer = vec![0; pixels * step.min(bands) * S::BYTES];
@@ -107,10 +99,10 @@ fn stream<S: Sample>(
         pass_bytes.par_chunks_mut(block_bytes).enumerate().for_each(|(i, bytes)| {
             tile::<S>(cube, i * BLOCK..((i + 1) * BLOCK).min(pixels), pass.clone(), true, bytes);
         });
-        for band in 0..pass.len() {
-            for block in pass_bytes.chunks(block_bytes) {
-                let run = block.len() / pass.len();
-                put(&block[band * run..][..run])?;
+        for (i, band) in pass.clone().enumerate() {
+            for (block, bytes) in pass_bytes.chunks(block_bytes).enumerate() {
+                let run = bytes.len() / pass.len();
+                file.pixels(band, block * BLOCK, &bytes[i * run..][..run]).map_err(writing)?;
             }
         }
     }
@@ -121,7 +113,7 @@ fn stream<S: Sample>(
 fn stream_lines<S: Sample>(
     cube: &Cube,
     band_major: bool,
-    put: &mut impl FnMut(&[u8]) -> Result<()>,
+    put: &mut impl FnMut(Range<usize>, &[u8]) -> Result<()>,
     watch: Watch<'_>,
 ) -> Result<()> {
     let bands = 0..cube.bands.len();
@@ -129,12 +121,13 @@ fn stream_lines<S: Sample>(
     let mut buffer = vec![0; line_bytes * PASS_LINES.min(cube.lines)];
     for first in (0..cube.lines).step_by(PASS_LINES) {
         tell(watch, "writing the cube", first as u64, cube.lines as u64)?;
-        let pass_bytes = &mut buffer[..line_bytes * PASS_LINES.min(cube.lines - first)];
+        let lines = first..cube.lines.min(first + PASS_LINES);
+        let pass_bytes = &mut buffer[..line_bytes * lines.len()];
         pass_bytes.par_chunks_mut(line_bytes.max(1)).enumerate().for_each(|(i, bytes)| {
             let pixel = (first + i) * cube.samples;
             tile::<S>(cube, pixel..pixel + cube.samples, bands.clone(), band_major, bytes);
         });
-        put(pass_bytes)?;
+        put(lines, pass_bytes)?;
     }
     Ok(())
 }
@@ -142,7 +135,7 @@ fn stream_lines<S: Sample>(
 /// Hands out the lines of a cube as f32, each [band, sample], several at a time.
 pub(in crate::formats) fn stream_lines_f32(
     cube: &Cube,
-    put: &mut impl FnMut(&[u8]) -> Result<()>,
+    put: &mut impl FnMut(Range<usize>, &[u8]) -> Result<()>,
     watch: Watch<'_>,
 ) -> Result<()> {
     stream_lines::<f32>(cube, true, put, watch)
@@ -170,58 +163,21 @@ pub fn write_backplanes(path: &Path, planes: &Backplanes, precision: Precision, 
         let message = format!("{} values for an image of {} x {}", plane.values.len(), planes.samples, planes.lines);
         return Err(Error::invalid(Location::item(format!("backplane {}", plane.name)), message));
     }
-    let mut file = File::create(path).map_err(|e| Error::io(path, "writing", e))?;
-    for plane in &planes.planes {
-        let bytes: Vec<u8> = match precision {
-            Precision::F32 => plane.values.iter().flat_map(|v| (*v as f32).to_le_bytes()).collect(),
-            Precision::F64 => plane.values.iter().flat_map(|v| v.to_le_bytes()).collect(),
-        };
-        file.write_all(&bytes).map_err(|e| Error::io(path, "writing", e))?;
-    }
+    let writing = |e| Error::io(path, "writing", e);
     let (samples, lines, bands) = (planes.samples, planes.lines, planes.planes.len());
-    let mut text = common_header(description, samples, lines, bands, Interleave::Bsq, precision);
-    text.push_str("data ignore value = nan\n");
+    let flat = Flat::new([lines, samples, bands], precision.data_type(), Order::BandRowColumn);
+    let mut file = FlatFile::create(path, flat, &[]).map_err(writing)?;
+    for (band, plane) in planes.planes.iter().enumerate() {
+        file.tile(0..lines, band..band + 1, &plane.values).map_err(writing)?;
+    }
+    let size = [samples, lines, bands];
+    let mut text = HeaderText::of_image(Some(description), size, precision.data_type(), Interleave::Bsq);
+    text.field("data ignore value", "nan");
     // ENVI has one unit for a file; ours differ, so that a plane's name carries its own.
     let name = |p: &Plane| match p.unit.as_str() {
         "" | "1" => plain(&p.name),
         unit => plain(&format!("{} ({unit})", p.name)),
     };
-    list(&mut text, "band names", planes.planes.iter().map(name));
-    write_header(path, &text)
-}
-
-fn common_header(
-    description: &str,
-    samples: usize,
-    lines: usize,
-    bands: usize,
-    interleave: Interleave,
-    precision: Precision,
-) -> String {
-    let data_type = match precision {
-        Precision::F32 => 4,
-        Precision::F64 => 5,
-    };
-    format!(
-        "ENVI\ndescription = {{{}}}\nsamples = {samples}\nlines = {lines}\nbands = {bands}\nheader offset = 0\n\
-         file type = ENVI Standard\ndata type = {data_type}\ninterleave = {}\nbyte order = 0\n",
-        description.replace(['{', '}', '\n'], " "),
-        interleave.name()
-    )
-}
-
-/// A name that the header's lists can hold.
-pub(in crate::formats) fn plain(name: &str) -> String {
-    name.replace(['{', '}', ',', '\n'], " ")
-}
-
-pub(in crate::formats) fn list(text: &mut String, key: &str, values: impl Iterator<Item = String>) {
-    let values: Vec<String> = values.collect();
-    let rows: Vec<String> = values.chunks(8).map(|row| row.join(", ")).collect();
-    let _ = writeln!(text, "{key} = {{\n {}}}", rows.join(",\n "));
-}
-
-fn write_header(data: &Path, text: &str) -> Result<()> {
-    let path = data.with_extension("hdr");
-    std::fs::write(&path, text).map_err(|e| Error::io(&path, "writing", e))
+    text.list("band names", planes.planes.iter().map(name));
+    text.write(&path.with_extension("hdr"))
 }

@@ -10,6 +10,7 @@ use zip::{CompressionMethod, ZipArchive};
 use super::Header;
 use crate::error::{Error, Location, Problem, Result};
 use crate::formats::input::{self, MOST_DEFLATED};
+use crate::formats::npy::{self, Preamble};
 use crate::geometry::Direction;
 
 const COMPRESSED: &str =
@@ -177,7 +178,7 @@ impl Npz {
         let at = self.at(name);
         let damaged = |message: String| Error::syntax(at.clone(), message);
         let Some(mut bytes) = self.bytes_of(name)? else { return Ok(None) };
-        let Preamble { descr, shape, fortran_order, start } = preamble(&bytes).map_err(&damaged)?;
+        let Preamble { descr, shape, fortran_order, start } = npy::preamble(&bytes).map_err(&damaged)?;
         if fortran_order && shape.len() > 1 {
             return Err(damaged("is in Fortran order; save it with np.ascontiguousarray".into()));
         }
@@ -341,45 +342,4 @@ pub(in crate::formats) fn beginning(path: &Path, member: &Member, most: u64) -> 
 /// As [`read_table`](super::read_table).
 pub(in crate::formats) fn text(path: &Path, member: &Member) -> Result<Option<String>> {
     Ok(Npz::open(path)?.array(&member.name)?.and_then(|array| array.text()))
-}
-
-/// What a `.npy` file says of its numbers.
-pub(in crate::formats) struct Preamble {
-    /// Type, as in `<f8`.
-    pub(in crate::formats) descr: String,
-    /// Length of each axis.
-    pub(in crate::formats) shape: Vec<usize>,
-    /// Whether the first index runs fastest.
-    pub(in crate::formats) fortran_order: bool,
-    /// Where the numbers begin, bytes.
-    pub(in crate::formats) start: usize,
-}
-
-/// The preamble of a `.npy` file, of which `bytes` holds at least the beginning.
-///
-/// # Errors
-/// What is wrong with it, as a sentence.
-pub(in crate::formats) fn preamble(bytes: &[u8]) -> std::result::Result<Preamble, String> {
-    let short = || "is cut short".to_owned();
-    if bytes.get(..6) != Some(b"\x93NUMPY") {
-        return Err("is not a NumPy array".into());
-    }
-    let (length, start) = match bytes.get(6).ok_or_else(short)? {
-        1 => (bytes.get(8..10).map(|b| usize::from(u16::from_le_bytes([b[0], b[1]]))), 10),
-        _ => (bytes.get(8..12).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as usize), 12),
-    };
-    let end = length.and_then(|l| l.checked_add(start)).ok_or_else(short)?;
-    let text = bytes.get(start..end).ok_or_else(short)?;
-    let text = std::str::from_utf8(text).map_err(|_| "its preamble is not text".to_owned())?;
-    let value = |key: &str| text.split_once(&format!("'{key}':")).map(|(_, rest)| rest.trim_start());
-    let descr = value("descr").and_then(|v| v.strip_prefix('\'')).and_then(|v| v.split_once('\'')).map(|v| v.0);
-    let shape = value("shape").and_then(|v| v.strip_prefix('(')).and_then(|v| v.split_once(')')).map(|v| v.0);
-    let shape: Option<Vec<usize>> =
-        shape.and_then(|s| s.split(',').map(str::trim).filter(|s| !s.is_empty()).map(|s| s.parse().ok()).collect());
-    match (descr, shape, value("fortran_order")) {
-        (Some(descr), Some(shape), Some(order)) => {
-            Ok(Preamble { descr: descr.to_owned(), shape, fortran_order: order.starts_with("True"), start: end })
-        }
-        _ => Err(format!("its preamble is not understood: {}", text.trim())),
-    }
 }

@@ -16,7 +16,7 @@ use crate::error::Result;
 use crate::product::Footprints;
 
 pub use self::archive::{ArrayInfo, Shaped, list, read_f64s};
-pub(super) use self::archive::{Member, Preamble, beginning, members, preamble, text};
+pub(super) use self::archive::{Member, beginning, members, text};
 pub use self::table::{read_table, write_table};
 
 /// What the header of a facet table says it is.

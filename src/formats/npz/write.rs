@@ -9,6 +9,7 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 
 use super::{Field, Header};
 use crate::error::{Error, Result};
+use crate::formats::npy;
 use crate::visibility::Shown;
 
 /// An array about to be written.
@@ -145,14 +146,7 @@ fn start<W: Write + Seek>(
         .unix_permissions(0o644)
         .large_file(bytes as u64 >= u64::from(u32::MAX) - 1024);
     zip.start_file(format!("{name}.npy"), options)?;
-    let mut preamble = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}");
-    // Magic and length take 10 bytes; the data begins at a multiple of 64.
-    let padding = 63 - (10 + preamble.len()) % 64;
-    preamble.extend(std::iter::repeat_n(' ', padding));
-    preamble.push('\n');
-    zip.write_all(b"\x93NUMPY\x01\x00")?;
-    zip.write_all(&(preamble.len() as u16).to_le_bytes())?;
-    zip.write_all(preamble.as_bytes())
+    zip.write_all(&npy::written(descr, shape))
 }
 
 /// Whether ends, the last of which is the largest, fit into 32 bits.

@@ -9,10 +9,10 @@ use crate::formats::ilwis;
 use crate::formats::number::DataType;
 use crate::report::{Fate, Report};
 
-use super::flat::{Flat, Order};
 use super::names;
 use super::place::Georeference;
 use super::{Raster, RasterBand, Reader, Target, check_length, check_size};
+use crate::formats::flat::{Flat, Order};
 
 /// An ENVI image: numbers, with a header beside them.
 pub(in crate::formats) static ENVI: Format = Format {
@@ -112,7 +112,7 @@ pub(super) fn open_envi(path: &Path) -> Result<Raster> {
         data_type: header.data_type,
         big_endian: header.big_endian,
         order: Order::from(header.interleave),
-        gap: 0,
+        has_heads: false,
     };
     if let Some(surplus) = check_length(&data, &flat, None, &header_path)? {
         report.note(Fate::Dropped, Location::file(&data), surplus);
@@ -151,7 +151,7 @@ pub(super) fn open_ilwis(path: &Path) -> Result<Raster> {
         data_type: store.data_type,
         big_endian: false,
         order: Order::BandRowColumn,
-        gap: 0,
+        has_heads: false,
     };
     if let Some(surplus) = check_length(&values_path, &flat, None, &header_path)? {
         let help = "its size, bands or type are others, or the header is another file's";

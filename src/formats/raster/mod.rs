@@ -6,7 +6,6 @@
 
 mod compare;
 pub(super) mod exr;
-mod flat;
 pub(super) mod headers;
 pub(super) mod jpeg;
 mod layers;
@@ -37,8 +36,8 @@ pub use super::number::DataType;
 use super::quicklook;
 
 use self::exr::Numbers;
-use self::flat::{Flat, Order};
 use self::layers::{Chosen, Layer};
+use super::flat::{Flat, Order};
 
 /// Bands that one pass through a file gives are kept up to this size, or one band if that is larger.
 const PASS_BYTES: usize = 256 << 20;

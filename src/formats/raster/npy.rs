@@ -6,12 +6,13 @@ use std::path::Path;
 use crate::error::{Error, Location, Problem, Result};
 use crate::formats::format::{Format, Holds};
 use crate::formats::marks;
-use crate::formats::npz::{self, Member, Preamble, preamble};
+use crate::formats::npy::{Preamble, preamble};
+use crate::formats::npz::{self, Member};
 use crate::formats::number::DataType;
 use crate::report::Fate;
 
-use super::flat::{Flat, Order};
 use super::{Raster, RasterBand, Reader, Target, check_length, check_size};
+use crate::formats::flat::{Flat, Order};
 use crate::formats::input;
 
 /// A NumPy array.
@@ -109,7 +110,7 @@ fn flat(beginning: &[u8], start: u64, at: Location) -> Result<Flat> {
         data_type,
         big_endian: descr.starts_with('>'),
         order,
-        gap: 0,
+        has_heads: false,
     })
 }
 

@@ -6,16 +6,16 @@ use std::io::{BufWriter, Write};
 use std::path::Path;
 
 use crate::error::{Error, Location, Problem, Result};
-use crate::formats::envi::{self, Interleave};
+use crate::formats::envi::{self, HeaderText, Interleave};
 use crate::formats::folder::Staged;
 use crate::formats::number::DataType;
-use crate::formats::{exr_cube, ilwis};
+use crate::formats::{exr_cube, ilwis, npy};
 use crate::progress::{Watch, tell};
 use crate::report::{Fate, Report};
 use crate::spectral::Band;
 
-use super::flat::{Flat, Order};
 use super::{PASS_BYTES, Raster, RasterBand, resize};
+use crate::formats::flat::{Flat, FlatFile, Order};
 
 /// A format that rasters are written in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -90,23 +90,14 @@ pub fn write(
     let mut staged = Staged::file(main, options.replace)?;
     let mut job = Job { raster, chosen: chosen.clone(), data_type, loss: Loss::default(), watch };
     let (rows, columns) = (job.raster.rows, job.raster.columns);
-    let flat = |order, start, gap| Flat {
-        rows,
-        columns,
-        bands: chosen.len(),
-        start,
-        data_type,
-        big_endian: false,
-        order,
-        gap,
-    };
+    let flat = |order| Flat::new([rows, columns, chosen.len()], data_type, order);
     if target != Target::Csv {
-        staged.has_room(flat(Order::BandRowColumn, 0, 0).data_bytes().unwrap_or(u64::MAX))?;
+        staged.has_room(flat(Order::BandRowColumn).data_bytes().unwrap_or(u64::MAX))?;
     }
     match target {
         Target::Envi(interleave) => {
             let header = staged.beside(&envi::header_of(path)?)?;
-            job.numbers(&staged, staged.path(), &flat(Order::from(interleave), 0, 0), &[])?;
+            job.numbers(&staged, staged.path(), flat(Order::from(interleave)), &[])?;
             let text = envi_header(job.raster, &bands, all_bands, interleave, data_type, &job.loss);
             staged.put(&header, |out| out.write_all(text.as_bytes()))?;
         }
@@ -115,8 +106,8 @@ pub fn write(
                 1 => format!("({rows}, {columns})"),
                 n => format!("({rows}, {columns}, {n})"),
             };
-            let preamble = npy_preamble(data_type, &shape);
-            job.numbers(&staged, staged.path(), &flat(Order::RowColumnBand, preamble.len() as u64, 0), &preamble)?;
+            let preamble = npy::written(&npy_type(data_type), &shape);
+            job.numbers(&staged, staged.path(), flat(Order::RowColumnBand), &preamble)?;
         }
         Target::Exr => {
             let (names, spectral) = channel_names(&bands, path, report)?;
@@ -134,9 +125,7 @@ pub fn write(
             let head = exr_cube::head(path, &sorted, [columns, rows], &about)?;
             let in_file: Vec<usize> = order.iter().map(|band| chosen[*band]).collect();
             job.chosen = in_file;
-            job.numbers(&staged, staged.path(), &flat(Order::RowBandColumn, head.len() as u64, 8), &head)?;
-            exr_cube::write_line_heads(staged.path(), head.len() as u64, [columns, rows], names.len())
-                .map_err(|e| staged.named(e))?;
+            job.numbers(&staged, staged.path(), exr_cube::flat([rows, columns, names.len()]), &head)?;
         }
         Target::Ilwis => {
             // One of them is what the output is called.
@@ -148,7 +137,7 @@ pub fn write(
             let (header, numbers, georeference, corners) = (header?, numbers?, georeference?, corners?);
             // As DART had it.
             job.loss.no_data_is = job.raster.ignore.filter(|ignore| *ignore == ilwis::NO_DATA);
-            job.numbers(&staged, &numbers, &flat(Order::BandRowColumn, 0, 0), &[])?;
+            job.numbers(&staged, &numbers, flat(Order::BandRowColumn), &[])?;
             let place = match &job.raster.place {
                 Some(place) => place.clone(),
                 None => {
@@ -306,12 +295,11 @@ struct Job<'a> {
 
 impl Job<'_> {
     /// Writes what comes first, and then all numbers.
-    fn numbers(&mut self, staged: &Staged, path: &Path, flat: &Flat, first: &[u8]) -> Result<()> {
+    fn numbers(&mut self, staged: &Staged, path: &Path, flat: Flat, first: &[u8]) -> Result<()> {
         let writing = |e| staged.named(Error::io(path, "writing", e));
-        let mut file = File::create(path).map_err(writing)?;
-        file.write_all(first).map_err(writing)?;
         let pixels = self.raster.pixels();
         let together = flat.together(PASS_BYTES);
+        let mut file = FlatFile::create(path, flat, first).map_err(writing)?;
         let (mut pass, mut band) = (Vec::new(), Vec::new());
         resize(&mut pass, together * pixels, &self.raster.path)?;
         for start in (0..self.chosen.len()).step_by(together) {
@@ -322,7 +310,8 @@ impl Job<'_> {
                 self.loss.round(self.data_type, self.raster.ignore, &mut band);
                 values.copy_from_slice(&band);
             }
-            flat.write(&mut file, bands.clone(), &pass[..bands.len() * pixels]).map_err(writing)?;
+            let rows = 0..self.raster.rows;
+            file.tile(rows, bands.clone(), &pass[..bands.len() * pixels]).map_err(writing)?;
         }
         Ok(())
     }
@@ -355,61 +344,32 @@ fn envi_header(
     interleave: Interleave,
     data_type: DataType,
     loss: &Loss,
-) -> String {
-    let mut text = format!(
-        "ENVI\nsamples = {}\nlines = {}\nbands = {}\nheader offset = 0\nfile type = ENVI Standard\ndata type = {}\n\
-         interleave = {}\nbyte order = 0\n",
-        raster.columns,
-        raster.rows,
-        bands.len(),
-        envi::code(data_type),
-        interleave.name()
-    );
-    let _ = match raster.ignore {
-        Some(ignore) if data_type.is_integer() && loss.unmarked == 0 => writeln!(text, "data ignore value = {ignore}"),
-        _ if loss.no_data > 0 && !data_type.is_integer() => writeln!(text, "data ignore value = nan"),
-        _ => Ok(()),
-    };
+) -> HeaderText {
+    let mut text = HeaderText::of_image(None, [raster.columns, raster.rows, bands.len()], data_type, interleave);
+    match raster.ignore {
+        Some(ignore) if data_type.is_integer() && loss.unmarked == 0 => text.field("data ignore value", ignore),
+        _ if loss.no_data > 0 && !data_type.is_integer() => text.field("data ignore value", "nan"),
+        _ => {}
+    }
     if let Some(unit) = &raster.unit {
-        let _ = writeln!(text, "data units = {}", envi::plain(unit));
+        text.field("data units", envi::plain(unit));
     }
-    let centres_um: Option<Vec<f64>> = bands.iter().map(|b| b.centre_um).collect();
-    if let Some(centres_um) = centres_um {
-        text.push_str("wavelength units = Micrometers\n");
-        envi::list(&mut text, "wavelength", centres_um.iter().map(f64::to_string));
-        if bands.iter().any(|b| b.fwhm_um.is_some()) {
-            envi::list(&mut text, "fwhm", bands.iter().map(|b| b.fwhm_um.unwrap_or(0.0).to_string()));
-        }
-    }
-    if bands.iter().any(|b| !b.name.is_empty()) {
-        let name = |(i, band): (usize, &RasterBand)| match envi::plain(&band.name) {
-            name if name.is_empty() => format!("band {}", i + 1),
-            name => name,
-        };
-        envi::list(&mut text, "band names", bands.iter().enumerate().map(name));
-    }
+    text.bands(bands.iter().map(|band| (band.centre_um, band.fwhm_um, band.name.as_str())));
     if all_bands {
-        for (key, value) in &raster.extra {
-            let _ = writeln!(text, "{key} = {{{value}}}");
-        }
+        raster.extra.iter().for_each(|(key, value)| text.field(key, format_args!("{{{value}}}")));
     }
     text
 }
 
-/// The beginning of a `.npy` file, version 1.0: its length is a multiple of 64.
-fn npy_preamble(data_type: DataType, shape: &str) -> Vec<u8> {
+/// NumPy's name of a type.
+fn npy_type(data_type: DataType) -> String {
     let kind = match data_type {
         DataType::F32 | DataType::F64 => 'f',
         _ if data_type.name().starts_with('u') => 'u',
         _ => 'i',
     };
     let order = if data_type.bytes() == 1 { '|' } else { '<' };
-    let text = format!("{{'descr': '{order}{kind}{}', 'fortran_order': False, 'shape': {shape}, }}", data_type.bytes());
-    let length = (10 + text.len() + 1).next_multiple_of(64) - 10;
-    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-    bytes.extend((length as u16).to_le_bytes());
-    bytes.extend(format!("{text:<0$}\n", length - 1).into_bytes());
-    bytes
+    format!("{order}{kind}{}", data_type.bytes())
 }
 
 /// What channels are called, and whether that is their wavelength.

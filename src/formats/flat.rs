@@ -1,4 +1,5 @@
-//! Numbers of one type in a file, one after the other: ENVI, ILWIS and NumPy differ in the order of axes only.
+//! Numbers of one type in a file, one after the other: ENVI, ILWIS, NumPy and uncompressed OpenEXR differ in the order of axes only.
+//! They are read band by band, and written tile by tile, each where it belongs.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom, Write};
@@ -47,11 +48,16 @@ pub(super) struct Flat {
     pub(super) data_type: DataType,
     pub(super) big_endian: bool,
     pub(super) order: Order,
-    /// Bytes before each row of [`Order::RowBandColumn`] when written: OpenEXR has a head there.
-    pub(super) gap: u64,
+    /// Whether each row of [`Order::RowBandColumn`] has a head when it is written, as in OpenEXR: its number and its bytes, each an i32.
+    pub(super) has_heads: bool,
 }
 
 impl Flat {
+    /// Little-endian numbers from the file's first byte on.
+    pub(super) fn new([rows, columns, bands]: [usize; 3], data_type: DataType, order: Order) -> Self {
+        Flat { rows, columns, bands, start: 0, data_type, big_endian: false, order, has_heads: false }
+    }
+
     /// Bytes of all numbers; `None` if no file can have as many.
     pub(super) fn data_bytes(&self) -> Option<u64> {
         let pixels = (self.rows as u64).checked_mul(self.columns as u64)?;
@@ -125,44 +131,108 @@ impl Flat {
     pub(super) fn together(&self, most_bytes: usize) -> usize {
         if self.is_banded() { 1 } else { (most_bytes / (8 * self.rows * self.columns)).clamp(1, self.bands) }
     }
+}
 
-    /// Writes some bands, [band, row, column], each where it belongs.
-    pub(super) fn write(&self, file: &mut File, bands: Range<usize>, values: &[f64]) -> std::io::Result<()> {
-        let size = self.data_type.bytes();
-        let (rows, columns) = (self.rows, self.columns);
-        let pixels = rows * columns;
-        let mut bytes = Vec::new();
-        let mut put = |at: u64, numbers: &[f64]| {
-            file.seek(SeekFrom::Start(self.start + at))?;
-            for piece in numbers.chunks(PIECE / size) {
-                bytes.clear();
-                self.data_type.encode(self.big_endian, piece, &mut bytes);
-                file.write_all(&bytes)?;
+/// Bytes of a row's head.
+const HEAD: u64 = 8;
+
+/// A file that is written tile by tile, in any order.
+pub(super) struct FlatFile {
+    flat: Flat,
+    file: File,
+    /// Where the file would be written without seeking.
+    at: u64,
+}
+
+impl FlatFile {
+    /// A new file, with what comes before the numbers: they begin behind it.
+    pub(super) fn create(path: &Path, flat: Flat, first: &[u8]) -> std::io::Result<Self> {
+        let mut file = File::create(path)?;
+        file.write_all(first)?;
+        let at = first.len() as u64;
+        Ok(FlatFile { flat: Flat { start: at, ..flat }, file, at })
+    }
+
+    /// Writes some bands of some rows: numbers, [band, row, column].
+    pub(super) fn tile(&mut self, rows: Range<usize>, bands: Range<usize>, values: &[f64]) -> std::io::Result<()> {
+        let columns = self.flat.columns;
+        let plane = rows.len() * columns;
+        let step = (PIECE / (8 * columns * bands.len()).max(1)).max(1);
+        let (mut numbers, mut bytes) = (Vec::new(), Vec::new());
+        for first in (0..rows.len()).step_by(step) {
+            let some = first..rows.len().min(first + step);
+            numbers.clear();
+            let lines = |band: usize| &values[band * plane..][some.start * columns..some.end * columns];
+            match self.flat.order {
+                Order::BandRowColumn | Order::BandColumnRow => {
+                    (0..bands.len()).for_each(|band| numbers.extend_from_slice(lines(band)))
+                }
+                Order::RowBandColumn => some.clone().for_each(|row| {
+                    (0..bands.len())
+                        .for_each(|band| numbers.extend_from_slice(&values[band * plane + row * columns..][..columns]))
+                }),
+                Order::RowColumnBand => (some.start * columns..some.end * columns)
+                    .for_each(|pixel| numbers.extend(values[pixel..].iter().step_by(plane))),
             }
-            Ok::<(), std::io::Error>(())
-        };
-        let at = |number: usize| number as u64 * size as u64;
-        match self.order {
-            Order::BandRowColumn => put(at(bands.start * pixels), values),
+            bytes.clear();
+            self.flat.data_type.encode(self.flat.big_endian, &numbers, &mut bytes);
+            self.bytes(rows.start + some.start..rows.start + some.end, bands.clone(), &bytes)?;
+        }
+        Ok(())
+    }
+
+    /// Writes some bands of some rows: bytes in the order of the file.
+    pub(super) fn bytes(&mut self, rows: Range<usize>, bands: Range<usize>, bytes: &[u8]) -> std::io::Result<()> {
+        let Flat { columns, data_type, has_heads, .. } = self.flat;
+        let (all_rows, all_bands) = (self.flat.rows, self.flat.bands);
+        let line = columns * data_type.bytes();
+        match self.flat.order {
+            Order::BandRowColumn => {
+                let runs = bytes.chunks_exact((rows.len() * line).max(1));
+                bands.zip(runs).try_for_each(|(band, run)| self.run(band * all_rows + rows.start, 0, run))
+            }
             Order::BandColumnRow => Err(std::io::ErrorKind::Unsupported.into()),
-            Order::RowBandColumn => (0..rows).try_for_each(|row| {
-                let lines = values.chunks_exact(pixels).flat_map(|plane| &plane[row * columns..][..columns]);
-                let line: Vec<f64> = lines.copied().collect();
-                put(at((row * self.bands + bands.start) * columns) + self.gap * (row as u64 + 1), &line)
-            }),
-            Order::RowColumnBand if bands.len() == self.bands => {
-                let step = (PIECE / 8 / self.bands).max(1);
-                (0..pixels).step_by(step).try_for_each(|first| {
-                    let some = first..pixels.min(first + step);
-                    let numbers = some.flat_map(|pixel| values[pixel..].iter().step_by(pixels));
-                    put(at(first * self.bands), &numbers.copied().collect::<Vec<f64>>())
+            Order::RowBandColumn => {
+                let runs = bytes.chunks_exact((bands.len() * line).max(1));
+                rows.zip(runs).try_for_each(|(row, run)| {
+                    if has_heads && bands.start == 0 {
+                        let head = [(row as i32).to_le_bytes(), ((all_bands * line) as i32).to_le_bytes()].concat();
+                        self.run(row * all_bands, HEAD * row as u64, &head)?;
+                    }
+                    let heads = if has_heads { HEAD * (row as u64 + 1) } else { 0 };
+                    self.run(row * all_bands + bands.start, heads, run)
                 })
             }
-            Order::RowColumnBand => (0..pixels).try_for_each(|pixel| {
-                let numbers: Vec<f64> = values[pixel..].iter().step_by(pixels).copied().collect();
-                put(at(pixel * self.bands + bands.start), &numbers)
-            }),
+            Order::RowColumnBand if bands.len() == all_bands => self.run(rows.start * all_bands, 0, bytes),
+            Order::RowColumnBand => {
+                let size = data_type.bytes();
+                let pixels = rows.start * columns..rows.end * columns;
+                pixels.zip(bytes.chunks_exact((bands.len() * size).max(1))).try_for_each(|(pixel, run)| {
+                    self.put(self.flat.start + (pixel * all_bands + bands.start) as u64 * size as u64, run)
+                })
+            }
         }
+    }
+
+    /// Writes some pixels of one band, where that lies in one piece.
+    pub(super) fn pixels(&mut self, band: usize, first: usize, bytes: &[u8]) -> std::io::Result<()> {
+        let number = band * self.flat.rows * self.flat.columns + first;
+        self.put(self.flat.start + number as u64 * self.flat.data_type.bytes() as u64, bytes)
+    }
+
+    /// Writes bytes that belong behind so many lines of one band, and so many bytes of heads.
+    fn run(&mut self, lines: usize, heads: u64, bytes: &[u8]) -> std::io::Result<()> {
+        let line = (self.flat.columns * self.flat.data_type.bytes()) as u64;
+        self.put(self.flat.start + lines as u64 * line + heads, bytes)
+    }
+
+    fn put(&mut self, at: u64, bytes: &[u8]) -> std::io::Result<()> {
+        if at != self.at {
+            self.file.seek(SeekFrom::Start(at))?;
+        }
+        self.file.write_all(bytes)?;
+        self.at = at + bytes.len() as u64;
+        Ok(())
     }
 }
 
