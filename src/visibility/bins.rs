@@ -25,9 +25,10 @@ const TRACED_CELLS: u32 = 16;
 
 impl Bins {
     pub(super) fn new(drawing: &Drawing) -> Self {
-        let length = drawing.len().div_ceil(PIECES).max(1);
+        let triangles = drawing.listed();
+        let length = triangles.div_ceil(PIECES).max(1);
         let stretches: Vec<std::ops::Range<usize>> =
-            (0..PIECES).map(|i| (i * length).min(drawing.len())..((i + 1) * length).min(drawing.len())).collect();
+            (0..PIECES).map(|i| (i * length).min(triangles)..((i + 1) * length).min(triangles)).collect();
         Bins { pieces: stretches.into_par_iter().map(|range| Piece::new(drawing, range)).collect() }
     }
 
@@ -50,17 +51,17 @@ impl Piece {
         let cells = drawing.grid.columns as usize * drawing.grid.rows as usize;
         // Counted one place to the right, so that the running sum leaves each cell's start in its own place.
         let mut start = vec![0u32; cells + 1];
-        for t in range.clone() {
-            for_each_cell(drawing, t as u32, |cell| start[cell + 1] += 1);
+        for t in range.clone().map(|place| drawing.listed_at(place)) {
+            for_each_cell(drawing, t, |cell| start[cell + 1] += 1);
         }
         for cell in 0..cells {
             start[cell + 1] += start[cell];
         }
         let mut triangle = vec![0u32; start[cells] as usize];
         let mut fill = start.clone();
-        for t in range {
-            for_each_cell(drawing, t as u32, |cell| {
-                triangle[fill[cell] as usize] = t as u32;
+        for t in range.map(|place| drawing.listed_at(place)) {
+            for_each_cell(drawing, t, |cell| {
+                triangle[fill[cell] as usize] = t;
                 fill[cell] += 1;
             });
         }

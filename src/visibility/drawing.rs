@@ -167,6 +167,8 @@ struct Extra {
 pub struct Drawing<'a> {
     mesh: &'a Mesh,
     topology: &'a Topology,
+    /// The only facets that are drawn, ascending; `None`: all.
+    listed: Option<&'a [u32]>,
     /// The view.
     pub view: View,
     /// The cells.
@@ -238,9 +240,31 @@ impl<'a> Drawing<'a> {
 
     /// Draws a mesh in a view.
     pub fn new(mesh: &'a Mesh, topology: &'a Topology, view: View, grid: Grid) -> Self {
-        let points: Vec<[f64; 3]> = mesh.vertices_m.par_iter().with_min_len(4096).map(|p| project(&view, *p)).collect();
+        let points = mesh.vertices_m.par_iter().with_min_len(4096).map(|p| project(&view, *p)).collect();
+        Self::of_points(mesh, topology, view, grid, points, None)
+    }
+
+    /// Draws some facets of a mesh, ascending, and no others: those that the cells may show, or that may hide these. No vertex of
+    /// another facet is looked at.
+    pub fn of_facets(mesh: &'a Mesh, topology: &'a Topology, view: View, grid: Grid, facets: &'a [u32]) -> Self {
+        // Zeroed memory that nobody looks at costs nothing.
+        let mut points = vec![[0.0; 3]; mesh.vertices_m.len()];
+        for vertex in facets.iter().flat_map(|facet| mesh.facets[*facet as usize]) {
+            points[vertex as usize] = project(&view, mesh.vertices_m[vertex as usize]);
+        }
+        Self::of_points(mesh, topology, view, grid, points, Some(facets))
+    }
+
+    fn of_points(
+        mesh: &'a Mesh,
+        topology: &'a Topology,
+        view: View,
+        grid: Grid,
+        points: Vec<[f64; 3]>,
+        listed: Option<&'a [u32]>,
+    ) -> Self {
         let mut drawing =
-            Drawing { mesh, topology, view, grid, points, extra: vec![], flags: vec![], magnitude: [0.0; 2] };
+            Drawing { mesh, topology, listed, view, grid, points, extra: vec![], flags: vec![], magnitude: [0.0; 2] };
         let hides_inner = match view {
             // The Sun is outside of everything.
             View::Parallel { .. } => Cow::Borrowed(&topology.closed[..]),
@@ -269,6 +293,23 @@ impl<'a> Drawing<'a> {
     #[allow(clippy::len_without_is_empty)]
     pub fn len(&self) -> usize {
         self.flags.len()
+    }
+
+    /// Number of triangles that may be in a cell.
+    pub(super) fn listed(&self) -> usize {
+        self.listed.map_or(self.mesh.facets.len(), <[u32]>::len) + self.extra.len()
+    }
+
+    /// The triangle at a place among them: facets, then pieces of facets, ascending.
+    #[inline]
+    pub(super) fn listed_at(&self, place: usize) -> u32 {
+        match self.listed {
+            None => place as u32,
+            Some(facets) => match facets.get(place) {
+                Some(facet) => *facet,
+                None => (self.mesh.facets.len() + place - facets.len()) as u32,
+            },
+        }
     }
 
     /// The mesh that is drawn.
@@ -478,6 +519,14 @@ impl<'a> Drawing<'a> {
             side | narrow | DRAWN
         };
         let mut flags = vec![0; self.mesh.facets.len()];
+        if let Some(facets) = self.listed {
+            let mut extent = Extent::default();
+            for facet in facets.iter().map(|facet| *facet as usize) {
+                flags[facet] = of_facet(facet, &self.mesh.facets[facet], &mut extent);
+            }
+            self.flags = flags;
+            return extent;
+        }
         let chunk = 4096;
         let extent = (flags.par_chunks_mut(chunk).zip(self.mesh.facets.par_chunks(chunk)).enumerate())
             .map(|(c, (flags, facets))| {
@@ -506,7 +555,8 @@ impl<'a> Drawing<'a> {
             planes.push((high * u - side, high * depth_m));
         }
         let mut places: std::collections::HashMap<(u32, u32, usize), u32> = Default::default();
-        for facet in 0..self.mesh.facets.len() as u32 {
+        for place in 0..self.listed.map_or(self.mesh.facets.len(), <[u32]>::len) {
+            let facet = self.listed_at(place);
             if self.flags[facet as usize] & CUT == 0 {
                 continue;
             }
@@ -563,21 +613,27 @@ impl<'a> Drawing<'a> {
     /// An edge is open unless the facet beyond it is drawn on the same side, and in one piece.
     fn mark_open_edges(&mut self) {
         let sides = &self.flags;
-        let mut flags: Vec<u8> = sides
-            .par_iter()
-            .with_min_len(4096)
-            .zip(&self.topology.neighbour)
-            .map(|(&flag, neighbour)| {
-                let side = flag & (FRONT | BACK);
-                let mut marked = flag;
-                for (k, &n) in neighbour.iter().enumerate() {
-                    if n == NONE || side == 0 || sides[n as usize] & (FRONT | BACK | CUT) != side {
-                        marked |= OPEN[k];
-                    }
+        let mark = |(&flag, neighbour): (&u8, &[u32; 3])| {
+            let side = flag & (FRONT | BACK);
+            let mut marked = flag;
+            for (k, &n) in neighbour.iter().enumerate() {
+                if n == NONE || side == 0 || sides[n as usize] & (FRONT | BACK | CUT) != side {
+                    marked |= OPEN[k];
                 }
-                marked
-            })
-            .collect();
+            }
+            marked
+        };
+        let neighbours = &self.topology.neighbour;
+        let mut flags: Vec<u8> = match self.listed {
+            None => sides.par_iter().with_min_len(4096).zip(neighbours).map(mark).collect(),
+            Some(facets) => {
+                let mut flags = vec![0; sides.len()];
+                for facet in facets.iter().map(|facet| *facet as usize) {
+                    flags[facet] = mark((&sides[facet], &neighbours[facet]));
+                }
+                flags
+            }
+        };
         // Pieces of cut facets: every edge open. They are few, and open only means that nothing is taken for granted.
         let all_open = DRAWN | MAYBE_EDGE_ON | OPEN[0] | OPEN[1] | OPEN[2];
         flags.extend(self.extra.iter().map(|e| all_open | sides[e.facet as usize] & (FRONT | BACK)));

@@ -61,6 +61,7 @@ mod shapes;
 mod shared_body;
 mod sides;
 mod slabs;
+mod subset;
 mod spectra;
 mod spectra_from_the_wild;
 mod textures;
