@@ -6,10 +6,10 @@
 #![allow(clippy::print_stdout)]
 
 use glam::{DMat3, DVec3};
-use mmxrt::geometry::{Direction, Pose};
+use mmxrt::geometry::{Direction, FrameCamera, Pose};
 use mmxrt::landscape::{self, Recipe};
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{Exposure, FrameCamera, Material, Models, Parts, Photometry, Sky, Sun, Surface, Thermal};
+use mmxrt::scene::{Exposure, Material, Models, Parts, Photometry, Sky, Sun, Surface, Thermal};
 use mmxrt::spectral::{Band, Extend, Spectrum, solar_e490};
 use mmxrt::units::{AU_M, TSI_1AU_W_M2};
 use mmxrt::{Result, study};

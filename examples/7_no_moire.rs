@@ -8,10 +8,10 @@
 #![allow(clippy::print_stdout)]
 
 use glam::{DMat3, DVec3};
-use mmxrt::geometry::{Direction, MaterialId, Mesh, Pose, Texels};
+use mmxrt::geometry::{Direction, FrameCamera, MaterialId, Mesh, Pose, Texels};
 use mmxrt::progress::unwatched;
 use mmxrt::scene::{
-    Exposure, FrameCamera, Material, Models, Parts, Photometry, Scene, Sky, Sun, Surface, Texture, TextureKind, Thermal,
+    Exposure, Material, Models, Parts, Photometry, Scene, Sky, Sun, Surface, Texture, TextureKind, Thermal,
 };
 use mmxrt::spectral::{Band, Spectrum};
 use mmxrt::units::AU_M;

@@ -9,9 +9,9 @@
 //!
 //! ```
 //! use glam::{DMat3, DVec3};
-//! use mmxrt::geometry::{Direction, MaterialId, Mesh, Pose};
+//! use mmxrt::geometry::{Direction, FrameCamera, MaterialId, Mesh, Pose};
 //! use mmxrt::progress::unwatched;
-//! use mmxrt::scene::{Exposure, FrameCamera, Material, Models, Parts, Photometry, Sky, Sun, Surface, Thermal};
+//! use mmxrt::scene::{Exposure, Material, Models, Parts, Photometry, Sky, Sun, Surface, Thermal};
 //! use mmxrt::spectral::{Band, Spectrum};
 //! use mmxrt::units::AU_M;
 //!

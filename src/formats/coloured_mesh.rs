@@ -6,11 +6,11 @@ use std::path::Path;
 use glam::{DMat3, DVec3};
 
 use crate::error::{Error, Location, Result};
-use crate::geometry::{Direction, Mesh, Pose, body_from_site, signed_solid_angle_sr};
+use crate::geometry::{Direction, FrameCamera, Mesh, Pose, body_from_site, signed_solid_angle_sr};
 use crate::physics::reflectance::kirchhoff_emissivity;
 use crate::physics::srgb::hex_from_linear;
 use crate::report::{Fate, Report};
-use crate::scene::{Exposure, FrameCamera, Material, Models, Parts, Photometry, Scene, Sky, Sun, Surface, Thermal};
+use crate::scene::{Exposure, Material, Models, Parts, Photometry, Scene, Sky, Sun, Surface, Thermal};
 use crate::spectral::{Band, Spectrum, solar_e490};
 use crate::units::{AU_M, TSI_1AU_W_M2};
 

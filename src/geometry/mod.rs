@@ -2,6 +2,7 @@
 
 pub mod cell;
 pub mod coplanar;
+mod camera;
 mod direction;
 mod mesh;
 mod overlay;
@@ -9,6 +10,7 @@ pub mod polygon;
 mod pose;
 mod solid_angle;
 
+pub use camera::{Camera, Eye, FrameCamera, ParallelCamera, Projection};
 pub use direction::{Direction, angle_rad};
 pub use mesh::{Facet, MaterialId, Mesh, NO_UV};
 pub use overlay::{Chart, Overlay, Texels};

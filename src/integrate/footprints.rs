@@ -1,22 +1,25 @@
 //! Which facets each pixel sees, as a product.
 
+use glam::DVec3;
+
 use super::lit::LitArea;
 use super::parts::Polygons;
 use super::pixel::Pixel;
 use super::sweep::{Line, sweep};
-use crate::geometry::Mesh;
+use crate::geometry::{FrameCamera, Mesh};
 use crate::product::Footprints;
 use crate::progress::unwatched;
-use crate::scene::FrameCamera;
-use crate::visibility::{Drawing, Grid, Seen, Topology, View};
+use crate::visibility::{Drawing, Seen, Topology, View};
 
-/// The drawing of a mesh in a camera.
-pub(super) fn draw<'a>(mesh: &'a Mesh, topology: &'a Topology, camera: &FrameCamera) -> Drawing<'a> {
-    let axes = camera.world_from_sensor.rotation;
-    let axes = [axes.x_axis, axes.y_axis, axes.z_axis];
-    let scale = camera.pitch.map(|pitch| 1.0 / pitch);
-    let view = View::pinhole(mesh, camera.centre_m(), axes, scale, camera.boresight_px);
-    Drawing::new(mesh, topology, view, Grid { columns: camera.samples, rows: camera.lines })
+/// The drawing of a mesh in a camera; `bounds_m` are the mesh's.
+pub(super) fn draw<'a>(
+    mesh: &'a Mesh,
+    topology: &'a Topology,
+    bounds_m: Option<(DVec3, DVec3)>,
+    camera: &FrameCamera,
+) -> Drawing<'a> {
+    let (view, grid) = View::of_frame(camera, bounds_m);
+    Drawing::new(mesh, topology, view, grid)
 }
 
 /// Adds what a pixel sees.
@@ -45,7 +48,7 @@ pub(super) fn join(lines: impl Iterator<Item = Footprints>) -> Footprints {
 
 /// The facets that each pixel sees and the share of them that is lit: exact area fractions.
 pub fn footprints(mesh: &Mesh, topology: &Topology, sunlit: &Seen, camera: &FrameCamera) -> Footprints {
-    let drawing = draw(mesh, topology, camera);
+    let drawing = draw(mesh, topology, mesh.bounds_m(), camera);
     let polygons = Polygons::of_seen(sunlit);
     let start = || Pixel::new(&drawing, vec![LitArea::new(&drawing, sunlit, &polygons)]);
     let look = |pixel: &mut Pixel, line: &mut Line, ()| {

@@ -86,7 +86,7 @@ pub fn integrate(scene: &Scene, table: &FacetTable, wanted: Wanted<'_>, watch: W
     let prepared = wanted.maps.map(|maps| maps::prepare(maps, scene, watch)).transpose()?.unwrap_or_default();
     let map_polygons: Vec<Vec<_>> =
         prepared.iter().map(|views| views.iter().map(|p| p.polygons(mesh.facets.len())).collect()).collect();
-    let drawing = footprints::draw(mesh, scene.body.topology(), camera);
+    let drawing = footprints::draw(mesh, scene.body.topology(), scene.body.bounds_m(), camera);
     // Of each source that is known by parts: the Sun first.
     let lit: Vec<_> = table.sources.iter().filter_map(|lighting| lighting.seen()).collect();
     let lit_polygons: Vec<Polygons> = lit.iter().map(|seen| Polygons::of_seen(seen)).collect();

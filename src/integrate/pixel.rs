@@ -363,9 +363,8 @@ mod tests {
     use super::super::parts::Polygons;
     use super::super::sweep::sweep;
     use super::*;
-    use crate::geometry::{Direction, MaterialId, Mesh, Pose};
+    use crate::geometry::{Direction, FrameCamera, MaterialId, Mesh, Pose};
     use crate::progress::unwatched;
-    use crate::scene::FrameCamera;
     use crate::visibility::{Seen, Topology};
 
     /// Ground from -2 to 2 and a wall along x = 0, 1 m high, from 1 km above: 2 x 2 pixels of 2 m; sample 0 is west, line 0 north.
@@ -387,7 +386,7 @@ mod tests {
         let rotation = DMat3::from_cols(DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z);
         let pose = Pose { rotation, translation_m: DVec3::new(0.0, 0.0, 1000.0) };
         let camera = FrameCamera::centred(pose, 2, 2, 2e-3);
-        let drawing = draw(&mesh, &topology, &camera);
+        let drawing = draw(&mesh, &topology, mesh.bounds_m(), &camera);
         let start = || {
             let lights = lit.iter().zip(&polygons).map(|(seen, polygons)| LitArea::new(&drawing, seen, polygons));
             let mut pixel = Pixel::new(&drawing, lights.collect());

@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::product::ViewImage;
 use crate::progress::Watch;
 use crate::scene::Scene;
-use crate::visibility::{Drawing, covered};
+use crate::visibility::{Drawing, View, covered};
 
 /// Less of a texel than this is what rounding leaves where nothing is seen, or everything.
 const ROUNDING: f64 = 1e-12;
@@ -15,7 +15,9 @@ const ROUNDING: f64 = 1e-12;
 /// # Errors
 /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
 pub fn texels_seen(image: &ViewImage, scene: &Scene, watch: Watch<'_>) -> Result<Option<Vec<f64>>> {
-    let Some((view, grid, is_mirrored)) = image.drawn(&scene.body.mesh) else { return Ok(None) };
+    let Some((view, grid, is_mirrored)) = View::of_camera(&image.camera, scene.body.bounds_m()) else {
+        return Ok(None);
+    };
     let drawing = Drawing::new(&scene.body.mesh, scene.body.topology(), view, grid);
     let share = |[outer, inner]: [f64; 2]| {
         let share = if image.occlusion { outer } else { outer + inner };
@@ -29,7 +31,7 @@ pub fn texels_seen(image: &ViewImage, scene: &Scene, watch: Watch<'_>) -> Result
     };
     let mut shares = covered(&drawing, "outline of a map", share, watch)?;
     if is_mirrored {
-        shares = shares.chunks(image.columns).rev().flatten().copied().collect();
+        shares = shares.chunks(image.size()[0]).rev().flatten().copied().collect();
     }
     Ok(Some(shares))
 }

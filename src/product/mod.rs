@@ -11,7 +11,5 @@ pub use backplanes::{Backplanes, Plane};
 pub use cube::{Cube, Slab};
 pub use facet_table::{FacetTable, Lighting, Sees};
 pub use footprints::Footprints;
-pub use radiance_map::{
-    Atlas, Eye, Patches, Placement, Projection, RadianceMap, Registration, SkyShare, TexelSource, ViewImage,
-};
+pub use radiance_map::{Atlas, Patches, Placement, RadianceMap, Registration, SkyShare, TexelSource, ViewImage};
 pub use texel_weights::{TexelLine, TexelWeights};

@@ -1,116 +1,22 @@
 //! Radiance that was computed elsewhere: where a map's texels lie in a scene, and what they hold.
 
-use glam::{DMat3, DVec3};
-
 use crate::error::Result;
-use crate::geometry::{Direction, Mesh};
-use crate::scene::FrameCamera;
+use crate::geometry::Camera;
 use crate::spectral::{Band, KnownLight};
-use crate::visibility::{Grid, View};
-
-/// From a local point, m, to homogeneous texel coordinates: linear (p - origin) + offset = (column, row, 1) w.
-///
-/// Texel (0, 0) is the square from (0, 0) to (1, 1); columns run along a line, rows from line to line.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Projection {
-    /// Texels per metre; the last row is zero for parallel projections.
-    pub linear: DMat3,
-    /// A point near the scene, or the projection centre, local, m.
-    pub origin_m: DVec3,
-    /// Homogeneous texel coordinates of that point.
-    pub offset: DVec3,
-}
-
-impl Projection {
-    /// That of a camera: texels are its pixels.
-    pub fn of_camera(camera: &FrameCamera) -> Self {
-        let sensor_from_world = camera.world_from_sensor.rotation.transpose();
-        let [x, y] = camera.boresight_px;
-        // Columns of the matrix that takes (x, y, z) of the sensor to pixels times depth.
-        let pixels = DMat3::from_cols(
-            DVec3::new(1.0 / camera.pitch[0], 0.0, 0.0),
-            DVec3::new(0.0, 1.0 / camera.pitch[1], 0.0),
-            DVec3::new(x, y, 1.0),
-        );
-        Projection { linear: pixels * sensor_from_world, origin_m: camera.centre_m(), offset: DVec3::ZERO }
-    }
-
-    /// A parallel projection: steps from column to column and from row to row in texels per metre, and the texel coordinates of
-    /// `origin_m`.
-    pub fn parallel(column_per_m: DVec3, row_per_m: DVec3, origin_m: DVec3, texel_of_origin: [f64; 2]) -> Self {
-        let linear = DMat3::from_cols(column_per_m, row_per_m, DVec3::ZERO).transpose();
-        let [column, row] = texel_of_origin;
-        Projection { linear, origin_m, offset: DVec3::new(column, row, 1.0) }
-    }
-
-    /// Homogeneous texel coordinates of a local point, m; the third is positive in front of the viewer.
-    pub fn homogeneous(&self, p_m: DVec3) -> DVec3 {
-        self.linear * (p_m - self.origin_m) + self.offset
-    }
-
-    /// Texel coordinates (column, row) of a local point, m.
-    pub fn texel(&self, p_m: DVec3) -> [f64; 2] {
-        let h = self.homogeneous(p_m);
-        [h.x / h.z, h.y / h.z]
-    }
-}
-
-/// From where an image was seen.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Eye {
-    /// A point, local, m.
-    At(DVec3),
-    /// From infinity, in this direction.
-    Towards(Direction),
-}
 
 /// An image of the scene whose texels are put back onto what they saw.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ViewImage {
-    /// Where a point appears.
-    pub projection: Projection,
-    /// From where.
-    pub eye: Eye,
-    /// Lines of texels.
-    pub rows: usize,
-    /// Texels in a line.
-    pub columns: usize,
+    /// What took it: texels are its pixels.
+    pub camera: Camera,
     /// Whether a surface that others hide from the eye is unknown; if not, the image goes through everything.
     pub occlusion: bool,
 }
 
 impl ViewImage {
-    /// The image's own view of the scene, in which cells are texels; rows are counted from the last one if the second is true: seen
-    /// from its eye, the image is a mirror image.
-    ///
-    /// `None` if the projection has no directions, or the image more texels in a line than can be drawn.
-    pub fn drawn(&self, mesh: &Mesh) -> Option<(View, Grid, bool)> {
-        let grid = Grid { columns: u32::try_from(self.columns).ok()?, rows: u32::try_from(self.rows).ok()? };
-        let Projection { linear, origin_m, offset } = self.projection;
-        let [s, t, w] = [0, 1, 2].map(|k| linear.row(k));
-        let along = |axis: DVec3| Direction::new(axis).map(|d| (d.vec(), axis.length()));
-        // Rows of a mirror image are counted from the last one: seen from its eye, what is right and down must be so.
-        let down = |h: DVec3, v: DVec3, u: DVec3, row: f64| {
-            let is_mirrored = h.cross(v).dot(u) < 0.0;
-            if is_mirrored { (-v, self.rows as f64 - row, true) } else { (v, row, false) }
-        };
-        match self.eye {
-            Eye::Towards(towards) => {
-                let ((h, columns), (v, rows), u) = (along(s)?, along(t)?, -towards.vec());
-                let (v, row, is_mirrored) = down(h, v, u, offset.y - t.dot(origin_m));
-                let offset = [offset.x - s.dot(origin_m), row];
-                Some((View::Parallel { h, v, u, scale: [columns, rows], offset }, grid, is_mirrored))
-            }
-            Eye::At(centre_m) => {
-                let (u, per_m) = along(w)?;
-                let boresight = [s, t].map(|axis| axis.dot(u) / per_m);
-                let (h, columns) = along(s / per_m - u * boresight[0])?;
-                let (v, rows) = along(t / per_m - u * boresight[1])?;
-                let (v, row, is_mirrored) = down(h, v, u, boresight[1]);
-                let view = View::pinhole(mesh, centre_m, [h, v, u], [columns, rows], [boresight[0], row]);
-                Some((view, grid, is_mirrored))
-            }
-        }
+    /// Texels in a line, and lines.
+    pub fn size(&self) -> [usize; 2] {
+        self.camera.size().map(|n| n as usize)
     }
 }
 
@@ -178,7 +84,7 @@ impl Placement {
         match self {
             Placement::Facets(facets) => *facets,
             Placement::Patches(patches) => patches.texels,
-            Placement::View(view) => view.rows * view.columns,
+            Placement::View(view) => view.size().iter().product(),
             Placement::Atlas(atlas) => atlas.rows * atlas.columns,
         }
     }
@@ -271,18 +177,6 @@ impl std::fmt::Debug for RadianceMap {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Pose;
-
-    #[test]
-    fn a_camera_projects_as_its_rays_go() {
-        // Boresight down, right is +x: a point 2 m east and 1 m south of the axis, 100 m below, pitch 0.01: 2 and 1 pixels.
-        let rotation = DMat3::from_cols(DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z);
-        let world_from_sensor = Pose { rotation, translation_m: DVec3::new(5.0, 6.0, 107.0) };
-        let camera = FrameCamera::centred(world_from_sensor, 8, 6, 0.01);
-        let projection = Projection::of_camera(&camera);
-        assert_eq!(projection.texel(DVec3::new(7.0, 5.0, 7.0)), [6.0, 4.0]);
-        assert!(projection.homogeneous(DVec3::new(7.0, 5.0, 108.0)).z < 0.0);
-    }
 
     #[test]
     fn the_same_texture_coordinates_are_the_same_also_where_there_are_none() {
@@ -292,12 +186,5 @@ mod tests {
         assert_eq!(atlas().corners[0], [[0.0, 2.0], [3.0, 2.0], [0.0, 0.0]]);
         assert_ne!(atlas(), Atlas::of_uv(&uv, 3, 2));
         assert_ne!(atlas(), Atlas::of_uv(&uv[..1], 2, 3));
-    }
-
-    #[test]
-    fn a_parallel_projection_counts_texels_from_its_origin() {
-        let origin_m = DVec3::new(1.0, 2.0, 3.0);
-        let projection = Projection::parallel(DVec3::Y * 2.0, DVec3::X * 0.5, origin_m, [10.0, 20.0]);
-        assert_eq!(projection.texel(DVec3::new(5.0, 3.0, -9.0)), [12.0, 22.0]);
     }
 }

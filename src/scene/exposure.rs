@@ -1,9 +1,14 @@
 //! What is taken of the surface: by which camera, in which bands.
 
-use super::FrameCamera;
 use super::coverage::percent;
 use crate::error::{Location, Problem};
+use crate::geometry::FrameCamera;
 use crate::spectral::{ALL_UM, Band, MOST_BEYOND};
+
+/// Farther from the image than this, in sizes of the image, no boresight is taken for meant: beyond, digits of pixels are lost.
+const FARTHEST: f64 = 1e6;
+/// Smaller pixels, rad, are refused: coordinates of 16 digits would be off by a thousandth of them.
+pub(crate) const LEAST_PITCH: f64 = 1e-12;
 
 /// An instrument at work: where it looks, and its bands.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,7 +26,7 @@ impl Exposure {
     pub(super) fn problems(&self) -> Vec<Problem> {
         let mut problems = Vec::new();
         let mut problem = |item: &str, message: String| problems.push(Problem::new(Location::item(item), message));
-        self.camera.check(&mut problem);
+        check_camera(&self.camera, &mut problem);
         if self.bands.is_empty() {
             problem("sensor.bands", "no bands: a sensor needs at least one".into());
         }
@@ -45,5 +50,30 @@ impl Exposure {
             }
         }
         problems
+    }
+}
+
+/// What is wrong with a camera, whatever it looks at.
+fn check_camera(camera: &FrameCamera, problem: &mut impl FnMut(&str, String)) {
+    super::near_enough("observer.position_m", camera.centre_m(), problem);
+    if camera.samples == 0 || camera.lines == 0 {
+        problem("sensor", format!("an image of {} x {} pixels: both must be at least 1", camera.samples, camera.lines));
+    }
+    if let Some(pitch) = camera.pitch.into_iter().find(|pitch| !(*pitch > 0.0 && pitch.is_finite())) {
+        problem("sensor", format!("pixel pitch {pitch} is not positive"));
+    } else if let Some(pitch) = camera.pitch.into_iter().find(|pitch| *pitch < LEAST_PITCH) {
+        problem(
+            "sensor",
+            format!(
+                "pixels of {pitch:e} rad are smaller than {LEAST_PITCH:e}: the digits of coordinates do not tell them apart"
+            ),
+        );
+    }
+    let size_px = f64::from(camera.samples.max(camera.lines));
+    if let Some(at) = camera.boresight_px.into_iter().find(|at| at.is_nan() || at.abs() > FARTHEST * size_px) {
+        problem(
+            "sensor",
+            format!("a boresight {at} pixels from the image's corner, {FARTHEST} times the image's size"),
+        );
     }
 }

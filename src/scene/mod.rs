@@ -2,7 +2,6 @@
 //! Nothing computed for an image is stored in them.
 
 mod body;
-mod camera;
 mod coverage;
 mod exposure;
 mod material;
@@ -23,9 +22,8 @@ use crate::spectral::{ALL_UM, Band, Light, MOST_BEYOND, Spectrum};
 use coverage::{percent, uncovered};
 
 pub use body::{Body, Surface};
-pub use camera::FrameCamera;
-pub(crate) use camera::LEAST_PITCH;
 pub use exposure::Exposure;
+pub(crate) use exposure::LEAST_PITCH;
 pub use material::Material;
 pub use models::{MarsModel, Models, Thermal};
 pub use photometry::{Hapke, Photometry, Rpv};

@@ -3,8 +3,8 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::geometry::{Facet, Mesh};
-use crate::scene::{FrameCamera, Scene};
+use crate::geometry::{Facet, FrameCamera, Mesh};
+use crate::scene::Scene;
 
 /// Rays along a side of the image: shares of the image are good to a percent or two.
 const MOST_RAYS: u32 = 64;

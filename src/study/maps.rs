@@ -9,9 +9,9 @@ use super::simulate::account_for;
 use super::warnings::enclosed;
 use super::{map_light, partly_sky};
 use crate::error::{Error, Location, Problem, Result, number};
-use crate::geometry::Texels;
+use crate::geometry::{Camera, Texels};
 use crate::integrate::{self, Choice, MapImage, MapView, Maps, Unknown, Wanted};
-use crate::product::{Cube, Eye, FacetTable, Placement, RadianceMap, Registration, SkyShare, TexelSource, ViewImage};
+use crate::product::{Cube, FacetTable, Placement, RadianceMap, Registration, SkyShare, TexelSource, ViewImage};
 use crate::progress::{Watch, tell};
 use crate::scene::Scene;
 use crate::spectral::{Band, Mixes, mixes};
@@ -279,9 +279,9 @@ impl View {
     /// Says that its eye is inside closed parts of the scene, or on them, if what hides what is asked at all.
     fn enclosed(&self, scene: &Scene) -> Option<String> {
         let Placement::View(image) = &self.placement else { return None };
-        let ViewImage { eye: Eye::At(centre_m), occlusion: true, .. } = &**image else { return None };
+        let ViewImage { camera: Camera::Frame(camera), occlusion: true } = &**image else { return None };
         let name = self.sources.first().map_or("a map", |s| s.name.as_str());
-        enclosed(&format!("the eye of {name}"), scene.body.topology().enclosure(&scene.body.mesh, *centre_m))
+        enclosed(&format!("the eye of {name}"), scene.body.topology().enclosure(&scene.body.mesh, camera.centre_m()))
     }
 }
 
@@ -450,7 +450,7 @@ impl View {
         let guessed = self.sources.iter().filter(move |source| source.sky == SkyShare::Guessed && partly > 0);
         guessed.filter_map(move |source| {
             let Placement::View(image) = &self.placement else { return None };
-            let is_camera = matches!(image.eye, Eye::At(_));
+            let is_camera = matches!(image.camera, Camera::Frame(_));
             match (source.is_divided, is_camera) {
                 (true, _) => Some(format!(
                     "{}: {partly} texels are partly sky and are divided by the share that shows the scene; if they are means over that share \
@@ -707,7 +707,7 @@ impl Fill {
 fn place(placement: &Placement, texel: usize) -> String {
     let in_image = |columns: usize| format!("(row {}, column {})", texel / columns, texel % columns);
     match placement {
-        Placement::View(view) => in_image(view.columns),
+        Placement::View(view) => in_image(view.size()[0]),
         Placement::Atlas(atlas) => in_image(atlas.columns),
         Placement::Facets(_) | Placement::Patches(_) => format!("{texel} (counted from 0)"),
     }

@@ -1,6 +1,7 @@
 //! Texels of an image that show the scene in part, and sky beside it: whether what they hold is a mean over all of the texel.
 
-use crate::product::{Eye, Placement, SkyShare, ViewImage};
+use crate::geometry::Camera;
+use crate::product::{Placement, SkyShare, ViewImage};
 
 /// Texels around the scene that are less bright than this, over those of the scene, are dark: what a filter spreads there is less.
 const DARK: f64 = 0.5;
@@ -18,7 +19,7 @@ pub(super) fn is_in_means(sky: SkyShare, placement: &Placement, seen: &[f64], va
         SkyShare::LeftOut => return false,
         SkyShare::Guessed => {}
     }
-    let columns = image.columns;
+    let [columns, _] = image.size();
     let beside = |i: usize| {
         let column = i % columns;
         let left = (column > 0).then(|| seen[i - 1]);
@@ -34,7 +35,7 @@ pub(super) fn is_in_means(sky: SkyShare, placement: &Placement, seen: &[f64], va
     };
     match (mean(&beside), mean(&|i| seen[i] > 0.5)) {
         (Some(around), Some(scene)) => around < DARK * scene,
-        _ => is_dark_at_rim(columns, seen, values).unwrap_or(matches!(image.eye, Eye::At(_))),
+        _ => is_dark_at_rim(columns, seen, values).unwrap_or(matches!(image.camera, Camera::Frame(_))),
     }
 }
 
@@ -46,12 +47,12 @@ const DARK_AS_SKY: f64 = 1e-3;
 /// Whether it is worth to find out in how much of each texel the scene is seen: sky around a scene reaches the border of its image, and
 /// there is dark, or without a value.
 pub(super) fn may_be_in_means(sky: SkyShare, image: &ViewImage, values: &[f64]) -> bool {
-    match (sky, image.eye) {
-        (SkyShare::Included, _) | (SkyShare::Guessed, Eye::At(_)) => return true,
+    match (sky, &image.camera) {
+        (SkyShare::Included, _) | (SkyShare::Guessed, Camera::Frame(_)) => return true,
         (SkyShare::LeftOut, _) => return false,
-        (SkyShare::Guessed, Eye::Towards(_)) => {}
+        (SkyShare::Guessed, Camera::Parallel(_)) => {}
     }
-    let (columns, rows) = (image.columns, image.rows);
+    let [columns, rows] = image.size();
     if values.len() != columns * rows {
         return false;
     }
@@ -100,13 +101,30 @@ fn is_dark_at_rim(columns: usize, seen: &[f64], values: &[f64]) -> Option<bool> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Direction;
-    use crate::product::{Projection, ViewImage};
+    use crate::geometry::{Direction, FrameCamera, ParallelCamera, Pose};
+    use crate::product::ViewImage;
     use glam::DVec3;
 
-    fn image(eye: Eye) -> Placement {
-        let projection = Projection::parallel(DVec3::X, DVec3::Y, DVec3::ZERO, [0.0; 2]);
-        Placement::View(Box::new(ViewImage { projection, eye, rows: 1, columns: 4, occlusion: true }))
+    fn image(camera: Camera) -> Placement {
+        Placement::View(Box::new(ViewImage { camera, occlusion: true }))
+    }
+
+    fn eye() -> Placement {
+        image(Camera::Frame(FrameCamera::centred(Pose::IDENTITY, 4, 1, 1.0)))
+    }
+
+    fn plane() -> Placement {
+        let towards = Direction::new(DVec3::Z).unwrap();
+        let (sample_per_m, line_per_m, origin_m) = (DVec3::X, DVec3::Y, DVec3::ZERO);
+        image(Camera::Parallel(ParallelCamera {
+            towards,
+            samples: 4,
+            lines: 1,
+            sample_per_m,
+            line_per_m,
+            origin_m,
+            origin_px: [0.0; 2],
+        }))
     }
 
     #[test]
@@ -124,7 +142,7 @@ mod tests {
 
     #[test]
     fn what_lies_around_the_scene_tells() {
-        let (eye, plane) = (image(Eye::At(DVec3::ZERO)), image(Eye::Towards(Direction::new(DVec3::Z).unwrap())));
+        let (eye, plane) = (eye(), plane());
         let seen = [0.0, 0.25, 1.0, 0.0];
         let nan = f64::NAN;
         for (values, of_eye, of_plane) in [

@@ -11,7 +11,7 @@ use robust::{Coord, Coord3D, orient2d, orient3d};
 use super::coincident::SAME_PLANE;
 use super::topology::{NONE, Topology};
 use crate::geometry::polygon::{Point, Rect, area};
-use crate::geometry::{Direction, Facet, Mesh};
+use crate::geometry::{Camera, Direction, Facet, FrameCamera, Mesh, ParallelCamera};
 
 /// How points of space become points of the drawing. The drawing's unit is a cell; h points right, v down, u away from the viewer.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,14 +54,55 @@ pub enum View {
 const AFAR: f64 = 16.0;
 
 impl View {
-    /// A central view of a mesh: projection centre, m, unit vectors right, down and along the boresight, cells per unit of tangent
+    /// A camera's view of what lies within bounds, m, in which cells are its pixels; lines are counted from the last one if the third is
+    /// true: seen from its eye, the image is a mirror image.
+    ///
+    /// `None` if its image has no directions.
+    pub fn of_camera(camera: &Camera, bounds_m: Option<(DVec3, DVec3)>) -> Option<(Self, Grid, bool)> {
+        let [columns, rows] = camera.size();
+        let grid = Grid { columns, rows };
+        match camera {
+            Camera::Frame(camera) => {
+                let (view, grid) = View::of_frame(camera, bounds_m);
+                Some((view, grid, false))
+            }
+            Camera::Parallel(camera) => {
+                let ParallelCamera { towards, sample_per_m, line_per_m, origin_m, origin_px, .. } = *camera;
+                let along = |axis: DVec3| Direction::new(axis).map(|d| (d.vec(), axis.length()));
+                let ((h, columns), (v, rows), u) = (along(sample_per_m)?, along(line_per_m)?, -towards.vec());
+                let row = origin_px[1] - line_per_m.dot(origin_m);
+                // Lines of a mirror image are counted from the last one: seen from its eye, what is right and down must be so.
+                let is_mirrored = h.cross(v).dot(u) < 0.0;
+                let (v, row) = if is_mirrored { (-v, f64::from(grid.rows) - row) } else { (v, row) };
+                let offset = [origin_px[0] - sample_per_m.dot(origin_m), row];
+                Some((View::Parallel { h, v, u, scale: [columns, rows], offset }, grid, is_mirrored))
+            }
+        }
+    }
+
+    /// A frame camera's view of what lies within bounds, m, and its pixels as cells.
+    pub fn of_frame(camera: &FrameCamera, bounds_m: Option<(DVec3, DVec3)>) -> (Self, Grid) {
+        let axes = camera.world_from_sensor.rotation;
+        let axes = [axes.x_axis, axes.y_axis, axes.z_axis];
+        let scale = camera.pitch.map(|pitch| 1.0 / pitch);
+        let view = View::pinhole(bounds_m, camera.centre_m(), axes, scale, camera.boresight_px);
+        (view, Grid { columns: camera.samples, rows: camera.lines })
+    }
+
+    /// A central view of what lies within bounds, m: projection centre, m, unit vectors right, down and along the boresight, cells per unit of tangent
     /// along the first two, and the drawing coordinates of the boresight.
     ///
     /// From afar the distance costs no digits: vertices are measured from a point amid the mesh, with axes sheared so that its ray
     /// is drawn as a point. With tangents t of that ray, x / z = t + (dx - t dz) / (z0 + dz).
-    pub fn pinhole(mesh: &Mesh, centre_m: DVec3, [h, v, u]: [DVec3; 3], scale: [f64; 2], offset: [f64; 2]) -> Self {
+    pub fn pinhole(
+        bounds_m: Option<(DVec3, DVec3)>,
+        centre_m: DVec3,
+        [h, v, u]: [DVec3; 3],
+        scale: [f64; 2],
+        offset: [f64; 2],
+    ) -> Self {
         let near = View::Pinhole { centre_m, from_m: centre_m, depth_m: 0.0, h, v, u, scale, offset };
-        let Some((low, high)) = mesh.bounds_m() else { return near };
+        let Some((low, high)) = bounds_m else { return near };
         let from_m = 0.5 * (low + high);
         let depth_m = dot_difference(from_m, centre_m, u);
         let is_afar = depth_m > AFAR * (high - low).length() && depth_m.is_finite();

@@ -84,14 +84,13 @@ impl OnFacet {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Mesh;
 
     #[test]
     fn drawn_points_and_points_of_the_facet_are_inverse() {
         let facet =
             Facet { corners_m: [DVec3::new(-3.0, 1.0, 20.0), DVec3::new(5.0, 2.0, 30.0), DVec3::new(0.5, -4.0, 25.0)] };
         let (h, v, u) = (DVec3::X, DVec3::Y, DVec3::Z);
-        let pinhole = View::pinhole(&Mesh::default(), DVec3::ZERO, [h, v, u], [10.0; 2], [4.0, 3.0]);
+        let pinhole = View::pinhole(None, DVec3::ZERO, [h, v, u], [10.0; 2], [4.0, 3.0]);
         let parallel = View::Parallel { h, v, u, scale: [2.0, 0.5], offset: [7.0, 1.0] };
         // Corner a: x = -3/20 * 10 + 4, y = 1/20 * 10 + 3; in parallel -6 + 7, 0.5 + 1.
         for (view, expected) in [(pinhole, [2.5, 3.5]), (parallel, [1.0, 1.5])] {

@@ -141,7 +141,7 @@ impl Seen {
         let scale = (cells / (extent[0] * extent[1])).sqrt();
         let [columns, rows] = extent.map(|e| (e * scale).ceil().clamp(1.0, 16384.0) as u32);
         let offset = [0, 1].map(|k| -frame.min[k] * scale);
-        let view = View::pinhole(mesh, centre_m, [h, v, u], [scale; 2], offset);
+        let view = View::pinhole(mesh.bounds_m(), centre_m, [h, v, u], [scale; 2], offset);
         seen(&Drawing::new(mesh, topology, view, Grid { columns, rows }), stage, watch)
     }
 }

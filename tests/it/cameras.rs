@@ -2,8 +2,8 @@
 
 use glam::{DMat3, DVec3};
 use mmxrt::formats::scene_toml;
+use mmxrt::geometry::FrameCamera;
 use mmxrt::progress::unwatched;
-use mmxrt::scene::FrameCamera;
 use mmxrt::study;
 
 use crate::cli::run;

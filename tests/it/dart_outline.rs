@@ -94,7 +94,7 @@ fn opened(
 /// Where the scene's north-western corner of the ground is, texels.
 fn corner(map: &RadianceMap) -> [f64; 2] {
     match &map.placement {
-        Placement::View(view) => view.projection.texel(DVec3::new(-GROUND[0], GROUND[1], 0.0)),
+        Placement::View(view) => view.camera.projection().at(DVec3::new(-GROUND[0], GROUND[1], 0.0)),
         other => panic!("{other:?}"),
     }
 }

@@ -8,10 +8,10 @@ use std::path::{Path, PathBuf};
 use glam::{DMat3, DVec3};
 use mmxrt::formats::dart::output::{self, MapOptions, Output, Placing, Quantity};
 use mmxrt::formats::dart::{self, ReadOptions, SceneOptions, WriteOptions};
-use mmxrt::geometry::{Direction, Mesh, Pose};
-use mmxrt::product::{Eye, Placement, RadianceMap, ViewImage};
+use mmxrt::geometry::{Direction, Eye, FrameCamera, Mesh, Pose};
+use mmxrt::product::{Placement, RadianceMap, ViewImage};
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{Exposure, FrameCamera, Material, Models, Parts, Photometry, Scene, Sky, Sun, Surface, Thermal};
+use mmxrt::scene::{Exposure, Material, Models, Parts, Photometry, Scene, Sky, Sun, Surface, Thermal};
 use mmxrt::spectral::{Band, Spectrum};
 use mmxrt::units::AU_M;
 
@@ -183,9 +183,9 @@ fn an_oblique_image_lands_on_the_faces_that_it_shows() {
     let scene = box_on_ground();
     let mut map = view_map(&output, 0, &scene, &options()).unwrap();
     let image = view_of(&map).clone();
-    assert_eq!((image.rows, image.columns, image.occlusion, map.weight), (16, 12, true, 1.0));
+    assert_eq!((image.size(), image.occlusion, map.weight), ([12, 16], true, 1.0));
     // y of DART is East, the scene's x.
-    let Eye::Towards(towards) = image.eye else { panic!("{:?}", image.eye) };
+    let Eye::Towards(towards) = image.camera.eye() else { panic!("{:?}", image.camera) };
     assert!((towards.vec() - DVec3::new(0.6, 0.0, 0.8)).length() < 1e-8);
     // Row: 0.8 (y + 3) - 0.6 z; column: 12 - x.
     for (dart_m, column, row) in [
@@ -198,12 +198,12 @@ fn an_oblique_image_lands_on_the_faces_that_it_shows() {
         ([6.0, 12.0, 0.0], 6.0, 12.0),
         ([2.0, 12.0, 0.0], 10.0, 12.0),
     ] {
-        let at = image.projection.texel(pose().point(DVec3::from_array(dart_m)));
+        let at = image.camera.projection().at(pose().point(DVec3::from_array(dart_m)));
         assert!(near(at, [column, row]), "{dart_m:?}: {at:?}");
     }
     // What lies on one line of sight is at one place: the far corner of the top, and the ground 3 m behind it.
     let [top, ground] =
-        [[2.0, 4.0, 4.0], [2.0, 1.0, 0.0]].map(|p| image.projection.texel(pose().point(DVec3::from_array(p))));
+        [[2.0, 4.0, 4.0], [2.0, 1.0, 0.0]].map(|p| image.camera.projection().at(pose().point(DVec3::from_array(p))));
     assert!(near(top, ground));
 
     assert_eq!(map.source.bands()[0].centre_um, 0.685);
@@ -213,7 +213,7 @@ fn an_oblique_image_lands_on_the_faces_that_it_shows() {
     assert_eq!(values.len(), 16 * 12);
     // The middle of the top, (4, 8, 4): row 6.4, column 8: BRF 6.08, on 852 W m-2 um-1.
     let [column, row] =
-        image.projection.texel(pose().point(DVec3::new(4.0, 8.0, 4.0))).map(|x| (x + 1e-6).floor() as usize);
+        image.camera.projection().at(pose().point(DVec3::new(4.0, 8.0, 4.0))).map(|x| (x + 1e-6).floor() as usize);
     assert_eq!((row, column), (6, 8));
     assert!((values[row * 12 + column] - 6.08 * 852.0 / PI).abs() < 1e-12);
     assert!((values[row * 12 + column] - 1_648.896_140_013_8).abs() < 1e-6);
@@ -242,7 +242,7 @@ fn a_scene_11_m_high_is_displaced_by_4_53_m() {
     let scene = scene(cuboid([4.0, -16.0, 0.0], [29.0, -2.0, 10.0]), DVec3::ZERO);
     let map = output::open(&output).unwrap();
     let map = view_map(&map, 0, &scene, &MapOptions { scene_from_dart: Some(pose), ..MapOptions::default() }).unwrap();
-    let texel = |dart_m: [f64; 3]| view_of(&map).projection.texel(pose.point(DVec3::from_array(dart_m)));
+    let texel = |dart_m: [f64; 3]| view_of(&map).camera.projection().at(pose.point(DVec3::from_array(dart_m)));
     assert!(near(texel([30.0, 0.0, 11.0]), [0.0, 0.0]), "{:?}", texel([30.0, 0.0, 11.0]));
     assert!(near(texel([30.0, -4.534_975, 0.0]), [0.0, 0.0]));
     assert!(near(texel([-1.0, 34.404_428, 0.0]), [31.0, 36.0]));
@@ -476,7 +476,7 @@ fn a_map_that_is_elsewhere_is_refused() {
     // Given irradiances, and a shift.
     let given = MapOptions { irradiance_w_m2_um: Some(vec![PI]), placing: Placing::Shifted([1.0, 0.5]), ..options() };
     let mut map = view_map(&output, 0, &scene, &given).unwrap();
-    assert!(near(view_of(&map).projection.texel(pose().point(DVec3::new(6.0, 12.0, 0.0))), [7.0, 12.5]));
+    assert!(near(view_of(&map).camera.projection().at(pose().point(DVec3::new(6.0, 12.0, 0.0))), [7.0, 12.5]));
     let mut values = Vec::new();
     map.source.read(0, &mut values).unwrap();
     assert!((values[13] - 1.01).abs() < 1e-15);
@@ -546,8 +546,8 @@ fn a_simulation_that_was_made_of_the_scene_lies_where_it_was_written() {
     std::fs::write(folder.join("output/simulation.properties.txt"), PROPERTIES).unwrap();
     image.write(&folder.join("output"));
     let map = view_map(&output::open(&folder).unwrap(), 0, &made, &MapOptions::default()).unwrap();
-    assert!(near(view_of(&map).projection.texel(DVec3::new(4.0, 4.0, 6.0)), [0.5, 0.5]));
-    assert!(near(view_of(&map).projection.texel(DVec3::new(-3.0, 0.0, -5.0)), [7.5, 11.5]));
+    assert!(near(view_of(&map).camera.projection().at(DVec3::new(4.0, 4.0, 6.0)), [0.5, 0.5]));
+    assert!(near(view_of(&map).camera.projection().at(DVec3::new(-3.0, 0.0, -5.0)), [7.5, 11.5]));
 }
 
 /// A triangle, or a parallelogram, of DART's, by three corners.

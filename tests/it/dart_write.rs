@@ -8,11 +8,11 @@ use glam::{DMat3, DVec3};
 
 use mmxrt::formats::dart::{self, SceneOptions, Target, WriteOptions};
 use mmxrt::formats::{scene_toml, xml};
-use mmxrt::geometry::{Direction, MaterialId, Mesh, Pose};
+use mmxrt::geometry::{Direction, FrameCamera, MaterialId, Mesh, Pose};
 use mmxrt::progress::unwatched;
 use mmxrt::report::{Fate, Report};
 use mmxrt::scene::{
-    Exposure, FrameCamera, Hapke, Mars, Material, Models, Parts, Photometry, Rpv, Scene, Sky, Sun, Surface, Thermal,
+    Exposure, Hapke, Mars, Material, Models, Parts, Photometry, Rpv, Scene, Sky, Sun, Surface, Thermal,
 };
 use mmxrt::spectral::{Band, Extend, Light, Spectrum};
 use mmxrt::units::AU_M;

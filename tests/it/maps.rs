@@ -1,13 +1,13 @@
 //! Radiance maps of elsewhere, put onto a scene: closed forms, identities, and the same scene made otherwise.
 
 use glam::DVec3;
-use mmxrt::geometry::{Mesh, Pose, Texels as Between};
+use mmxrt::geometry::{Camera, FrameCamera, Mesh, ParallelCamera, Pose, Texels as Between};
 use mmxrt::integrate::Choice;
 use mmxrt::integrate::Wanted;
 use mmxrt::landscape::{self, Recipe};
-use mmxrt::product::{Atlas, Eye, FacetTable, Placement, Projection, RadianceMap, SkyShare, TexelSource, ViewImage};
+use mmxrt::product::{Atlas, FacetTable, Placement, RadianceMap, SkyShare, TexelSource, ViewImage};
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{Exposure, FrameCamera, Material, Models, Parts, Photometry, Scene, Sky, Sun, Surface, Thermal};
+use mmxrt::scene::{Exposure, Material, Models, Parts, Photometry, Scene, Sky, Sun, Surface, Thermal};
 use mmxrt::spectral::{Band, Spectrum};
 use mmxrt::study::{self, Fill, MapAccount, MapOptions, Observation};
 use mmxrt::units::AU_M;
@@ -111,13 +111,7 @@ fn site() -> Mesh {
 }
 
 pub(crate) fn camera_image(camera: &FrameCamera, occlusion: bool) -> Placement {
-    Placement::View(Box::new(ViewImage {
-        projection: Projection::of_camera(camera),
-        eye: Eye::At(camera.world_from_sensor.translation_m),
-        rows: camera.lines as usize,
-        columns: camera.samples as usize,
-        occlusion,
-    }))
+    Placement::View(Box::new(ViewImage { camera: Camera::Frame(camera.clone()), occlusion }))
 }
 
 /// Texels of `step_m`, columns along x and rows along -y, seen from a direction; the first corner lies at (x, y) of z = 0.
@@ -134,13 +128,16 @@ pub(crate) fn parallel_image(
     let column_per_m = DVec3::new(1.0, 0.0, -towards.x / towards.z) / step_m;
     let row_per_m = DVec3::new(0.0, -1.0, towards.y / towards.z) / step_m;
     let origin_m = DVec3::new(corner_m[0], corner_m[1], 0.0);
-    Placement::View(Box::new(ViewImage {
-        projection: Projection::parallel(column_per_m, row_per_m, origin_m, [0.0; 2]),
-        eye: Eye::Towards(direction(towards.to_array())),
-        rows,
-        columns,
-        occlusion,
-    }))
+    let camera = ParallelCamera {
+        towards: direction(towards.to_array()),
+        samples: columns as u32,
+        lines: rows as u32,
+        sample_per_m: column_per_m,
+        line_per_m: row_per_m,
+        origin_m,
+        origin_px: [0.0; 2],
+    };
+    Placement::View(Box::new(ViewImage { camera: Camera::Parallel(camera), occlusion }))
 }
 
 fn worst(a: &[f64], b: &[f64]) -> f64 {
@@ -209,18 +206,16 @@ fn tilted(half: f64, tilt_rad: f64, cells: u32) -> Mesh {
 fn on_tilted(half: f64, tilt_rad: f64, texels: usize) -> Placement {
     let per_m = texels as f64 / (2.0 * half);
     let along_y = DVec3::new(0.0, tilt_rad.cos(), tilt_rad.sin());
-    Placement::View(Box::new(ViewImage {
-        projection: Projection::parallel(
-            DVec3::X * per_m,
-            along_y * per_m,
-            DVec3::new(0.0, 0.0, 10.0),
-            [0.5 * texels as f64; 2],
-        ),
-        eye: Eye::Towards(direction(DVec3::X.cross(-along_y).to_array())),
-        rows: texels,
-        columns: texels,
-        occlusion: true,
-    }))
+    let camera = ParallelCamera {
+        towards: direction(DVec3::X.cross(-along_y).to_array()),
+        samples: texels as u32,
+        lines: texels as u32,
+        sample_per_m: DVec3::X * per_m,
+        line_per_m: along_y * per_m,
+        origin_m: DVec3::new(0.0, 0.0, 10.0),
+        origin_px: [0.5 * texels as f64; 2],
+    };
+    Placement::View(Box::new(ViewImage { camera: Camera::Parallel(camera), occlusion: true }))
 }
 
 fn looking_up(pixels: u32, pitch: f64) -> FrameCamera {

@@ -1,13 +1,11 @@
 //! What a result says of itself: effects with bounds, warnings, checks; and what is refused.
 
 use glam::DVec3;
-use mmxrt::geometry::{Direction, Mesh};
+use mmxrt::geometry::{Direction, FrameCamera, Mesh};
 use mmxrt::integrate::Wanted;
 use mmxrt::product::FacetTable;
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{
-    Exposure, Field, FrameCamera, Mars, MarsModel, Material, Models, Parts, Photometry, Sky, Sun, Surface, Thermal,
-};
+use mmxrt::scene::{Exposure, Field, Mars, MarsModel, Material, Models, Parts, Photometry, Sky, Sun, Surface, Thermal};
 use mmxrt::spectral::{Band, Light, Spectrum, solar_e490};
 use mmxrt::study::{Effect, Observation, simulate, table_id};
 

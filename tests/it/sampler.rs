@@ -6,9 +6,9 @@
 
 use crate::shapes::*;
 use glam::DVec3;
+use mmxrt::geometry::FrameCamera;
 use mmxrt::geometry::{Direction, Mesh};
 use mmxrt::landscape::{self, Recipe};
-use mmxrt::scene::FrameCamera;
 use mmxrt::study::{Fill, MapOptions};
 
 /// 200 m of hills, craters and 150 half-sunk boulders of 2 to 12 m, facets of 2 m.

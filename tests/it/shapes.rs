@@ -1,10 +1,10 @@
 //! Small meshes and cameras that the tests share.
 
 use glam::{DMat3, DVec3};
+use mmxrt::geometry::FrameCamera;
 use mmxrt::geometry::{Direction, MaterialId, Mesh, Pose};
 use mmxrt::integrate::footprints;
 use mmxrt::product::Footprints;
-use mmxrt::scene::FrameCamera;
 use mmxrt::visibility::Topology;
 
 pub(crate) fn mesh(vertices: &[[f64; 3]], facets: &[[u32; 3]]) -> Mesh {

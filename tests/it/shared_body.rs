@@ -1,10 +1,10 @@
 //! One body, many skies and many exposures: what is large is there once.
 
 use glam::DVec3;
-use mmxrt::geometry::{Direction, Mesh};
+use mmxrt::geometry::{Direction, FrameCamera, Mesh};
 use mmxrt::integrate::Wanted;
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{Exposure, FrameCamera, Scene, Setup, Sky, Sun};
+use mmxrt::scene::{Exposure, Scene, Setup, Sky, Sun};
 use mmxrt::solve::solve;
 use mmxrt::study;
 

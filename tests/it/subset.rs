@@ -1,18 +1,11 @@
 //! A view of some facets alone shows what the view of all shows, where it has all that may be seen.
 
+use mmxrt::geometry::FrameCamera;
 use mmxrt::geometry::Mesh;
 use mmxrt::progress::unwatched;
-use mmxrt::scene::FrameCamera;
-use mmxrt::visibility::{Drawing, Grid, Topology, View, covered};
+use mmxrt::visibility::{Drawing, Topology, View, covered};
 
 use crate::shapes::{camera, cuboid, grid, joined};
-
-fn view(mesh: &Mesh, camera: &FrameCamera) -> (View, Grid) {
-    let axes = camera.world_from_sensor.rotation;
-    let axes = [axes.x_axis, axes.y_axis, axes.z_axis];
-    let view = View::pinhole(mesh, camera.centre_m(), axes, camera.pitch.map(|p| 1.0 / p), camera.boresight_px);
-    (view, Grid { columns: camera.samples, rows: camera.lines })
-}
 
 /// Facets that lie before the camera for a part, and whose image, as far as it goes, may touch the lines of its image.
 fn near_the_lines(mesh: &Mesh, camera: &FrameCamera) -> Vec<u32> {
@@ -44,7 +37,7 @@ fn a_line_of_a_push_broom_needs_the_facets_near_it_alone() {
         for line in 0..frame.lines {
             let of_line = frame.window(0..frame.samples, line..line + 1);
             let facets = near_the_lines(&mesh, &of_line);
-            let (view, grid) = view(&mesh, &of_line);
+            let (view, grid) = View::of_frame(&of_line, mesh.bounds_m());
             let shares = |drawing: &Drawing| {
                 let sides = std::sync::Mutex::new(Vec::new());
                 let of = |[outer, inner]: [f64; 2]| {
@@ -72,7 +65,7 @@ fn a_line_of_a_push_broom_needs_the_facets_near_it_alone() {
 fn a_view_of_no_facets_shows_nothing() {
     let mesh = grid(1.0, 2, |_, _| 0.0);
     let (topology, camera) = (Topology::new(&mesh), crate::shapes::nadir(10.0, 4.0, 4));
-    let (view, grid) = view(&mesh, &camera);
+    let (view, grid) = View::of_frame(&camera, mesh.bounds_m());
     let drawing = Drawing::of_facets(&mesh, &topology, view, grid, &[]);
     assert_eq!(covered(&drawing, "nothing", |sides| sides[0] + sides[1], &unwatched).unwrap(), [0.0; 16]);
 }

@@ -11,10 +11,9 @@ use glam::DVec3;
 use crate::formats::dart::{Camera, Step};
 use crate::formats::mesh_file::ColouredMesh;
 use crate::formats::mtl::ObjMaterial;
-use crate::geometry::{MaterialId, Mesh, Pose};
+use crate::geometry::{FrameCamera, MaterialId, Mesh, Pose};
 use crate::scene::{
-    Beam, Exposure, FrameCamera, Hapke, Mars, Material, Models, Photometry, Rpv, Scene, Setup, Sky, Sun, Surface,
-    Texture,
+    Beam, Exposure, Hapke, Mars, Material, Models, Photometry, Rpv, Scene, Setup, Sky, Sun, Surface, Texture,
 };
 use crate::spectral::{Band, Column, Extend, SpectralLibrary, Spectrum};
 

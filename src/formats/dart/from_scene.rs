@@ -6,10 +6,10 @@ mod surfaces;
 use glam::{DMat3, DVec3};
 
 use crate::error::{Error, Location, Result};
-use crate::geometry::{Direction, Mesh};
+use crate::geometry::{Direction, FrameCamera, Mesh};
 use crate::physics::sun;
 use crate::report::{Fate, Report};
-use crate::scene::{FrameCamera, Mars, Scene, Setup, Thermal};
+use crate::scene::{Mars, Scene, Setup, Thermal};
 use crate::spectral::{Band, Response, SpectralLibrary};
 
 use super::frame;

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use crate::error::{Error, Location, Result};
 use crate::formats::xml::Element;
-use crate::scene::FrameCamera;
+use crate::geometry::FrameCamera;
 
 use super::frame;
 use super::simulation::{

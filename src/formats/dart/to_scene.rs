@@ -14,11 +14,11 @@ use crate::error::{Error, Location, Problem, Result, number};
 use crate::formats::input::InputFile;
 use crate::formats::obj::ObjFile;
 use crate::formats::scene_toml::{EMISSIVITY_BOLOMETRIC, USUAL_UM};
-use crate::geometry::{Direction, Mesh, Pose};
+use crate::geometry::{Direction, FrameCamera, Mesh, Pose};
 use crate::progress::Watch;
 use crate::report::{Fate, Report};
 use crate::scene::{
-    Body, Exposure, FrameCamera, Hapke, Material, Models, Photometry, Rpv, Scene, Setup, Sky, Sun, Surface, Thermal,
+    Body, Exposure, Hapke, Material, Models, Photometry, Rpv, Scene, Setup, Sky, Sun, Surface, Thermal,
 };
 use crate::spectral::{ALL_UM, Band, Extend, Light, MOST_BEYOND, SpectralLibrary, Spectrum, solar_e490, solar_mean};
 use crate::units::AU_M;

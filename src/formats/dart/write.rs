@@ -19,9 +19,9 @@ use glam::{DMat3, DVec3};
 use crate::error::{Error, Result};
 use crate::formats::folder::{FolderKind, Staged};
 use crate::formats::obj;
-use crate::geometry::{Direction, MaterialId, Mesh, Pose};
+use crate::geometry::{Direction, FrameCamera, MaterialId, Mesh, Pose};
 use crate::progress::{Watch, tell};
-use crate::scene::{Exposure, FrameCamera, Material, Models, Parts, Photometry, Sky, Sun, Surface, Thermal};
+use crate::scene::{Exposure, Material, Models, Parts, Photometry, Sky, Sun, Surface, Thermal};
 use crate::spectral::{Band, Spectrum};
 use crate::units::AU_M;
 

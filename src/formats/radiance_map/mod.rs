@@ -26,10 +26,10 @@ use super::registry;
 use super::scene_toml::{self, Lens, Reader, Tiling};
 use super::{Format, InputFile};
 use crate::error::{Error, Location, Problem, Result, number};
-use crate::geometry::{Direction, Pose};
-use crate::product::{Eye, Placement, Projection, RadianceMap, SkyShare, TexelSource, ViewImage};
+use crate::geometry::{Camera, Direction, FrameCamera, Pose};
+use crate::product::{Placement, RadianceMap, SkyShare, TexelSource, ViewImage};
 use crate::progress::Watch;
-use crate::scene::{FrameCamera, Scene};
+use crate::scene::Scene;
 use crate::spectral::{Band, KnownLight, Light};
 
 pub(crate) use sum::counts_once;
@@ -444,20 +444,14 @@ fn placement(
                 );
                 return None;
             }
-            let view = ViewImage {
-                projection: Projection::of_camera(&camera),
-                eye: Eye::At(camera.centre_m()),
-                rows,
-                columns,
-                occlusion,
-            };
+            let view = ViewImage { camera: Camera::Frame(camera), occlusion };
             Some((Placement::View(Box::new(view)), None))
         }
         PlacementToml::Plane => {
-            let (projection, towards) = reader.raster_plane("plane", toml.plane.as_ref(), &rasters[0])?;
+            let camera = reader.raster_plane("plane", toml.plane.as_ref(), &rasters[0])?;
             let is_given = toml.plane.as_ref().is_some_and(|plane| plane.towards.is_some());
-            if !is_given && !seen_from(scene, towards) {
-                let opposite = (-towards.vec()).to_array().map(|x| x + 0.0);
+            if !is_given && !seen_from(scene, camera.towards) {
+                let opposite = (-camera.towards.vec()).to_array().map(|x| x + 0.0);
                 reader.helped(
                     "plane",
                     "no facet's outer side is seen from its side: lines run to the right and follow one another downwards as seen from there",
@@ -467,8 +461,8 @@ fn placement(
                 );
                 return None;
             }
-            let eye = Eye::Towards(towards);
-            Some((Placement::View(Box::new(ViewImage { projection, eye, rows, columns, occlusion })), None))
+            let camera = Camera::Parallel(camera);
+            Some((Placement::View(Box::new(ViewImage { camera, occlusion })), None))
         }
     }
 }

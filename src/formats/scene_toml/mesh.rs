@@ -5,10 +5,10 @@ use glam::{DMat3, DQuat, DVec3};
 use crate::error::number;
 use crate::formats::mtl::{self, ObjMaterial};
 use crate::formats::{obj, recipe_toml};
+use crate::geometry::FrameCamera;
 use crate::geometry::{MaterialId, Mesh, Pose, body_from_site};
 use crate::landscape;
 use crate::report::Note;
-use crate::scene::FrameCamera;
 
 use super::materials::Dictionary;
 use super::types::{Coordinates, GivenPose, MeshToml, NamedPose, PoseToml, RecipeToml, Up};

@@ -13,8 +13,8 @@ use super::types::{
 };
 use super::{Reader, Tiling};
 use crate::error::number;
-use crate::geometry::{Direction, MaterialId, Mesh, NO_UV, Texels, body_from_site};
-use crate::product::{Atlas, Projection};
+use crate::geometry::{Camera, Direction, MaterialId, Mesh, NO_UV, ParallelCamera, Texels, body_from_site};
+use crate::product::Atlas;
 use crate::report::Fate;
 use crate::scene::{FARTHEST_M, Texture, TextureKind};
 use crate::spectral::Band;
@@ -176,14 +176,13 @@ impl Reader<'_> {
         None
     }
 
-    /// How points come onto a raster, as the text says, compared with the raster's own georeference, or as that says; and the direction
-    /// towards the viewer.
+    /// The camera that a raster is an image of, as the text says, compared with the raster's own georeference, or as that says.
     pub(in crate::formats) fn raster_plane(
         &mut self,
         item: &str,
         toml: Option<&PlaneToml>,
         raster: &Raster,
-    ) -> Option<(Projection, Direction)> {
+    ) -> Option<ParallelCamera> {
         let (east, north, up) = self.site_axes();
         match (toml, raster.georeference()) {
             (Some(plane), Some(Georeference::Plane { corner_m, along_line_m, line_to_line_m })) => {
@@ -209,9 +208,9 @@ impl Reader<'_> {
                         shown(given)
                     ));
                 }
-                self.plane(item, plane)
+                self.plane(item, plane, raster)
             }
-            (Some(plane), _) => self.plane(item, plane),
+            (Some(plane), _) => self.plane(item, plane, raster),
             (None, Some(Georeference::Plane { corner_m: [x, y], along_line_m, line_to_line_m })) => {
                 let plane = PlaneToml {
                     corner_m: (east * *x + north * *y).to_array(),
@@ -228,7 +227,7 @@ impl Reader<'_> {
                     number(*line_to_line_m)
                 );
                 self.taken_of_raster(item, value);
-                self.plane(item, &plane)
+                self.plane(item, &plane, raster)
             }
             (None, Some(Georeference::Other(why))) => {
                 self.problem(item, format!("is missing, and the raster's own georeference is not taken: {why}"));
@@ -247,8 +246,12 @@ impl Reader<'_> {
         (axes.x_axis, axes.y_axis, axes.z_axis)
     }
 
-    /// How points come onto a plane's raster, local to the scene, and the direction towards the viewer along which they do.
-    pub(in crate::formats) fn plane(&mut self, item: &str, toml: &PlaneToml) -> Option<(Projection, Direction)> {
+    /// The camera whose image a plane's raster is, local to the scene.
+    fn plane(&mut self, item: &str, toml: &PlaneToml, raster: &Raster) -> Option<ParallelCamera> {
+        let [Ok(samples), Ok(lines)] = [raster.columns, raster.rows].map(u32::try_from) else {
+            self.problem(item, format!("lies under {} x {} pixels: too many in a line", raster.columns, raster.rows));
+            return None;
+        };
         let [along, across] = [toml.along_line_m, toml.line_to_line_m].map(DVec3::from_array);
         for (key, step) in [("along_line_m", along), ("line_to_line_m", across)] {
             // Beyond this, products of steps leave the range of f64.
@@ -284,7 +287,15 @@ impl Reader<'_> {
         }
         // p - corner = s along + t across + d towards: s and t are rows of the inverse.
         let per_step = DMat3::from_cols(along, across, towards.vec()).inverse().transpose();
-        Some((Projection::parallel(per_step.x_axis, per_step.y_axis, corner_m, [0.0; 2]), towards))
+        Some(ParallelCamera {
+            towards,
+            samples,
+            lines,
+            sample_per_m: per_step.x_axis,
+            line_per_m: per_step.y_axis,
+            origin_m: corner_m,
+            origin_px: [0.0; 2],
+        })
     }
 
     /// The texture of a material.
@@ -391,7 +402,8 @@ impl Reader<'_> {
         let most = MOST_VALUES;
         match (toml.placement, &toml.plane) {
             (TexturePlacementToml::Plane, plane) => {
-                let (projection, _) = self.raster_plane(&member(item, "plane"), plane.as_ref(), raster)?;
+                let camera = self.raster_plane(&member(item, "plane"), plane.as_ref(), raster)?;
+                let projection = Camera::Parallel(camera).projection();
                 if toml.wrap.is_some() {
                     self.problem(
                         &member(item, "wrap"),
@@ -400,7 +412,7 @@ impl Reader<'_> {
                     return None;
                 }
                 let facets = 0..mesh.facets.len();
-                let corners = facets.map(|f| mesh.facet(f).corners_m.map(|p| projection.texel(p))).collect();
+                let corners = facets.map(|f| mesh.facet(f).corners_m.map(|p| projection.at(p))).collect();
                 Some((Atlas { corners, rows: raster.rows, columns: raster.columns }, None))
             }
             (TexturePlacementToml::Atlas, Some(_)) => {

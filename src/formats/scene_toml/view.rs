@@ -4,8 +4,8 @@ use glam::{DMat3, DVec3};
 
 use crate::error::number;
 use crate::formats::response_csv;
-use crate::geometry::{Direction, Mesh, Pose};
-use crate::scene::{Exposure, FrameCamera, LEAST_PITCH};
+use crate::geometry::{Direction, FrameCamera, Mesh, Pose};
+use crate::scene::{Exposure, LEAST_PITCH};
 use crate::spectral::{Band, Response, Spectrum};
 
 use super::attitude::no_rotation;

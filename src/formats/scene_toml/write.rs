@@ -19,9 +19,10 @@ use crate::formats::folder::Staged;
 use crate::formats::located::LONGEST_NAME;
 use crate::formats::mtl::{self, ObjMaterial};
 use crate::formats::{obj, photometry_csv, response_csv};
+use crate::geometry::FrameCamera;
 use crate::physics::srgb::linear_from_hex;
 use crate::report::{Fate, Report};
-use crate::scene::{FrameCamera, MARS_ALBEDO, MarsModel, Material, Scene, Thermal};
+use crate::scene::{MARS_ALBEDO, MarsModel, Material, Scene, Thermal};
 use crate::spectral::{Band, Extend, Response, Spectrum, SunTotal, solar_e490, solar_mean};
 use crate::units::{AU_M, MARS_RADIUS_M};
 

@@ -3,8 +3,7 @@
 use glam::DVec3;
 
 use crate::geometry::polygon::Point;
-use crate::geometry::{Chart, Facet};
-use crate::product::Projection;
+use crate::geometry::{Chart, Facet, Projection};
 use crate::visibility::{OnFacet, View};
 
 /// Of an image that `projection` makes of the facet.

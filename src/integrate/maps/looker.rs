@@ -4,10 +4,10 @@ use super::choice::{Choice, views_shares};
 use super::lookup::{Kind, Lookup};
 use super::together::{Together, differ};
 use super::{Maps, Prepared, Unknown};
-use crate::geometry::angle_rad;
+use crate::geometry::{Eye, angle_rad};
 use crate::integrate::parts::Polygons;
 use crate::integrate::pixel::{Entry, Pixel};
-use crate::product::{Eye, TexelLine};
+use crate::product::TexelLine;
 use crate::scene::Scene;
 use crate::solve::Part;
 use crate::visibility::Drawing;
@@ -190,7 +190,7 @@ impl<'a> Looker<'a> {
         let facet = self.scene.body.mesh.facet(entry.facet as usize);
         let point_m = camera.centre_m() + facet.met_by(camera.centre_m(), ray) * ray;
         let of = |lookup: &Lookup| match lookup.kind {
-            Kind::View(image, _) => match image.eye {
+            Kind::View(image, ..) => match image.camera.eye() {
                 Eye::At(eye_m) => angle_rad(eye_m - point_m, -ray),
                 Eye::Towards(direction) => angle_rad(direction.vec(), -ray),
             },

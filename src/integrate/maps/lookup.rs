@@ -4,7 +4,7 @@ use super::Prepared;
 use super::charts::{of_corners, of_projection};
 use super::sums::TexelSums;
 use crate::geometry::polygon::{Point, area, side, split};
-use crate::geometry::{Chart, Overlay, Texels};
+use crate::geometry::{Chart, Overlay, Projection, Texels};
 use crate::integrate::parts::{Parts, Polygons, Window, on_facet};
 use crate::integrate::pixel::Pixel;
 use crate::product::{Patches, Placement, ViewImage};
@@ -64,7 +64,7 @@ pub(in crate::integrate) struct Lookup<'a> {
 pub(in crate::integrate) enum Kind<'a> {
     Facets,
     Patches(&'a Patches),
-    View(&'a ViewImage, Option<&'a Seen>),
+    View(&'a ViewImage, Box<Projection>, Option<&'a Seen>),
     /// By the texel coordinates of facets' corners; columns and rows.
     Texture(&'a [[[f64; 2]; 3]], [usize; 2]),
 }
@@ -80,7 +80,7 @@ impl<'a> Lookup<'a> {
         let kind = match prepared.view.placement {
             Placement::Facets(_) => Kind::Facets,
             Placement::Patches(patches) => Kind::Patches(patches),
-            Placement::View(image) => Kind::View(image, prepared.seen.as_ref()),
+            Placement::View(image) => Kind::View(image, Box::new(image.camera.projection()), prepared.seen.as_ref()),
             Placement::Atlas(atlas) => Kind::Texture(&atlas.corners, [atlas.columns, atlas.rows]),
         };
         let lookup = Lookup::of(scene, drawing, kind, Some(prepared.view.known), polygons, texels);
@@ -196,10 +196,10 @@ impl<'a> Lookup<'a> {
                     inside.extend((within.len() > 2).then_some(within));
                 }
                 match &self.kind {
-                    Kind::View(_, Some(seen)) if seen.shown[facet as usize] == Shown::Nothing => {
+                    Kind::View(_, _, Some(seen)) if seen.shown[facet as usize] == Shown::Nothing => {
                         outside.append(&mut inside)
                     }
-                    Kind::View(_, Some(seen)) if seen.shown[facet as usize] == Shown::Part => {
+                    Kind::View(_, _, Some(seen)) if seen.shown[facet as usize] == Shown::Part => {
                         self.keep_parts(facet, &mut inside, &mut outside, |_| true);
                     }
                     _ => {}
@@ -260,7 +260,7 @@ impl<'a> Lookup<'a> {
     /// Columns and rows of the map's image, if it is one.
     fn size(&self) -> [usize; 2] {
         match &self.kind {
-            Kind::View(image, _) => [image.columns, image.rows],
+            Kind::View(image, ..) => image.size(),
             Kind::Texture(_, size) => *size,
             Kind::Facets | Kind::Patches(_) => [0, 0],
         }
@@ -295,7 +295,7 @@ impl<'a> Lookup<'a> {
         let size = self.size();
         let Some(chart) = self.chart(facet) else { return };
         let seen = match &self.kind {
-            Kind::View(_, Some(seen)) => seen.shown[facet as usize],
+            Kind::View(_, _, Some(seen)) => seen.shown[facet as usize],
             _ => Shown::Whole,
         };
         let Lookup { known, sky, parts, texels, overlay, seen: all, lit, quadrature_error, .. } = self;
@@ -349,7 +349,7 @@ impl<'a> Lookup<'a> {
         }
         let (mesh, view) = (&self.scene.body.mesh, &self.drawing.view);
         let chart = match &self.kind {
-            Kind::View(image, _) => of_projection(&image.projection, view, &mesh.facet(facet as usize)),
+            Kind::View(_, projection, _) => of_projection(projection, view, &mesh.facet(facet as usize)),
             Kind::Texture(corners, _) => of_corners(&corners[facet as usize], &on_facet(mesh, view, facet)),
             Kind::Facets | Kind::Patches(_) => None,
         };

@@ -8,13 +8,11 @@ mod looker;
 mod sums;
 mod together;
 
-use glam::DVec3;
-
 use super::parts::Polygons;
 use crate::error::Result;
 use crate::geometry::polygon::Rect;
-use crate::geometry::{Direction, Texels};
-use crate::product::{Eye, Placement, Plane, TexelWeights, ViewImage};
+use crate::geometry::{Camera, Direction, Texels};
+use crate::product::{Placement, Plane, TexelWeights, ViewImage};
 use crate::progress::Watch;
 use crate::scene::Scene;
 use crate::visibility::Seen;
@@ -142,17 +140,15 @@ pub(super) fn prepare<'a>(maps: &Maps<'a>, scene: &Scene, watch: Watch<'_>) -> R
 fn seen_by(image: &ViewImage, scene: &Scene, watch: Watch<'_>) -> Result<Seen> {
     const STAGE: &str = "what the map sees";
     let (mesh, topology) = (&scene.body.mesh, scene.body.topology());
-    match image.eye {
-        Eye::Towards(direction) => Seen::from_afar(mesh, topology, direction, STAGE, watch),
-        Eye::At(centre_m) => {
-            // The last row of a central projection is its axis; the corners of the image are rays.
-            let axis = Direction::new(image.projection.linear.row(2))
-                .unwrap_or_else(|| Direction::new(-centre_m).unwrap_or(scene.sky.sun.direction));
-            let from_texel = image.projection.linear.inverse();
-            let (columns, rows) = (image.columns as f64, image.rows as f64);
-            let rays = [[0.0, 0.0], [columns, 0.0], [columns, rows], [0.0, rows]]
-                .map(|[s, t]| from_texel * DVec3::new(s, t, 1.0));
-            Seen::from_point(mesh, topology, centre_m, (axis, &rays), STAGE, watch)
+    match &image.camera {
+        Camera::Parallel(camera) => Seen::from_afar(mesh, topology, camera.towards, STAGE, watch),
+        Camera::Frame(camera) => {
+            let axis = camera.world_from_sensor.rotation.z_axis;
+            let axis = Direction::new(axis).unwrap_or(scene.sky.sun.direction);
+            let [samples, lines] = image.size().map(|n| n as f64);
+            let corners = [[0.0, 0.0], [samples, 0.0], [samples, lines], [0.0, lines]];
+            let rays = corners.map(|[x, y]| camera.ray(x, y));
+            Seen::from_point(mesh, topology, camera.centre_m(), (axis, &rays), STAGE, watch)
         }
     }
 }
@@ -170,9 +166,10 @@ impl Prepared<'_> {
 
 /// Whether some facet of a scene lies, in part, within an image of it: its bounds do.
 pub fn meets(image: &ViewImage, scene: &Scene) -> bool {
-    let frame = Rect { min: [0.0; 2], max: [image.columns as f64, image.rows as f64] };
+    let frame = Rect { min: [0.0; 2], max: image.size().map(|n| n as f64) };
+    let projection = image.camera.projection();
     (0..scene.body.mesh.facets.len()).any(|f| {
-        let corners = scene.body.mesh.facet(f).corners_m.map(|p| image.projection.homogeneous(p));
+        let corners = scene.body.mesh.facet(f).corners_m.map(|p| projection.homogeneous(p));
         let in_front = corners.iter().filter(|c| c.z > 0.0).count();
         // What reaches behind the eye may be anywhere.
         in_front > 0 && (in_front < 3 || Rect::of(&corners.map(|c| [c.x / c.z, c.y / c.z])).overlaps(&frame))

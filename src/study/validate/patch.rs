@@ -2,13 +2,11 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::geometry::{Direction, MaterialId, Mesh, Pose};
+use crate::geometry::{Direction, FrameCamera, MaterialId, Mesh, Pose};
 use crate::integrate::Wanted;
 use crate::product::{Backplanes, FacetTable};
 use crate::progress::unwatched;
-use crate::scene::{
-    Exposure, FrameCamera, Mars, Material, Models, Parts, Photometry, Scene, Sky, Sun, Surface, Thermal,
-};
+use crate::scene::{Exposure, Mars, Material, Models, Parts, Photometry, Scene, Sky, Sun, Surface, Thermal};
 use crate::spectral::{Band, Spectrum};
 use crate::study::{observe, simulate};
 use crate::units::AU_M;

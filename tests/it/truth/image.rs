@@ -5,8 +5,8 @@
 //! is taken away, one convex region after the other, and then all that is shaded.
 
 use glam::DVec3;
+use mmxrt::geometry::FrameCamera;
 use mmxrt::geometry::Mesh;
-use mmxrt::scene::FrameCamera;
 
 use super::double::*;
 

@@ -2,8 +2,8 @@
 
 use glam::{DMat3, DVec3};
 use mmxrt::formats::obj;
+use mmxrt::geometry::FrameCamera;
 use mmxrt::geometry::{Direction, MaterialId, Mesh, Pose};
-use mmxrt::scene::FrameCamera;
 
 use crate::shapes::*;
 

@@ -11,9 +11,9 @@ use glam::{DMat2, DVec2, DVec3};
 
 use crate::error::{Error, Location, Problem, Result};
 use crate::formats::ilwis;
-use crate::geometry::Pose;
+use crate::geometry::{Camera, Direction, ParallelCamera, Pose, Projection};
 use crate::physics::{blackbody, reflectance};
-use crate::product::{Eye, Placement, Projection, RadianceMap, Registration, TexelSource, ViewImage};
+use crate::product::{Placement, RadianceMap, Registration, TexelSource, ViewImage};
 use crate::progress::Watch;
 use crate::scene::Scene;
 use crate::spectral::{Band, KnownLight};
@@ -56,15 +56,18 @@ pub(super) fn map(
     let image = keep(Image::read(view, properties), &mut problems)?;
     let units = keep(units(view, properties, options.irradiance_w_m2_um.as_deref()), &mut problems)?;
     let (Some(pose), Some(image), Some(units)) = (pose, image, units) else { return Err(Error::Invalid(problems)) };
-    let [rows, columns] = image.size;
+    let [Ok(lines), Ok(samples)] = image.size.map(u32::try_from) else {
+        let message = format!("{} x {} pixels are too many in a line", image.size[1], image.size[0]);
+        return Err(Error::invalid(Location::file(&view.bands[0].path), message));
+    };
     let at = |shift_texels| {
-        let projection = image.projection(&pose, shift_texels);
-        ViewImage { projection, eye: Eye::Towards(view.towards(&pose)), rows, columns, occlusion: true }
+        let camera = Camera::Parallel(image.camera(&pose, view.towards(&pose), [lines, samples], shift_texels));
+        ViewImage { camera, occlusion: true }
     };
     let mut source = Source {
         bands: view.bands.iter().map(|b| b.band.clone()).collect(),
         images: view.bands.iter().map(|b| b.path.clone()).zip(units).collect(),
-        texels: rows * columns,
+        texels: image.size.iter().product(),
     };
     let name = format!("DART {} ({} {})", view.name, view.quantity.name(), view.iteration);
     let (shift_texels, registration, note) = match options.placing {
@@ -96,7 +99,7 @@ pub(super) fn map(
         }
     };
     let view_image = at(shift_texels);
-    overlaps(&view_image.projection, image.size, scene, &view.bands[0].path)?;
+    overlaps(&view_image.camera.projection(), image.size, scene, &view.bands[0].path)?;
     let map = RadianceMap {
         name,
         placement: Placement::View(Box::new(view_image)),
@@ -231,8 +234,14 @@ impl Image {
         }
     }
 
-    /// Where a point of the scene appears, its frame being at `pose`.
-    fn projection(&self, pose: &Pose, shift_texels: [f64; 2]) -> Projection {
+    /// The camera that took it, seen `towards` which it looks back, the scene's frame being at `pose`.
+    fn camera(
+        &self,
+        pose: &Pose,
+        towards: Direction,
+        [lines, samples]: [u32; 2],
+        shift_texels: [f64; 2],
+    ) -> ParallelCamera {
         let [rows, columns] = self.size.map(|n| n as f64);
         let [origin, end_of_rows, _, end_of_columns] = self.corners.xy_m;
         // From row and column to the ground, and back.
@@ -241,7 +250,15 @@ impl Image {
         let displacement = self.towards.truncate() / self.towards.z;
         let step = |per_m: DVec2| pose.vector(per_m.extend(-per_m.dot(displacement)));
         let origin_m = pose.point(origin.extend(self.bottom_m));
-        Projection::parallel(step(texels.y_axis), step(texels.x_axis), origin_m, shift_texels)
+        ParallelCamera {
+            towards,
+            samples,
+            lines,
+            sample_per_m: step(texels.y_axis),
+            line_per_m: step(texels.x_axis),
+            origin_m,
+            origin_px: shift_texels,
+        }
     }
 }
 
@@ -298,7 +315,7 @@ fn overlaps(projection: &Projection, size: [usize; 2], scene: &Scene, path: &Pat
     let Some((low_m, high_m)) = scene.body.mesh.bounds_m() else { return Ok(()) };
     let corner = |i: usize| {
         let pick = |axis: usize| if i >> axis & 1 == 0 { low_m[axis] } else { high_m[axis] };
-        projection.texel(DVec3::new(pick(0), pick(1), pick(2)))
+        projection.at(DVec3::new(pick(0), pick(1), pick(2)))
     };
     let [columns, rows] = [0, 1].map(|k| {
         let of = |i: usize| corner(i)[k];

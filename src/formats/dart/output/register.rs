@@ -49,7 +49,8 @@ pub(super) fn register(image: &ViewImage, valid: &[bool], scene: &Scene, watch: 
     let overlap = [[0.0; 2], shift].map(|shift| outline.overlap(outline.cells(shift)));
     // Rows of a mirror image are counted from the other side.
     let shift_texels = if outline.is_mirrored { [shift[0], 0.0 - shift[1]] } else { shift };
-    let per_m = [0, 1].map(|k| image.projection.linear.row(k).length());
+    let linear = image.camera.projection().linear;
+    let per_m = [0, 1].map(|k| linear.row(k).length());
     let in_m = |texels: [f64; 2]| [0, 1].map(|k| texels[k] / per_m[k]);
     let (shift_m, unverified_m) = (in_m(shift_texels), in_m(unverified));
     Ok(Found::Place(Registration { shift_texels, shift_m, overlap, unverified_m }))
@@ -79,10 +80,11 @@ struct Outline {
 
 impl Outline {
     fn draw(image: &ViewImage, valid: &[bool], scene: &Scene, watch: Watch<'_>) -> Result<Option<Outline>> {
-        let Some((View::Parallel { h, v, u, scale, offset }, _, is_mirrored)) = image.drawn(&scene.body.mesh) else {
+        let drawn = View::of_camera(&image.camera, scene.body.bounds_m());
+        let Some((View::Parallel { h, v, u, scale, offset }, _, is_mirrored)) = drawn else {
             return Ok(None);
         };
-        let size = [image.columns, image.rows];
+        let size = image.size();
         let per_m = scale[0].max(scale[1]);
         let margin = (FARTHEST_M * per_m).clamp(FARTHEST_TEXELS[0], FARTHEST_TEXELS[1]).ceil() as usize;
         let texels = size.map(|n| n + 2 * margin);

@@ -6,8 +6,8 @@
 use glam::DVec3;
 
 use crate::formats::xml::Element;
+use crate::geometry::FrameCamera;
 use crate::report::Fate;
-use crate::scene::FrameCamera;
 
 use super::super::frame::{self, angles_deg, full_turn};
 use super::super::{Camera, Maket};

@@ -1,0 +1,239 @@
+//! Cameras: how points of space become points of an image, and back.
+//!
+//! One type serves the sensor of a scene and the image of a radiance map; its kinds are central and parallel projections.
+
+use std::ops::Range;
+
+use glam::{DMat3, DVec3};
+
+use super::{Direction, Pose};
+
+/// A pinhole camera without distortion. Sensor axes: +X sample (right), +Y line (down), +Z boresight.
+///
+/// The boresight is the axis of projection, and need not meet the image in its middle, or at all: shifted lenses and windows cut
+/// from larger images are cameras too.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrameCamera {
+    /// Placement of the sensor in the scene: axes are h, v, u; translation is the projection centre, local to the origin, m.
+    pub world_from_sensor: Pose,
+    /// Pixels in a line.
+    pub samples: u32,
+    /// Lines.
+    pub lines: u32,
+    /// Width and height of a pixel over the focal length (dimensionless): 2 tan(IFOV / 2).
+    pub pitch: [f64; 2],
+    /// Where the boresight meets the image, pixels from the first pixel's outer corner.
+    pub boresight_px: [f64; 2],
+}
+
+impl FrameCamera {
+    /// A camera with square pixels whose boresight goes through the image's middle.
+    pub fn centred(world_from_sensor: Pose, samples: u32, lines: u32, pitch: f64) -> Self {
+        let boresight_px = [samples, lines].map(|n| 0.5 * f64::from(n));
+        FrameCamera { world_from_sensor, samples, lines, pitch: [pitch; 2], boresight_px }
+    }
+
+    /// A part of the image: some samples of some lines, from the same place.
+    #[must_use]
+    pub fn window(&self, samples: Range<u32>, lines: Range<u32>) -> Self {
+        let [x, y] = self.boresight_px;
+        FrameCamera {
+            samples: samples.end.saturating_sub(samples.start),
+            lines: lines.end.saturating_sub(lines.start),
+            boresight_px: [x - f64::from(samples.start), y - f64::from(lines.start)],
+            ..self.clone()
+        }
+    }
+
+    /// Whether pixels are square, and the boresight goes through the image's middle.
+    pub fn is_centred(&self) -> bool {
+        let Self { samples, lines, pitch, boresight_px, .. } = self;
+        pitch[0] == pitch[1] && *boresight_px == [*samples, *lines].map(|n| 0.5 * f64::from(n))
+    }
+
+    /// The projection centre, m.
+    pub fn centre_m(&self) -> DVec3 {
+        self.world_from_sensor.translation_m
+    }
+
+    /// Direction (not of unit length: 1 along the boresight) of the ray through image point (x, y), pixels from the first pixel's outer corner.
+    pub fn ray(&self, x_px: f64, y_px: f64) -> DVec3 {
+        let x = (x_px - self.boresight_px[0]) * self.pitch[0];
+        let y = (y_px - self.boresight_px[1]) * self.pitch[1];
+        self.world_from_sensor.vector(DVec3::new(x, y, 1.0))
+    }
+
+    /// Angle between the boresight and the corner of the image that is farthest from it, rad: nothing beyond it is in the image.
+    pub fn half_cone_rad(&self) -> f64 {
+        let far = [self.samples, self.lines].map(f64::from);
+        // Of each side the end that is farther from where the boresight is.
+        let reach =
+            [0, 1].map(|k| self.pitch[k] * self.boresight_px[k].abs().max((far[k] - self.boresight_px[k]).abs()));
+        reach[0].hypot(reach[1]).atan()
+    }
+
+    /// Size of a pixel over the focal length, of a square one of the same area.
+    pub fn mean_pitch(&self) -> f64 {
+        if self.pitch[0] == self.pitch[1] { self.pitch[0] } else { (self.pitch[0] * self.pitch[1]).sqrt() }
+    }
+
+    /// By how much rounding may move what is drawn, pixels: 4 eps x range over the width of a pixel at that range.
+    pub fn rounding_px(&self) -> f64 {
+        4.0 * f64::EPSILON / self.pitch[0].min(self.pitch[1])
+    }
+
+    /// Angle that a pixel on the boresight subtends along its line, rad.
+    pub fn ifov_rad(&self) -> f64 {
+        Self::angle_of_pitch(self.pitch[0], 1)
+    }
+
+    /// Width of a pixel over the focal length where so many, with the boresight in their middle, subtend this angle, rad.
+    pub fn pitch_of_angle(angle_rad: f64, pixels: u32) -> f64 {
+        2.0 * (0.5 * angle_rad).tan() / f64::from(pixels)
+    }
+
+    /// The angle, rad, that so many pixels subtend, with the boresight in their middle: the inverse of
+    /// [`pitch_of_angle`](FrameCamera::pitch_of_angle).
+    pub fn angle_of_pitch(pitch: f64, pixels: u32) -> f64 {
+        2.0 * (0.5 * f64::from(pixels) * pitch).atan()
+    }
+}
+
+/// A camera at infinity: all rays are parallel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ParallelCamera {
+    /// Towards it.
+    pub towards: Direction,
+    /// Pixels in a line.
+    pub samples: u32,
+    /// Lines.
+    pub lines: u32,
+    /// Steps from sample to sample, and from line to line, pixels per metre; both across the rays, of any angle to each other.
+    pub sample_per_m: DVec3,
+    /// See `sample_per_m`.
+    pub line_per_m: DVec3,
+    /// A point near the scene, local, m.
+    pub origin_m: DVec3,
+    /// Where it appears, pixels from the first pixel's outer corner.
+    pub origin_px: [f64; 2],
+}
+
+/// A camera of either kind.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Camera {
+    /// Rays go through a point.
+    Frame(FrameCamera),
+    /// Rays are parallel.
+    Parallel(ParallelCamera),
+}
+
+/// From where an image is seen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Eye {
+    /// A point, local, m.
+    At(DVec3),
+    /// From infinity, in this direction.
+    Towards(Direction),
+}
+
+impl Camera {
+    /// Pixels in a line, and lines.
+    pub fn size(&self) -> [u32; 2] {
+        match self {
+            Camera::Frame(camera) => [camera.samples, camera.lines],
+            Camera::Parallel(camera) => [camera.samples, camera.lines],
+        }
+    }
+
+    /// From where it sees.
+    pub fn eye(&self) -> Eye {
+        match self {
+            Camera::Frame(camera) => Eye::At(camera.centre_m()),
+            Camera::Parallel(camera) => Eye::Towards(camera.towards),
+        }
+    }
+
+    /// How points appear in its image.
+    pub fn projection(&self) -> Projection {
+        match self {
+            Camera::Frame(camera) => Projection::of_frame(camera),
+            Camera::Parallel(camera) => Projection::of_parallel(camera),
+        }
+    }
+}
+
+/// From a local point, m, to homogeneous image coordinates: linear (p - origin) + offset = (column, row, 1) w.
+///
+/// Pixel (0, 0) is the square from (0, 0) to (1, 1); columns run along a line, rows from line to line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Projection {
+    /// Pixels per metre; the last row is zero for parallel projections.
+    pub linear: DMat3,
+    /// A point near the scene, or the projection centre, local, m.
+    pub origin_m: DVec3,
+    /// Homogeneous image coordinates of that point.
+    pub offset: DVec3,
+}
+
+impl Projection {
+    fn of_frame(camera: &FrameCamera) -> Self {
+        let sensor_from_world = camera.world_from_sensor.rotation.transpose();
+        let [x, y] = camera.boresight_px;
+        // Columns of the matrix that takes (x, y, z) of the sensor to pixels times depth.
+        let pixels = DMat3::from_cols(
+            DVec3::new(1.0 / camera.pitch[0], 0.0, 0.0),
+            DVec3::new(0.0, 1.0 / camera.pitch[1], 0.0),
+            DVec3::new(x, y, 1.0),
+        );
+        Projection { linear: pixels * sensor_from_world, origin_m: camera.centre_m(), offset: DVec3::ZERO }
+    }
+
+    fn of_parallel(camera: &ParallelCamera) -> Self {
+        let ParallelCamera { sample_per_m, line_per_m, origin_m, origin_px: [x, y], .. } = *camera;
+        let linear = DMat3::from_cols(sample_per_m, line_per_m, DVec3::ZERO).transpose();
+        Projection { linear, origin_m, offset: DVec3::new(x, y, 1.0) }
+    }
+
+    /// Homogeneous image coordinates of a local point, m; the third is positive in front of the viewer.
+    pub fn homogeneous(&self, p_m: DVec3) -> DVec3 {
+        self.linear * (p_m - self.origin_m) + self.offset
+    }
+
+    /// Texel coordinates (column, row) of a local point, m.
+    pub fn at(&self, p_m: DVec3) -> [f64; 2] {
+        let h = self.homogeneous(p_m);
+        [h.x / h.z, h.y / h.z]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_camera_projects_as_its_rays_go() {
+        // Boresight down, right is +x: a point 2 m east and 1 m south of the axis, 100 m below, pitch 0.01: 2 and 1 pixels.
+        let rotation = DMat3::from_cols(DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z);
+        let world_from_sensor = Pose { rotation, translation_m: DVec3::new(5.0, 6.0, 107.0) };
+        let camera = FrameCamera::centred(world_from_sensor, 8, 6, 0.01);
+        let projection = Camera::Frame(camera).projection();
+        assert_eq!(projection.at(DVec3::new(7.0, 5.0, 7.0)), [6.0, 4.0]);
+        assert!(projection.homogeneous(DVec3::new(7.0, 5.0, 108.0)).z < 0.0);
+    }
+
+    #[test]
+    fn a_parallel_camera_counts_pixels_from_its_origin() {
+        let camera = ParallelCamera {
+            towards: Direction::new(DVec3::Z).unwrap(),
+            samples: 4,
+            lines: 3,
+            sample_per_m: DVec3::Y * 2.0,
+            line_per_m: DVec3::X * 0.5,
+            origin_m: DVec3::new(1.0, 2.0, 3.0),
+            origin_px: [10.0, 20.0],
+        };
+        let camera = Camera::Parallel(camera);
+        assert_eq!(camera.projection().at(DVec3::new(5.0, 3.0, -9.0)), [12.0, 22.0]);
+        assert_eq!(camera.size(), [4, 3]);
+    }
+}
