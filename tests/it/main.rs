@@ -47,6 +47,7 @@ mod maps;
 mod messages;
 mod mosaics;
 mod oracles;
+mod old_tables;
 mod partly_sky;
 mod products;
 mod raster;
