@@ -2,21 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use glam::DVec3;
 use mmxrt::formats::Format;
 use mmxrt::formats::convert::{self, Content};
 use mmxrt::formats::dart::output;
-use mmxrt::formats::folder::Staged;
 use mmxrt::formats::located::Document;
 use mmxrt::formats::mtl::{self, ObjMaterial};
-use mmxrt::formats::raster::{self, Raster};
 use mmxrt::formats::report_json::{self, Report, Run};
 use mmxrt::formats::spectrum_csv::{self, Quantity};
-use mmxrt::formats::{
-    envi, exr_cube, gltf, npz, obj, pixel, quicklook, radiance_map, recipe_toml, registry, spectrum_svg,
-};
-use mmxrt::progress::tell;
-use mmxrt::spectral::{Extend, solar_e490};
+use mmxrt::formats::{envi, exr_cube, gltf, npz, obj, pixel, product_folder, radiance_map, recipe_toml, registry};
+use mmxrt::job::{self, SpectrumSheet, Survey};
+use mmxrt::spectral::{Extend, SunTotal, solar_e490};
 use mmxrt::{Error, Location, Problem, Result};
 use serde_json::{Value, json};
 
@@ -96,7 +91,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
 /// The spectrum of a pixel, or of the Sun: said, and on request written and drawn.
 fn spectrum_of(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let path = &arguments.file;
-    let (text, json, csv, picture) = match arguments.pixel {
+    let (json, sheet) = match arguments.pixel {
         Some((sample, line)) => {
             let found = pixel::read(path, sample, line)?;
             let columns = found.columns();
@@ -110,46 +105,28 @@ fn spectrum_of(arguments: &Arguments, console: &Console) -> Result<Outcome> {
             if found.has_names() {
                 json["band"] = json!(found.names);
             }
-            let title = format!("{}, sample {sample}, line {line}", path.display());
-            let (um, curves) = found.curves();
-            let y = "radiance, W m-2 sr-1 um-1";
-            (found.csv(), json, found.csv(), spectrum_svg::draw(&title, "um", y, &um, &curves))
+            let sheet = SpectrumSheet::of_pixel(path, &found);
+            (json, sheet)
         }
         None => {
             let sun = solar_e490();
             let (um, irradiance) = (sun.wavelength_um(), sun.value());
-            let total = sun.integral(um[0], um[um.len() - 1]);
+            let total = SunTotal::of(sun).table_w_m2;
             let json = json!({
                 "kind": "the Sun, ASTM E490-00a (2000), at 1 au", "points": um.len(), "total_w_m2": total,
                 "wavelength_um": um, "irradiance_w_m2_um": irradiance,
             });
-            let mut csv = String::from("# the Sun at 1 au, ASTM E490-00a (2000)\nwavelength_um,irradiance_w_m2_um\n");
-            um.iter().zip(irradiance).for_each(|(um, value)| csv.push_str(&format!("{um},{value}\n")));
-            let shown = um.partition_point(|um| *um <= 4.0);
-            let curves = [("E490", irradiance[..shown].to_vec())];
-            let svg = spectrum_svg::draw("The Sun at 1 au, ASTM E490-00a", "um", "W m-2 um-1", &um[..shown], &curves);
-            (csv.clone(), json, csv, svg)
+            (json, SpectrumSheet::of_sun())
         }
     };
-    if let Some(picture) = arguments.picture.as_ref().filter(|p| p.extension().is_none_or(|e| e != "svg")) {
-        return Err(Error::invalid(
-            Location::file(picture),
-            "a spectrum is drawn as SVG: give it a name that ends in .svg",
-        ));
-    }
-    let written = [(&arguments.csv, csv), (&arguments.picture, picture)];
-    for (target, content) in written.iter().filter_map(|(target, content)| Some((target.as_ref()?, content))) {
+    for target in arguments.csv.iter().chain(&arguments.picture) {
         super::settle(target, console)?;
-        let staged = Staged::file(target, arguments.force)?;
-        let parts = arguments.file.read_dir().into_iter().flatten().filter_map(|part| Some(part.ok()?.path()));
-        let inputs: Vec<PathBuf> = parts.chain([arguments.file.clone()]).collect();
-        staged.spares(inputs.iter().map(PathBuf::as_path))?;
-        std::fs::write(staged.path(), content).map_err(|e| staged.named(Error::io(staged.path(), "writing", e)))?;
-        staged.commit()?;
     }
+    sheet.write(arguments.csv.as_deref(), arguments.picture.as_deref(), arguments.force)?;
+    let text = &sheet.csv;
     match arguments.csv.is_some() || arguments.picture.is_some() {
-        true => console.done(&text, &json),
-        false => console.result(&text, &json)?,
+        true => console.done(text, &json),
+        false => console.result(text, &json)?,
     }
     Ok(Outcome::Done)
 }
@@ -220,9 +197,8 @@ fn inspect(path: &Path, format: Option<&Format>, console: &Console) -> Result<Fa
 
 fn mesh(path: &Path) -> Result<Facts> {
     let mesh = obj::read(path)?;
-    let corners = || mesh.vertices.iter().copied();
     let told = [&mesh.report.notes, &mesh.material_doubts, &mesh.doubts];
-    let size = corners().fold(DVec3::NEG_INFINITY, DVec3::max) - corners().fold(DVec3::INFINITY, DVec3::min);
+    let size = mesh.size();
     Ok(vec![
         ("kind", json!("OBJ mesh")),
         ("vertices", json!(mesh.vertices.len())),
@@ -338,7 +314,7 @@ fn spectrum(path: &Path, console: &Console) -> Result<Facts> {
             (Err(error), Err(_)) => return Err(error),
         };
     let (first, last) = spectrum.coverage_um();
-    let values = spectrum.value().iter().copied();
+    let (min, max) = spectrum.range();
     Ok(vec![
         ("kind", json!("spectrum")),
         ("quantity", json!(quantity.name())),
@@ -346,8 +322,8 @@ fn spectrum(path: &Path, console: &Console) -> Result<Facts> {
         ("first_um", json!(first)),
         ("last_um", json!(last)),
         ("unit", json!(if quantity == Quantity::Irradiance { "W m-2 um-1" } else { "1" })),
-        ("min", json!(values.clone().fold(f64::INFINITY, f64::min))),
-        ("max", json!(values.fold(f64::NEG_INFINITY, f64::max))),
+        ("min", json!(min)),
+        ("max", json!(max)),
         ("notes", report.notes.iter().map(|note| json!(note.to_string())).collect()),
     ])
 }
@@ -362,13 +338,7 @@ fn folder(path: &Path) -> Result<Facts> {
             "is not a product folder, which has a report.json, nor an output of DART, which has a simulation.properties.txt",
         ));
     }
-    let io = |e| Error::io(path, "reading", e);
-    let mut files = Vec::new();
-    for entry in path.read_dir().map_err(io)? {
-        let entry = entry.map_err(io)?;
-        files.push((entry.file_name().to_string_lossy().into_owned(), entry.metadata().map_err(io)?.len()));
-    }
-    files.sort();
+    let files = product_folder::files(path)?;
     let mut facts = vec![("kind", json!("product folder"))];
     let files = files.iter().map(|(name, bytes)| json!({ "file": name, "bytes": bytes }));
     facts.push(("files", files.collect()));
@@ -388,14 +358,10 @@ fn dart_output(path: &Path) -> Result<Facts> {
             "bands": view.bands.iter().map(|b| b.number).collect::<Vec<_>>(),
         })
     });
-    let mut bands: Vec<&output::OutputBand> =
-        output.views().iter().flat_map(|v| &v.bands).chain(output.budget()).collect();
-    bands.sort_by_key(|b| b.number);
-    bands.dedup_by_key(|b| b.number);
     Ok(vec![
         ("kind", json!("DART output")),
         ("views", views.collect()),
-        ("bands", bands.into_iter().map(band).collect()),
+        ("bands", output.bands().into_iter().map(band).collect()),
         ("budget_of_triangles_bands", output.budget().iter().map(|b| json!(b.number)).collect()),
         ("passed_over", json!(output.passed_over())),
     ])
@@ -458,12 +424,6 @@ fn arrays(path: &Path) -> Result<Facts> {
 
 /// What an image holds, band by band, and on request a picture of it.
 fn image(path: &Path, format: &Format, arguments: &Arguments, console: &Console) -> Result<Facts> {
-    if let Some(picture) =
-        arguments.picture.as_ref().filter(|p| p.extension().is_some_and(|e| !e.eq_ignore_ascii_case("png")))
-    {
-        let message = "a picture of an image is written as PNG: give it a name that ends in .png";
-        return Err(Error::invalid(Location::file(picture), message));
-    }
     let mut facts = match format.name {
         "envi" => {
             let header = envi::read_header(&envi::pair(path)?.0)?;
@@ -489,54 +449,34 @@ fn image(path: &Path, format: &Format, arguments: &Arguments, console: &Console)
         }
         _ => vec![("kind", json!(format.kind()))],
     };
-    let mut raster = registry::image(path)?;
-    let shown: Vec<usize> = match (&arguments.picture, arguments.band.is_empty()) {
-        (None, _) => Vec::new(),
-        (Some(_), true) => raster.colour_bands(),
-        (Some(_), false) => arguments.band.iter().map(|band| *band as usize - 1).collect(),
-    };
-    if let Some(band) = shown.iter().find(|band| **band >= raster.bands.len()) {
-        let message = format!("band {} is asked for: it has {}", band + 1, raster.bands.len());
-        return Err(Error::invalid(Location::file(path), message));
+    let picture = arguments.picture.as_ref().map(|target| job::Picture {
+        target: target.clone(),
+        bands: arguments.band.iter().map(|band| *band as usize - 1).collect(),
+        replace: arguments.force,
+    });
+    if let Some(picture) = &picture {
+        super::settle(&picture.target, console)?;
     }
-    let label = |i: usize, raster: &Raster| match (&raster.bands[i].name, raster.bands[i].centre_um) {
-        (name, _) if !name.is_empty() => name.clone(),
-        (_, Some(um)) => format!("{um} um"),
-        _ => format!("band {}", i + 1),
-    };
-    let mut pictured: Vec<(String, Vec<f64>)> = vec![Default::default(); shown.len()];
-    let (mut bands, mut values) = (Vec::new(), Vec::new());
-    let count = raster.bands.len();
-    for i in 0..count {
-        tell(&|progress| console.watch(progress), "reading the image", i as u64, count as u64)?;
-        raster.read(i, &mut values)?;
-        for (picture, _) in pictured.iter_mut().zip(&shown).filter(|(_, band)| **band == i) {
-            *picture = (label(i, &raster), values.clone());
-        }
-        let about = raster::statistics(&values);
-        bands.push(json!({
-            "band": label(i, &raster), "centre_um": raster.bands[i].centre_um, "fwhm_um": raster.bands[i].fwhm_um,
-            "count": about.count, "no_data": values.len() as u64 - about.count,
+    let Survey { raster, bands } = job::survey(path, picture.as_ref(), &|progress| console.watch(progress))?;
+    let pixels = raster.pixels() as u64;
+    let statistics = bands.iter().zip(&raster.bands).map(|((label, about), band)| {
+        json!({
+            "band": label, "centre_um": band.centre_um, "fwhm_um": band.fwhm_um,
+            "count": about.count, "no_data": pixels - about.count,
             "min": about.min, "max": about.max, "mean": about.mean,
-        }));
-    }
+        })
+    });
     facts.extend([
         ("samples", json!(raster.columns)),
         ("lines", json!(raster.rows)),
-        ("bands", json!(count)),
+        ("bands", json!(bands.len())),
         ("data_type", json!(raster.data_type.name())),
         ("data_units", json!(raster.unit)),
         ("no_data_value", json!(raster.ignore)),
         ("notes", raster.report.notes.iter().map(|note| json!(note.to_string())).collect()),
-        ("statistics", json!(bands)),
+        ("statistics", statistics.collect()),
     ]);
     if let Some(picture) = &arguments.picture {
-        super::settle(picture, console)?;
-        let staged = Staged::file(picture, arguments.force)?;
-        staged.spares(raster.files().iter().map(PathBuf::as_path))?;
-        let size = [raster.rows, raster.columns];
-        quicklook::write_bands(staged.path(), size, &pictured).map_err(|e| staged.named(e))?;
-        staged.commit()?;
         facts.push(("picture", json!(picture)));
     }
     Ok(facts)

@@ -169,6 +169,21 @@ impl ProductFolder {
     }
 }
 
+/// Names and sizes, bytes, of what is in a product folder, by name.
+///
+/// # Errors
+/// [`Error::Io`].
+pub fn files(folder: &Path) -> Result<Vec<(String, u64)>> {
+    let io = |e| Error::io(folder, "reading", e);
+    let mut files = Vec::new();
+    for entry in folder.read_dir().map_err(io)? {
+        let entry = entry.map_err(io)?;
+        files.push((entry.file_name().to_string_lossy().into_owned(), entry.metadata().map_err(io)?.len()));
+    }
+    files.sort();
+    Ok(files)
+}
+
 /// Says which checks of a product do not hold, and whose fault that is: of what a table from elsewhere says, or ours.
 fn verify(checks: &[Check], table: Option<&Path>) -> Result<()> {
     let failure = |check: &Check| {

@@ -3,13 +3,17 @@
 //! A job touches no file but through [`formats`](crate::formats), says nothing, and asks no clock: what it has to tell it returns.
 
 mod dry_run;
+mod image_survey;
 mod integrate;
 mod landscape;
 mod simulate;
 mod solve;
+mod spectrum_sheet;
 
 pub use dry_run::{Outlook, dry_run};
+pub use image_survey::{Picture, Survey, survey};
 pub use integrate::{Radiance, integrate};
 pub use landscape::LandscapeFiles;
 pub use simulate::simulate;
 pub use solve::{solve, stage_table};
+pub use spectrum_sheet::SpectrumSheet;

@@ -68,6 +68,11 @@ impl Spectrum {
         }
     }
 
+    /// The least and the largest value.
+    pub fn range(&self) -> (f64, f64) {
+        self.value.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)))
+    }
+
     /// The value at a wavelength, um; `None` outside the coverage.
     pub fn at(&self, um: f64) -> Option<f64> {
         let (first, last) = self.coverage_um();

@@ -219,3 +219,19 @@ fn only_formats_touches_the_world() {
     // `formats` does touch the disk: a search that finds nothing there finds nothing anywhere.
     assert!(seen >= 40 && in_formats >= 5, "{seen} files, {in_formats} in formats");
 }
+
+#[test]
+fn the_command_line_writes_nothing_itself() {
+    let forbidden = ["std::fs", "File::", "Staged", ".read_dir(", "solve::solve(", "study::observe", "::write("];
+    let mut paths = Vec::new();
+    files_below(&source().join("cli"), &mut paths);
+    let mut jobs = 0;
+    for path in &paths {
+        let code = code(&std::fs::read_to_string(path).unwrap());
+        let found: Vec<_> = forbidden.iter().filter(|f| code.contains(**f)).collect();
+        assert!(found.is_empty(), "{}: {found:?}", path.display());
+        jobs += code.matches("job::").count();
+    }
+    // What it has done instead.
+    assert!(paths.len() >= 8 && jobs >= 8, "{} files, {jobs} jobs", paths.len());
+}

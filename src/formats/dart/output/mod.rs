@@ -242,6 +242,14 @@ impl Output {
         &self.views
     }
 
+    /// All bands of views and of the budget, each once, ascending.
+    pub fn bands(&self) -> Vec<&OutputBand> {
+        let mut bands: Vec<&OutputBand> = self.views.iter().flat_map(|view| &view.bands).chain(&self.budget).collect();
+        bands.sort_by_key(|band| band.number);
+        bands.dedup_by_key(|band| band.number);
+        bands
+    }
+
     /// Names of images that are no parallel views: a camera's; then what else lies there that is not read.
     pub fn passed_over(&self) -> &[String] {
         &self.passed_over

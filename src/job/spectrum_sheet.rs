@@ -1,0 +1,68 @@
+//! A spectrum to look at, of a pixel or of the Sun: as a table and as a drawing.
+
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Location, Result};
+use crate::formats::folder::Staged;
+use crate::formats::pixel::Pixel;
+use crate::formats::{product_folder, spectrum_svg};
+use crate::spectral::solar_e490;
+
+/// Of the Sun's spectrum what lies beyond, um, is too dim to be seen in a drawing.
+const DRAWN_TO_UM: f64 = 4.0;
+
+/// A spectrum as a table and as a drawing.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SpectrumSheet {
+    /// The table, as CSV.
+    pub csv: String,
+    /// The drawing, as SVG.
+    pub svg: String,
+    /// The product folder that it is of, if it is.
+    folder: Option<PathBuf>,
+}
+
+impl SpectrumSheet {
+    /// Of a pixel of this product folder.
+    pub fn of_pixel(folder: &Path, pixel: &Pixel) -> Self {
+        let title = format!("{}, sample {}, line {}", folder.display(), pixel.sample, pixel.line);
+        let (um, curves) = pixel.curves();
+        let svg = spectrum_svg::draw(&title, "um", "radiance, W m-2 sr-1 um-1", &um, &curves);
+        SpectrumSheet { csv: pixel.csv(), svg, folder: Some(folder.to_owned()) }
+    }
+
+    /// Of the built-in spectrum of the Sun.
+    pub fn of_sun() -> Self {
+        let (um, irradiance) = (solar_e490().wavelength_um(), solar_e490().value());
+        let mut csv = String::from("# the Sun at 1 au, ASTM E490-00a (2000)\nwavelength_um,irradiance_w_m2_um\n");
+        um.iter().zip(irradiance).for_each(|(um, value)| csv.push_str(&format!("{um},{value}\n")));
+        let shown = um.partition_point(|um| *um <= DRAWN_TO_UM);
+        let curves = [("E490", irradiance[..shown].to_vec())];
+        let svg = spectrum_svg::draw("The Sun at 1 au, ASTM E490-00a", "um", "W m-2 um-1", &um[..shown], &curves);
+        SpectrumSheet { csv, svg, folder: None }
+    }
+
+    /// Writes the table, the drawing, or both.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a drawing whose name does not end in `.svg`, and if a part of the product would be replaced; those of
+    /// [`Staged::file`]; [`Error::Io`].
+    pub fn write(&self, csv: Option<&Path>, svg: Option<&Path>, replace: bool) -> Result<()> {
+        if let Some(svg) = svg.filter(|path| path.extension().is_none_or(|e| e != "svg")) {
+            let message = "a spectrum is drawn as SVG: give it a name that ends in .svg";
+            return Err(Error::invalid(Location::file(svg), message));
+        }
+        let inputs: Vec<PathBuf> = match &self.folder {
+            Some(folder) => product_folder::files(folder)?.into_iter().map(|(name, _)| folder.join(name)).collect(),
+            None => vec![],
+        };
+        for (target, content) in [(csv, &self.csv), (svg, &self.svg)] {
+            let Some(target) = target else { continue };
+            let staged = Staged::file(target, replace)?;
+            staged.spares(inputs.iter().chain(&self.folder).map(PathBuf::as_path))?;
+            staged.put(staged.path(), |out| std::io::Write::write_all(out, content.as_bytes()))?;
+            staged.commit()?;
+        }
+        Ok(())
+    }
+}
