@@ -24,7 +24,7 @@ fn main() -> Result<()> {
 
     let table = solve(&file.scene, &unwatched)?;
     let sunlit = table.sunlit().expect("what is solved has the Sun");
-    let lit = (0..table.facets() as u32).map(|f| sunlit.fraction(f)).sum::<f64>();
+    let lit = (0..).take(table.facets()).map(|f| sunlit.fraction(f)).sum::<f64>();
     println!("the Sun sees {lit:.2} facets' worth of it");
 
     // The table keeps every bit on its way through a file.

@@ -62,7 +62,7 @@ fn main() -> Result<()> {
 
     // Line 3 is the one north of the middle; its samples go from west to east, the first from x = -4 m.
     for sample in [0, 1, 2, 3, 4] {
-        println!("line 3, sample {sample}, x from {} m:", sample as i32 - 4);
+        println!("line 3, sample {sample}, x from {} m:", sample as f64 - 4.0);
         for (facet, fraction, lit_fraction) in footprints.pixel(3 * 8 + sample) {
             let material = &scene.body.materials[scene.body.mesh.material[facet as usize].0 as usize].name;
             println!("  facet {facet} of {material}: {fraction:.5} of the pixel, {lit_fraction:.5} lit");

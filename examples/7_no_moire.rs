@@ -125,6 +125,7 @@ fn scene(camera: FrameCamera) -> Result<Scene> {
 }
 
 /// Two by two panels.
+#[expect(clippy::cast_possible_truncation, reason = "255 shares of grey, rounded")]
 fn picture(path: &str, panels: &[Vec<f64>]) -> Result<()> {
     let (width, height) = (SAMPLES as usize, LINES as usize);
     let grey = |x: usize, y: usize| {

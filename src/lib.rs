@@ -66,6 +66,9 @@
 //! # Ok::<(), mmxrt::Error>(())
 //! ```
 
+// Small numbers of cases fit any type.
+#![cfg_attr(test, allow(clippy::cast_possible_truncation))]
+
 // Lowest layer first: a module uses only those above it in this list (tests/it/layers.rs).
 pub mod error;
 pub mod progress;

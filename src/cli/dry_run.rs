@@ -127,7 +127,9 @@ fn rounded(value: f64, digits: i32) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
     }
-    let decimals = (digits - 1 - value.abs().log10().floor() as i32).clamp(0, 9) as usize;
+    #[expect(clippy::cast_possible_truncation, reason = "powers of ten of numbers are within 400")]
+    let power = value.abs().log10().floor() as i32;
+    let decimals = (digits - 1 - power).clamp(0, 9) as usize;
     let text = format!("{value:.decimals$}");
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }

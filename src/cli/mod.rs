@@ -84,7 +84,7 @@ pub(crate) fn run() -> ExitCode {
         Err(error) => {
             // If neither output can be written, the exit code still tells.
             let _ = error.print();
-            return ExitCode::from(error.exit_code() as u8);
+            return u8::try_from(error.exit_code()).map_or(ExitCode::FAILURE, ExitCode::from);
         }
     };
     let console = Console::new(cli.global.quiet, cli.global.verbose, cli.global.json);

@@ -148,7 +148,8 @@ fn header(names: &[&str], window: [i32; 4], about: &About<'_>) -> Vec<u8> {
             header.extend(text.as_bytes());
             header.push(0);
         });
-        header.extend((value.len() as i32).to_le_bytes());
+        // Lists of names and widths, of a few bytes a band.
+        header.extend(i32::try_from(value.len()).unwrap_or(i32::MAX).to_le_bytes());
         header.extend(value);
     };
     for (name, text) in [("bandNames", &about.names), (WIDTHS, &about.widths)] {

@@ -196,7 +196,8 @@ impl FlatFile {
                 let runs = bytes.chunks_exact((bands.len() * line).max(1));
                 rows.zip(runs).try_for_each(|(row, run)| {
                     if has_heads && bands.start == 0 {
-                        let head = [(row as i32).to_le_bytes(), ((all_bands * line) as i32).to_le_bytes()].concat();
+                        let int = |n: usize| i32::try_from(n).map_err(std::io::Error::other);
+                        let head = [int(row)?.to_le_bytes(), int(all_bands * line)?.to_le_bytes()].concat();
                         self.run(row * all_bands, HEAD * row as u64, &head)?;
                     }
                     let heads = if has_heads { HEAD * (row as u64 + 1) } else { 0 };

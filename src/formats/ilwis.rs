@@ -262,8 +262,10 @@ pub fn place(header: &Header, values_path: &Path) -> Result<Option<Place>> {
 pub fn corner_table(rows: usize, columns: usize, place: &Place) -> Vec<u8> {
     let mut bytes = TABLE.to_vec();
     bytes.resize(TABLE_HEAD, 0);
+    // A map of more lines would be of 2^31 numbers at least.
+    let int = |n: usize| i32::try_from(n).unwrap_or(i32::MAX);
     for (i, [x, y]) in place.corners_m.iter().enumerate() {
-        let (row, column) = (if i < 2 { 1 } else { rows as i32 }, if i % 2 == 0 { 1 } else { columns as i32 });
+        let (row, column) = (if i < 2 { 1 } else { int(rows) }, if i % 2 == 0 { 1 } else { int(columns) });
         [x, y].iter().for_each(|v| bytes.extend(v.to_le_bytes()));
         [row, column, ACTIVE].iter().for_each(|v| bytes.extend(v.to_le_bytes()));
     }

@@ -90,7 +90,8 @@ pub(crate) fn bytes(path: &Path, limit: u64) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     if told <= limit {
         // A pipe or device tells no length, or a wrong one: the limit holds for what comes.
-        bytes.try_reserve_exact(told as usize + 1).map_err(|e| reading(e.into()))?;
+        let room = usize::try_from(told).unwrap_or(usize::MAX).saturating_add(1);
+        bytes.try_reserve_exact(room).map_err(|e| reading(e.into()))?;
         file.take(limit + 1).read_to_end(&mut bytes).map_err(reading)?;
     }
     if told > limit || bytes.len() as u64 > limit {

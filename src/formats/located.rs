@@ -284,7 +284,8 @@ impl Document {
     }
 
     fn compare_list(&self, root: &Value, schema: &Value, elements: &[Value], item: &str, problems: &mut Vec<Problem>) {
-        let limit = |key: &str| schema.get(key).and_then(Value::as_u64).map(|n| n as usize);
+        let limit =
+            |key: &str| schema.get(key).and_then(Value::as_u64).map(|n| usize::try_from(n).unwrap_or(usize::MAX));
         let (least, most) = (limit("minItems").unwrap_or(0), limit("maxItems").unwrap_or(usize::MAX));
         if !(least..=most).contains(&elements.len()) {
             let expected = match (least, most) {

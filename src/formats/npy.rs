@@ -52,5 +52,7 @@ pub(in crate::formats) fn written(descr: &str, shape: &str) -> Vec<u8> {
     let text = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}");
     // Magic, version and length take 10 bytes, the end of the line one.
     let length = (10 + text.len() + 1).next_multiple_of(64) - 10;
-    [marks::NUMPY, b"\x01\x00", &(length as u16).to_le_bytes(), format!("{text:<0$}\n", length - 1).as_bytes()].concat()
+    // A type and a shape are a few words.
+    let length_16 = u16::try_from(length).unwrap_or(u16::MAX);
+    [marks::NUMPY, b"\x01\x00", &length_16.to_le_bytes(), format!("{text:<0$}\n", length - 1).as_bytes()].concat()
 }

@@ -92,6 +92,7 @@ impl DataType {
     }
 
     /// The bytes of some numbers, behind those in `bytes`: the nearest that the type holds; NaN is 0 in integers.
+    #[expect(clippy::cast_possible_truncation, reason = "`as` takes what is beyond a type to its end")]
     pub(super) fn encode(self, big_endian: bool, values: &[f64], bytes: &mut Vec<u8>) {
         let is_integer = self.is_integer();
         let nearest = |v: &f64| if is_integer { v.round_ties_even() } else { *v };
@@ -103,6 +104,12 @@ impl DataType {
             }
         });
     }
+}
+
+/// The number of single precision nearest to this one; infinity beyond them.
+#[expect(clippy::cast_possible_truncation, reason = "single precision is what is asked for")]
+pub(super) fn single(number: f64) -> f32 {
+    number as f32
 }
 
 #[cfg(test)]

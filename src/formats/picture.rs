@@ -42,7 +42,7 @@ fn of_problem(problem: &Problem) -> String {
 }
 
 /// No more than this is read around a place, bytes: some files have one line.
-const REACH: u64 = 400;
+const REACH: usize = 400;
 
 /// The line a byte range begins in, and the range within it. Reads only that part of the file: an OBJ can have 80 MB.
 fn lines_around(path: &Path, start: usize, end: usize) -> Option<(String, usize, usize)> {
@@ -50,11 +50,11 @@ fn lines_around(path: &Path, start: usize, end: usize) -> Option<(String, usize,
     let mut first = Vec::new();
     file.by_ref().take(BYTE_ORDER_MARK.len() as u64).read_to_end(&mut first).ok()?;
     let mark = if first == BYTE_ORDER_MARK { first.len() as u64 } else { 0 };
-    let from = (start as u64).saturating_sub(REACH);
-    file.seek(SeekFrom::Start(mark + from)).ok()?;
+    let from = start.saturating_sub(REACH);
+    file.seek(SeekFrom::Start(mark + from as u64)).ok()?;
     let mut bytes = Vec::new();
-    file.take(start as u64 - from + REACH).read_to_end(&mut bytes).ok()?;
-    let at = start - from as usize;
+    file.take((start - from + REACH) as u64).read_to_end(&mut bytes).ok()?;
+    let at = start - from;
     let first = bytes.get(..at)?.iter().rposition(|b| *b == b'\n').map_or(0, |i| i + 1);
     if first == 0 && from > 0 {
         return None;
@@ -63,7 +63,7 @@ fn lines_around(path: &Path, start: usize, end: usize) -> Option<(String, usize,
     let text = std::str::from_utf8(bytes.get(first..last)?).ok()?;
     let text = text.trim_end_matches('\r');
     let start = at - first;
-    let end = (start + (end.saturating_sub(from as usize + at))).clamp(start, text.len().max(start));
+    let end = (start + (end.saturating_sub(from + at))).clamp(start, text.len().max(start));
     (start <= text.len() && text.is_char_boundary(start) && text.is_char_boundary(end))
         .then(|| (text.to_owned(), start, end))
 }

@@ -4,6 +4,8 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use crate::error::{Error, Location, Problem, Result, number};
+use crate::formats::number::single;
+use crate::geometry::whole;
 
 use super::number::DataType;
 use super::registry;
@@ -73,7 +75,7 @@ struct AtPixel {
 
 /// A number of single precision as the shortest decimal that is it: 0.1, not 0.10000000149.
 fn decimal(value: f64) -> f64 {
-    (value as f32).to_string().parse().unwrap_or(value)
+    single(value).to_string().parse().unwrap_or(value)
 }
 
 fn spectrum(path: &Path, sample: usize, line: usize) -> Result<Vec<AtPixel>> {
@@ -120,7 +122,7 @@ impl Pixel {
         if digits < 0.0 {
             return 0.0;
         }
-        format!("{difference:.0$e}", digits.min(16.0) as usize).parse().unwrap_or(difference)
+        format!("{difference:.0$e}", whole(digits.min(16.0))).parse().unwrap_or(difference)
     }
 
     /// Whether any band has a name.

@@ -10,6 +10,7 @@ use std::path::Path;
 
 use super::input;
 use crate::error::{Error, Location, Result};
+use crate::geometry::whole;
 use crate::product::Cube;
 use crate::spectral::Band;
 
@@ -146,7 +147,7 @@ impl Stretch {
         let mut covered: Vec<f64> = radiance.iter().zip(coverage).filter(|(_, c)| **c > 0.0).map(|(l, _)| *l).collect();
         let last = covered.len().checked_sub(1)?;
         let [black, median, white] = [BLACK_WHITE.0, 0.5, BLACK_WHITE.1].map(|share| {
-            let place = (share * last as f64).round() as usize;
+            let place = whole((share * last as f64).round());
             *covered.select_nth_unstable_by(place, f64::total_cmp).1
         });
         let share = (median - black) / (white - black);
@@ -154,6 +155,7 @@ impl Stretch {
         Some(Stretch { black, white, power })
     }
 
+    #[expect(clippy::cast_possible_truncation, reason = "255 shares of grey, rounded")]
     fn byte(&self, radiance: f64) -> u8 {
         match self.white - self.black {
             range if range > 0.0 => {

@@ -1,5 +1,6 @@
 //! A picture of curves over wavelength, as SVG: axes with round numbers, a line and a name for each curve.
 
+use crate::geometry::whole;
 use std::fmt::Write as _;
 
 /// Size of the picture and of the margins around the plot, px: left, top, right, bottom.
@@ -93,7 +94,7 @@ fn ticks(low: f64, high: f64) -> Vec<(f64, String)> {
         .map(|i| (first + f64::from(i)) * step)
         .take_while(|tick| *tick <= high + 1e-9 * step)
         .map(|tick| match decimals {
-            d if d <= 4.0 && tick.abs() < 1e6 => (tick, format!("{:.*}", d as usize, tick + 0.0)),
+            d if d <= 4.0 && tick.abs() < 1e6 => (tick, format!("{:.*}", whole(d), tick + 0.0)),
             _ => (tick, format!("{tick:.2e}")),
         })
         .collect()

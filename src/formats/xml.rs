@@ -271,16 +271,18 @@ pub fn parse(text: &str, path: &Path) -> Result<Element> {
     if let Some((at, c)) = text.char_indices().find(|(_, c)| !is_char(*c)) {
         return Err(tree.error(at, at + c.len_utf8(), format!("the character U+{:04X} cannot stand in XML", c as u32)));
     }
+    // Places in a text that is in memory.
+    let place = |position: u64| usize::try_from(position).unwrap_or(usize::MAX);
     loop {
-        let start = reader.buffer_position() as usize;
+        let start = place(reader.buffer_position());
         let event = match reader.read_event() {
             Ok(event) => event,
             Err(error) => {
-                let at = (reader.error_position() as usize).min(text.len());
-                return Err(tree.error(at, reader.buffer_position() as usize, error.to_string()));
+                let at = place(reader.error_position()).min(text.len());
+                return Err(tree.error(at, place(reader.buffer_position()), error.to_string()));
             }
         };
-        let end = reader.buffer_position() as usize;
+        let end = place(reader.buffer_position());
         match event {
             Event::Start(tag) => tree.open(&tag, start, end)?,
             Event::Empty(tag) => {
@@ -344,7 +346,9 @@ impl Cursor {
             (self.line, self.column) = if c == '\n' { (self.line + 1, 1) } else { (self.line, self.column + 1) };
         }
         self.offset = start;
-        Mark { line: self.line, column: self.column, start: start as u32, end: end as u32 }
+        // Beyond 32 bits places are not told.
+        let short = |place: usize| u32::try_from(place).unwrap_or(u32::MAX);
+        Mark { line: self.line, column: self.column, start: short(start), end: short(end) }
     }
 }
 

@@ -4,7 +4,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::polygon::{Point, area, intersect};
-use super::{Facet, Mesh};
+use super::{Facet, Mesh, index_u32, whole};
 
 /// Cells along an axis of the grid, at most: three numbers fit into a key.
 const CELLS: f64 = (1u64 << 20) as f64;
@@ -60,7 +60,7 @@ pub fn overlaps(mesh: &Mesh, triangles: &[Facet], tolerance_m: f64) -> Overlaps 
                     if facet.is_coplanar(&triangle, tolerance_m) {
                         facet.common(&triangle.facet, tolerance_m, &mut common, &mut spare);
                         if !common.is_empty() {
-                            part.polygon_facet.push(f as u32);
+                            part.polygon_facet.push(index_u32(f));
                             part.polygon_triangle.push(t);
                             part.uv.extend_from_slice(&common);
                             part.polygon_start.push(part.uv.len());
@@ -160,7 +160,7 @@ impl Grid {
                 let (mut entries, mut keys) = (Vec::new(), Vec::new());
                 for (i, triangle) in part.iter().enumerate() {
                     grid.keys(triangle, &mut keys);
-                    entries.extend(keys.iter().map(|key| (*key, (chunk * CHUNK + i) as u32)));
+                    entries.extend(keys.iter().map(|key| (*key, index_u32(chunk * CHUNK + i))));
                 }
                 entries
             })
@@ -175,7 +175,7 @@ impl Grid {
         out.clear();
         // Where looking into cells would take longer than looking at all triangles.
         if longest_m2(&facet.corners_m).1 > self.cell_m * self.cell_m * self.triangles as f64 {
-            out.extend(0..self.triangles as u32);
+            out.extend(0..index_u32(self.triangles));
             return;
         }
         let mut keys = Vec::new();
@@ -209,7 +209,7 @@ impl Grid {
             if high.min_element() < 0.0 {
                 continue;
             }
-            let range = |axis: usize| low[axis].max(0.0) as u64..=high[axis] as u64;
+            let range = |axis: usize| whole(low[axis]) as u64..=whole(high[axis]) as u64;
             for x in range(0) {
                 for y in range(1) {
                     keys.extend(range(2).map(|z| x << 42 | y << 21 | z));

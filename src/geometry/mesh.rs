@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use super::{index_u32, whole};
+
 /// Index of a material in [`Scene::materials`](crate::scene::Scene).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct MaterialId(pub u16);
@@ -95,7 +97,7 @@ impl Mesh {
 
     /// The face that a facet was cut from.
     pub fn face(&self, facet: usize) -> u32 {
-        self.face_of_facet.get(facet).copied().unwrap_or(facet as u32)
+        self.face_of_facet.get(facet).copied().unwrap_or(index_u32(facet))
     }
 
     /// At most `count` facets, spread evenly over the mesh's order without falling into step with a grid: all of them
@@ -104,7 +106,7 @@ impl Mesh {
         let facets = self.facets.len();
         // Multiples of the golden ratio, modulo 1, are never far apart nor close together.
         const GOLDEN: f64 = 0.618_033_988_749_894_8;
-        let place = move |i: usize| ((i as f64 * GOLDEN).fract() * facets as f64) as usize;
+        let place = move |i: usize| whole((i as f64 * GOLDEN).fract() * facets as f64);
         (0..facets.min(count)).map(move |i| if facets <= count { i } else { place(i) })
     }
 
@@ -118,10 +120,10 @@ impl Mesh {
         // Faces so far, once they are counted: not anew for each of many small meshes.
         let mut faces: Option<u32> = None;
         for other in others {
-            let base = self.vertices_m.len() as u32;
+            let base = index_u32(self.vertices_m.len());
             if !self.face_of_facet.is_empty() || !other.face_of_facet.is_empty() {
                 if self.face_of_facet.is_empty() {
-                    self.face_of_facet.extend(0..self.facets.len() as u32);
+                    self.face_of_facet.extend(0..index_u32(self.facets.len()));
                 }
                 let before = faces.unwrap_or_else(|| self.face_of_facet.iter().max().map_or(0, |f| f + 1));
                 self.face_of_facet.extend((0..other.facets.len()).map(|i| before + other.face(i)));

@@ -4,6 +4,7 @@ pub mod cell;
 pub mod coplanar;
 mod camera;
 mod direction;
+mod index;
 mod mesh;
 mod overlay;
 pub mod polygon;
@@ -12,6 +13,7 @@ mod solid_angle;
 
 pub use camera::{Camera, Eye, FrameCamera, ParallelCamera, Projection};
 pub use direction::{Direction, angle_rad};
+pub(crate) use index::{index_u32, whole, whole_u32};
 pub use mesh::{Facet, MaterialId, Mesh, NO_UV};
 pub use overlay::{Chart, Overlay, Texels};
 pub use pose::{Pose, body_from_site};

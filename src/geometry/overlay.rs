@@ -5,6 +5,7 @@
 //! s - (i + 1) w = 0. Polygons are split along these lines, in the plane, where areas are wanted.
 
 use super::polygon::{Point, area};
+use super::whole;
 
 /// From a plane's coordinates (x, y, 1) to homogeneous texel coordinates: column = s / w, row = t / w, each of s, t, w a linear
 /// form in (x, y, 1). Points with a w that is not positive have no place in the image.
@@ -264,9 +265,8 @@ fn touched(coordinates: impl Iterator<Item = f64>, count: usize) -> (usize, usiz
         low = low.min(x);
         high = high.max(x);
     }
-    // A cast rounds towards 0 and saturates, also from NaN.
-    let first = (low as usize).min(count - 1);
-    let below = high as usize;
+    let first = whole(low).min(count - 1);
+    let below = whole(high);
     let last = if below as f64 == high && below > first { below - 1 } else { below };
     (first, last.clamp(first, count - 1))
 }

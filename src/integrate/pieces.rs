@@ -1,5 +1,6 @@
 //! The signed pieces that a pixel's entries are made of, for who asks for more than their areas.
 
+use crate::geometry::index_u32;
 use crate::geometry::polygon::Point;
 
 /// The convex pieces that a pixel's entries are made of: outer sides only, and only if they are kept.
@@ -30,7 +31,7 @@ impl Pieces {
     /// Sorts the pieces by facet, for entries of these facets, ascending.
     pub(super) fn sort(&mut self, facets: impl Iterator<Item = u32>) {
         self.order.clear();
-        self.order.extend(0..self.pieces.len() as u32);
+        self.order.extend(0..index_u32(self.pieces.len()));
         let pieces = &self.pieces;
         self.order.sort_by_key(|i| pieces[*i as usize].0);
         self.first.clear();
@@ -39,9 +40,9 @@ impl Pieces {
             while at < self.order.len() && pieces[self.order[at] as usize].0 < facet {
                 at += 1;
             }
-            self.first.push(at as u32);
+            self.first.push(index_u32(at));
         }
-        self.first.push(self.order.len() as u32);
+        self.first.push(index_u32(self.order.len()));
     }
 
     /// The pieces of an entry: to be had one by one.

@@ -2,6 +2,7 @@
 
 use super::pixel::{Entry, Pixel};
 use super::textures::Textures;
+use crate::geometry::index_u32;
 use crate::product::Slab;
 use crate::scene::Scene;
 use crate::solve::{Emission, Fragment, Part};
@@ -107,7 +108,7 @@ pub(super) fn slab(scene: &Scene, emission: &Emission, lines: Vec<WeightLine>) -
         row: Vec::with_capacity(entries),
         weight: Vec::with_capacity(entries),
         spectra: emission.spectra(),
-        first_thermal_row: emission.first_thermal_row() as u32,
+        first_thermal_row: index_u32(emission.first_thermal_row()),
         added: vec![],
     };
     for line in lines {

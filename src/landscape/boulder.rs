@@ -6,6 +6,7 @@ use glam::{DMat3, DQuat, DVec3};
 
 use super::random::{Draws, Purpose, key};
 use super::recipe::Boulders;
+use crate::geometry::index_u32;
 
 /// Planes that cut a boulder from its ball.
 const CUTS: usize = 12;
@@ -53,7 +54,7 @@ impl Ball {
                 *known.entry(place).or_insert_with_key(|place| {
                     let sum: DVec3 = place.iter().map(|&(corner, weight)| corners[corner] * f64::from(weight)).sum();
                     ball.vertices.push(sum.normalize());
-                    ball.vertices.len() as u32 - 1
+                    index_u32(ball.vertices.len()) - 1
                 })
             };
             let mut facets = Vec::new();

@@ -13,7 +13,7 @@ use glam::DVec3;
 pub use recipe::{Boulders, Craters, FACETS, Recipe, Relief};
 
 use crate::error::{Error, Result};
-use crate::geometry::{MaterialId, Mesh};
+use crate::geometry::{MaterialId, Mesh, index_u32};
 use crate::progress::{Watch, tell};
 use boulder::Ball;
 
@@ -64,7 +64,7 @@ pub fn generate(recipe: &Recipe, watch: Watch<'_>) -> Result<Landscape> {
         let height_m = vertices_m.iter().fold(0.0, |h, v| v.z.max(h));
         let foot_m = sheet.height_m(boulder.x_m, boulder.y_m) - recipe.boulders.sunk * height_m;
         let foot_m = DVec3::new(boulder.x_m, boulder.y_m, foot_m);
-        let base = mesh.vertices_m.len() as u32;
+        let base = index_u32(mesh.vertices_m.len());
         mesh.vertices_m.extend(vertices_m.iter().map(|v| rounded_m(v + foot_m)));
         mesh.facets.extend(ball.facets.iter().map(|f| f.map(|v| v + base)));
         mesh.material.resize(mesh.facets.len(), BOULDER);

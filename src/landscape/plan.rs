@@ -3,6 +3,7 @@
 use super::boulder::{Boulder, boulders};
 use super::recipe::Recipe;
 use crate::error::{Location, Problem};
+use crate::geometry::{whole, whole_u32};
 
 /// Largest [`Ball`](super::boulder::Ball) a boulder is cut from: 320 facets.
 pub(super) const FINEST: u32 = 4;
@@ -39,7 +40,7 @@ pub(super) fn plan(recipe: &Recipe) -> Result<Plan, Vec<Problem>> {
     let kept: Vec<Boulder> = boulders(&recipe.boulders, recipe.seed, recipe.size_m)
         .filter(|boulder| boulder.diameter_m >= SMALLEST_STEPS * step_m)
         .collect();
-    let frequency = |boulder: &Boulder, finest: u32| ((boulder.diameter_m / step_m).ceil() as u32).clamp(1, finest);
+    let frequency = |boulder: &Boulder, finest: u32| whole_u32((boulder.diameter_m / step_m).ceil()).clamp(1, finest);
     let spent = |finest: u32| kept.iter().map(|b| 20 * u64::from(frequency(b, finest)).pow(2)).sum::<u64>();
     let Some(finest) = (1..=FINEST).rev().find(|&finest| spent(finest) <= all / 2) else {
         let message = format!(
@@ -56,7 +57,7 @@ pub(super) fn plan(recipe: &Recipe) -> Result<Plan, Vec<Problem>> {
     let columns = (cells as f64 / rows).round();
     let frequencies: Vec<u32> = kept.iter().map(|boulder| frequency(boulder, finest)).collect();
     let boulders = kept.into_iter().zip(frequencies).collect();
-    Ok(Plan { columns: columns as usize, rows: rows as usize, boulders })
+    Ok(Plan { columns: whole(columns), rows: whole(rows), boulders })
 }
 
 impl Recipe {

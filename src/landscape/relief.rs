@@ -65,6 +65,10 @@ impl Octave {
 fn gradient_noise(key: u64, u: f64, v: f64) -> f64 {
     let (i, j) = (u.floor(), v.floor());
     let (x, y) = (u - i, v - j);
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "whole numbers within 1e8: sites of 100 km at octaves of a millimetre"
+    )]
     let (i, j) = (i as i64, j as i64);
     let corner = |di: i64, dj: i64| {
         let [gx, gy] = gradient(key, i.wrapping_add(di), j.wrapping_add(dj));
@@ -80,6 +84,7 @@ fn gradient_noise(key: u64, u: f64, v: f64) -> f64 {
 /// A lattice point's gradient: each component is the sum of two even numbers, scaled to mean 0 and variance 1.
 fn gradient(key: u64, i: i64, j: i64) -> [f64; 2] {
     let bits = mix(key ^ mix((i as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ (j as u64)));
+    #[expect(clippy::cast_possible_truncation, reason = "sixteen of the bits")]
     let part = |shift: u32| f64::from((bits >> shift) as u16) + 0.5;
     let component = |a: f64, b: f64| ((a + b) / 65536.0 - 1.0) * 6f64.sqrt();
     [component(part(0), part(16)), component(part(32), part(48))]

@@ -7,8 +7,8 @@ use super::crater::Crater;
 use super::relief::Octave;
 use super::{GROUND, STAGE, rounded_m};
 use crate::error::Result;
-use crate::geometry::Mesh;
-use crate::geometry::cell::{cut, is_cut_from_first};
+use crate::geometry::cell::{cell_at, cut, is_cut_from_first};
+use crate::geometry::{Mesh, index_u32, whole};
 use crate::progress::{Watch, tell};
 
 /// Rows that are made together: as many as share a look at the craters.
@@ -109,9 +109,7 @@ impl Sheet {
     /// Height of the triangles at a place on the sheet, m.
     pub(super) fn height_m(&self, x_m: f64, y_m: f64) -> f64 {
         let place = |p_m: f64, cells: usize| {
-            let p = ((p_m / self.size_m + 0.5) * cells as f64).clamp(0.0, cells as f64);
-            let cell = (p as usize).min(cells - 1);
-            (cell, p - cell as f64)
+            cell_at(((p_m / self.size_m + 0.5) * cells as f64).clamp(0.0, cells as f64), cells)
         };
         let ((i, u), (j, v)) = (place(x_m, self.columns), place(y_m, self.rows));
         let corners_m = self.corners_m(i, j);
@@ -137,8 +135,8 @@ impl Sheet {
         }
         for j in 0..self.rows {
             for i in 0..self.columns {
-                let sw = (j * width + i) as u32;
-                let nw = sw + width as u32;
+                let sw = index_u32(j * width + i);
+                let nw = sw + index_u32(width);
                 let (se, ne) = (sw + 1, nw + 1);
                 mesh.facets.extend(cut([sw, se, ne, nw], self.corners_m(i, j)));
             }
@@ -151,9 +149,8 @@ impl Sheet {
 /// The grid points, of `cells` + 1 over a centred length, that lie within `reach_m` of a place (or one beyond).
 fn within(centre_m: f64, reach_m: f64, length_m: f64, cells: usize) -> std::ops::Range<usize> {
     let point = |p_m: f64| (p_m / length_m + 0.5) * cells as f64;
-    // `as` takes what lies before the first point to 0.
-    let first = point(centre_m - reach_m).floor() as usize;
-    let last = point(centre_m + reach_m).ceil() as usize;
+    let first = whole(point(centre_m - reach_m));
+    let last = whole(point(centre_m + reach_m).ceil());
     first.min(cells + 1)..(last + 1).min(cells + 1)
 }
 

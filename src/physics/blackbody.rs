@@ -53,6 +53,7 @@ fn tail(x: f64) -> f64 {
     if x == f64::INFINITY {
         return 0.0;
     }
+    #[expect(clippy::cast_possible_truncation, reason = "40 / X_SERIES at the most")]
     let terms = (40.0 / x).ceil().max(2.0) as u32;
     // Smallest terms first.
     (1..=terms)

@@ -273,6 +273,7 @@ fn corners(x: f64, y: f64) -> [f64; 4] {
 /// First of four neighbouring nodes about `at`, of `count` nodes 0, 1, ..., and Lagrange's cubic weights on them.
 fn stencil(at: f64, count: usize) -> (usize, [f64; 4]) {
     // NaN becomes node 0, and the weights stay NaN.
+    #[expect(clippy::cast_possible_truncation, reason = "`as` takes what is beyond all nodes to an end")]
     let first = (at as usize).saturating_sub(1).min(count - 4);
     let x = at - first as f64;
     let weights = [

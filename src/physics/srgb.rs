@@ -14,6 +14,7 @@ pub fn linear_from_hex(hex: &str) -> Option<[f64; 3]> {
 }
 
 /// `#rrggbb` of linear RGB: the inverse of [`linear_from_hex`], rounded.
+#[expect(clippy::cast_possible_truncation, reason = "0 to 255, rounded")]
 pub fn hex_from_linear(rgb: [f64; 3]) -> String {
     let [r, g, b] = rgb.map(|c| {
         let s = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };

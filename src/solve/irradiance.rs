@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::geometry::Facet;
+use crate::geometry::{Facet, index_u32};
 use crate::physics::mars_light::MarsLight;
 use crate::physics::{heat, mars, sun};
 use crate::product::{FacetTable, Sees};
@@ -161,6 +161,6 @@ fn share(sees: &Sees, facet: usize) -> f64 {
         Sees::All => 1.0,
         Sees::Shares(shares) => shares[facet],
         // A facet's number is below 2^29.
-        Sees::Polygons(seen) => seen.fraction(facet as u32),
+        Sees::Polygons(seen) => seen.fraction(index_u32(facet)),
     }
 }

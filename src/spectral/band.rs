@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::{Extend, Light, Spectrum};
+use crate::geometry::whole;
 
 /// A band: monochromatic, or a mean over a response.
 #[derive(Debug, Clone, PartialEq)]
@@ -202,7 +203,7 @@ impl Band {
                 // By the middle: the short end may be 0.
                 _ => (end - start) / (0.5 * (start + end)) * STEPS_PER_WAVELENGTH,
             };
-            let steps = 2 * (wanted / 2.0).ceil().max(1.0) as usize;
+            let steps = 2 * whole((wanted / 2.0).ceil()).max(1);
             let step = (end - start) / steps as f64;
             for i in 0..=steps {
                 let simpson = if i == 0 || i == steps {

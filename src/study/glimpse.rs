@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::geometry::{Facet, FrameCamera, Mesh};
+use crate::geometry::{Facet, FrameCamera, Mesh, index_u32, whole_u32};
 use crate::scene::Scene;
 
 /// Rays along a side of the image: shares of the image are good to a percent or two.
@@ -91,7 +91,7 @@ impl Glimpse {
     /// Each ray and the range of the surface that it meets, m; infinite for the sky.
     pub(super) fn ranges_m(&self, camera: &FrameCamera) -> impl Iterator<Item = (DVec3, f64)> {
         self.met.iter().enumerate().map(|(i, met)| {
-            let place = [i as u32 % self.counts[0], i as u32 / self.counts[0]];
+            let place = [index_u32(i) % self.counts[0], index_u32(i) / self.counts[0]];
             let [x, y] = [0, 1].map(|k| middle(place[k], [camera.samples, camera.lines][k], self.counts[k]));
             let ray = camera.ray(x, y);
             (ray, met.along * ray.length())
@@ -134,8 +134,7 @@ impl Part {
                     return;
                 }
                 let ray = |px: f64| px * f64::from(counts[k]) / f64::from(sizes[k]) - 0.5;
-                // Numbers beyond the image are cut by `as`.
-                rays[k] = ray(low).ceil() as u32..counts[k].min((ray(high).floor() + 1.0) as u32);
+                rays[k] = whole_u32(ray(low).ceil())..counts[k].min(whole_u32(ray(high).floor() + 1.0));
             }
         }
         self.facets_in_frame += 1;

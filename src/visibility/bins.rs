@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::drawing::{Drawing, Grid};
 use crate::geometry::polygon::Point;
+use crate::geometry::whole_u32;
 
 /// For every cell, row by row, the triangles that touch it, ascending.
 #[derive(Debug)]
@@ -14,7 +15,7 @@ pub(super) struct Bins {
 /// The lists of a stretch of triangles.
 #[derive(Debug)]
 struct Piece {
-    start: Vec<u32>,
+    start: Vec<usize>,
     triangle: Vec<u32>,
 }
 
@@ -50,18 +51,18 @@ impl Piece {
     fn new(drawing: &Drawing, range: std::ops::Range<usize>) -> Self {
         let cells = drawing.grid.columns as usize * drawing.grid.rows as usize;
         // Counted one place to the right, so that the running sum leaves each cell's start in its own place.
-        let mut start = vec![0u32; cells + 1];
+        let mut start = vec![0; cells + 1];
         for t in range.clone().map(|place| drawing.listed_at(place)) {
             for_each_cell(drawing, t, |cell| start[cell + 1] += 1);
         }
         for cell in 0..cells {
             start[cell + 1] += start[cell];
         }
-        let mut triangle = vec![0u32; start[cells] as usize];
+        let mut triangle = vec![0u32; start[cells]];
         let mut fill = start.clone();
         for t in range.map(|place| drawing.listed_at(place)) {
             for_each_cell(drawing, t, |cell| {
-                triangle[fill[cell] as usize] = t;
+                triangle[fill[cell]] = t;
                 fill[cell] += 1;
             });
         }
@@ -69,15 +70,15 @@ impl Piece {
     }
 
     fn cell(&self, cell: usize) -> &[u32] {
-        &self.triangle[self.start[cell] as usize..self.start[cell + 1] as usize]
+        &self.triangle[self.start[cell]..self.start[cell + 1]]
     }
 }
 
 /// Columns or rows whose inside an extent touches; empty if it lies outside.
 fn touched(lo: f64, hi: f64, count: u32) -> std::ops::Range<u32> {
-    // A cast to u32 rounds towards 0 and saturates; floor and ceil would be library calls on plain x86-64.
-    let first = (lo as u32).min(count);
-    let below = hi as u32;
+    // By casts: floor and ceil would be library calls on plain x86-64.
+    let first = whole_u32(lo).min(count);
+    let below = whole_u32(hi);
     let last = (below + u32::from(f64::from(below) < hi)).min(count);
     first..last.max(first)
 }

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use crate::geometry::Mesh;
+use crate::geometry::{Mesh, index_u32};
 
 /// Facets lie in one plane within this, times the magnitude of coordinates: closer than some view can tell, so that no view shall.
 pub(super) const SAME_PLANE: f64 = 512.0 * f64::EPSILON;
@@ -27,7 +27,7 @@ pub(super) fn count(mesh: &Mesh, has_open_edge: &[bool], doubled: &[[u32; 2]]) -
         let least = (0..3).min_by_key(|k| corners[*k]).unwrap_or(0);
         corners.rotate_left(least);
         if !known.insert(corners) {
-            later.push(f as u32);
+            later.push(index_u32(f));
         }
     }
     later.sort_unstable();

@@ -15,6 +15,7 @@ use super::partition::{Candidate, Ground, Partition};
 use super::topology::NONE;
 use super::visit::Visit;
 use crate::error::Result;
+use crate::geometry::index_u32;
 use crate::geometry::polygon::{Line, Point, Rect};
 use crate::progress::Pulse;
 
@@ -84,7 +85,7 @@ impl<'a> Coverage<'a> {
             // No open edge between two such cells: what is counted in one holds in the other.
             let mut layers = None;
             for (column, settled) in settled.iter_mut().enumerate() {
-                let rect = drawing.grid.cell(column as u32, row as u32);
+                let rect = drawing.grid.cell(index_u32(column), index_u32(row));
                 let cell = row * columns + column;
                 layers = if bins.triangles(cell).any(|t| open_edge_crosses(drawing, t, &rect)) {
                     None
@@ -120,7 +121,7 @@ impl<'a> Coverage<'a> {
         Candidate::link(candidates);
         // The stack holds rectangles with their candidates, a stretch of `waiting` each; the last one is the last stretch.
         waiting.clear();
-        waiting.extend(0..candidates.len() as u32);
+        waiting.extend(0..index_u32(candidates.len()));
         stack.clear();
         stack.push((rect, 0, 0, waiting.len()));
         while let Some((rect, depth, from, to)) = stack.pop() {
@@ -290,7 +291,7 @@ impl Front {
                         return false;
                     }
                     self.joined[i] = self.search;
-                    self.sheet.push(i as u32);
+                    self.sheet.push(index_u32(i));
                 }
             }
         }

@@ -11,7 +11,7 @@ use robust::{Coord, Coord3D, orient2d, orient3d};
 use super::coincident::SAME_PLANE;
 use super::topology::{NONE, Topology};
 use crate::geometry::polygon::{Point, Rect, area};
-use crate::geometry::{Camera, Direction, Facet, FrameCamera, Mesh, ParallelCamera};
+use crate::geometry::{Camera, Direction, Facet, FrameCamera, Mesh, ParallelCamera, index_u32, whole_u32};
 
 /// How points of space become points of the drawing. The drawing's unit is a cell; h points right, v down, u away from the viewer.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -269,7 +269,7 @@ impl<'a> Drawing<'a> {
             hi = [hi[0].max(at[0]), hi[1].max(at[1])];
         }
         let side = cells.sqrt().ceil().clamp(1.0, 4096.0);
-        let grid = Grid { columns: side as u32, rows: side as u32 };
+        let grid = Grid { columns: whole_u32(side), rows: whole_u32(side) };
         // A margin of 1e-3 cells keeps the outermost points inside.
         let scale = [0, 1].map(|k| {
             let extent = hi[k] - lo[k];
@@ -345,10 +345,10 @@ impl<'a> Drawing<'a> {
     #[inline]
     pub(super) fn listed_at(&self, place: usize) -> u32 {
         match self.listed {
-            None => place as u32,
+            None => index_u32(place),
             Some(facets) => match facets.get(place) {
                 Some(facet) => *facet,
-                None => (self.mesh.facets.len() + place - facets.len()) as u32,
+                None => index_u32(self.mesh.facets.len() + place - facets.len()),
             },
         }
     }
@@ -363,17 +363,17 @@ impl<'a> Drawing<'a> {
         if !self.is_cut(facet) {
             return facet..facet + 1;
         }
-        let facets = self.mesh.facets.len() as u32;
+        let facets = index_u32(self.mesh.facets.len());
         // Pieces were made facet by facet.
-        let first = self.extra.partition_point(|e| e.facet < facet) as u32;
-        let count = self.extra[first as usize..].partition_point(|e| e.facet == facet) as u32;
+        let first = index_u32(self.extra.partition_point(|e| e.facet < facet));
+        let count = index_u32(self.extra[first as usize..].partition_point(|e| e.facet == facet));
         facets + first..facets + first + count
     }
 
     /// The facet of a triangle.
     #[inline]
     pub fn facet(&self, triangle: u32) -> u32 {
-        let facets = self.mesh.facets.len() as u32;
+        let facets = index_u32(self.mesh.facets.len());
         if triangle < facets { triangle } else { self.extra[(triangle - facets) as usize].facet }
     }
 
@@ -621,11 +621,11 @@ impl<'a> Drawing<'a> {
                     Name::Corner(i) => *i,
                     Name::Cut(a, b, plane) => *places.entry((*a, *b, *plane)).or_insert_with(|| {
                         self.points.push(project(&self.view, *p + from_m));
-                        self.points.len() as u32 - 1
+                        index_u32(self.points.len()) - 1
                     }),
                     Name::Inner => {
                         self.points.push(project(&self.view, *p + from_m));
-                        self.points.len() as u32 - 1
+                        index_u32(self.points.len()) - 1
                     }
                 })
                 .collect();

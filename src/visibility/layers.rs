@@ -5,6 +5,7 @@
 
 use super::partition::{Candidate, Cutter, Ground, Won, least_area};
 use super::visit::Visit;
+use crate::geometry::index_u32;
 use crate::geometry::polygon::{Point, Rect, area, clip_to_rect};
 
 /// More pairs than this are left to be quartered first.
@@ -109,9 +110,9 @@ impl Layers {
             let won = self.cutter.contest(ground.drawing, other, facet, least_area);
             all &= won == Won::All;
             if won != Won::Nothing {
-                let start = self.points.len() as u32;
+                let start = index_u32(self.points.len());
                 self.points.extend_from_slice(self.cutter.won());
-                self.hidden.push(Hidden { facet: i, by, start, end: self.points.len() as u32 });
+                self.hidden.push(Hidden { facet: i, by, start, end: index_u32(self.points.len()) });
             }
         }
         if all {
@@ -141,9 +142,9 @@ impl Rest {
     }
 
     fn add(&mut self, polygon: &[Point]) {
-        let start = self.points.len() as u32;
+        let start = index_u32(self.points.len());
         self.points.extend_from_slice(polygon);
-        self.pieces.push((start, self.points.len() as u32));
+        self.pieces.push((start, index_u32(self.points.len())));
     }
 
     fn pieces(&self) -> impl Iterator<Item = &[Point]> {

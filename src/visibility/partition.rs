@@ -8,6 +8,7 @@ use super::drawing::Drawing;
 use super::topology::NONE;
 use super::visit::Visit;
 use crate::error::Result;
+use crate::geometry::index_u32;
 use crate::geometry::polygon::{Line, Point, Rect, area, clip_to_rect, clip_to_sides, split};
 use crate::progress::Pulse;
 
@@ -82,11 +83,11 @@ impl Candidate {
                 if facet < candidates[i].triangle
                     && let Ok(j) = candidates[..i].binary_search_by_key(&facet, |c| c.triangle)
                 {
-                    candidates[i].beside[k] = j as u32;
+                    candidates[i].beside[k] = index_u32(j);
                     let triangle = candidates[i].triangle;
                     let other = &mut candidates[j];
                     if let Some(back) = other.continuations.iter().position(|f| *f == triangle) {
-                        other.beside[back] = i as u32;
+                        other.beside[back] = index_u32(i);
                     }
                 }
             }
@@ -166,9 +167,9 @@ impl Partition {
         self.fragments.clear();
         self.gather(rect, candidates, list, least_area);
         if sheet.is_empty() {
-            let start = self.points.len() as u32;
+            let start = index_u32(self.points.len());
             self.points.extend(rect.corners());
-            let end = self.points.len() as u32;
+            let end = index_u32(self.points.len());
             self.fragments.push(Fragment { owner: SKY, start, end, bounds: **rect, farthest: f64::NEG_INFINITY });
         } else {
             self.start_with(sheet, candidates);
@@ -220,7 +221,7 @@ impl Partition {
             if area(clipped) <= least_area {
                 continue;
             }
-            let start = self.points.len() as u32;
+            let start = index_u32(self.points.len());
             self.points.extend_from_slice(clipped);
             let nearest = clipped.iter().map(|p| candidate.nearness(*p)).fold(f64::NEG_INFINITY, f64::max);
             self.shares.push(Share {
@@ -228,7 +229,7 @@ impl Partition {
                 bounds: Rect::of(clipped),
                 nearest: nearest + candidate.error,
                 start,
-                end: self.points.len() as u32,
+                end: index_u32(self.points.len()),
                 cut: false,
                 placed: false,
             });
@@ -243,7 +244,7 @@ impl Partition {
             if sheet.contains(&candidate) {
                 self.shares[i].placed = true;
                 let farthest = self.farthest(&candidates[candidate as usize], start, end);
-                self.fragments.push(Fragment { owner: i as u32, start, end, bounds, farthest });
+                self.fragments.push(Fragment { owner: index_u32(i), start, end, bounds, farthest });
             }
         }
     }
@@ -288,7 +289,7 @@ impl Partition {
                 self.shares[fragment.owner as usize].cut = true;
             }
             self.fragments[i] = Fragment { end: fragment.start, farthest: f64::INFINITY, ..fragment };
-            self.add(new as u32, Some(candidate), Cut::Overlap);
+            self.add(index_u32(new), Some(candidate), Cut::Overlap);
             for k in 0..self.cutter.kept_end.len() {
                 self.add(fragment.owner, owner, Cut::Kept(k));
             }
@@ -298,9 +299,9 @@ impl Partition {
     /// Adds what the cutter has cut as a fragment.
     fn add(&mut self, owner: u32, candidate: Option<&Candidate>, cut: Cut) {
         let polygon = self.cutter.polygon(cut);
-        let start = self.points.len() as u32;
+        let start = index_u32(self.points.len());
         self.points.extend_from_slice(polygon);
-        let end = self.points.len() as u32;
+        let end = index_u32(self.points.len());
         let bounds = Rect::of(polygon);
         let farthest = candidate.map_or(f64::NEG_INFINITY, |c| self.farthest(c, start, end));
         self.fragments.push(Fragment { owner, start, end, bounds, farthest });

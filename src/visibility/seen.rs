@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::{Coverage, Drawing, Grid, OnFacet, Scratch, Side, Topology, View, Visit, cells_of};
 use crate::error::Result;
 use crate::geometry::polygon::{Point, Rect, area, clip_to_rect};
-use crate::geometry::{Direction, Mesh};
+use crate::geometry::{Direction, Mesh, index_u32, whole_u32};
 use crate::progress::{Pulse, Watch, tell};
 
 /// So many facets share a cell of the view from afar, in the mean: fewer make more work at cell borders, more are quartered.
@@ -139,7 +139,7 @@ impl Seen {
         let extent = [0, 1].map(|k| frame.max[k] - frame.min[k]);
         let cells = (mesh.facets.len() as f64 / FACETS_PER_CELL).clamp(1.0, 4096.0 * 4096.0);
         let scale = (cells / (extent[0] * extent[1])).sqrt();
-        let [columns, rows] = extent.map(|e| (e * scale).ceil().clamp(1.0, 16384.0) as u32);
+        let [columns, rows] = extent.map(|e| whole_u32((e * scale).ceil().clamp(1.0, 16384.0)));
         let offset = [0, 1].map(|k| -frame.min[k] * scale);
         let view = View::pinhole(mesh.bounds_m(), centre_m, [h, v, u], [scale; 2], offset);
         seen(&Drawing::new(mesh, topology, view, Grid { columns, rows }), stage, watch)
@@ -317,7 +317,7 @@ fn assemble(drawing: &Drawing, rows: &[Row]) -> Seen {
     for (r, row) in rows.iter().enumerate() {
         for (i, e) in row.entries.iter().enumerate() {
             let at = &mut fill[e.triangle as usize];
-            entry[*at] = (r as u32, i as u32);
+            entry[*at] = (index_u32(r), index_u32(i));
             *at += 1;
         }
     }
@@ -330,7 +330,7 @@ fn assemble(drawing: &Drawing, rows: &[Row]) -> Seen {
             let mut gather = Gather::default();
             for facet in c * chunk..((c + 1) * chunk).min(facets) {
                 let entries = |t: u32| &entry[start[t as usize]..start[t as usize + 1]];
-                gather.facet(drawing, facet as u32, entries, rows, &mut part);
+                gather.facet(drawing, index_u32(facet), entries, rows, &mut part);
             }
             part
         })

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::coincident;
-use crate::geometry::{Mesh, solid_angle_off_surface_sr};
+use crate::geometry::{Mesh, index_u32, solid_angle_off_surface_sr};
 
 /// No facet.
 pub const NONE: u32 = u32::MAX;
@@ -106,8 +106,9 @@ impl Topology {
             let margin = 16.0 * f64::EPSILON * body.low_m.abs().max(body.high_m.abs()).max(eye_m.abs()).max_element();
             (body.low_m - margin).cmple(eye_m).all() && eye_m.cmple(body.high_m + margin).all()
         };
-        let near: Vec<u32> =
-            (0..self.bodies.len() as u32).filter(|p| self.bodies[*p as usize].as_ref().is_some_and(may_hold)).collect();
+        let near: Vec<u32> = (0..index_u32(self.bodies.len()))
+            .filter(|p| self.bodies[*p as usize].as_ref().is_some_and(may_hold))
+            .collect();
         if near.is_empty() {
             return vec![];
         }
@@ -164,7 +165,7 @@ fn match_by_index(mesh: &Mesh, neighbour: &mut [[u32; 3]], same_way: &mut Vec<[u
             if p != q {
                 let at = &mut fill[p.min(q) as usize];
                 // The lowest bit of the code's edge number is free at 3: direction goes into the top bit.
-                let code = (4 * i + k) as u32 | if p < q { 1 << 31 } else { 0 };
+                let code = index_u32(4 * i + k) | if p < q { 1 << 31 } else { 0 };
                 halves[*at as usize] = Half { other: p.max(q), code };
                 *at += 1;
             }
@@ -243,7 +244,7 @@ impl Parts {
                 continue;
             }
             part[first] = count;
-            stack.push(first as u32);
+            stack.push(index_u32(first));
             while let Some(f) = stack.pop() {
                 let turn = turned[f as usize];
                 let mut reach = |g: u32, turn: bool| {

@@ -1,6 +1,12 @@
 //! The integration tests: one binary, one module for each kind of promise.
-// A test that is skipped says so; tables of cases are types of their own; an axis is a number.
-#![allow(clippy::print_stderr, clippy::print_stdout, clippy::type_complexity, clippy::needless_range_loop)]
+// A test that is skipped says so; tables of cases are types of their own; an axis is a number; small numbers of cases fit any type.
+#![allow(
+    clippy::print_stderr,
+    clippy::print_stdout,
+    clippy::type_complexity,
+    clippy::needless_range_loop,
+    clippy::cast_possible_truncation
+)]
 
 mod afar;
 mod angles;

@@ -10,7 +10,7 @@ use crate::formats::ilwis::Raster;
 use crate::formats::obj::{self, ObjFile};
 use crate::formats::scene_toml::USUAL_UM;
 use crate::formats::xml::Element;
-use crate::geometry::Mesh;
+use crate::geometry::{Mesh, index_u32};
 use crate::physics::reflectance::ALL_LIGHT;
 
 use super::folder::Folder;
@@ -557,7 +557,7 @@ impl<'a> Check<'a> {
         }
         let mut numbers: Vec<u32> = object.groups.iter().map(|g| g.number).collect();
         numbers.sort_unstable();
-        if !numbers.iter().copied().eq(1..=count as u32) {
+        if !numbers.iter().copied().eq(1..=index_u32(count)) {
             let what = format!("the numbers of the groups are not 1 to {count}, each once");
             self.error(&object.at, what, "binds groups by their numbers", "number them in DART's order");
             return;

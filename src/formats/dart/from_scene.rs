@@ -6,7 +6,7 @@ mod surfaces;
 use glam::{DMat3, DVec3};
 
 use crate::error::{Error, Location, Result};
-use crate::geometry::{Direction, FrameCamera, Mesh};
+use crate::geometry::{Direction, FrameCamera, Mesh, index_u32, whole};
 use crate::physics::sun;
 use crate::report::{Fate, Report};
 use crate::scene::{Mars, Scene, Setup, Thermal};
@@ -69,7 +69,7 @@ impl Size {
     /// sectors); a pixel of an image 8 bytes a band.
     pub fn of(simulation: &Simulation, facets: u64, height_m: f64) -> Self {
         let maket = &simulation.maket;
-        let count = |extent_m: f64, cell_m: f64| ((extent_m / cell_m - 1e-9).ceil()).max(1.0) as u64;
+        let count = |extent_m: f64, cell_m: f64| whole((extent_m / cell_m - 1e-9).ceil()).max(1) as u64;
         let [x, y] = maket.size_m.map(|extent_m| count(extent_m, maket.cell_m[0]));
         let cells = [x, y, count(height_m, maket.cell_m[1])];
         let bands = simulation.phase.bands.len() as u64;
@@ -249,7 +249,7 @@ impl Site<'_> {
         // Of an OBJ with one group 5.7 wants no list; what 5.11 wants is known with a list only.
         let whole = if target == Target::V5_7_4 && used.len() == 1 { Some(links[used[0]].clone()) } else { None };
         let group = |(i, &material): (usize, &usize)| Group {
-            number: i as u32 + 1,
+            number: index_u32(i) + 1,
             name: groups[material].clone(),
             hidden: false,
             double_face: false,

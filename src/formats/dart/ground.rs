@@ -6,8 +6,8 @@ use glam::DVec3;
 
 use crate::error::{Error, Location, Result};
 use crate::formats::input::InputFile;
-use crate::geometry::cell::{cut, is_cut_from_first};
-use crate::geometry::{MaterialId, Mesh};
+use crate::geometry::cell::{cell_at, cut, is_cut_from_first};
+use crate::geometry::{MaterialId, Mesh, index_u32};
 use crate::report::{Fate, Report};
 
 use super::folder::Folder;
@@ -169,8 +169,7 @@ impl Ground {
                 None => scenes = scenes.clamp(0.0, 1.0),
             }
             let cells = scenes * self.cells[axis] as f64;
-            let cell = (cells as usize).min(self.cells[axis] - 1);
-            (cell, cells - cell as f64)
+            cell_at(cells, self.cells[axis])
         };
         let ((i, u), (j, v)) = (place(0, x_m), place(1, y_m));
         let [a, b, c, d] = self.corners(i, j).map(|corner| self.heights_m[corner]);
@@ -219,11 +218,11 @@ impl Ground {
             for column in 0..columns - 1 {
                 let heights_m = self.corners(line % cells_x, column % cells_y).map(|corner| self.heights_m[corner]);
                 let near = line * columns + column;
-                let [a, b, c, d] = [near, near + columns, near + columns + 1, near + 1].map(|v| v as u32);
+                let [a, b, c, d] = [near, near + columns, near + columns + 1, near + 1].map(index_u32);
                 mesh.facets.extend(cut([a, b, c, d], heights_m));
             }
         }
-        let cells = mesh.facets.len() as u32 / 2;
+        let cells = index_u32(mesh.facets.len()) / 2;
         mesh.face_of_facet = (0..cells).flat_map(|cell| [cell, cell]).collect();
         mesh.material = vec![material; mesh.facets.len()];
         mesh
@@ -244,14 +243,14 @@ impl Ground {
         let mut all = Mesh::default();
         let scenes = || (-i64::from(self.repeat)..=i64::from(self.repeat)).map(|scene| scene as f64);
         for (copy, (k, l)) in scenes().flat_map(|k| scenes().map(move |l| (k, l))).enumerate() {
-            let first = all.vertices_m.len() as u32;
+            let first = index_u32(all.vertices_m.len());
             all.vertices_m.extend(objects.vertices_m.iter().map(|v| {
                 let (x, y) = (along_m(k, v.x, self.size_m[0]), along_m(l, v.y, self.size_m[1]));
                 DVec3::new(x, y, v.z + k * rise_m[0] + l * rise_m[1])
             }));
             all.facets.extend(objects.facets.iter().map(|facet| facet.map(|v| v + first)));
             all.material.extend_from_slice(&objects.material);
-            all.face_of_facet.extend(objects.face_of_facet.iter().map(|face| face + copy as u32 * faces));
+            all.face_of_facet.extend(objects.face_of_facet.iter().map(|face| face + index_u32(copy) * faces));
         }
         all
     }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::formats::obj::ObjFile;
-use crate::geometry::Mesh;
+use crate::geometry::{Mesh, index_u32};
 
 use super::simulation::{Object, Version};
 use super::{frame, groups};
@@ -36,7 +36,7 @@ pub(super) fn standing(object: &Object, obj: &ObjFile, facets: &[usize]) -> Mesh
         material: vec![],
         face_of_facet: match obj.face_of_facet.is_empty() && facets.len() == obj.facets.len() {
             true => vec![],
-            false => facets.iter().map(|f| obj.face_of_facet.get(*f).copied().unwrap_or(*f as u32)).collect(),
+            false => facets.iter().map(|f| obj.face_of_facet.get(*f).copied().unwrap_or(index_u32(*f))).collect(),
         },
         uv: vec![],
     };

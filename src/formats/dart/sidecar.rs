@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::{Error, Location, Result};
 use crate::formats::input::{self, InputFile};
 use crate::formats::scene_toml::types::{LightToml, ShapeToml};
-use crate::geometry::{Direction, Mesh};
+use crate::geometry::{Direction, Mesh, index_u32};
 use crate::scene::{Hapke, Mars, MarsModel, Material, Models, Photometry, Rpv, Scene, Sun, Thermal};
 use crate::spectral::{Band, Extend, Light, Response, Spectrum, solar_e490};
 
@@ -353,7 +353,7 @@ impl Sidecar {
             return Vec::new();
         }
         let sizes = self.faces.iter().flat_map(|(size, faces)| std::iter::repeat_n(*size, *faces as usize));
-        sizes.enumerate().flat_map(|(face, size)| std::iter::repeat_n(face as u32, size as usize)).collect()
+        sizes.enumerate().flat_map(|(face, size)| std::iter::repeat_n(index_u32(face), size as usize)).collect()
     }
 }
 
@@ -386,8 +386,8 @@ pub(super) fn runs_of_faces(mesh: &Mesh) -> Option<Vec<(u32, u32)>> {
             return None;
         }
         match runs.last_mut() {
-            Some((size, faces)) if *size == face.len() as u32 => *faces += 1,
-            _ => runs.push((face.len() as u32, 1)),
+            Some((size, faces)) if *size == index_u32(face.len()) => *faces += 1,
+            _ => runs.push((index_u32(face.len()), 1)),
         }
     }
     Some(runs)

@@ -224,11 +224,13 @@ pub fn parse_header(path: &Path, text: &str) -> Result<Header> {
     };
     let band_names = fields.names("band names", bands, &mut report);
     fields.tell_misspelt(&mut report);
+    // What no memory can count is more than the file holds, too.
+    let size = |count: u64| usize::try_from(count).unwrap_or(usize::MAX);
     let header = Header {
         path: path.to_owned(),
-        samples: samples as usize,
-        lines: lines as usize,
-        bands: bands as usize,
+        samples: size(samples),
+        lines: size(lines),
+        bands: size(bands),
         header_offset,
         data_type,
         interleave,
@@ -490,6 +492,7 @@ impl<'a> Fields<'a> {
 }
 
 /// A whole number, also where it is written as 3.0.
+#[expect(clippy::cast_possible_truncation, reason = "it is checked to be whole and within 9e15")]
 fn whole(text: &str) -> Option<u64> {
     let of_real = || text.parse::<f64>().ok().filter(|v| v.fract() == 0.0 && (0.0..9e15).contains(v)).map(|v| v as u64);
     text.parse().ok().or_else(of_real)

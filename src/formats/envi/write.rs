@@ -9,6 +9,7 @@ use super::header_text::{HeaderText, plain};
 use super::{Interleave, Precision};
 use crate::error::{Error, Location, Result};
 use crate::formats::flat::{Flat, FlatFile, Order};
+use crate::formats::number::single;
 use crate::formats::quicklook;
 use crate::product::{Backplanes, Cube, Plane};
 use crate::progress::{Watch, tell};
@@ -22,7 +23,7 @@ trait Sample {
 impl Sample for f32 {
     const BYTES: usize = 4;
     fn store(value: f64, at: &mut [u8]) {
-        at.copy_from_slice(&(value as f32).to_le_bytes());
+        at.copy_from_slice(&single(value).to_le_bytes());
     }
 }
 

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::rc::Rc;
 
 use crate::error::{Error, Location, Result};
+use crate::geometry::whole;
 
 use super::json::{Accessor, Root, SparsePart};
 use crate::formats::mesh_file::MOST;
@@ -140,7 +141,7 @@ impl Data<'_> {
             let values = self.packed(accessor, buffer_view, byte_offset, sparse.count, width, &values)?;
             let mut next = 0;
             for (index, row) in indices.into_iter().zip(values.chunks_exact(width)) {
-                let place = index as usize;
+                let place = whole(index);
                 if index < 0.0 || index.fract() != 0.0 || place >= accessor.count || place < next {
                     let message = format!("{index}: they ascend, and are below {}", accessor.count);
                     return self.wrong(places, message);

@@ -11,7 +11,7 @@ use crate::error::{Error, Location, Problem, Result};
 use crate::formats::input::{self, InputFile};
 use crate::formats::mesh_file::{ColouredMesh, FLAT, MOST};
 use crate::formats::mtl::{self, ObjMaterial};
-use crate::geometry::{Direction, MaterialId, Mesh};
+use crate::geometry::{Direction, MaterialId, Mesh, index_u32, whole_u32};
 use crate::report::{Fate, Report};
 
 use super::RESIDUAL;
@@ -188,6 +188,7 @@ fn buffers(data: &Data<'_>, binary: Option<&[u8]>, outside: bool, inputs: &mut V
 
 /// RFC 4648, with or without padding. Ours: the crate of that name would be a dependency for this one call, and has to be told as much to take
 /// what files leave off at the end.
+#[expect(clippy::cast_possible_truncation, reason = "the low eight of the bits that are held are the next byte")]
 fn base64(text: &str) -> Option<Vec<u8>> {
     let mut bytes = Vec::with_capacity(text.len() / 4 * 3 + 3);
     let (mut bits, mut held) = (0_u32, 0);
@@ -211,6 +212,7 @@ fn base64(text: &str) -> Option<Vec<u8>> {
 }
 
 /// A path of a URI (RFC 3986, 2.1): `%20` is a blank. Ours: the crate for it would be a dependency for this one call.
+#[expect(clippy::cast_possible_truncation, reason = "two hexadecimal digits are a byte")]
 fn percent_decoded(uri: &str) -> String {
     let digit = |byte: Option<&u8>| byte.and_then(|byte| char::from(*byte).to_digit(16));
     let mut bytes = Vec::with_capacity(uri.len());
@@ -502,7 +504,7 @@ impl Reader<'_> {
             };
             let count = parts.blocks[block].vertices.len();
             let indices: Vec<u32> = match primitive.indices {
-                None => (0..count as u32).collect(),
+                None => (0..index_u32(count)).collect(),
                 Some(accessor) => {
                     let item = format!("{item}.indices");
                     let numbers = data.numbers(accessor, &["SCALAR"], &item)?;
@@ -511,7 +513,7 @@ impl Reader<'_> {
                     {
                         return data.wrong(item, format!("vertex {wrong}: there are {count}"));
                     }
-                    numbers.into_iter().map(|n| n as u32).collect()
+                    numbers.into_iter().map(whole_u32).collect()
                 }
             };
             let material = self.material(primitive, &indices, count, &item)?;
@@ -562,7 +564,7 @@ impl Reader<'_> {
             if self.mesh.vertices_m[base..].iter().any(|v| !v.is_finite()) {
                 return data.wrong(item, "its place in the scene is beyond all numbers");
             }
-            bases.push(base as u32);
+            bases.push(index_u32(base));
         }
         let flip = world.matrix3.determinant() < 0.0;
         for Triangles { block, corners, material } in &parts.triangles {

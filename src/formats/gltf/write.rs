@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use crate::error::{Error, Location, Result};
 use crate::formats::mesh_file::ColouredMesh;
+use crate::formats::number::single;
 
 use super::RESIDUAL;
 use crate::formats::marks::GLB;
@@ -47,17 +48,17 @@ pub fn encode(surface: &ColouredMesh) -> Result<Encoded> {
     let translation = middle(surface);
     for &v in &mesh.vertices_m {
         let v = y_up(v) - translation;
-        let single = v.to_array().map(|c| c as f32);
-        if single.iter().any(|c| !c.is_finite()) {
+        let rounded = v.to_array().map(single);
+        if rounded.iter().any(|c| !c.is_finite()) {
             return wrong("a position is beyond f32");
         }
-        let left = v - DVec3::from_array(single.map(f64::from));
+        let left = v - DVec3::from_array(rounded.map(f64::from));
         largest_error_m = largest_error_m.max(left.length());
         for i in 0..3 {
-            low[i] = low[i].min(single[i]);
-            high[i] = high[i].max(single[i]);
-            binary.extend_from_slice(&single[i].to_le_bytes());
-            residuals.extend_from_slice(&(left[i] as f32).to_le_bytes());
+            low[i] = low[i].min(rounded[i]);
+            high[i] = high[i].max(rounded[i]);
+            binary.extend_from_slice(&rounded[i].to_le_bytes());
+            residuals.extend_from_slice(&single(left[i]).to_le_bytes());
         }
     }
     let count = mesh.vertices_m.len();
@@ -133,7 +134,7 @@ impl Encoded {
         let padded = self.binary.len().next_multiple_of(4);
         let mut bytes = Vec::with_capacity(28 + json.len() + padded);
         // `encode` has seen to it that lengths fit.
-        let push = |bytes: &mut Vec<u8>, n: usize| bytes.extend_from_slice(&(n as u32).to_le_bytes());
+        let push = |bytes: &mut Vec<u8>, n: usize| bytes.extend(u32::try_from(n).unwrap_or(u32::MAX).to_le_bytes());
         bytes.extend_from_slice(GLB);
         push(&mut bytes, 2);
         push(&mut bytes, 28 + json.len() + padded);
@@ -170,7 +171,7 @@ fn middle(surface: &ColouredMesh) -> DVec3 {
     let (low, high) = surface.mesh.bounds_m().unwrap_or_default();
     let middle = y_up(0.5 * (low + high));
     let is_far = middle.abs().max_element() > (high - low).max_element();
-    if is_far { DVec3::from_array(middle.to_array().map(|c| f64::from(c as f32))) } else { DVec3::ZERO }
+    if is_far { DVec3::from_array(middle.to_array().map(|c| f64::from(single(c)))) } else { DVec3::ZERO }
 }
 
 /// glTF's axes from ours.

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use super::triangulate::triangulate;
+use crate::geometry::index_u32;
 
 /// Faces so far, in the order of the file.
 #[derive(Default)]
@@ -59,7 +60,7 @@ impl Faces {
         if corners.len() > 3 {
             let first_facet = self.facets.len();
             if self.face_of_facet.is_empty() {
-                self.face_of_facet.extend(0..first_facet as u32);
+                self.face_of_facet.extend(0..index_u32(first_facet));
             }
             let first_corner = self.polygon_corners.len();
             self.polygons.push(Polygon { first_facet, first_corner, corners: corners.len() });

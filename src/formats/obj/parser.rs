@@ -202,7 +202,8 @@ impl<'a> Parser<'a> {
                 let known = self.vertices.len() as i64;
                 let vertex = |text: &[u8]| {
                     let (index, n) = digits_of(text);
-                    (n > 0 && 0 < index && index <= known).then_some(((index - 1) as u32, n))
+                    let place = u32::try_from(index - 1).ok().filter(|_| n > 0 && index <= known)?;
+                    Some((place, n))
                 };
                 let (corners, length) = three(text, vertex)?;
                 self.faces.push_triangle(corners, material);
@@ -354,16 +355,17 @@ impl<'a> Parser<'a> {
             };
             rest = after;
             let vertex = if index > 0 { index - 1 } else { known + index };
-            if index == 0 || !(0..i64::from(u32::MAX)).contains(&vertex) {
+            let vertex = u32::try_from(vertex).ok().filter(|vertex| index != 0 && *vertex < u32::MAX);
+            let Some(vertex) = vertex else {
                 return self.problem(place, || match index {
                     0 => "vertex index 0: indices count from 1".into(),
                     _ => format!("vertex index {index}: {known} vertices come before this face"),
                 });
+            };
+            if i64::from(vertex) >= known {
+                self.forward.push((vertex, place));
             }
-            if vertex >= known {
-                self.forward.push((vertex as u32, place));
-            }
-            self.corners.push(vertex as u32);
+            self.corners.push(vertex);
             if self.smooth.is_none()
                 && let Some(normal) = normal.and_then(|index| self.normal_at(index))
                 && (normal - *first_normal.get_or_insert(normal)).abs().max_element() > FLAT
@@ -376,16 +378,17 @@ impl<'a> Parser<'a> {
                 None => NO_TEXTURE,
                 Some(index) => {
                     let at = if index > 0 { index - 1 } else { known + index };
-                    if index == 0 || !(0..i64::from(NO_TEXTURE)).contains(&at) {
+                    let at = u32::try_from(at).ok().filter(|at| index != 0 && *at < NO_TEXTURE);
+                    let Some(at) = at else {
                         return self.problem(place, || match index {
                             0 => "texture index 0: indices count from 1".into(),
                             _ => format!("texture index {index}: {known} texture coordinates come before this face"),
                         });
+                    };
+                    if i64::from(at) >= known {
+                        self.forward_texture.push((at, place));
                     }
-                    if at >= known {
-                        self.forward_texture.push((at as u32, place));
-                    }
-                    at as u32
+                    at
                 }
             };
             self.texture.push(texture);

@@ -7,7 +7,7 @@ use std::ops::Range;
 use glam::DVec3;
 
 use crate::formats::mtl::ObjMaterial;
-use crate::geometry::Mesh;
+use crate::geometry::{Mesh, index_u32};
 
 use super::polygon::{facets_of_face, polygon};
 
@@ -101,7 +101,7 @@ impl TextureVertices {
             uv.iter().all(|x| x.is_finite()).then(|| {
                 *known.entry(uv.map(f64::to_bits)).or_insert_with(|| {
                     list.push(uv);
-                    list.len() as u32 - 1
+                    index_u32(list.len()) - 1
                 })
             })
         };

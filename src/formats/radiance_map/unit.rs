@@ -198,12 +198,11 @@ impl Parser<'_> {
         let text = if is_marked { marked } else { self.rest };
         if let Some(rest) = text.strip_prefix('\u{207b}') {
             let mut digits = rest.chars();
-            let power = ["\u{2070}", "\u{b9}", "\u{b2}", "\u{b3}"]
-                .iter()
-                .position(|d| digits.clone().next() == d.chars().next())?;
-            digits.next();
+            let first = digits.next();
+            let power = ['\u{2070}', '\u{b9}', '\u{b2}', '\u{b3}'].into_iter().zip(0..);
+            let (_, power) = power.into_iter().find(|(digit, _)| Some(*digit) == first)?;
             self.rest = digits.as_str();
-            return Some(-(power as i32));
+            return Some(-power);
         }
         if let Some(rest) = text.strip_prefix('\u{b2}') {
             self.rest = rest;

@@ -21,7 +21,8 @@ use crate::formats::exr_cube;
 use crate::formats::format::{Format, Holds};
 use crate::formats::input::MOST_DEFLATED;
 use crate::formats::marks;
-use crate::formats::number::DataType;
+use crate::formats::number::{DataType, single};
+use crate::geometry::index_u32;
 use crate::report::{Fate, Report};
 
 use super::layers::{self, Layer};
@@ -53,7 +54,7 @@ pub(super) struct Channels {
     corners: Vec<[i64; 2]>,
     /// Whether parts of the image have no data.
     has_margin: bool,
-    file_bytes: usize,
+    file_bytes: u64,
 }
 
 /// Where a band is.
@@ -81,7 +82,7 @@ impl Channels {
     pub(super) fn as_stored(&self, band: usize, number: f64) -> f64 {
         match self.list.get(band).map(|channel| channel.sample) {
             Some(SampleType::F16) => f64::from(f16::from_f64(number).to_f32()),
-            Some(SampleType::F32) => f64::from(number as f32),
+            Some(SampleType::F32) => f64::from(single(number)),
             Some(SampleType::U32) | None => number,
         }
     }
@@ -90,7 +91,9 @@ impl Channels {
     pub(super) fn together(&self, pixels: usize) -> usize {
         let bytes = if self.are_f32() { 4 } else { 8 };
         // A small file may claim a large image: of what it cannot fill no more is held than of others.
-        let most = HELD_BYTES.min(self.file_bytes.saturating_mul(MOST_DEFLATED as usize)).max(PASS_BYTES);
+        let most = HELD_BYTES
+            .min(usize::try_from(self.file_bytes.saturating_mul(MOST_DEFLATED)).unwrap_or(usize::MAX))
+            .max(PASS_BYTES);
         (most / (bytes * pixels)).max(1)
     }
 }
@@ -208,8 +211,7 @@ pub(super) fn open(path: &Path) -> Result<Raster> {
             format!("pixels are {pixel_aspect} times as wide as high"),
         );
     }
-    let file_bytes = usize::try_from(length).unwrap_or(usize::MAX);
-    let channels = Channels { list, corners, has_margin, file_bytes };
+    let channels = Channels { list, corners, has_margin, file_bytes: length };
     let data_type = if channels.are_f32() { DataType::F32 } else { DataType::F64 };
     let unit = text(first, "radianceUnits").or_else(|| text(first, "emissiveUnits"));
     let raster = Raster::of(path, (rows, columns), bands, data_type, Reader::Exr(channels));
@@ -292,6 +294,11 @@ impl Numbers {
     }
 }
 
+/// A place, or the nearest one from 0 to `most`.
+fn within(place: i64, most: usize) -> usize {
+    usize::try_from(place).unwrap_or(0).min(most)
+}
+
 /// Reads some bands, [band, row, column]; NaN outside of the data window.
 pub(super) fn read(
     path: &Path,
@@ -345,20 +352,17 @@ pub(super) fn read(
                     continue;
                 }
                 let [left, above] = channels.corners[part];
-                let row = y as i64 + above;
-                if !(0..rows as i64).contains(&row) {
-                    continue;
-                }
-                let come = &mut there[band][row as usize];
-                *come = come.saturating_add(count as u32);
+                let Some(row) = usize::try_from(y as i64 + above).ok().filter(|row| *row < rows) else { continue };
+                let come = &mut there[band][row];
+                *come = come.saturating_add(index_u32(count));
                 // Of the line, what lies in the image.
-                let first = (-left - x as i64).clamp(0, count as i64) as usize;
-                let last = (columns as i64 - left - x as i64).clamp(0, count as i64) as usize;
+                let first = within(-left - x as i64, count);
+                let last = within(columns as i64 - left - x as i64, count);
                 if first >= last {
                     continue;
                 }
-                let column = (x as i64 + left + first as i64) as usize;
-                let start = (band * rows + row as usize) * columns + column;
+                let column = within(x as i64 + left + first as i64, columns);
+                let start = (band * rows + row) * columns + column;
                 let range = start..start + last - first;
                 let sample = channels.list[bands.start + band].sample;
                 put(&mut numbers, range, line.value, first, sample);
@@ -368,7 +372,7 @@ pub(super) fn read(
     let is_short = (0..bands.len()).any(|band| {
         let part = of_band(band);
         let above = channels.corners[part][1];
-        let of_part = above.max(0) as usize..(above + heights[part] as i64).clamp(0, rows as i64) as usize;
+        let of_part = within(above, rows)..within(above + heights[part] as i64, rows);
         there[band].get(of_part).is_some_and(|lines| lines.iter().any(|n| (*n as usize) < widths[part]))
     });
     if is_outside || is_short {

@@ -42,7 +42,7 @@ pub(super) fn open(path: &Path) -> Result<Raster> {
     let bytes = input::bytes(path, LIMIT)?;
     let at = || Location::file(path);
     let damaged = |e: zune_jpeg::errors::DecodeErrors| Error::syntax(at(), format!("not a complete JPEG: {e:?}"));
-    let most = MOST_PIXELS as usize;
+    let most = usize::try_from(MOST_PIXELS).unwrap_or(usize::MAX);
     // What is cut short would have grey where nothing is known: an end must follow the last begin of a scan. Neither occurs in its numbers.
     let last = |mark: u8| bytes.windows(2).rposition(|pair| pair == [0xff, mark]);
     let (scan, end) = (last(0xda), last(0xd9));

@@ -22,6 +22,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::error::{Error, Location, Problem, Result, number};
+use crate::formats::number::single;
 use crate::report::{Fate, Report};
 use crate::spectral::Band;
 
@@ -355,7 +356,7 @@ impl Raster {
     fn as_stored(&self, band: usize, number: f64) -> f64 {
         match &self.reader {
             Reader::Flat(flat) | Reader::Unpacked(flat, _) if flat.data_type == DataType::F32 => {
-                f64::from(number as f32)
+                f64::from(single(number))
             }
             Reader::Exr(channels) => channels.as_stored(band, number),
             _ => number,

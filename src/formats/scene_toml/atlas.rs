@@ -3,6 +3,7 @@
 use super::Reader;
 use super::types::WrapToml;
 use crate::error::number;
+use crate::geometry::whole;
 use crate::product::Atlas;
 
 /// Texture coordinates this far beyond the image are on its border: they are f32, or have six decimals.
@@ -94,7 +95,7 @@ impl Reader<'_> {
                 );
                 return None;
             }
-            (tiling.before[image], tiling.size[image]) = (before as usize, count as usize);
+            (tiling.before[image], tiling.size[image]) = (whole(before), whole(count));
             atlas.corners.iter_mut().flatten().for_each(|c| c[axis] += before);
         }
         let [rows, columns] = tiling.size;

@@ -353,7 +353,8 @@ impl Reader<'_> {
             Some(TexelsToml::Bilinear) => Texels::Bilinear,
             Some(TexelsToml::Nearest) | None => Texels::Nearest,
         };
-        let material = MaterialId(id as u16);
+        // Materials beyond those that facets can have have no facet either.
+        let material = MaterialId(u16::try_from(id).ok()?);
         let mut texture = Texture { material, kind, corners, rows, columns, wavelength_um, values, texels };
         let to_one = toml.mean.map_or(kind == TextureKind::Factor, |mean| mean == MeanToml::One);
         // A texel that is no number is told as that, not as its mean.

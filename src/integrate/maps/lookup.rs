@@ -4,7 +4,7 @@ use super::Prepared;
 use super::charts::{of_corners, of_projection};
 use super::sums::TexelSums;
 use crate::geometry::polygon::{Point, area, side, split};
-use crate::geometry::{Chart, Overlay, Projection, Texels};
+use crate::geometry::{Chart, Overlay, Projection, Texels, index_u32};
 use crate::integrate::parts::{Parts, Polygons, Window, on_facet};
 use crate::integrate::pixel::Pixel;
 use crate::product::{Patches, Placement, ViewImage};
@@ -301,7 +301,7 @@ impl<'a> Lookup<'a> {
         let Lookup { known, sky, parts, texels, overlay, seen: all, lit, quadrature_error, .. } = self;
         let share = share(light, all, lit);
         let known = |column: usize, row: usize| known.is_none_or(|known| known[row * size[0] + column]);
-        let number = |column: usize, row: usize| (row * size[0] + column) as u32;
+        let number = |column: usize, row: usize| index_u32(row * size[0] + column);
         let shows = |column: usize, row: usize| !is_sky(sky, row * size[0] + column);
         let mut lay = |part: &[Point]| match texels {
             Texels::Nearest => overlay.texels(&chart, part, size, |column, row, area| {

@@ -8,6 +8,7 @@ mod heat;
 mod light;
 mod temperature_grid;
 
+use crate::geometry::index_u32;
 use crate::product::FacetTable;
 use crate::scene::{Incoming, Scene, Source, Texture};
 use crate::spectral::{Band, Spectrum};
@@ -119,7 +120,7 @@ impl<'a> Emission<'a> {
         if let (Some(heat), [sun, ..]) = (self.heat, &self.lights[..])
             && let (first, Family::Heat(heat)) = &self.families[heat]
         {
-            heat.weights(material, fragment, sun.of(fragment), |row, weight| add((first + row) as u32, weight));
+            heat.weights(material, fragment, sun.of(fragment), |row, weight| add(index_u32(first + row), weight));
         }
     }
 
@@ -133,7 +134,7 @@ impl<'a> Emission<'a> {
     ) {
         if let (first, Family::Constant(constant)) = &self.families[family] {
             constant.weights(fragment.facet, &self.lights, amount, texture, |row, weight| {
-                add((first + row) as u32, weight)
+                add(index_u32(first + row), weight)
             });
         }
     }

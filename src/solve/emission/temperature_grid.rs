@@ -1,5 +1,6 @@
 //! Thermal emission as weights on a few fixed temperatures.
 
+use crate::geometry::whole;
 use crate::physics::blackbody;
 
 /// Temperatures in geometric progression; what lies between is interpolated by the six nearest.
@@ -35,7 +36,7 @@ impl TemperatureGrid {
         let Some((lo, hi)) = range else { return TemperatureGrid { first: 0.0, count: 0 } };
         let first = (lo.ln() / STEP).floor() - 2.0;
         let last = (hi.ln() / STEP).floor() + 3.0;
-        TemperatureGrid { first, count: (last - first) as usize + 1 }
+        TemperatureGrid { first, count: whole(last - first) + 1 }
     }
 
     /// The temperatures, K.
@@ -55,8 +56,7 @@ impl TemperatureGrid {
             return None;
         }
         let x = temperature_k.ln() / STEP - self.first;
-        // The cast rounds down; x is not negative.
-        let i = (x as usize).clamp(2, self.count - 4);
+        let i = whole(x).clamp(2, self.count - 4);
         // Lagrange's polynomials on the points -2 .. 3.
         let t = x - i as f64;
         let (a, b, c, d, e, f) = (t + 2.0, t + 1.0, t, t - 1.0, t - 2.0, t - 3.0);

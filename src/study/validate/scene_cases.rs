@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::closed_forms::lambert_sphere_phase;
 use super::{By, Row, Verdict, patch};
 use crate::error::{Error, Location, Result};
-use crate::geometry::{Direction, FrameCamera, MaterialId, Mesh, Pose};
+use crate::geometry::{Direction, FrameCamera, MaterialId, Mesh, Pose, index_u32};
 use crate::integrate;
 use crate::progress::unwatched;
 use crate::scene::{Exposure, Material, Models, Parts, Photometry, Sky, Sun, Surface, Thermal};
@@ -116,7 +116,7 @@ pub(super) fn coverage(polygon: &[[f64; 2]], columns: u32, rows: u32) -> Vec<Vec
     let camera = FrameCamera::centred(Pose::IDENTITY, columns, rows, 1.0);
     let [x0, y0] = camera.boresight_px;
     let corners_m: Vec<DVec3> = polygon.iter().map(|[x, y]| DVec3::new(x - x0, y - y0, 1.0)).collect();
-    let fan: Vec<[u32; 3]> = (2..corners_m.len() as u32).map(|i| [0, i - 1, i]).collect();
+    let fan: Vec<[u32; 3]> = (2..index_u32(corners_m.len())).map(|i| [0, i - 1, i]).collect();
     let mesh = mesh(&corners_m, &fan);
     let dark = Seen { shown: vec![Shown::Nothing; fan.len()], polygon_start: vec![0], ..Seen::default() };
     let footprints = integrate::footprints(&mesh, &Topology::new(&mesh), &dark, &camera);

@@ -211,7 +211,8 @@ impl Oracle<'_> {
         let expected = self.expected.as_array()?;
         let same = expected.len() as u64 == rows
             && expected.iter().all(|row| row.as_array().is_some_and(|row| row.len() as u64 == columns));
-        same.then(|| simulate(json!(scene_cases::coverage(&polygon, columns as u32, rows as u32))))
+        let (columns, rows) = (u32::try_from(columns).ok()?, u32::try_from(rows).ok()?);
+        same.then(|| simulate(json!(scene_cases::coverage(&polygon, columns, rows))))
     }
 
     fn camera(&self, kind: &str) -> Option<Vec<Answer>> {
@@ -344,6 +345,7 @@ impl Oracle<'_> {
         Some(reference(match kind {
             "ulp" => {
                 let x = self.input("x")?;
+                #[expect(clippy::cast_possible_truncation, reason = "single precision is what is asked for")]
                 let x_32 = x as f32;
                 json!({"f32": f64::from(x_32.next_up() - x_32), "f64": x.next_up() - x})
             }

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use crate::error::Location;
-use crate::geometry::Direction;
+use crate::geometry::{Direction, index_u32};
 use crate::physics::{blackbody, heat, mars, sun};
 use crate::scene::{Mars, MarsModel, Material, Photometry, Scene, Setup, Sun, Thermal};
 use crate::spectral::{ALL_UM, Band, Column, Light, SpectralLibrary, Spectrum};
@@ -180,9 +180,9 @@ pub(super) fn links(scene: &Scene, names: &[(String, String)]) -> Vec<Links> {
         scene.body.materials.iter().map(|m| spectra(m).0).chain([OpticalKind::Lambertian]).collect();
     let one = |(i, (ident, _)): (usize, &(String, String))| Links {
         kind: kinds[i] as u32,
-        index: kinds[..i].iter().filter(|k| **k == kinds[i]).count() as u32,
+        index: index_u32(kinds[..i].iter().filter(|k| **k == kinds[i]).count()),
         ident: ident.clone(),
-        thermal_index: i as u32,
+        thermal_index: index_u32(i),
         thermal_ident: format!("T_{ident}"),
         at: Location::item(if i < scene.body.materials.len() { "mesh" } else { "ground" }),
     };

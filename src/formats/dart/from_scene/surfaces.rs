@@ -1,6 +1,6 @@
 //! A mesh as OBJ files, whose groups are its materials.
 
-use crate::geometry::Mesh;
+use crate::geometry::{Mesh, index_u32};
 
 use super::ObjectMesh;
 
@@ -36,7 +36,7 @@ fn part(mesh: &Mesh, is_of_it: impl Fn(usize) -> bool) -> Mesh {
         let corner = |v: u32| {
             let place = &mut place[v as usize];
             if *place == u32::MAX {
-                *place = part.vertices_m.len() as u32;
+                *place = index_u32(part.vertices_m.len());
                 part.vertices_m.push(mesh.vertices_m[v as usize]);
             }
             *place

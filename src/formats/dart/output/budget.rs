@@ -11,7 +11,7 @@ use glam::DVec3;
 use crate::error::{Error, Location, Problem, Result};
 use crate::formats::input;
 use crate::geometry::coplanar::{self, Overlaps};
-use crate::geometry::{Facet, Pose};
+use crate::geometry::{Facet, Pose, index_u32};
 use crate::physics::reflectance;
 use crate::product::{Patches, Placement, RadianceMap, SkyShare, TexelSource};
 use crate::scene::Scene;
@@ -174,10 +174,10 @@ fn triangles(path: &Path, properties: &Properties) -> Result<Triangles> {
             return Err(invalid(format!("triangle {i} (from 0): no corners that are finite numbers behind a 0 or 1")));
         }
         all.facets.push(Facet { corners_m: [a, b, c] });
-        all.record.push(i as u32);
+        all.record.push(index_u32(i));
         if record[0] == 1 {
             all.facets.push(Facet { corners_m: [a, c, a + c - b] });
-            all.record.push(i as u32);
+            all.record.push(index_u32(i));
         }
     }
     Ok(all)

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use crate::error::Result;
+use crate::geometry::whole;
 use crate::product::{Registration, ViewImage};
 use crate::progress::Watch;
 use crate::scene::Scene;
@@ -86,7 +87,7 @@ impl Outline {
         };
         let size = image.size();
         let per_m = scale[0].max(scale[1]);
-        let margin = (FARTHEST_M * per_m).clamp(FARTHEST_TEXELS[0], FARTHEST_TEXELS[1]).ceil() as usize;
+        let margin = whole((FARTHEST_M * per_m).clamp(FARTHEST_TEXELS[0], FARTHEST_TEXELS[1]).ceil());
         let texels = size.map(|n| n + 2 * margin);
         let fits = |fine: &usize| (texels[0] * texels[1]).saturating_mul(fine * fine) <= MOST_CELLS;
         let fine = (1..=FINEST).rev().find(fits).unwrap_or(1);
@@ -119,6 +120,7 @@ impl Outline {
     }
 
     /// A shift in whole cells.
+    #[expect(clippy::cast_possible_truncation, reason = "shifts are within the margin")]
     fn cells(&self, shift: [f64; 2]) -> [isize; 2] {
         shift.map(|s| (s * self.fine as f64).round() as isize)
     }

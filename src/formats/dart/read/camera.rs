@@ -6,7 +6,7 @@
 use glam::DVec3;
 
 use crate::formats::xml::Element;
-use crate::geometry::FrameCamera;
+use crate::geometry::{FrameCamera, whole_u32};
 use crate::report::Fate;
 
 use super::super::frame::{self, angles_deg, full_turn};
@@ -150,7 +150,7 @@ fn pinhole(element: &Element, maket: &Maket, reading: &mut Reading) -> Option<Ca
                 element.at(),
                 "a camera without a number of pixels: taken is one a cell of the scene",
             );
-            size_m.map(|size| (size / maket.cell_m[0]).ceil().clamp(1.0, 1e4) as u32)
+            size_m.map(|size| whole_u32((size / maket.cell_m[0]).ceil().clamp(1.0, 1e4)))
         }
     };
     Some(Camera { position_m, look_deg, roll_deg, field_of_view_deg, pixels, at: element.at() })

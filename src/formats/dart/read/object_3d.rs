@@ -5,6 +5,7 @@ use glam::DVec3;
 use crate::error::Problem;
 use crate::formats::input;
 use crate::formats::xml::Element;
+use crate::geometry::whole_u32;
 use crate::report::Fate;
 
 use super::super::{Group, Links, Object, ObjectField, Placement};
@@ -186,7 +187,7 @@ fn places(text: &str, path: &std::path::Path, models: &[Object], reading: &mut R
             first = false;
             let numbers: Option<Vec<f64>> = line.split_whitespace().map(number).collect();
             let model = numbers.as_ref().and_then(|n| n.first()).filter(|i| i.fract() == 0.0);
-            let model = model.filter(|i| (0.0..models.len() as f64).contains(*i)).map(|i| *i as u32);
+            let model = model.filter(|i| (0.0..models.len() as f64).contains(*i)).map(|i| whole_u32(*i));
             match (model, numbers.as_deref()) {
                 (Some(model), Some(&[_, x, y, z, sx, sy, sz, xr, yr, zr])) if complete => places.push(Placement {
                     model,

@@ -1,6 +1,7 @@
 //! phase.xml: bands, illumination, products and cameras.
 
 use crate::formats::xml::Element;
+use crate::geometry::index_u32;
 use crate::report::Fate;
 
 use super::super::{Maket, Phase, SpectralInterval};
@@ -25,7 +26,7 @@ pub(super) fn read(phase: &Element, maket: &Maket, reading: &mut Reading) -> Pha
 fn numbered<'e>(mut elements: Vec<&'e Element>, reading: &mut Reading) -> Vec<&'e Element> {
     let number = |(i, e): (usize, &&Element)| match e.get("bandNumber") {
         Some(_) => reading.integer(e, "bandNumber"),
-        None => i as u32,
+        None => index_u32(i),
     };
     let numbers: Vec<u32> = elements.iter().enumerate().map(number).collect();
     let mut order: Vec<usize> = (0..elements.len()).collect();
