@@ -167,3 +167,18 @@ fn a_beam_changes_nothing_of_the_suns() {
     let Sun { distance_m, .. } = alone.sky.sun;
     assert_eq!((distance_m, Direction::new(DVec3::new(1.0, 0.2, 0.4)).unwrap()), (1.5 * AU_M, alone.sky.sun.direction));
 }
+
+/// Files that have no place for a beam say so.
+#[test]
+fn a_beam_that_is_not_carried_is_told() {
+    let lamp = edited(&crate::dart_write::tetrahedron(), |parts| {
+        parts.sky.beams = vec![beam("lamp", [0.0, 1.0, 1.0], Spectrum::constant(1.0))];
+    });
+    let (_, of_dart) = mmxrt::formats::dart::from_scene(&lamp, &Default::default()).unwrap();
+    let scratch = crate::scratch::Scratch::new();
+    let (_staged, written) = mmxrt::formats::scene_toml::write(&lamp, &scratch.join("scene.toml"), false).unwrap();
+    for report in [of_dart, written] {
+        let told = report.notes.iter().filter(|note| note.at.item.as_deref() == Some("beams.\"lamp\""));
+        assert!(told.count() == 1 && report.has_losses(), "{:#?}", report.notes);
+    }
+}

@@ -359,6 +359,10 @@ impl Site<'_> {
                 ),
             );
         }
+        for beam in &scene.sky.beams {
+            let message = "a second beam: a simulation of DART has the Sun alone";
+            report.note(Fate::Dropped, Location::item(format!("beams.{:?}", beam.name)), message);
+        }
         report.note(
             Fate::Carried,
             item("origin_m"),

@@ -418,6 +418,13 @@ impl Writer<'_> {
     }
 
     fn sun(&mut self) -> Result<String> {
+        for beam in &self.scene.sky.beams {
+            self.report.note(
+                Fate::Dropped,
+                Location::item(format!("beams.{:?}", beam.name)),
+                "a scene file has the Sun and Mars alone",
+            );
+        }
         let sun = &self.scene.sky.sun;
         let au = exact(sun.distance_m / AU_M, |au| au * AU_M, sun.distance_m);
         let direction = list(sun.direction.vec());
