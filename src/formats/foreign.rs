@@ -79,6 +79,8 @@ pub(super) fn refused(path: &Path, beginning: &[u8]) -> Option<Error> {
     Some(Error::Unsupported { at: Location::file(path), feature: format!("{name} ({line} makes a file that is read)") })
 }
 
+/// How names of meshes end that are not read.
+pub(super) const MESHES: [&str; 5] = ["stl", "ply", "fbx", "blend", "dae"];
 /// How names of images end that begin with a mark and are not read.
 pub(super) const ENDINGS: [&str; 12] =
     ["tif", "tiff", "gif", "bmp", "webp", "jp2", "hdf", "h5", "nc", "fits", "fit", "heic"];

@@ -41,13 +41,13 @@ pub enum Up {
 pub struct MeshFile {
     /// The mesh, and what its materials are called.
     pub surface: ColouredMesh,
-    /// The axis that files of this format have up; [`ColouredMesh::mesh`] has z up all the same, unless the file is in axes of its own.
+    /// The axis that files of this format have up, if they do not say it; a reader that knows has turned z up already.
     pub up: Up,
     /// Statements that were passed over, and how many of each.
     pub ignored: BTreeMap<String, usize>,
-    /// What of the file has no place in a mesh.
+    /// What of the file has no place in a mesh, but for what `doubts` tell: how the surface should look, most of all.
     pub report: Report,
-    /// What is probably not meant of the mesh, and what was taken all the same.
+    /// What of the mesh is left out or probably not meant, and what was taken all the same.
     pub doubts: Vec<Note>,
     /// The same of its materials.
     pub material_doubts: Vec<Note>,

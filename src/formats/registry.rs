@@ -9,7 +9,7 @@ use super::foreign;
 use super::format::{Format, Holds, ending};
 use super::gltf::format::{BINARY, TEXT};
 use super::mesh_file::MeshFile;
-use super::obj::{self, format::OBJ};
+use super::obj::format::OBJ;
 use super::raster::{Raster, exr, headers, jpeg, npy, picture, text};
 use super::scene_toml::format::SCENE;
 use super::{envi, input, marks, sli, spectrum_csv};
@@ -136,23 +136,30 @@ pub fn image(path: &Path) -> Result<Raster> {
 /// Reads a mesh, of whatever format it is. Files that it names may lie outside its folder if `outside` says so.
 ///
 /// # Errors
-/// What the format's reader says; [`Error::Invalid`] if it is no mesh.
+/// What the format's reader says; [`Error::Invalid`] if it is no mesh, or in a format that is not read.
 pub fn mesh(path: &Path, outside: bool) -> Result<MeshFile> {
     let beginning = beginning(path)?;
     let found = told(path, &beginning, Format::is_mesh).map(|(format, _)| format);
-    let is_other = || marks::named(&beginning).or_else(|| Some(of_input(path).ok()?.0.name));
-    match found.or_else(|| called(path, Format::is_mesh)) {
-        Some(Format { holds: Holds::Mesh { read }, .. }) => read(path, outside),
-        _ => {
-            let other = obj::other_mesh(path);
-            Err(other.unwrap_or_else(|| {
-                let is = is_other().map_or("is none that is known".to_owned(), |name| format!("is {name}"));
-                let problem = Problem::new(Location::file(path), format!("{is}, where a mesh is wanted"));
-                let endings: Vec<String> = endings(Format::is_mesh).iter().map(|ending| format!(".{ending}")).collect();
-                Error::Invalid(vec![problem.with_help(format!("meshes are {}", endings.join(", ")))])
-            }))
-        }
+    // What is told to be something else is no mesh, whatever it is called.
+    let other = || marks::named(&beginning).filter(|name| !name.starts_with("text")).map(str::to_owned);
+    let called = || called(path, Format::is_mesh).filter(|_| other().is_none());
+    if let Some(Format { holds: Holds::Mesh { read }, .. }) = found.or_else(called) {
+        return read(path, outside);
     }
+    let wanted = format!("meshes are {}", dotted(Format::is_mesh));
+    let (message, help) = match other().or_else(|| Some(of_input(path).ok()?.0.kind().to_owned())) {
+        Some(other) => (format!("is {other}, where a mesh is wanted"), wanted),
+        None if foreign::MESHES.contains(&ending(path).as_str()) => {
+            ("is a mesh in a format that is not read".to_owned(), "save it as OBJ or glTF".to_owned())
+        }
+        None => ("is no mesh that is read".to_owned(), wanted),
+    };
+    Err(Error::Invalid(vec![Problem::new(Location::file(path), message).with_help(help)]))
+}
+
+/// How names of some formats' files end, for people.
+fn dotted(of: impl Fn(&Format) -> bool) -> String {
+    endings(of).iter().map(|ending| format!(".{ending}")).collect::<Vec<_>>().join(", ")
 }
 
 /// How names of some formats' files end.

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::cli::run;
 use crate::scratch::Scratch;
 use mmxrt::formats::{picture, scene_toml};
 use mmxrt::progress::unwatched;
@@ -54,6 +55,50 @@ fn prepared() -> Scratch {
     folder.write("recipe.toml", "version = 1\nseed = 1\nfacets = 3\n");
     folder.write("recipe_key.toml", "version = 1\nseeds = 1\n");
     folder
+}
+
+#[test]
+fn a_mesh_is_a_file_of_any_format() {
+    let folder = prepared();
+    let read = |mesh: &str| {
+        let scene = GOOD
+            .replace("obj = \"plate.obj\"", mesh)
+            .replace("[materials]", "[materials]\ndefault = { reflectance = 0.1 }");
+        scene_toml::read(&folder.write("scene.toml", scene), &unwatched).unwrap_or_else(|e| panic!("{mesh}: {e}"))
+    };
+    let corners = |file: &scene_toml::SceneFile| file.scene.body.mesh.vertices_m.clone();
+    let plate = corners(&read("file = \"plate.obj\""));
+    assert_eq!((plate[0].to_array(), plate.len()), ([-1.0, -1.0, 0.0], 4));
+    assert_eq!(corners(&read("obj = \"plate.obj\"")), plate);
+    // What it is called says nothing against what it holds.
+    folder.write("plate.txt", PLATE);
+    assert_eq!(corners(&read("file = \"plate.txt\"")), plate);
+    // (0, 1, 0), (1, 1, 0), (0, 1, -1) as f32 in base64: y is up in glTF, and -z is the north.
+    let gltf = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+        "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,1,-1],"max":[1,1,0]}],
+        "bufferViews":[{"buffer":0,"byteLength":36}],
+        "buffers":[{"byteLength":36,"uri":"data:;base64,AAAAAAAAgD8AAAAAAACAPwAAgD8AAAAAAAAAAAAAgD8AAIC/"}]}"#;
+    folder.write("step.gltf", gltf);
+    let found = |more: &str| {
+        corners(&read(&format!("file = \"step.gltf\"\n{more}"))).iter().map(|v| v.to_array()).collect::<Vec<_>>()
+    };
+    assert_eq!(found(""), [[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]]);
+    assert_eq!(found("up = \"y\"\nunit_m = 10"), [[0.0, 0.0, 10.0], [10.0, 0.0, 10.0], [0.0, 10.0, 10.0]]);
+    assert_eq!(found("up = \"z\""), [[0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, -1.0]]);
+    // The same plate by way of a GLB, whose material names are the scene's; its origin is another.
+    let arguments = |names: [&str; 2]| names.map(|name| folder.argument(name));
+    let [obj, glb] = arguments(["plate.obj", "plate.glb"]);
+    assert_eq!(run(&["convert", &obj, &glb, "--origin-m", "0,0,5"]).0, 0);
+    let of_glb = read("file = \"plate.glb\"");
+    assert_eq!(corners(&of_glb), plate);
+    assert_eq!(of_glb.scene.body.mesh.material, read("file = \"plate.obj\"").scene.body.mesh.material);
+    assert!(of_glb.inputs.iter().any(|input| input.path.ends_with("plate.glb")), "{:?}", of_glb.inputs);
+    assert!(
+        of_glb.notes.iter().any(|note| note.contains("the file's own origin is [0, 0, 5], m")),
+        "{:?}",
+        of_glb.notes
+    );
 }
 
 #[test]
@@ -163,7 +208,7 @@ const CASES: &[(&str, &str, &str, &str)] = &[
         "obj = \"plate.obj\"",
         "obj = \"plate.obj\"\nrecipe = \"recipe.toml\"",
         ":3:1 mesh[0]",
-        "either `obj` or `recipe`",
+        "either `file` (or `obj`, which is the same) or `recipe`",
     ),
     (
         "obj = \"plate.obj\"",

@@ -213,10 +213,13 @@ fn a_file_of_another_kind_is_named() {
     let bench = Bench::new();
     let folder = &bench.0;
     let recipe = "version = 1\nseed = 1\nsize_m = 10\nfacets = 100\n";
-    for (name, text) in [("recipe.toml", recipe), ("mesh.glb", "glTF"), ("mesh.stl", "solid a\n")] {
+    for (name, text) in [("recipe.toml", recipe), ("mesh.stl", "solid a\n")] {
         folder.write(name, text);
     }
-    folder.write("glb.toml", SCENE.replace("square.obj", "mesh.glb"));
+    folder.write("mesh.glb", b"\x89PNG\r\n\x1a\n");
+    folder.write("png.toml", SCENE.replace("obj = \"square.obj\"", "file = \"mesh.glb\""));
+    folder.write("csv.toml", SCENE.replace("obj = \"square.obj\"", "file = \"facets.csv\""));
+    folder.write("both.toml", SCENE.replace("obj = ", "file = \"square.obj\"\nobj = "));
     folder.write("stl.toml", SCENE.replace("square.obj", "mesh.stl"));
     folder.write("facets.csv", "facet,radiance_w_m2_sr_um at 0.55 um\n0,1.5\n1,2.5\n");
     folder.write("other.hdr", "no header of ENVI\n");
@@ -237,7 +240,9 @@ fn a_file_of_another_kind_is_named() {
         (&["simulate", "m.map.toml", "-o", &out], "is a map file"),
         (&["landscape", "scene.toml", "-o", &out], "is a scene file"),
         (&["integrate", "scene.toml", "--radiance", "scene.toml", "-o", &out], "is a scene file"),
-        (&["simulate", "glb.toml", "-o", &out], "is a mesh in glTF, where one in OBJ is asked for"),
+        (&["simulate", "png.toml", "-o", &out], "mesh.glb: is PNG, where a mesh is wanted"),
+        (&["simulate", "csv.toml", "-o", &out], "facets.csv: is csv, where a mesh is wanted"),
+        (&["simulate", "both.toml", "-o", &out], "give either `file` (or `obj`, which is the same) or `recipe`"),
         (&["simulate", "stl.toml", "-o", &out], "is a mesh in a format that is not read"),
     ] {
         let (code, told) = all(arguments);

@@ -6,6 +6,7 @@ use crate::error::Result;
 use crate::formats::format::{Format, Holds, ending};
 use crate::formats::marks;
 use crate::formats::mesh_file::{MeshFile, Up};
+use crate::report::Note;
 
 /// glTF 2.0 as text, with its buffers.
 pub(in crate::formats) static TEXT: Format = Format {
@@ -36,15 +37,15 @@ fn is_text(bytes: &[u8]) -> bool {
     bytes[start..].starts_with(b"{") && memchr::memmem::find(bytes, b"\"asset\"").is_some()
 }
 
+/// A file's mesh, in metres, z up.
 fn read(path: &Path, outside: bool) -> Result<MeshFile> {
-    let (surface, report, inputs) = super::read(path, outside)?;
-    Ok(MeshFile {
-        surface,
-        up: Up::Y,
-        ignored: Default::default(),
-        report,
-        doubts: Vec::new(),
-        material_doubts: Vec::new(),
-        inputs,
-    })
+    let (surface, mut report, inputs) = super::read(path, outside)?;
+    let is_of_looks = |note: &Note| {
+        let item = note.at.item.as_deref().unwrap_or_default();
+        item.starts_with("materials") || item.contains("attributes")
+    };
+    let (looks, doubts) = report.notes.into_iter().partition(is_of_looks);
+    report.notes = looks;
+    let (ignored, material_doubts) = Default::default();
+    Ok(MeshFile { surface, up: Up::Y, ignored, report, doubts, material_doubts, inputs })
 }

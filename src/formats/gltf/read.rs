@@ -363,7 +363,7 @@ impl Reader<'_> {
             let (item, lx) = (sun.item.clone(), sun.intensity_lx);
             self.dropped(
                 item,
-                format!("{lx} lx, and the colour of the light: its direction is taken as that of the Sun"),
+                format!("{lx} lx, and the colour of the light: only its direction is read, as that of the Sun"),
             );
         }
         Ok(())

@@ -15,9 +15,22 @@ pub(in crate::formats) static OBJ: Format = Format {
     reads: "mesh, names and colours of materials",
     writes: "the same",
     mark: &[],
-    told: None,
+    told: Some(|path, beginning| is_begun(beginning).then(|| path.to_owned())),
     holds: Holds::Mesh { read },
 };
+
+/// Statements that may come before the first vertex.
+const BEFORE: [&str; 7] = ["mtllib", "o", "g", "usemtl", "s", "vn", "vt"];
+
+/// Whether a text is one by its first statements, which lead to a vertex.
+fn is_begun(beginning: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(beginning);
+    let statements = text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
+    let mut words = statements.map(str::split_whitespace).filter_map(|mut words| Some((words.next()?, words)));
+    let vertex = words.find(|(word, _)| !BEFORE.contains(word));
+    vertex
+        .is_some_and(|(word, numbers)| word == "v" && numbers.take(3).filter(|n| n.parse::<f64>().is_ok()).count() == 3)
+}
 
 /// A file's mesh, in its own unit and axes.
 fn read(path: &Path, outside: bool) -> Result<MeshFile> {

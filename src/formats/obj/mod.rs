@@ -31,7 +31,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use crate::error::{Error, Location, Problem, Result};
+use crate::error::{Error, Location, Result};
 use crate::report::{Fate, Note, Report};
 
 use super::input::{self, BYTE_ORDER_MARK, InputFile};
@@ -100,31 +100,11 @@ pub fn read(path: &Path) -> Result<ObjFile> {
     read_where(path, true)
 }
 
-/// That a mesh is in another format, by the ending of its name.
-pub(super) fn other_mesh(path: &Path) -> Option<Error> {
-    let ending = path.extension()?.to_str()?.to_lowercase();
-    let (what, help) = match ending.as_str() {
-        "gltf" | "glb" => {
-            let name = path.display();
-            (
-                "is a mesh in glTF, where one in OBJ is asked for",
-                format!("`mmxrt convert {name} OUT.obj` makes that of it"),
-            )
-        }
-        "stl" | "ply" | "fbx" | "blend" => ("is a mesh in a format that is not read", "save it as OBJ or glTF".into()),
-        _ => return None,
-    };
-    path.is_file().then(|| Error::Invalid(vec![Problem::new(Location::file(path), what).with_help(help)]))
-}
-
 /// As [`read`]; only material files in the file's folder are read, unless `outside` allows others.
 ///
 /// # Errors
 /// As [`read`].
 pub fn read_where(path: &Path, outside: bool) -> Result<ObjFile> {
-    if let Some(other) = other_mesh(path) {
-        return Err(other);
-    }
     let file = input::open(path).map_err(|e| Error::io(path, "reading", e))?;
     let mut source = input::Hashing::new(file);
     let mut libraries = Libraries { path, outside, inputs: Vec::new(), losses: Vec::new(), doubts: Vec::new() };

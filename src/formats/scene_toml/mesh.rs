@@ -4,9 +4,8 @@ use glam::{DMat3, DQuat, DVec3};
 
 use crate::error::number;
 use crate::formats::mtl::{self, ObjMaterial};
-use crate::formats::{obj, recipe_toml};
-use crate::geometry::FrameCamera;
-use crate::geometry::{MaterialId, Mesh, Pose, body_from_site};
+use crate::formats::{coloured_mesh::Placing, mesh_file, recipe_toml, registry};
+use crate::geometry::{FrameCamera, Mesh, Pose, body_from_site};
 use crate::landscape;
 use crate::report::Note;
 
@@ -16,6 +15,17 @@ use super::{ROUNDED, Reader, UNIT_TOLERANCE};
 
 /// A camera that is more sizes of the scene away looks at next to nothing.
 const FAR: f64 = 1000.0;
+
+impl MeshToml {
+    /// The key that says where it comes from.
+    fn source(&self) -> &'static str {
+        match (&self.file, &self.obj) {
+            (Some(_), _) => "file",
+            (None, Some(_)) => "obj",
+            (None, None) => "recipe",
+        }
+    }
+}
 
 impl Reader<'_> {
     /// All meshes in one, local to the origin, with the dictionary's materials.
@@ -55,26 +65,26 @@ impl Reader<'_> {
     fn mesh(&mut self, item: &str, toml: &MeshToml, dictionary: &mut Dictionary) -> Option<Mesh> {
         let pose = self.pose(item, toml);
         let key = |key: &str| format!("{item}.{key}");
-        let (mut mesh, materials, doubts) = match (&toml.obj, &toml.recipe) {
-            (Some(name), None) => self.obj(&key("obj"), name)?,
-            (None, Some(recipe)) => {
-                let for_obj = [
+        let source = key(toml.source());
+        let (mut mesh, materials, doubts) = match (&toml.file, &toml.obj, &toml.recipe) {
+            (Some(name), None, None) | (None, Some(name), None) => self.mesh_file(&source, name, toml)?,
+            (None, None, Some(recipe)) => {
+                let for_files = [
                     (toml.unit_m.is_some(), "unit_m"),
                     (toml.up.is_some(), "up"),
                     (toml.coordinates.is_some(), "coordinates"),
                     (toml.flip.is_some(), "flip"),
                 ];
-                for (_, name) in for_obj.into_iter().filter(|(given, _)| *given) {
-                    self.problem(&key(name), "a recipe makes metres, z up, local: this is for OBJ files");
+                for (_, name) in for_files.into_iter().filter(|(given, _)| *given) {
+                    self.problem(&key(name), "a recipe makes metres, z up, local: this is for meshes of files");
                 }
-                (self.recipe(&key("recipe"), recipe)?.mesh, mtl::of_landscapes(), vec![])
+                (self.recipe(&source, recipe)?.mesh, mtl::of_landscapes(), vec![])
             }
             _ => {
-                self.problem(item, "give either `obj` or `recipe`");
+                self.problem(item, "give either `file` (or `obj`, which is the same) or `recipe`");
                 return None;
             }
         };
-        let source = if toml.obj.is_some() { key("obj") } else { key("recipe") };
         let entries: Vec<_> = match &toml.material {
             Some(name) => vec![self.entry_named(&key("material"), name, dictionary); materials.len()],
             None => materials.iter().map(|m| self.entry_of(&source, m, dictionary)).collect(),
@@ -97,22 +107,11 @@ impl Reader<'_> {
             *material = entries[material.0 as usize];
         }
         let pose = pose?;
-        let unit_m = toml.unit_m.unwrap_or(1.0);
-        let up = toml.up.unwrap_or(Up::Z);
-        for vertex in &mut mesh.vertices_m {
-            let v = match up {
-                Up::Z => *vertex,
-                Up::Y => DVec3::new(vertex.x, -vertex.z, vertex.y),
-            };
-            *vertex = pose.point(v * unit_m);
-        }
-        if toml.flip == Some(true) {
-            mesh.flip();
-        }
-        if toml.obj.is_some() {
+        mesh.vertices_m.iter_mut().for_each(|vertex| *vertex = pose.point(*vertex));
+        if toml.recipe.is_none() {
             self.suspect_unit(item, toml, &mesh);
         }
-        if toml.obj.is_some()
+        if toml.recipe.is_none()
             && let Some(volume_m3) = mesh.enclosed_m3().filter(|volume_m3| *volume_m3 < 0.0)
         {
             let now = toml.flip.unwrap_or(false);
@@ -124,34 +123,35 @@ impl Reader<'_> {
         Some(mesh)
     }
 
-    /// A mesh in the file's own unit and axes, its materials, and what is doubtful of them.
-    fn obj(&mut self, item: &str, name: &str) -> Option<(Mesh, Vec<ObjMaterial>, Vec<Note>)> {
+    /// A file's mesh, m, z up, its materials, and what is doubtful of them.
+    fn mesh_file(&mut self, item: &str, name: &str, toml: &MeshToml) -> Option<(Mesh, Vec<ObjMaterial>, Vec<Note>)> {
         self.tell("reading meshes", 0, 1);
-        let read = obj::read(&self.path(name));
+        let read = registry::mesh(&self.path(name), true);
         self.tell("reading meshes", 1, 1);
-        let obj = self.taken(item, read)?;
-        self.inputs.extend(obj.inputs);
-        if !obj.ignored.is_empty() {
-            let list: Vec<String> = obj.ignored.iter().map(|(word, n)| format!("{n} x `{word}`")).collect();
+        let file = self.taken(item, read)?;
+        self.inputs.extend(file.inputs);
+        if !file.ignored.is_empty() {
+            let list: Vec<String> = file.ignored.iter().map(|(word, n)| format!("{n} x `{word}`")).collect();
             self.notes.push(format!("{item}: statements passed over: {}", list.join(", ")));
         }
-        self.notes.extend(obj.doubts.iter().map(|note| format!("{item}, {}: {}", note.at, note.message)));
-        let material = obj.facet_material.into_iter().map(MaterialId).collect();
-        let mesh = Mesh {
-            vertices_m: obj.vertices,
-            facets: obj.facets,
-            material,
-            face_of_facet: obj.face_of_facet,
-            uv: obj.uv,
-        };
-        Some((mesh, obj.materials, obj.material_doubts))
+        self.notes.extend(file.doubts.iter().map(|note| format!("{item}, {}: {}", note.at, note.message)));
+        if let Some(own_m) = file.surface.origin_m.filter(|own_m| *own_m != self.origin_m) {
+            self.notes.push(format!("{item}: the file's own origin is {own_m}, m: that of this scene is taken"));
+        }
+        let up = toml.up.map(|up| match up {
+            Up::Y => mesh_file::Up::Y,
+            Up::Z => mesh_file::Up::Z,
+        });
+        let placing = Placing { unit_m: toml.unit_m, up, flip: toml.flip == Some(true), ..Placing::default() };
+        let surface = file.surface.placed(&placing, file.up);
+        Some((surface.mesh, surface.materials, file.material_doubts))
     }
 
     /// A scene that is less than a pixel, or next to nothing from where the camera is, is probably not in the unit that was said.
     pub(super) fn suspect_scale(&mut self, meshes: &[MeshToml], mesh: &Mesh, camera: &FrameCamera) {
         let Some((low, high)) = mesh.bounds_m() else { return };
-        let Some(i) = meshes.iter().position(|toml| toml.obj.is_some()) else { return };
-        let item = format!("mesh[{i}].{}", if meshes[i].unit_m.is_some() { "unit_m" } else { "obj" });
+        let Some(i) = meshes.iter().position(|toml| toml.recipe.is_none()) else { return };
+        let item = format!("mesh[{i}].{}", if meshes[i].unit_m.is_some() { "unit_m" } else { meshes[i].source() });
         let size_m = (high - low).length();
         let away_m = (camera.centre_m() - 0.5 * (low + high)).length();
         let pixel_m = camera.mean_pitch() * away_m;
@@ -173,7 +173,7 @@ impl Reader<'_> {
     fn suspect_unit(&mut self, item: &str, toml: &MeshToml, mesh: &Mesh) {
         let Some((lo, hi)) = mesh.bounds_m() else { return };
         let (size_m, away_m) = ((hi - lo).length(), lo.max(DVec3::ZERO).max(-hi).length());
-        let item = format!("{item}.{}", if toml.unit_m.is_some() { "unit_m" } else { "obj" });
+        let item = format!("{item}.{}", if toml.unit_m.is_some() { "unit_m" } else { toml.source() });
         if away_m > 100.0 * size_m.max(1.0) {
             self.notes.push(format!(
                 "{item}: the mesh is {size_m:.1} m across and {away_m:.1} m away from the origin: check `unit_m` and `coordinates`"

@@ -38,20 +38,22 @@ pub(crate) struct SceneToml {
     pub(crate) sensor: SensorToml,
 }
 
-/// A mesh: from an OBJ file, or made from a recipe.
+/// A mesh: from a file, or made from a recipe.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct MeshToml {
-    /// Path of an OBJ file.
+    /// Path of a file: OBJ (`.obj`) or glTF (`.gltf`, `.glb`).
+    pub(crate) file: Option<String>,
+    /// The same as `file`.
     pub(crate) obj: Option<String>,
     /// A landscape recipe, or the path of one.
     pub(crate) recipe: Option<RecipeToml>,
-    /// The OBJ's unit of length, m: 1000 for km. Default 1.
+    /// The file's unit of length, m: 1000 for km. Default 1.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub(crate) unit_m: Option<f64>,
-    /// The OBJ's axis that points up. Default "z".
+    /// The file's axis that points up. Default "z" for OBJ, "y" for glTF.
     pub(crate) up: Option<Up>,
-    /// Whether the OBJ's coordinates are local to `origin_m`, or start at the body's centre. Default "local".
+    /// Whether the file's coordinates are local to `origin_m`, or start at the body's centre. Default "local".
     pub(crate) coordinates: Option<Coordinates>,
     /// How local coordinates stand on the body. Default "body"; "radial" for a recipe.
     pub(crate) pose: Option<PoseToml>,
