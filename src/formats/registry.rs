@@ -10,30 +10,31 @@ use super::format::{Format, Holds, ending};
 use super::gltf::format::{BINARY, TEXT};
 use super::mesh_file::MeshFile;
 use super::obj::format::OBJ;
-use super::raster::{Raster, exr, headers, jpeg, npy, picture, text};
+use super::raster::headers::ENVI;
+use super::raster::{self, Raster};
 use super::scene_toml::format::SCENE;
 use super::{envi, input, marks, sli, spectrum_csv};
 use crate::error::{Error, Location, Problem, Result};
 
 /// All formats, in the order they are listed, and asked what a file is.
-pub static ALL: [&Format; 17] = [
+pub static ALL: &[&Format] = &[
     &SCENE,
     &OBJ,
     &TEXT,
     &BINARY,
     &SIMULATION,
-    &headers::ENVI,
-    &headers::ILWIS,
-    &exr::OPEN_EXR,
-    &npy::NPY,
-    &npy::NPZ,
-    &picture::PNG,
-    &jpeg::JPEG,
+    &ENVI,
+    &raster::headers::ILWIS,
+    &raster::exr::OPEN_EXR,
+    &raster::npy::NPY,
+    &raster::npy::NPZ,
+    &raster::picture::PNG,
+    &raster::jpeg::JPEG,
     &database::DATABASE,
     &text_spectra::TEXT,
     &sli::SLI,
     &spectrum_csv::CSV,
-    &text::GRID,
+    &raster::text::GRID,
 ];
 
 /// As much of a file is looked at to tell what it is, bytes.
@@ -43,7 +44,7 @@ const COMPANIONS: [&str; 2] = ["json", "mtl"];
 
 /// The format of a name, as `--from` and `--to` give it.
 pub fn named(name: &str) -> Option<&'static Format> {
-    ALL.into_iter().find(|format| format.name == name)
+    ALL.iter().copied().find(|format| format.name == name)
 }
 
 /// The format of what is there, and its main file or folder.
@@ -53,9 +54,9 @@ pub fn named(name: &str) -> Option<&'static Format> {
 pub fn of_input(path: &Path) -> Result<(&'static Format, PathBuf)> {
     let beginning = if path.is_dir() { Vec::new() } else { beginning(path)? };
     if holds_numbers_alone(path) {
-        return Ok((of_name(path).unwrap_or(&headers::ENVI), path.to_owned()));
+        return Ok((of_name(path).unwrap_or(&ENVI), path.to_owned()));
     }
-    if let Some(error) = foreign::refused(path, &beginning) {
+    if let Some(error) = not_read(path, &beginning) {
         return Err(error);
     }
     if let Some(found) = told(path, &beginning, |_| true) {
@@ -67,7 +68,7 @@ pub fn of_input(path: &Path) -> Result<(&'static Format, PathBuf)> {
     match of_name(path) {
         Some(format) => Ok((format, path.to_owned())),
         None if !COMPANIONS.contains(&ending(path).as_str()) && envi::pair(path).is_ok() => {
-            Ok((&headers::ENVI, path.to_owned()))
+            Ok((&ENVI, path.to_owned()))
         }
         None => unknown(path, "neither what it holds nor how its name ends tells a format"),
     }
@@ -111,8 +112,8 @@ pub fn image(path: &Path) -> Result<Raster> {
     let beginning = beginning(path)?;
     let called = called(path, Format::is_image);
     let format = if holds_numbers_alone(path) {
-        called.unwrap_or(&headers::ENVI)
-    } else if let Some(error) = foreign::refused(path, &beginning) {
+        called.unwrap_or(&ENVI)
+    } else if let Some(error) = not_read(path, &beginning) {
         return Err(error);
     } else if let Some((format, _)) = told(path, &beginning, Format::is_image) {
         format
@@ -121,9 +122,9 @@ pub fn image(path: &Path) -> Result<Raster> {
         let may_be_envi = || ["hdr", "sli"].contains(&ending(path).as_str()) || envi::pair(path).is_ok();
         let is_unknown = marks::named(&beginning).is_none();
         match called {
-            Some(format) if *format == headers::ENVI && is_unknown => format,
-            Some(format) if *format != headers::ENVI && format.may_begin(&beginning) => format,
-            None if may_be_envi() => &headers::ENVI,
+            Some(format) if *format == ENVI && is_unknown => format,
+            Some(format) if *format != ENVI && format.may_begin(&beginning) => format,
+            None if may_be_envi() => &ENVI,
             _ => return Err(no_image(path, &beginning)),
         }
     };
@@ -164,7 +165,7 @@ fn dotted(of: impl Fn(&Format) -> bool) -> String {
 
 /// How names of some formats' files end.
 pub fn endings(of: impl Fn(&Format) -> bool) -> Vec<&'static str> {
-    ALL.into_iter().filter(|format| of(format)).flat_map(|format| format.extensions).copied().collect()
+    ALL.iter().copied().filter(|format| of(format)).flat_map(|format| format.extensions).copied().collect()
 }
 
 /// Whether a name is a folder's: it ends in nothing, or in a number, as of a version.
@@ -182,7 +183,13 @@ fn beginning(path: &Path) -> Result<Vec<u8>> {
 
 /// The first of some formats that is told by what is there.
 fn told(path: &Path, beginning: &[u8], of: impl Fn(&Format) -> bool) -> Option<(&'static Format, PathBuf)> {
-    ALL.into_iter().filter(|format| of(format)).find_map(|format| Some((format, format.told(path, beginning)?)))
+    ALL.iter().copied().filter(|format| of(format)).find_map(|format| Some((format, format.told(path, beginning)?)))
+}
+
+/// That a file is an image in a format that is not read, which none of ours claims by its mark.
+fn not_read(path: &Path, beginning: &[u8]) -> Option<Error> {
+    let is_ours = told(path, beginning, |format| !format.mark.is_empty()).is_some();
+    foreign::refused(path, beginning).filter(|_| !is_ours)
 }
 
 /// The first format whose files are called like this.
@@ -193,7 +200,7 @@ fn of_name(path: &Path) -> Option<&'static Format> {
 /// The first of some formats whose files are called like this.
 pub(super) fn called(path: &Path, of: impl Fn(&Format) -> bool) -> Option<&'static Format> {
     let ending = ending(path);
-    ALL.into_iter().find(|format| of(format) && format.extensions.contains(&ending.as_str()))
+    ALL.iter().copied().find(|format| of(format) && format.extensions.contains(&ending.as_str()))
 }
 
 /// Whether names of images end so that begin with a mark, read or not.
@@ -245,7 +252,7 @@ fn no_image(path: &Path, beginning: &[u8]) -> Error {
 }
 
 fn unknown<T>(path: &Path, message: &str) -> Result<T> {
-    let names = ALL.map(|format| format.name);
+    let names: Vec<&str> = ALL.iter().map(|format| format.name).collect();
     let help = format!("say it with --from or --to: {}", names.join(", "));
     Err(Error::Invalid(vec![Problem::new(Location::file(path), message).with_help(help)]))
 }
