@@ -22,7 +22,7 @@ impl ViewImage {
 
 /// Convex parts of facets, each a texel's.
 ///
-/// Vertices are (u, v) on the facet, as in [`Seen`](super::Seen).
+/// Vertices are (u, v) on the facet, as in [`Seen`](crate::visibility::Seen).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Patches {
     /// Number of texels.

@@ -71,7 +71,7 @@ impl SceneFile {
     /// Whether this version can simulate the scene.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] at the key that asks for more, as [`Scene::simulable`].
+    /// [`Error::Unsupported`] at the key that asks for more, as [`Setup::simulable`](crate::scene::Setup::simulable).
     pub fn simulable(&self) -> Result<()> {
         match self.unsimulated.clone() {
             Some((at, feature)) => Err(Error::Unsupported { at, feature }),
