@@ -60,26 +60,14 @@ impl Cube {
         let overlap = |a: &Range<usize>, b: &Range<usize>| a.start.max(b.start) < a.end.min(b.end);
         let mut filled = 0;
         for (i, slab) in slabs.iter().enumerate() {
-            let Slab { lines: of_lines, bands: of_bands, row_start, row, weight, spectra, added, .. } = slab;
-            let pixels = samples * of_lines.len();
-            filled += of_lines.len() * of_bands.len();
-            if of_lines.end > lines || of_bands.end > bands.len() {
+            if slab.lines.end > lines || slab.bands.end > bands.len() {
                 problem(i, format!("reaches beyond {lines} lines and {} bands", bands.len()));
+                continue;
             }
-            let is_listed = row_start.len() == pixels + 1
-                && row_start.first() == Some(&0)
-                && row_start.last() == Some(&row.len())
-                && row_start.windows(2).all(|w| w[0] <= w[1]);
-            let rows = spectra.len() / of_bands.len().max(1);
-            if !is_listed || row.len() != weight.len() || row.iter().any(|row| *row as usize >= rows) {
-                problem(i, format!("{} weights of {} rows are not those of {pixels} pixels", row.len(), rows));
-            }
-            if spectra.len() != rows * of_bands.len() || !(added.is_empty() || added.len() == pixels * of_bands.len()) {
-                problem(i, format!("has not {} bands of {pixels} pixels", of_bands.len()));
-            }
-            if let Some(other) =
-                slabs[..i].iter().position(|s| overlap(&s.lines, of_lines) && overlap(&s.bands, of_bands))
-            {
+            filled += slab.lines.len() * slab.bands.len();
+            slab.problems(samples * slab.lines.len()).into_iter().for_each(|message| problem(i, message));
+            let overlaps = |s: &Slab| overlap(&s.lines, &slab.lines) && overlap(&s.bands, &slab.bands);
+            if let Some(other) = slabs[..i].iter().position(overlaps) {
                 problem(i, format!("overlaps slab {other}"));
             }
         }
@@ -138,8 +126,9 @@ impl Cube {
 
     /// Radiance of every pixel in one band, line by line, W m-2 sr-1 um-1.
     pub fn band(&self, band: usize) -> Vec<f64> {
-        let mut radiance = Vec::with_capacity(self.samples * self.lines);
-        self.expand(0..self.samples * self.lines, band..band + 1, |_, _, values| radiance.push(values[0]));
+        // Slabs come in any order.
+        let mut radiance = vec![0.0; self.samples * self.lines];
+        self.expand(0..self.samples * self.lines, band..band + 1, |pixel, _, values| radiance[pixel] = values[0]);
         radiance
     }
 
@@ -156,6 +145,24 @@ impl Cube {
 }
 
 impl Slab {
+    /// What of it does not fit together, as a slab of so many pixels: a sentence for each.
+    fn problems(&self, pixels: usize) -> Vec<String> {
+        let Slab { bands, row_start, row, weight, spectra, added, .. } = self;
+        let mut problems = Vec::new();
+        let is_listed = row_start.len() == pixels + 1
+            && row_start.first() == Some(&0)
+            && row_start.last() == Some(&row.len())
+            && row_start.is_sorted();
+        let rows = spectra.len() / bands.len().max(1);
+        if !is_listed || row.len() != weight.len() || row.iter().any(|row| *row as usize >= rows) {
+            problems.push(format!("{} weights of {rows} rows are not those of {pixels} pixels", row.len()));
+        }
+        if spectra.len() != rows * bands.len() || !(added.is_empty() || added.len() == pixels * bands.len()) {
+            problems.push(format!("has not {} bands of {pixels} pixels", bands.len()));
+        }
+        problems
+    }
+
     fn thermal(&self) -> Slab {
         let mut part = Slab { row_start: vec![0], row: vec![], weight: vec![], added: vec![], ..self.clone() };
         for entries in self.row_start.windows(2) {
@@ -171,12 +178,14 @@ impl Slab {
     }
 
     /// One slab of several, each times its weight: the same lines and bands, seen under the same sky from several poses.
-    /// `None` if they are not of the same pixels, bands and spectra.
+    /// `None` if they are not of the same pixels, bands and spectra, or one does not fit together.
     pub fn sum(parts: &[(f64, Slab)]) -> Option<Slab> {
         let (_, first) = parts.first()?;
+        let pixels = first.row_start.len().checked_sub(1)?;
         let is_alike = |slab: &Slab| {
-            (&slab.lines, &slab.bands, slab.first_thermal_row) == (&first.lines, &first.bands, first.first_thermal_row)
-                && slab.row_start.len() == first.row_start.len()
+            slab.problems(pixels).is_empty()
+                && (&slab.lines, &slab.bands, slab.first_thermal_row)
+                    == (&first.lines, &first.bands, first.first_thermal_row)
                 && slab.spectra == first.spectra
         };
         if !parts.iter().all(|(_, slab)| is_alike(slab)) {
@@ -184,7 +193,7 @@ impl Slab {
         }
         let mut sum = Slab { row_start: vec![0], row: vec![], weight: vec![], added: vec![], ..first.clone() };
         let mut entries: Vec<(u32, f64)> = Vec::new();
-        for pixel in 0..first.row_start.len().saturating_sub(1) {
+        for pixel in 0..pixels {
             entries.clear();
             for (share, slab) in parts {
                 let of = slab.row_start[pixel]..slab.row_start[pixel + 1];

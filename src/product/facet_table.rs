@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::physics::heat;
-use crate::scene::{Field, Scene, Sky, Thermal};
+use crate::scene::{DirectionField, Scene, Sky, Thermal};
 use crate::visibility::Seen;
 
 /// Two directions to a source are the same to within this, rad: tables of other programs round.
@@ -27,7 +27,7 @@ pub struct Lighting {
     /// What the source is called in its sky.
     pub source: String,
     /// From where its light comes.
-    pub field: Field,
+    pub field: DirectionField,
     /// Irradiance on each facet where the source sees it. By a beam over that on a plane normal to it: cos i, or 0 for a facet that
     /// faces away. By Mars over its reflectance times the solar irradiance normal to the beam.
     pub irradiance: Vec<f64>,
@@ -118,21 +118,29 @@ impl FacetTable {
                 problem(format!("{name}[{i}]"), message, AGAIN);
             }
         }
+        for (i, lighting) in self.sources.iter().enumerate() {
+            if self.sources[..i].iter().any(|other| other.source == lighting.source) {
+                problem(lighting.source.clone(), "is there twice".into(), AGAIN);
+            }
+            if let Some(Err(message)) = lighting.seen().map(Seen::validate) {
+                problem(format!("{}_polygon_start", lighting.source), message, AGAIN);
+            }
+        }
         for (i, source) in sources.iter().enumerate() {
             let Some(lighting) = self.of(source.name) else { continue };
             if self.sources.get(i).is_none_or(|lighting| lighting.source != source.name) {
                 let message = format!("is not source {} of the table", i + 1);
                 problem(source.name.into(), message, AGAIN);
             }
-            if source.name == Sky::NAMES[0] && lighting.seen().is_none() {
+            if source.name == Sky::SUN && lighting.seen().is_none() {
                 problem("sun_lit".into(), "what the Sun sees of each facet is missing".into(), AGAIN);
             }
             let directions = lighting.field.direction().zip(source.field.direction());
             let off_rad = directions.map_or(0.0, |(table, scene)| table.angle_rad(scene));
             if off_rad > DIRECTION_TOLERANCE {
                 let whose = match source.name {
-                    "sun" => "the Sun",
-                    "mars" => "Mars",
+                    Sky::SUN => "the Sun",
+                    Sky::MARS => "Mars",
                     name => name,
                 };
                 let message = format!("is {:.3e} deg from where the scene has {whose}", off_rad.to_degrees());

@@ -28,7 +28,7 @@ pub use material::Material;
 pub use models::{MarsModel, Models, Thermal};
 pub use photometry::{Hapke, Photometry, Rpv};
 pub use sky::{Beam, MARS_ALBEDO, Mars, Sky, Sun};
-pub use source::{Field, Incoming, Kind, Source};
+pub use source::{DirectionField, Incoming, Source, SourceKind};
 pub use texture::{Texture, TextureKind};
 
 /// All that a scene is made of: plain values, which nobody has checked.

@@ -79,7 +79,9 @@ impl Sky {
         }
         for (i, beam) in self.beams.iter().enumerate() {
             beam.check(&mut problem);
-            if Sky::NAMES.contains(&beam.name.as_str()) || self.beams[..i].iter().any(|other| other.name == beam.name) {
+            if [Sky::SUN, Sky::MARS].contains(&beam.name.as_str())
+                || self.beams[..i].iter().any(|other| other.name == beam.name)
+            {
                 problem(&beam.item(), "another source has this name".into());
             }
         }

@@ -8,27 +8,27 @@ use crate::spectral::Spectrum;
 
 /// From where a source's light comes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Field {
+pub enum DirectionField {
     /// From infinity: in this direction everywhere.
     Afar(Direction),
     /// From a point, or the centre of a body near at hand, local, m.
     Near(DVec3),
 }
 
-impl Field {
+impl DirectionField {
     /// Towards the source from a point, local, m; of any length.
     pub fn towards(&self, p_m: DVec3) -> DVec3 {
         match self {
-            Field::Afar(direction) => direction.vec(),
-            Field::Near(centre_m) => *centre_m - p_m,
+            DirectionField::Afar(direction) => direction.vec(),
+            DirectionField::Near(centre_m) => *centre_m - p_m,
         }
     }
 
     /// Towards the source from the origin; `None` if it is there.
     pub fn direction(&self) -> Option<Direction> {
         match self {
-            Field::Afar(direction) => Some(*direction),
-            Field::Near(centre_m) => Direction::new(*centre_m),
+            DirectionField::Afar(direction) => Some(*direction),
+            DirectionField::Near(centre_m) => Direction::new(*centre_m),
         }
     }
 }
@@ -46,7 +46,7 @@ pub enum Incoming<'a> {
 
 /// What a source is.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Kind<'a> {
+pub enum SourceKind<'a> {
     /// A point at infinity, which casts shadows; its total irradiance normal to the beam, W m-2.
     Beam(f64),
     /// A sphere near at hand, lit by the Sun; a facet's own horizon cuts it, other terrain does not.
@@ -59,37 +59,38 @@ pub struct Source<'a> {
     /// What it is called.
     pub name: &'a str,
     /// From where its light comes.
-    pub field: Field,
+    pub field: DirectionField,
     /// The spectrum of its light.
     pub incoming: Incoming<'a>,
     /// What it is.
-    pub kind: Kind<'a>,
+    pub kind: SourceKind<'a>,
 }
 
 impl Sky {
-    /// Names of the Sun and of Mars in the list; no beam has one of them.
-    pub const NAMES: [&'static str; 2] = ["sun", "mars"];
+    /// Name of the Sun in the list.
+    pub const SUN: &'static str = "sun";
+    /// Name of Mars in the list.
+    pub const MARS: &'static str = "mars";
 
     /// All sources; the Sun is the first.
     pub fn sources<'s>(&'s self) -> Vec<Source<'s>> {
-        let [sun, mars] = Sky::NAMES;
         let sun = Source {
-            name: sun,
-            field: Field::Afar(self.sun.direction),
+            name: Sky::SUN,
+            field: DirectionField::Afar(self.sun.direction),
             incoming: Incoming::Sunlight,
-            kind: Kind::Beam(self.sun.total_irradiance_w_m2()),
+            kind: SourceKind::Beam(self.sun.total_irradiance_w_m2()),
         };
         let mars = self.mars.as_ref().map(|sphere| Source {
-            name: mars,
-            field: Field::Near(sphere.centre_m),
+            name: Sky::MARS,
+            field: DirectionField::Near(sphere.centre_m),
             incoming: Incoming::Reflected(&sphere.reflectance),
-            kind: Kind::Sphere(sphere),
+            kind: SourceKind::Sphere(sphere),
         });
         let of_beam = |beam: &'s Beam| Source {
             name: &beam.name,
-            field: Field::Afar(beam.direction),
+            field: DirectionField::Afar(beam.direction),
             incoming: Incoming::Own(&beam.irradiance),
-            kind: Kind::Beam(beam.total_irradiance_w_m2),
+            kind: SourceKind::Beam(beam.total_irradiance_w_m2),
         };
         [sun].into_iter().chain(mars).chain(self.beams.iter().map(of_beam)).collect()
     }

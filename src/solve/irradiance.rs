@@ -7,7 +7,7 @@ use crate::geometry::{Facet, index_u32};
 use crate::physics::mars_light::MarsLight;
 use crate::physics::{heat, mars, sun};
 use crate::product::{FacetTable, Sees};
-use crate::scene::{Kind, Mars, MarsModel, Scene, Source, Thermal};
+use crate::scene::{Mars, MarsModel, Scene, Source, SourceKind, Thermal};
 use crate::visibility::Shown;
 
 /// Facets that are looked at together: what is found of them stays at hand.
@@ -70,8 +70,8 @@ enum Prepared<'a> {
 impl<'a> Prepared<'a> {
     fn new(scene: &Scene, source: &Source<'a>) -> Self {
         match source.kind {
-            Kind::Beam(total_w_m2) => Prepared::Beam { towards: source.field.towards(DVec3::ZERO), total_w_m2 },
-            Kind::Sphere(mars) => {
+            SourceKind::Beam(total_w_m2) => Prepared::Beam { towards: source.field.towards(DVec3::ZERO), total_w_m2 },
+            SourceKind::Sphere(mars) => {
                 let (low_m, high_m) = scene.body.bounds_m().unwrap_or_default();
                 let light = MarsLight::new(mars.centre_m, mars.radius_m, scene.sky.sun.direction, low_m, high_m);
                 Prepared::Sphere { mars, light: Box::new(light), model: scene.models.mars_light }

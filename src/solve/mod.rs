@@ -7,7 +7,7 @@ mod irradiance;
 use crate::error::Result;
 use crate::product::{FacetTable, Lighting, Sees};
 use crate::progress::{Watch, tell};
-use crate::scene::{Kind, Scene, Source, Thermal};
+use crate::scene::{Scene, Sky, Source, SourceKind, Thermal};
 use crate::visibility::Seen;
 
 pub use emission::{Emission, Fragment, Modulation, Part, interpolation_error};
@@ -48,8 +48,8 @@ pub fn lit(scene: &Scene, watch: Watch<'_>) -> Result<FacetTable> {
 
 /// What of each facet a source sees.
 fn sees(scene: &Scene, source: &Source, watch: Watch<'_>) -> Result<Sees> {
-    let (Kind::Beam(_), Some(towards)) = (source.kind, source.field.direction()) else { return Ok(Sees::All) };
-    let stage = if source.name == "sun" { "sunlight" } else { "beams" };
+    let (SourceKind::Beam(_), Some(towards)) = (source.kind, source.field.direction()) else { return Ok(Sees::All) };
+    let stage = if source.name == Sky::SUN { "sunlight" } else { "beams" };
     let seen = Seen::from_afar(&scene.body.mesh, scene.body.topology(), towards, stage, watch)?;
     Ok(Sees::Polygons(seen))
 }

@@ -53,7 +53,7 @@ pub(super) fn of_image(
     };
     let sunlit = table.sunlit();
     let is_dark = uses_sun && sunlit.is_none_or(|sunlit| sunlit.shown.iter().all(|shown| *shown == Shown::Nothing));
-    let beams = table.sources.iter().filter(|lighting| !Sky::NAMES.contains(&lighting.source.as_str()));
+    let beams = table.sources.iter().filter(|lighting| ![Sky::SUN, Sky::MARS].contains(&lighting.source.as_str()));
     let has_beams = beams.flat_map(|lighting| &lighting.irradiance).any(|irradiance| *irradiance > 0.0);
     let others = [
         ("Mars-light", given.reference.largest_mars_irradiance > 0.0),

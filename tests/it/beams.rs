@@ -104,6 +104,17 @@ fn a_table_may_say_shares_and_knows_its_sources() {
     // A sky without the lamp has no use for its column.
     let error = study::observe(&ground, &table, Wanted::default(), &unwatched).unwrap_err().to_string();
     assert!(error.contains("lamp_irradiance: has 2 values, but the scene needs 0"), "{error}");
+    let mut doubled = table.clone();
+    doubled.sources.push(table.sources[1].clone());
+    let error = study::observe(&lit, &doubled, Wanted::default(), &unwatched).unwrap_err().to_string();
+    assert!(error.contains("lamp: is there twice"), "{error}");
+    let scratch = crate::scratch::Scratch::new();
+    mmxrt::formats::npz::write_table(&scratch.join("t.npz"), &doubled, "s").unwrap_err();
+    let mut torn = table.clone();
+    let Sees::Polygons(sunlit) = &mut torn.sources[0].sees else { panic!() };
+    sunlit.polygon_start.push(7);
+    let error = study::observe(&lit, &torn, Wanted::default(), &unwatched).unwrap_err().to_string();
+    assert!(error.contains("sun_polygon_start: "), "{error}");
     table.sources.pop();
     let error = study::observe(&lit, &table, Wanted::default(), &unwatched).unwrap_err().to_string();
     assert!(error.contains("lamp_irradiance: has 0 values, but the scene needs 2"), "{error}");

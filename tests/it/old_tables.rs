@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use mmxrt::formats::{npz, scene_toml};
 use mmxrt::integrate::Wanted;
 use mmxrt::progress::unwatched;
-use mmxrt::scene::Field;
+use mmxrt::scene::DirectionField;
 use mmxrt::study;
 
 /// `tests/data/table_v1/table.npz` was written by `mmxrt solve scene.toml -o table.npz` before tables named their sources.
@@ -19,7 +19,7 @@ fn a_table_of_version_1_is_of_the_sun_and_mars() {
     assert_eq!((sun.source.as_str(), mars.source.as_str()), ("sun", "mars"));
     // Of Mars there is the direction alone.
     let towards = scene.sky.mars.as_ref().unwrap().centre_m.normalize();
-    let Field::Afar(direction) = mars.field else { panic!("{:?}", mars.field) };
+    let DirectionField::Afar(direction) = mars.field else { panic!("{:?}", mars.field) };
     assert!((direction.vec() - towards).length() < 1e-15);
     // The wall's shadow, 4 m long, reaches 1 m to the west and 1/7 m to the south, there beyond the ground by a triangle of 1/14 m2.
     let sunlit = table.sunlit().unwrap();

@@ -11,7 +11,7 @@ use mmxrt::formats::{exr_cube, npz, quicklook, report_json};
 use mmxrt::geometry::Direction;
 use mmxrt::product::{Backplanes, Cube, FacetTable, Footprints, Lighting, Plane, Sees, Slab};
 use mmxrt::progress::unwatched;
-use mmxrt::scene::Field;
+use mmxrt::scene::DirectionField;
 use mmxrt::spectral::Band;
 use mmxrt::visibility::{Seen, Shown};
 
@@ -332,15 +332,20 @@ fn table() -> FacetTable {
         sources: vec![
             lighting(
                 "sun",
-                Field::Afar(direction(1.0, -2.0, 3.0)),
+                DirectionField::Afar(direction(1.0, -2.0, 3.0)),
                 [0.0, 1.0 / 3.0, 0.1, f64::MIN_POSITIVE],
                 Sees::Polygons(sunlit.clone()),
             ),
-            lighting("mars", Field::Near(mars_m), [0.25, 0.0, 1e-300, 0.1 + 0.2], Sees::All),
-            lighting("lamp", Field::Afar(direction(0.0, 0.6, 0.8)), [0.5, 0.0, 1.0, 0.1], Sees::Polygons(sunlit)),
+            lighting("mars", DirectionField::Near(mars_m), [0.25, 0.0, 1e-300, 0.1 + 0.2], Sees::All),
+            lighting(
+                "lamp",
+                DirectionField::Afar(direction(0.0, 0.6, 0.8)),
+                [0.5, 0.0, 1.0, 0.1],
+                Sees::Polygons(sunlit),
+            ),
             lighting(
                 "far-star",
-                Field::Afar(direction(1.0, 0.0, 0.0)),
+                DirectionField::Afar(direction(1.0, 0.0, 0.0)),
                 [0.1; 4],
                 Sees::Shares(vec![0.0, 1.0, 0.25, 0.1]),
             ),

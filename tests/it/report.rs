@@ -5,7 +5,9 @@ use mmxrt::geometry::{Direction, FrameCamera, Mesh};
 use mmxrt::integrate::Wanted;
 use mmxrt::product::FacetTable;
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{Exposure, Field, Mars, MarsModel, Material, Models, Parts, Photometry, Sky, Sun, Surface, Thermal};
+use mmxrt::scene::{
+    DirectionField, Exposure, Mars, MarsModel, Material, Models, Parts, Photometry, Sky, Sun, Surface, Thermal,
+};
 use mmxrt::spectral::{Band, Light, Spectrum, solar_e490};
 use mmxrt::study::{Effect, Observation, simulate, table_id};
 
@@ -385,6 +387,6 @@ fn a_table_without_what_the_scene_asks_for_is_refused() {
     let cold = FacetTable { temperature_lit_k: vec![], temperature_shaded_k: vec![], ..whole.clone() };
     assert!(observe(cold).unwrap_err().to_string().contains("temperature_lit_k: has 0 values, but the scene needs 2"));
     let mut turned = whole;
-    turned.sources[0].field = Field::Afar(sun(40.001, 10.0));
+    turned.sources[0].field = DirectionField::Afar(sun(40.001, 10.0));
     assert!(observe(turned).unwrap_err().to_string().contains("sun_direction: is 1.000e-3 deg"));
 }

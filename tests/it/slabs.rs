@@ -10,7 +10,7 @@ use mmxrt::study;
 
 use crate::maps::scene;
 use crate::scratch::{Scratch, edited};
-use crate::shapes::{camera, cuboid, grid, joined, of_material};
+use crate::shapes::{Random, camera, cuboid, grid, joined, of_material};
 
 /// A warm site with shadows in three bands.
 fn site() -> Scene {
@@ -134,5 +134,114 @@ fn slabs_that_do_not_fill_a_cube_once_are_refused() {
     ] {
         let error = made(slabs).unwrap_err();
         assert!(error.contains(told), "{error}");
+    }
+}
+
+/// Cuts of a range into some parts.
+fn parts(r: &mut Random, range: std::ops::Range<usize>) -> Vec<std::ops::Range<usize>> {
+    let mut ends: Vec<usize> = (range.start + 1..range.end).filter(|_| r.share() < 0.3).collect();
+    ends.push(range.end);
+    let starts = [range.start].into_iter().chain(ends.clone());
+    starts.zip(ends).map(|(start, end)| start..end).collect()
+}
+
+/// Slabs of any shape, in any order, against an array that is filled value by value.
+#[test]
+fn slabs_of_any_shape_and_order_are_the_array_they_were_cut_from() {
+    let mut r = Random(7);
+    let (mut slabs_seen, mut out_of_order) = (0, 0);
+    for _ in 0..60 {
+        let (samples, lines, bands) =
+            (1 + (r.bits() % 5) as usize, 1 + (r.bits() % 7) as usize, 1 + (r.bits() % 23) as usize);
+        let mut array = vec![vec![0.0; samples * lines]; bands];
+        let mut slabs = Vec::new();
+        for of_bands in parts(&mut r, 0..bands) {
+            for of_lines in parts(&mut r, 0..lines) {
+                let pixels = samples * of_lines.len();
+                let rows = 1 + (r.bits() % 4) as usize;
+                let mut slab =
+                    Slab { lines: of_lines.clone(), bands: of_bands.clone(), row_start: vec![0], ..Slab::default() };
+                // Whole numbers: sums are exact in any order.
+                slab.spectra = (0..rows * of_bands.len()).map(|_| (r.bits() % 100) as f64).collect();
+                for pixel in 0..pixels {
+                    for row in 0..rows as u32 {
+                        if r.share() > 0.7 {
+                            continue;
+                        }
+                        let weight = (r.bits() % 10) as f64;
+                        slab.row.push(row);
+                        slab.weight.push(weight);
+                        for (k, band) in of_bands.clone().enumerate() {
+                            let value = weight * slab.spectra[row as usize * of_bands.len() + k];
+                            array[band][of_lines.start * samples + pixel] += value;
+                        }
+                    }
+                    slab.row_start.push(slab.row.len());
+                }
+                if r.share() < 0.3 {
+                    slab.added = (0..pixels * of_bands.len()).map(|_| (r.bits() % 50) as f64).collect();
+                    for (k, band) in of_bands.clone().enumerate() {
+                        for pixel in 0..pixels {
+                            array[band][of_lines.start * samples + pixel] += slab.added[k * pixels + pixel];
+                        }
+                    }
+                }
+                slabs.push(slab);
+            }
+        }
+        for i in (1..slabs.len()).rev() {
+            slabs.swap(i, (r.bits() % (i as u64 + 1)) as usize);
+        }
+        slabs_seen += slabs.len();
+        out_of_order += usize::from(slabs.windows(2).any(|w| w[0].lines.start > w[1].lines.start));
+        let all = (0..bands).map(|i| Band::new(1.0 + i as f64, None)).collect();
+        let cube = Cube::new(samples, lines, all, slabs).unwrap();
+        let of_cube: Vec<Vec<f64>> = (0..bands).map(|band| cube.band(band)).collect();
+        assert_eq!(of_cube, array);
+        let by_pixel = cube.to_array();
+        for interleave in [Interleave::Bsq, Interleave::Bil, Interleave::Bip] {
+            let (_, bytes) = bands_and_bytes(&cube, interleave);
+            let written = bytes.chunks_exact(8).map(|b| f64::from_le_bytes(b.try_into().unwrap()));
+            for (i, value) in written.enumerate() {
+                let (line, sample, band) = match interleave {
+                    Interleave::Bsq => (i / samples % lines, i % samples, i / samples / lines),
+                    Interleave::Bil => (i / samples / bands, i % samples, i / samples % bands),
+                    Interleave::Bip => (i / bands / samples, i / bands % samples, i % bands),
+                };
+                assert_eq!(value, array[band][line * samples + sample], "{interleave:?} {i}");
+                assert_eq!(value, by_pixel[[line, sample, band]]);
+            }
+        }
+    }
+    assert!(slabs_seen > 300 && out_of_order > 20, "{slabs_seen} {out_of_order}");
+}
+
+#[test]
+fn damaged_slabs_are_told_and_never_looked_into() {
+    let good = Slab {
+        lines: 0..1,
+        bands: 0..1,
+        row_start: vec![0, 1],
+        row: vec![0],
+        weight: vec![1.0],
+        spectra: vec![2.0],
+        ..Slab::default()
+    };
+    let one = || vec![Band::new(1.0, None)];
+    assert_eq!(Cube::new(1, 1, one(), vec![good.clone()]).unwrap().band(0), [2.0]);
+    let damaged = [
+        Slab { row_start: vec![], ..good.clone() },
+        Slab { row_start: vec![0, 9], ..good.clone() },
+        Slab { row_start: vec![1, 1], ..good.clone() },
+        Slab { row: vec![7], ..good.clone() },
+        Slab { weight: vec![], ..good.clone() },
+        Slab { spectra: vec![], ..good.clone() },
+        Slab { lines: 0..usize::MAX, ..good.clone() },
+        Slab { lines: usize::MAX - 1..usize::MAX, bands: 5..6, ..good.clone() },
+    ];
+    for slab in damaged {
+        assert!(Cube::new(usize::MAX / 4, 1, one(), vec![slab.clone()]).is_err(), "{slab:?}");
+        assert!(Cube::new(1, 1, one(), vec![slab.clone()]).is_err(), "{slab:?}");
+        assert!(slab == good || Slab::sum(&[(0.5, slab.clone()), (0.5, good.clone())]).is_none(), "{slab:?}");
     }
 }

@@ -8,7 +8,7 @@ use mmxrt::visibility::{Drawing, Topology, View, covered};
 use crate::shapes::{camera, cuboid, grid, joined};
 
 /// Facets that lie before the camera for a part, and whose image, as far as it goes, may touch the lines of its image.
-fn near_the_lines(mesh: &Mesh, camera: &FrameCamera) -> Vec<u32> {
+pub(crate) fn near_the_lines(mesh: &Mesh, camera: &FrameCamera) -> Vec<u32> {
     let sensor_from_world = camera.world_from_sensor.inverse();
     let touches = |facet: &usize| {
         let corners = mesh.facet(*facet).corners_m.map(|p| sensor_from_world.point(p));

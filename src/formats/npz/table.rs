@@ -12,7 +12,7 @@ use super::write::{Column, Values, write};
 use super::{Header, TABLE, TABLE_VERSIONS};
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::product::{FacetTable, Lighting, Sees};
-use crate::scene::{Field, Sky};
+use crate::scene::{DirectionField, Sky};
 use crate::visibility::{Seen, Shown};
 
 /// Writes a facet table. `scene` says which scene it belongs to; it comes back from [`read_table`].
@@ -37,8 +37,8 @@ pub fn write_table(path: &Path, table: &FacetTable, scene: &str) -> Result<()> {
 fn of_source(lighting: &Lighting) -> Vec<Column<'_>> {
     let Lighting { source, field, irradiance, sees } = lighting;
     let (what, of_irradiance) = match source.as_str() {
-        "sun" => ("the Sun", "over that normal to the beam: cos i, or 0".to_owned()),
-        "mars" => ("Mars", "over Mars' reflectance times the solar irradiance normal to the beam".to_owned()),
+        Sky::SUN => ("the Sun", "over that normal to the beam: cos i, or 0".to_owned()),
+        Sky::MARS => ("Mars", "over Mars' reflectance times the solar irradiance normal to the beam".to_owned()),
         other => (other, "over that normal to the beam: cos i, or 0".to_owned()),
     };
     let mut columns = Vec::new();
@@ -49,7 +49,7 @@ fn of_source(lighting: &Lighting) -> Vec<Column<'_>> {
         let meaning = format!("unit vector from the scene's origin to {what}, body-fixed axes");
         put("direction", "1", meaning, Values::Vector(direction.vec().to_array()));
     }
-    if let Field::Near(centre_m) = field {
+    if let DirectionField::Near(centre_m) = field {
         let meaning = format!("centre of {what}, from the scene's origin, body-fixed axes");
         put("position_m", "m", meaning, Values::Vector(centre_m.to_array()));
     }
@@ -84,7 +84,7 @@ pub fn read_table(path: &Path) -> Result<(FacetTable, Header)> {
     let mut file = Npz::open(path)?;
     let header = file.header(TABLE, TABLE_VERSIONS)?;
     let mut problems = Vec::new();
-    let [sun, mars] = Sky::NAMES;
+    let (sun, mars) = (Sky::SUN, Sky::MARS);
     let names: Vec<String> = match header.format_version {
         1 => {
             let has_mars = ["direction", "irradiance"].iter().any(|what| file.has(&format!("{mars}_{what}")));
@@ -94,6 +94,11 @@ pub fn read_table(path: &Path) -> Result<(FacetTable, Header)> {
     };
     if names.first().is_none_or(|name| name != sun) {
         problems.push(Problem::new(Location::file(path).with_item("header"), "the first source is not the Sun"));
+    }
+    if let Some(i) = (1..names.len()).find(|i| names[..*i].contains(&names[*i])) {
+        let message = format!("names {:?} twice", names[i]);
+        problems.push(Problem::new(Location::file(path).with_item("header"), message));
+        return Err(Error::Invalid(problems));
     }
     let mut sources = Vec::new();
     for name in names {
@@ -122,7 +127,7 @@ fn read_source(file: &mut Npz, source: &str, problems: &mut Vec<Problem>) -> Res
     let irradiance = file.f64s(&named("irradiance"), 1, true, problems)?;
     let sees = if file.has(&named("share")) {
         Sees::Shares(file.f64s(&named("share"), 1, true, problems)?)
-    } else if file.has(&named("lit")) || source == Sky::NAMES[0] {
+    } else if file.has(&named("lit")) || source == Sky::SUN {
         let codes = file.bytes(&named("lit"), problems)?;
         if let Some(i) = codes.iter().position(|code| *code > 2) {
             let at = file.at(&format!("{}[{i}]", named("lit")));
@@ -142,8 +147,10 @@ fn read_source(file: &mut Npz, source: &str, problems: &mut Vec<Problem>) -> Res
     let direction = file.direction(&named("direction"), !file.has(&named("position_m")), problems)?;
     let position_m = file.f64s(&named("position_m"), 1, false, problems)?;
     let field = match <[f64; 3]>::try_from(position_m) {
-        Ok(position_m) if position_m.iter().all(|x| x.is_finite()) => Some(Field::Near(DVec3::from_array(position_m))),
-        Err(none) if none.is_empty() => direction.map(Field::Afar),
+        Ok(position_m) if position_m.iter().all(|x| x.is_finite()) => {
+            Some(DirectionField::Near(DVec3::from_array(position_m)))
+        }
+        Err(none) if none.is_empty() => direction.map(DirectionField::Afar),
         _ => {
             let message = "is not three finite components";
             problems.push(Problem::new(file.at(&named("position_m")), message));

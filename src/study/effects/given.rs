@@ -3,7 +3,7 @@
 use crate::physics::reflectance::{Brdf, PhotometricAngles};
 use crate::physics::{blackbody, bounds, heat, sun};
 use crate::product::{Backplanes, FacetTable};
-use crate::scene::{MARS_ALBEDO, Material, Setup};
+use crate::scene::{MARS_ALBEDO, Material, Setup, Sky};
 use crate::spectral::Light;
 use crate::study::site::Site;
 use crate::units::{MARS_RADIUS_M, PHOBOS_ORBIT_M};
@@ -25,7 +25,7 @@ impl Reference {
         let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
         Reference {
             cos_incidence: median_cos_incidence(backplanes),
-            largest_mars_irradiance: table.of("mars").map_or(0.0, |mars| largest(&mars.irradiance)),
+            largest_mars_irradiance: table.of(Sky::MARS).map_or(0.0, |mars| largest(&mars.irradiance)),
             warmest_k: largest(&table.temperature_lit_k).max(largest(&table.temperature_shaded_k)),
         }
     }
@@ -160,7 +160,7 @@ pub(in crate::study) fn mars_seen(scene: &Setup, site: &Site) -> (f64, bool) {
 
 /// Sunlight that a white Lambert surface square to it reflects, W m-2 sr-1 um-1.
 pub(super) fn white_radiance(scene: &Setup, um: f64) -> Option<f64> {
-    let normal = sun::irradiance_at(scene.sky.sun.irradiance_1au.at(um)?, scene.sky.sun.distance_m);
+    let normal = scene.sky.sun.irradiance_w_m2_um(um)?;
     let angles = PhotometricAngles { cos_incidence: 1.0, cos_emission: 1.0, phase_rad: 0.0 };
     Some(Brdf::Lambert { reflectance: 1.0 }.eval(&angles) * normal)
 }

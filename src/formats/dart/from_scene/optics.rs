@@ -198,7 +198,7 @@ pub(in super::super) fn thermal_functions(scene: &Setup) -> Vec<ThermalFunction>
         Some(_) => facets.map(|f| scene.body.mesh.facet(f).normal().dot(towards)).fold(0.0, f64::max).min(1.0),
         None => 0.0,
     };
-    let sun_w_m2 = sun::irradiance_at(scene.sky.sun.total_irradiance_1au_w_m2, scene.sky.sun.distance_m);
+    let sun_w_m2 = scene.sky.sun.total_irradiance_w_m2();
     let up = Direction::new(scene.body.origin_m).map_or(DVec3::Z, Direction::vec);
     let from_mars = scene.sky.mars.as_ref().map(|mars| {
         let (distance_m, cos_tilt) = (mars.centre_m.length(), up.dot(mars.centre_m) / mars.centre_m.length());
