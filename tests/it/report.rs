@@ -127,6 +127,30 @@ fn every_effect_says_what_it_is() {
     assert_eq!(modelled, 4);
 }
 
+/// What an effect names is there to be found: a file or folder of modules, or an item in one.
+#[test]
+fn every_effect_names_what_is_there() {
+    let observation = observed(&scene(hills(), sun(40.0, 10.0), nadir(1e4, 80.0, 24)));
+    let source = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut found = 0;
+    for effect in &observation.effects {
+        assert!(!effect.modelled || (effect.equation.is_some() && effect.step.is_some()), "{effect:?}");
+        for path in effect.equation.iter().chain(&effect.step).flat_map(|paths| paths.split(", ")) {
+            let place = |path: &str| source.join(path.replace("::", "/"));
+            let is_module = place(path).is_dir() || place(path).with_extension("rs").is_file();
+            let (module, item) = path.rsplit_once("::").unwrap();
+            let files = [place(module).with_extension("rs"), place(module).join("mod.rs")];
+            let text: String = files.iter().filter_map(|file| std::fs::read_to_string(file).ok()).collect();
+            let is_item = ["fn ", "struct ", "enum ", "{", ", ", "::"]
+                .iter()
+                .any(|before| text.contains(&format!("{before}{item}")));
+            assert!(is_module || is_item, "{}: {path}", effect.name);
+            found += 1;
+        }
+    }
+    assert!(found >= 10, "{found}");
+}
+
 #[test]
 fn bounds_of_what_is_left_out_hold() {
     let plain = scene(hills(), sun(40.0, 10.0), nadir(1e4, 80.0, 24));

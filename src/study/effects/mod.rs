@@ -47,10 +47,8 @@ const ALL: [Kind; 13] = [
 pub(super) struct Kind {
     name: &'static str,
     /// Where its equation is, if there is one.
-    #[expect(dead_code, reason = "for who reads the list; a plan will show it")]
     equation: Option<&'static str>,
     /// What adds it to a result, if anything does.
-    #[expect(dead_code, reason = "for who reads the list; a plan will show it")]
     step: Option<&'static str>,
     /// The light that it is in: it changes nothing in bands without that. `None`: in all.
     light: Option<fn(Light) -> bool>,
@@ -75,6 +73,12 @@ pub struct Effect {
     /// By at most this share of the median sunlit radiance would a sunlit pixel change with it (if left out) or without its
     /// approximations (if modelled), in the worst band; null: not known.
     pub bound: Option<f64>,
+    /// Where its equation is in the library, if there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub equation: Option<String>,
+    /// What in the library adds it to a result, if anything does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub step: Option<String>,
     /// How it is modelled, or why it is left out, and what the bound is of.
     pub note: String,
 }
@@ -99,7 +103,8 @@ impl Kind {
         if bound.is_some_and(|bound| bound >= USELESS) {
             note = format!("not bounded usefully: {note}");
         }
-        Effect { name: self.name.to_owned(), modelled, bound, note }
+        let [equation, step] = [self.equation, self.step].map(|path| path.map(str::to_owned));
+        Effect { name: self.name.to_owned(), modelled, bound, equation, step, note }
     }
 }
 
