@@ -42,9 +42,16 @@ impl<'a> Weights<'a> {
             if !entry.front {
                 continue;
             }
-            self.lit.clear();
-            self.lit.extend((0..pixel.lights()).map(|light| pixel.lit_part(&entry, light)));
-            let fragment = Fragment { facet: entry.facet, shown: entry.shown, lit: &self.lit };
+            // Most skies have the Sun alone.
+            let lit = match pixel.lights() {
+                1 => std::slice::from_ref(&entry.lit),
+                lights => {
+                    self.lit.clear();
+                    self.lit.extend((0..lights).map(|light| pixel.lit_part(&entry, light)));
+                    &self.lit
+                }
+            };
+            let fragment = Fragment { facet: entry.facet, shown: entry.shown, lit };
             let material = self.scene.body.mesh.material[entry.facet as usize].0 as usize;
             let texture = self.textures.look(pixel, index, material);
             let sums = &mut self.sums;
