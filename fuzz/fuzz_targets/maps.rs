@@ -55,6 +55,7 @@ fuzz_target!(|data: &[u8]| {
             texels: if how & 2 == 0 { Texels::Nearest } else { Texels::Bilinear },
             fill: [Fill::Refuse(1e-3), Fill::Solved, Fill::Value(1.0), Fill::Nan][usize::from(how >> 2 & 3)],
             add_solved: how & 16 != 0,
+            footprints: how & 64 != 0,
         };
         // Views of the same, or terms of a sum.
         let terms = if how & 32 == 0 { vec![maps.into_iter().flatten().collect()] } else { maps };

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use files::told;
 use libfuzzer_sys::fuzz_target;
-use mmxrt::formats::surface::Surface;
+use mmxrt::formats::mesh_file::ColouredMesh;
 use mmxrt::formats::{gltf, mtl, obj};
 use mmxrt::report::Report;
 
@@ -21,7 +21,7 @@ fuzz_target!(|bytes: &[u8]| {
     assert!(file.facets.iter().flatten().all(|v| (*v as usize) < file.vertices.len()));
     assert!(file.facet_material.iter().all(|m| usize::from(*m) < file.materials.len()));
     assert_eq!(file.facet_material.len(), file.facets.len());
-    let surface = Surface::from(file);
+    let surface = ColouredMesh::from(file);
     let lost = obj::faces_lost(&surface.mesh);
     let mut written = Vec::new();
     obj::write(&mut written, &surface.mesh, &surface.materials, None).unwrap();

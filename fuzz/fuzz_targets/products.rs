@@ -19,7 +19,7 @@ mod files;
 static FOLDER: LazyLock<PathBuf> = LazyLock::new(|| files::scratch("products"));
 
 /// Arrays of a facet table.
-const NAMES: [&str; 11] = [
+const NAMES: [&str; 12] = [
     "header",
     "sun_direction",
     "sun_irradiance",
@@ -29,6 +29,7 @@ const NAMES: [&str; 11] = [
     "sun_polygon_uv",
     "mars_direction",
     "mars_irradiance",
+    "mars_position_m",
     "temperature_lit_k",
     "temperature_shaded_k",
 ];

@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 
 use files::{Folder, told};
 use libfuzzer_sys::fuzz_target;
-use mmxrt::formats::surface::Surface;
+use mmxrt::formats::mesh_file::ColouredMesh;
 use mmxrt::formats::{dart, recipe_toml, scene_toml};
 use mmxrt::progress::Progress;
 use mmxrt::report::Report;
@@ -26,7 +26,7 @@ fuzz_target!(|data: &[u8]| {
         told(file.simulable());
         // A camera may have any number of pixels and bands; none is looked through here.
         let _ = study::dry_run(&file.scene);
-        Surface::of_scene(&file.scene, &path, &mut Report::default());
+        ColouredMesh::of_scene(&file.scene, &path, &mut Report::default());
         if file.scene.exposure.bands.len() < 1000 {
             told(dart::from_scene(&file.scene, &dart::WriteOptions::default()));
         }
