@@ -6,6 +6,7 @@ use std::path::Path;
 use files::told;
 use libfuzzer_sys::fuzz_target;
 use mmxrt::formats::mesh_file::ColouredMesh;
+use mmxrt::geometry::{MaterialId, Mesh};
 use mmxrt::formats::{gltf, mtl, obj};
 use mmxrt::report::Report;
 
@@ -21,7 +22,14 @@ fuzz_target!(|bytes: &[u8]| {
     assert!(file.facets.iter().flatten().all(|v| (*v as usize) < file.vertices.len()));
     assert!(file.facet_material.iter().all(|m| usize::from(*m) < file.materials.len()));
     assert_eq!(file.facet_material.len(), file.facets.len());
-    let surface = ColouredMesh::from(file);
+    let mesh = Mesh {
+        vertices_m: file.vertices,
+        facets: file.facets,
+        material: file.facet_material.into_iter().map(MaterialId).collect(),
+        face_of_facet: file.face_of_facet,
+        uv: file.uv,
+    };
+    let surface = ColouredMesh { mesh, materials: file.materials, origin_m: None, sun: None };
     let lost = obj::faces_lost(&surface.mesh);
     let mut written = Vec::new();
     obj::write(&mut written, &surface.mesh, &surface.materials, None).unwrap();
