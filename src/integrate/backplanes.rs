@@ -170,20 +170,21 @@ impl<'a> Planes<'a> {
     }
 
     /// Writes one pixel's values into its line of each plane.
-    pub(super) fn gather(&self, pixel: &Pixel, column: u32, row: u32, planes: &mut [&mut [f64]]) {
+    pub(super) fn gather(&self, pixel: &Pixel, planes: &mut [&mut [f64]]) {
+        let sample = pixel.site.sample as usize;
         let mut abundance = vec![0.0; 2 * self.entries.len()];
         let coverage: f64 = pixel.entries.iter().map(|e| e.shown.area).sum();
-        let sums = (coverage > 0.0).then(|| self.sums(pixel, coverage, [column, row], &mut abundance));
+        let sums = (coverage > 0.0).then(|| self.sums(pixel, coverage, &mut abundance));
         let fixed = KINDS.iter().map(|kind| sums.as_ref().map_or(f64::NAN, kind.value));
         for (plane, value) in planes.iter_mut().zip(fixed.chain(abundance)) {
-            plane[column as usize] = value;
+            plane[sample] = value;
         }
         if sums.is_none() {
-            planes[0][column as usize] = coverage;
+            planes[0][sample] = coverage;
         }
     }
 
-    fn sums(&self, pixel: &Pixel, coverage: f64, [column, row]: [u32; 2], abundance: &mut [f64]) -> Sums {
+    fn sums(&self, pixel: &Pixel, coverage: f64, abundance: &mut [f64]) -> Sums {
         let mesh = &self.scene.body.mesh;
         let (mut position_m, mut range_m, mut lit) = (DVec3::ZERO, 0.0, 0.0);
         let (mut local_incidence, mut local_emission) = (0.0, 0.0);
@@ -192,7 +193,7 @@ impl<'a> Planes<'a> {
         let mut largest = (0.0, 0);
         for e in &pixel.entries {
             let area = e.shown.area;
-            let [x, y] = e.centroid(&pixel.rect);
+            let [x, y] = e.centroid(&pixel.site.rect);
             let hit = self.hit(e.facet, x, y);
             position_m += area * hit.point_m;
             range_m += area * hit.range_m;
@@ -222,7 +223,8 @@ impl<'a> Planes<'a> {
             local_emission_rad: local_emission / coverage,
             ..self.place(mean_m, to_observer)
         };
-        let centre = pixel.centre.map(|facet| self.hit(facet, f64::from(column) + 0.5, f64::from(row) + 0.5));
+        let [x, y] = pixel.site.centre;
+        let centre = pixel.centre.map(|facet| self.hit(facet, x, y));
         let of_centre = |hit: &Hit| Place {
             range_m: hit.range_m,
             local_incidence_rad: hit.local_incidence_rad(self),

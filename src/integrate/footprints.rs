@@ -1,7 +1,6 @@
 //! Which facets each pixel sees, as a product.
 
-use glam::DVec3;
-
+use super::detector::draw;
 use super::lit::LitArea;
 use super::parts::Polygons;
 use super::pixel::Pixel;
@@ -9,18 +8,7 @@ use super::sweep::{Line, sweep};
 use crate::geometry::{FrameCamera, Mesh};
 use crate::product::Footprints;
 use crate::progress::unwatched;
-use crate::visibility::{Drawing, Seen, Topology, View};
-
-/// The drawing of a mesh in a camera; `bounds_m` are the mesh's.
-pub(super) fn draw<'a>(
-    mesh: &'a Mesh,
-    topology: &'a Topology,
-    bounds_m: Option<(DVec3, DVec3)>,
-    camera: &FrameCamera,
-) -> Drawing<'a> {
-    let (view, grid) = View::of_frame(camera, bounds_m);
-    Drawing::new(mesh, topology, view, grid)
-}
+use crate::visibility::{Seen, Topology};
 
 /// Adds what a pixel sees.
 pub(super) fn gather(pixel: &Pixel, line: &mut Footprints) {
@@ -53,7 +41,7 @@ pub fn footprints(mesh: &Mesh, topology: &Topology, sunlit: &Seen, camera: &Fram
     let start = || Pixel::new(&drawing, vec![LitArea::new(&drawing, sunlit, &polygons)]);
     let look = |pixel: &mut Pixel, line: &mut Line, ()| {
         let mut footprints = Footprints::default();
-        line.each(pixel, |pixel, _| gather(pixel, &mut footprints))?;
+        line.each(pixel, |pixel| gather(pixel, &mut footprints))?;
         Ok(footprints)
     };
     let parts = vec![(); camera.lines as usize];

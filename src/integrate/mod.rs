@@ -5,6 +5,7 @@
 
 mod backplanes;
 mod census;
+mod detector;
 mod footprints;
 mod lit;
 mod maps;
@@ -86,7 +87,7 @@ pub fn integrate(scene: &Scene, table: &FacetTable, wanted: Wanted<'_>, watch: W
     let prepared = wanted.maps.map(|maps| maps::prepare(maps, scene, watch)).transpose()?.unwrap_or_default();
     let map_polygons: Vec<Vec<_>> =
         prepared.iter().map(|views| views.iter().map(|p| p.polygons(mesh.facets.len())).collect()).collect();
-    let drawing = footprints::draw(mesh, scene.body.topology(), scene.body.bounds_m(), camera);
+    let drawing = detector::draw(mesh, scene.body.topology(), scene.body.bounds_m(), camera);
     // Of each source that is known by parts: the Sun first.
     let lit: Vec<_> = table.sources.iter().filter_map(|lighting| lighting.seen()).collect();
     let lit_polygons: Vec<Polygons> = lit.iter().map(|seen| Polygons::of_seen(seen)).collect();
@@ -116,7 +117,7 @@ pub fn integrate(scene: &Scene, table: &FacetTable, wanted: Wanted<'_>, watch: W
         if let Some(looker) = looker {
             gathered.maps = looker.new_line(row);
         }
-        line.each(pixel, |pixel, column| {
+        line.each(pixel, |pixel| {
             census.gather(pixel, &mut gathered.census);
             pixel.sort_pieces();
             if let Some(looker) = looker {
@@ -126,7 +127,7 @@ pub fn integrate(scene: &Scene, table: &FacetTable, wanted: Wanted<'_>, watch: W
                 weights.gather(pixel);
             }
             weights.end(&mut gathered.weights);
-            planes.gather(pixel, column, row, &mut planes_part);
+            planes.gather(pixel, &mut planes_part);
             if wanted.footprints {
                 footprints::gather(pixel, &mut gathered.footprints);
             }

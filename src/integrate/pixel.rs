@@ -4,6 +4,7 @@ use crate::error::Result;
 use crate::geometry::polygon::{Point, Rect, area, area_and_moment, clip_to_rect, holds, may_touch};
 use crate::visibility::{Drawing, Scratch, Side, Visit};
 
+use super::detector::Site;
 use super::lit::{LitArea, around};
 use super::parts::Window;
 use super::pieces::Pieces;
@@ -55,9 +56,8 @@ pub(super) struct Pixel<'a> {
     subtracted: bool,
     /// What is seen of each facet, for who asks for more than areas.
     pub(super) pieces: Pieces,
-    /// The pixel's square, and its centre.
-    pub(super) rect: Rect,
-    at: Point,
+    /// Where it lies.
+    pub(super) site: Site,
     clipped: Vec<Point>,
     spare: Vec<Point>,
 }
@@ -75,8 +75,7 @@ impl<'a> Pixel<'a> {
             centre_is_lit: false,
             is_beside: false,
             subtracted: false,
-            rect: drawing.grid.cell(0, 0),
-            at: [0.0; 2],
+            site: Site::of(drawing, 0, 0),
             clipped: vec![],
             spare: vec![],
         }
@@ -89,8 +88,7 @@ impl<'a> Pixel<'a> {
     pub(super) fn look(
         &mut self,
         coverage: &crate::visibility::Coverage,
-        column: u32,
-        row: u32,
+        [sample, line]: [u32; 2],
         scratch: &mut Scratch,
     ) -> Result<()> {
         self.entries.clear();
@@ -98,18 +96,16 @@ impl<'a> Pixel<'a> {
         self.pieces.clear();
         self.subtracted = false;
         self.centre = None;
-        self.rect = self.drawing.grid.cell(column, row);
-        self.at = self.rect.centre();
+        self.site = Site::of(self.drawing, sample, line);
         self.is_beside = false;
+        let [column, row] = self.site.cell;
         coverage.cell(column, row, scratch, self)?;
         if self.is_beside {
-            self.centre = self.most_around(coverage, column, row, scratch)?;
+            self.centre = self.most_around(coverage, scratch)?;
         }
         self.centre_is_lit = match self.centre {
             // An inner side is dark, whatever reaches the outer one.
-            Some(facet) if self.drawing.side(facet) == Side::Front => {
-                self.is_lit_around(facet, coverage, column, row, scratch)?
-            }
+            Some(facet) if self.drawing.side(facet) == Side::Front => self.is_lit_around(facet, coverage, scratch)?,
             _ => false,
         };
         self.merge();
@@ -117,26 +113,21 @@ impl<'a> Pixel<'a> {
     }
 
     /// The facet of which most is seen in the centre's neighbourhood; none where most is sky.
-    fn most_around(
-        &mut self,
-        coverage: &crate::visibility::Coverage,
-        column: u32,
-        row: u32,
-        scratch: &mut Scratch,
-    ) -> Result<Option<u32>> {
+    fn most_around(&mut self, coverage: &crate::visibility::Coverage, scratch: &mut Scratch) -> Result<Option<u32>> {
         // Facets in the order in which they come, and their areas.
         let mut seen: Vec<(u32, f64)> = vec![];
-        let mut near = Near::new(self.drawing, self.at, |facet, part: &[Point], sign| {
+        let mut near = Near::new(self.drawing, self.site.centre, |facet, part: &[Point], sign| {
             let area = sign * area(part);
             match seen.iter_mut().find(|s| s.0 == facet) {
                 Some(seen) => seen.1 += area,
                 None => seen.push((facet, area)),
             }
         });
+        let [column, row] = self.site.cell;
         coverage.cell(column, row, scratch, &mut near)?;
         let covered: f64 = seen.iter().map(|s| s.1).sum();
         let most = seen.iter().fold((None, 0.0), |most, s| if s.1 > most.1 { (Some(s.0), s.1) } else { most });
-        Ok(if 2.0 * covered > around(self.at).area() { most.0 } else { None })
+        Ok(if 2.0 * covered > around(self.site.centre).area() { most.0 } else { None })
     }
 
     /// Whether a facet is lit at the centre: whether most of what is seen of it in the smallest neighbourhood that areas tell something
@@ -145,8 +136,6 @@ impl<'a> Pixel<'a> {
         &mut self,
         facet: u32,
         coverage: &crate::visibility::Coverage,
-        column: u32,
-        row: u32,
         scratch: &mut Scratch,
     ) -> Result<bool> {
         let Some(sun) = self.lights.first_mut() else { return Ok(false) };
@@ -155,19 +144,20 @@ impl<'a> Pixel<'a> {
             Shown::Whole => return Ok(true),
             Shown::Part => {}
         }
-        let (drawn, lit) = sun.around(facet, self.at);
+        let (drawn, lit) = sun.around(facet, self.site.centre);
         // All or nothing of the facet is lit there, to rounding; else what another one hides does not count.
         if lit >= (1.0 - 1e-4) * drawn || lit <= 0.0 {
             return Ok(lit > 0.0);
         }
         let (mut seen, mut lit) = (0.0, 0.0);
-        let mut near = Near::new(self.drawing, self.at, |of, part: &[Point], sign| {
+        let mut near = Near::new(self.drawing, self.site.centre, |of, part: &[Point], sign| {
             if of == facet {
                 let area = area(part);
                 seen += sign * area;
                 lit += sign * sun.of(facet, &Window::Piece(part), area);
             }
         });
+        let [column, row] = self.site.cell;
         coverage.cell(column, row, scratch, &mut near)?;
         Ok(lit > 0.0 && lit >= 0.5 * seen)
     }
@@ -287,7 +277,11 @@ impl Visit for Pixel<'_> {
             self.add(facet, &clipped, &Window::Rect { rect, outline: &outline }, 1.0);
             self.clipped = clipped;
         }
-        if self.centre.is_none() && bounds.holds(self.at) && rect.holds(self.at) && holds(&outline, self.at) {
+        if self.centre.is_none()
+            && bounds.holds(self.site.centre)
+            && rect.holds(self.site.centre)
+            && holds(&outline, self.site.centre)
+        {
             self.take_centre(triangle);
         }
     }
@@ -304,8 +298,8 @@ impl Visit for Pixel<'_> {
     fn piece(&mut self, triangle: u32, _: &Rect, polygon: &[Point]) {
         let facet = self.drawing.facet(triangle);
         self.add(facet, polygon, &Window::Piece(polygon), 1.0);
-        if self.centre.is_none() && may_touch(polygon, &around(self.at)) {
-            if holds(polygon, self.at) {
+        if self.centre.is_none() && may_touch(polygon, &around(self.site.centre)) {
+            if holds(polygon, self.site.centre) {
                 self.take_centre(triangle);
             } else {
                 self.is_beside = true;
@@ -359,7 +353,7 @@ impl<F: FnMut(u32, &[Point], f64)> Visit for Near<'_, F> {
 mod tests {
     use glam::{DMat3, DVec3};
 
-    use super::super::footprints::draw;
+    use super::super::detector::draw;
     use super::super::parts::Polygons;
     use super::super::sweep::sweep;
     use super::*;
@@ -395,7 +389,7 @@ mod tests {
         };
         let lines = sweep(&drawing, vec![(); 2], ("image", &unwatched), start, |pixel, line, ()| {
             let mut found = Vec::new();
-            line.each(pixel, |pixel, _| {
+            line.each(pixel, |pixel| {
                 found.push(pixel.entries.iter().map(|e| (*e, pixel.lit_part(e, 1))).collect::<Vec<_>>());
             })?;
             Ok(found)

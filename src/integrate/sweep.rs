@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
+use super::detector;
 use super::pixel::Pixel;
 use crate::error::Result;
 use crate::progress::{Pulse, Watch, tell};
@@ -13,21 +14,22 @@ use crate::visibility::{Coverage, Drawing, Scratch};
 pub(super) struct Line<'l, 's> {
     coverage: &'l Coverage<'l>,
     scratch: &'l mut Scratch<'s>,
-    columns: u32,
-    /// Which.
+    samples: u32,
+    line: u32,
+    /// The row of cells in which it lies.
     pub(super) row: u32,
 }
 
 impl Line<'_, '_> {
-    /// Looks through each pixel, and hands it on with its column.
+    /// Looks through each pixel, and hands it on.
     ///
     /// # Errors
     /// [`Error::Interrupted`](crate::Error::Interrupted) if the sweep is asked to stop.
-    pub(super) fn each(&mut self, pixel: &mut Pixel, mut gather: impl FnMut(&mut Pixel, u32)) -> Result<()> {
+    pub(super) fn each(&mut self, pixel: &mut Pixel, mut gather: impl FnMut(&mut Pixel)) -> Result<()> {
         pixel.new_line(self.row);
-        for column in 0..self.columns {
-            pixel.look(self.coverage, column, self.row, self.scratch)?;
-            gather(pixel, column);
+        for sample in 0..self.samples {
+            pixel.look(self.coverage, [sample, self.line], self.scratch)?;
+            gather(pixel);
         }
         Ok(())
     }
@@ -45,15 +47,16 @@ pub(super) fn sweep<S, P: Send, L: Send>(
     look: impl Fn(&mut S, &mut Line, P) -> Result<L> + Sync + Send,
 ) -> Result<Vec<L>> {
     let coverage = Coverage::new(drawing);
-    let (done, total) = (AtomicU64::new(0), u64::from(drawing.grid.rows));
+    let [samples, lines] = detector::size(drawing);
+    let (done, total) = (AtomicU64::new(0), u64::from(lines));
     let pulse = || Pulse::new(watch, stage, &done, total);
     parts
         .into_par_iter()
-        .zip(0..drawing.grid.rows)
+        .zip(0..lines)
         .map_init(
             || (Scratch::new(pulse()), start()),
-            |(scratch, state), (part, row)| {
-                let mut line = Line { coverage: &coverage, scratch, columns: drawing.grid.columns, row };
+            |(scratch, state), (part, line)| {
+                let mut line = Line { coverage: &coverage, scratch, samples, line, row: detector::row(line) };
                 let made = look(state, &mut line, part)?;
                 tell(watch, stage, done.fetch_add(1, Relaxed) + 1, total)?;
                 Ok(made)

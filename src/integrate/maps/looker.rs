@@ -184,7 +184,7 @@ impl<'a> Looker<'a> {
 
     /// For each term and map the angle between its direction and that to the camera, rad, where what is seen of a facet lies.
     fn measure_angles(&mut self, pixel: &Pixel, entry: &Entry) {
-        let [x, y] = entry.centroid(&pixel.rect);
+        let [x, y] = entry.centroid(&pixel.site.rect);
         let camera = &self.scene.exposure.camera;
         let ray = camera.ray(x, y);
         let facet = self.scene.body.mesh.facet(entry.facet as usize);
