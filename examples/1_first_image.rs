@@ -9,7 +9,7 @@ use glam::{DMat3, DVec3};
 use mmxrt::geometry::{Direction, FrameCamera, Pose};
 use mmxrt::landscape::{self, Recipe};
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{Exposure, Material, Models, Parts, Photometry, Sky, Sun, Surface, Thermal};
+use mmxrt::scene::{Exposure, Material, Models, Photometry, SceneParts, Sky, Sun, Surface, Thermal};
 use mmxrt::spectral::{Band, Extend, Spectrum, solar_e490};
 use mmxrt::units::{AU_M, TSI_1AU_W_M2};
 use mmxrt::{Result, study};
@@ -38,7 +38,7 @@ fn main() -> Result<()> {
         rotation: DMat3::from_cols(DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z),
         translation_m: DVec3::new(0.0, 0.0, 500.0),
     };
-    let scene = Parts {
+    let scene = SceneParts {
         surface: Surface {
             origin_m: DVec3::new(0.0, 11_860.0, 0.0), // where the site is on the body: for latitudes and longitudes
             mesh: landscape.mesh,

@@ -11,7 +11,7 @@ use glam::{DMat3, DVec3};
 use mmxrt::geometry::{Direction, FrameCamera, MaterialId, Mesh, Pose, Texels};
 use mmxrt::progress::unwatched;
 use mmxrt::scene::{
-    Exposure, Material, Models, Parts, Photometry, Scene, Sky, Sun, Surface, Texture, TextureKind, Thermal,
+    Exposure, Material, Models, Photometry, Scene, SceneParts, Sky, Sun, Surface, Texture, TextureKind, Thermal,
 };
 use mmxrt::spectral::{Band, Spectrum};
 use mmxrt::units::AU_M;
@@ -95,7 +95,7 @@ fn scene(camera: FrameCamera) -> Result<Scene> {
         emissivity_bolometric: 0.95,
         mixture: vec![(0, 1.0)],
     };
-    Parts {
+    SceneParts {
         surface: Surface {
             origin_m: DVec3::new(0.0, 0.0, 11_000.0),
             mesh: Mesh {

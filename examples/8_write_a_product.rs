@@ -9,7 +9,7 @@ use std::path::Path;
 use std::time::{Duration, Instant, SystemTime};
 
 use mmxrt::formats::Subject;
-use mmxrt::formats::product_folder::{Options, ProductFolder, Written};
+use mmxrt::formats::product_folder::{ProductFolder, ProductOptions, Written};
 use mmxrt::formats::report_json::{FORMAT_VERSION, Run, rfc3339};
 use mmxrt::job;
 use mmxrt::progress::Gauge;
@@ -21,7 +21,7 @@ fn main() -> Result<()> {
     let gauge = Gauge::default();
 
     let subject = Subject::open(&scene, &|progress| gauge.watch(progress))?;
-    let written = write_product(subject.clone(), &top.join("as_it_is"), Options::default(), &gauge)?;
+    let written = write_product(subject.clone(), &top.join("as_it_is"), ProductOptions::default(), &gauge)?;
     let mean = |written: &Written| written.report.statistics.iter().find_map(|s| s.mean).unwrap_or_default();
     println!("as it is: {:.6} W m-2 sr-1 um-1 in the first band", mean(&written));
 
@@ -30,7 +30,7 @@ fn main() -> Result<()> {
     exposure.camera.pitch.iter_mut().for_each(|pitch| *pitch /= 4.0);
     let narrow = Subject { scene: subject.scene.seen_by(exposure)?, id: format!("{}, narrow", subject.id), ..subject };
     let written = std::thread::scope(|threads| {
-        let work = threads.spawn(|| write_product(narrow, &top.join("narrow"), Options::default(), &gauge));
+        let work = threads.spawn(|| write_product(narrow, &top.join("narrow"), ProductOptions::default(), &gauge));
         while !work.is_finished() {
             // Here a host would draw a bar, and call `gauge.stop()` if its user has enough.
             std::thread::sleep(Duration::from_millis(20));
@@ -42,7 +42,12 @@ fn main() -> Result<()> {
 }
 
 /// Simulates a scene and writes its product folder, byte for byte as the command does.
-pub(crate) fn write_product(subject: Subject, target: &Path, options: Options, gauge: &Gauge) -> Result<Written> {
+pub(crate) fn write_product(
+    subject: Subject,
+    target: &Path,
+    options: ProductOptions,
+    gauge: &Gauge,
+) -> Result<Written> {
     let (date, began) = (SystemTime::now(), Instant::now());
     let folder = ProductFolder::stage(target, false, options)?;
     // The library reads no clock: what `run.json` says is known here.

@@ -11,7 +11,7 @@
 //! use glam::{DMat3, DVec3};
 //! use mmxrt::geometry::{Direction, FrameCamera, MaterialId, Mesh, Pose};
 //! use mmxrt::progress::unwatched;
-//! use mmxrt::scene::{Exposure, Material, Models, Parts, Photometry, Sky, Sun, Surface, Thermal};
+//! use mmxrt::scene::{Exposure, Material, Models, SceneParts, Photometry, Sky, Sun, Surface, Thermal};
 //! use mmxrt::spectral::{Band, Spectrum};
 //! use mmxrt::units::AU_M;
 //!
@@ -42,7 +42,7 @@
 //!     irradiance_1au: Spectrum::constant(700.0),
 //!     total_irradiance_1au_w_m2: 1361.0,
 //! };
-//! let scene = Parts {
+//! let scene = SceneParts {
 //!     surface: Surface { origin_m: DVec3::new(0.0, 0.0, 11_000.0), mesh, materials: vec![grey], textures: vec![] },
 //!     sky: Sky { sun, mars: None, beams: vec![] },
 //!     models: Models { thermal: Thermal::Off, ..Models::default() },

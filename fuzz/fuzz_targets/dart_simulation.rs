@@ -59,8 +59,8 @@ fn taken(folder: &Path, simulation: &dart::Simulation, options: &dart::ReadOptio
     told(dart::terrain(simulation, &folder));
     let options = dart::SceneOptions::default();
     if let Some(converted) = told(dart::to_scene(simulation, &folder, &options, &unwatched)) {
-        for target in [dart::Target::V5_7_4, dart::Target::V5_11_0] {
-            told(dart::from_scene(&converted.scene, &dart::WriteOptions { target, ..Default::default() }));
+        for target in [dart::TargetVersion::V5_7_4, dart::TargetVersion::V5_11_0] {
+            told(dart::from_scene(&converted.scene, &dart::SimulationOptions { target, ..Default::default() }));
         }
     }
 }

@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 
 use files::told;
 use libfuzzer_sys::fuzz_target;
-use mmxrt::formats::report_json::{Report, Run};
+use mmxrt::formats::report_json::{ProductReport, Run};
 use mmxrt::formats::{exr_cube, npz, quicklook, report_json};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
@@ -58,7 +58,7 @@ fuzz_target!(|data: &[u8]| {
         4 => {
             write(bytes);
             told(report_json::read::<serde_json::Value>(&path));
-            told(report_json::read::<Report>(&path));
+            told(report_json::read::<ProductReport>(&path));
             told(report_json::read::<Run>(&path));
         }
         _ => {

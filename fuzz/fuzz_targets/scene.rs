@@ -28,7 +28,7 @@ fuzz_target!(|data: &[u8]| {
         let _ = study::dry_run(&file.scene);
         ColouredMesh::of_scene(&file.scene, &path, &mut Report::default());
         if file.scene.exposure.bands.len() < 1000 {
-            told(dart::from_scene(&file.scene, &dart::WriteOptions::default()));
+            told(dart::from_scene(&file.scene, &dart::SimulationOptions::default()));
         }
     });
 });

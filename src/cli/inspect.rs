@@ -7,7 +7,7 @@ use mmxrt::formats::convert::{self, Content};
 use mmxrt::formats::dart::output;
 use mmxrt::formats::located::Document;
 use mmxrt::formats::mtl::{self, ObjMaterial};
-use mmxrt::formats::report_json::{self, Report, Run};
+use mmxrt::formats::report_json::{self, ProductReport, Run};
 use mmxrt::formats::spectrum_csv::{self, Quantity};
 use mmxrt::formats::{envi, exr_cube, gltf, npz, obj, pixel, product_folder, radiance_map, recipe_toml, registry};
 use mmxrt::job::{self, SpectrumSheet, Survey};
@@ -388,7 +388,7 @@ fn report(path: &Path) -> Result<Facts> {
         groups.dedup();
         return Ok(vec![("kind", json!("oracles")), ("count", json!(oracles.len())), ("groups", json!(groups))]);
     }
-    let report: Report = report_json::read(path)?;
+    let report: ProductReport = report_json::read(path)?;
     Ok(vec![
         ("kind", json!("report")),
         ("mmxrt", json!(report.mmxrt)),

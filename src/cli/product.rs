@@ -6,8 +6,8 @@ use clap::ValueEnum;
 use mmxrt::Result;
 use mmxrt::formats::Subject;
 use mmxrt::formats::envi::{Interleave, Precision};
-use mmxrt::formats::product_folder::{Options, ProductFolder, Written};
-use mmxrt::formats::report_json::Image;
+use mmxrt::formats::product_folder::{ProductFolder, ProductOptions, Written};
+use mmxrt::formats::report_json::ImageEntry;
 
 use super::console::Console;
 
@@ -67,7 +67,8 @@ impl ProductArguments {
             PrecisionName::F32 => Precision::F32,
             PrecisionName::F64 => Precision::F64,
         };
-        let options = Options { interleave, precision, exr: self.exr, footprints: self.footprints, table, split };
+        let options =
+            ProductOptions { interleave, precision, exr: self.exr, footprints: self.footprints, table, split };
         ProductFolder::stage(&self.output, self.force, options)
     }
 
@@ -84,7 +85,7 @@ impl ProductArguments {
         }
         say_defaults(&product.subject, console);
         report.warnings.iter().for_each(|warning| console.note(&format!("warning: {warning}")));
-        let Image { samples, lines, bands, .. } = report.image;
+        let ImageEntry { samples, lines, bands, .. } = report.image;
         let text = format!("{output}: {samples} x {lines} pixels, {bands} bands");
         let json = serde_json::json!({
             "product": output, "image": report.image, "defaults": report.defaults, "warnings": report.warnings

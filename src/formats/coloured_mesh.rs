@@ -10,7 +10,7 @@ use crate::geometry::{Direction, FrameCamera, Mesh, Pose, body_from_site, signed
 use crate::physics::reflectance::kirchhoff_emissivity;
 use crate::physics::srgb::hex_from_linear;
 use crate::report::{Fate, Report};
-use crate::scene::{Exposure, Material, Models, Parts, Photometry, Scene, Sky, Sun, Surface, Thermal};
+use crate::scene::{Exposure, Material, Models, Photometry, Scene, SceneParts, Sky, Sun, Surface, Thermal};
 use crate::spectral::{Band, Spectrum, solar_e490};
 use crate::units::{AU_M, TSI_1AU_W_M2};
 
@@ -89,7 +89,7 @@ impl ColouredMesh {
     /// A scene to begin with, in the mesh's axes: all that a mesh does not say is taken to be something, and noted.
     ///
     /// # Errors
-    /// [`Error::Invalid`] if the mesh has no area, or makes no scene, as [`Parts::check`] says.
+    /// [`Error::Invalid`] if the mesh has no area, or makes no scene, as [`SceneParts::check`] says.
     pub fn into_scene(self, path: &Path, pose: Option<NamedPose>, report: &mut Report) -> Result<Scene> {
         let mut taken = |item: &str, what: String| {
             report.note(Fate::Defaulted, Location::file(path).with_item(item), what);
@@ -164,7 +164,7 @@ impl ColouredMesh {
         taken("sensor", format!("{PIXELS} x {PIXELS} pixels that hold the mesh, one band at 1 um"));
         // The sphere around the mesh fills the image.
         let pitch = 2.0 / (AWAY * AWAY - 1.0).sqrt() / f64::from(PIXELS);
-        Parts {
+        SceneParts {
             surface: Surface { origin_m, mesh: self.mesh, materials, textures: vec![] },
             sky: Sky {
                 sun: Sun {
@@ -198,12 +198,12 @@ pub fn in_body_axes(scene: Scene) -> Result<Scene> {
             "radial needs an origin away from the body's centre: give --origin-m",
         ));
     };
-    let Parts { mut surface, mut sky, mut exposure, models } = scene.into_parts();
+    let SceneParts { mut surface, mut sky, mut exposure, models } = scene.into_parts();
     surface.mesh.vertices_m.iter_mut().for_each(|v| *v = body_from_site * *v);
     sky.sun.direction = Direction::new(body_from_site * sky.sun.direction.vec()).unwrap_or(sky.sun.direction);
     let pose = &mut exposure.camera.world_from_sensor;
     *pose = Pose { rotation: body_from_site * pose.rotation, translation_m: body_from_site * pose.translation_m };
-    Parts { surface, sky, exposure, models }.check()
+    SceneParts { surface, sky, exposure, models }.check()
 }
 
 /// Facets that a place for the camera is judged by.

@@ -18,7 +18,7 @@ use crate::progress::Watch;
 use crate::spectral::Band;
 
 use super::envi::DataType;
-use super::flat::{Flat, FlatFile, Order};
+use super::flat::{AxisOrder, Flat, FlatFile};
 
 /// The name of a band's channel, to 1e-6 nm.
 pub fn channel_name(band: &Band) -> String {
@@ -70,7 +70,7 @@ pub fn write(path: &Path, cube: &Cube, description: &str, watch: Watch<'_>) -> R
 
 /// How the numbers of a file lie behind its [`head`]: rows, columns and channels.
 pub(super) fn flat(size: [usize; 3]) -> Flat {
-    Flat { has_heads: true, ..Flat::new(size, DataType::F32, Order::RowBandColumn) }
+    Flat { has_heads: true, ..Flat::new(size, DataType::F32, AxisOrder::RowBandColumn) }
 }
 
 /// What a file says of itself.

@@ -16,7 +16,7 @@ const PIECE: usize = 1 << 20;
 
 /// Order of the axes, slowest first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Order {
+pub(super) enum AxisOrder {
     /// Band, row, column: a band in one piece.
     BandRowColumn,
     /// Band, column, row: the same in Fortran's order.
@@ -27,12 +27,12 @@ pub(super) enum Order {
     RowColumnBand,
 }
 
-impl From<Interleave> for Order {
+impl From<Interleave> for AxisOrder {
     fn from(interleave: Interleave) -> Self {
         match interleave {
-            Interleave::Bsq => Order::BandRowColumn,
-            Interleave::Bil => Order::RowBandColumn,
-            Interleave::Bip => Order::RowColumnBand,
+            Interleave::Bsq => AxisOrder::BandRowColumn,
+            Interleave::Bil => AxisOrder::RowBandColumn,
+            Interleave::Bip => AxisOrder::RowColumnBand,
         }
     }
 }
@@ -47,14 +47,14 @@ pub(super) struct Flat {
     pub(super) start: u64,
     pub(super) data_type: DataType,
     pub(super) big_endian: bool,
-    pub(super) order: Order,
-    /// Whether each row of [`Order::RowBandColumn`] has a head when it is written, as in OpenEXR: its number and its bytes, each an i32.
+    pub(super) order: AxisOrder,
+    /// Whether each row of [`AxisOrder::RowBandColumn`] has a head when it is written, as in OpenEXR: its number and its bytes, each an i32.
     pub(super) has_heads: bool,
 }
 
 impl Flat {
     /// Little-endian numbers from the file's first byte on.
-    pub(super) fn new([rows, columns, bands]: [usize; 3], data_type: DataType, order: Order) -> Self {
+    pub(super) fn new([rows, columns, bands]: [usize; 3], data_type: DataType, order: AxisOrder) -> Self {
         Flat { rows, columns, bands, start: 0, data_type, big_endian: false, order, has_heads: false }
     }
 
@@ -66,7 +66,7 @@ impl Flat {
 
     /// Whether a band lies in one piece.
     pub(super) fn is_banded(&self) -> bool {
-        matches!(self.order, Order::BandRowColumn | Order::BandColumnRow) || self.bands == 1
+        matches!(self.order, AxisOrder::BandRowColumn | AxisOrder::BandColumnRow) || self.bands == 1
     }
 
     /// Reads some bands, [band, row, column].
@@ -88,8 +88,8 @@ impl Flat {
         let pixels = rows * columns;
         let mut numbers = Vec::new();
         match self.order {
-            Order::BandRowColumn => run.read(bands.start * pixels, values)?,
-            Order::BandColumnRow => {
+            AxisOrder::BandRowColumn => run.read(bands.start * pixels, values)?,
+            AxisOrder::BandColumnRow => {
                 let step = (PIECE / 8 / rows).clamp(1, columns);
                 for (band, values) in bands.zip(values.chunks_exact_mut(pixels)) {
                     for first in (0..columns).step_by(step) {
@@ -101,7 +101,7 @@ impl Flat {
                     }
                 }
             }
-            Order::RowBandColumn => {
+            AxisOrder::RowBandColumn => {
                 numbers.resize(bands.len() * columns, 0.0);
                 for row in 0..rows {
                     run.read((row * self.bands + bands.start) * columns, &mut numbers)?;
@@ -110,7 +110,7 @@ impl Flat {
                     }
                 }
             }
-            Order::RowColumnBand => {
+            AxisOrder::RowColumnBand => {
                 let step = (PIECE / 8 / self.bands).clamp(1, pixels);
                 for first in (0..pixels).step_by(step) {
                     numbers.resize(self.bands * step.min(pixels - first), 0.0);
@@ -164,14 +164,14 @@ impl FlatFile {
             numbers.clear();
             let lines = |band: usize| &values[band * plane..][some.start * columns..some.end * columns];
             match self.flat.order {
-                Order::BandRowColumn | Order::BandColumnRow => {
+                AxisOrder::BandRowColumn | AxisOrder::BandColumnRow => {
                     (0..bands.len()).for_each(|band| numbers.extend_from_slice(lines(band)))
                 }
-                Order::RowBandColumn => some.clone().for_each(|row| {
+                AxisOrder::RowBandColumn => some.clone().for_each(|row| {
                     (0..bands.len())
                         .for_each(|band| numbers.extend_from_slice(&values[band * plane + row * columns..][..columns]))
                 }),
-                Order::RowColumnBand => (some.start * columns..some.end * columns)
+                AxisOrder::RowColumnBand => (some.start * columns..some.end * columns)
                     .for_each(|pixel| numbers.extend(values[pixel..].iter().step_by(plane))),
             }
             bytes.clear();
@@ -187,12 +187,12 @@ impl FlatFile {
         let (all_rows, all_bands) = (self.flat.rows, self.flat.bands);
         let line = columns * data_type.bytes();
         match self.flat.order {
-            Order::BandRowColumn => {
+            AxisOrder::BandRowColumn => {
                 let runs = bytes.chunks_exact((rows.len() * line).max(1));
                 bands.zip(runs).try_for_each(|(band, run)| self.run(band * all_rows + rows.start, 0, run))
             }
-            Order::BandColumnRow => Err(std::io::ErrorKind::Unsupported.into()),
-            Order::RowBandColumn => {
+            AxisOrder::BandColumnRow => Err(std::io::ErrorKind::Unsupported.into()),
+            AxisOrder::RowBandColumn => {
                 let runs = bytes.chunks_exact((bands.len() * line).max(1));
                 rows.zip(runs).try_for_each(|(row, run)| {
                     if has_heads && bands.start == 0 {
@@ -204,8 +204,8 @@ impl FlatFile {
                     self.run(row * all_bands + bands.start, heads, run)
                 })
             }
-            Order::RowColumnBand if bands.len() == all_bands => self.run(rows.start * all_bands, 0, bytes),
-            Order::RowColumnBand => {
+            AxisOrder::RowColumnBand if bands.len() == all_bands => self.run(rows.start * all_bands, 0, bytes),
+            AxisOrder::RowColumnBand => {
                 let size = data_type.bytes();
                 let pixels = rows.start * columns..rows.end * columns;
                 pixels.zip(bytes.chunks_exact((bands.len() * size).max(1))).try_for_each(|(pixel, run)| {

@@ -121,7 +121,7 @@ pub struct Header {
     columns: usize,
     pixel_m: Option<[f64; 2]>,
     bounds: Option<[f64; 4]>,
-    store: Store,
+    store: Storage,
     /// Where it says of which type.
     type_at: Location,
     path: PathBuf,
@@ -129,7 +129,7 @@ pub struct Header {
 
 /// How a map's values are stored.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Store {
+pub struct Storage {
     /// Type of the numbers.
     pub data_type: DataType,
     /// The number that stands for "undefined".
@@ -159,7 +159,7 @@ impl Header {
     }
 
     /// How its values are stored.
-    pub fn store(&self) -> Store {
+    pub fn store(&self) -> Storage {
         self.store
     }
 
@@ -204,18 +204,18 @@ impl Header {
 
 /// Where a map lies.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Place {
+pub struct MapExtent {
     /// The header's box: first and second coordinate of one corner, then of the other.
     bounds: [f64; 4],
     /// x and y of the outer corners, m: first row and column, first row and last column, last row and first column, last of both.
     corners_m: [[f64; 2]; 4],
 }
 
-impl Place {
+impl MapExtent {
     /// A map from the origin on: x runs from row to row, y along a row, as DART has it. `pixel_m` is their extent, m.
     pub fn of_pixels(pixel_m: [f64; 2], rows: usize, columns: usize) -> Self {
         let (x, y) = (rows as f64 * pixel_m[0], columns as f64 * pixel_m[1]);
-        Place { bounds: [0.0, -y, x, 0.0], corners_m: [[0.0, 0.0], [0.0, y], [x, 0.0], [x, y]] }
+        MapExtent { bounds: [0.0, -y, x, 0.0], corners_m: [[0.0, 0.0], [0.0, y], [x, 0.0], [x, y]] }
     }
 }
 
@@ -230,8 +230,8 @@ const ACTIVE: i32 = 2;
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::Syntax`] for a table that is none.
-pub fn place(header: &Header, values_path: &Path) -> Result<Option<Place>> {
-    let mut place = Place::of_pixels(header.pixel_m.unwrap_or([1.0; 2]), header.rows, header.columns);
+pub fn place(header: &Header, values_path: &Path) -> Result<Option<MapExtent>> {
+    let mut place = MapExtent::of_pixels(header.pixel_m.unwrap_or([1.0; 2]), header.rows, header.columns);
     if let Some(bounds) = header.bounds {
         place.bounds = bounds;
     }
@@ -259,7 +259,7 @@ pub fn place(header: &Header, values_path: &Path) -> Result<Option<Place>> {
 }
 
 /// The table `.gr#` of a map's corners.
-pub fn corner_table(rows: usize, columns: usize, place: &Place) -> Vec<u8> {
+pub fn corner_table(rows: usize, columns: usize, place: &MapExtent) -> Vec<u8> {
     let mut bytes = TABLE.to_vec();
     bytes.resize(TABLE_HEAD, 0);
     // A map of more lines would be of 2^31 numbers at least.
@@ -273,7 +273,7 @@ pub fn corner_table(rows: usize, columns: usize, place: &Place) -> Vec<u8> {
 }
 
 /// The header `.mpr` of a real map, as DART writes it; `extremes` are the least and the largest value.
-pub fn header_text(name: &str, rows: usize, columns: usize, place: &Place, extremes: [f64; 2]) -> String {
+pub fn header_text(name: &str, rows: usize, columns: usize, place: &MapExtent, extremes: [f64; 2]) -> String {
     let [a, b, c, d] = place.bounds.map(plain);
     let [least, largest] = extremes.map(|v| if v.is_finite() { six_digits(v) } else { "0".into() });
     format!(
@@ -414,12 +414,12 @@ pub fn parse_header(text: &str, path: &Path) -> Result<Header> {
             let pixel_m =
                 bounds.map(|[x0, y0, x1, y1]| [(x1 - x0).abs() / rows as f64, (y1 - y0).abs() / columns as f64]);
             let store = match (data_type.is_integer(), domain.as_str()) {
-                (false, _) => Store { data_type, undefined: Some(undefined), scale: None },
+                (false, _) => Storage { data_type, undefined: Some(undefined), scale: None },
                 (true, "value.dom") => {
                     let scale = (step_offset != [1.0, 0.0]).then_some(step_offset);
-                    Store { data_type, undefined: Some(undefined), scale }
+                    Storage { data_type, undefined: Some(undefined), scale }
                 }
-                (true, "image.dom") => Store { data_type, undefined: None, scale: None },
+                (true, "image.dom") => Storage { data_type, undefined: None, scale: None },
                 _ => {
                     let at = Location::file(path).with_item("Domain");
                     let feature = format!("a map of the domain {domain}, whose numbers are not values,");

@@ -4,7 +4,7 @@ use crate::units::{ELECTRONVOLT_J, LIGHT_SPEED_M_S, PLANCK_J_S};
 
 /// What a wavelength, or what stands for it, is counted in.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Unit {
+pub(super) enum WaveUnit {
     /// A length of so many of 1 / this.
     PerUm(f64),
     /// A length of so many um.
@@ -17,9 +17,9 @@ pub(super) enum Unit {
     Ev(f64),
 }
 
-impl Unit {
-    pub(super) const MICROMETRES: Unit = Unit::Um(1.0);
-    pub(super) const NANOMETRES: Unit = Unit::PerUm(1e3);
+impl WaveUnit {
+    pub(super) const MICROMETRES: WaveUnit = WaveUnit::Um(1.0);
+    pub(super) const NANOMETRES: WaveUnit = WaveUnit::PerUm(1e3);
 
     /// The unit that a text names: in the singular or the plural, in American or British spelling, in capitals or not, with either of the
     /// two letters that look like a mu, and with the sign that stands for what was no UTF-8.
@@ -27,15 +27,17 @@ impl Unit {
         // Of hertz, capitals tell milli from mega.
         let hertz = [("Hz", 1.0), ("kHz", 1e3), ("MHz", 1e6), ("GHz", 1e9), ("THz", 1e12), ("PHz", 1e15)];
         if let Some((_, hz)) = hertz.iter().find(|(name, _)| *name == text.trim()) {
-            return Some(Unit::Hz(*hz));
+            return Some(WaveUnit::Hz(*hz));
         }
         // UTF-8 that was taken for Latin-1 has a letter before the sign.
         let text = text.trim().trim_start_matches('\u{c2}');
         let plain = text.to_lowercase().replace("metre", "meter").replace(['\u{3bc}', '\u{fffd}'], "\u{b5}");
         let plain = plain.strip_suffix("meters").map_or(plain.clone(), |stem| format!("{stem}meter"));
         Some(match plain.as_str() {
-            "um" | "\u{b5}m" | "micron" | "microns" | "micrometer" | "mum" | "mu" | "\u{b5}" | "mkm" => Unit::Um(1.0),
-            "nm" | "nanometer" | "nanos" | "millimicron" | "millimicrons" => Unit::PerUm(1e3),
+            "um" | "\u{b5}m" | "micron" | "microns" | "micrometer" | "mum" | "mu" | "\u{b5}" | "mkm" => {
+                WaveUnit::Um(1.0)
+            }
+            "nm" | "nanometer" | "nanos" | "millimicron" | "millimicrons" => WaveUnit::PerUm(1e3),
             "a"
             | "\u{e5}"
             | "\u{212b}"
@@ -44,11 +46,11 @@ impl Unit {
             | "angstroms"
             | "\u{e5}ngstr\u{f6}m"
             | "\u{e5}ngstr\u{f6}ms"
-            | "angstr\u{f6}m" => Unit::PerUm(1e4),
-            "pm" | "picometer" => Unit::PerUm(1e6),
-            "mm" | "millimeter" => Unit::Um(1e3),
-            "cm" | "centimeter" => Unit::Um(1e4),
-            "m" | "meter" => Unit::Um(1e6),
+            | "angstr\u{f6}m" => WaveUnit::PerUm(1e4),
+            "pm" | "picometer" => WaveUnit::PerUm(1e6),
+            "mm" | "millimeter" => WaveUnit::Um(1e3),
+            "cm" | "centimeter" => WaveUnit::Um(1e4),
+            "m" | "meter" => WaveUnit::Um(1e6),
             "wavenumber"
             | "wavenumbers"
             | "wave number"
@@ -61,13 +63,13 @@ impl Unit {
             | "inverse centimeter"
             | "reciprocal centimeter"
             | "inverse cm"
-            | "/cm" => Unit::Waves(1e4),
-            "ev" | "electronvolt" | "electronvolts" | "electron volt" => Unit::Ev(1.0),
-            "kev" => Unit::Ev(1e3),
-            "hz" | "hertz" => Unit::Hz(1.0),
-            "ghz" | "gigahertz" => Unit::Hz(1e9),
-            "mhz" | "megahertz" => Unit::Hz(1e6),
-            "thz" | "terahertz" => Unit::Hz(1e12),
+            | "/cm" => WaveUnit::Waves(1e4),
+            "ev" | "electronvolt" | "electronvolts" | "electron volt" => WaveUnit::Ev(1.0),
+            "kev" => WaveUnit::Ev(1e3),
+            "hz" | "hertz" => WaveUnit::Hz(1.0),
+            "ghz" | "gigahertz" => WaveUnit::Hz(1e9),
+            "mhz" | "megahertz" => WaveUnit::Hz(1e6),
+            "thz" | "terahertz" => WaveUnit::Hz(1e12),
             _ => return None,
         })
     }
@@ -75,11 +77,11 @@ impl Unit {
     /// The wavelength that a number stands for, um; `None` for what is no wavelength.
     pub(super) fn um(self, number: f64) -> Option<f64> {
         let um = match self {
-            Unit::PerUm(per_um) => number / per_um,
-            Unit::Um(um) => number * um,
-            Unit::Waves(um) => um / number,
-            Unit::Hz(hz) => 1e6 * LIGHT_SPEED_M_S / (number * hz),
-            Unit::Ev(ev) => 1e6 * PLANCK_J_S * LIGHT_SPEED_M_S / (number * ev * ELECTRONVOLT_J),
+            WaveUnit::PerUm(per_um) => number / per_um,
+            WaveUnit::Um(um) => number * um,
+            WaveUnit::Waves(um) => um / number,
+            WaveUnit::Hz(hz) => 1e6 * LIGHT_SPEED_M_S / (number * hz),
+            WaveUnit::Ev(ev) => 1e6 * PLANCK_J_S * LIGHT_SPEED_M_S / (number * ev * ELECTRONVOLT_J),
         };
         um.is_finite().then_some(um)
     }
@@ -87,10 +89,10 @@ impl Unit {
     /// The width, um, of what is `width` wide around `centre`, both in this unit.
     pub(super) fn width_um(self, centre: f64, width: f64) -> Option<f64> {
         match self {
-            Unit::PerUm(_) | Unit::Um(_) => self.um(width),
+            WaveUnit::PerUm(_) | WaveUnit::Um(_) => self.um(width),
             // From end to end.
-            Unit::Waves(_) | Unit::Hz(_) | Unit::Ev(_) if width == 0.0 => Some(0.0),
-            Unit::Waves(_) | Unit::Hz(_) | Unit::Ev(_) => {
+            WaveUnit::Waves(_) | WaveUnit::Hz(_) | WaveUnit::Ev(_) if width == 0.0 => Some(0.0),
+            WaveUnit::Waves(_) | WaveUnit::Hz(_) | WaveUnit::Ev(_) => {
                 let [from, to] = [centre - 0.5 * width, centre + 0.5 * width].map(|end| self.um(end));
                 from.zip(to).map(|(from, to)| from - to).filter(|um| *um > 0.0)
             }
@@ -110,7 +112,7 @@ mod tests {
 
     #[test]
     fn a_unit_is_known_in_every_spelling() {
-        let um = |unit: &str, number: f64| Unit::of(unit).unwrap_or_else(|| panic!("{unit}")).um(number).unwrap();
+        let um = |unit: &str, number: f64| WaveUnit::of(unit).unwrap_or_else(|| panic!("{unit}")).um(number).unwrap();
         for unit in [
             "um",
             "\u{b5}m",
@@ -135,16 +137,16 @@ mod tests {
         assert_eq!((um("Wavenumber", 1000.0), um("cm-1", 1e4), um("1/cm", 5000.0)), (10.0, 1.0, 2.0));
         assert!(
             (um("GHz", 299.792458) / 1000.0 - 1.0).abs() < 1e-15
-                && Unit::of("index").is_none()
-                && Unit::of("").is_none()
+                && WaveUnit::of("index").is_none()
+                && WaveUnit::of("").is_none()
         );
     }
 
     #[test]
     fn a_width_in_waves_is_that_from_end_to_end() {
         // 995 to 1005 cm-1: 10.050251256 to 9.950248756 um.
-        let width = Unit::Waves(1e4).width_um(1000.0, 10.0).unwrap();
+        let width = WaveUnit::Waves(1e4).width_um(1000.0, 10.0).unwrap();
         assert!((width - 0.100_002_500_06).abs() < 1e-10, "{width}");
-        assert_eq!(Unit::PerUm(1e3).width_um(500.0, 10.0), Some(0.01));
+        assert_eq!(WaveUnit::PerUm(1e3).width_um(500.0, 10.0), Some(0.01));
     }
 }

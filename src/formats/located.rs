@@ -60,13 +60,13 @@ pub struct Document {
     path: PathBuf,
     text: String,
     tree: Value,
-    places: BTreeMap<String, Place>,
+    places: BTreeMap<String, Spans>,
     /// What cannot be used of the text itself; the first of it, and one more if there is more.
     problems: Vec<Problem>,
 }
 
 #[derive(Debug, Clone)]
-struct Place {
+struct Spans {
     key: Range<usize>,
     value: Range<usize>,
 }
@@ -121,7 +121,7 @@ impl Document {
                 self.refuse(text, at, path, || format!("a name of {} bytes, with those around it", item.len()));
                 continue;
             }
-            self.places.insert(item.clone(), Place { key: key.span(), value: value.span() });
+            self.places.insert(item.clone(), Spans { key: key.span(), value: value.span() });
             map.insert(key.get_ref().to_string(), self.value(value, &item, text));
         }
         Value::Object(map)
@@ -136,7 +136,7 @@ impl Document {
             DeValue::Array(array) => {
                 let elements = array.iter().enumerate().map(|(i, element)| {
                     let item = format!("{item}[{i}]");
-                    self.places.insert(item.clone(), Place { key: element.span(), value: element.span() });
+                    self.places.insert(item.clone(), Spans { key: element.span(), value: element.span() });
                     self.value(element, &item, text)
                 });
                 return Value::Array(elements.collect());

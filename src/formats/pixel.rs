@@ -12,7 +12,7 @@ use super::registry;
 
 /// What a product says of one pixel.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Pixel {
+pub struct PixelValues {
     /// Its place in a line, from 0.
     pub sample: usize,
     /// Its line, from 0.
@@ -35,7 +35,7 @@ pub struct Pixel {
 ///
 /// # Errors
 /// [`Error::Invalid`] for a pixel beyond the image, and for a folder that is no product; those of reading its images.
-pub fn read(folder: &Path, sample: usize, line: usize) -> Result<Pixel> {
+pub fn read(folder: &Path, sample: usize, line: usize) -> Result<PixelValues> {
     folder.metadata().map_err(|e| Error::io(folder, "reading", e))?;
     let cube = folder.join("cube.img");
     if !cube.is_file() {
@@ -53,7 +53,7 @@ pub fn read(folder: &Path, sample: usize, line: usize) -> Result<Pixel> {
     let thermal = folder.join("thermal.img");
     let thermal = if thermal.is_file() { Some(spectrum(&thermal, sample, line)?) } else { None };
     let planes = spectrum(&folder.join("backplanes.img"), sample, line)?;
-    Ok(Pixel {
+    Ok(PixelValues {
         sample,
         line,
         names: radiance.iter().map(|b| b.name.clone()).collect(),
@@ -100,7 +100,7 @@ fn spectrum(path: &Path, sample: usize, line: usize) -> Result<Vec<AtPixel>> {
     Ok(bands)
 }
 
-impl Pixel {
+impl PixelValues {
     /// Names and values of what is known in each band: the radiance and, if it is known, what of it is reflected and emitted.
     pub fn columns(&self) -> Vec<(&'static str, Vec<f64>)> {
         let total = &self.radiance_w_m2_sr_um;

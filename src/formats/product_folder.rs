@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::envi::{self, Interleave, Precision};
 use super::folder::Staged;
-use super::report_json::{self, BandEntry, Image, Input, Report, Run};
+use super::report_json::{self, BandEntry, ImageEntry, Input, ProductReport, Run};
 use super::subject::Subject;
 use super::{exr_cube, machine, npz, quicklook};
 use crate::error::{Error, Location, Problem, Result};
@@ -15,7 +15,7 @@ use crate::study::{self, Check, MapAccount, Observation};
 
 /// How a product is written, and what of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Options {
+pub struct ProductOptions {
     /// Order of the cube's numbers.
     pub interleave: Interleave,
     /// Precision of the cube's numbers.
@@ -30,10 +30,10 @@ pub struct Options {
     pub split: bool,
 }
 
-impl Default for Options {
+impl Default for ProductOptions {
     /// Band by band in single precision, and nothing besides.
     fn default() -> Self {
-        Options {
+        ProductOptions {
             interleave: Interleave::Bsq,
             precision: Precision::F32,
             exr: false,
@@ -63,7 +63,7 @@ pub struct Product {
 #[derive(Debug)]
 pub struct ProductFolder {
     staged: Staged,
-    options: Options,
+    options: ProductOptions,
 }
 
 /// What has been written.
@@ -72,7 +72,7 @@ pub struct Written {
     /// What it was written from.
     pub product: Product,
     /// Its report.
-    pub report: Report,
+    pub report: ProductReport,
     /// What other programs had put into the folder that was replaced, and was kept: names in it.
     pub kept: Vec<PathBuf>,
 }
@@ -82,12 +82,12 @@ impl ProductFolder {
     ///
     /// # Errors
     /// Those of [`Staged::folder`].
-    pub fn stage(target: &Path, replace: bool, options: Options) -> Result<Self> {
+    pub fn stage(target: &Path, replace: bool, options: ProductOptions) -> Result<Self> {
         Ok(ProductFolder { staged: Staged::folder(target, replace)?, options })
     }
 
     /// How it will be written, and what of it.
-    pub fn options(&self) -> &Options {
+    pub fn options(&self) -> &ProductOptions {
         &self.options
     }
 
@@ -102,7 +102,7 @@ impl ProductFolder {
         more_inputs: impl IntoIterator<Item = &'a PathBuf>,
         has_maps: bool,
     ) -> Result<()> {
-        let Options { precision, exr, split, table, .. } = self.options;
+        let ProductOptions { precision, exr, split, table, .. } = self.options;
         if has_maps && (split || table) {
             let message = "neither a facet table nor a thermal part belongs to what maps send";
             return Err(Error::invalid(Location::item("options"), message));
@@ -132,9 +132,9 @@ impl ProductFolder {
         Ok(Written { product, report, kept })
     }
 
-    fn write_files(&self, product: &Product, run: impl FnOnce() -> Run, watch: Watch<'_>) -> Result<Report> {
+    fn write_files(&self, product: &Product, run: impl FnOnce() -> Run, watch: Watch<'_>) -> Result<ProductReport> {
         let file = |name: &str| self.staged.path().join(name);
-        let Options { interleave, precision, exr, table: with_table, split, .. } = self.options;
+        let ProductOptions { interleave, precision, exr, table: with_table, split, .. } = self.options;
         let Product { subject, table, observation, .. } = product;
         let (cube, planes) = (&observation.cube, &observation.backplanes);
         let coverage = planes.plane("COVERAGE").map_or(&[][..], |plane| &plane.values);
@@ -203,16 +203,16 @@ fn verify(checks: &[Check], table: Option<&Path>) -> Result<()> {
 }
 
 /// What is said of a product.
-fn report(product: &Product, coverage: &[f64]) -> Report {
+fn report(product: &Product, coverage: &[f64]) -> ProductReport {
     let Product { subject, observation, maps, .. } = product;
     let cube = &observation.cube;
     let band_um = |band: Option<&Band>| band.map_or(0.0, |b| b.centre_um);
-    Report {
+    ProductReport {
         format_version: report_json::FORMAT_VERSION,
         mmxrt: env!("CARGO_PKG_VERSION").to_owned(),
         scene: subject.id.clone(),
         inputs: subject.inputs.iter().map(Input::from).collect(),
-        image: Image {
+        image: ImageEntry {
             samples: cube.samples as u64,
             lines: cube.lines as u64,
             bands: cube.bands.len() as u64,

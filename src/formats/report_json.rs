@@ -25,7 +25,7 @@ pub const FORMAT_VERSION: u32 = 1;
 /// What a product is made of, and how good it is.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Report {
+pub struct ProductReport {
     /// Version of this format.
     pub format_version: u32,
     /// Version of mmxrt.
@@ -35,7 +35,7 @@ pub struct Report {
     /// Every file the result depends on.
     pub inputs: Vec<Input>,
     /// Size of the image.
-    pub image: Image,
+    pub image: ImageEntry,
     /// Its bands, if one of them is not Gaussian or monochromatic, has not both sunlight and heat, or is cut.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub bands: Vec<BandEntry>,
@@ -77,7 +77,7 @@ impl From<&InputFile> for Input {
 /// Size of an image.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Image {
+pub struct ImageEntry {
     /// Pixels in a line.
     pub samples: u64,
     /// Lines.
@@ -244,9 +244,9 @@ pub struct Stage {
     pub wall_s: f64,
 }
 
-/// JSON Schema of [`Report`].
+/// JSON Schema of [`ProductReport`].
 pub fn report_schema() -> Schema {
-    schemars::schema_for!(Report)
+    schemars::schema_for!(ProductReport)
 }
 
 /// JSON Schema of [`Run`].
@@ -265,7 +265,7 @@ pub fn write(path: &Path, value: &impl Serialize) -> Result<()> {
     file.write_all(text.as_bytes()).and_then(|()| file.write_all(b"\n")).map_err(io)
 }
 
-/// Reads a [`Report`] or a [`Run`].
+/// Reads a [`ProductReport`] or a [`Run`].
 ///
 /// # Errors
 /// [`Error::Io`], or [`Error::Syntax`] at the place that is not of its format.

@@ -3,7 +3,7 @@
 //! Units stand in brackets, or behind the name: `Reflectance (percent)`, `irradiance_w_m2_nm`, `wavenumber_cm-1`. What is stated and not
 //! understood is never passed over: the numbers would be taken for others.
 
-use super::length;
+use super::length::{self, WaveUnit};
 use super::radiance_map::unit::Unit as Dimension;
 
 /// Quantities, and what people call them.
@@ -215,9 +215,9 @@ fn w_m2_um(unit: &Dimension) -> Option<f64> {
 ///
 /// # Errors
 /// What is wrong with it, and what to do: a unit that is not known, or none for what is no wavelength.
-pub(super) fn of_wavelength(cell: &str) -> Result<Option<length::Unit>, (String, String)> {
+pub(super) fn of_wavelength(cell: &str) -> Result<Option<WaveUnit>, (String, String)> {
     let (_, inner) = bracketed(cell);
-    if let Some(unit) = inner.filter(|inner| !inner.is_empty()).and_then(length::Unit::of)
+    if let Some(unit) = inner.filter(|inner| !inner.is_empty()).and_then(WaveUnit::of)
         && !inner.is_some_and(is_wave_name)
     {
         return Ok(Some(unit));
@@ -235,7 +235,7 @@ pub(super) fn of_wavelength(cell: &str) -> Result<Option<length::Unit>, (String,
         pieces.iter().copied().filter(|piece| !is_wave_name(piece) && !is_harmless(piece)).collect();
     // In a sentence `a` is an article.
     let is_unit = |piece: &&str| *piece != "a" || others.len() == 1;
-    let unit = others.iter().copied().filter(is_unit).find_map(length::Unit::of);
+    let unit = others.iter().copied().filter(is_unit).find_map(WaveUnit::of);
     let help = || format!("units are {WAVE_UNITS}, as in `wavelength_nm` or `wavenumber_cm-1`");
     match (unit, names.first()) {
         (Some(unit), _) => Ok(Some(unit)),
@@ -250,7 +250,7 @@ pub(super) fn of_wavelength(cell: &str) -> Result<Option<length::Unit>, (String,
 /// Whether a heading begins with what wavelengths are called, or is a unit of them.
 pub(super) fn is_of_wavelength(cell: &str) -> bool {
     let first = cell.split(|c: char| !c.is_alphanumeric()).next().unwrap_or_default();
-    is_wave_name(first) || length::Unit::of(cell).is_some()
+    is_wave_name(first) || WaveUnit::of(cell).is_some()
 }
 
 fn is_wavelength_name(word: &str) -> bool {

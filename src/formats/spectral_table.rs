@@ -14,7 +14,7 @@ use crate::error::{Error, Location, Problem, Result, number};
 use crate::report::{Fate, Report};
 
 use super::input::Problems;
-use super::length;
+use super::length::{self, WaveUnit};
 use super::spectral_heading::{Unit, WAVE_UNITS, is_of_wavelength, of_column, of_wavelength};
 use super::table::place;
 
@@ -52,7 +52,7 @@ pub(super) struct SpectralTable<'a> {
     pub(super) wavelength_um: Vec<f64>,
     pub(super) columns: Vec<TableColumn<'a>>,
     /// The unit of wavelengths that it states, or that was taken.
-    pub(super) wave_unit: length::Unit,
+    pub(super) wave_unit: WaveUnit,
     /// How its layout says percent.
     pub(super) percent_help: &'static str,
     /// What was taken that the text does not say.
@@ -83,7 +83,7 @@ pub(super) fn wavelengths(text: &str, path: &Path) -> Result<Vec<f64>> {
     let (title, values) = one_column(&lines, text, path)?;
     let values: Vec<f64> = values.iter().map(|v| v.map_or(f64::NAN, |v| v.0)).collect();
     let words = length::words(title);
-    let stated = words.iter().filter(|word| word.len() > 1).find_map(|word| length::Unit::of(word));
+    let stated = words.iter().filter(|word| word.len() > 1).find_map(|word| WaveUnit::of(word));
     let stated = stated.or_else(|| plain_unit(&values));
     let Some(unit) = stated else {
         return Err(Error::invalid(place(path, text, title), "does not state the unit of its wavelengths"));
@@ -92,11 +92,11 @@ pub(super) fn wavelengths(text: &str, path: &Path) -> Result<Vec<f64>> {
 }
 
 /// The unit that numbers have if they are wavelengths of light.
-fn plain_unit(values: &[f64]) -> Option<length::Unit> {
+fn plain_unit(values: &[f64]) -> Option<WaveUnit> {
     let all_in = |range: std::ops::RangeInclusive<f64>| values.iter().all(|v| range.contains(v));
     match () {
-        () if all_in(UM) => Some(length::Unit::MICROMETRES),
-        () if all_in(NM) => Some(length::Unit::NANOMETRES),
+        () if all_in(UM) => Some(WaveUnit::MICROMETRES),
+        () if all_in(NM) => Some(WaveUnit::NANOMETRES),
         () => None,
     }
 }
@@ -356,7 +356,7 @@ fn headings(line: &str, count: usize) -> Vec<&str> {
 }
 
 /// The unit of wavelengths that do not say it, by their size; told.
-fn guessed(text: &str, path: &Path, cell: &str, rows: &[Vec<&str>], report: &mut Report) -> Result<length::Unit> {
+fn guessed(text: &str, path: &Path, cell: &str, rows: &[Vec<&str>], report: &mut Report) -> Result<WaveUnit> {
     let at = place(path, text, cell);
     let values: Vec<f64> = rows.iter().filter_map(|row| row.first()?.parse().ok()).collect();
     let Some(unit) = plain_unit(&values).filter(|_| !values.is_empty()) else {
@@ -369,7 +369,7 @@ fn guessed(text: &str, path: &Path, cell: &str, rows: &[Vec<&str>], report: &mut
         "no unit of wavelengths is stated; from {} to {} they are taken as {}",
         number(low),
         number(high),
-        if unit == length::Unit::MICROMETRES { "um" } else { "nm" }
+        if unit == WaveUnit::MICROMETRES { "um" } else { "nm" }
     );
     report.note(Fate::Defaulted, at, message);
     Ok(unit)
@@ -431,7 +431,7 @@ fn values_alone<'a>(
         header: title,
         wavelength_um,
         columns: vec![column],
-        wave_unit: length::Unit::MICROMETRES,
+        wave_unit: WaveUnit::MICROMETRES,
         percent_help: "divide them by 100 if these are percent",
         report,
     })
@@ -442,7 +442,7 @@ fn assembled<'a>(
     text: &'a str,
     path: &Path,
     header: &'a str,
-    unit: length::Unit,
+    unit: WaveUnit,
     columns: &[(&'a str, &'a str)],
     rows: &[Vec<&'a str>],
     mut report: Report,

@@ -18,7 +18,7 @@ use crate::report::{Fate, Report};
 use crate::spectral::{Column, Extend, SpectralLibrary, Spectrum};
 use crate::units::fraction_from_percent;
 
-use super::dart::kind::{Kind, outside, range};
+use super::dart::kind::{TableKind, outside, range};
 use super::dart::text_spectra;
 use super::folder::Staged;
 use super::format::{Format, Holds};
@@ -473,7 +473,7 @@ const IRRADIANCE_W_M2_UM: &str = "irradiance_w_m2_um";
 /// Whether columns are quantities of one material, not names of several.
 fn of_one_material<'a>(names: impl Iterator<Item = &'a str> + Clone) -> bool {
     let is_quantity = |name: &str| name == IRRADIANCE_W_M2_UM || FRACTIONS.contains(&name);
-    Kind::of(names.clone()) != Kind::Other || names.clone().any(is_quantity)
+    TableKind::of(names.clone()) != TableKind::Other || names.clone().any(is_quantity)
 }
 
 /// A column's name without what says that it is in percent.

@@ -8,7 +8,7 @@ use crate::spectral::{Column, SpectralLibrary};
 use super::dart::kind::{is_known, outside, range, same};
 use super::format::ending;
 use super::input::Problems;
-use super::length;
+use super::length::WaveUnit;
 
 /// Endings of tables of text, besides `.csv`.
 const ENDINGS: [&str; 5] = ["txt", "tab", "dat", "asc", "tsv"];
@@ -120,9 +120,9 @@ pub(super) fn numbers(path: &Path, text: &str, rows: &[Row<'_>], columns: &[Read
 }
 
 /// What is to be told of a table in um or nm that has no wavelength between 0.1 and 100 um: it may be in another unit than its header says.
-pub(super) fn doubtful_unit(unit: length::Unit, wavelength_um: &[f64]) -> Option<String> {
+pub(super) fn doubtful_unit(unit: WaveUnit, wavelength_um: &[f64]) -> Option<String> {
     // Nobody takes metres or wavenumbers for either.
-    if ![length::Unit::MICROMETRES, length::Unit::NANOMETRES].contains(&unit) {
+    if ![WaveUnit::MICROMETRES, WaveUnit::NANOMETRES].contains(&unit) {
         return None;
     }
     let (first_um, last_um) = (*wavelength_um.first()?, *wavelength_um.last()?);

@@ -12,19 +12,19 @@ use crate::product::{Backplanes, Plane};
 use crate::scene::{Material, Scene};
 
 /// A plane that every product has.
-struct Kind {
+struct PlaneKind {
     name: &'static str,
     unit: &'static str,
     /// Its value in a pixel that sees something; NaN where it has none.
     value: fn(&Sums) -> f64,
 }
 
-const fn plane(name: &'static str, unit: &'static str, value: fn(&Sums) -> f64) -> Kind {
-    Kind { name, unit, value }
+const fn plane(name: &'static str, unit: &'static str, value: fn(&Sums) -> f64) -> PlaneKind {
+    PlaneKind { name, unit, value }
 }
 
 /// Planes that every product has, in their order.
-const KINDS: [Kind; 30] = [
+const KINDS: [PlaneKind; 30] = [
     plane("COVERAGE", "1", |of| of.coverage),
     plane("LIT_FRACTION", "1", |of| of.lit / of.coverage),
     plane("FACET", "index from 0", |of| f64::from(of.largest.1)),
@@ -69,16 +69,16 @@ struct Sums {
     /// The material with the largest area.
     material: f64,
     /// Where the centre ray meets the surface.
-    centre: Place,
+    centre: SurfacePoint,
     centre_is_lit: f64,
     /// Width of a pixel there, square to the ray, m.
     resolution_m: f64,
     /// The mean of all that is seen.
-    mean: Place,
+    mean: SurfacePoint,
 }
 
 /// A place on the surface, and how it is lit and seen; NaN if there is none.
-struct Place {
+struct SurfacePoint {
     latitude_deg: f64,
     longitude_deg: f64,
     body_m: DVec3,
@@ -92,8 +92,8 @@ struct Place {
     local_emission_rad: f64,
 }
 
-impl Place {
-    const NONE: Place = Place {
+impl SurfacePoint {
+    const NONE: SurfacePoint = SurfacePoint {
         latitude_deg: f64::NAN,
         longitude_deg: f64::NAN,
         body_m: DVec3::NAN,
@@ -217,7 +217,7 @@ impl<'a> Planes<'a> {
         let material = most.fold((0, 0.0), |m, (i, area)| if area > m.1 { (i, area) } else { m }).0;
         let mean_m = position_m / coverage;
         let to_observer = self.scene.exposure.camera.centre_m() - mean_m;
-        let mean = Place {
+        let mean = SurfacePoint {
             range_m: range_m / coverage,
             local_incidence_rad: local_incidence / coverage,
             local_emission_rad: local_emission / coverage,
@@ -225,7 +225,7 @@ impl<'a> Planes<'a> {
         };
         let [x, y] = pixel.site.centre;
         let centre = pixel.centre.map(|facet| self.hit(facet, x, y));
-        let of_centre = |hit: &Hit| Place {
+        let of_centre = |hit: &Hit| SurfacePoint {
             range_m: hit.range_m,
             local_incidence_rad: hit.local_incidence_rad(self),
             local_emission_rad: hit.local_emission_rad(),
@@ -239,23 +239,23 @@ impl<'a> Planes<'a> {
             material: material as f64,
             resolution_m: centre.as_ref().map_or(f64::NAN, |hit| hit.range_m * self.scene.exposure.camera.mean_pitch()),
             centre_is_lit: centre.as_ref().map_or(f64::NAN, |_| f64::from(u8::from(pixel.centre_is_lit))),
-            centre: centre.as_ref().map_or(Place::NONE, of_centre),
+            centre: centre.as_ref().map_or(SurfacePoint::NONE, of_centre),
             mean,
         }
     }
 
     /// A point of the scene, m, by itself: no facet and no range.
-    fn place(&self, point_m: DVec3, to_observer: DVec3) -> Place {
+    fn place(&self, point_m: DVec3, to_observer: DVec3) -> SurfacePoint {
         let body_m = point_m + self.scene.body.origin_m;
         let (latitude_deg, longitude_deg) = planetocentric_deg(body_m);
-        Place {
+        SurfacePoint {
             latitude_deg,
             longitude_deg,
             body_m,
             phase_rad: angle_rad(self.towards_sun, to_observer),
             incidence_rad: angle_rad(body_m, self.towards_sun),
             emission_rad: angle_rad(body_m, to_observer),
-            ..Place::NONE
+            ..SurfacePoint::NONE
         }
     }
 

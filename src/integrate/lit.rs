@@ -2,7 +2,7 @@
 
 use super::parts::{Parts, Polygons, Window};
 use crate::geometry::polygon::{Point, Rect, area, area_and_moment, clip_to_rect};
-use crate::solve::Part;
+use crate::solve::ImagePart;
 use crate::visibility::Drawing;
 use crate::visibility::{Seen, Shown};
 
@@ -36,17 +36,17 @@ impl<'a> LitArea<'a> {
     }
 
     /// The same with its moment; `seen` is all that the window shows.
-    pub(super) fn part(&mut self, facet: u32, window: &Window, seen: Part) -> Part {
+    pub(super) fn part(&mut self, facet: u32, window: &Window, seen: ImagePart) -> ImagePart {
         match self.sunlit.shown[facet as usize] {
-            Shown::Nothing => Part::default(),
+            Shown::Nothing => ImagePart::default(),
             Shown::Whole => seen,
             Shown::Part => {
-                let mut lit = Part::default();
+                let mut lit = ImagePart::default();
                 self.parts.each(facet, window, |_, common| {
                     let (area, moment) = area_and_moment(common);
-                    lit.add(&Part { area: area.max(0.0), moment });
+                    lit.add(&ImagePart { area: area.max(0.0), moment });
                 });
-                Part { area: lit.area.min(seen.area), ..lit }
+                ImagePart { area: lit.area.min(seen.area), ..lit }
             }
         }
     }

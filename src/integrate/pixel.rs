@@ -8,7 +8,7 @@ use super::detector::Site;
 use super::lit::{LitArea, around};
 use super::parts::Window;
 use super::pieces::Pieces;
-use crate::solve::Part;
+use crate::solve::ImagePart;
 use crate::visibility::Shown;
 
 /// Of a facet that is hidden all over, subtraction leaves less than this, pixels.
@@ -21,9 +21,9 @@ pub(super) struct Entry {
     /// Whether its outer side is seen; the inner one only blocks.
     pub(super) front: bool,
     /// All that is seen.
-    pub(super) shown: Part,
+    pub(super) shown: ImagePart,
     /// What of that the Sun lights; its moment is there if it was asked for.
-    pub(super) lit: Part,
+    pub(super) lit: ImagePart,
 }
 
 impl Entry {
@@ -42,7 +42,7 @@ pub(super) struct Pixel<'a> {
     /// Whether moments of lit parts are wanted.
     pub(super) wants_moments: bool,
     /// What sources after the Sun light: facet, source, part; ascending, one each, once [`Pixel::look`] is done.
-    further: Vec<(u32, usize, Part)>,
+    further: Vec<(u32, usize, ImagePart)>,
     /// Facets, ascending, one entry each, once [`Pixel::look`] is done.
     pub(super) entries: Vec<Entry>,
     /// The facet at the pixel's centre.
@@ -176,13 +176,13 @@ impl<'a> Pixel<'a> {
     }
 
     /// What of an entry such a source lights.
-    pub(super) fn lit_part(&self, entry: &Entry, light: usize) -> Part {
+    pub(super) fn lit_part(&self, entry: &Entry, light: usize) -> ImagePart {
         if light == 0 {
             return entry.lit;
         }
         let found = self.further.binary_search_by_key(&(entry.facet, light), |f| (f.0, f.1));
-        let lit = found.map_or(Part::default(), |i| self.further[i].2);
-        Part { area: lit.area.clamp(0.0, entry.shown.area.max(0.0)), ..lit }
+        let lit = found.map_or(ImagePart::default(), |i| self.further[i].2);
+        ImagePart { area: lit.area.clamp(0.0, entry.shown.area.max(0.0)), ..lit }
     }
 
     /// How much of a facet such a source lights.
@@ -244,15 +244,15 @@ impl<'a> Pixel<'a> {
         if area <= 0.0 {
             return;
         }
-        let shown = Part { area, moment };
+        let shown = ImagePart { area, moment };
         let front = self.drawing.side(facet) == Side::Front;
-        let mut lit = Part::default();
+        let mut lit = ImagePart::default();
         if front {
             self.pieces.add(facet, sign, polygon);
             for (light, of) in self.lights.iter_mut().enumerate() {
                 let part = match self.wants_moments {
                     true => of.part(facet, window, shown),
-                    false => Part { area: of.of(facet, window, area), ..Part::default() },
+                    false => ImagePart { area: of.of(facet, window, area), ..ImagePart::default() },
                 };
                 match light {
                     0 => lit = part,
@@ -362,7 +362,7 @@ mod tests {
     use crate::visibility::{Seen, Topology};
 
     /// Ground from -2 to 2 and a wall along x = 0, 1 m high, from 1 km above: 2 x 2 pixels of 2 m; sample 0 is west, line 0 north.
-    fn parts(towards: DVec3) -> Vec<Vec<(Entry, Part)>> {
+    fn parts(towards: DVec3) -> Vec<Vec<(Entry, ImagePart)>> {
         let points = [[-2, -2, 0], [2, -2, 0], [2, 2, 0], [-2, 2, 0], [0, -2, 0], [0, 2, 0], [0, 2, 1], [0, -2, 1]];
         let mesh = Mesh {
             vertices_m: points.map(|p| DVec3::from_array(p.map(f64::from))).to_vec(),
@@ -402,7 +402,7 @@ mod tests {
         // 45 deg high in the east: of the west, x from -2 to -1 is lit.
         let pixels = parts(DVec3::new(1.0, 0.0, 1.0));
         let sums = |pixel: usize| {
-            let (mut shown, mut sun, mut other) = (Part::default(), Part::default(), Part::default());
+            let (mut shown, mut sun, mut other) = (ImagePart::default(), ImagePart::default(), ImagePart::default());
             for (entry, lit) in &pixels[pixel] {
                 shown.add(&entry.shown);
                 sun.add(&entry.lit);

@@ -1,6 +1,6 @@
 //! Textures: how much of what is seen, and of what is lit, each layer's values stand for.
 
-use super::maps::{Kind, Lookup};
+use super::maps::{Lookup, TexelLayout};
 use super::pixel::Pixel;
 use crate::scene::{Scene, Texture};
 use crate::solve::Modulation;
@@ -26,7 +26,7 @@ impl<'a> Textures<'a> {
         let mut of_material = vec![None; scene.body.materials.len()];
         scene.body.textures.iter().enumerate().for_each(|(i, t)| of_material[t.material.0 as usize] = Some(i));
         let lookup = |texture: &'a Texture| {
-            let kind = Kind::Texture(&texture.corners, [texture.columns, texture.rows]);
+            let kind = TexelLayout::Texture(&texture.corners, [texture.columns, texture.rows]);
             Lookup::of(scene, drawing, kind, None, None, texture.texels)
         };
         let lookups = scene.body.textures.iter().map(lookup).collect();

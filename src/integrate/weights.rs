@@ -5,7 +5,7 @@ use super::textures::Textures;
 use crate::geometry::index_u32;
 use crate::product::Slab;
 use crate::scene::Scene;
-use crate::solve::{Emission, Fragment, Part};
+use crate::solve::{Emission, Fragment, ImagePart};
 use crate::visibility::Drawing;
 
 /// Sums up what the facets of a pixel send.
@@ -14,7 +14,7 @@ pub(super) struct Weights<'a> {
     emission: &'a Emission<'a>,
     textures: Textures<'a>,
     sums: Sums,
-    lit: Vec<Part>,
+    lit: Vec<ImagePart>,
 }
 
 /// Weights of a line's pixels, by ascending row.
@@ -60,8 +60,8 @@ impl<'a> Weights<'a> {
     }
 
     /// Adds a part of an entry of this area, pixels, and what of it each source lights.
-    pub(super) fn add(&mut self, entry: &Entry, area: f64, lit: &[Part]) {
-        let fragment = Fragment { facet: entry.facet, shown: Part { area, ..entry.shown }, lit };
+    pub(super) fn add(&mut self, entry: &Entry, area: f64, lit: &[ImagePart]) {
+        let fragment = Fragment { facet: entry.facet, shown: ImagePart { area, ..entry.shown }, lit };
         let sums = &mut self.sums;
         self.emission.send(&fragment, None, |row, weight| sums.add(row, weight));
     }

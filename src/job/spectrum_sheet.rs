@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Location, Result};
 use crate::formats::folder::Staged;
-use crate::formats::pixel::Pixel;
+use crate::formats::pixel::PixelValues;
 use crate::formats::{product_folder, spectrum_svg};
 use crate::spectral::solar_e490;
 
@@ -24,7 +24,7 @@ pub struct SpectrumSheet {
 
 impl SpectrumSheet {
     /// Of a pixel of this product folder.
-    pub fn of_pixel(folder: &Path, pixel: &Pixel) -> Self {
+    pub fn of_pixel(folder: &Path, pixel: &PixelValues) -> Self {
         let title = format!("{}, sample {}, line {}", folder.display(), pixel.sample, pixel.line);
         let (um, curves) = pixel.curves();
         let svg = spectrum_svg::draw(&title, "um", "radiance, W m-2 sr-1 um-1", &um, &curves);

@@ -33,7 +33,7 @@ pub use texture::{Texture, TextureKind};
 
 /// All that a scene is made of: plain values, which nobody has checked.
 #[derive(Debug, Clone)]
-pub struct Parts {
+pub struct SceneParts {
     /// What is looked at.
     pub surface: Surface,
     /// What lights it.
@@ -71,13 +71,13 @@ impl Deref for Scene {
     }
 }
 
-impl Parts {
+impl SceneParts {
     /// Checks all parts, and what they owe each other.
     ///
     /// # Errors
     /// [`Error::Invalid`] with everything that is missing or out of range; if nothing is, with a camera inside the only body.
     pub fn check(self) -> Result<Scene> {
-        let Parts { surface, sky, exposure, models } = self;
+        let SceneParts { surface, sky, exposure, models } = self;
         let mut problems = surface.problems();
         // Without a facet or with a wrong index there is nothing that others could fit.
         if problems.is_empty() {
@@ -93,7 +93,7 @@ impl Scene {
     /// Checks what a body, a sky and an exposure owe each other, without looking at all facets unless the camera is amid them.
     ///
     /// # Errors
-    /// As [`Parts::check`].
+    /// As [`SceneParts::check`].
     pub fn new(setup: Setup) -> Result<Self> {
         let Setup { body, sky, exposure, models } = &setup;
         let mut problems = alone(sky, exposure);
@@ -124,9 +124,9 @@ impl Scene {
     }
 
     /// All parts, to be changed and checked again; the surface is copied only if others share it.
-    pub fn into_parts(self) -> Parts {
+    pub fn into_parts(self) -> SceneParts {
         let Setup { body, sky, exposure, models } = self.0;
-        Parts { surface: body.into_surface(), sky, exposure, models }
+        SceneParts { surface: body.into_surface(), sky, exposure, models }
     }
 }
 

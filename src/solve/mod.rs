@@ -10,7 +10,7 @@ use crate::progress::{Watch, tell};
 use crate::scene::{Scene, Sky, Source, SourceKind, Thermal};
 use crate::visibility::Seen;
 
-pub use emission::{Emission, Fragment, Modulation, Part, interpolation_error};
+pub use emission::{Emission, Fragment, ImagePart, Modulation, interpolation_error};
 
 /// Irradiance, lit polygons and temperature of every facet.
 ///

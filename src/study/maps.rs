@@ -169,7 +169,7 @@ pub fn observe_maps(
         return Err(Error::Invalid(problems));
     }
     let maps = Maps {
-        terms: terms.iter().map(|t| t.views.iter().map(View::on_scene).collect()).collect(),
+        terms: terms.iter().map(|t| t.views.iter().map(MapGroup::on_scene).collect()).collect(),
         choice: options.choice,
         texels: options.texels,
         unknown: match options.fill {
@@ -196,7 +196,7 @@ pub fn observe_maps(
     }
     let unknown = pixels_of_nothing(&on_scene);
     notes.extend(told(unknown_share, unknown.len(), options, &unverified));
-    notes.extend(terms.iter().flat_map(|t| &t.views).flat_map(View::told));
+    notes.extend(terms.iter().flat_map(|t| &t.views).flat_map(MapGroup::told));
     notes.extend(terms.iter().flat_map(|t| &t.views).filter_map(|v| v.enclosed(scene)));
     let account = MapAccount {
         maps: terms.iter().enumerate().flat_map(|(t, term)| term.entries(t)).collect(),
@@ -229,7 +229,7 @@ pub fn observe_maps(
 type Use = (usize, Vec<(usize, f64)>);
 
 /// A map's part that can be read.
-struct Source {
+struct MapSource {
     name: String,
     weight: f64,
     source: Box<dyn TexelSource>,
@@ -246,7 +246,7 @@ struct Source {
     registration: Option<Registration>,
 }
 
-impl Source {
+impl MapSource {
     /// Says if a band has a value where the first one has none: texels without a value are unknown in all bands.
     fn knows_the_same(&self, band: usize, values: &[f64], placement: &Placement) -> Result<()> {
         let odd = self.valueless.iter().zip(values).position(|(is_valueless, value)| *is_valueless && !value.is_nan());
@@ -263,9 +263,9 @@ const SAME_IN_ALL: &str = "what a map knows must be the same in all of its bands
                            scene for each band";
 
 /// Maps whose texels lie at the same places.
-struct View {
+struct MapGroup {
     placement: Placement,
-    sources: Vec<Source>,
+    sources: Vec<MapSource>,
     known: Vec<bool>,
     /// For each texel the share of it in which its eye sees the scene; empty if nobody asks for it.
     seen: Vec<f64>,
@@ -275,7 +275,7 @@ struct View {
     undefined: Vec<u64>,
 }
 
-impl View {
+impl MapGroup {
     /// Says that its eye is inside closed parts of the scene, or on them, if what hides what is asked at all.
     fn enclosed(&self, scene: &Scene) -> Option<String> {
         let Placement::View(image) = &self.placement else { return None };
@@ -287,7 +287,7 @@ impl View {
 
 /// Maps from different views, each of the same sum.
 struct Term {
-    views: Vec<View>,
+    views: Vec<MapGroup>,
 }
 
 /// Says which maps cannot be of a scene.
@@ -349,9 +349,9 @@ impl Term {
                 }
                 let RadianceMap { name, placement, source, weight, light: _, sky, registration } = map;
                 let (first, is_divided) = (vec![], false);
-                views.push(View {
+                views.push(MapGroup {
                     placement,
-                    sources: vec![Source {
+                    sources: vec![MapSource {
                         name,
                         weight,
                         source,
@@ -414,7 +414,7 @@ fn uses(map: &RadianceMap, sensor: &[Band]) -> std::result::Result<(Vec<Use>, Ve
     Ok(((0..bands.len()).map(of).filter(|(_, weights)| !weights.is_empty()).collect(), told))
 }
 
-impl View {
+impl MapGroup {
     fn on_scene(&self) -> MapView<'_> {
         MapView { placement: &self.placement, known: &self.known, sky: &self.sky }
     }
@@ -429,7 +429,7 @@ impl View {
             }
         }
         let is_blended = options.texels == Texels::Bilinear;
-        let may_be = |source: &Source| partly_sky::may_be_in_means(source.sky, image, &source.first);
+        let may_be = |source: &MapSource| partly_sky::may_be_in_means(source.sky, image, &source.first);
         if is_blended || self.sources.iter().any(may_be) {
             self.seen = integrate::texels_seen(image, scene, watch)?.unwrap_or_default();
         }

@@ -27,7 +27,7 @@ pub fn covered(
     let rows: Result<Vec<Vec<f64>>> = (0..drawing.grid.rows)
         .into_par_iter()
         .map_init(
-            || (Scratch::new(pulse()), Shown { drawing, shares: [0.0; 2], clipped: vec![], spare: vec![] }),
+            || (Scratch::new(pulse()), CellShares { drawing, shares: [0.0; 2], clipped: vec![], spare: vec![] }),
             |(scratch, shown), row| {
                 let of_cell = |column| {
                     shown.shares = [0.0; 2];
@@ -44,14 +44,14 @@ pub fn covered(
 }
 
 /// Adds up what a cell shows of outer and of inner sides.
-struct Shown<'a> {
+struct CellShares<'a> {
     drawing: &'a Drawing<'a>,
     shares: [f64; 2],
     clipped: Vec<Point>,
     spare: Vec<Point>,
 }
 
-impl Shown<'_> {
+impl CellShares<'_> {
     fn add(&mut self, triangle: u32, area: f64) {
         match self.drawing.side(triangle) {
             Side::Front => self.shares[0] += area,
@@ -61,7 +61,7 @@ impl Shown<'_> {
     }
 }
 
-impl Visit for Shown<'_> {
+impl Visit for CellShares<'_> {
     fn whole(&mut self, triangle: u32, rect: &Rect) {
         let outline = self.drawing.outline(triangle);
         let shown = if rect.contains(&Rect::of(&outline)) {

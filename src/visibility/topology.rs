@@ -21,7 +21,7 @@ pub struct Topology {
     pub closed: Vec<bool>,
     /// The connected part of each facet, and what is known of each part that is closed.
     part: Vec<u32>,
-    bodies: Vec<Option<Body>>,
+    bodies: Vec<Option<ClosedPart>>,
     /// Facets' edges without exactly one other facet along them: one where a facet ends, three where three facets meet.
     pub open_edges: usize,
     /// Facets that must be turned over to agree with the larger part of their surroundings.
@@ -33,7 +33,7 @@ pub struct Topology {
 
 /// A part that is proven closed: the least and the greatest of its coordinates, m.
 #[derive(Debug, Clone, Copy)]
-struct Body {
+struct ClosedPart {
     low_m: DVec3,
     high_m: DVec3,
 }
@@ -102,7 +102,7 @@ impl Topology {
     ///
     /// Solid angles add up to 4 pi times the number of turns of the part around the place: 0 outside, also of a part that crosses itself.
     fn around(&self, mesh: &Mesh, eye_m: DVec3) -> Vec<(u32, bool)> {
-        let may_hold = |body: &Body| {
+        let may_hold = |body: &ClosedPart| {
             let margin = 16.0 * f64::EPSILON * body.low_m.abs().max(body.high_m.abs()).max(eye_m.abs()).max_element();
             (body.low_m - margin).cmple(eye_m).all() && eye_m.cmple(body.high_m + margin).all()
         };
@@ -276,7 +276,7 @@ impl Parts {
         mesh: &Mesh,
         has_open_edge: &[bool],
         same_way: &[[u32; 2]],
-    ) -> (Vec<Option<Body>>, usize) {
+    ) -> (Vec<Option<ClosedPart>>, usize) {
         let mut facets = vec![0usize; self.count];
         let mut turned = vec![0usize; self.count];
         let mut closed = vec![true; self.count];
@@ -289,7 +289,7 @@ impl Parts {
             closed[self.part[f as usize] as usize] = false;
         }
         // Volume about a vertex of the part: positive when normals point outward.
-        let mut bodies: Vec<Option<Body>> = vec![None; self.count];
+        let mut bodies: Vec<Option<ClosedPart>> = vec![None; self.count];
         let mut about = vec![None; self.count];
         let mut volume_m3 = vec![0.0; self.count];
         for (f, &part) in self.part.iter().enumerate() {
@@ -298,7 +298,7 @@ impl Parts {
                 let [a, b, c] = mesh.facet(f).corners_m;
                 let o = *about[part].get_or_insert(a);
                 volume_m3[part] += (a - o).dot((b - o).cross(c - o)) / 6.0;
-                let body = bodies[part].get_or_insert(Body { low_m: a, high_m: a });
+                let body = bodies[part].get_or_insert(ClosedPart { low_m: a, high_m: a });
                 body.low_m = body.low_m.min(a).min(b).min(c);
                 body.high_m = body.high_m.max(a).max(b).max(c);
             }

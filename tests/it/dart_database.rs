@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use mmxrt::Error;
-use mmxrt::formats::dart::database::{self, Database, Kind, model_name};
+use mmxrt::formats::dart::database::{self, Database, TableKind, model_name};
 use mmxrt::formats::spectra;
 use mmxrt::report::Fate;
 use mmxrt::spectral::{Column, SpectralLibrary};
@@ -53,14 +53,14 @@ fn a_database_comes_back_as_it_was() {
     assert!(report.notes.is_empty(), "{report:?}");
 
     let models = database::models(&path).unwrap();
-    let kinds: Vec<(&str, Kind)> = models.iter().map(|m| (m.name.as_str(), m.kind)).collect();
+    let kinds: Vec<(&str, TableKind)> = models.iter().map(|m| (m.name.as_str(), m.kind)).collect();
     let expected = [
-        ("inner_paint", Kind::Lambertian),
-        ("gravel", Kind::Hapke),
-        ("pad", Kind::Rpv),
-        ("quartz", Kind::RefractiveIndex),
-        ("haze", Kind::FluidHenyeyGreenstein),
-        ("TOASolar", Kind::SolarIrradiance),
+        ("inner_paint", TableKind::Lambertian),
+        ("gravel", TableKind::Hapke),
+        ("pad", TableKind::Rpv),
+        ("quartz", TableKind::RefractiveIndex),
+        ("haze", TableKind::FluidHenyeyGreenstein),
+        ("TOASolar", TableKind::SolarIrradiance),
     ];
     assert_eq!(kinds, expected);
     assert_eq!(models[0].comment, "demo spectrum\nPERCENT");

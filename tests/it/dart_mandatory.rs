@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use mmxrt::formats::dart::{Finding, ReadOptions, Severity, Target, check, no_coverage};
+use mmxrt::formats::dart::{Finding, ReadOptions, Severity, TargetVersion, check, no_summary};
 use mmxrt::formats::xml::{self, Element};
 
 use crate::cli::run;
@@ -14,7 +14,7 @@ use crate::scratch::Scratch;
 const OPTIONAL: [&str; 5] = ["Object", "HapkeSpecularMulti", "RPVMulti", "AddedDirections", "Pinhole"];
 
 fn findings(folder: &Path) -> Vec<Finding> {
-    check(folder, &ReadOptions::default(), &no_coverage)
+    check(folder, &ReadOptions::default(), &no_summary)
 }
 
 fn errors(findings: &[Finding]) -> Vec<String> {
@@ -78,7 +78,7 @@ fn inputs(folder: &Path) -> BTreeMap<PathBuf, Element> {
 fn each_element_that_is_missing_is_named() {
     let scratch = Scratch::new();
     let folder = scratch.join("sim");
-    written(&rich(), &options(Target::V5_7_4), &folder);
+    written(&rich(), &options(TargetVersion::V5_7_4), &folder);
     assert_eq!(errors(&findings(&folder)), [""; 0]);
     let mut count = 0;
     for (file, root) in inputs(&folder) {
@@ -145,9 +145,9 @@ fn each_element_that_is_missing_is_named() {
 #[test]
 fn what_is_written_passes_in_both_versions() {
     let scratch = Scratch::new();
-    for (name, target) in [("old", Target::V5_7_4), ("new", Target::V5_11_0)] {
+    for (name, target) in [("old", TargetVersion::V5_7_4), ("new", TargetVersion::V5_11_0)] {
         let mut scene = rich();
-        if target == Target::V5_11_0 {
+        if target == TargetVersion::V5_11_0 {
             scene = crate::dart_write::tetrahedron();
         }
         written(&scene, &options(target), &scratch.join(name));
@@ -160,7 +160,7 @@ fn what_is_written_passes_in_both_versions() {
 fn conditions_are_minded() {
     let scratch = Scratch::new();
     let folder = scratch.join("sim");
-    written(&rich(), &options(Target::V5_7_4), &folder);
+    written(&rich(), &options(TargetVersion::V5_7_4), &folder);
     let edits = [
         (
             "phase.xml",

@@ -1,7 +1,7 @@
 //! Images of DART whose printed corners are beside what they show: their place is found by their outline. Outlines are made by rays.
 
 use glam::{DVec2, DVec3};
-use mmxrt::formats::dart::output::{self, MapOptions, Placing};
+use mmxrt::formats::dart::output::{self, OutputMapOptions, RegistrationMode};
 use mmxrt::product::{Placement, RadianceMap};
 use mmxrt::progress::unwatched;
 use mmxrt::scene::Scene;
@@ -76,7 +76,7 @@ fn opened(
     view_deg: [f64; 2],
     shift: [f64; 2],
     rule: impl Fn(usize) -> bool,
-    placing: Placing,
+    placing: RegistrationMode,
 ) -> mmxrt::Result<(RadianceMap, Option<String>)> {
     let scratch = Scratch::new();
     let (name, corners_m, values) = image(view_deg, shift, rule);
@@ -87,7 +87,7 @@ fn opened(
     let text = std::fs::read_to_string(&properties).unwrap();
     let text = text.replace("teta:36.869898", &format!("teta:{:.6}", view_deg[0]));
     std::fs::write(properties, text.replace("phi:90.000000", &format!("phi:{:.6}", view_deg[1]))).unwrap();
-    let options = MapOptions { placing, ..options() };
+    let options = OutputMapOptions { placing, ..options() };
     output::open(&output)?.view_map(0, &made(), &options, &unwatched)
 }
 
@@ -112,9 +112,9 @@ fn an_image_beside_its_printed_corners_is_put_where_it_shows_the_scene() {
         ([62.0, 300.0], [0.7, -0.6]),
         ([0.0, 0.0], [-1.5, 0.47]),
     ] {
-        let truth = corner(&opened(view_deg, [0.0; 2], half, Placing::Shifted([0.0; 2])).unwrap().0);
+        let truth = corner(&opened(view_deg, [0.0; 2], half, RegistrationMode::Shifted([0.0; 2])).unwrap().0);
         for rule in [&any as &dyn Fn(usize) -> bool, &half, &all] {
-            let (map, note) = opened(view_deg, shift, rule, Placing::Outline).unwrap();
+            let (map, note) = opened(view_deg, shift, rule, RegistrationMode::Outline).unwrap();
             let found = map.registration.as_ref().unwrap();
             let place = corner(&map);
             let off = (0..2).map(|k| (place[k] - truth[k]).abs()).fold(0.0, f64::max);
@@ -135,10 +135,10 @@ fn an_image_beside_its_printed_corners_is_put_where_it_shows_the_scene() {
 #[test]
 fn printed_corners_stand_where_the_outline_fits_them() {
     for (view_deg, shift) in [([22.4, 90.0], [0.0; 2]), ([36.9, 30.0], [0.3, -0.2]), ([50.2, 195.0], [0.0, 0.25])] {
-        let (map, note) = opened(view_deg, shift, |hits| hits >= 32, Placing::Outline).unwrap();
+        let (map, note) = opened(view_deg, shift, |hits| hits >= 32, RegistrationMode::Outline).unwrap();
         let found = map.registration.as_ref().unwrap();
         assert!(found.shift_texels == [0.0; 2] && found.overlap[0] > 0.97 && note.is_none(), "{found:?} {note:?}");
-        let printed = opened(view_deg, shift, |hits| hits >= 32, Placing::Shifted([0.0; 2])).unwrap().0;
+        let printed = opened(view_deg, shift, |hits| hits >= 32, RegistrationMode::Shifted([0.0; 2])).unwrap().0;
         assert_eq!(map.placement, printed.placement);
     }
 }
@@ -161,18 +161,18 @@ fn an_outline_that_is_not_the_scenes_is_refused_unless_forced() {
     let text = std::fs::read_to_string(&properties).unwrap();
     std::fs::write(&properties, text.replace("teta:36.869898", "teta:22.400000")).unwrap();
     let output = output::open(&output).unwrap();
-    let map = |placing| output.view_map(0, &made(), &MapOptions { placing, ..options() }, &unwatched);
-    let error = map(Placing::Outline).unwrap_err().to_string();
+    let map = |placing| output.view_map(0, &made(), &OutputMapOptions { placing, ..options() }, &unwatched);
+    let error = map(RegistrationMode::Outline).unwrap_err().to_string();
     assert!(error.contains("its outline has") && error.contains("below 95 %"), "{error}");
     assert!(
         error.contains("registration = \"printed\"") && error.contains("shift_texels = [columns, rows]"),
         "{error}"
     );
-    let (forced, note) = map(Placing::Forced).unwrap();
+    let (forced, note) = map(RegistrationMode::Forced).unwrap();
     assert!(forced.registration.unwrap().overlap[1] < 0.95 && note.unwrap().contains("by its outline"));
-    let (given, note) = map(Placing::Shifted([1.0, 2.0])).unwrap();
+    let (given, note) = map(RegistrationMode::Shifted([1.0, 2.0])).unwrap();
     assert!(given.registration.is_none() && note.is_none());
-    let printed = map(Placing::Shifted([0.0; 2])).unwrap().0;
+    let printed = map(RegistrationMode::Shifted([0.0; 2])).unwrap().0;
     let moved = (0..2).map(|k| corner(&given)[k] - corner(&printed)[k]).collect::<Vec<_>>();
     assert!((moved[0] - 1.0).abs() < 1e-9 && (moved[1] - 2.0).abs() < 1e-9, "{moved:?}");
 }
@@ -180,14 +180,14 @@ fn an_outline_that_is_not_the_scenes_is_refused_unless_forced() {
 #[test]
 fn an_image_without_an_outline_lies_where_it_was_printed() {
     // 60 columns and 56 rows about a scene 24 texels wide (12 m) and less than 36 high: it may lie nearly anywhere in it.
-    let (map, note) = opened([22.4, 90.0], [2.0, 3.0], |_| true, Placing::Outline).unwrap();
+    let (map, note) = opened([22.4, 90.0], [2.0, 3.0], |_| true, RegistrationMode::Outline).unwrap();
     let found = map.registration.as_ref().unwrap();
     // As far as shifts are looked for, 5 m, but no farther than the scene still is in the image: (60 - 24) / 2 + 2 texels of 0.5 m.
     assert!(found.shift_texels == [0.0; 2] && (found.unverified_m[0] - 5.0).abs() < 0.6, "{found:?}");
     assert!(found.unverified_m[1] > 3.0 && found.overlap[1] < 0.35, "{found:?}");
     let note = note.unwrap();
     assert!(note.contains("is not verified") && note.contains("beside the scene"), "{note}");
-    let printed = opened([22.4, 90.0], [2.0, 3.0], |_| true, Placing::Shifted([0.0; 2])).unwrap().0;
+    let printed = opened([22.4, 90.0], [2.0, 3.0], |_| true, RegistrationMode::Shifted([0.0; 2])).unwrap().0;
     assert_eq!(map.placement, printed.placement);
 }
 

@@ -6,12 +6,12 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use glam::{DMat3, DVec3};
-use mmxrt::formats::dart::output::{self, MapOptions, Output, Placing, Quantity};
-use mmxrt::formats::dart::{self, ReadOptions, SceneOptions, WriteOptions};
+use mmxrt::formats::dart::output::{self, ImageQuantity, Output, OutputMapOptions, RegistrationMode};
+use mmxrt::formats::dart::{self, ReadOptions, SceneOptions, SimulationOptions};
 use mmxrt::geometry::{Direction, Eye, FrameCamera, Mesh, Pose};
 use mmxrt::product::{Placement, RadianceMap, ViewImage};
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{Exposure, Material, Models, Parts, Photometry, Scene, Sky, Sun, Surface, Thermal};
+use mmxrt::scene::{Exposure, Material, Models, Photometry, Scene, SceneParts, Sky, Sun, Surface, Thermal};
 use mmxrt::spectral::{Band, Spectrum};
 use mmxrt::units::AU_M;
 
@@ -31,7 +31,7 @@ pub(crate) fn scene(mesh: Mesh, origin_m: DVec3) -> Scene {
     };
     let rotation = DMat3::from_cols(DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z);
     let world_from_sensor = Pose { rotation, translation_m: DVec3::new(0.0, 0.0, 1000.0) };
-    Parts {
+    SceneParts {
         surface: Surface { textures: vec![], origin_m, mesh, materials: vec![grey] },
         sky: Sky {
             sun: Sun {
@@ -71,13 +71,13 @@ pub(crate) fn view_map(
     output: &Output,
     view: usize,
     scene: &Scene,
-    options: &MapOptions,
+    options: &OutputMapOptions,
 ) -> mmxrt::Result<RadianceMap> {
     output.view_map(view, scene, options, &unwatched).map(|(map, _)| map)
 }
 
-pub(crate) fn options() -> MapOptions {
-    MapOptions { scene_from_dart: Some(pose()), ..MapOptions::default() }
+pub(crate) fn options() -> OutputMapOptions {
+    OutputMapOptions { scene_from_dart: Some(pose()), ..OutputMapOptions::default() }
 }
 
 /// An image as DART writes it.
@@ -178,7 +178,7 @@ fn an_oblique_image_lands_on_the_faces_that_it_shows() {
     output_with(&scratch, &oblique("BAND0/BRF/ITER3"));
     let output = output::open(scratch.path()).unwrap();
     let [view] = output.views() else { panic!("{:?}", output.views()) };
-    assert_eq!((view.name.as_str(), view.quantity, view.iteration.as_str()), (NAME, Quantity::Brf, "ITER3"));
+    assert_eq!((view.name.as_str(), view.quantity, view.iteration.as_str()), (NAME, ImageQuantity::Brf, "ITER3"));
     assert_eq!(view.towards_deg, [36.869898, 90.0]);
     let scene = box_on_ground();
     let mut map = view_map(&output, 0, &scene, &options()).unwrap();
@@ -241,7 +241,9 @@ fn a_scene_11_m_high_is_displaced_by_4_53_m() {
     let pose = Pose { translation_m: DVec3::ZERO, ..pose() };
     let scene = scene(cuboid([4.0, -16.0, 0.0], [29.0, -2.0, 10.0]), DVec3::ZERO);
     let map = output::open(&output).unwrap();
-    let map = view_map(&map, 0, &scene, &MapOptions { scene_from_dart: Some(pose), ..MapOptions::default() }).unwrap();
+    let map =
+        view_map(&map, 0, &scene, &OutputMapOptions { scene_from_dart: Some(pose), ..OutputMapOptions::default() })
+            .unwrap();
     let texel = |dart_m: [f64; 3]| view_of(&map).camera.projection().at(pose.point(DVec3::from_array(dart_m)));
     assert!(near(texel([30.0, 0.0, 11.0]), [0.0, 0.0]), "{:?}", texel([30.0, 0.0, 11.0]));
     assert!(near(texel([30.0, -4.534_975, 0.0]), [0.0, 0.0]));
@@ -272,11 +274,11 @@ fn temperatures_and_radiances_are_radiance() {
     let output = output::open(&output).unwrap();
     let found: Vec<_> =
         output.views().iter().map(|v| (v.quantity, v.bands.iter().map(|b| b.number).collect())).collect();
-    assert_eq!(found, [(Quantity::Tapp, vec![1]), (Quantity::Radiance, vec![0, 1])]);
+    assert_eq!(found, [(ImageQuantity::Tapp, vec![1]), (ImageQuantity::Radiance, vec![0, 1])]);
     let mut values = Vec::new();
     let scene = box_on_ground();
     // What has no value here is no outline.
-    let printed = MapOptions { placing: Placing::Shifted([0.0; 2]), ..options() };
+    let printed = OutputMapOptions { placing: RegistrationMode::Shifted([0.0; 2]), ..options() };
     let mut map = view_map(&output, 0, &scene, &printed).unwrap();
     map.source.read(0, &mut values).unwrap();
     assert!(values[0].is_nan() && values[1].is_nan());
@@ -466,15 +468,19 @@ fn a_map_that_is_elsewhere_is_refused() {
     let error = view_map(&output, 0, &scene, &far).unwrap_err().to_string();
     assert!(error.contains("does not overlap the scene") && error.contains("scene_from_dart"), "{error}");
     // Without inputs beside it, where it lies must be said.
-    let error = view_map(&output, 0, &scene, &MapOptions::default()).unwrap_err().to_string();
+    let error = view_map(&output, 0, &scene, &OutputMapOptions::default()).unwrap_err().to_string();
     assert!(error.contains("is not beside its `output`") && error.contains("origin_in_dart_m"), "{error}");
     assert!(view_map(&output, 1, &scene, &options()).unwrap_err().to_string().contains("no view 1"));
     for wrong in [vec![], vec![1.0, 2.0], vec![-1.0], vec![f64::NAN]] {
-        let options = MapOptions { irradiance_w_m2_um: Some(wrong), ..options() };
+        let options = OutputMapOptions { irradiance_w_m2_um: Some(wrong), ..options() };
         assert!(view_map(&output, 0, &scene, &options).unwrap_err().to_string().contains("1 irradiances belong"));
     }
     // Given irradiances, and a shift.
-    let given = MapOptions { irradiance_w_m2_um: Some(vec![PI]), placing: Placing::Shifted([1.0, 0.5]), ..options() };
+    let given = OutputMapOptions {
+        irradiance_w_m2_um: Some(vec![PI]),
+        placing: RegistrationMode::Shifted([1.0, 0.5]),
+        ..options()
+    };
     let mut map = view_map(&output, 0, &scene, &given).unwrap();
     assert!(near(view_of(&map).camera.projection().at(pose().point(DVec3::new(6.0, 12.0, 0.0))), [7.0, 12.5]));
     let mut values = Vec::new();
@@ -491,7 +497,7 @@ fn made() -> Scene {
 
 fn write_simulation(folder: &Path) {
     let (package, _) =
-        dart::from_scene(&made(), &WriteOptions { cell_m: Some(1.0), ..WriteOptions::default() }).unwrap();
+        dart::from_scene(&made(), &SimulationOptions { cell_m: Some(1.0), ..SimulationOptions::default() }).unwrap();
     dart::write(&package, folder, false, &unwatched).unwrap();
 }
 
@@ -545,7 +551,7 @@ fn a_simulation_that_was_made_of_the_scene_lies_where_it_was_written() {
     std::fs::create_dir_all(folder.join("output")).unwrap();
     std::fs::write(folder.join("output/simulation.properties.txt"), PROPERTIES).unwrap();
     image.write(&folder.join("output"));
-    let map = view_map(&output::open(&folder).unwrap(), 0, &made, &MapOptions::default()).unwrap();
+    let map = view_map(&output::open(&folder).unwrap(), 0, &made, &OutputMapOptions::default()).unwrap();
     assert!(near(view_of(&map).camera.projection().at(DVec3::new(4.0, 4.0, 6.0)), [0.5, 0.5]));
     assert!(near(view_of(&map).camera.projection().at(DVec3::new(-3.0, 0.0, -5.0)), [7.5, 11.5]));
 }

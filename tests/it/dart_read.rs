@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use mmxrt::Error;
 use mmxrt::formats::dart::{
-    self, Coverage, Finding, OpticalKind, ReadOptions, Severity, Simulation, Version, check, flight, groups,
-    no_coverage, rows,
+    self, Finding, OpticalKind, ReadOptions, Severity, Simulation, TableSummary, Version, check, flight, groups,
+    no_summary, rows,
 };
 use mmxrt::formats::ilwis;
 use mmxrt::progress::unwatched;
@@ -377,7 +377,7 @@ fn a_sequence_that_cannot_be_made_is_told_when_it_is_wanted() {
         let error = rows(&simulation.sequences[0]).unwrap_err().to_string();
         assert!(error.contains(message), "{error}");
         assert!(flight(&folder.0, &simulation.sequences[0], &ReadOptions::default()).is_err());
-        let found = check(&folder.0, &ReadOptions::default(), &no_coverage);
+        let found = check(&folder.0, &ReadOptions::default(), &no_summary);
         assert!(found.iter().any(|f| f.severity == Severity::Error && f.to_string().contains(message)), "{found:#?}");
     }
 }
@@ -394,7 +394,7 @@ fn findings(name: &str, simulation: &str, replacements: &[Replacement]) -> Vec<F
     for (file, from, to) in replacements {
         folder.replace(&format!("input/{file}"), from, to);
     }
-    let mut found = check(&folder.0, &ReadOptions::default(), &no_coverage);
+    let mut found = check(&folder.0, &ReadOptions::default(), &no_summary);
     // The simulations of these tests hold what is read, and not all that version 5.7.4 wants.
     found.retain(|f| !(f.what.starts_with('`') && f.what.ends_with("` is missing")));
     found
@@ -567,7 +567,7 @@ fn a_check_asks_databases_what_they_cover() {
     let coverage = |path: &Path, table: &str| {
         assert!(path.ends_with("stones.db"));
         let largest = if table == "basalt" { 0.31 } else { 31.0 };
-        Some(Coverage { range_um: (0.4, 2.5), shares: vec![[largest / 100.0, 0.0, 0.0]] })
+        Some(TableSummary { range_um: (0.4, 2.5), shares: vec![[largest / 100.0, 0.0, 0.0]] })
     };
     let found = check(&folder.0, &ReadOptions::default(), &coverage);
     let of = |part: &str| found.iter().filter(|f| f.what.contains(part)).collect::<Vec<_>>();
@@ -616,7 +616,7 @@ fn damaged_inputs_are_refused_at_their_place() {
             Err(other) => panic!("{file}: {other}"),
         };
         // What a check says of it is an error too, and never a panic.
-        let found = check(&folder.0, &ReadOptions::default(), &no_coverage);
+        let found = check(&folder.0, &ReadOptions::default(), &no_summary);
         let is_wrong = matches!(outcome, Err(Error::Syntax { .. } | Error::Invalid(_)));
         assert!(!is_wrong || found.iter().any(|f| f.severity == Severity::Error), "{file}");
         match expected.iter().find(|(name, _)| name == file) {

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use mmxrt::formats::dart::{self, SceneOptions, Target, database};
+use mmxrt::formats::dart::{self, SceneOptions, TargetVersion, database};
 use mmxrt::report::Report;
 use mmxrt::scene::{Material, Scene, Thermal};
 use mmxrt::spectral::{Band, Column, Extend, SpectralLibrary, Spectrum, solar_e490};
@@ -22,7 +22,7 @@ impl Sim {
     fn of(scene: &Scene) -> Self {
         let scratch = Scratch::new();
         let folder = scratch.join("sim");
-        written(scene, &options(Target::V5_7_4), &folder);
+        written(scene, &options(TargetVersion::V5_7_4), &folder);
         Sim { scratch, folder }
     }
 
@@ -147,7 +147,8 @@ fn irradiance_that_is_given_for_some_bands_stays() {
         }
         let (back, report) = sim.read();
         assert!(told(&report, "no irradiance of the bands"), "{report:#?}");
-        let in_bands = |s: &Scene| dart::from_scene(s, &options(Target::V5_7_4)).unwrap().0.simulation.phase.irradiance;
+        let in_bands =
+            |s: &Scene| dart::from_scene(s, &options(TargetVersion::V5_7_4)).unwrap().0.simulation.phase.irradiance;
         for (i, (is, was)) in in_bands(&back).iter().zip(in_bands(&scene)).enumerate() {
             // DART's bands are 0.001 um wide, over which sunlight varies a little.
             let (off, least) = (is.unwrap().0 / was.unwrap().0 - 1.0, if missing.contains(&i) { 3e-3 } else { 1e-9 });

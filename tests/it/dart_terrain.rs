@@ -6,7 +6,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use mmxrt::formats::convert::{Content, differences};
-use mmxrt::formats::dart::{self, Converted, Finding, ReadOptions, SceneOptions, Severity, no_coverage};
+use mmxrt::formats::dart::{self, Converted, Finding, ReadOptions, SceneOptions, Severity, no_summary};
 use mmxrt::progress::unwatched;
 use mmxrt::scene::Scene;
 
@@ -106,7 +106,7 @@ impl Simulation {
     }
 
     fn findings(&self) -> Vec<Finding> {
-        let mut found = dart::check(&self.0.join("sim"), &ReadOptions::default(), &no_coverage);
+        let mut found = dart::check(&self.0.join("sim"), &ReadOptions::default(), &no_summary);
         // The simulation holds what is read, and not all that version 5.7.4 wants.
         found.retain(|f| !(f.what.starts_with('`') && f.what.ends_with("` is missing")));
         found

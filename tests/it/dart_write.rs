@@ -6,13 +6,13 @@ use std::path::Path;
 
 use glam::{DMat3, DVec3};
 
-use mmxrt::formats::dart::{self, SceneOptions, Target, WriteOptions};
+use mmxrt::formats::dart::{self, SceneOptions, SimulationOptions, TargetVersion};
 use mmxrt::formats::{scene_toml, xml};
 use mmxrt::geometry::{Direction, FrameCamera, MaterialId, Mesh, Pose};
 use mmxrt::progress::unwatched;
 use mmxrt::report::{Fate, Report};
 use mmxrt::scene::{
-    Exposure, Hapke, Mars, Material, Models, Parts, Photometry, Rpv, Scene, Sky, Sun, Surface, Thermal,
+    Exposure, Hapke, Mars, Material, Models, Photometry, Rpv, Scene, SceneParts, Sky, Sun, Surface, Thermal,
 };
 use mmxrt::spectral::{Band, Extend, Light, Spectrum};
 use mmxrt::units::AU_M;
@@ -37,7 +37,7 @@ fn material(i: usize, name: &str, reflectance: Spectrum) -> Material {
 /// and 5 up. The camera 100 m East and 100 m up, looking at the origin: its right is North.
 pub(crate) fn tetrahedron() -> Scene {
     let slant = 0.5f64.sqrt();
-    Parts {
+    SceneParts {
         surface: Surface {
             textures: vec![],
             origin_m: DVec3::new(0.0, 11_000.0, 0.0),
@@ -129,12 +129,12 @@ pub(crate) fn rich() -> Scene {
     scene.check().unwrap()
 }
 
-pub(crate) fn options(target: Target) -> WriteOptions {
-    WriteOptions { target, cell_m: Some(2.0), ..WriteOptions::default() }
+pub(crate) fn options(target: TargetVersion) -> SimulationOptions {
+    SimulationOptions { target, cell_m: Some(2.0), ..SimulationOptions::default() }
 }
 
 /// Writes a scene's simulation below a folder.
-pub(crate) fn written(scene: &Scene, options: &WriteOptions, folder: &Path) -> Report {
+pub(crate) fn written(scene: &Scene, options: &SimulationOptions, folder: &Path) -> Report {
     let (package, report) = dart::from_scene(scene, options).unwrap();
     dart::write(&package, folder, false, &unwatched).unwrap();
     report
@@ -164,8 +164,8 @@ fn number(text: &str, element: &str, n: usize, attribute: &str) -> f64 {
 fn axes_and_azimuths_are_those_worked_out_by_hand() {
     let scratch = Scratch::new();
     let (old, new) = (scratch.path().join("old"), scratch.path().join("new"));
-    written(&tetrahedron(), &options(Target::V5_7_4), &old);
-    written(&tetrahedron(), &options(Target::V5_11_0), &new);
+    written(&tetrahedron(), &options(TargetVersion::V5_7_4), &old);
+    written(&tetrahedron(), &options(TargetVersion::V5_11_0), &new);
 
     // x South, y East, z up: A (20, 10, 0), B (-20, 10, 0), C (0, -30, 0), D (0, 0, 15). An OBJ has y z x.
     let obj = text(&old, "input/obj/surface.obj");
@@ -227,7 +227,7 @@ fn the_sun_shines_on_the_faces_that_it_should() {
     // Cosines of incidence from DART's own numbers: OBJ v y z x, Sun by zenith angle and azimuth.
     let scratch = Scratch::new();
     let folder = scratch.path().join("out");
-    written(&tetrahedron(), &options(Target::V5_7_4), &folder);
+    written(&tetrahedron(), &options(TargetVersion::V5_7_4), &folder);
     let obj = text(&folder, "input/obj/surface.obj");
     let rows = |key: &str| -> Vec<Vec<f64>> {
         let of = obj.lines().filter_map(|l| l.strip_prefix(key));
@@ -268,7 +268,7 @@ fn every_attribute_of_the_schema_is_written_and_no_other() {
     }
     let mut seen = 0;
     for scene in [tetrahedron(), rich()] {
-        let (package, _) = dart::from_scene(&scene, &options(Target::V5_7_4)).unwrap();
+        let (package, _) = dart::from_scene(&scene, &options(TargetVersion::V5_7_4)).unwrap();
         let files = dart::inputs(&package.simulation, &[(DVec3::ZERO, DVec3::ONE)]).unwrap();
         assert_eq!(files.len(), 11);
         for (_, root) in &files {
@@ -302,9 +302,9 @@ fn assert_same(a: &Scene, b: &Scene) {
 
 #[test]
 fn a_scene_comes_back_whole() {
-    for target in [Target::V5_7_4, Target::V5_11_0] {
+    for target in [TargetVersion::V5_7_4, TargetVersion::V5_11_0] {
         let mut full = rich();
-        if target == Target::V5_11_0 {
+        if target == TargetVersion::V5_11_0 {
             // Other models of reflectance are not known there.
             full = edited(&full, |scene| scene.surface.materials.truncate(5));
         }
@@ -327,7 +327,7 @@ fn without_the_sidecar_what_is_missing_is_told() {
     let scratch = Scratch::new();
     let folder = scratch.path().join("out");
     let scene = rich();
-    written(&scene, &options(Target::V5_7_4), &folder);
+    written(&scene, &options(TargetVersion::V5_7_4), &folder);
     std::fs::remove_file(folder.join("mmxrt.toml")).unwrap();
     let (back, report) = read(&folder, &SceneOptions::default());
     let told: Vec<(Fate, &str)> =
@@ -362,7 +362,8 @@ fn without_the_sidecar_what_is_missing_is_told() {
             }
         }
     }
-    let in_the_bands = |s: &Scene| dart::from_scene(s, &options(Target::V5_7_4)).unwrap().0.simulation.phase.irradiance;
+    let in_the_bands =
+        |s: &Scene| dart::from_scene(s, &options(TargetVersion::V5_7_4)).unwrap().0.simulation.phase.irradiance;
     assert!(
         in_the_bands(&scene)
             .iter()
@@ -377,7 +378,7 @@ fn without_the_sidecar_what_is_missing_is_told() {
 fn an_edited_file_wins() {
     let scratch = Scratch::new();
     let folder = scratch.path().join("out");
-    written(&tetrahedron(), &options(Target::V5_7_4), &folder);
+    written(&tetrahedron(), &options(TargetVersion::V5_7_4), &folder);
     let edit = |name: &str, from: &str, to: &str| {
         let before = text(&folder, name);
         assert!(before.contains(from), "{from}: {before}");
@@ -387,7 +388,7 @@ fn an_edited_file_wins() {
     edit("input/phase.xml", "deltaLambda=\"0.02\"", "deltaLambda=\"0.04\"");
     edit("input/directions.xml", "sunViewingAzimuthAngle=\"306.", "sunViewingAzimuthAngle=\"206.");
     let (back, report) = read(&folder, &SceneOptions::default());
-    let (again, _) = dart::from_scene(&back, &options(Target::V5_7_4)).unwrap();
+    let (again, _) = dart::from_scene(&back, &options(TargetVersion::V5_7_4)).unwrap();
     let in_the_band = again.simulation.phase.irradiance[0].unwrap().0;
     assert!((in_the_band - 411.111_111_111_111_1).abs() < 1e-9, "{in_the_band}");
     assert_eq!(back.exposure.bands, [Band { light: Light::Sunlight, ..Band::boxed(1.0, 0.04) }, Band::new(2.0, None)]);
@@ -401,7 +402,7 @@ fn an_edited_file_wins() {
 #[test]
 fn mars_lights_a_second_simulation() {
     let scene = rich();
-    let (package, report) = dart::from_scene(&scene, &options(Target::V5_7_4)).unwrap();
+    let (package, report) = dart::from_scene(&scene, &options(TargetVersion::V5_7_4)).unwrap();
     let mars = package.mars.unwrap();
     // (3, 8, 1) 10^6 m from the origin: South -1, East -3, up 8.
     let [zenith, azimuth] = mars.directions.sun_deg;
@@ -421,7 +422,7 @@ fn mars_lights_a_second_simulation() {
     assert!(report.notes.iter().any(|n| n.fate == Fate::Approximated && n.message.contains("parallel")));
     // Below the horizon there is none.
     let night = edited(&rich(), |scene| scene.sky.mars.as_mut().unwrap().centre_m = DVec3::new(3e6, -8e6, 1e6));
-    assert!(dart::from_scene(&night, &options(Target::V5_7_4)).unwrap().0.mars.is_none());
+    assert!(dart::from_scene(&night, &options(TargetVersion::V5_7_4)).unwrap().0.mars.is_none());
 }
 
 #[test]
@@ -430,7 +431,7 @@ fn the_same_scene_gives_the_same_bytes() {
     let mut listings = Vec::new();
     for name in ["one", "two"] {
         let folder = scratch.path().join(name);
-        written(&rich(), &options(Target::V5_7_4), &folder);
+        written(&rich(), &options(TargetVersion::V5_7_4), &folder);
         let mut files = BTreeMap::new();
         let mut open = vec![folder.clone()];
         while let Some(next) = open.pop() {
@@ -456,7 +457,7 @@ fn the_same_scene_gives_the_same_bytes() {
 
 #[test]
 fn what_a_version_is_not_known_to_have_is_refused() {
-    let (package, _) = dart::from_scene(&rich(), &options(Target::V5_11_0)).unwrap();
+    let (package, _) = dart::from_scene(&rich(), &options(TargetVersion::V5_11_0)).unwrap();
     let scratch = Scratch::new();
     let error = dart::write(&package, &scratch.path().join("out"), false, &unwatched).unwrap_err().to_string();
     assert!(error.contains("\"hapke\"") && error.contains("5.11.0"), "{error}");
@@ -476,7 +477,7 @@ fn groups_are_numbered_alike_by_all_versions() {
 
 #[test]
 fn differences_are_told_by_meaning() {
-    let (a, _) = dart::from_scene(&rich(), &options(Target::V5_7_4)).unwrap();
+    let (a, _) = dart::from_scene(&rich(), &options(TargetVersion::V5_7_4)).unwrap();
     let mut b = a.simulation.clone();
     assert!(dart::diff(&a.simulation, &b).is_empty());
     // Names mean nothing; nor does the place of a property, if the links follow.
@@ -505,17 +506,17 @@ fn differences_are_told_by_meaning() {
 #[test]
 fn what_does_not_fit_gets_a_proposal() {
     let scene = tetrahedron();
-    let said = |options: &WriteOptions| {
+    let said = |options: &SimulationOptions| {
         let (_, report) = dart::from_scene(&scene, options).unwrap();
         report.notes.into_iter().find(|n| n.at.item.as_deref() == Some("size")).unwrap().message
     };
-    let fine = WriteOptions { cell_m: Some(0.05), memory_bytes: 100 << 20, ..options(Target::V5_7_4) };
+    let fine = SimulationOptions { cell_m: Some(0.05), memory_bytes: 100 << 20, ..options(TargetVersion::V5_7_4) };
     // 801 x 801 x 301 cells at 64 B are 12 GB; twice as large ones an eighth of it, and so on.
     assert!(said(&fine).contains("801 x 801 x 301 cells of 0.05 m"), "{}", said(&fine));
     assert!(said(&fine).ends_with("cells of 0.4 m would fit"), "{}", said(&fine));
-    let tiny = WriteOptions { memory_bytes: 1000, ..fine };
+    let tiny = SimulationOptions { memory_bytes: 1000, ..fine };
     assert!(said(&tiny).contains("whatever the cells"));
-    let wrong = WriteOptions { cell_m: Some(-1.0), ..options(Target::V5_7_4) };
+    let wrong = SimulationOptions { cell_m: Some(-1.0), ..options(TargetVersion::V5_7_4) };
     assert!(dart::from_scene(&scene, &wrong).unwrap_err().to_string().contains("no positive length"));
 }
 
@@ -526,7 +527,7 @@ fn the_shipped_sites_come_back() {
         let scene = scene_toml::read(&path, &unwatched).unwrap().scene;
         let scratch = Scratch::new();
         let folder = scratch.path().join("out");
-        let report = written(&scene, &WriteOptions::default(), &folder);
+        let report = written(&scene, &SimulationOptions::default(), &folder);
         // Of the one Mars is 42 deg across, and no beam; at the other its centre is 13 deg below the horizon, and 72 % of the facets
         // see some of it.
         let lost: Vec<_> =
@@ -550,7 +551,7 @@ fn a_sun_below_the_horizon_gives_no_light() {
     // Up is +y: 3 parts down for 4 across are asin(3/5) = 36.870 deg below the horizon.
     let below = Direction::new(DVec3::new(4.0, -3.0, 0.0)).unwrap();
     let scene = edited(&rich(), |scene| scene.sky.sun.direction = below);
-    let report = written(&scene, &options(Target::V5_7_4), &folder);
+    let report = written(&scene, &options(TargetVersion::V5_7_4), &folder);
     assert!(report.notes.iter().any(|n| n.message.starts_with("the Sun stands 36.870 deg below")), "{report:#?}");
     let directions = text(&folder, "input/directions.xml");
     assert_eq!(number(&directions, "SunViewingAngles", 0, "sunViewingZenithAngle"), 0.0);
@@ -574,7 +575,7 @@ fn e490_is_recognized_by_its_irradiances() {
         scene.sky.sun.irradiance_1au = mmxrt::spectral::solar_e490().clone();
         scene.exposure.bands = [1.0, 2.0].map(|centre_um| Band::new(centre_um, None)).to_vec();
     });
-    written(&scene, &options(Target::V5_7_4), &folder);
+    written(&scene, &options(TargetVersion::V5_7_4), &folder);
     std::fs::remove_file(folder.join("mmxrt.toml")).unwrap();
     // The standard: 747.9 W m-2 um-1 at 1 um and 117 at 2 um; at 1.5 au they are divided by 2.25.
     let path = folder.join("input/phase.xml");
@@ -607,7 +608,7 @@ fn e490_is_recognized_by_its_irradiances() {
     let boxes = [1.0, 2.0].map(|centre_um| Band::boxed(centre_um, 0.02));
     let scene = edited(&scene, |scene| scene.exposure.bands = boxes.to_vec());
     let folder = scratch.path().join("wide");
-    written(&scene, &options(Target::V5_7_4), &folder);
+    written(&scene, &options(TargetVersion::V5_7_4), &folder);
     std::fs::remove_file(folder.join("mmxrt.toml")).unwrap();
     let (back, _) = read(&folder, &SceneOptions::default());
     assert!((back.sky.sun.distance_m / AU_M - 1.5).abs() < 1e-12);
@@ -634,7 +635,7 @@ fn more_materials_than_groups_take_more_files() {
         uv: vec![],
     };
     let scene = scene.check().unwrap();
-    for target in [Target::V5_7_4, Target::V5_11_0] {
+    for target in [TargetVersion::V5_7_4, TargetVersion::V5_11_0] {
         let folder = folder.join(format!("{target:?}"));
         let report = written(&scene, &options(target), &folder);
         assert!(!report.has_losses(), "{:#?}", report.notes);
@@ -662,7 +663,7 @@ fn more_materials_than_groups_take_more_files() {
 #[test]
 fn an_emissivity_that_dart_does_not_have_is_told() {
     let scene = rich();
-    let (package, report) = dart::from_scene(&scene, &options(Target::V5_7_4)).unwrap();
+    let (package, report) = dart::from_scene(&scene, &options(TargetVersion::V5_7_4)).unwrap();
     assert_eq!(package.simulation.phase.bands[0].mode, 1);
     let told: Vec<String> = (report.notes.iter().filter(|n| n.fate == Fate::Approximated))
         .map(|n| format!("{} {}", n.at.item.as_deref().unwrap_or_default(), n.message))
@@ -681,7 +682,7 @@ fn a_box_that_reaches_where_surfaces_glow_has_heat() {
         scene.models.thermal = Thermal::Equilibrium;
         scene.exposure.bands = vec![Band::boxed(1.425, 2.15), Band::boxed(1.425, 0.1)];
     });
-    let (package, _) = dart::from_scene(&scene, &options(Target::V5_7_4)).unwrap();
+    let (package, _) = dart::from_scene(&scene, &options(TargetVersion::V5_7_4)).unwrap();
     assert_eq!(package.simulation.phase.bands.iter().map(|b| b.mode).collect::<Vec<_>>(), [1, 0]);
 }
 
@@ -694,7 +695,7 @@ fn filter_curves_that_become_rectangles_are_told_with_what_that_costs() {
     scene.surface.mesh.material = vec![MaterialId(0); 4];
     let peaks = spectrum(&[0.6, 0.65, 0.7, 1.3, 1.35, 1.4], &[0.0, 1.0, 0.0, 0.0, 1.0, 0.0]);
     scene.exposure.bands = vec![Band::tabulated(&peaks).unwrap()];
-    let (_, report) = dart::from_scene(&scene.check().unwrap(), &options(Target::V5_7_4)).unwrap();
+    let (_, report) = dart::from_scene(&scene.check().unwrap(), &options(TargetVersion::V5_7_4)).unwrap();
     let note = report.notes.iter().find(|n| n.message.contains("tabulated responses")).unwrap();
     // Means: 0.1 + 0.2 x 0.15 / 0.5 = 0.16 over the peaks; 0.3 - 0.4 x 0.05 / 2 = 0.29 over 0.1 um about 1 um: 0.8125 more.
     assert!(note.fate == Fate::Approximated && note.message.contains("up to 8.1e-1 off"), "{note:?}");

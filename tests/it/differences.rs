@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 
 use mmxrt::formats::convert::{Content, differences};
 use mmxrt::geometry::{Direction, MaterialId, Texels};
-use mmxrt::scene::{Hapke, MarsModel, Parts, Photometry, Rpv, Scene, TextureKind, Thermal};
+use mmxrt::scene::{Hapke, MarsModel, Photometry, Rpv, Scene, SceneParts, TextureKind, Thermal};
 use mmxrt::spectral::{Extend, Spectrum};
 
 use crate::cli::run;
@@ -81,7 +81,7 @@ fn every_part_of_a_scene_is_compared() {
         Photometry::Hapke(Box::new(Hapke::from(all)))
     };
     let rpv = |h: f64| Photometry::Rpv(Box::new(Rpv::from([0.05, 0.8, -0.1, h].map(constant))));
-    type Change<'a> = (&'a str, &'a dyn Fn(&mut Parts));
+    type Change<'a> = (&'a str, &'a dyn Fn(&mut SceneParts));
     let changes: &[Change] = &[
         ("origin_m", &|s| s.surface.origin_m.x += 1.0),
         ("mesh, ", &|s| s.surface.mesh.vertices_m[1].x += 0.1),

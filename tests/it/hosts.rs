@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
 
 use mmxrt::formats::Subject;
-use mmxrt::formats::product_folder::{Options, ProductFolder};
+use mmxrt::formats::product_folder::{ProductFolder, ProductOptions};
 use mmxrt::formats::radiance_map::summands;
 use mmxrt::formats::report_json::{FORMAT_VERSION, Run};
 use mmxrt::job::{self, Radiance};
@@ -54,7 +54,7 @@ fn the_library_alone_writes_what_the_command_writes() {
     let arguments = ["simulate", &scratch.argument("scene.toml"), "-o", &scratch.argument("command"), "--quiet"];
     let (code, _, err) = command(&[&arguments[..], &["--exr", "--footprints", "--table", "--split"]].concat());
     assert_eq!((code, err.as_str()), (0, ""));
-    let options = Options { exr: true, footprints: true, table: true, split: true, ..Options::default() };
+    let options = ProductOptions { exr: true, footprints: true, table: true, split: true, ..ProductOptions::default() };
     let subject = Subject::open(&scene, &unwatched).unwrap();
     let written = example::write_product(subject, &scratch.join("library"), options, &Gauge::default()).unwrap();
     assert_same(&scratch.join("command"), &scratch.join("library"), 13);
@@ -69,7 +69,7 @@ fn the_library_alone_writes_what_the_command_writes() {
     let out = scratch.argument("command_maps");
     let (code, _, err) = command(&["integrate", arguments[1], "--radiance", &sum, "-o", &out, "--quiet"]);
     assert_eq!((code, err.as_str()), (0, ""));
-    let folder = ProductFolder::stage(&scratch.join("library_maps"), false, Options::default()).unwrap();
+    let folder = ProductFolder::stage(&scratch.join("library_maps"), false, ProductOptions::default()).unwrap();
     let radiance = Radiance { maps: vec![summands(&sum).unwrap()], ..Radiance::default() };
     let subject = Subject::open(&scene, &unwatched).unwrap();
     let summed = job::integrate(subject, &radiance, folder, run, &unwatched).unwrap();
@@ -84,7 +84,7 @@ fn what_maps_send_has_no_facet_table_and_no_thermal_part() {
     let scratch = Scratch::new();
     let scene = scratch.write("scene.toml", SITE);
     let subject = Subject::open(&scene, &unwatched).unwrap();
-    let options = Options { split: true, ..Options::default() };
+    let options = ProductOptions { split: true, ..ProductOptions::default() };
     let folder = ProductFolder::stage(&scratch.join("out"), false, options).unwrap();
     assert!(folder.admit(&subject, [], false).is_ok());
     let error = folder.admit(&subject, [], true).unwrap_err().to_string();
@@ -115,7 +115,7 @@ fn a_host_polls_and_stops() {
             }
             gauge.watch(progress)
         };
-        let folder = ProductFolder::stage(&scratch.join("out"), false, Options::default())?;
+        let folder = ProductFolder::stage(&scratch.join("out"), false, ProductOptions::default())?;
         let result = Subject::open(&scene, &watch).and_then(|subject| job::simulate(subject, folder, run, &watch));
         is_over.store(true, Relaxed);
         result.map(drop)

@@ -145,7 +145,7 @@ fn a_module_uses_only_those_above_it() {
 /// An image asks what facets send, and nothing else of what was solved.
 #[test]
 fn integrate_knows_of_solve_what_facets_send() {
-    let asked = ["Emission", "Fragment", "Modulation", "Part"];
+    let asked = ["Emission", "Fragment", "Modulation", "ImagePart"];
     let mut seen = 0;
     for file in files().iter().filter(|file| file.place[0] == "integrate") {
         for path in paths(&file.code, &file.place).iter().filter(|path| path[0] == "solve") {

@@ -7,7 +7,7 @@ use mmxrt::integrate::Wanted;
 use mmxrt::landscape::{self, Recipe};
 use mmxrt::product::{Atlas, FacetTable, Placement, RadianceMap, SkyShare, TexelSource, ViewImage};
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{Exposure, Material, Models, Parts, Photometry, Scene, Sky, Sun, Surface, Thermal};
+use mmxrt::scene::{Exposure, Material, Models, Photometry, Scene, SceneParts, Sky, Sun, Surface, Thermal};
 use mmxrt::spectral::{Band, Spectrum};
 use mmxrt::study::{self, Fill, MapAccount, MapOptions, Observation};
 use mmxrt::units::AU_M;
@@ -55,7 +55,7 @@ pub(crate) fn scene(mesh: Mesh, camera: FrameCamera, sun_direction: [f64; 3]) ->
         emissivity_bolometric: 0.95,
         mixture: vec![(0, 1.0)],
     };
-    Parts {
+    SceneParts {
         surface: Surface { origin_m: DVec3::new(0.0, 0.0, 11_000.0), mesh, materials: vec![grey], textures: vec![] },
         sky: Sky {
             sun: Sun {

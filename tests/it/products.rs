@@ -247,7 +247,7 @@ fn a_full_disk_is_an_error_that_names_the_file() {
         lines: 1,
         planes: vec![Plane { name: "X".into(), unit: "m".into(), values: vec![1.0] }],
     };
-    let image = report_json::Image {
+    let image = report_json::ImageEntry {
         samples: 1,
         lines: 1,
         bands: 1,

@@ -6,7 +6,7 @@ use mmxrt::integrate::Wanted;
 use mmxrt::product::FacetTable;
 use mmxrt::progress::unwatched;
 use mmxrt::scene::{
-    DirectionField, Exposure, Mars, MarsModel, Material, Models, Parts, Photometry, Sky, Sun, Surface, Thermal,
+    DirectionField, Exposure, Mars, MarsModel, Material, Models, Photometry, SceneParts, Sky, Sun, Surface, Thermal,
 };
 use mmxrt::spectral::{Band, Light, Spectrum, solar_e490};
 use mmxrt::study::{Effect, Observation, simulate, table_id};
@@ -38,8 +38,8 @@ fn mars(towards: [f64; 3]) -> Mars {
 }
 
 /// A scene of one material, without Mars or heat, in bands at 1 and 3.6 um.
-fn scene(mesh: Mesh, towards_sun: Direction, camera: FrameCamera) -> Parts {
-    Parts {
+fn scene(mesh: Mesh, towards_sun: Direction, camera: FrameCamera) -> SceneParts {
+    SceneParts {
         surface: Surface {
             origin_m: DVec3::new(0.0, 0.0, 11_000.0),
             mesh,
@@ -65,7 +65,7 @@ fn scene(mesh: Mesh, towards_sun: Direction, camera: FrameCamera) -> Parts {
     }
 }
 
-fn observed(scene: &Parts) -> Observation {
+fn observed(scene: &SceneParts) -> Observation {
     let (_, observation) = simulate(&scene.clone().check().unwrap(), &unwatched).unwrap();
     for check in &observation.checks {
         assert!(check.passed(), "{check:?}");
@@ -356,12 +356,12 @@ fn one_table_serves_all_cameras_and_bands_and_no_other_scene() {
     };
     let id = table_id(&base.clone().check().unwrap());
     assert_eq!(id.len(), 64);
-    let changed = |change: &dyn Fn(&mut Parts)| {
+    let changed = |change: &dyn Fn(&mut SceneParts)| {
         let mut other = base.clone();
         change(&mut other);
         table_id(&other.check().unwrap())
     };
-    let same: [&dyn Fn(&mut Parts); 4] = [
+    let same: [&dyn Fn(&mut SceneParts); 4] = [
         &|s| s.exposure.camera = nadir(2e4, 10.0, 64),
         &|s| s.exposure.bands.truncate(1),
         &|s| s.surface.materials[0].reflectance = Spectrum::constant(0.2),
@@ -370,7 +370,7 @@ fn one_table_serves_all_cameras_and_bands_and_no_other_scene() {
     for (i, change) in same.into_iter().enumerate() {
         assert_eq!(changed(change), id, "{i}");
     }
-    let other: [&dyn Fn(&mut Parts); 11] = [
+    let other: [&dyn Fn(&mut SceneParts); 11] = [
         &|s| s.surface.origin_m.z += 1.0,
         &|s| s.surface.mesh.vertices_m[7].z += 1e-9,
         &|s| s.surface.mesh.facets.swap(3, 4),

@@ -7,7 +7,7 @@ use mmxrt::formats::mtl::{self, ObjMaterial};
 use mmxrt::formats::{obj, scene_toml};
 use mmxrt::geometry::Mesh;
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{Parts, Scene};
+use mmxrt::scene::{Scene, SceneParts};
 use mmxrt::study::{self, Observation};
 
 /// A site of 1000 facets on top of a body, seen from 70 km above in 16 x 16 pixels of one band.
@@ -108,7 +108,7 @@ impl Drop for Scratch {
 }
 
 /// A scene of which some parts are others.
-pub(crate) fn edited(scene: &Scene, change: impl FnOnce(&mut Parts)) -> Scene {
+pub(crate) fn edited(scene: &Scene, change: impl FnOnce(&mut SceneParts)) -> Scene {
     let mut parts = scene.clone().into_parts();
     change(&mut parts);
     parts.check().unwrap()

@@ -8,7 +8,7 @@ use std::fmt::Debug;
 
 use glam::DVec3;
 
-use crate::formats::dart::{Camera, Step};
+use crate::formats::dart::{Pinhole, Step};
 use crate::formats::mesh_file::ColouredMesh;
 use crate::formats::mtl::ObjMaterial;
 use crate::geometry::{FrameCamera, MaterialId, Mesh, Pose};
@@ -399,7 +399,7 @@ impl Lines {
                     lines.push(&at, format!("{} cameras", cameras.len()), format!("{} cameras", b.cameras.len()));
                 }
                 for (a, b) in cameras.iter().zip(&b.cameras) {
-                    let Camera { position_m, look_deg, roll_deg, field_of_view_deg, pixels, at: _ } = a;
+                    let Pinhole { position_m, look_deg, roll_deg, field_of_view_deg, pixels, at: _ } = a;
                     lines.places(&format!("{at} camera, m"), *position_m, b.position_m);
                     lines.lists(&format!("{at} camera looks to, deg"), look_deg, &b.look_deg);
                     lines.numbers(&format!("{at} camera turned by, deg"), *roll_deg, b.roll_deg);

@@ -6,8 +6,8 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Location, Problem, Result};
-use crate::formats::dart::{self, Coverage, Finding, Severity, Step, WriteOptions, database::Database};
-use crate::formats::dart::{SceneOptions, Target};
+use crate::formats::dart::{self, Finding, Severity, SimulationOptions, Step, TableSummary, database::Database};
+use crate::formats::dart::{SceneOptions, TargetVersion};
 use crate::formats::input::InputFile;
 use crate::physics::reflectance::ALL_LIGHT;
 use crate::progress::{Watch, unwatched};
@@ -59,14 +59,14 @@ pub(super) fn read(
 /// The simulation of a scene, not written yet.
 pub(super) fn package(scene: &Scene, options: &Options, report: &mut Report) -> Result<dart::Package> {
     let target = match options.dart_version.as_deref() {
-        None | Some("5.7.4") => Target::V5_7_4,
-        Some("5.11.0") => Target::V5_11_0,
+        None | Some("5.7.4") => TargetVersion::V5_7_4,
+        Some("5.11.0") => TargetVersion::V5_11_0,
         Some(other) => {
             let feature = format!("writing DART {other} (5.7.4 and 5.11.0 are)");
             return Err(Error::Unsupported { at: Location::item("dart_version"), feature });
         }
     };
-    let options = WriteOptions { target, cell_m: options.cell_m, ..WriteOptions::default() };
+    let options = SimulationOptions { target, cell_m: options.cell_m, ..SimulationOptions::default() };
     let (package, more) = dart::from_scene(scene, &options)?;
     if !scene.body.mesh.uv.is_empty() {
         let message = "DART's objects have no texture coordinates";
@@ -157,7 +157,7 @@ struct Databases {
 
 impl Databases {
     /// What a table covers.
-    fn coverage(&mut self, path: &Path, model: &str) -> Option<Coverage> {
+    fn coverage(&mut self, path: &Path, model: &str) -> Option<TableSummary> {
         let Databases { open, refused } = self;
         if model.is_empty() {
             return match dart::text_spectra::read(path) {
@@ -188,8 +188,8 @@ impl Databases {
     }
 }
 
-fn coverage(library: &SpectralLibrary) -> Option<Coverage> {
-    Some(Coverage { range_um: library.coverage_um()?, shares: shares(library) })
+fn coverage(library: &SpectralLibrary) -> Option<TableSummary> {
+    Some(TableSummary { range_um: library.coverage_um()?, shares: shares(library) })
 }
 
 /// Reflectance, direct and diffuse transmittance of a Lambertian table, for each wavelength; nothing of another.

@@ -16,11 +16,11 @@ use crate::physics::reflectance::ALL_LIGHT;
 use super::folder::Folder;
 use super::frame;
 use super::groups;
-use super::mandatory::{self, Kind};
+use super::mandatory::{self, MissingKind};
 use super::object::{reaches_beyond, seen_facets, standing};
 use super::read::coeff_diff::{factor_node, factors_of_bands, uses_factors};
 use super::read::sequence::count;
-use super::read::{FILES, Inputs, Options, read, terrain};
+use super::read::{FILES, Inputs, ReadOptions, read, terrain};
 use super::sidecar::{self, Sidecar};
 use super::to_scene::nanometres;
 use super::{Links, Object, OpticalKind, OpticalProperty, Simulation, Version};
@@ -69,7 +69,7 @@ impl std::fmt::Display for Finding {
 
 /// What a check asks of a table in a database of optical properties.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Coverage {
+pub struct TableSummary {
     /// First and last wavelength, um.
     pub range_um: (f64, f64),
     /// Of a table that holds them in percent, for each wavelength: reflectance, direct and diffuse transmittance, fractions.
@@ -77,15 +77,15 @@ pub struct Coverage {
 }
 
 /// The coverage of a table, by the path of its database and its name, which is empty for a text, or `None` where it is not known.
-pub type CoverageOf<'a> = &'a dyn Fn(&Path, &str) -> Option<Coverage>;
+pub type SummaryOf<'a> = &'a dyn Fn(&Path, &str) -> Option<TableSummary>;
 
 /// For checks that open no database.
-pub fn no_coverage(_database: &Path, _table: &str) -> Option<Coverage> {
+pub fn no_summary(_database: &Path, _table: &str) -> Option<TableSummary> {
     None
 }
 
 /// Looks over a simulation, from its folder or its `input/`. Findings come in the order of checks, errors of reading first.
-pub fn check(path: &Path, options: &Options, coverage: CoverageOf<'_>) -> Vec<Finding> {
+pub fn check(path: &Path, options: &ReadOptions, coverage: SummaryOf<'_>) -> Vec<Finding> {
     let folder = options.folder(path);
     let inputs = match Inputs::read(&folder) {
         Ok(inputs) => inputs,
@@ -97,7 +97,7 @@ pub fn check(path: &Path, options: &Options, coverage: CoverageOf<'_>) -> Vec<Fi
         Ok((simulation, _, _)) => simulation,
         Err(error) => return [missing, unreadable(error)].concat(),
     };
-    let mut check = Check { simulation: &simulation, inputs: &inputs, folder: &folder, findings: missing };
+    let mut check = Checker { simulation: &simulation, inputs: &inputs, folder: &folder, findings: missing };
     check.files();
     check.date();
     check.bands();
@@ -118,15 +118,15 @@ fn missing(inputs: &Inputs) -> Vec<Finding> {
     let finding = |missing: mandatory::Missing| {
         let mandatory::Missing { path, at, kind } = missing;
         let (what, named, fix) = match kind {
-            Kind::Element { found: 0, least: 1 } => {
+            MissingKind::Element { found: 0, least: 1 } => {
                 (format!("`{path}` is missing"), "element", "write it with all its attributes")
             }
-            Kind::Element { found, least } => {
+            MissingKind::Element { found, least } => {
                 let what = format!("`{path}` is there {found} times: at least {least} are wanted");
                 (what, "element", "write it with all its attributes")
             }
-            Kind::Attribute { places: 1, .. } => (format!("`{path}` is missing"), "attribute", "write it"),
-            Kind::Attribute { places, .. } => {
+            MissingKind::Attribute { places: 1, .. } => (format!("`{path}` is missing"), "attribute", "write it"),
+            MissingKind::Attribute { places, .. } => {
                 (format!("`{path}` is missing in {places} places"), "attribute", "write it in each of them")
             }
         };
@@ -153,14 +153,14 @@ fn unreadable(error: Error) -> Vec<Finding> {
     }
 }
 
-struct Check<'a> {
+struct Checker<'a> {
     simulation: &'a Simulation,
     inputs: &'a Inputs,
     folder: &'a Folder,
     findings: Vec<Finding>,
 }
 
-impl<'a> Check<'a> {
+impl<'a> Checker<'a> {
     fn error(&mut self, at: &Location, what: impl Into<String>, effect: &str, fix: impl Into<String>) {
         self.add(Severity::Error, at, what.into(), effect, fix.into());
     }
@@ -269,7 +269,7 @@ impl<'a> Check<'a> {
     }
 
     /// Factors, transmittance, spectra.
-    fn properties(&mut self, coverage: CoverageOf<'_>) {
+    fn properties(&mut self, coverage: SummaryOf<'_>) {
         let mut idents: BTreeSet<String> = BTreeSet::new();
         for property in &self.simulation.optical {
             if !idents.insert(property.ident.to_lowercase()) {
@@ -319,7 +319,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    fn spectrum(&mut self, property: &OpticalProperty, coverage: CoverageOf<'_>) {
+    fn spectrum(&mut self, property: &OpticalProperty, coverage: SummaryOf<'_>) {
         let path = match self.folder.locate(&property.database, &property.at) {
             Ok(Some(path)) => path,
             // A database that DART ships is not expected in the folder.
@@ -329,7 +329,7 @@ impl<'a> Check<'a> {
                 return self.warning(&property.at, problem.message, "looks there", fix);
             }
         };
-        let Some(Coverage { range_um: (first, last), shares }) = coverage(&path, &property.model) else {
+        let Some(TableSummary { range_um: (first, last), shares }) = coverage(&path, &property.model) else {
             return;
         };
         if first > USUAL_UM {

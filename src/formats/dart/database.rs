@@ -18,7 +18,7 @@ use super::kind::suspect_fractions;
 use super::kind::{DartTable, check_order, distinct_names, is_percent, is_wavelength, outside, range, same};
 use super::store::{Store, Table};
 
-pub use super::kind::{Kind, model_name};
+pub use super::kind::{TableKind, model_name};
 
 /// A DART optical database.
 pub(in crate::formats) static DATABASE: Format = Format {
@@ -39,7 +39,7 @@ pub struct Model {
     /// What the database says of it.
     pub comment: String,
     /// What it describes.
-    pub kind: Kind,
+    pub kind: TableKind,
     /// Its columns in their order, wavelength among them, without the row's number.
     pub columns: Vec<String>,
 }
@@ -95,7 +95,7 @@ impl Database {
         let spectral = self.tables.iter().filter(|t| t.columns.iter().any(|c| is_wavelength(c)));
         let model = |table: &Table| {
             let columns: Vec<String> = table.columns.iter().filter(|c| !is_row_number(c)).cloned().collect();
-            let kind = Kind::of(columns.iter().map(String::as_str));
+            let kind = TableKind::of(columns.iter().map(String::as_str));
             Model { name: table.name.clone(), comment: self.comment(&table.name), kind, columns }
         };
         spectral.map(model).collect()
@@ -233,7 +233,7 @@ impl Database {
     }
 
     /// Reads a model of a known kind.
-    fn read_kind(&self, model: &str, kind: Kind) -> Result<(SpectralLibrary, Report)> {
+    fn read_kind(&self, model: &str, kind: TableKind) -> Result<(SpectralLibrary, Report)> {
         let (library, report) = self.read(model)?;
         let lacking: Vec<&str> = kind.columns().iter().copied().filter(|name| library.column(name).is_none()).collect();
         if lacking.is_empty() {
@@ -249,7 +249,7 @@ impl Database {
     /// # Errors
     /// As [`Database::read`]; [`Error::Invalid`] for a model of another kind.
     pub fn lambertian(&self, model: &str) -> Result<(Spectrum, Report)> {
-        let (library, mut report) = self.read_kind(model, Kind::Lambertian)?;
+        let (library, mut report) = self.read_kind(model, TableKind::Lambertian)?;
         for column in &library.columns[1..3] {
             let most = column.values.iter().copied().fold(0.0, f64::max);
             if most > 0.0 {
@@ -268,7 +268,7 @@ impl Database {
     /// # Errors
     /// As [`Database::lambertian`].
     pub fn hapke(&self, model: &str) -> Result<(SpectralLibrary, Report)> {
-        self.read_kind(model, Kind::Hapke)
+        self.read_kind(model, TableKind::Hapke)
     }
 
     /// An RPV model: columns reflectance (a fraction), k, g, h, in this order.
@@ -276,7 +276,7 @@ impl Database {
     /// # Errors
     /// As [`Database::lambertian`].
     pub fn rpv(&self, model: &str) -> Result<(SpectralLibrary, Report)> {
-        self.read_kind(model, Kind::Rpv)
+        self.read_kind(model, TableKind::Rpv)
     }
 
     /// First and last wavelength of a model, um: what DART does beyond is not known.

@@ -13,9 +13,9 @@ use crate::report::Fate;
 
 use super::frame;
 use super::read::unread::{self, ROUNDING};
-use super::read::{self, Inputs, Options};
+use super::read::{self, Inputs, ReadOptions};
 use super::simulation::{
-    Camera, Directions, Group, Links, Maket, Object, ObjectField, OpticalProperty, Phase, Placement, Sequence,
+    Directions, FieldInstance, Group, Links, Maket, Object, ObjectField, OpticalProperty, Phase, Pinhole, Sequence,
     SequenceEntry, SequenceGroup, Simulation, SpectralInterval, ThermalFunction, Topography, Version,
 };
 
@@ -27,7 +27,7 @@ const TOLD: usize = 10;
 ///
 /// # Errors
 /// As [`read::read`].
-pub fn differences(a: &Path, b: &Path, options: &Options) -> Result<Vec<String>> {
+pub fn differences(a: &Path, b: &Path, options: &ReadOptions) -> Result<Vec<String>> {
     let mut lines = of_inputs(a, b, options)?;
     let [mars_a, mars_b] = [a, b].map(|path| options.folder(path).simulation.join("mars"));
     let is_there = |mars: &Path| options.folder(mars).input.join("maket.xml").is_file();
@@ -42,7 +42,7 @@ pub fn differences(a: &Path, b: &Path, options: &Options) -> Result<Vec<String>>
     Ok(lines)
 }
 
-fn of_inputs(a: &Path, b: &Path, options: &Options) -> Result<Vec<String>> {
+fn of_inputs(a: &Path, b: &Path, options: &ReadOptions) -> Result<Vec<String>> {
     let ((of_a, report_a, _), (of_b, report_b, _)) = (read::read(a, options)?, read::read(b, options)?);
     let mut lines = diff(&of_a, &of_b);
     let told = |report: crate::report::Report| -> Vec<String> {
@@ -232,8 +232,8 @@ impl Lines {
         });
     }
 
-    fn placement(&mut self, at: &str, a: &Placement, b: &Placement) {
-        let Placement { model, position_m, scale, rotation_deg } = a;
+    fn placement(&mut self, at: &str, a: &FieldInstance, b: &FieldInstance) {
+        let FieldInstance { model, position_m, scale, rotation_deg } = a;
         self.differ(&format!("{at} model"), model, &b.model);
         self.vectors(&format!("{at} position, m"), *position_m, b.position_m);
         self.vectors(&format!("{at} scale"), *scale, b.scale);
@@ -273,8 +273,8 @@ impl Lines {
         self.numbers(&format!("{at} temperature, mean and range, K"), &x, &y, 1.0);
     }
 
-    fn camera(&mut self, at: &str, a: &Camera, b: &Camera) {
-        let Camera { position_m, look_deg, roll_deg, field_of_view_deg, pixels, at: _ } = a;
+    fn camera(&mut self, at: &str, a: &Pinhole, b: &Pinhole) {
+        let Pinhole { position_m, look_deg, roll_deg, field_of_view_deg, pixels, at: _ } = a;
         self.vectors(&format!("{at} position, m"), *position_m, b.position_m);
         self.numbers(&format!("{at} line of sight, zenith angle and azimuth, deg"), look_deg, &b.look_deg, 1.0);
         self.numbers(&format!("{at} turn about it, deg"), &[*roll_deg], &[b.roll_deg], 1.0);

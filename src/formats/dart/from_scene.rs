@@ -13,9 +13,9 @@ use crate::scene::{Mars, Scene, Setup, Thermal};
 use crate::spectral::{Band, Response, SpectralLibrary};
 
 use super::frame;
-use super::inputs::Target;
+use super::inputs::TargetVersion;
 use super::sidecar::{self, Sidecar};
-use super::simulation::{Camera, Directions, Group, Links, Maket, Object, Phase, Simulation};
+use super::simulation::{Directions, Group, Links, Maket, Object, Phase, Pinhole, Simulation};
 use optics::{
     MONOCHROMATIC_UM, band_mean, databases, emissivity_off, links, on_facet_from_mars, optical, rectangle_off,
     sunlight, unique_names,
@@ -73,7 +73,7 @@ impl Size {
         let [x, y] = maket.size_m.map(|extent_m| count(extent_m, maket.cell_m[0]));
         let cells = [x, y, count(height_m, maket.cell_m[1])];
         let bands = simulation.phase.bands.len() as u64;
-        let of_camera = |c: &Camera| u64::from(c.pixels[0]) * u64::from(c.pixels[1]);
+        let of_camera = |c: &Pinhole| u64::from(c.pixels[0]) * u64::from(c.pixels[1]);
         let views = 1 + simulation.directions.views_deg.len() as u64;
         let product = |factors: &[u64]| factors.iter().fold(1_u64, |n, factor| n.saturating_mul(*factor));
         let pixels =
@@ -90,18 +90,18 @@ impl Size {
 
 /// What a conversion leaves to its caller.
 #[derive(Debug, Clone, PartialEq)]
-pub struct WriteOptions {
+pub struct SimulationOptions {
     /// Version of DART.
-    pub target: Target,
+    pub target: TargetVersion,
     /// Size of a cell, m; `None`: what a pixel of the camera sees.
     pub cell_m: Option<f64>,
     /// Memory that DART may take, bytes.
     pub memory_bytes: u64,
 }
 
-impl Default for WriteOptions {
+impl Default for SimulationOptions {
     fn default() -> Self {
-        WriteOptions { target: Target::default(), cell_m: None, memory_bytes: 16 << 30 }
+        SimulationOptions { target: TargetVersion::default(), cell_m: None, memory_bytes: 16 << 30 }
     }
 }
 
@@ -117,7 +117,7 @@ const DISTANT: f64 = 5.0;
 ///
 /// # Errors
 /// [`Error::Invalid`] for a cell that is no length.
-pub fn from_scene(scene: &Scene, options: &WriteOptions) -> Result<(Package, Report)> {
+pub fn from_scene(scene: &Scene, options: &SimulationOptions) -> Result<(Package, Report)> {
     let mut report = Report::default();
     let dart_from_body = frame::dart_from_body(scene.body.origin_m);
     let mut mesh = scene.body.mesh.clone();
@@ -160,7 +160,7 @@ pub fn from_scene(scene: &Scene, options: &WriteOptions) -> Result<(Package, Rep
             cell_m: [cell_m; 2],
             boundary: 0,
             ground: links[scene.body.materials.len()].clone(),
-            ground_enabled: options.target == Target::V5_7_4,
+            ground_enabled: options.target == TargetVersion::V5_7_4,
             topography: None,
             latitude_longitude_altitude: frame::latitude_longitude_altitude(scene.body.origin_m),
             at: Location::item("maket"),
@@ -243,11 +243,12 @@ struct Site<'a> {
 
 impl Site<'_> {
     /// The object of the OBJ file with this number, from 0.
-    fn object(&self, number: usize, groups: &[String], target: Target, links: &[Links]) -> Object {
+    fn object(&self, number: usize, groups: &[String], target: TargetVersion, links: &[Links]) -> Object {
         let name = if number == 0 { SURFACE.into() } else { format!("{SURFACE}_{}", number + 1) };
         let used: Vec<usize> = (0..groups.len()).filter(|m| !groups[*m].is_empty()).collect();
         // Of an OBJ with one group 5.7 wants no list; what 5.11 wants is known with a list only.
-        let whole = if target == Target::V5_7_4 && used.len() == 1 { Some(links[used[0]].clone()) } else { None };
+        let whole =
+            if target == TargetVersion::V5_7_4 && used.len() == 1 { Some(links[used[0]].clone()) } else { None };
         let group = |(i, &material): (usize, &usize)| Group {
             number: index_u32(i) + 1,
             name: groups[material].clone(),
@@ -275,11 +276,11 @@ impl Site<'_> {
         }
     }
 
-    fn camera(&self) -> Camera {
+    fn camera(&self) -> Pinhole {
         let camera = &self.scene.exposure.camera;
         let (look_deg, roll_deg) = camera_deg(self.dart_from_body * camera.world_from_sensor.rotation, camera.pitch[0]);
         let angle_deg = |pixels: u32, pitch: f64| FrameCamera::angle_of_pitch(pitch, pixels).to_degrees();
-        Camera {
+        Pinhole {
             position_m: self.dart_from_body * camera.centre_m() + self.origin_in_dart_m,
             look_deg,
             roll_deg,
@@ -344,7 +345,7 @@ impl Site<'_> {
     }
 
     /// What became of what DART has no exact counterpart for.
-    fn notes(&self, simulation: &Simulation, size: &Size, options: &WriteOptions, report: &mut Report) {
+    fn notes(&self, simulation: &Simulation, size: &Size, options: &SimulationOptions, report: &mut Report) {
         let scene = self.scene;
         let item = Location::item;
         let camera = &scene.exposure.camera;
@@ -458,8 +459,10 @@ impl Site<'_> {
             ),
         }
         let ground = match options.target {
-            Target::V5_7_4 => "DART has a ground plane at z = 0: it is black and at 0 K, below all of the surface",
-            Target::V5_11_0 => "DART's ground plane is switched off",
+            TargetVersion::V5_7_4 => {
+                "DART has a ground plane at z = 0: it is black and at 0 K, below all of the surface"
+            }
+            TargetVersion::V5_11_0 => "DART's ground plane is switched off",
         };
         report.note(Fate::Defaulted, item("ground"), ground);
         let [x, y, z] = size.cells;

@@ -11,13 +11,13 @@ use crate::geometry::FrameCamera;
 
 use super::frame;
 use super::simulation::{
-    Camera, Group, Links, Object, OpticalKind, OpticalProperty, Simulation, SpectralInterval, ThermalFunction,
+    Group, Links, Object, OpticalKind, OpticalProperty, Pinhole, Simulation, SpectralInterval, ThermalFunction,
     Topography, Version,
 };
 
 /// Versions that are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Target {
+pub enum TargetVersion {
     /// 5.7.4, build v1083: its schema is known in full. Later versions upgrade it.
     #[default]
     V5_7_4,
@@ -25,12 +25,12 @@ pub enum Target {
     V5_11_0,
 }
 
-impl Target {
+impl TargetVersion {
     /// As the root elements have it.
     pub fn version(self) -> Version {
         let (version, build) = match self {
-            Target::V5_7_4 => ("5.7.4", "v1083"),
-            Target::V5_11_0 => ("5.11.0", "v1449"),
+            TargetVersion::V5_7_4 => ("5.7.4", "v1083"),
+            TargetVersion::V5_11_0 => ("5.11.0", "v1449"),
         };
         Version { version: version.into(), build: build.into() }
     }
@@ -40,7 +40,7 @@ impl Target {
     /// # Errors
     /// [`Error::Unsupported`] for other versions.
     pub fn of(version: &Version) -> Result<Self> {
-        [Target::V5_7_4, Target::V5_11_0].into_iter().find(|t| t.version() == *version).ok_or_else(|| {
+        [TargetVersion::V5_7_4, TargetVersion::V5_11_0].into_iter().find(|t| t.version() == *version).ok_or_else(|| {
             Error::Unsupported {
                 at: Location::item("version"),
                 feature: format!(
@@ -62,7 +62,7 @@ const FOCAL_LENGTH_M: f64 = 0.05;
 /// # Errors
 /// [`Error::Unsupported`] for a version that is not written, and for what is not known of that version.
 pub fn inputs(simulation: &Simulation, boxes_m: &[(DVec3, DVec3)]) -> Result<Vec<(&'static str, Element)>> {
-    let writer = Writer { simulation, boxes_m, target: Target::of(&simulation.version)? };
+    let writer = Writer { simulation, boxes_m, target: TargetVersion::of(&simulation.version)? };
     if let Some(field) = simulation.fields.first() {
         return writer.unsupported(&field.at, "objects that stand in many places");
     }
@@ -87,12 +87,12 @@ pub fn inputs(simulation: &Simulation, boxes_m: &[(DVec3, DVec3)]) -> Result<Vec
 struct Writer<'a> {
     simulation: &'a Simulation,
     boxes_m: &'a [(DVec3, DVec3)],
-    target: Target,
+    target: TargetVersion,
 }
 
 impl Writer<'_> {
     fn is_5_11(&self) -> bool {
-        self.target == Target::V5_11_0
+        self.target == TargetVersion::V5_11_0
     }
 
     /// The element with an attribute that only 5.11 has.
@@ -200,8 +200,8 @@ impl Writer<'_> {
             let of_model =
                 |e: Element| e.with("ModelName", model).with("databaseName", database).with("useSpecular", false);
             return Ok(match self.target {
-                Target::V5_7_4 => of_model(entry).and(leaf).and_all(factors(property)),
-                Target::V5_11_0 => entry
+                TargetVersion::V5_7_4 => of_model(entry).and(leaf).and_all(factors(property)),
+                TargetVersion::V5_11_0 => entry
                     .with("lambertianDefinition", 0)
                     .with("useDirectionalDirectTransmittance", false)
                     .and(of_model(Element::new("Lambertian")).and(leaf)),
@@ -271,8 +271,8 @@ impl Writer<'_> {
             .with("isLAICalc", false)
             .with("isSingleGlobalLai", false);
         optical = match self.target {
-            Target::V5_7_4 => optical.with("doubleFace", object.double_face),
-            Target::V5_11_0 => {
+            TargetVersion::V5_7_4 => optical.with("doubleFace", object.double_face),
+            TargetVersion::V5_11_0 => {
                 optical.with("sameExitanceObject", has_groups && object.links.is_some()).with("transparent", false)
             }
         };
@@ -316,12 +316,12 @@ impl Writer<'_> {
         let mut optical = Element::new("GroupOpticalProperties");
         let mut types = Element::new("GroupTypeProperties");
         match self.target {
-            Target::V5_7_4 => {
+            TargetVersion::V5_7_4 => {
                 element = element.with("hasElements", false);
                 optical = optical.with("sameOPGroup", true).with("doubleFace", group.double_face);
                 types = types.with("sameOTGroup", true);
             }
-            Target::V5_11_0 => element = element.with("hideRB", false).with("transparent", false),
+            TargetVersion::V5_11_0 => element = element.with("hideRB", false).with("transparent", false),
         }
         if let Some(links) = &group.links {
             optical = optical.and_all(self.links(links, group.double_face, group.back.as_ref()));
@@ -336,13 +336,13 @@ impl Writer<'_> {
         let back_thermal = Element::new("BackFaceThermalProperty").and(thermal_link(back));
         let back = |e| double_face.then_some(e);
         match self.target {
-            Target::V5_7_4 => {
+            TargetVersion::V5_7_4 => {
                 let mut elements = vec![optical_link(links), thermal_link(links)];
                 elements.extend(back(back_optical));
                 elements.extend(back(back_thermal));
                 elements
             }
-            Target::V5_11_0 => vec![
+            TargetVersion::V5_11_0 => vec![
                 Element::new("SurfaceOpticalProperties")
                     .with("doubleFace", double_face)
                     .and(optical_link(links))
@@ -365,8 +365,8 @@ impl Writer<'_> {
             root = root.and(self.engine());
         }
         let cameras = self.simulation.phase.cameras.iter().enumerate().map(|(i, c)| match self.target {
-            Target::V5_7_4 => pinhole(c),
-            Target::V5_11_0 => sensor(i, c),
+            TargetVersion::V5_7_4 => pinhole(c),
+            TargetVersion::V5_11_0 => sensor(i, c),
         });
         let cameras = Element::new("SensorImageSimulation").with("importMultipleSensors", false).and_all(cameras);
         Ok(root.and(self.products()).and(cameras))
@@ -500,7 +500,7 @@ impl Writer<'_> {
         let mut maket = Element::new("maketModuleProducts").with("laiProducts", false).with("areaMaketProducts", false);
         maket = self.linked(maket.with("objectGeneration", false), "linkMaketProducts");
         match self.target {
-            Target::V5_7_4 => {
+            TargetVersion::V5_7_4 => {
                 let spreading = Element::new("ExpertModeZone_Etalement")
                     .with("etalement", 2)
                     .and(Element::new("ExpertModeZone_Projection").with("keepNonProjectedImage", false))
@@ -517,7 +517,7 @@ impl Writer<'_> {
                 tracking = tracking.with("allIterationsProducts", false).with("order1Products", false).and(brf);
                 maket = maket.with("MNEProducts", false).with("coverRateProducts", false);
             }
-            Target::V5_11_0 => {
+            TargetVersion::V5_11_0 => {
                 common = common.with("JacobianProducts", false).with("perLightSource", false);
                 let text =
                     Element::new("BRFTextParameters").with("brfProduct", true).with("centralizedBrfProduct", true);
@@ -737,7 +737,7 @@ fn band((number, band): (usize, &SpectralInterval)) -> Element {
 }
 
 /// A camera of 5.7: its angles lead from the scene to the camera.
-fn pinhole(camera: &Camera) -> Element {
+fn pinhole(camera: &Pinhole) -> Element {
     let [theta, phi] = frame::reversed(camera.look_deg);
     let orientation = Element::new("CameraOrientation")
         .with("cameraTheta", theta)
@@ -760,7 +760,7 @@ fn pinhole(camera: &Camera) -> Element {
 }
 
 /// A camera of 5.11: its angles lead from the camera to the scene.
-fn sensor(number: usize, camera: &Camera) -> Element {
+fn sensor(number: usize, camera: &Pinhole) -> Element {
     let [zenith_deg, azimuth_deg] = camera.look_deg;
     let look = Element::new("SensorAngleDirection")
         .with("sensorDirectionTheta", zenith_deg)

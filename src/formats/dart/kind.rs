@@ -11,7 +11,7 @@ use crate::units::percent_from_fraction;
 
 /// What a table describes, as its columns tell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum TableKind {
     /// Reflectance and transmittances of a Lambertian facet.
     Lambertian,
     /// Hapke's parameters in the form of SOILSPECT.
@@ -35,14 +35,14 @@ pub enum Kind {
 }
 
 /// Kinds, what they call wavelength, and their other columns, in DART's order. The first whose columns are all there counts.
-const KINDS: [(Kind, &str, &[&str]); 9] = [
-    (Kind::Lambertian, "wavelength", LAMBERTIAN),
-    (Kind::Hapke, "wavelength", &["w", "c1", "c2", "c3", "c4", "h1", "h2"]),
-    (Kind::Rpv, "wavelength", &["reflectance", "k", "g", "h"]),
-    (Kind::FluidHenyeyGreenstein, "wavelength", &["sigma", "albedo", "a", "g1", "g2"]),
-    (Kind::FluidRayleigh, "wavelength", &["sigma", "albedo", "a", "c"]),
+const KINDS: [(TableKind, &str, &[&str]); 9] = [
+    (TableKind::Lambertian, "wavelength", LAMBERTIAN),
+    (TableKind::Hapke, "wavelength", &["w", "c1", "c2", "c3", "c4", "h1", "h2"]),
+    (TableKind::Rpv, "wavelength", &["reflectance", "k", "g", "h"]),
+    (TableKind::FluidHenyeyGreenstein, "wavelength", &["sigma", "albedo", "a", "g1", "g2"]),
+    (TableKind::FluidRayleigh, "wavelength", &["sigma", "albedo", "a", "c"]),
     (
-        Kind::Specular,
+        TableKind::Specular,
         "lambda",
         &[
             "n_down",
@@ -56,23 +56,23 @@ const KINDS: [(Kind, &str, &[&str]); 9] = [
         ],
     ),
     (
-        Kind::Roughness,
+        TableKind::Roughness,
         "lambda",
         &["bottom", "top", "bottom_index", "top_index", "bottom_refraction_index", "top_refraction_index"],
     ),
-    (Kind::RefractiveIndex, "lambda", &["n", "k"]),
-    (Kind::SolarIrradiance, "wavelength", &["irradiance"]),
+    (TableKind::RefractiveIndex, "lambda", &["n", "k"]),
+    (TableKind::SolarIrradiance, "wavelength", &["irradiance"]),
 ];
 const LAMBERTIAN: &[&str] = &["reflectance", "direct_transmittance", "diffuse_transmittance"];
 
-impl Kind {
+impl TableKind {
     /// What columns, wavelength and the row's number left out, describe.
-    pub fn of<'a>(columns: impl Iterator<Item = &'a str> + Clone) -> Kind {
+    pub fn of<'a>(columns: impl Iterator<Item = &'a str> + Clone) -> TableKind {
         let has = |name: &&str| columns.clone().any(|c| same(c, name));
-        KINDS.iter().find(|(_, _, names)| names.iter().all(has)).map_or(Kind::Other, |kind| kind.0)
+        KINDS.iter().find(|(_, _, names)| names.iter().all(has)).map_or(TableKind::Other, |kind| kind.0)
     }
 
-    /// The columns in DART's order, without wavelength; none for [`Kind::Other`].
+    /// The columns in DART's order, without wavelength; none for [`TableKind::Other`].
     pub fn columns(self) -> &'static [&'static str] {
         KINDS.iter().find(|kind| kind.0 == self).map_or(&[], |kind| kind.2)
     }
@@ -129,7 +129,7 @@ pub(super) fn check_order(names: &[&str], at: &Location) -> Result<()> {
         return invalid(format!("no column `wavelength` among {}", names.join(", ")), help);
     };
     let expected: Vec<&str> =
-        [wavelength].into_iter().chain(Kind::of(names.iter().copied()).columns()).copied().collect();
+        [wavelength].into_iter().chain(TableKind::of(names.iter().copied()).columns()).copied().collect();
     if expected.iter().zip(names).all(|(a, b)| same(a, b)) {
         return Ok(());
     }
@@ -190,7 +190,7 @@ pub(crate) fn distinct_names<'a>(
 
 /// A table as DART has it: columns in its order, wavelength first, and in its units.
 pub(super) struct DartTable {
-    pub(super) kind: Kind,
+    pub(super) kind: TableKind,
     pub(super) names: Vec<String>,
     pub(super) values: Vec<Vec<f64>>,
 }
@@ -203,14 +203,14 @@ impl DartTable {
     pub(super) fn of(library: &SpectralLibrary, at: &Location, report: &mut Report) -> Result<Self> {
         library.check()?;
         let given = || library.columns.iter().map(|c| c.name.as_str());
-        let mut kind = Kind::of(given());
+        let mut kind = TableKind::of(given());
         // Columns beside a reflectance would stand where DART looks for transmittances; with those of RPV it is no Lambert surface.
-        let is_of_rpv = |name: &str| Kind::Rpv.columns()[1..].iter().any(|column| same(column, name));
+        let is_of_rpv = |name: &str| TableKind::Rpv.columns()[1..].iter().any(|column| same(column, name));
         let is_lambertian = library.column("reflectance").is_some() && !given().any(is_of_rpv);
-        let foreign = |name: &&str| kind == Kind::Other && is_lambertian && !is_percent(name);
+        let foreign = |name: &&str| kind == TableKind::Other && is_lambertian && !is_percent(name);
         let left_out: Vec<&str> = given().filter(foreign).collect();
-        if kind == Kind::Other && is_lambertian {
-            kind = Kind::Lambertian;
+        if kind == TableKind::Other && is_lambertian {
+            kind = TableKind::Lambertian;
             let lacking: Vec<&str> = LAMBERTIAN.iter().copied().filter(|n| library.column(n).is_none()).collect();
             let message = format!("no {} given: 0, as of an opaque surface", lacking.join(" or "));
             report.note(Fate::Defaulted, at.clone(), message);
@@ -219,7 +219,7 @@ impl DartTable {
             let message = format!("{}: a table of a Lambert surface has no such column", left_out.join(", "));
             report.note(Fate::Dropped, at.clone(), message);
         }
-        if kind == Kind::Other {
+        if kind == TableKind::Other {
             let message = format!("DART is not known to have tables of {}", given().collect::<Vec<_>>().join(", "));
             report.note(Fate::Approximated, at.clone(), message);
         }

@@ -19,11 +19,11 @@ pub(super) struct Missing {
     pub(super) path: String,
     /// The element around it; the first of several.
     pub(super) at: Location,
-    pub(super) kind: Kind,
+    pub(super) kind: MissingKind,
 }
 
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Kind {
+pub(super) enum MissingKind {
     /// An element, how many are there and how many are wanted.
     Element { found: usize, least: usize },
     /// An attribute, and in how many elements it is missing.
@@ -74,8 +74,8 @@ fn look(wanted: &Wanted, around: &mut Vec<&Element>, path: &str, is_used: bool, 
     for &name in wanted.attributes.iter().filter(|name| is_used && element.get(name).is_none()) {
         let path = format!("{path}/@{name}");
         match missing.iter_mut().find(|before| before.path == path).map(|before| &mut before.kind) {
-            Some(Kind::Attribute { places, .. }) => *places += 1,
-            _ => missing.push(Missing { path, at: element.at(), kind: Kind::Attribute { name, places: 1 } }),
+            Some(MissingKind::Attribute { places, .. }) => *places += 1,
+            _ => missing.push(Missing { path, at: element.at(), kind: MissingKind::Attribute { name, places: 1 } }),
         }
     }
     let children = wanted.like.and_then(find).map_or(&wanted.children, |like| &like.children);
@@ -85,7 +85,7 @@ fn look(wanted: &Wanted, around: &mut Vec<&Element>, path: &str, is_used: bool, 
         let holds = |terms: &Vec<Term>| terms.iter().all(|term| term.holds(around));
         let is_wanted = child.condition.is_empty() || child.condition.iter().any(holds);
         if found < child.least && is_wanted {
-            let kind = Kind::Element { found, least: child.least };
+            let kind = MissingKind::Element { found, least: child.least };
             missing.push(Missing { path: path.clone(), at: element.at(), kind });
         }
         for within in element.all(child.name) {

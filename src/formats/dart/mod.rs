@@ -28,17 +28,17 @@ pub mod text_spectra;
 mod to_scene;
 mod write;
 
-pub use check::{Coverage, CoverageOf, Finding, Severity, check, no_coverage};
+pub use check::{Finding, Severity, SummaryOf, TableSummary, check, no_summary};
 pub use diff::{diff, differences};
 pub use folder::Folder;
-pub use from_scene::{ObjectMesh, Package, Size, WriteOptions, from_scene, group_names};
-pub use inputs::{Target, inputs};
+pub use from_scene::{ObjectMesh, Package, SimulationOptions, Size, from_scene, group_names};
+pub use inputs::{TargetVersion, inputs};
 pub use place::{placed, scene_from_dart};
 pub use read::sequence::{Step, flight, rows};
-pub use read::{Options as ReadOptions, read, terrain};
+pub use read::{ReadOptions, read, terrain};
 pub use sidecar::Sidecar;
 pub use simulation::{
-    Camera, Directions, Group, Links, Maket, Object, ObjectField, OpticalKind, OpticalProperty, Phase, Placement,
+    Directions, FieldInstance, Group, Links, Maket, Object, ObjectField, OpticalKind, OpticalProperty, Phase, Pinhole,
     Sequence, SequenceEntry, SequenceGroup, SequenceValues, Simulation, SpectralInterval, ThermalFunction, Topography,
     Version,
 };

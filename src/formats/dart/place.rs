@@ -23,7 +23,7 @@ pub(super) fn same_all(a: &[f64], b: &[f64]) -> bool {
 }
 
 /// The scene's frame in DART's.
-pub(super) struct Place {
+pub(super) struct SceneFrame {
     pub(super) origin_m: DVec3,
     pub(super) dart_from_body: DMat3,
     pub(super) origin_in_dart_m: DVec3,
@@ -31,7 +31,7 @@ pub(super) struct Place {
     pub(super) is_kept: bool,
 }
 
-impl Place {
+impl SceneFrame {
     /// As `mmxrt.toml` has it, unless an origin is given, or DART's scene is now elsewhere; else the origin, or the body's
     /// centre, is the middle of the scene's ground.
     pub(super) fn of(maket: &Maket, sidecar: Option<&Sidecar>, origin_m: Option<DVec3>) -> Self {
@@ -40,12 +40,12 @@ impl Place {
             if same_all(&frame::latitude_longitude_altitude(origin_m), &maket.latitude_longitude_altitude) {
                 let origin_in_dart_m = DVec3::from_array(sidecar.origin_in_dart_m);
                 let dart_from_body = frame::dart_from_body(origin_m);
-                return Place { origin_m, dart_from_body, origin_in_dart_m, is_kept: true };
+                return SceneFrame { origin_m, dart_from_body, origin_in_dart_m, is_kept: true };
             }
         }
         let origin_m = origin_m.unwrap_or(DVec3::ZERO);
         let [x, y] = maket.size_m;
-        Place {
+        SceneFrame {
             origin_m,
             dart_from_body: frame::dart_from_body(origin_m),
             origin_in_dart_m: DVec3::new(0.5 * x, 0.5 * y, 0.0),
@@ -77,9 +77,9 @@ pub fn placed(origin_m: DVec3, origin_in_dart_m: DVec3) -> Pose {
 pub fn scene_from_dart(simulation: &Simulation, folder: &Folder, scene: &Scene) -> Result<Pose> {
     let path = folder.simulation.join(sidecar::FILE);
     let sidecar = Sidecar::read(&path)?.map(|(sidecar, _)| sidecar);
-    let kept = Place::of(&simulation.maket, sidecar.as_ref(), None);
+    let kept = SceneFrame::of(&simulation.maket, sidecar.as_ref(), None);
     if !kept.is_kept {
-        return Ok(Place::of(&simulation.maket, None, Some(scene.body.origin_m)).scene_from_dart());
+        return Ok(SceneFrame::of(&simulation.maket, None, Some(scene.body.origin_m)).scene_from_dart());
     }
     if !same_all(&kept.origin_m.to_array(), &scene.body.origin_m.to_array()) {
         let message = format!(

@@ -200,14 +200,14 @@ pub struct ObjectField {
     /// What stands there.
     pub models: Vec<Object>,
     /// Where.
-    pub places: Vec<Placement>,
+    pub places: Vec<FieldInstance>,
     /// Where the field stands.
     pub at: Location,
 }
 
 /// A place in an object field: with its scale and rotation instead of the model's own.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Placement {
+pub struct FieldInstance {
     /// Index of the model.
     pub model: u32,
     /// Place of the OBJ's origin, m.
@@ -223,7 +223,7 @@ impl ObjectField {
     pub fn objects(&self) -> impl Iterator<Item = Object> {
         self.places.iter().filter_map(|place| {
             let model = self.models.get(place.model as usize)?.clone();
-            let Placement { position_m, scale, rotation_deg, .. } = *place;
+            let FieldInstance { position_m, scale, rotation_deg, .. } = *place;
             Some(Object { position_m, scale, rotation_deg, ..model })
         })
     }
@@ -288,7 +288,7 @@ pub struct Phase {
     /// Radiance products are written.
     pub radiance_products: bool,
     /// Cameras.
-    pub cameras: Vec<Camera>,
+    pub cameras: Vec<Pinhole>,
 }
 
 /// A spectral band.
@@ -306,7 +306,7 @@ pub struct SpectralInterval {
 
 /// A frame camera (5.7: `Pinhole`; from 5.10 `Sensor`).
 #[derive(Debug, Clone, PartialEq)]
-pub struct Camera {
+pub struct Pinhole {
     /// Where it is, m.
     pub position_m: DVec3,
     /// Where it looks, from the camera: zenith angle and azimuth of the line of sight, deg.

@@ -16,7 +16,7 @@ use super::super::folder::Staged;
 use super::super::format::{Format, Holds};
 use super::super::input;
 use super::super::table::{self, Reading, Row, place};
-use super::kind::{DartTable, Kind, check_order, is_percent, is_wavelength, suspect_fractions};
+use super::kind::{DartTable, TableKind, check_order, is_percent, is_wavelength, suspect_fractions};
 
 /// DART's spectra as text: one material in a file.
 pub(in crate::formats) static TEXT: Format = Format {
@@ -56,7 +56,7 @@ pub(crate) fn begins(path: &Path, text: &str) -> bool {
     let cells: Vec<&str> = header.unwrap_or_default().split(';').map(str::trim).collect();
     let is_named = || path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(PREFIX));
     // Sunlight has a single column, which states no unit.
-    let is_kind = || ![Kind::Other, Kind::SolarIrradiance].contains(&Kind::of(cells.iter().copied()));
+    let is_kind = || ![TableKind::Other, TableKind::SolarIrradiance].contains(&TableKind::of(cells.iter().copied()));
     text.trim_start().starts_with('*')
         || (cells.len() > 1 && cells.iter().any(|cell| is_wavelength(cell)) && (is_kind() || is_named()))
 }
@@ -115,7 +115,7 @@ fn parse_table(text: &str, path: &Path) -> Result<SpectralLibrary> {
         }
     }
     let header = header.ok_or_else(|| {
-        let help = format!("the first line is wavelength;{}", Kind::Lambertian.columns().join(";"));
+        let help = format!("the first line is wavelength;{}", TableKind::Lambertian.columns().join(";"));
         table::no_header(path, &help)
     })?;
     let at = place(path, text, header[0]);
@@ -216,7 +216,7 @@ pub(in crate::formats) fn stage(path: &Path, library: &SpectralLibrary, replace:
     let at = Location::file(path);
     let mut report = Report::default();
     let table = DartTable::of(library, &at, &mut report)?;
-    if table.kind != Kind::Lambertian {
+    if table.kind != TableKind::Lambertian {
         let names = table.names.join(", ");
         let feature =
             format!("writing {names} as DART's text (only Lambertian materials; a database, .db, holds others)");

@@ -27,9 +27,9 @@ use super::database::Database;
 use super::folder::Folder;
 use super::frame;
 use super::from_scene::{camera_deg, intervals, irradiance, spectra, tabulated, thermal_functions, width_um};
-use super::place::{Place, SAME, same, same_all};
+use super::place::{SAME, SceneFrame, same, same_all};
 use super::sidecar::{self, Sidecar};
-use super::simulation::{Camera, Links, OpticalKind, OpticalProperty, Simulation, SpectralInterval};
+use super::simulation::{Links, OpticalKind, OpticalProperty, Pinhole, Simulation, SpectralInterval};
 use super::text_spectra;
 
 /// What a conversion needs to know beside the simulation.
@@ -73,7 +73,7 @@ pub fn to_scene(
     options: &SceneOptions,
     watch: Watch<'_>,
 ) -> Result<Converted> {
-    let mut reader = Reader {
+    let mut reader = SceneBuilder {
         simulation,
         folder,
         options,
@@ -92,7 +92,7 @@ pub fn to_scene(
     Ok(Converted { scene, report: reader.report, inputs: reader.inputs })
 }
 
-struct Reader<'a> {
+struct SceneBuilder<'a> {
     simulation: &'a Simulation,
     folder: &'a Folder,
     options: &'a SceneOptions,
@@ -106,7 +106,7 @@ struct Reader<'a> {
     sidecar: Option<Sidecar>,
 }
 
-impl Reader<'_> {
+impl SceneBuilder<'_> {
     fn note(&mut self, fate: Fate, at: &Location, message: impl Into<String>) {
         self.report.note(fate, at.clone(), message);
     }
@@ -132,8 +132,8 @@ impl Reader<'_> {
     }
 
     /// Where the scene is on the body.
-    fn place(&mut self) -> Place {
-        let place = Place::of(&self.simulation.maket, self.sidecar.as_ref(), self.options.origin_m);
+    fn place(&mut self) -> SceneFrame {
+        let place = SceneFrame::of(&self.simulation.maket, self.sidecar.as_ref(), self.options.origin_m);
         if !place.is_kept && self.options.origin_m.is_none() {
             let message = "DART does not say where on the body the scene is: taken to be at its centre, with x East, y North and z up. \
                            Give the place of the scene's middle";
@@ -185,7 +185,7 @@ impl Reader<'_> {
         bands
     }
 
-    fn sun(&mut self, place: &Place, bands: &[Band]) -> Sun {
+    fn sun(&mut self, place: &SceneFrame, bands: &[Band]) -> Sun {
         let phase = &self.simulation.phase;
         let directions = &self.simulation.directions;
         let towards = place.dart_from_body.transpose() * frame::vector(directions.sun_deg);
@@ -537,7 +537,7 @@ impl Reader<'_> {
         Ok(self.databases.get(name).and_then(Option::as_ref))
     }
 
-    fn camera(&mut self, place: &Place, mesh: &Mesh) -> FrameCamera {
+    fn camera(&mut self, place: &SceneFrame, mesh: &Mesh) -> FrameCamera {
         let simulation = self.simulation;
         let Some(camera) = simulation.phase.cameras.first() else {
             let (low_m, high_m) = mesh.bounds_m().unwrap_or_default();
@@ -578,7 +578,7 @@ impl Reader<'_> {
     }
 
     /// Parallel views: one from the scene's middle towards the camera is the camera's own.
-    fn other_views(&mut self, camera: &Camera, place: &Place, mesh: &Mesh) {
+    fn other_views(&mut self, camera: &Pinhole, place: &SceneFrame, mesh: &Mesh) {
         let directions = &self.simulation.directions;
         let dart_m =
             |f: &[u32; 3]| f.map(|v| place.dart_from_body * mesh.vertices_m[v as usize] + place.origin_in_dart_m);

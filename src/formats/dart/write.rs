@@ -21,14 +21,14 @@ use crate::formats::folder::{FolderKind, Staged};
 use crate::formats::obj;
 use crate::geometry::{Direction, FrameCamera, MaterialId, Mesh, Pose};
 use crate::progress::{Watch, tell};
-use crate::scene::{Exposure, Material, Models, Parts, Photometry, Sky, Sun, Surface, Thermal};
+use crate::scene::{Exposure, Material, Models, Photometry, SceneParts, Sky, Sun, Surface, Thermal};
 use crate::spectral::{Band, Spectrum};
 use crate::units::AU_M;
 
 use super::database;
 use super::frame;
-use super::from_scene::{Package, WriteOptions, from_scene};
-use super::inputs::{Target, inputs};
+use super::from_scene::{Package, SimulationOptions, from_scene};
+use super::inputs::{TargetVersion, inputs};
 use super::sidecar;
 use super::simulation::Simulation;
 
@@ -74,7 +74,7 @@ fn fill(package: &Package, folder: &Path, watch: Watch<'_>) -> Result<()> {
     }
     if let Some(sidecar) = &package.sidecar {
         write_text(&folder.join(sidecar::FILE), &sidecar.text())?;
-        let target = Target::of(&package.simulation.version)?;
+        let target = TargetVersion::of(&package.simulation.version)?;
         let (check, expected) = tetrahedron(target)?;
         fill(&check, &folder.join("check"), watch)?;
         write_text(&folder.join("README.md"), &readme(package, target, &expected))?;
@@ -119,7 +119,7 @@ struct Face {
 
 /// A tetrahedron with four different faces under a Sun in the East, 30 deg from the zenith: convex, so that each face has
 /// sunlight alone, and what is wrong with an axis, an azimuth, an order of groups or a unit shows at once.
-fn tetrahedron(target: Target) -> Result<(Package, [Face; 4])> {
+fn tetrahedron(target: TargetVersion) -> Result<(Package, [Face; 4])> {
     // East, north, up: base corners South, north-east and north-west of the middle, and the top.
     let (half, long) = (5.0, 5.0 * 3f64.sqrt());
     let corners = [[0.0, -10.0, 0.0], [long, half, 0.0], [-long, half, 0.0], [0.0, 0.0, half]].map(DVec3::from_array);
@@ -152,7 +152,7 @@ fn tetrahedron(target: Target) -> Result<(Package, [Face; 4])> {
         let (name, reflectance, _) = facets[f];
         Face { name, reflectance, cos_incidence: normal.dot(towards_sun).max(0.0), is_seen: normal.z > 0.0 }
     });
-    let parts = Parts {
+    let parts = SceneParts {
         surface: Surface {
             origin_m: DVec3::ZERO,
             materials: facets.iter().enumerate().map(material).collect(),
@@ -186,12 +186,12 @@ fn tetrahedron(target: Target) -> Result<(Package, [Face; 4])> {
         models: Models { thermal: Thermal::Off, ..Models::default() },
     };
     let scene = parts.check()?;
-    let options = WriteOptions { target, cell_m: Some(0.125), ..WriteOptions::default() };
+    let options = SimulationOptions { target, cell_m: Some(0.125), ..SimulationOptions::default() };
     let (package, _) = from_scene(&scene, &options)?;
     Ok((Package { sidecar: None, ..package }, faces))
 }
 
-fn readme(package: &Package, target: Target, expected: &[Face; 4]) -> String {
+fn readme(package: &Package, target: TargetVersion, expected: &[Face; 4]) -> String {
     let version = target.version();
     let mut text = format!(
         "# A DART simulation written by mmxrt\n\n\

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::{CODES, DataType, Interleave, SPECTRAL_LIBRARY};
 use crate::error::{Error, Location, Problem, Result};
 use crate::formats::input;
-use crate::formats::length::Unit;
+use crate::formats::length::WaveUnit;
 use crate::formats::spelling;
 use crate::report::{Fate, Report};
 
@@ -110,11 +110,13 @@ impl Header {
     }
 
     /// The unit of wavelengths, and its name if it was taken for granted.
-    fn wavelength_unit(&self) -> Option<(Unit, Option<&'static str>)> {
+    fn wavelength_unit(&self) -> Option<(WaveUnit, Option<&'static str>)> {
         match self.field("wavelength units").unwrap_or_default().trim() {
-            text if !["", "unknown"].contains(&text.to_lowercase().as_str()) => Unit::of(text).map(|unit| (unit, None)),
-            _ if self.wavelength.iter().all(|w| *w >= 100.0) => Some((Unit::PerUm(1e3), Some("nanometres"))),
-            _ => Some((Unit::Um(1.0), Some("micrometres"))),
+            text if !["", "unknown"].contains(&text.to_lowercase().as_str()) => {
+                WaveUnit::of(text).map(|unit| (unit, None))
+            }
+            _ if self.wavelength.iter().all(|w| *w >= 100.0) => Some((WaveUnit::PerUm(1e3), Some("nanometres"))),
+            _ => Some((WaveUnit::Um(1.0), Some("micrometres"))),
         }
     }
 
@@ -122,11 +124,11 @@ impl Header {
     /// The report tells what is odd.
     pub(in crate::formats) fn fwhm_um(&self, centres_um: &[f64], report: &mut Report) -> Option<Vec<f64>> {
         let at = || Location::file(&self.path).with_item("fwhm");
-        let unit = match self.field("fwhm units").and_then(Unit::of) {
+        let unit = match self.field("fwhm units").and_then(WaveUnit::of) {
             Some(unit) => unit,
             None => self.wavelength_unit()?.0,
         };
-        let in_unit = |unit: Unit| -> Option<Vec<f64>> {
+        let in_unit = |unit: WaveUnit| -> Option<Vec<f64>> {
             let all = self.wavelength.iter().zip(centres_um).zip(&self.fwhm);
             let widths = all.map(|((centre, um), width)| unit.width_um(*centre, *width).filter(|w| *w <= 2.0 * um));
             widths.collect()
@@ -138,7 +140,7 @@ impl Header {
             return Some(widths);
         }
         // Wavelengths in um beside widths in nm.
-        let in_nm = in_unit(Unit::PerUm(1e3)).filter(|_| unit == Unit::Um(1.0));
+        let in_nm = in_unit(WaveUnit::PerUm(1e3)).filter(|_| unit == WaveUnit::Um(1.0));
         match &in_nm {
             Some(_) => {
                 report.note(Fate::Defaulted, at(), "wider than any band around these wavelengths: taken as nanometres")

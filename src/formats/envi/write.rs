@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::header_text::{HeaderText, plain};
 use super::{Interleave, Precision};
 use crate::error::{Error, Location, Result};
-use crate::formats::flat::{Flat, FlatFile, Order};
+use crate::formats::flat::{AxisOrder, Flat, FlatFile};
 use crate::formats::number::single;
 use crate::formats::quicklook;
 use crate::product::{Backplanes, Cube, Plane};
@@ -58,7 +58,7 @@ pub fn write_cube(
     watch: Watch<'_>,
 ) -> Result<()> {
     let size = [cube.lines, cube.samples, cube.bands.len()];
-    let flat = Flat::new(size, precision.data_type(), Order::from(interleave));
+    let flat = Flat::new(size, precision.data_type(), AxisOrder::from(interleave));
     let file = FlatFile::create(path, flat, &[]).map_err(|e| Error::io(path, "writing", e))?;
     match precision {
         Precision::F32 => stream::<f32>(path, file, cube, interleave, watch)?,
@@ -166,7 +166,7 @@ pub fn write_backplanes(path: &Path, planes: &Backplanes, precision: Precision, 
     }
     let writing = |e| Error::io(path, "writing", e);
     let (samples, lines, bands) = (planes.samples, planes.lines, planes.planes.len());
-    let flat = Flat::new([lines, samples, bands], precision.data_type(), Order::BandRowColumn);
+    let flat = Flat::new([lines, samples, bands], precision.data_type(), AxisOrder::BandRowColumn);
     let mut file = FlatFile::create(path, flat, &[]).map_err(writing)?;
     for (band, plane) in planes.planes.iter().enumerate() {
         file.tile(0..lines, band..band + 1, &plane.values).map_err(writing)?;

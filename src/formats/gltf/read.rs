@@ -233,7 +233,7 @@ struct Reader<'a> {
     /// Of each mesh, the nodes that have it.
     uses: Vec<usize>,
     /// Meshes that several nodes have, with the nodes' own weights of morph targets.
-    known: BTreeMap<(usize, Vec<u64>), Rc<Parts>>,
+    known: BTreeMap<(usize, Vec<u64>), Rc<UnplacedMesh>>,
     materials: Vec<ObjMaterial>,
     index_of_material: BTreeMap<MaterialKey, usize>,
     /// The file's lights, once a node has one.
@@ -255,7 +255,7 @@ struct SunLight {
 type MaterialKey = (String, Option<[u64; 3]>);
 
 /// A mesh as it is before it is placed.
-struct Parts {
+struct UnplacedMesh {
     blocks: Vec<Block>,
     triangles: Vec<Triangles>,
 }
@@ -451,11 +451,11 @@ impl Reader<'_> {
     }
 
     /// A mesh's primitives, with morph targets by the weights of its node, or its own where the node has none.
-    fn parts(&mut self, mesh: usize, weights: &[f64], item: &str) -> Result<Parts> {
+    fn parts(&mut self, mesh: usize, weights: &[f64], item: &str) -> Result<UnplacedMesh> {
         let data = self.data;
         // Primitives that share their positions share vertices, so that edges join by index.
         let mut shared: BTreeMap<Positions, usize> = BTreeMap::new();
-        let mut parts = Parts { blocks: Vec::new(), triangles: Vec::new() };
+        let mut parts = UnplacedMesh { blocks: Vec::new(), triangles: Vec::new() };
         let taken = data.element(&data.root.meshes, "meshes", mesh, item)?;
         let weights = if weights.is_empty() { &taken.weights } else { weights };
         self.extras(&format!("meshes[{mesh}]"), &taken.extras, "");
@@ -551,7 +551,7 @@ impl Reader<'_> {
     }
 
     /// Adds a mesh where it stands.
-    fn place(&mut self, parts: &Parts, world: &DAffine3) -> Result<()> {
+    fn place(&mut self, parts: &UnplacedMesh, world: &DAffine3) -> Result<()> {
         let data = self.data;
         self.objects += 1;
         let mut bases = Vec::with_capacity(parts.blocks.len());

@@ -17,13 +17,13 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
-use super::dart::{self, output as dart_output, output::Placing};
+use super::dart::{self, output as dart_output, output::RegistrationMode};
 use super::input;
 use super::located::Document;
 use super::raster::Raster;
 use super::raster::headers::ILWIS;
 use super::registry;
-use super::scene_toml::{self, Lens, Reader, Tiling};
+use super::scene_toml::{self, Lens, Tiling, TomlReader};
 use super::{Format, InputFile};
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::{Camera, Direction, FrameCamera, Pose};
@@ -36,7 +36,7 @@ pub(crate) use sum::counts_once;
 pub use sum::{Sum, Summand, open_sum, summands};
 use types::{DartMapToml, MapToml, NegativeToml, NumbersToml, PlacementToml, QuantityToml, RegistrationToml, SkyToml};
 pub(super) use unit::Unit;
-use values::{Conversion, RasterTexels, TiledTexels};
+use values::{RasterTexels, TiledTexels, ToRadiance};
 
 /// A repeated image has no more texels: as f64 they take 2 GiB.
 const MOST_TEXELS: usize = 1 << 28;
@@ -91,7 +91,7 @@ pub fn open(path: &Path, scene: &Scene, weight: f64, watch: Watch<'_>) -> Result
         return Err(Error::Invalid(vec![problem.with_help(help)]));
     }
     if path.is_dir() || registry::called(path, Format::is_image) == Some(&ILWIS) {
-        return of_dart(path, scene, weight, &dart_output::MapOptions::default(), watch);
+        return of_dart(path, scene, weight, &dart_output::OutputMapOptions::default(), watch);
     }
     if let Some(problem) = facets::missing(path)? {
         let help = format!(
@@ -180,10 +180,10 @@ fn of_dart(
     path: &Path,
     scene: &Scene,
     weight: f64,
-    options: &dart_output::MapOptions,
+    options: &dart_output::OutputMapOptions,
     watch: Watch<'_>,
 ) -> Result<Opened> {
-    use dart_output::Quantity::{Brf, Radiance, Tapp};
+    use dart_output::ImageQuantity::{Brf, Radiance, Tapp};
     let output = dart_output::open(path)?;
     let mut notes = Vec::new();
     let mut maps = Vec::new();
@@ -229,19 +229,20 @@ fn read(file: &Path, asked: &Path, scene: &Scene, weight: f64, watch: Watch<'_>)
                 let message = "does not go with `shift_texels`, which says where the image lies";
                 return Err(Error::Invalid(vec![Problem::new(document.at("registration"), message)]));
             }
-            (Some(shift_texels), None) => Placing::Shifted(shift_texels),
-            (None, Some(RegistrationToml::Printed)) => Placing::Shifted([0.0; 2]),
-            (None, Some(RegistrationToml::Forced)) => Placing::Forced,
-            (None, Some(RegistrationToml::Outline) | None) => Placing::Outline,
+            (Some(shift_texels), None) => RegistrationMode::Shifted(shift_texels),
+            (None, Some(RegistrationToml::Printed)) => RegistrationMode::Shifted([0.0; 2]),
+            (None, Some(RegistrationToml::Forced)) => RegistrationMode::Forced,
+            (None, Some(RegistrationToml::Outline) | None) => RegistrationMode::Outline,
         };
-        let options = dart_output::MapOptions { scene_from_dart, irradiance_w_m2_um, placing, sky: sky(toml.sky) };
+        let options =
+            dart_output::OutputMapOptions { scene_from_dart, irradiance_w_m2_um, placing, sky: sky(toml.sky) };
         let path = input::home(file, Path::new(&toml.dart)).join(toml.dart);
         let mut opened = of_dart(&path, scene, weight, &options, watch)?;
         opened.inputs.push(input);
         return Ok(opened);
     }
     let toml: MapToml = document.read()?;
-    let mut reader = Reader::new(file, document, scene.body.origin_m, input, watch);
+    let mut reader = TomlReader::new(file, document, scene.body.origin_m, input, watch);
     let rasters = match &toml.raster {
         Some(named) => reader.rasters("raster", named, toml.channels.as_deref()),
         None if asked != file => reader.opened("raster", vec![asked.to_owned()], toml.channels.as_deref()),
@@ -265,7 +266,7 @@ fn read(file: &Path, asked: &Path, scene: &Scene, weight: f64, watch: Watch<'_>)
 }
 
 /// What light bands hold, as the map file says.
-fn light(reader: &mut Reader<'_>, toml: &MapToml, bands: &[Band]) -> Option<Vec<KnownLight>> {
+fn light(reader: &mut TomlReader<'_>, toml: &MapToml, bands: &[Band]) -> Option<Vec<KnownLight>> {
     let is_said = toml.bands.as_ref().is_some_and(|bands| bands.light.is_some());
     let of_all = match toml.heat {
         Some(_) if is_said => {
@@ -282,7 +283,7 @@ fn light(reader: &mut Reader<'_>, toml: &MapToml, bands: &[Band]) -> Option<Vec<
 }
 
 fn map(
-    reader: &mut Reader<'_>,
+    reader: &mut TomlReader<'_>,
     toml: &MapToml,
     mut rasters: Vec<Raster>,
     scene: &Scene,
@@ -325,7 +326,7 @@ fn map(
         }
         None => {}
     }
-    let convert = |(i, band): (usize, &Band)| Conversion::new(toml.quantity, &unit, band, irradiance(i));
+    let convert = |(i, band): (usize, &Band)| ToRadiance::new(toml.quantity, &unit, band, irradiance(i));
     match bands.iter().enumerate().map(convert).collect() {
         Ok(conversion) => {
             let (placement, tiling) = placement?;
@@ -347,7 +348,7 @@ fn map(
 }
 
 /// The unit of a map's numbers: that which its file gives, compared with what the rasters state; or theirs.
-fn unit(reader: &mut Reader<'_>, toml: &MapToml, rasters: &[Raster]) -> Option<Unit> {
+fn unit(reader: &mut TomlReader<'_>, toml: &MapToml, rasters: &[Raster]) -> Option<Unit> {
     let unit = stated_unit(reader, toml, rasters)?;
     if unit.over(&Unit::ONE) == Some(0.01)
         && let Some(message) = rasters.iter().find_map(Raster::percent_of_fractions)
@@ -357,7 +358,7 @@ fn unit(reader: &mut Reader<'_>, toml: &MapToml, rasters: &[Raster]) -> Option<U
     Some(unit)
 }
 
-fn stated_unit(reader: &mut Reader<'_>, toml: &MapToml, rasters: &[Raster]) -> Option<Unit> {
+fn stated_unit(reader: &mut TomlReader<'_>, toml: &MapToml, rasters: &[Raster]) -> Option<Unit> {
     let stated: Vec<(&str, Unit)> =
         rasters.iter().filter_map(|r| r.stated_unit()).filter_map(|text| Some((text, Unit::of(text)?))).collect();
     let Some(given) = &toml.unit else {
@@ -389,7 +390,7 @@ fn stated_unit(reader: &mut Reader<'_>, toml: &MapToml, rasters: &[Raster]) -> O
 }
 
 fn placement(
-    reader: &mut Reader<'_>,
+    reader: &mut TomlReader<'_>,
     toml: &MapToml,
     rasters: &[Raster],
     scene: &Scene,
@@ -474,7 +475,7 @@ fn seen_from(scene: &Scene, towards: Direction) -> bool {
 
 /// The camera that an image was taken by, local to the scene.
 fn camera(
-    reader: &mut Reader<'_>,
+    reader: &mut TomlReader<'_>,
     toml: &MapToml,
     rows: usize,
     columns: usize,

@@ -14,7 +14,7 @@ use crate::units::cm_1_per_um;
 
 /// What is done to a number of a band to make it spectral radiance, W m-2 sr-1 um-1.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Conversion {
+pub(super) enum ToRadiance {
     /// Radiance, in another unit.
     Times(f64),
     /// Reflectance factor times so much, under an irradiance, W m-2 um-1.
@@ -23,7 +23,7 @@ pub(super) enum Conversion {
     OfTemperature(f64),
 }
 
-impl Conversion {
+impl ToRadiance {
     /// For a band; `irradiance` is for reflectance factors.
     pub(super) fn new(
         quantity: QuantityToml,
@@ -42,9 +42,9 @@ impl Conversion {
             BrightnessTemperature => of("K").filter(|times| *times == 1.0).ok_or("is no unit of temperature: \"K\""),
         }?;
         Ok(match quantity {
-            Radiance => Conversion::Times(times),
+            Radiance => ToRadiance::Times(times),
             BandRadiance => match band.fwhm_um {
-                Some(width_um) if width_um > 0.0 => Conversion::Times(times / width_um),
+                Some(width_um) if width_um > 0.0 => ToRadiance::Times(times / width_um),
                 _ => {
                     return Err(format!(
                         "radiance in a band needs the band's width, which that at {} um lacks",
@@ -55,19 +55,19 @@ impl Conversion {
             ReflectanceFactor => {
                 let irradiance = irradiance
                     .ok_or("a reflectance factor needs the irradiance that it refers to: give `irradiance_w_m2_um`")?;
-                Conversion::OfFactor { scale: times, irradiance }
+                ToRadiance::OfFactor { scale: times, irradiance }
             }
-            BrightnessTemperature => Conversion::OfTemperature(band.centre_um),
+            BrightnessTemperature => ToRadiance::OfTemperature(band.centre_um),
         })
     }
 
     fn radiance(self, value: f64) -> f64 {
         match self {
-            Conversion::Times(scale) => scale * value,
-            Conversion::OfFactor { scale, irradiance } => {
+            ToRadiance::Times(scale) => scale * value,
+            ToRadiance::OfFactor { scale, irradiance } => {
                 reflectance::radiance_of_reflectance_factor(scale * value, irradiance)
             }
-            Conversion::OfTemperature(um) => {
+            ToRadiance::OfTemperature(um) => {
                 if value < 0.0 {
                     value
                 } else {
@@ -83,7 +83,7 @@ pub(super) struct RasterTexels {
     pub(super) rasters: Vec<Raster>,
     pub(super) bands: Vec<Band>,
     /// For each band.
-    pub(super) conversion: Vec<Conversion>,
+    pub(super) conversion: Vec<ToRadiance>,
     /// Whether small numbers below 0 are 0.
     pub(super) clips: bool,
 }
@@ -128,7 +128,7 @@ impl TexelSource for RasterTexels {
         {
             return Err(self.negative(&self.rasters[raster], within, i, values[i]));
         }
-        if conversion != Conversion::Times(1.0) {
+        if conversion != ToRadiance::Times(1.0) {
             values.iter_mut().for_each(|v| *v = conversion.radiance(*v));
         }
         Ok(())
@@ -257,7 +257,7 @@ mod tests {
     }
 
     fn radiance(quantity: QuantityToml, unit: &str, band: Band, irradiance: Option<f64>, value: f64) -> f64 {
-        Conversion::new(quantity, &Unit::of(unit).unwrap(), &band, irradiance).unwrap().radiance(value)
+        ToRadiance::new(quantity, &Unit::of(unit).unwrap(), &band, irradiance).unwrap().radiance(value)
     }
 
     #[test]
@@ -279,7 +279,7 @@ mod tests {
         let planck = 1.191_042_972e8 * 1e-5 / (14_387.768_775_f64 / 3000.0).exp_m1();
         assert!((radiance(BrightnessTemperature, "K", band(10.0, None), None, 300.0) / planck - 1.0).abs() < 1e-8);
         let refused =
-            |quantity, unit: &str| Conversion::new(quantity, &Unit::of(unit).unwrap(), &at_1(), None).unwrap_err();
+            |quantity, unit: &str| ToRadiance::new(quantity, &Unit::of(unit).unwrap(), &at_1(), None).unwrap_err();
         assert!(refused(ReflectanceFactor, "1").contains("irradiance"));
         assert!(refused(BandRadiance, "W m-2 sr-1").contains("width"));
         assert!(refused(Radiance, "K").contains("no unit of spectral radiance"));

@@ -26,7 +26,7 @@ use crate::geometry::index_u32;
 use crate::report::{Fate, Report};
 
 use super::layers::{self, Layer};
-use super::{PASS_BYTES, Raster, RasterBand, Reader, Target, check_size, names};
+use super::{BandReader, PASS_BYTES, Raster, RasterBand, Target, check_size, names};
 use crate::formats::input;
 
 /// An OpenEXR image.
@@ -214,7 +214,7 @@ pub(super) fn open(path: &Path) -> Result<Raster> {
     let channels = Channels { list, corners, has_margin, file_bytes: length };
     let data_type = if channels.are_f32() { DataType::F32 } else { DataType::F64 };
     let unit = text(first, "radianceUnits").or_else(|| text(first, "emissiveUnits"));
-    let raster = Raster::of(path, (rows, columns), bands, data_type, Reader::Exr(channels));
+    let raster = Raster::of(path, (rows, columns), bands, data_type, BandReader::Exr(channels));
     Ok(Raster { unit, report, layers, pixel_aspect, ..raster })
 }
 

@@ -11,8 +11,8 @@ use crate::report::{Fate, Report};
 
 use super::names;
 use super::place::Georeference;
-use super::{Raster, RasterBand, Reader, Target, check_length, check_size};
-use crate::formats::flat::{Flat, Order};
+use super::{BandReader, Raster, RasterBand, Target, check_length, check_size};
+use crate::formats::flat::{AxisOrder, Flat};
 
 /// An ENVI image: numbers, with a header beside them.
 pub(in crate::formats) static ENVI: Format = Format {
@@ -111,7 +111,7 @@ pub(super) fn open_envi(path: &Path) -> Result<Raster> {
         start: header.header_offset,
         data_type: header.data_type,
         big_endian: header.big_endian,
-        order: Order::from(header.interleave),
+        order: AxisOrder::from(header.interleave),
         has_heads: false,
     };
     if let Some(surplus) = check_length(&data, &flat, None, &header_path)? {
@@ -133,7 +133,7 @@ pub(super) fn open_envi(path: &Path) -> Result<Raster> {
         extra,
         georeference: Georeference::of_envi(&header),
         files: vec![header_path, data.clone()],
-        ..Raster::of(&data, (header.lines, header.samples), bands, data_type, Reader::Flat(flat))
+        ..Raster::of(&data, (header.lines, header.samples), bands, data_type, BandReader::Flat(flat))
     })
 }
 
@@ -150,7 +150,7 @@ pub(super) fn open_ilwis(path: &Path) -> Result<Raster> {
         start: 0,
         data_type: store.data_type,
         big_endian: false,
-        order: Order::BandRowColumn,
+        order: AxisOrder::BandRowColumn,
         has_heads: false,
     };
     if let Some(surplus) = check_length(&values_path, &flat, None, &header_path)? {
@@ -179,6 +179,6 @@ pub(super) fn open_ilwis(path: &Path) -> Result<Raster> {
             .collect(),
         place: ilwis::place(&header, &values_path)?,
         files: vec![header_path, values_path.clone()],
-        ..Raster::of(&values_path, (rows, columns), bands, data_type, Reader::Flat(flat))
+        ..Raster::of(&values_path, (rows, columns), bands, data_type, BandReader::Flat(flat))
     })
 }

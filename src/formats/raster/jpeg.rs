@@ -14,7 +14,7 @@ use crate::formats::marks;
 use crate::formats::number::DataType;
 use crate::report::Fate;
 
-use super::{MOST_PIXELS, Raster, RasterBand, Reader, check_size, resize};
+use super::{BandReader, MOST_PIXELS, Raster, RasterBand, check_size, resize};
 
 /// A photograph.
 pub(in crate::formats) static JPEG: Format = Format {
@@ -81,7 +81,7 @@ pub(super) fn open(path: &Path) -> Result<Raster> {
         plane.iter_mut().zip(stored[band..].iter().step_by(names.len())).for_each(|(v, s)| *v = f64::from(*s) / 255.0);
     }
     let bands = names.iter().map(|name| RasterBand { name: (*name).to_owned(), ..RasterBand::default() }).collect();
-    let mut raster = Raster::of(path, (rows, columns), bands, DataType::F64, Reader::Held(values));
+    let mut raster = Raster::of(path, (rows, columns), bands, DataType::F64, BandReader::Held(values));
     raster.report.note(Fate::Defaulted, at(), "values: shares of the largest number, as stored");
     if orientation != 1 {
         let message = format!(

@@ -38,7 +38,7 @@ use super::quicklook;
 
 use self::exr::Numbers;
 use self::layers::{Chosen, Layer};
-use super::flat::{Flat, Order};
+use super::flat::{AxisOrder, Flat};
 
 /// Bands that one pass through a file gives are kept up to this size, or one band if that is larger.
 const PASS_BYTES: usize = 256 << 20;
@@ -83,12 +83,12 @@ pub struct Raster {
     /// Where it lies, as an ENVI header says it.
     georeference: Option<Georeference>,
     /// Where an ILWIS map lies.
-    place: Option<ilwis::Place>,
+    place: Option<ilwis::MapExtent>,
     /// What else an ENVI header says: key and text.
     extra: Vec<(String, String)>,
     /// All files that the raster comes from.
     files: Vec<PathBuf>,
-    reader: Reader,
+    reader: BandReader,
     pass: Pass,
 }
 
@@ -105,7 +105,7 @@ pub struct RasterBand {
 
 /// How bands are read.
 #[derive(Debug, Clone)]
-enum Reader {
+enum BandReader {
     Flat(Flat),
     /// The same, of a file that was compressed.
     Unpacked(Flat, Arc<[u8]>),
@@ -130,14 +130,14 @@ impl Raster {
     /// The same numbers, a column for each band: of a table with a line for each thing. What has bands already stays as it is.
     #[must_use]
     pub fn columns_as_bands(mut self) -> Self {
-        if let Reader::Flat(flat) | Reader::Unpacked(flat, _) = &mut self.reader
+        if let BandReader::Flat(flat) | BandReader::Unpacked(flat, _) = &mut self.reader
             && flat.bands == 1
             && self.scale.is_empty()
             && flat.columns as u64 <= MOST_BANDS
         {
             flat.order = match flat.order {
-                Order::BandColumnRow => Order::BandRowColumn,
-                _ => Order::RowColumnBand,
+                AxisOrder::BandColumnRow => AxisOrder::BandRowColumn,
+                _ => AxisOrder::RowColumnBand,
             };
             (flat.bands, flat.columns) = (flat.columns, 1);
             (self.columns, self.bands) = (1, vec![RasterBand::default(); flat.bands]);
@@ -152,7 +152,7 @@ impl Raster {
         (rows, columns): (usize, usize),
         bands: Vec<RasterBand>,
         data_type: DataType,
-        reader: Reader,
+        reader: BandReader,
     ) -> Self {
         Raster {
             path: path.to_owned(),
@@ -218,7 +218,7 @@ impl Raster {
 
     /// The unit that it states, unless that leaves open what it is: spectral OpenEXR says W.m^-2.sr^-1 of radiance per wavelength.
     pub(crate) fn stated_unit(&self) -> Option<&str> {
-        let is_open = matches!(self.reader, Reader::Exr(_)) && self.unit.as_deref() == Some("W.m^-2.sr^-1");
+        let is_open = matches!(self.reader, BandReader::Exr(_)) && self.unit.as_deref() == Some("W.m^-2.sr^-1");
         self.unit.as_deref().filter(|_| !is_open)
     }
 
@@ -245,7 +245,7 @@ impl Raster {
         if self.coverage.is_none() {
             let mut alpha = Vec::new();
             match (&self.reader, self.alpha) {
-                (Reader::Png { colours, has_alpha: true }, _) => {
+                (BandReader::Png { colours, has_alpha: true }, _) => {
                     resize(&mut alpha, self.pixels(), &self.path)?;
                     picture::read(&self.path, *colours..*colours + 1, &mut alpha)?;
                 }
@@ -298,10 +298,10 @@ impl Raster {
     fn numbers(&mut self, band: usize, values: &mut Vec<f64>) -> Result<()> {
         let pixels = self.pixels();
         let together = match &self.reader {
-            Reader::Flat(flat) | Reader::Unpacked(flat, _) if !flat.is_banded() => PASS_BYTES / (8 * pixels),
-            Reader::Png { .. } => PASS_BYTES / (8 * pixels),
-            Reader::Exr(channels) => channels.together(pixels).max(2),
-            Reader::Flat(_) | Reader::Unpacked(..) | Reader::Held(_) => 1,
+            BandReader::Flat(flat) | BandReader::Unpacked(flat, _) if !flat.is_banded() => PASS_BYTES / (8 * pixels),
+            BandReader::Png { .. } => PASS_BYTES / (8 * pixels),
+            BandReader::Exr(channels) => channels.together(pixels).max(2),
+            BandReader::Flat(_) | BandReader::Unpacked(..) | BandReader::Held(_) => 1,
         };
         if together < 2 {
             resize(values, pixels, &self.path)?;
@@ -310,15 +310,15 @@ impl Raster {
         if !self.pass.bands.contains(&band) {
             let first = band / together * together;
             let all = match &self.reader {
-                Reader::Flat(flat) | Reader::Unpacked(flat, _) => flat.bands,
-                Reader::Exr(channels) => channels.count(),
-                Reader::Png { colours, .. } => *colours,
-                Reader::Held(_) => self.in_file.len(),
+                BandReader::Flat(flat) | BandReader::Unpacked(flat, _) => flat.bands,
+                BandReader::Exr(channels) => channels.count(),
+                BandReader::Png { colours, .. } => *colours,
+                BandReader::Held(_) => self.in_file.len(),
             };
             let bands = first..all.min(first + together);
             let before = std::mem::take(&mut self.pass).numbers;
             let numbers = match (&self.reader, before) {
-                (Reader::Exr(channels), before) => {
+                (BandReader::Exr(channels), before) => {
                     drop(before);
                     exr::read(&self.path, (self.rows, self.columns), channels, bands.clone())?
                 }
@@ -339,15 +339,17 @@ impl Raster {
     /// Reads the numbers of bands of the file, [band, row, column].
     fn fill(&self, bands: Range<usize>, values: &mut [f64]) -> Result<()> {
         match &self.reader {
-            Reader::Flat(flat) => flat.read(&self.path, bands, values)?,
-            Reader::Unpacked(flat, bytes) => {
+            BandReader::Flat(flat) => flat.read(&self.path, bands, values)?,
+            BandReader::Unpacked(flat, bytes) => {
                 flat.read_from(Cursor::new(bytes), bands, values).map_err(|e| Error::io(&self.path, "reading", e))?
             }
-            Reader::Exr(channels) => {
+            BandReader::Exr(channels) => {
                 exr::read(&self.path, (self.rows, self.columns), channels, bands)?.copy_to(0, values)
             }
-            Reader::Png { .. } => picture::read(&self.path, bands, values)?,
-            Reader::Held(held) => values.copy_from_slice(&held[bands.start * self.pixels()..bands.end * self.pixels()]),
+            BandReader::Png { .. } => picture::read(&self.path, bands, values)?,
+            BandReader::Held(held) => {
+                values.copy_from_slice(&held[bands.start * self.pixels()..bands.end * self.pixels()])
+            }
         }
         Ok(())
     }
@@ -355,10 +357,10 @@ impl Raster {
     /// A number that was written in decimals, as it is among the numbers of a band of the file: those may be f32, or less.
     fn as_stored(&self, band: usize, number: f64) -> f64 {
         match &self.reader {
-            Reader::Flat(flat) | Reader::Unpacked(flat, _) if flat.data_type == DataType::F32 => {
+            BandReader::Flat(flat) | BandReader::Unpacked(flat, _) if flat.data_type == DataType::F32 => {
                 f64::from(single(number))
             }
-            Reader::Exr(channels) => channels.as_stored(band, number),
+            BandReader::Exr(channels) => channels.as_stored(band, number),
             _ => number,
         }
     }

@@ -3,7 +3,7 @@
 //! OpenEXR keeps channels in the alphabetical order of their names: B before G before R, `1000nm` before `900nm`. Which band is which
 //! only the names tell.
 
-use crate::formats::length;
+use crate::formats::length::WaveUnit;
 
 /// What orders bands that belong together, best first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -77,7 +77,7 @@ fn layout(name: &str) -> Option<(usize, Wavelength)> {
     })?;
     let unit = text.rfind(|c: char| c.is_ascii_digit())? + 1;
     let number: f64 = text[..unit].replace(',', ".").parse().ok()?;
-    let centre_um = length::Unit::of(&text[unit..])?.um(number).filter(|um| *um > 0.0 && um.is_finite())?;
+    let centre_um = WaveUnit::of(&text[unit..])?.um(number).filter(|um| *um > 0.0 && um.is_finite())?;
     Some((start, Wavelength { centre_um, width_um: None }))
 }
 
@@ -105,7 +105,7 @@ fn free(name: &str) -> Option<(usize, Wavelength)> {
 }
 
 /// The number and the unit that a text ends with, if they make a wavelength, and where they begin.
-fn last(text: &str) -> Option<(usize, f64, length::Unit)> {
+fn last(text: &str) -> Option<(usize, f64, WaveUnit)> {
     let end = text.rfind(|c: char| c.is_ascii_digit())? + 1;
     // "cm-1" ends in a digit.
     let (end, spelt) = match text.to_lowercase().strip_suffix("cm-1") {
@@ -116,7 +116,7 @@ fn last(text: &str) -> Option<(usize, f64, length::Unit)> {
     if spelt.eq_ignore_ascii_case("a") || spelt.eq_ignore_ascii_case("m") {
         return None;
     }
-    let unit = length::Unit::of(spelt)?;
+    let unit = WaveUnit::of(spelt)?;
     let is_plausible = |number| unit.um(number).is_some_and(|um| PLAUSIBLE_UM.contains(&um));
     let (start, number) = number_at_end(text.get(..end)?, is_plausible)?;
     Some((start, number, unit))

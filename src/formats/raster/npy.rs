@@ -11,8 +11,8 @@ use crate::formats::npz::{self, Member};
 use crate::formats::number::DataType;
 use crate::report::Fate;
 
-use super::{Raster, RasterBand, Reader, Target, check_length, check_size};
-use crate::formats::flat::{Flat, Order};
+use super::{BandReader, Raster, RasterBand, Target, check_length, check_size};
+use crate::formats::flat::{AxisOrder, Flat};
 use crate::formats::input;
 
 /// A NumPy array.
@@ -63,7 +63,7 @@ pub(super) fn open(path: &Path) -> Result<Raster> {
 
 fn raster(path: &Path, flat: Flat) -> Raster {
     let bands = vec![RasterBand::default(); flat.bands];
-    Raster::of(path, (flat.rows, flat.columns), bands, flat.data_type, Reader::Flat(flat))
+    Raster::of(path, (flat.rows, flat.columns), bands, flat.data_type, BandReader::Flat(flat))
 }
 
 /// How the numbers of an array lie that begins at byte `start` of a file.
@@ -98,9 +98,9 @@ fn flat(beginning: &[u8], start: u64, at: Location) -> Result<Flat> {
     };
     check_size(at, rows, columns, bands)?;
     let order = match (fortran_order, bands) {
-        (true, _) => Order::BandColumnRow,
-        (false, 1) => Order::BandRowColumn,
-        (false, _) => Order::RowColumnBand,
+        (true, _) => AxisOrder::BandColumnRow,
+        (false, 1) => AxisOrder::BandRowColumn,
+        (false, _) => AxisOrder::RowColumnBand,
     };
     Ok(Flat {
         rows,
@@ -150,15 +150,18 @@ pub(super) fn open_npz(path: &Path) -> Result<Raster> {
     if let Some(count) = wavelength_um.as_ref().map(|member| length(path, member, &at)).transpose()? {
         let (rows, columns, bands) = (flat.rows, flat.columns, flat.bands);
         match flat.order {
-            Order::BandRowColumn | Order::BandColumnRow if bands == 1 && columns == count && count > 1 => {
-                flat.order =
-                    if flat.order == Order::BandRowColumn { Order::RowColumnBand } else { Order::BandRowColumn };
+            AxisOrder::BandRowColumn | AxisOrder::BandColumnRow if bands == 1 && columns == count && count > 1 => {
+                flat.order = if flat.order == AxisOrder::BandRowColumn {
+                    AxisOrder::RowColumnBand
+                } else {
+                    AxisOrder::BandRowColumn
+                };
                 // In Fortran's order a column, which is a band, is in one piece.
                 (flat.columns, flat.bands) = (1, columns);
             }
-            Order::RowColumnBand if bands != count && rows == count => {
+            AxisOrder::RowColumnBand if bands != count && rows == count => {
                 (flat.rows, flat.columns, flat.bands) = (columns, bands, rows);
-                flat.order = Order::BandRowColumn;
+                flat.order = AxisOrder::BandRowColumn;
                 notes.push(format!(
                     "{}: as many wavelengths as its first axis is long: taken as [band, row, column]",
                     array.name
@@ -170,7 +173,7 @@ pub(super) fn open_npz(path: &Path) -> Result<Raster> {
     }
     let mut raster = raster(path, flat.clone());
     if array.is_packed {
-        raster.reader = Reader::Unpacked(flat, beginning.into());
+        raster.reader = BandReader::Unpacked(flat, beginning.into());
     }
     notes.into_iter().for_each(|note| raster.report.note(Fate::Defaulted, Location::file(path), note));
     for other in members.iter().filter(|m| m.name != array.name) {

@@ -13,7 +13,7 @@ use crate::formats::marks;
 use crate::formats::number::DataType;
 use crate::report::Fate;
 
-use super::{Raster, RasterBand, Reader, check_size, resize};
+use super::{BandReader, Raster, RasterBand, check_size, resize};
 use crate::formats::input;
 
 /// A picture.
@@ -44,7 +44,7 @@ pub(super) fn open(path: &Path) -> Result<Raster> {
     let bands = names.iter().map(|name| RasterBand { name: (*name).to_owned(), ..RasterBand::default() }).collect();
     let has_alpha = matches!(colour, ColorType::GrayscaleAlpha | ColorType::Rgba);
     let colours = names.len();
-    let mut raster = Raster::of(path, (rows, columns), bands, DataType::F64, Reader::Png { colours, has_alpha });
+    let mut raster = Raster::of(path, (rows, columns), bands, DataType::F64, BandReader::Png { colours, has_alpha });
     let message = "values: shares of the largest number, as stored";
     raster.report.note(Fate::Defaulted, Location::file(path), message);
     Ok(raster)

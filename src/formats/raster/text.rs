@@ -8,7 +8,7 @@ use crate::formats::format::{Format, Holds, ending};
 use crate::formats::input::{self, Problems};
 use crate::formats::number::DataType;
 
-use super::{MOST_PIXELS, Raster, RasterBand, Reader, Target, check_size};
+use super::{BandReader, MOST_PIXELS, Raster, RasterBand, Target, check_size};
 
 /// A band as comma-separated values.
 pub(in crate::formats) static GRID: Format = Format {
@@ -106,5 +106,5 @@ pub(super) fn open(path: &Path) -> Result<Raster> {
     }
     problems.finish(path)?;
     check_size(Location::file(path), rows, columns, 1)?;
-    Ok(Raster::of(path, (rows, columns), vec![RasterBand::default()], DataType::F64, Reader::Held(values)))
+    Ok(Raster::of(path, (rows, columns), vec![RasterBand::default()], DataType::F64, BandReader::Held(values)))
 }

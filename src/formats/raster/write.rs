@@ -15,7 +15,7 @@ use crate::report::{Fate, Report};
 use crate::spectral::Band;
 
 use super::{PASS_BYTES, Raster, RasterBand, resize};
-use crate::formats::flat::{Flat, FlatFile, Order};
+use crate::formats::flat::{AxisOrder, Flat, FlatFile};
 
 /// A format that rasters are written in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -92,12 +92,12 @@ pub fn write(
     let (rows, columns) = (job.raster.rows, job.raster.columns);
     let flat = |order| Flat::new([rows, columns, chosen.len()], data_type, order);
     if target != Target::Csv {
-        staged.has_room(flat(Order::BandRowColumn).data_bytes().unwrap_or(u64::MAX))?;
+        staged.has_room(flat(AxisOrder::BandRowColumn).data_bytes().unwrap_or(u64::MAX))?;
     }
     match target {
         Target::Envi(interleave) => {
             let header = staged.beside(&envi::header_of(path)?)?;
-            job.numbers(&staged, staged.path(), flat(Order::from(interleave)), &[])?;
+            job.numbers(&staged, staged.path(), flat(AxisOrder::from(interleave)), &[])?;
             let text = envi_header(job.raster, &bands, all_bands, interleave, data_type, &job.loss);
             staged.put(&header, |out| out.write_all(text.as_bytes()))?;
         }
@@ -107,7 +107,7 @@ pub fn write(
                 n => format!("({rows}, {columns}, {n})"),
             };
             let preamble = npy::written(&npy_type(data_type), &shape);
-            job.numbers(&staged, staged.path(), flat(Order::RowColumnBand), &preamble)?;
+            job.numbers(&staged, staged.path(), flat(AxisOrder::RowColumnBand), &preamble)?;
         }
         Target::Exr => {
             let (names, spectral) = channel_names(&bands, path, report)?;
@@ -137,12 +137,12 @@ pub fn write(
             let (header, numbers, georeference, corners) = (header?, numbers?, georeference?, corners?);
             // As DART had it.
             job.loss.no_data_is = job.raster.ignore.filter(|ignore| *ignore == ilwis::NO_DATA);
-            job.numbers(&staged, &numbers, flat(Order::BandRowColumn), &[])?;
+            job.numbers(&staged, &numbers, flat(AxisOrder::BandRowColumn), &[])?;
             let place = match &job.raster.place {
                 Some(place) => place.clone(),
                 None => {
                     report.note(Fate::Defaulted, Location::file(path), "pixels: 1 m, from the scene's origin");
-                    ilwis::Place::of_pixels([1.0; 2], rows, columns)
+                    ilwis::MapExtent::of_pixels([1.0; 2], rows, columns)
                 }
             };
             let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();

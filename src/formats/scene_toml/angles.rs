@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 
 use crate::geometry::{Direction, Pose, angle_rad, body_from_site};
 
-use super::Reader;
+use super::TomlReader;
 use super::types::{Frame, GeometryToml, Top};
 
 /// As far as printed angles may contradict each other, deg.
@@ -58,7 +58,7 @@ fn horizon(zenith: Direction, north: DVec3) -> Option<DMat3> {
     Some(DMat3::from_cols(east, zenith.vec().cross(east), zenith.vec()))
 }
 
-impl Reader<'_> {
+impl TomlReader<'_> {
     /// What a scene's angles place.
     pub(super) fn by_angles(&mut self, toml: &GeometryToml) -> ByAngles {
         if toml.incidence_deg.or(toml.emission_deg).is_none() {

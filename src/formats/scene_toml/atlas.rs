@@ -1,6 +1,6 @@
 //! Texture coordinates as texel coordinates of an image, and images that are repeated.
 
-use super::Reader;
+use super::TomlReader;
 use super::types::WrapToml;
 use crate::error::number;
 use crate::geometry::whole;
@@ -33,7 +33,7 @@ impl Tiling {
     }
 }
 
-impl Reader<'_> {
+impl TomlReader<'_> {
     /// Texel coordinates of facets' corners, of an image of `[rows, columns]`; where it is repeated, of a larger image.
     ///
     /// A facet is moved by whole images to where it begins in the first one, and a texel more is held on all sides, so that values

@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use super::types::ConventionToml;
-use super::{ROUNDED, Reader, UNIT_TOLERANCE};
+use super::{ROUNDED, TomlReader, UNIT_TOLERANCE};
 
 /// A scale that differs from 1 by less is single precision's.
 const SCALED: f64 = 1e-6;
@@ -47,7 +47,7 @@ pub(super) fn no_rotation(axes: DMat3) -> String {
     }
 }
 
-impl Reader<'_> {
+impl TomlReader<'_> {
     /// A rotation of rounded numbers, made one, which is told; `None`, and no word, if it is none.
     pub(in crate::formats) fn unrounded(&mut self, item: &str, m: DMat3) -> Option<DMat3> {
         match rotation_near(m) {

@@ -1,6 +1,6 @@
 //! From what cameras come with (angles, focal lengths in pixels or mm, shifted lenses, windows of larger images) to one linear camera.
 
-use super::Reader;
+use super::TomlReader;
 use super::types::{Fit, FocalToml, MapSensorToml, SensorFitToml, SensorToml, WindowToml};
 use crate::error::number;
 
@@ -62,7 +62,7 @@ impl Lens<'_> {
     }
 }
 
-impl Reader<'_> {
+impl TomlReader<'_> {
     /// The lens of an image of `samples` x `lines` pixels; `preset` is the pixel's size over the focal length where nothing is said of it.
     pub(in crate::formats) fn optics(
         &mut self,

@@ -15,7 +15,7 @@ use super::super::photometry_csv;
 use super::super::spectrum_csv::Quantity;
 use super::super::spelling;
 use super::types::{ExtendToml, MaterialToml};
-use super::{ROUNDED, Reader};
+use super::{ROUNDED, TomlReader};
 
 /// As much more than 1 may be the sum of numbers of three digits.
 const EXCESS: f64 = 2e-3;
@@ -46,7 +46,7 @@ pub(super) struct Dictionary {
     pub(super) parts: Vec<Vec<usize>>,
 }
 
-impl Reader<'_> {
+impl TomlReader<'_> {
     pub(super) fn dictionary(&mut self, entries: &BTreeMap<String, MaterialToml>) -> Dictionary {
         let names = self.document.keys("materials");
         if names.is_empty() {

@@ -11,7 +11,7 @@ use crate::report::Note;
 
 use super::materials::Dictionary;
 use super::types::{Coordinates, GivenPose, MeshToml, NamedPose, PoseToml, RecipeToml, Up};
-use super::{ROUNDED, Reader, UNIT_TOLERANCE};
+use super::{ROUNDED, TomlReader, UNIT_TOLERANCE};
 
 /// A camera that is more sizes of the scene away looks at next to nothing.
 const FAR: f64 = 1000.0;
@@ -27,7 +27,7 @@ impl MeshToml {
     }
 }
 
-impl Reader<'_> {
+impl TomlReader<'_> {
     /// All meshes in one, local to the origin, with the dictionary's materials.
     pub(super) fn meshes(&mut self, meshes: &[MeshToml], dictionary: &mut Dictionary) -> Option<Mesh> {
         let mut all = Some(Mesh::default());

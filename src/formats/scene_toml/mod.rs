@@ -1,7 +1,7 @@
 //! `scene.toml`: everything a simulation needs, or where it lies.
 //!
 //! Reading goes in three steps, and each tells all its problems: the text against the schema
-//! ([`located`]); each part against itself and the files it names; the whole, by [`Parts::check`].
+//! ([`located`]); each part against itself and the files it names; the whole, by [`SceneParts::check`].
 
 mod angles;
 mod atlas;
@@ -23,7 +23,7 @@ use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::{Direction, Pose};
 use crate::progress::{Progress, Watch};
 use crate::scene::{
-    FARTHEST_M, MARS_ALBEDO, Mars, MarsModel, Models, Parts, Scene, Sky, Sun, Surface, Texture, Thermal,
+    FARTHEST_M, MARS_ALBEDO, Mars, MarsModel, Models, Scene, SceneParts, Sky, Sun, Surface, Texture, Thermal,
 };
 use crate::spectral::{Extend, Spectrum, SunTotal, solar_e490};
 use crate::units::{AU_M, MARS_RADIUS_M, SUN_RADIUS_M, TSI_1AU_W_M2};
@@ -118,7 +118,7 @@ const MARS_THERMAL_EXITANCE_W_M2: f64 = 110.0;
 pub fn read(path: &Path, watch: Watch<'_>) -> Result<SceneFile> {
     let (document, input) = Document::open(path)?;
     let toml: SceneToml = document.read()?;
-    let mut reader = Reader::new(path, document, DVec3::from_array(toml.origin_m), input, watch);
+    let mut reader = TomlReader::new(path, document, DVec3::from_array(toml.origin_m), input, watch);
     reader.is_beside_scene = false;
     reader.tell("reading the scene", 0, 1);
     let scene = reader.scene(&toml);
@@ -144,7 +144,7 @@ pub fn read(path: &Path, watch: Watch<'_>) -> Result<SceneFile> {
         Err(Error::Unsupported { at, feature }) => Some((reader.document.at(&reader.item_of(&at)), feature)),
         _ => None,
     };
-    let Reader { defaults, notes, inputs, .. } = reader;
+    let TomlReader { defaults, notes, inputs, .. } = reader;
     Ok(SceneFile { scene, defaults, notes, inputs, unsimulated })
 }
 
@@ -154,7 +154,7 @@ pub fn schema() -> schemars::Schema {
 }
 
 /// What the parts of a scene file are read with, and of other files that share them.
-pub(super) struct Reader<'a> {
+pub(super) struct TomlReader<'a> {
     folder: PathBuf,
     document: Document,
     origin_m: DVec3,
@@ -169,10 +169,10 @@ pub(super) struct Reader<'a> {
     interrupted: bool,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> TomlReader<'a> {
     /// For another file that is about a scene with this origin.
     pub(super) fn new(path: &Path, document: Document, origin_m: DVec3, input: InputFile, watch: Watch<'a>) -> Self {
-        Reader {
+        TomlReader {
             folder: path.parent().unwrap_or(Path::new("")).to_owned(),
             document,
             origin_m,
@@ -221,8 +221,8 @@ impl<'a> Reader<'a> {
     }
 }
 
-impl Reader<'_> {
-    fn scene(&mut self, toml: &SceneToml) -> Option<Parts> {
+impl TomlReader<'_> {
+    fn scene(&mut self, toml: &SceneToml) -> Option<SceneParts> {
         let mut dictionary = self.dictionary(&toml.materials);
         let mesh = self.meshes(&toml.mesh, &mut dictionary);
         let by_angles = toml.geometry.as_ref().map(|geometry| self.by_angles(geometry)).unwrap_or_default();
@@ -236,7 +236,7 @@ impl Reader<'_> {
             self.suspect_scale(&toml.mesh, mesh, &exposure.camera);
         }
         let textures = self.textures(toml, &dictionary.names, mesh.as_ref());
-        Some(Parts {
+        Some(SceneParts {
             surface: Surface { origin_m: self.origin_m, mesh: mesh?, materials: dictionary.materials?, textures },
             sky: Sky {
                 sun: sun?,
@@ -633,7 +633,7 @@ impl Reader<'_> {
         of_material.unwrap_or(item)
     }
 
-    /// What [`Parts::check`] found, with the places of the items it names.
+    /// What [`SceneParts::check`] found, with the places of the items it names.
     fn placed(&self, error: Error) -> Error {
         let Error::Invalid(problems) = error else { return error };
         let placed = problems.into_iter().map(|problem| {

@@ -11,7 +11,7 @@ use super::types::{
     BandsToml, Coordinates, FactorUnitToml, MeanToml, PlaneToml, RasterToml, TexelsToml, TexturePlacementToml,
     TextureQuantityToml, TextureToml,
 };
-use super::{Reader, Tiling};
+use super::{Tiling, TomlReader};
 use crate::error::number;
 use crate::geometry::{Camera, Direction, MaterialId, Mesh, NO_UV, ParallelCamera, Texels, body_from_site};
 use crate::product::Atlas;
@@ -44,7 +44,7 @@ fn um_of_numbers(names: &[&str], bands: &[Band]) -> Option<Vec<f64>> {
     })
 }
 
-impl Reader<'_> {
+impl TomlReader<'_> {
     /// The rasters that an item names: one or more, all of the same size.
     pub(in crate::formats) fn rasters(
         &mut self,

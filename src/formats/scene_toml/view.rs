@@ -14,7 +14,7 @@ use super::types::{
     BandsToml, Coordinates, Frame, Fwhm, LightToml, LightsToml, ObserverToml, Preset, ResponseToml, SensorToml,
     ShapeToml, ShapesToml,
 };
-use super::{ROUNDED, Reader};
+use super::{ROUNDED, TomlReader};
 
 /// A camera that has no name.
 pub(in crate::formats) const SENSOR_NAME: &str = "frame camera";
@@ -29,7 +29,7 @@ const SLANT: f64 = 1e-6;
 /// As many bad centres are told one by one.
 const TOLD: usize = 20;
 
-impl Reader<'_> {
+impl TomlReader<'_> {
     /// The sensor, at a pose that is `None` if what is wrong with it has been told.
     pub(super) fn exposure(&mut self, toml: &SensorToml, pose: Option<Pose>, mesh: Option<&Mesh>) -> Option<Exposure> {
         let preset = toml.preset == Some(Preset::Macromega);

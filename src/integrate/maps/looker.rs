@@ -1,15 +1,15 @@
 //! Looks maps up, pixel by pixel, and says what they leave to others.
 
 use super::choice::{Choice, views_shares};
-use super::lookup::{Kind, Lookup};
+use super::lookup::{Lookup, TexelLayout};
 use super::together::{Together, differ};
-use super::{Maps, Prepared, Unknown};
+use super::{Maps, PreparedMap, Unknown};
 use crate::geometry::{Eye, angle_rad};
 use crate::integrate::parts::Polygons;
 use crate::integrate::pixel::{Entry, Pixel};
 use crate::product::TexelLine;
 use crate::scene::Scene;
-use crate::solve::Part;
+use crate::solve::ImagePart;
 use crate::visibility::Drawing;
 
 /// What is known of a facet stands for the rest of it if it is at least this share; less is no better than what its pixel knows,
@@ -45,7 +45,7 @@ pub(in crate::integrate) struct Looker<'a> {
     shares: Vec<f64>,
     /// Lit area of the entry at hand that no map knows, for each source known by parts.
     lit_rest: Vec<f64>,
-    parts: Vec<Part>,
+    parts: Vec<ImagePart>,
 }
 
 impl<'a> Looker<'a> {
@@ -53,11 +53,11 @@ impl<'a> Looker<'a> {
         scene: &'a Scene,
         drawing: &'a Drawing<'a>,
         maps: &Maps,
-        prepared: &'a [Vec<Prepared<'a>>],
+        prepared: &'a [Vec<PreparedMap<'a>>],
         polygons: &'a [Vec<Option<Polygons<'a>>>],
     ) -> Self {
-        let lookups = |(views, polygons): (&'a Vec<Prepared<'a>>, &'a Vec<Option<Polygons<'a>>>)| {
-            let one = |(p, polygons): (&'a Prepared<'a>, &'a Option<Polygons<'a>>)| {
+        let lookups = |(views, polygons): (&'a Vec<PreparedMap<'a>>, &'a Vec<Option<Polygons<'a>>>)| {
+            let one = |(p, polygons): (&'a PreparedMap<'a>, &'a Option<Polygons<'a>>)| {
                 Lookup::new(scene, drawing, p, polygons.as_ref(), maps.texels)
             };
             views.iter().zip(polygons).map(one).collect()
@@ -86,7 +86,7 @@ impl<'a> Looker<'a> {
         &mut self,
         pixel: &mut Pixel,
         line: &mut MapLine,
-        mut solved: impl FnMut(&Entry, f64, &[Part]),
+        mut solved: impl FnMut(&Entry, f64, &[ImagePart]),
     ) {
         let mut front = 0.0;
         let (mut angle_sum, mut angle_area) = (0.0, 0.0);
@@ -127,7 +127,10 @@ impl<'a> Looker<'a> {
                 };
                 unfilled[t] += entry.shown.area - target;
                 if rest > 0.0 && self.unknown == Unknown::Solved {
-                    let parts = self.lit_rest.iter().map(|lit| Part { area: lit.clamp(0.0, rest), ..Part::default() });
+                    let parts = self
+                        .lit_rest
+                        .iter()
+                        .map(|lit| ImagePart { area: lit.clamp(0.0, rest), ..ImagePart::default() });
                     self.parts.clear();
                     self.parts.extend(parts);
                     solved(&entry, rest, &self.parts);
@@ -190,7 +193,7 @@ impl<'a> Looker<'a> {
         let facet = self.scene.body.mesh.facet(entry.facet as usize);
         let point_m = camera.centre_m() + facet.met_by(camera.centre_m(), ray) * ray;
         let of = |lookup: &Lookup| match lookup.kind {
-            Kind::View(image, ..) => match image.camera.eye() {
+            TexelLayout::View(image, ..) => match image.camera.eye() {
                 Eye::At(eye_m) => angle_rad(eye_m - point_m, -ray),
                 Eye::Towards(direction) => angle_rad(direction.vec(), -ray),
             },

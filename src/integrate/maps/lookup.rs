@@ -1,6 +1,6 @@
 //! One map, or texture: which of its texels lie in what is seen of a facet.
 
-use super::Prepared;
+use super::PreparedMap;
 use super::charts::{of_corners, of_projection};
 use super::sums::TexelSums;
 use crate::geometry::polygon::{Point, area, side, split};
@@ -43,7 +43,7 @@ fn share<'s>(light: Option<usize>, seen: &'s mut Share, lit: &'s mut [Share]) ->
 pub(in crate::integrate) struct Lookup<'a> {
     scene: &'a Scene,
     drawing: &'a Drawing<'a>,
-    pub(super) kind: Kind<'a>,
+    pub(super) kind: TexelLayout<'a>,
     /// For each texel whether it holds a value; `None`: all do.
     known: Option<&'a [bool]>,
     /// For each texel whether nothing of the scene is in it: between texel centres, such a texel does not count.
@@ -61,7 +61,7 @@ pub(in crate::integrate) struct Lookup<'a> {
 }
 
 /// Where the texels of a lookup lie.
-pub(in crate::integrate) enum Kind<'a> {
+pub(in crate::integrate) enum TexelLayout<'a> {
     Facets,
     Patches(&'a Patches),
     View(&'a ViewImage, Box<Projection>, Option<&'a Seen>),
@@ -73,15 +73,17 @@ impl<'a> Lookup<'a> {
     pub(in crate::integrate) fn new(
         scene: &'a Scene,
         drawing: &'a Drawing<'a>,
-        prepared: &'a Prepared<'a>,
+        prepared: &'a PreparedMap<'a>,
         polygons: Option<&'a Polygons<'a>>,
         texels: Texels,
     ) -> Self {
         let kind = match prepared.view.placement {
-            Placement::Facets(_) => Kind::Facets,
-            Placement::Patches(patches) => Kind::Patches(patches),
-            Placement::View(image) => Kind::View(image, Box::new(image.camera.projection()), prepared.seen.as_ref()),
-            Placement::Atlas(atlas) => Kind::Texture(&atlas.corners, [atlas.columns, atlas.rows]),
+            Placement::Facets(_) => TexelLayout::Facets,
+            Placement::Patches(patches) => TexelLayout::Patches(patches),
+            Placement::View(image) => {
+                TexelLayout::View(image, Box::new(image.camera.projection()), prepared.seen.as_ref())
+            }
+            Placement::Atlas(atlas) => TexelLayout::Texture(&atlas.corners, [atlas.columns, atlas.rows]),
         };
         let lookup = Lookup::of(scene, drawing, kind, Some(prepared.view.known), polygons, texels);
         Lookup { sky: prepared.view.sky, ..lookup }
@@ -90,7 +92,7 @@ impl<'a> Lookup<'a> {
     pub(in crate::integrate) fn of(
         scene: &'a Scene,
         drawing: &'a Drawing<'a>,
-        kind: Kind<'a>,
+        kind: TexelLayout<'a>,
         known: Option<&'a [bool]>,
         polygons: Option<&'a Polygons<'a>>,
         texels: Texels,
@@ -126,7 +128,7 @@ impl<'a> Lookup<'a> {
         self.lit.resize_with(if wants_lit { pixel.lights() } else { 0 }, Share::default);
         self.lit.iter_mut().for_each(Share::clear);
         let entry = pixel.entries[index];
-        if let Kind::Facets = self.kind {
+        if let TexelLayout::Facets = self.kind {
             if self.known.is_none_or(|known| known[entry.facet as usize]) {
                 self.seen.take(entry.facet, entry.shown.area);
                 for (light, share) in self.lit.iter_mut().enumerate() {
@@ -167,17 +169,17 @@ impl<'a> Lookup<'a> {
     pub(in crate::integrate) fn divide(&mut self, facet: u32, part: &[Point], mut put: impl FnMut(bool, Vec<Point>)) {
         let (mut inside, mut outside) = (vec![part.to_vec()], Vec::new());
         match &self.kind {
-            Kind::Facets => {
+            TexelLayout::Facets => {
                 let is_known = self.known.is_none_or(|known| known[facet as usize]);
                 return put(is_known, part.to_vec());
             }
-            Kind::Patches(patches) => {
+            TexelLayout::Patches(patches) => {
                 let (texels, known) = (&patches.polygon_texel, self.known);
                 self.keep_parts(facet, &mut inside, &mut outside, |i| {
                     known.is_none_or(|known| known[texels[i] as usize])
                 });
             }
-            Kind::View(..) | Kind::Texture(..) => {
+            TexelLayout::View(..) | TexelLayout::Texture(..) => {
                 let Some(chart) = self.chart(facet) else { return put(false, part.to_vec()) };
                 let size = self.size();
                 let [width, height] = size.map(|n| n as f64);
@@ -196,10 +198,10 @@ impl<'a> Lookup<'a> {
                     inside.extend((within.len() > 2).then_some(within));
                 }
                 match &self.kind {
-                    Kind::View(_, _, Some(seen)) if seen.shown[facet as usize] == Shown::Nothing => {
+                    TexelLayout::View(_, _, Some(seen)) if seen.shown[facet as usize] == Shown::Nothing => {
                         outside.append(&mut inside)
                     }
-                    Kind::View(_, _, Some(seen)) if seen.shown[facet as usize] == Shown::Part => {
+                    TexelLayout::View(_, _, Some(seen)) if seen.shown[facet as usize] == Shown::Part => {
                         self.keep_parts(facet, &mut inside, &mut outside, |_| true);
                     }
                     _ => {}
@@ -260,9 +262,9 @@ impl<'a> Lookup<'a> {
     /// Columns and rows of the map's image, if it is one.
     fn size(&self) -> [usize; 2] {
         match &self.kind {
-            Kind::View(image, ..) => image.size(),
-            Kind::Texture(_, size) => *size,
-            Kind::Facets | Kind::Patches(_) => [0, 0],
+            TexelLayout::View(image, ..) => image.size(),
+            TexelLayout::Texture(_, size) => *size,
+            TexelLayout::Facets | TexelLayout::Patches(_) => [0, 0],
         }
     }
 
@@ -272,13 +274,13 @@ impl<'a> Lookup<'a> {
             return;
         }
         match &self.kind {
-            Kind::Facets => {
+            TexelLayout::Facets => {
                 if self.known.is_none_or(|known| known[facet as usize]) {
                     share(light, &mut self.seen, &mut self.lit).take(facet, sign * area(part));
                 }
                 return;
             }
-            Kind::Patches(patches) => {
+            TexelLayout::Patches(patches) => {
                 let Some(parts) = &mut self.parts else { return };
                 let share = share(light, &mut self.seen, &mut self.lit);
                 let known = self.known;
@@ -290,12 +292,12 @@ impl<'a> Lookup<'a> {
                 });
                 return;
             }
-            Kind::View(..) | Kind::Texture(..) => {}
+            TexelLayout::View(..) | TexelLayout::Texture(..) => {}
         }
         let size = self.size();
         let Some(chart) = self.chart(facet) else { return };
         let seen = match &self.kind {
-            Kind::View(_, _, Some(seen)) => seen.shown[facet as usize],
+            TexelLayout::View(_, _, Some(seen)) => seen.shown[facet as usize],
             _ => Shown::Whole,
         };
         let Lookup { known, sky, parts, texels, overlay, seen: all, lit, quadrature_error, .. } = self;
@@ -349,9 +351,9 @@ impl<'a> Lookup<'a> {
         }
         let (mesh, view) = (&self.scene.body.mesh, &self.drawing.view);
         let chart = match &self.kind {
-            Kind::View(_, projection, _) => of_projection(projection, view, &mesh.facet(facet as usize)),
-            Kind::Texture(corners, _) => of_corners(&corners[facet as usize], &on_facet(mesh, view, facet)),
-            Kind::Facets | Kind::Patches(_) => None,
+            TexelLayout::View(_, projection, _) => of_projection(projection, view, &mesh.facet(facet as usize)),
+            TexelLayout::Texture(corners, _) => of_corners(&corners[facet as usize], &on_facet(mesh, view, facet)),
+            TexelLayout::Facets | TexelLayout::Patches(_) => None,
         };
         self.chart = chart.map(|chart| (facet, chart));
         chart

@@ -19,7 +19,7 @@ use crate::visibility::Seen;
 
 pub use choice::Choice;
 pub(super) use looker::{Looker, MapLine};
-pub(super) use lookup::{Kind, Lookup};
+pub(super) use lookup::{Lookup, TexelLayout};
 
 /// What is shown where a map knows nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -119,19 +119,19 @@ impl MapImage {
 }
 
 /// A map, ready to be looked up.
-pub(super) struct Prepared<'a> {
+pub(super) struct PreparedMap<'a> {
     view: MapView<'a>,
     seen: Option<Seen>,
 }
 
 /// Finds what each map's eye sees of the scene.
-pub(super) fn prepare<'a>(maps: &Maps<'a>, scene: &Scene, watch: Watch<'_>) -> Result<Vec<Vec<Prepared<'a>>>> {
+pub(super) fn prepare<'a>(maps: &Maps<'a>, scene: &Scene, watch: Watch<'_>) -> Result<Vec<Vec<PreparedMap<'a>>>> {
     let prepare = |view: &MapView<'a>| {
         let seen = match view.placement {
             Placement::View(image) if image.occlusion => Some(seen_by(image, scene, watch)?),
             _ => None,
         };
-        Ok(Prepared { view: *view, seen })
+        Ok(PreparedMap { view: *view, seen })
     };
     maps.terms.iter().map(|views| views.iter().map(prepare).collect()).collect()
 }
@@ -153,7 +153,7 @@ fn seen_by(image: &ViewImage, scene: &Scene, watch: Watch<'_>) -> Result<Seen> {
     }
 }
 
-impl Prepared<'_> {
+impl PreparedMap<'_> {
     /// The polygons on facets that the map is made of, or that it sees.
     pub(super) fn polygons(&self, facets: usize) -> Option<Polygons<'_>> {
         match (self.view.placement, &self.seen) {

@@ -2,7 +2,7 @@
 //! of its layers.
 
 use super::at;
-use super::light::{Light, Modulation};
+use super::light::{Modulation, SourceLight};
 use crate::physics::reflectance::{Brdf, PhotometricAngles};
 use crate::scene::{Material, Texture, TextureKind};
 
@@ -42,8 +42,8 @@ impl Constant<'_> {
     pub(super) fn weights(
         &self,
         facet: u32,
-        lights: &[Light],
-        amount: impl Fn(&Light) -> f64,
+        lights: &[SourceLight],
+        amount: impl Fn(&SourceLight) -> f64,
         texture: &Modulation,
         mut add: impl FnMut(usize, f64),
     ) {

@@ -4,17 +4,17 @@ use crate::product::{Lighting, Sees};
 
 /// A part of the image, or of a facet in it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Part {
+pub struct ImagePart {
     /// Area, pixels.
     pub area: f64,
     /// Area times centroid, image coordinates, pixels.
     pub moment: [f64; 2],
 }
 
-impl Part {
+impl ImagePart {
     /// Joins a part that does not overlap it.
     #[inline]
-    pub fn add(&mut self, other: &Part) {
+    pub fn add(&mut self, other: &ImagePart) {
         self.area += other.area;
         self.moment[0] += other.moment[0];
         self.moment[1] += other.moment[1];
@@ -23,8 +23,8 @@ impl Part {
     /// The same taken away, if `sign` is -1.
     #[inline]
     #[must_use]
-    pub fn signed(&self, sign: f64) -> Part {
-        Part { area: sign * self.area, moment: self.moment.map(|m| sign * m) }
+    pub fn signed(&self, sign: f64) -> ImagePart {
+        ImagePart { area: sign * self.area, moment: self.moment.map(|m| sign * m) }
     }
 }
 
@@ -34,9 +34,9 @@ pub struct Fragment<'a> {
     /// The facet.
     pub facet: u32,
     /// All that is seen.
-    pub shown: Part,
+    pub shown: ImagePart,
     /// What of that each source sees that is known by parts: the Sun first.
-    pub lit: &'a [Part],
+    pub lit: &'a [ImagePart],
 }
 
 /// What a texture is over a fragment.
@@ -54,7 +54,7 @@ pub struct Modulation<'a> {
 
 /// A source's irradiance, and what of a fragment has it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Light<'a> {
+pub(super) struct SourceLight<'a> {
     irradiance: &'a [f64],
     reach: Reach<'a>,
 }
@@ -67,7 +67,7 @@ enum Reach<'a> {
     Part(usize),
 }
 
-impl<'a> Light<'a> {
+impl<'a> SourceLight<'a> {
     /// One for each source.
     pub(super) fn list(sources: &'a [Lighting]) -> Vec<Self> {
         let mut parts = 0;
@@ -80,7 +80,7 @@ impl<'a> Light<'a> {
                     Reach::Part(parts - 1)
                 }
             };
-            Light { irradiance: &lighting.irradiance, reach }
+            SourceLight { irradiance: &lighting.irradiance, reach }
         };
         sources.iter().map(light).collect()
     }

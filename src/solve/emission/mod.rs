@@ -15,9 +15,9 @@ use crate::spectral::{Band, Spectrum};
 
 use constant::Constant;
 use heat::Heat;
-use light::Light;
+use light::SourceLight;
 
-pub use light::{Fragment, Modulation, Part};
+pub use light::{Fragment, ImagePart, Modulation};
 pub use temperature_grid::interpolation_error;
 
 /// What some rows are.
@@ -33,7 +33,7 @@ enum Family<'a> {
 #[derive(Debug)]
 pub struct Emission<'a> {
     scene: &'a Scene,
-    lights: Vec<Light<'a>>,
+    lights: Vec<SourceLight<'a>>,
     /// Each with its first row, ascending.
     families: Vec<(usize, Family<'a>)>,
     rows: usize,
@@ -52,7 +52,7 @@ struct OfMaterial {
 impl<'a> Emission<'a> {
     /// For the facets of a scene and what was solved for them, which fits the scene.
     pub fn new(scene: &'a Scene, table: &'a FacetTable) -> Self {
-        let lights = Light::list(&table.sources);
+        let lights = SourceLight::list(&table.sources);
         let materials = &scene.body.materials;
         let plain = materials.iter().map(|material| Constant { material, texture: None });
         let of_texture = |texture: &'a Texture| {
@@ -112,7 +112,7 @@ impl<'a> Emission<'a> {
             }
             _ => None,
         };
-        let amount = |light: &Light| match rest {
+        let amount = |light: &SourceLight| match rest {
             Some(texture) => light.of(fragment) - light.of_texture(fragment, texture),
             None => light.of(fragment),
         };
@@ -127,7 +127,7 @@ impl<'a> Emission<'a> {
     fn reflect(
         &self,
         family: usize,
-        amount: impl Fn(&Light) -> f64,
+        amount: impl Fn(&SourceLight) -> f64,
         texture: &Modulation,
         fragment: &Fragment,
         add: &mut impl FnMut(u32, f64),

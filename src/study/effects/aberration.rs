@@ -1,11 +1,12 @@
 //! Where things are seen, and where they are.
 
-use super::{Finding, Given, Kind, left_out};
+use super::{EffectKind, Finding, Given, left_out};
 
 /// Stellar aberration at Mars: its largest orbital speed and Phobos' own, 28.6 km/s, over that of light; rad.
 const ABERRATION_RAD: f64 = 9.6e-5;
 
-pub(super) const KIND: Kind = Kind { name: "aberration and light time", equation: None, step: None, light: None, find };
+pub(super) const KIND: EffectKind =
+    EffectKind { name: "aberration and light time", equation: None, step: None, light: None, find };
 
 fn find(given: &Given) -> Finding {
     // Of irradiance, and of shadows' edges. Emission follows irradiance by a power that makes it 2 at most, up to 20 um.

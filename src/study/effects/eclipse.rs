@@ -1,12 +1,12 @@
 //! Mars before the Sun.
 
-use super::{Finding, Given, Kind, left_out};
+use super::{EffectKind, Finding, Given, left_out};
 use crate::geometry::Direction;
 use crate::physics::sun::{self, Eclipse};
 use crate::scene::Setup;
 
-pub(super) const KIND: Kind =
-    Kind { name: "eclipse by Mars", equation: Some("physics::sun::eclipse"), step: None, light: None, find };
+pub(super) const KIND: EffectKind =
+    EffectKind { name: "eclipse by Mars", equation: Some("physics::sun::eclipse"), step: None, light: None, find };
 
 fn find(given: &Given) -> Finding {
     let (bound, note) = match by_mars(given.scene) {

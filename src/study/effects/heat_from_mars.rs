@@ -1,12 +1,12 @@
 //! What Mars warms.
 
 use super::given::{emission, mars_seen};
-use super::{Finding, Given, Kind, left_out, modelled};
+use super::{EffectKind, Finding, Given, left_out, modelled};
 use crate::physics::heat;
 use crate::scene::Thermal;
 use crate::spectral::Light;
 
-pub(super) const KIND: Kind = Kind {
+pub(super) const KIND: EffectKind = EffectKind {
     name: "heat from Mars",
     equation: Some("physics::mars::uniform_sphere_form_factor"),
     step: Some("solve::irradiance"),

@@ -1,8 +1,8 @@
 //! What the instrument does to the light.
 
-use super::{Kind, left_out};
+use super::{EffectKind, left_out};
 
-pub(super) const KIND: Kind = Kind {
+pub(super) const KIND: EffectKind = EffectKind {
     name: "instrument",
     equation: None,
     step: None,

@@ -1,13 +1,18 @@
 //! Light and heat between facets.
 
 use super::given::{emission, white_radiance};
-use super::{Finding, Given, Kind, left_out};
+use super::{EffectKind, Finding, Given, left_out};
 use crate::physics::bounds;
 use crate::scene::Material;
 use crate::spectral::Light;
 
-pub(super) const KIND: Kind =
-    Kind { name: "interreflection", equation: Some("physics::bounds::interreflection"), step: None, light: None, find };
+pub(super) const KIND: EffectKind = EffectKind {
+    name: "interreflection",
+    equation: Some("physics::bounds::interreflection"),
+    step: None,
+    light: None,
+    find,
+};
 
 fn find(given: &Given) -> Finding {
     let form_factor = bounds::surroundings_form_factor(given.site.cos_steepest);

@@ -1,11 +1,11 @@
 //! Sunlight that Mars reflects.
 
-use super::{Finding, Given, Kind, left_out, modelled};
+use super::{EffectKind, Finding, Given, left_out, modelled};
 use crate::physics::mars_light::MARS_LIGHT_ERROR;
 use crate::scene::{MARS_ALBEDO, MarsModel};
 use crate::spectral::Light;
 
-pub(super) const KIND: Kind = Kind {
+pub(super) const KIND: EffectKind = EffectKind {
     name: "Mars-light",
     equation: Some("physics::mars_light::MarsLight"),
     step: Some("solve::irradiance"),

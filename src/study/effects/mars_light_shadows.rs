@@ -1,10 +1,10 @@
 //! Terrain between a facet and Mars.
 
-use super::{Finding, Given, Kind, left_out};
+use super::{EffectKind, Finding, Given, left_out};
 use crate::spectral::Light;
 
-pub(super) const KIND: Kind =
-    Kind { name: "shadows in Mars-light", equation: None, step: None, light: Some(Light::is_lit), find };
+pub(super) const KIND: EffectKind =
+    EffectKind { name: "shadows in Mars-light", equation: None, step: None, light: Some(Light::is_lit), find };
 
 fn find(given: &Given) -> Finding {
     let bound = match &given.scene.sky.mars {

@@ -27,7 +27,7 @@ pub(super) use eclipse::by_mars;
 pub(super) use given::{Given, Reference, mars_seen};
 
 /// All effects, in the order of the report.
-const ALL: [Kind; 13] = [
+const ALL: [EffectKind; 13] = [
     sunlight::KIND,
     photometric_function::KIND,
     mars_light::KIND,
@@ -44,7 +44,7 @@ const ALL: [Kind; 13] = [
 ];
 
 /// Something that shapes the light.
-pub(super) struct Kind {
+pub(super) struct EffectKind {
     name: &'static str,
     /// Where its equation is, if there is one.
     equation: Option<&'static str>,
@@ -91,7 +91,7 @@ pub(super) fn effects(given: &Given) -> Vec<Effect> {
     ALL.iter().map(|kind| kind.in_scene(given)).collect()
 }
 
-impl Kind {
+impl EffectKind {
     fn in_scene(&self, given: &Given) -> Effect {
         let is_in_no_band = |is: &fn(Light) -> bool| !given.bands_um.iter().any(|(_, light)| is(*light));
         let Finding { modelled, bound, mut note } = match self.light.filter(is_in_no_band) {

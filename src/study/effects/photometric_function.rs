@@ -1,10 +1,10 @@
 //! Reflectance that depends on the directions of light and view.
 
-use super::{Finding, Given, Kind, left_out};
+use super::{EffectKind, Finding, Given, left_out};
 use crate::geometry::angle_rad;
 use crate::spectral::Light;
 
-pub(super) const KIND: Kind = Kind {
+pub(super) const KIND: EffectKind = EffectKind {
     name: "photometric function",
     equation: Some("physics::reflectance::Brdf"),
     step: None,

@@ -1,10 +1,15 @@
 //! Penumbrae: the Sun is no point.
 
-use super::{Finding, Given, Kind, left_out};
+use super::{EffectKind, Finding, Given, left_out};
 use crate::physics::{bounds, sun};
 
-pub(super) const KIND: Kind =
-    Kind { name: "the Sun's disc", equation: Some("physics::bounds::penumbra_width_m"), step: None, light: None, find };
+pub(super) const KIND: EffectKind = EffectKind {
+    name: "the Sun's disc",
+    equation: Some("physics::bounds::penumbra_width_m"),
+    step: None,
+    light: None,
+    find,
+};
 
 fn find(given: &Given) -> Finding {
     let (ray_m, pixel_m) = (given.longest_ray_m(), given.pixel_m());

@@ -1,12 +1,12 @@
 //! Sunlight from a point, with exact shadows.
 
-use super::{Finding, Given, Kind, modelled};
+use super::{EffectKind, Finding, Given, modelled};
 use crate::spectral::Light;
 
 /// Shadows and fractions are exact to this, relative: what the tests hold them to.
 const ROUNDING: f64 = 1e-9;
 
-pub(super) const KIND: Kind = Kind {
+pub(super) const KIND: EffectKind = EffectKind {
     name: "sunlight",
     equation: Some("physics::sun::irradiance_on_facet"),
     step: Some("visibility::Seen, solve::irradiance"),

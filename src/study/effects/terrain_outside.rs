@@ -1,8 +1,9 @@
 //! Shadows of terrain that the mesh does not hold.
 
-use super::{Finding, Given, Kind, left_out};
+use super::{EffectKind, Finding, Given, left_out};
 
-pub(super) const KIND: Kind = Kind { name: "terrain outside the mesh", equation: None, step: None, light: None, find };
+pub(super) const KIND: EffectKind =
+    EffectKind { name: "terrain outside the mesh", equation: None, step: None, light: None, find };
 
 fn find(given: &Given) -> Finding {
     let share = 100.0 * given.open_to_shadow;

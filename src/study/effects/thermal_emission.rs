@@ -1,12 +1,12 @@
 //! What a surface emits at its temperature.
 
 use super::given::emission;
-use super::{Finding, Given, Kind, left_out, modelled};
+use super::{EffectKind, Finding, Given, left_out, modelled};
 use crate::scene::Thermal;
 use crate::solve::interpolation_error;
 use crate::spectral::Light;
 
-pub(super) const KIND: Kind = Kind {
+pub(super) const KIND: EffectKind = EffectKind {
     name: "thermal emission",
     equation: Some("physics::heat::equilibrium_temperature_k, physics::blackbody"),
     step: Some("solve::irradiance, solve::emission"),

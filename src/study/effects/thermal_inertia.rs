@@ -1,10 +1,10 @@
 //! Heat that is stored and conducted.
 
-use super::{Finding, Given, Kind, left_out};
+use super::{EffectKind, Finding, Given, left_out};
 use crate::spectral::Light;
 
-pub(super) const KIND: Kind =
-    Kind { name: "thermal inertia", equation: None, step: None, light: Some(Light::glows), find };
+pub(super) const KIND: EffectKind =
+    EffectKind { name: "thermal inertia", equation: None, step: None, light: Some(Light::glows), find };
 
 fn find(given: &Given) -> Finding {
     let noon_k = given.noon_k;

@@ -6,7 +6,7 @@ use crate::geometry::{Direction, FrameCamera, MaterialId, Mesh, Pose};
 use crate::integrate::Wanted;
 use crate::product::{Backplanes, FacetTable};
 use crate::progress::unwatched;
-use crate::scene::{Exposure, Mars, Material, Models, Parts, Photometry, Scene, Sky, Sun, Surface, Thermal};
+use crate::scene::{Exposure, Mars, Material, Models, Photometry, Scene, SceneParts, Sky, Sun, Surface, Thermal};
 use crate::spectral::{Band, Spectrum};
 use crate::study::{observe, simulate};
 use crate::units::AU_M;
@@ -104,7 +104,7 @@ impl Patch {
             bond_albedo: 1.0,
             thermal_exitance_w_m2: 0.0,
         });
-        let parts = Parts {
+        let parts = SceneParts {
             surface: Surface {
                 origin_m: self.origin_m,
                 mesh,

@@ -10,7 +10,7 @@ use crate::error::{Error, Location, Result};
 use crate::geometry::{Direction, FrameCamera, MaterialId, Mesh, Pose, index_u32};
 use crate::integrate;
 use crate::progress::unwatched;
-use crate::scene::{Exposure, Material, Models, Parts, Photometry, Sky, Sun, Surface, Thermal};
+use crate::scene::{Exposure, Material, Models, Photometry, SceneParts, Sky, Sun, Surface, Thermal};
 use crate::spectral::{Band, Spectrum, solar_e490};
 use crate::study::simulate;
 use crate::units::AU_M;
@@ -136,7 +136,7 @@ fn look(mesh: Mesh, reflectance: f64, sun: Sun, camera: FrameCamera) -> Result<V
         mixture: vec![(0, 1.0)],
     };
     let bands = vec![Band::new(1.0, None)];
-    let parts = Parts {
+    let parts = SceneParts {
         surface: Surface { origin_m: TARGET_M, mesh, materials: vec![material], textures: vec![] },
         sky: Sky { sun, mars: None, beams: vec![] },
         exposure: Exposure { instrument: "frame camera".to_owned(), camera, bands },

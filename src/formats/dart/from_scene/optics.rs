@@ -11,7 +11,7 @@ use crate::physics::{blackbody, heat, mars, sun};
 use crate::scene::{Mars, MarsModel, Material, Photometry, Scene, Setup, Sun, Thermal};
 use crate::spectral::{ALL_UM, Band, Column, Light, SpectralLibrary, Spectrum};
 
-use super::super::database::Kind;
+use super::super::database::TableKind;
 use super::super::frame;
 use super::super::simulation::{Links, OpticalKind, OpticalProperty, SpectralInterval, ThermalFunction};
 
@@ -120,9 +120,9 @@ pub(in super::super) fn spectra(material: &Material) -> (OpticalKind, Vec<&Spect
 /// The database of a kind, and what its columns are called here.
 fn database(kind: OpticalKind) -> (&'static str, &'static [&'static str]) {
     let columns = match kind {
-        OpticalKind::Lambertian => Kind::Lambertian,
-        OpticalKind::Hapke => Kind::Hapke,
-        OpticalKind::Rpv => Kind::Rpv,
+        OpticalKind::Lambertian => TableKind::Lambertian,
+        OpticalKind::Hapke => TableKind::Hapke,
+        OpticalKind::Rpv => TableKind::Rpv,
     };
     (DATABASES.iter().find(|(k, _)| *k == kind).map_or("", |(_, file)| file), columns.columns())
 }

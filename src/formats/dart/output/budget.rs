@@ -18,7 +18,7 @@ use crate::scene::Scene;
 use crate::spectral::Band;
 
 use super::properties::Properties;
-use super::{MapOptions, OutputBand};
+use super::{OutputBand, OutputMapOptions};
 
 /// The file of triangles, in `output/`.
 pub(super) const TRIANGLES: &str = "triangles.txt";
@@ -65,7 +65,7 @@ pub(super) fn map(
     properties: &Properties,
     pose: Pose,
     scene: &Scene,
-    options: &MapOptions,
+    options: &OutputMapOptions,
 ) -> Result<(RadianceMap, Mismatch)> {
     let mut problems = Vec::new();
     let mut columns = Vec::new();
@@ -89,7 +89,7 @@ pub(super) fn map(
         return Err(Error::Invalid(problems));
     }
     let (patches, mismatch) = place(&triangles, &pose, scene, &path)?;
-    let source = Source {
+    let source = BudgetTexels {
         bands: bands.iter().map(|b| b.band.clone()).collect(),
         figures: columns,
         area_m2: triangles.area_m2(),
@@ -111,7 +111,7 @@ fn unit(
     place: usize,
     count: usize,
     properties: &Properties,
-    options: &MapOptions,
+    options: &OutputMapOptions,
 ) -> std::result::Result<Unit, Problem> {
     let key = "dart.products.RadiativeBudget.units";
     let irradiance = || match &options.irradiance_w_m2_um {
@@ -224,7 +224,7 @@ fn place(triangles: &Triangles, pose: &Pose, scene: &Scene, path: &Path) -> Resu
 }
 
 /// Figures of bands, read one by one.
-struct Source {
+struct BudgetTexels {
     bands: Vec<Band>,
     /// File, unit, and whether emission counts.
     figures: Vec<(PathBuf, Unit, bool)>,
@@ -232,7 +232,7 @@ struct Source {
     area_m2: Vec<f64>,
 }
 
-impl TexelSource for Source {
+impl TexelSource for BudgetTexels {
     fn bands(&self) -> &[Band] {
         &self.bands
     }

@@ -21,7 +21,7 @@ use crate::spectral::{Band, KnownLight};
 use super::georef::{self, Corners};
 use super::properties::Properties;
 use super::register::{self, Found};
-use super::{MapOptions, OutputView, Placing, Quantity, frame};
+use super::{ImageQuantity, OutputMapOptions, OutputView, RegistrationMode, frame};
 
 /// Angles have six digits behind the point in `simulation.properties.txt`, one in names, deg.
 pub(super) const PROPERTY_ROUNDING_DEG: f64 = 0.5e-6;
@@ -48,7 +48,7 @@ pub(super) fn map(
     properties: &Properties,
     pose: Result<Pose>,
     scene: &Scene,
-    options: &MapOptions,
+    options: &OutputMapOptions,
     watch: Watch<'_>,
 ) -> Result<(RadianceMap, Option<String>)> {
     let mut problems = Vec::new();
@@ -64,15 +64,15 @@ pub(super) fn map(
         let camera = Camera::Parallel(image.camera(&pose, view.towards(&pose), [lines, samples], shift_texels));
         ViewImage { camera, occlusion: true }
     };
-    let mut source = Source {
+    let mut source = ImageTexels {
         bands: view.bands.iter().map(|b| b.band.clone()).collect(),
         images: view.bands.iter().map(|b| b.path.clone()).zip(units).collect(),
         texels: image.size.iter().product(),
     };
     let name = format!("DART {} ({} {})", view.name, view.quantity.name(), view.iteration);
     let (shift_texels, registration, note) = match options.placing {
-        Placing::Shifted(shift_texels) => (shift_texels, None, None),
-        Placing::Outline | Placing::Forced => {
+        RegistrationMode::Shifted(shift_texels) => (shift_texels, None, None),
+        RegistrationMode::Outline | RegistrationMode::Forced => {
             let mut values = Vec::new();
             source.read(0, &mut values)?;
             let valid: Vec<bool> = values.iter().map(|value| !value.is_nan()).collect();
@@ -84,7 +84,7 @@ pub(super) fn map(
                     // Where all texels have values, they may be of what lies around the scene: there is no outline that could be another's.
                     let is_full = !valid.contains(&false);
                     let is_misfit = found.overlap[1] < LEAST_OVERLAP;
-                    if options.placing == Placing::Outline && is_misfit && !is_full {
+                    if options.placing == RegistrationMode::Outline && is_misfit && !is_full {
                         return Err(misfit(&found, &view.bands[0].path));
                     }
                     let moved = (found.shift_texels != [0.0; 2] || is_misfit && !is_full).then(|| told(&name, &found));
@@ -113,10 +113,10 @@ pub(super) fn map(
 }
 
 /// An apparent temperature is one of heat, whatever is said of the mode.
-fn light(quantity: Quantity, of_mode: KnownLight) -> KnownLight {
+fn light(quantity: ImageQuantity, of_mode: KnownLight) -> KnownLight {
     match quantity {
-        Quantity::Tapp => KnownLight { heat: Some(true), ..of_mode },
-        Quantity::Brf | Quantity::Radiance => of_mode,
+        ImageQuantity::Tapp => KnownLight { heat: Some(true), ..of_mode },
+        ImageQuantity::Brf | ImageQuantity::Radiance => of_mode,
     }
 }
 
@@ -357,7 +357,7 @@ impl Unit {
 fn units(view: &OutputView, properties: &Properties, irradiance_w_m2_um: Option<&[f64]>) -> Result<Vec<Unit>> {
     let (mut problems, mut missing) = (Vec::new(), Vec::new());
     let count = view.bands.len();
-    if let Some(given) = irradiance_w_m2_um.filter(|_| view.quantity == Quantity::Brf) {
+    if let Some(given) = irradiance_w_m2_um.filter(|_| view.quantity == ImageQuantity::Brf) {
         if given.len() != count || given.iter().any(|e| !(e.is_finite() && *e >= 0.0)) {
             let message =
                 format!("{given:?} where {count} irradiances belong, one for each band of {}, not negative", view.name);
@@ -368,9 +368,9 @@ fn units(view: &OutputView, properties: &Properties, irradiance_w_m2_um: Option<
     let mut all = Vec::new();
     for band in &view.bands {
         let unit = match view.quantity {
-            Quantity::Radiance => Ok(Some(Unit::Radiance)),
-            Quantity::Tapp => properties.equivalent_um(band.number, &band.band).map(|um| Some(Unit::Tapp(um))),
-            Quantity::Brf => properties.irradiance_w_m2_um(band.number).map(|e| e.map(Unit::Brf)),
+            ImageQuantity::Radiance => Ok(Some(Unit::Radiance)),
+            ImageQuantity::Tapp => properties.equivalent_um(band.number, &band.band).map(|um| Some(Unit::Tapp(um))),
+            ImageQuantity::Brf => properties.irradiance_w_m2_um(band.number).map(|e| e.map(Unit::Brf)),
         };
         match unit {
             Ok(Some(unit)) => all.push(unit),
@@ -388,13 +388,13 @@ fn units(view: &OutputView, properties: &Properties, irradiance_w_m2_um: Option<
 }
 
 /// The images of a view, read one by one.
-struct Source {
+struct ImageTexels {
     bands: Vec<Band>,
     images: Vec<(PathBuf, Unit)>,
     texels: usize,
 }
 
-impl TexelSource for Source {
+impl TexelSource for ImageTexels {
     fn bands(&self) -> &[Band] {
         &self.bands
     }

@@ -24,13 +24,13 @@ use crate::spectral::Band;
 
 use super::frame;
 use super::place::scene_from_dart;
-use super::read::{self, Options};
+use super::read::{self, ReadOptions};
 pub use budget::Mismatch;
 use properties::{Properties, Told};
 
 /// What DART's images hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Quantity {
+pub enum ImageQuantity {
     /// Reflectance factor: pi times radiance over the irradiance of a horizontal plane.
     Brf,
     /// Apparent temperature: that of a black body of the same radiance, K.
@@ -39,15 +39,15 @@ pub enum Quantity {
     Radiance,
 }
 
-impl Quantity {
-    const ALL: [Quantity; 3] = [Quantity::Brf, Quantity::Tapp, Quantity::Radiance];
+impl ImageQuantity {
+    const ALL: [ImageQuantity; 3] = [ImageQuantity::Brf, ImageQuantity::Tapp, ImageQuantity::Radiance];
 
     /// The name of its folders.
     pub fn name(self) -> &'static str {
         match self {
-            Quantity::Brf => "BRF",
-            Quantity::Tapp => "Tapp",
-            Quantity::Radiance => "Radiance",
+            ImageQuantity::Brf => "BRF",
+            ImageQuantity::Tapp => "Tapp",
+            ImageQuantity::Radiance => "Radiance",
         }
     }
 }
@@ -69,7 +69,7 @@ pub struct OutputView {
     /// The images' common name, as in `ima03_VZ=022_4_VA=090_0`.
     pub name: String,
     /// What they hold.
-    pub quantity: Quantity,
+    pub quantity: ImageQuantity,
     /// The folder of the iteration that they are of, as in `ITER3`; `ITERX` is extrapolated to all iterations.
     pub iteration: String,
     /// Zenith angle and azimuth of the direction from the scene to the viewer, deg, in DART's frame: azimuths from x (down the
@@ -105,21 +105,21 @@ pub struct Output {
 
 /// What a map needs that the simulation's folder may not say.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct MapOptions {
+pub struct OutputMapOptions {
     /// DART's frame in that of the scene; `None`: by the simulation's inputs, which the scene was made of or into.
     pub scene_from_dart: Option<Pose>,
     /// Irradiance of a horizontal plane under the atmosphere that reflectance factors refer to, W m-2 um-1, for each band of
     /// the map; `None`: as in `simulation.properties.txt`.
     pub irradiance_w_m2_um: Option<Vec<f64>>,
     /// How an image's place is found.
-    pub placing: Placing,
+    pub placing: RegistrationMode,
     /// What texels at the scene's rim hold.
     pub sky: SkyShare,
 }
 
 /// How an image's place is found: oblique images of DART-FT lie beside the corners that DART prints.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub enum Placing {
+pub enum RegistrationMode {
     /// By the outline of texels with a value against the scene's own; if they do not fit, it is an error.
     #[default]
     Outline,
@@ -265,7 +265,7 @@ impl Output {
         &self,
         view: usize,
         scene: &Scene,
-        options: &MapOptions,
+        options: &OutputMapOptions,
         watch: Watch<'_>,
     ) -> Result<(RadianceMap, Option<String>)> {
         let Some(view) = self.views.get(view) else {
@@ -288,7 +288,7 @@ impl Output {
     /// [`Error::Io`]; [`Error::Invalid`] with all that is wrong: no budget, a number of triangles that is not the same
     /// everywhere, a unit or irradiance that is not known; a placement that is not known; triangles that do not overlap the
     /// scene, or one another.
-    pub fn budget_map(&self, scene: &Scene, options: &MapOptions) -> Result<(RadianceMap, Mismatch)> {
+    pub fn budget_map(&self, scene: &Scene, options: &OutputMapOptions) -> Result<(RadianceMap, Mismatch)> {
         if self.budget.is_empty() {
             let message = format!(
                 "holds no radiative budget of triangles: that is BANDn/RADIATIVE_BUDGET/ITERn/{}",
@@ -301,7 +301,7 @@ impl Output {
     }
 
     /// DART's frame in the scene's.
-    fn scene_from_dart(&self, scene: &Scene, options: &MapOptions) -> Result<Pose> {
+    fn scene_from_dart(&self, scene: &Scene, options: &OutputMapOptions) -> Result<Pose> {
         if let Some(pose) = options.scene_from_dart {
             return Ok(pose);
         }
@@ -309,7 +309,7 @@ impl Output {
             Some(around) if !around.as_os_str().is_empty() => around.to_owned(),
             _ => self.folder.join(".."),
         };
-        let reading = Options::default();
+        let reading = ReadOptions::default();
         let folder = reading.folder(&simulation);
         if !folder.input.join("maket.xml").is_file() {
             let message =
@@ -318,7 +318,7 @@ impl Output {
             return Err(Error::Invalid(vec![Problem::new(Location::file(&self.folder), message).with_help(help)]));
         }
         // Files that inputs name are not opened, so that it does not matter where they are.
-        let (simulation, _, _) = read::read(&simulation, &Options { allow_outside: true, ..reading })?;
+        let (simulation, _, _) = read::read(&simulation, &ReadOptions { allow_outside: true, ..reading })?;
         scene_from_dart(&simulation, &folder, scene)
     }
 
@@ -336,7 +336,7 @@ impl Output {
             .filter(|(_, folder)| is_wanted(folder))
             .collect();
         bands.sort();
-        for quantity in Quantity::ALL {
+        for quantity in ImageQuantity::ALL {
             let last = last_iteration(&bands, quantity.name(), "IMAGES_DART", &is_wanted, &mut problems)?;
             for (iteration, number, images) in last {
                 let Some(band) = self.band(number, &mut problems) else { continue };
@@ -382,7 +382,7 @@ impl Output {
     }
 
     /// Adds a band's image to its view, or passes it over.
-    fn add(&mut self, name: &str, quantity: Quantity, iteration: &str, band: OutputBand) -> Told<()> {
+    fn add(&mut self, name: &str, quantity: ImageQuantity, iteration: &str, band: OutputBand) -> Told<()> {
         if let Some(view) = self.views.iter_mut().find(|v| v.name == name && v.quantity == quantity) {
             view.bands.push(band);
             return Ok(());

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::Result;
 
-use super::{Quantity, band_number, budget, names, properties};
+use super::{ImageQuantity, band_number, budget, names, properties};
 
 /// As many are told one by one.
 const TOLD: usize = 40;
@@ -26,7 +26,8 @@ pub(super) fn passed_over(folder: &Path, read: &[PathBuf], is_wanted: &dyn Fn(&P
         for quantity in names(&path)? {
             let within = path.join(&quantity);
             let in_band = format!("BAND*/{quantity}");
-            let is_known = Quantity::ALL.iter().any(|known| known.name() == quantity) || quantity == budget::FOLDER;
+            let is_known =
+                ImageQuantity::ALL.iter().any(|known| known.name() == quantity) || quantity == budget::FOLDER;
             if !is_wanted(&within) {
             } else if is_known && within.is_dir() {
                 for iteration in names(&within)? {

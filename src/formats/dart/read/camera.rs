@@ -10,10 +10,10 @@ use crate::geometry::{FrameCamera, whole_u32};
 use crate::report::Fate;
 
 use super::super::frame::{self, angles_deg, full_turn};
-use super::super::{Camera, Maket};
+use super::super::{Maket, Pinhole};
 use super::reading::Reading;
 
-pub(super) fn read(phase: &Element, maket: &Maket, reading: &mut Reading) -> Vec<Camera> {
+pub(super) fn read(phase: &Element, maket: &Maket, reading: &mut Reading) -> Vec<Pinhole> {
     let Some(list) = phase.descendant("SensorImageSimulation") else { return Vec::new() };
     if list.get("importMultipleSensors") == Some("1") {
         let message = "cameras from a text file: give them as elements";
@@ -83,7 +83,7 @@ fn from_focal_length(dimensions: &Element, focal: &Element, reading: &mut Readin
 }
 
 /// A frame camera above the scene, before 5.10.
-fn pinhole(element: &Element, maket: &Maket, reading: &mut Reading) -> Option<Camera> {
+fn pinhole(element: &Element, maket: &Maket, reading: &mut Reading) -> Option<Pinhole> {
     if reading.flag(element, "ifFishEye") {
         reading.note(Fate::Dropped, element.at(), "a fish-eye camera");
         return None;
@@ -153,7 +153,7 @@ fn pinhole(element: &Element, maket: &Maket, reading: &mut Reading) -> Option<Ca
             size_m.map(|size| whole_u32((size / maket.cell_m[0]).ceil().clamp(1.0, 1e4)))
         }
     };
-    Some(Camera { position_m, look_deg, roll_deg, field_of_view_deg, pixels, at: element.at() })
+    Some(Pinhole { position_m, look_deg, roll_deg, field_of_view_deg, pixels, at: element.at() })
 }
 
 /// Zenith angle and azimuth of the look, deg, from a `SensorView`.
@@ -180,7 +180,7 @@ fn look(view: &Element, zenith: &str, reading: &mut Reading) -> Option<[f64; 2]>
 }
 
 /// A camera in the scene, before 5.10.
-fn inside(element: &Element, reading: &mut Reading) -> Option<Camera> {
+fn inside(element: &Element, reading: &mut Reading) -> Option<Pinhole> {
     if reading.integer_or(element, "sensorConfiguration", 0) != 0 {
         reading.note(Fate::Dropped, element.at(), "a camera that is not a frame camera (hemisphere, orthographic)");
         return None;
@@ -193,7 +193,7 @@ fn inside(element: &Element, reading: &mut Reading) -> Option<Camera> {
     let dimensions = reading.child(image, "SensorDimensions")?;
     let focal = reading.child(image, "FocaleDistance")?;
     let resolution = reading.child(image, "ImageResolution")?;
-    Some(Camera {
+    Some(Pinhole {
         position_m,
         look_deg,
         roll_deg: roll(image.child("SensorOrientation"), "tethaOrientation", reading),
@@ -204,7 +204,7 @@ fn inside(element: &Element, reading: &mut Reading) -> Option<Camera> {
 }
 
 /// A camera from 5.10 on.
-fn sensor(element: &Element, reading: &mut Reading) -> Option<Camera> {
+fn sensor(element: &Element, reading: &mut Reading) -> Option<Pinhole> {
     if reading.flag(element, "sensorDisabled") {
         reading.note(Fate::Dropped, element.at(), "a camera that is switched off: DART ignores it too");
         return None;
@@ -224,7 +224,7 @@ fn sensor(element: &Element, reading: &mut Reading) -> Option<Camera> {
         from_focal_length(dimensions, reading.child(frame, "FocaleDistance")?, reading)
     };
     let resolution = reading.child(frame, "ImageResolution")?;
-    Some(Camera {
+    Some(Pinhole {
         position_m,
         look_deg,
         roll_deg: roll(common.child("SensorOrientation"), "orientationAngle", reading),

@@ -29,7 +29,7 @@ use reading::Reading;
 
 /// What a simulation does not say itself.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Options {
+pub struct ReadOptions {
     /// A folder of databases and other files that inputs may name, beside the simulation's own.
     pub database: Option<PathBuf>,
     /// Inputs may name files anywhere.
@@ -38,7 +38,7 @@ pub struct Options {
     pub sun_deg: Option<[f64; 2]>,
 }
 
-impl Options {
+impl ReadOptions {
     /// The folders of the simulation at `path`.
     pub fn folder(&self, path: &Path) -> Folder {
         Folder::new(path, self.database.as_deref(), self.allow_outside)
@@ -143,7 +143,7 @@ impl Inputs {
 /// # Errors
 /// [`Error::Io`]; [`Error::Invalid`] with everything in the files that cannot be read or used, each at its place:
 /// text that is not XML, missing files, elements and attributes, values that are no numbers, paths out of the folder.
-pub fn read(path: &Path, options: &Options) -> Result<(Simulation, Report, Vec<InputFile>)> {
+pub fn read(path: &Path, options: &ReadOptions) -> Result<(Simulation, Report, Vec<InputFile>)> {
     let folder = options.folder(path);
     let mut inputs = Inputs::read(&folder)?;
     let mut reading = Reading::new(&folder, options);

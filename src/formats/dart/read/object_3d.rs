@@ -8,7 +8,7 @@ use crate::formats::xml::Element;
 use crate::geometry::whole_u32;
 use crate::report::Fate;
 
-use super::super::{Group, Links, Object, ObjectField, Placement};
+use super::super::{FieldInstance, Group, Links, Object, ObjectField};
 use super::reading::{Reading, number, wrapped};
 
 /// No text of an object field is longer, bytes.
@@ -173,7 +173,7 @@ fn field(element: &Element, reading: &mut Reading) -> Option<ObjectField> {
 
 /// The lines of a field's text: `index x y z sx sy sz xrot yrot zrot` below the line `complete transformation`, else
 /// `index x y`.
-fn places(text: &str, path: &std::path::Path, models: &[Object], reading: &mut Reading) -> Vec<Placement> {
+fn places(text: &str, path: &std::path::Path, models: &[Object], reading: &mut Reading) -> Vec<FieldInstance> {
     let text = without_comments(text);
     let (mut places, mut complete, mut first) = (Vec::new(), false, true);
     let mut start = 0;
@@ -189,7 +189,7 @@ fn places(text: &str, path: &std::path::Path, models: &[Object], reading: &mut R
             let model = numbers.as_ref().and_then(|n| n.first()).filter(|i| i.fract() == 0.0);
             let model = model.filter(|i| (0.0..models.len() as f64).contains(*i)).map(|i| whole_u32(*i));
             match (model, numbers.as_deref()) {
-                (Some(model), Some(&[_, x, y, z, sx, sy, sz, xr, yr, zr])) if complete => places.push(Placement {
+                (Some(model), Some(&[_, x, y, z, sx, sy, sz, xr, yr, zr])) if complete => places.push(FieldInstance {
                     model,
                     position_m: DVec3::new(x, y, z),
                     scale: DVec3::new(sx, sy, sz),
@@ -197,7 +197,12 @@ fn places(text: &str, path: &std::path::Path, models: &[Object], reading: &mut R
                 }),
                 (Some(model), Some(&[_, x, y])) if !complete => {
                     let Object { position_m, scale, rotation_deg, .. } = models[model as usize];
-                    places.push(Placement { model, position_m: DVec3::new(x, y, position_m.z), scale, rotation_deg });
+                    places.push(FieldInstance {
+                        model,
+                        position_m: DVec3::new(x, y, position_m.z),
+                        scale,
+                        rotation_deg,
+                    });
                 }
                 (None, Some([index, ..])) => {
                     let message = format!("model {index}: the field has {} models, counted from 0", models.len());

@@ -10,13 +10,13 @@ use crate::report::{Fate, Report};
 
 use super::super::Links;
 use super::super::folder::Folder;
-use super::super::mandatory::{self, Kind, Missing};
-use super::{Inputs, Options, carried};
+use super::super::mandatory::{self, Missing, MissingKind};
+use super::{Inputs, ReadOptions, carried};
 
 /// The state of reading one simulation. A value that cannot be used is a problem, and reading goes on with a stand-in.
 pub(super) struct Reading<'a> {
     pub(super) folder: &'a Folder,
-    pub(super) options: &'a Options,
+    pub(super) options: &'a ReadOptions,
     pub(super) problems: Problems,
     pub(super) report: Report,
     pub(super) inputs: Vec<InputFile>,
@@ -25,7 +25,7 @@ pub(super) struct Reading<'a> {
 }
 
 impl<'a> Reading<'a> {
-    pub(super) fn new(folder: &'a Folder, options: &'a Options) -> Self {
+    pub(super) fn new(folder: &'a Folder, options: &'a ReadOptions) -> Self {
         Reading {
             folder,
             options,
@@ -148,7 +148,7 @@ impl<'a> Reading<'a> {
     /// Tells attributes that DART wants and that would be carried, that are not there, and of which nothing has been said.
     pub(super) fn missing(&mut self, inputs: &Inputs) {
         for Missing { path, at, kind } in mandatory::missing(inputs) {
-            let Kind::Attribute { name, places } = kind else { continue };
+            let MissingKind::Attribute { name, places } = kind else { continue };
             let element = path.rsplit('/').nth(1).unwrap_or_default();
             if self.defaulted.contains(&path) || !carried::is_carried(element, name) {
                 continue;

@@ -7,9 +7,9 @@ use crate::formats::xml::{self, Element};
 use crate::report::Report;
 
 use super::super::folder::Folder;
-use super::super::{Camera, Sequence, SequenceEntry, SequenceGroup, SequenceValues};
+use super::super::{Pinhole, Sequence, SequenceEntry, SequenceGroup, SequenceValues};
 use super::reading::{Reading, number};
-use super::{Inputs, Options, camera, directions, maket};
+use super::{Inputs, ReadOptions, camera, directions, maket};
 
 /// No sequence gives more values to its simulations.
 const VALUES: usize = 1_000_000;
@@ -95,7 +95,7 @@ pub struct Step {
     /// Directions from the scene in which images are asked for: zenith angle and azimuth, deg.
     pub views_deg: Vec<[f64; 2]>,
     /// Cameras.
-    pub cameras: Vec<Camera>,
+    pub cameras: Vec<Pinhole>,
 }
 
 /// The flight table of a sequence: the Sun and cameras of each of its simulations, and notes on what else it varies.
@@ -104,7 +104,7 @@ pub struct Step {
 ///
 /// # Errors
 /// As [`rows`] and [`read`](super::read); [`Error::Invalid`] for a property that the inputs do not have.
-pub fn flight(path: &Path, sequence: &Sequence, options: &Options) -> Result<(Vec<Step>, Report)> {
+pub fn flight(path: &Path, sequence: &Sequence, options: &ReadOptions) -> Result<(Vec<Step>, Report)> {
     let folder = options.folder(path);
     let mut inputs = Inputs::read(&folder)?;
     let mut report = Report::default();

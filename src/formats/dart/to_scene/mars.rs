@@ -9,10 +9,10 @@ use crate::scene::Setup;
 use super::super::diff::diff;
 use super::super::folder::Folder;
 use super::super::from_scene::lit_by_mars;
-use super::super::read::{self, Options};
+use super::super::read::{self, ReadOptions};
 use super::super::sidecar::{FILE, Sidecar};
 use super::super::simulation::Simulation;
-use super::{Place, Reader};
+use super::{SceneBuilder, SceneFrame};
 
 /// The folder, in that of a simulation, of the one that is lit by Mars.
 pub(in crate::formats) const FOLDER: &str = "mars";
@@ -25,9 +25,9 @@ pub(in crate::formats) fn has_mars(folder: &Folder) -> bool {
         .is_ok_and(|read| read.is_some_and(|(sidecar, _)| sidecar.mars().is_some()))
 }
 
-impl Reader<'_> {
+impl SceneBuilder<'_> {
     /// The scene with Mars, if there is one. A simulation in `mars/` that was edited, or is gone, wins.
-    pub(super) fn with_mars(&mut self, mut scene: Setup, place: &Place) -> Setup {
+    pub(super) fn with_mars(&mut self, mut scene: Setup, place: &SceneFrame) -> Setup {
         let item = Location::item("mars");
         let path = self.folder.simulation.join(FOLDER);
         let is_there = path.join("input").is_dir();
@@ -74,7 +74,7 @@ impl Reader<'_> {
     /// What differs between a simulation and the one that lies at `path`, with the files that both name; `None` if nothing does.
     fn edited(&mut self, mut expected: Simulation, path: &Path) -> Option<String> {
         let Folder { database, allow_outside, .. } = self.folder;
-        let options = Options { database: database.clone(), allow_outside: *allow_outside, sun_deg: None };
+        let options = ReadOptions { database: database.clone(), allow_outside: *allow_outside, sun_deg: None };
         let (found, _, inputs) = match read::read(path, &options) {
             Ok(read) => read,
             Err(error) => return Some(format!("it cannot be read: {error}")),

@@ -15,9 +15,9 @@ use super::super::ground::{Ground, Standing};
 use super::super::groups;
 use super::super::object::{reaches_beyond, seen_facets, standing};
 use super::super::simulation::Object;
-use super::{Place, Reader};
+use super::{SceneBuilder, SceneFrame};
 
-impl Reader<'_> {
+impl SceneBuilder<'_> {
     /// The OBJ file that an object names.
     fn obj(&mut self, object: &Object) -> Result<Rc<ObjFile>> {
         if let Some(known) = self.objs.get(&object.file) {
@@ -37,7 +37,7 @@ impl Reader<'_> {
     }
 
     /// All objects in one mesh, and the ground if it is something, with all copies, in the scene's frame.
-    pub(super) fn mesh(&mut self, place: &Place, material_of: &[Option<usize>]) -> Result<Mesh> {
+    pub(super) fn mesh(&mut self, place: &SceneFrame, material_of: &[Option<usize>]) -> Result<Mesh> {
         let (simulation, maket) = (self.simulation, &self.simulation.maket);
         let (ground, report, files) = Ground::of(simulation, self.folder, self.options.repeat)?;
         self.report.notes.extend(report.notes);
