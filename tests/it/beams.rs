@@ -10,8 +10,8 @@ use mmxrt::spectral::{Band, Spectrum};
 use mmxrt::units::AU_M;
 use mmxrt::{Error, solve, study};
 
-use crate::maps::{observe, scene};
-use crate::scratch::edited;
+use crate::maps::observe;
+use crate::scenes::{edited, scene};
 use crate::shapes::{camera, cuboid, direction, grid, joined, nadir, of_material, plane};
 
 const SUN_W_M2: f64 = 1361.0 / 2.25;

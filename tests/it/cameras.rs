@@ -14,7 +14,7 @@ const LENS: &str = "samples = 2\nlines = 2\nfov_deg = 0.45836379150820084\n";
 
 /// The bench's scene, another observer and lens.
 fn scene_with(bench: &Bench, observer: &str, lens: &str) {
-    bench.0.write("scene.toml", crate::map_files::SCENE.replace(OBSERVER, observer).replace(LENS, lens));
+    bench.0.write("scene.toml", crate::scenes::SQUARE.replace(OBSERVER, observer).replace(LENS, lens));
 }
 
 fn read(bench: &Bench) -> Result<scene_toml::SceneFile, String> {

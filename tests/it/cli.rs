@@ -2,7 +2,8 @@
 
 use std::process::{Command, Output, Stdio};
 
-use crate::scratch::{SITE, Scratch};
+use crate::scenes::SITE;
+use crate::scratch::Scratch;
 
 pub(crate) fn mmxrt() -> Command {
     Command::new(env!("CARGO_BIN_EXE_mmxrt"))

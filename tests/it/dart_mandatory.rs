@@ -8,7 +8,7 @@ use mmxrt::formats::xml::{self, Element};
 
 use crate::cli::run;
 use crate::dart_write::{options, rich, written};
-use crate::scratch::Scratch;
+use crate::scratch::{Scratch, edit};
 
 /// Of these there may be none.
 const OPTIONAL: [&str; 5] = ["Object", "HapkeSpecularMulti", "RPVMulti", "AddedDirections", "Pinhole"];
@@ -188,8 +188,7 @@ fn conditions_are_minded() {
     for (file, from, to, path) in edits {
         let file = folder.join("input").join(file);
         let text = std::fs::read_to_string(&file).unwrap();
-        assert!(text.contains(from), "{from}");
-        std::fs::write(&file, text.replace(from, to)).unwrap();
+        edit(&file, from, to);
         let told = errors(&findings(&folder));
         assert!(told.iter().any(|line| line.contains(&format!("`{path}` is missing"))), "{path}: {told:#?}");
         // Of another version it is not known.

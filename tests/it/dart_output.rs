@@ -8,50 +8,27 @@ use std::path::{Path, PathBuf};
 use glam::{DMat3, DVec3};
 use mmxrt::formats::dart::output::{self, ImageQuantity, Output, OutputMapOptions, RegistrationMode};
 use mmxrt::formats::dart::{self, ReadOptions, SceneOptions, SimulationOptions};
-use mmxrt::geometry::{Direction, Eye, FrameCamera, Mesh, Pose};
+use mmxrt::geometry::{Eye, FrameCamera, Mesh, Pose};
 use mmxrt::product::{Placement, RadianceMap, ViewImage};
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{Exposure, Material, Models, Photometry, Scene, SceneParts, Sky, Sun, Surface, Thermal};
+use mmxrt::scene::Scene;
 use mmxrt::spectral::{Band, Spectrum};
 use mmxrt::units::AU_M;
 
-use crate::scratch::{Scratch, edited};
-use crate::shapes::{cuboid, joined, quad};
+use crate::scenes::{self, edited, lambert};
+use crate::scratch::{Scratch, edit};
+use crate::shapes::{cuboid, direction, joined, quad};
 
 /// A scene of a mesh, with what else there must be.
 pub(crate) fn scene(mesh: Mesh, origin_m: DVec3) -> Scene {
-    let grey = Material {
-        name: "grey".into(),
-        reflectance: Spectrum::constant(0.1),
-        photometry: Photometry::Lambert,
-        emissivity: Spectrum::constant(0.9),
-        bond_albedo: 0.1,
-        emissivity_bolometric: 0.95,
-        mixture: vec![(0, 1.0)],
-    };
     let rotation = DMat3::from_cols(DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z);
     let world_from_sensor = Pose { rotation, translation_m: DVec3::new(0.0, 0.0, 1000.0) };
-    SceneParts {
-        surface: Surface { textures: vec![], origin_m, mesh, materials: vec![grey] },
-        sky: Sky {
-            sun: Sun {
-                direction: Direction::new(DVec3::new(1.0, 0.0, 1.0)).unwrap(),
-                distance_m: AU_M,
-                irradiance_1au: Spectrum::constant(700.0),
-                total_irradiance_1au_w_m2: 1361.0,
-            },
-            mars: None,
-            beams: vec![],
-        },
-        exposure: Exposure {
-            instrument: "test".into(),
-            camera: FrameCamera::centred(world_from_sensor, 4, 4, 5e-3),
-            bands: vec![Band::new(1.0, None)],
-        },
-        models: Models { thermal: Thermal::Off, ..Models::default() },
-    }
-    .check()
-    .unwrap()
+    let camera = FrameCamera::centred(world_from_sensor, 4, 4, 5e-3);
+    let mut parts = scenes::parts(mesh, camera, direction([1.0, 0.0, 1.0]));
+    parts.surface.origin_m = origin_m;
+    parts.surface.materials = vec![lambert(0, "grey", Spectrum::constant(0.1))];
+    parts.sky.sun.distance_m = AU_M;
+    parts.check().unwrap()
 }
 
 /// DART's frame where x is South, y East, and the scene's origin is at (6, 8, 0).
@@ -162,12 +139,6 @@ fn view_of(map: &RadianceMap) -> &ViewImage {
     }
 }
 
-fn replace(path: &Path, from: &str, to: &str) {
-    let text = std::fs::read_to_string(path).unwrap();
-    assert!(text.contains(from), "{from} in {}", path.display());
-    std::fs::write(path, text.replace(from, to)).unwrap();
-}
-
 fn near(a: [f64; 2], b: [f64; 2]) -> bool {
     a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6)
 }
@@ -235,9 +206,9 @@ fn a_scene_11_m_high_is_displaced_by_4_53_m() {
     };
     let output = output_with(&scratch, &image);
     let properties = output.join("simulation.properties.txt");
-    replace(&properties, "36.869898", "22.404906");
-    replace(&properties, "products.image0", "product.image17");
-    replace(&properties, "ima02", "ima002");
+    edit(&properties, "36.869898", "22.404906");
+    edit(&properties, "products.image0", "product.image17");
+    edit(&properties, "ima02", "ima002");
     let pose = Pose { translation_m: DVec3::ZERO, ..pose() };
     let scene = scene(cuboid([4.0, -16.0, 0.0], [29.0, -2.0, 10.0]), DVec3::ZERO);
     let map = output::open(&output).unwrap();
@@ -338,7 +309,7 @@ fn the_last_iteration_is_taken_unless_another_is_named() {
 fn the_name_tells_the_direction_if_the_properties_do_not() {
     let scratch = Scratch::new();
     let output = output_with(&scratch, &oblique("BAND0/BRF/ITER3"));
-    replace(&output.join("simulation.properties.txt"), ":ima02", ":ima77");
+    edit(&output.join("simulation.properties.txt"), ":ima02", ":ima77");
     let opened = output::open(&output).unwrap();
     assert_eq!(opened.views()[0].towards_deg, [36.9, 90.0]);
     // 0.0301 deg more than the corners were made for: within what a name tells.
@@ -400,9 +371,9 @@ fn damaged_images_are_told_at_their_place() {
     );
     // Rows and columns exchanged in the header.
     let swap = |image: &Path| {
-        replace(&with(image, "mpr"), "Size=16 12", "Size=12 16");
-        replace(&with(image, "mpr"), "RowLength=12", "RowLength=16");
-        replace(&with(image, "mpr"), "0 -12 16 0", "0 -16 12 0");
+        edit(&with(image, "mpr"), "Size=16 12", "Size=12 16");
+        edit(&with(image, "mpr"), "RowLength=12", "RowLength=16");
+        edit(&with(image, "mpr"), "0 -12 16 0", "0 -16 12 0");
     };
     says(error(&|_, image| swap(image)), &["gr#: a corner at row 1, column 12 where row 1, column 16 belongs"]);
     says(
@@ -417,25 +388,21 @@ fn damaged_images_are_told_at_their_place() {
         error(&|_, image| {
             delete(image, "gr#");
             let line = " 12.000000 17.000000 0.000000 17.000000 0.000000 -3.000000";
-            replace(
-                &image.with_file_name("georef"),
-                line,
-                " 0.000000 -3.000000 0.000000 17.000000 12.000000 17.000000",
-            );
+            edit(&image.with_file_name("georef"), line, " 0.000000 -3.000000 0.000000 17.000000 12.000000 17.000000");
         }),
         &["georef:3: the corners span 12.000000 m by 20.000000 m", "rows and columns are swapped"],
     );
     // Seen from elsewhere than the corners were made for.
     says(
-        error(&|output, _| replace(&output.join("simulation.properties.txt"), "phi:90", "phi:91")),
+        error(&|output, _| edit(&output.join("simulation.properties.txt"), "phi:90", "phi:91")),
         &["gr#: the corners span", "azimuth 91 deg"],
     );
     says(
-        error(&|output, _| replace(&output.join("simulation.properties.txt"), "dart.band0.BOA", "dart.band0.BOB")),
+        error(&|output, _| edit(&output.join("simulation.properties.txt"), "dart.band0.BOA", "dart.band0.BOB")),
         &["simulation.properties.txt: has no `dart.band<n>.BOA.irradiance` of bands 0", "irradiance_w_m2_um"],
     );
     says(
-        error(&|output, _| replace(&output.join("simulation.properties.txt"), "852.000000", "bright")),
+        error(&|output, _| edit(&output.join("simulation.properties.txt"), "852.000000", "bright")),
         &["simulation.properties.txt:9 dart.band0.BOA.irradiance: `bright` is no finite number"],
     );
     for (bad, text) in [(-0.5, "-0.5 is no value"), (f64::INFINITY, "inf is no value"), (-1.5, "(one of 2)")] {
@@ -452,7 +419,7 @@ fn damaged_images_are_told_at_their_place() {
         error(&|output, image| {
             delete(image, "gr#");
             delete_georef(image);
-            replace(&output.join("simulation.properties.txt"), "852.000000", "-3");
+            edit(&output.join("simulation.properties.txt"), "852.000000", "-3");
         }),
         &["corners are not known", "an irradiance of -3"],
     );
@@ -653,35 +620,32 @@ fn damaged_budgets_are_told_at_their_place() {
         "facets of the scene are covered more often than once",
     );
     says(
-        error(&|_, figures| replace(figures, "\n20\t4\t0\t16", "")),
+        error(&|_, figures| edit(figures, "\n20\t4\t0\t16", "")),
         "Figures.txt: holds 3 triangles, triangles.txt has 4",
     );
-    says(error(&|_, figures| replace(figures, "20\t4", "20\t-4")), "Figures.txt:4: 4 numbers, not negative");
-    says(error(&|_, figures| replace(figures, "10\t2\t0\t8", "10\t2\t0")), "Figures.txt:3: 4 numbers");
-    says(error(&|_, figures| replace(figures, "Emitted", "Sent")), "Figures.txt:2: no column Emitted");
-    says(error(&|_, figures| replace(figures, "* Inter", "Inter")), "Figures.txt:1: no line `* ... Scattered");
-    says(
-        error(&|_, figures| replace(figures, "10\t2", "ObjectName object0_0_0\n10\t2")),
-        "grouped by objects (DART-Lux)",
-    );
+    says(error(&|_, figures| edit(figures, "20\t4", "20\t-4")), "Figures.txt:4: 4 numbers, not negative");
+    says(error(&|_, figures| edit(figures, "10\t2\t0\t8", "10\t2\t0")), "Figures.txt:3: 4 numbers");
+    says(error(&|_, figures| edit(figures, "Emitted", "Sent")), "Figures.txt:2: no column Emitted");
+    says(error(&|_, figures| edit(figures, "* Inter", "Inter")), "Figures.txt:1: no line `* ... Scattered");
+    says(error(&|_, figures| edit(figures, "10\t2", "ObjectName object0_0_0\n10\t2")), "grouped by objects (DART-Lux)");
     let properties = "simulation.properties.txt";
-    says(error(&|output, _| replace(&output.join(properties), "units:1", "units:7")), "`7` is no unit");
+    says(error(&|output, _| edit(&output.join(properties), "units:1", "units:7")), "`7` is no unit");
     says(
-        error(&|output, _| replace(&output.join(properties), "units:", "unit:")),
+        error(&|output, _| edit(&output.join(properties), "units:", "unit:")),
         "unit of the radiative budget is not said",
     );
     says(
         error(&|output, _| {
-            replace(&output.join(properties), "units:1", "units:0");
-            replace(&output.join(properties), "BOA", "BOB");
+            edit(&output.join(properties), "units:1", "units:0");
+            edit(&output.join(properties), "BOA", "BOB");
         }),
         "has no `dart.band0.BOA.irradiance`",
     );
     // Sunlight only: there is no emission to miss.
     let scratch = Scratch::new();
     let output = output_with_budget(&scratch, "1");
-    replace(&output.join(properties), "units:1", "units:1\ndart.band0.mode:R");
-    replace(&output.join("BAND0/RADIATIVE_BUDGET/ITERX/RadiativeBudgetFigures.txt"), "Emitted", "Sent");
+    edit(&output.join(properties), "units:1", "units:1\ndart.band0.mode:R");
+    edit(&output.join("BAND0/RADIATIVE_BUDGET/ITERX/RadiativeBudgetFigures.txt"), "Emitted", "Sent");
     let opened = output::open(&output).unwrap();
     let mut values = Vec::new();
     opened.budget_map(&scene, &options()).unwrap().0.source.read(0, &mut values).unwrap();

@@ -12,6 +12,8 @@ use mmxrt::formats::ilwis;
 use mmxrt::progress::unwatched;
 use mmxrt::report::{Fate, Report};
 
+use crate::scratch::edit;
+
 fn data(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
 }
@@ -28,10 +30,7 @@ impl Folder {
     }
 
     fn replace(&self, file: &str, from: &str, to: &str) {
-        let path = self.0.join(file);
-        let text = std::fs::read_to_string(&path).unwrap();
-        assert!(text.contains(from), "{from} in {file}");
-        std::fs::write(path, text.replace(from, to)).unwrap();
+        edit(&self.0.join(file), from, to);
     }
 
     fn read(&self) -> (Simulation, Report) {

@@ -10,7 +10,8 @@ use mmxrt::units::AU_M;
 
 use crate::cli::run;
 use crate::dart_write::{options, read, rich, tetrahedron, written};
-use crate::scratch::{Scratch, edited};
+use crate::scenes::edited;
+use crate::scratch::{Scratch, edit};
 
 /// A folder of a scene, whose inputs can be edited.
 struct Sim {
@@ -34,10 +35,7 @@ impl Sim {
     }
 
     fn edit(&self, file: &str, from: &str, to: &str) -> &Self {
-        let path = self.folder.join(file);
-        let text = std::fs::read_to_string(&path).unwrap();
-        assert!(text.contains(from), "{from} in {text}");
-        std::fs::write(path, text.replace(from, to)).unwrap();
+        edit(&self.folder.join(file), from, to);
         self
     }
 

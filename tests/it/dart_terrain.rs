@@ -77,10 +77,7 @@ impl Simulation {
     }
 
     fn replace(&self, file: &str, from: &str, to: &str) {
-        let path = self.0.join("sim/input").join(file);
-        let text = std::fs::read_to_string(&path).unwrap();
-        assert!(text.contains(from), "{from}");
-        std::fs::write(path, text.replace(from, to)).unwrap();
+        self.0.edit(&format!("sim/input/{file}"), from, to);
     }
 
     fn boundary(self, boundary: u32) -> Self {

@@ -11,25 +11,13 @@ use mmxrt::formats::{scene_toml, xml};
 use mmxrt::geometry::{Direction, FrameCamera, MaterialId, Mesh, Pose};
 use mmxrt::progress::unwatched;
 use mmxrt::report::{Fate, Report};
-use mmxrt::scene::{
-    Exposure, Hapke, Mars, Material, Models, Photometry, Rpv, Scene, SceneParts, Sky, Sun, Surface, Thermal,
-};
+use mmxrt::scene::{Hapke, Mars, Material, Photometry, Rpv, Scene, Thermal};
 use mmxrt::spectral::{Band, Extend, Light, Spectrum};
 use mmxrt::units::AU_M;
 
-use crate::scratch::{Scratch, edited};
-
-fn material(i: usize, name: &str, reflectance: Spectrum) -> Material {
-    Material {
-        name: name.into(),
-        emissivity: reflectance.map(|r| 1.0 - r),
-        reflectance,
-        photometry: Photometry::Lambert,
-        bond_albedo: 0.07,
-        emissivity_bolometric: 0.95,
-        mixture: vec![(i, 1.0)],
-    }
-}
+use crate::scenes::{self, edited, lambert};
+use crate::scratch::Scratch;
+use crate::shapes::{direction, mesh};
 
 /// On the equator at longitude 90 deg: up is +y of the body, East -x, North +z, so South -z.
 ///
@@ -37,59 +25,27 @@ fn material(i: usize, name: &str, reflectance: Spectrum) -> Material {
 /// and 5 up. The camera 100 m East and 100 m up, looking at the origin: its right is North.
 pub(crate) fn tetrahedron() -> Scene {
     let slant = 0.5f64.sqrt();
-    SceneParts {
-        surface: Surface {
-            textures: vec![],
-            origin_m: DVec3::new(0.0, 11_000.0, 0.0),
-            mesh: Mesh {
-                vertices_m: vec![
-                    DVec3::new(-10.0, 0.0, -20.0),
-                    DVec3::new(-10.0, 0.0, 20.0),
-                    DVec3::new(30.0, 0.0, 0.0),
-                    DVec3::new(0.0, 15.0, 0.0),
-                ],
-                facets: vec![[0, 1, 3], [1, 2, 3], [2, 0, 3], [0, 2, 1]],
-                material: (0..4).map(MaterialId).collect(),
-                face_of_facet: vec![],
-                uv: vec![],
-            },
-            materials: [("east", 0.1), ("north west", 0.2), ("south west", 0.3), ("base", 0.4)]
-                .iter()
-                .enumerate()
-                .map(|(i, (name, reflectance))| material(i, name, Spectrum::constant(*reflectance)))
-                .collect(),
-        },
-        sky: Sky {
-            sun: Sun {
-                direction: Direction::new(DVec3::new(4.0, 5.0, -3.0)).unwrap(),
-                distance_m: 1.5 * AU_M,
-                irradiance_1au: Spectrum::constant(700.0),
-                total_irradiance_1au_w_m2: 1361.0,
-            },
-            mars: None,
-            beams: vec![],
-        },
-        exposure: Exposure {
-            instrument: "seeker".into(),
-            camera: FrameCamera::centred(
-                Pose {
-                    rotation: DMat3::from_cols(
-                        DVec3::Z,
-                        DVec3::new(-slant, -slant, 0.0),
-                        DVec3::new(slant, -slant, 0.0),
-                    ),
-                    translation_m: DVec3::new(-100.0, 100.0, 0.0),
-                },
-                300,
-                200,
-                0.002,
-            ),
-            bands: vec![Band::new(1.0, Some(0.02)), Band::new(2.0, None)],
-        },
-        models: Models { thermal: Thermal::Off, ..Models::default() },
-    }
-    .check()
-    .unwrap()
+    let mesh = Mesh {
+        material: (0..4).map(MaterialId).collect(),
+        ..mesh(
+            &[[-10.0, 0.0, -20.0], [-10.0, 0.0, 20.0], [30.0, 0.0, 0.0], [0.0, 15.0, 0.0]],
+            &[[0, 1, 3], [1, 2, 3], [2, 0, 3], [0, 2, 1]],
+        )
+    };
+    let axes = [DVec3::Z, DVec3::new(-slant, -slant, 0.0), DVec3::new(slant, -slant, 0.0)];
+    let pose =
+        Pose { rotation: DMat3::from_cols(axes[0], axes[1], axes[2]), translation_m: DVec3::new(-100.0, 100.0, 0.0) };
+    let camera = FrameCamera::centred(pose, 300, 200, 0.002);
+    let mut parts = scenes::parts(mesh, camera, direction([4.0, 5.0, -3.0]));
+    parts.surface.origin_m = DVec3::new(0.0, 11_000.0, 0.0);
+    parts.surface.materials = [("east", 0.1), ("north west", 0.2), ("south west", 0.3), ("base", 0.4)]
+        .iter()
+        .enumerate()
+        .map(|(i, (name, reflectance))| lambert(i, name, Spectrum::constant(*reflectance)))
+        .collect();
+    parts.exposure.instrument = "seeker".into();
+    parts.exposure.bands = vec![Band::new(1.0, Some(0.02)), Band::new(2.0, None)];
+    parts.check().unwrap()
 }
 
 /// The same with all that DART has no place for.
@@ -97,32 +53,27 @@ pub(crate) fn rich() -> Scene {
     let mut scene = tetrahedron().into_parts();
     let spectrum = |values: &[f64]| Spectrum::new(vec![0.5, 1.1, 2.5], values.to_vec(), Extend::Error).unwrap();
     scene.surface.materials = vec![
-        material(0, "Grey & <dark>", spectrum(&[0.05, 0.0612345678901, 0.07])),
-        material(1, "grey", spectrum(&[0.1, 1.0 / 3.0, 0.2])),
-        Material { emissivity: Spectrum::constant(0.9), ..material(2, "select", Spectrum::constant(0.123)) },
-        Material { mixture: vec![(0, 0.25), (1, 0.75)], ..material(3, "mixed", spectrum(&[0.0, 0.0, 0.0])) },
-        material(4, "unused", spectrum(&[0.7, 0.8, 0.9])),
+        lambert(0, "Grey & <dark>", spectrum(&[0.05, 0.0612345678901, 0.07])),
+        lambert(1, "grey", spectrum(&[0.1, 1.0 / 3.0, 0.2])),
+        Material { emissivity: Spectrum::constant(0.9), ..lambert(2, "select", Spectrum::constant(0.123)) },
+        Material { mixture: vec![(0, 0.25), (1, 0.75)], ..lambert(3, "mixed", spectrum(&[0.0, 0.0, 0.0])) },
+        lambert(4, "unused", spectrum(&[0.7, 0.8, 0.9])),
         Material {
             photometry: Photometry::Hapke(Box::new(Hapke::from(
                 [0.3, 0.4, 0.2, 0.1, 0.0, 1.0, 0.05].map(|v| spectrum(&[v, 0.9 * v, 1.1 * v])),
             ))),
-            ..material(5, "hapke", spectrum(&[0.05, 0.06, 0.07]))
+            ..lambert(5, "hapke", spectrum(&[0.05, 0.06, 0.07]))
         },
         Material {
             photometry: Photometry::Rpv(Box::new(Rpv::from([0.05, 0.8, -0.1, 0.05].map(Spectrum::constant)))),
-            ..material(6, "rpv", Spectrum::constant(0.05))
+            ..lambert(6, "rpv", Spectrum::constant(0.05))
         },
     ];
     // Two faces of two facets each.
     scene.surface.mesh.face_of_facet = vec![0, 0, 1, 1];
     scene.surface.mesh.material = [3, 1, 3, 2].map(MaterialId).to_vec();
-    scene.sky.mars = Some(Mars {
-        centre_m: DVec3::new(3e6, 8e6, 1e6),
-        radius_m: 3_389_500.0,
-        reflectance: spectrum(&[0.2, 0.25, 0.31]),
-        bond_albedo: 0.25,
-        thermal_exitance_w_m2: 110.0,
-    });
+    scene.sky.mars =
+        Some(Mars { reflectance: spectrum(&[0.2, 0.25, 0.31]), ..scenes::mars(DVec3::new(3e6, 8e6, 1e6)) });
     scene.models.thermal = Thermal::Equilibrium;
     scene.exposure.camera.world_from_sensor.rotation *= DMat3::from_rotation_z(0.3);
     scene.exposure.bands.push(Band::new(2.2, Some(0.05)));
@@ -624,7 +575,7 @@ fn more_materials_than_groups_take_more_files() {
     let materials = 701;
     let reflectance = |i: usize| 0.001 * i as f64;
     scene.surface.materials =
-        (0..materials).map(|i| material(i, &format!("m{i}"), Spectrum::constant(reflectance(i)))).collect();
+        (0..materials).map(|i| lambert(i, &format!("m{i}"), Spectrum::constant(reflectance(i)))).collect();
     let corner = |i: usize| DVec3::new((i % 30) as f64, 0.25 * (i % 7) as f64, (i / 30) as f64);
     let facet = |i: usize| [corner(i), corner(i) + 0.9 * DVec3::Z, corner(i) + 0.9 * DVec3::X];
     scene.surface.mesh = Mesh {
@@ -691,7 +642,7 @@ fn filter_curves_that_become_rectangles_are_told_with_what_that_costs() {
     // A response of two peaks at the ends of a rectangle, under a reflectance that is 0.1 there and 0.3 amid them.
     let mut scene = tetrahedron().into_parts();
     let spectrum = |um: &[f64], values: &[f64]| Spectrum::new(um.to_vec(), values.to_vec(), Extend::Error).unwrap();
-    scene.surface.materials = vec![material(0, "peaked", spectrum(&[0.5, 1.0, 1.5], &[0.1, 0.3, 0.1]))];
+    scene.surface.materials = vec![lambert(0, "peaked", spectrum(&[0.5, 1.0, 1.5], &[0.1, 0.3, 0.1]))];
     scene.surface.mesh.material = vec![MaterialId(0); 4];
     let peaks = spectrum(&[0.6, 0.65, 0.7, 1.3, 1.35, 1.4], &[0.0, 1.0, 0.0, 0.0, 1.0, 0.0]);
     scene.exposure.bands = vec![Band::tabulated(&peaks).unwrap()];

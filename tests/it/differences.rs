@@ -8,7 +8,8 @@ use mmxrt::scene::{Hapke, MarsModel, Photometry, Rpv, Scene, SceneParts, Texture
 use mmxrt::spectral::{Extend, Spectrum};
 
 use crate::cli::run;
-use crate::scratch::{Scratch, edited};
+use crate::scenes::edited;
+use crate::scratch::Scratch;
 
 const SCENE: &str = r#"
 mmxrt_scene = 1

@@ -9,7 +9,8 @@ use mmxrt::product::Sees;
 use mmxrt::visibility::{Seen, Shown};
 
 use crate::cli::{mmxrt, run};
-use crate::scratch::{SITE, Scratch, is_heavy};
+use crate::scenes::SITE;
+use crate::scratch::{Scratch, is_heavy};
 use crate::shapes::Random;
 
 /// Two ENVI images of other sizes and numbers: a.img is 3 x 2 of 1, b.img 2 x 2 of 2.

@@ -3,7 +3,8 @@
 use serde_json::Value;
 
 use crate::cli::run;
-use crate::scratch::{SITE, Scratch};
+use crate::scenes::SITE;
+use crate::scratch::Scratch;
 
 /// What is said of a scene, which must begin.
 fn expected(text: &str) -> Value {

@@ -14,7 +14,8 @@ use mmxrt::progress::{Gauge, Progress, unwatched};
 use mmxrt::{Error, landscape};
 
 use crate::cli::run as command;
-use crate::scratch::{SITE, Scratch};
+use crate::scenes::SITE;
+use crate::scratch::Scratch;
 
 #[allow(dead_code)]
 #[path = "../../examples/8_write_a_product.rs"]

@@ -3,6 +3,7 @@
 use mmxrt::formats::registry;
 
 use crate::cli::run;
+use crate::scenes::{SQUARE, SQUARE_OBJ, replaced};
 use crate::scratch::Scratch;
 
 /// An OpenEXR file of f32 scan lines: channels by name with the numbers of their pixels, in the order in which they are given (that of
@@ -62,16 +63,16 @@ fn exr(channels: &[(&str, &[f32])]) -> Vec<u8> {
     Exr { channels, data: [0, 0, 1, 1], display: [0, 0, 1, 1], aspect: 1.0, unit: None }.bytes()
 }
 
-const SQUARE: &str = "v -4 -4 0\nv 4 -4 0\nv 4 4 0\nv -4 4 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n";
-/// 2 x 2 pixels of 4 m, north up, seen from 1 km.
-const SCENE: &str = "mmxrt_scene = 1\norigin_m = [0, 0, 0]\n[[mesh]]\nobj = \"square.obj\"\n[materials.default]\nreflectance = 0.1\n\
-    [sun]\ndirection = [0, 0, 1]\ndistance_au = 1.5\n[thermal]\nmodel = \"off\"\n[observer]\nposition_m = [0, 0, 1000]\n\
-    target_m = [0, 0, 0]\nup = [0, 1, 0]\n[sensor]\nsamples = 2\nlines = 2\nfov_deg = 0.45836379150820084\n";
 const HEAD: &str = "mmxrt_map = 1\nquantity = \"radiance\"\n";
 const PER_UM: &str = "unit = \"W m-2 sr-1 um-1\"\n";
 const ATLAS: &str = "placement = \"atlas\"\n";
 const PLANE: &str =
     "placement = \"plane\"\nplane = { corner_m = [-4, 4, 0], along_line_m = [4, 0, 0], line_to_line_m = [0, -4, 0] }\n";
+
+/// The square around the body's centre, where the North is up, in bands at these wavelengths.
+fn scene(centres_um: &[f64]) -> String {
+    replaced(SQUARE, &[("11000", "0"), ("12000", "1000"), ("[1.0]", &format!("{centres_um:?}"))])
+}
 
 struct Bench(Scratch);
 
@@ -79,8 +80,8 @@ impl Bench {
     /// With a scene of bands at these wavelengths.
     fn new(centres_um: &[f64]) -> Self {
         let bench = Bench(Scratch::new());
-        bench.0.write("square.obj", SQUARE);
-        bench.0.write("scene.toml", format!("{SCENE}bands = {{ centres_um = {centres_um:?} }}\n"));
+        bench.0.write("square.obj", SQUARE_OBJ);
+        bench.0.write("scene.toml", scene(centres_um));
         bench
     }
 
@@ -342,8 +343,8 @@ const GREY: &[u8] = include_bytes!("../data/pictures/two_greys.jpg");
 
 /// The reflectances that a texture makes of the square's pixels, band after band.
 fn reflectances(bench: &Bench, centres_um: &[f64], texture: &str) -> Vec<f64> {
-    let scene = SCENE.replace("reflectance = 0.1\n", &format!("reflectance = 0.1\ntexture = {{ {texture} }}\n"));
-    bench.0.write("t.toml", format!("{scene}bands = {{ centres_um = {centres_um:?} }}\n"));
+    let scene = scene(centres_um).replace("[sun]", &format!("texture = {{ {texture} }}\n[sun]"));
+    bench.0.write("t.toml", scene);
     let (scene, out) = (bench.0.argument("t.toml"), bench.0.argument("out"));
     let (code, out, err) = run(&["simulate", &scene, "-o", &out, "--dtype", "f64", "--force"]);
     assert_eq!(code, 0, "{out}{err}");
@@ -386,7 +387,7 @@ fn an_image_is_repeated_on_request() {
     let bench = Bench::new(&[1.0]);
     bench.0.write("t.csv", "0.1,0.3\n");
     let with = |u: [f64; 2], more: &str| {
-        let square = SQUARE.replace("vt 0 ", &format!("vt {} ", u[0])).replace("vt 1 ", &format!("vt {} ", u[1]));
+        let square = SQUARE_OBJ.replace("vt 0 ", &format!("vt {} ", u[0])).replace("vt 1 ", &format!("vt {} ", u[1]));
         bench.0.write("square.obj", square);
         let texture = format!("raster = \"t.csv\", quantity = \"reflectance\", placement = \"atlas\"{more}");
         reflectances(&bench, &[1.0], &texture)
@@ -406,7 +407,7 @@ fn an_image_is_repeated_on_request() {
     // Without, it is level beyond the outer centres.
     near(with([0.0, 1.0], ", texels = \"bilinear\""), [0.125, 0.275]);
 
-    let square = SQUARE.replace("vt 0 ", "vt 0.5 ").replace("vt 1 ", "vt 1.5 ");
+    let square = SQUARE_OBJ.replace("vt 0 ", "vt 0.5 ").replace("vt 1 ", "vt 1.5 ");
     bench.0.write("square.obj", square);
     bench.0.write("m.csv", "1,3\n");
     let map = format!("{HEAD}{PER_UM}bands = {{ centres_um = [1.0] }}\n{ATLAS}");
@@ -415,7 +416,7 @@ fn an_image_is_repeated_on_request() {
     assert_near(&bench.integrate("m.csv", &format!("{map}wrap = \"repeat\"\n")).0, &[3.0, 1.0, 3.0, 1.0]);
     let (code, said) = bench.try_to("m.csv", &format!("{map}wrap = \"repeat_v\"\n"));
     assert!(code == 1 && said.contains("outside 0 to 1"), "{said}");
-    bench.0.write("square.obj", SQUARE.replace("vt 1 ", "vt 1e9 "));
+    bench.0.write("square.obj", SQUARE_OBJ.replace("vt 1 ", "vt 1e9 "));
     let (code, said) = bench.try_to("m.csv", &format!("{map}wrap = \"repeat\"\n"));
     assert!(code == 1 && said.contains("images"), "{said}");
 }
@@ -440,7 +441,7 @@ fn npz(arrays: &[(&str, Vec<u8>)]) -> Vec<u8> {
 #[test]
 fn compressed_arrays_are_read_and_say_how_many_bands_they_have() {
     let bench = Bench::new(&[1.0, 2.0, 3.0]);
-    bench.0.write("square.obj", SQUARE.replace("f 1/1 2/2 3/3 4/4", "f 1/1 2/2 3/3\nf 1/1 3/3 4/4"));
+    bench.0.write("square.obj", SQUARE_OBJ.replace("f 1/1 2/2 3/3 4/4", "f 1/1 2/2 3/3\nf 1/1 3/3 4/4"));
     let wavelength_um = || ("wavelength_um", npy("(3,)", &[1.0, 2.0, 3.0]));
     // [facet, band]: the south-eastern facet first; the other pixels are halved by the diagonal.
     bench.0.write("n.npz", npz(&[("raster", npy("(2, 3)", &[2.0, 4.0, 6.0, 8.0, 8.0, 8.0])), wavelength_um()]));

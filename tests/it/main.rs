@@ -62,6 +62,7 @@ mod renderers;
 mod report;
 mod sampler;
 mod scene_files;
+mod scenes;
 mod schema;
 mod scratch;
 mod shapes;

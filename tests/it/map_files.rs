@@ -1,15 +1,14 @@
 //! `mmxrt integrate --radiance`: map files, tables of facets, and what is wrong with them.
 
 use crate::cli::run;
+use crate::scenes::SQUARE;
 use crate::scratch::Scratch;
 
 /// A square of 8 x 8 m, of two facets: its north-west (above the diagonal), then its south-east... counted as the OBJ has them.
-const SQUARE: &str =
+/// The square of [`crate::scenes::SQUARE_OBJ`], cut in two.
+const TRIANGLES_OBJ: &str =
     "v -4 -4 0\nv 4 -4 0\nv 4 4 0\nv -4 4 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n";
 /// 2 x 2 pixels of 4 m, north up, seen from 1 km.
-pub(crate) const SCENE: &str = "mmxrt_scene = 1\norigin_m = [0, 0, 11000]\n[[mesh]]\nobj = \"square.obj\"\n[materials.default]\nreflectance = 0.1\n\
-    [sun]\ndirection = [0, 0, 1]\ndistance_au = 1.5\n[thermal]\nmodel = \"off\"\n[observer]\nposition_m = [0, 0, 12000]\n\
-    target_m = [0, 0, 11000]\nup = [0, 1, 0]\n[sensor]\nsamples = 2\nlines = 2\nfov_deg = 0.45836379150820084\n[sensor.bands]\ncentres_um = [1.0]\n";
 const HEAD: &str =
     "mmxrt_map = 1\nquantity = \"radiance\"\nunit = \"W m-2 sr-1 um-1\"\nbands = { centres_um = [1.0] }\n";
 const PLANE: &str =
@@ -20,8 +19,8 @@ pub(crate) struct Bench(pub(crate) Scratch);
 impl Bench {
     pub(crate) fn new() -> Self {
         let bench = Bench(Scratch::new());
-        bench.0.write("square.obj", SQUARE);
-        bench.0.write("scene.toml", SCENE);
+        bench.0.write("square.obj", TRIANGLES_OBJ);
+        bench.0.write("scene.toml", SQUARE);
         bench.0.write("m.csv", "1,2\n3,4\n");
         bench.map(&format!("{HEAD}{PLANE}"));
         bench
@@ -218,11 +217,11 @@ fn what_is_wrong_with_a_map_is_told_at_its_place() {
     assert!(told.contains("has values for 3 facets, but the scene has 2"), "{told}");
     assert_eq!(bench.try_to(&["--radiance", "{}m.csv", "--unknown", "-1"]).0, 2);
     assert_eq!(bench.try_to(&[]).0, 2);
-    bench.0.write("square.obj", SQUARE.replace("/1", "").replace("/2", "").replace("/3", "").replace("/4", ""));
+    bench.0.write("square.obj", TRIANGLES_OBJ.replace("/1", "").replace("/2", "").replace("/3", "").replace("/4", ""));
     bench.0.write("m.csv", "1,2\n3,4\n");
     bench.map(&format!("{HEAD}placement = \"atlas\"\n"));
     assert!(bench.try_to(&["--radiance", "{}m.csv"]).1.contains("no texture coordinates"));
-    bench.0.write("square.obj", SQUARE.replace("vt 1 1", "vt 1 1.5"));
+    bench.0.write("square.obj", TRIANGLES_OBJ.replace("vt 1 1", "vt 1 1.5"));
     assert!(bench.try_to(&["--radiance", "{}m.csv"]).1.contains("outside 0 to 1: 1.5"));
 }
 
@@ -374,7 +373,7 @@ fn a_texture_that_serves_no_facet_says_why() {
     let bench = Bench::new();
     let told = |grid: &str, materials: &str, part: &str| {
         bench.0.write("t.csv", grid);
-        bench.0.write("scene.toml", SCENE.replace("[materials.default]\nreflectance = 0.1\n", materials));
+        bench.0.write("scene.toml", SQUARE.replace("[materials.default]\nreflectance = 0.1\n", materials));
         let (code, err) = bench.try_to(&["--radiance", "{}m.csv"]);
         assert!(code == 1 && err.contains(part), "{err}");
     };

@@ -1,7 +1,8 @@
 //! What light radiance maps hold, and what of it bands get that have sunlight alone, or heat alone; what maps know in each band; units
 //! and widths that a map file says, or should.
 
-use crate::map_files::{Bench, SCENE};
+use crate::map_files::Bench;
+use crate::scenes::SQUARE;
 
 /// Two bands of one place, 1 um wide at 10 um: `light` is what the map file says of them.
 fn two_bands(bench: &Bench, light: &str) {
@@ -27,7 +28,7 @@ fn said(bench: &Bench, path: &str, needle: &str) -> bool {
 }
 
 fn sensor(bench: &Bench, bands: &str) {
-    bench.0.write("scene.toml", SCENE.replace("centres_um = [1.0]", bands));
+    bench.0.write("scene.toml", SQUARE.replace("centres_um = [1.0]", bands));
 }
 
 fn refused(bench: &Bench, path: &str, message: &str) {

@@ -7,12 +7,11 @@ use mmxrt::integrate::Wanted;
 use mmxrt::landscape::{self, Recipe};
 use mmxrt::product::{Atlas, FacetTable, Placement, RadianceMap, SkyShare, TexelSource, ViewImage};
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{Exposure, Material, Models, Photometry, Scene, SceneParts, Sky, Sun, Surface, Thermal};
-use mmxrt::spectral::{Band, Spectrum};
+use mmxrt::scene::{Material, Scene};
+use mmxrt::spectral::Band;
 use mmxrt::study::{self, Fill, MapAccount, MapOptions, Observation};
-use mmxrt::units::AU_M;
 
-use crate::scratch::edited;
+use crate::scenes::{edited, scene};
 use crate::shapes::*;
 
 /// Texels held in memory: [band][texel].
@@ -43,35 +42,6 @@ pub(crate) fn map(placement: Placement, values: Vec<f64>) -> RadianceMap {
         sky: SkyShare::LeftOut,
         registration: None,
     }
-}
-
-pub(crate) fn scene(mesh: Mesh, camera: FrameCamera, sun_direction: [f64; 3]) -> Scene {
-    let grey = Material {
-        name: "grey".into(),
-        reflectance: Spectrum::constant(0.07),
-        photometry: Photometry::Lambert,
-        emissivity: Spectrum::constant(0.93),
-        bond_albedo: 0.07,
-        emissivity_bolometric: 0.95,
-        mixture: vec![(0, 1.0)],
-    };
-    SceneParts {
-        surface: Surface { origin_m: DVec3::new(0.0, 0.0, 11_000.0), mesh, materials: vec![grey], textures: vec![] },
-        sky: Sky {
-            sun: Sun {
-                direction: direction(sun_direction),
-                distance_m: 1.5 * AU_M,
-                irradiance_1au: Spectrum::constant(700.0),
-                total_irradiance_1au_w_m2: 1361.0,
-            },
-            mars: None,
-            beams: vec![],
-        },
-        exposure: Exposure { instrument: "test".into(), camera, bands: at_1_um() },
-        models: Models { thermal: Thermal::Off, ..Models::default() },
-    }
-    .check()
-    .unwrap()
 }
 
 pub(crate) fn solved(scene: &Scene) -> FacetTable {

@@ -1,6 +1,7 @@
 //! Messages say what is the matter, where, and in words that do not mislead.
 
 use crate::cli::run;
+use crate::scenes::replaced;
 use crate::scratch::Scratch;
 
 const SQUARE: &str = "mtllib m.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nusemtl g\nf 1 2 3 4\n";
@@ -18,12 +19,7 @@ fn prepared() -> Scratch {
 
 /// What `simulate` says of the scene with such changes, and whether it made a product.
 fn said(scratch: &Scratch, edits: &[(&str, &str)]) -> (i32, String) {
-    let mut text = SCENE.to_owned();
-    for (good, bad) in edits {
-        assert!(text.contains(good), "{good}");
-        text = text.replace(good, bad);
-    }
-    scratch.write("edited.toml", text);
+    scratch.write("edited.toml", replaced(SCENE, edits));
     let (scene, out) = (scratch.argument("edited.toml"), scratch.argument("out"));
     let (code, _, err) = run(&["simulate", &scene, "-o", &out, "--force"]);
     (code, err)

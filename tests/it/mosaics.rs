@@ -5,7 +5,8 @@ use mmxrt::integrate::Choice;
 use mmxrt::product::{Placement, RadianceMap};
 use mmxrt::study::{Fill, MapOptions};
 
-use crate::maps::{camera_image, map, observe, parallel_image, scene};
+use crate::maps::{camera_image, map, observe, parallel_image};
+use crate::scenes::scene;
 use crate::shapes::*;
 
 fn options(choice: Choice, texels: Between) -> MapOptions {

@@ -6,8 +6,8 @@ use mmxrt::product::{RadianceMap, SkyShare};
 use mmxrt::progress::unwatched;
 use mmxrt::study::{self, MapOptions};
 
-use crate::maps::{camera_image, map, observe, parallel_image, scene, solved};
-use crate::scratch::edited;
+use crate::maps::{camera_image, map, observe, parallel_image, solved};
+use crate::scenes::{edited, scene};
 use crate::shapes::*;
 
 /// A square of 10 m, from 1 km above, in pixels of 3.75 m: 1/3 of those at its borders show it.

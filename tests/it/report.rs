@@ -1,68 +1,30 @@
 //! What a result says of itself: effects with bounds, warnings, checks; and what is refused.
 
-use glam::DVec3;
 use mmxrt::geometry::{Direction, FrameCamera, Mesh};
 use mmxrt::integrate::Wanted;
 use mmxrt::product::FacetTable;
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{
-    DirectionField, Exposure, Mars, MarsModel, Material, Models, Photometry, SceneParts, Sky, Sun, Surface, Thermal,
-};
+use mmxrt::scene::{DirectionField, Mars, MarsModel, SceneParts, Thermal};
 use mmxrt::spectral::{Band, Light, Spectrum, solar_e490};
 use mmxrt::study::{Effect, Observation, simulate, table_id};
+use mmxrt::units::AU_M;
 
+use crate::scenes;
 use crate::shapes::*;
 
 const MARS_M: f64 = 9_376_000.0;
 
-fn material(reflectance: f64) -> Material {
-    Material {
-        name: "ground".into(),
-        reflectance: Spectrum::constant(reflectance),
-        photometry: Photometry::Lambert,
-        emissivity: Spectrum::constant(1.0 - reflectance),
-        bond_albedo: reflectance,
-        emissivity_bolometric: 0.95,
-        mixture: vec![(0, 1.0)],
-    }
-}
-
 fn mars(towards: [f64; 3]) -> Mars {
-    Mars {
-        centre_m: MARS_M * direction(towards).vec(),
-        radius_m: 3_389_500.0,
-        reflectance: Spectrum::constant(0.25),
-        bond_albedo: 0.25,
-        thermal_exitance_w_m2: 110.0,
-    }
+    scenes::mars(MARS_M * direction(towards).vec())
 }
 
 /// A scene of one material, without Mars or heat, in bands at 1 and 3.6 um.
 fn scene(mesh: Mesh, towards_sun: Direction, camera: FrameCamera) -> SceneParts {
-    SceneParts {
-        surface: Surface {
-            origin_m: DVec3::new(0.0, 0.0, 11_000.0),
-            mesh,
-            materials: vec![material(0.07)],
-            textures: vec![],
-        },
-        sky: Sky {
-            sun: Sun {
-                direction: towards_sun,
-                distance_m: 1.5237 * mmxrt::units::AU_M,
-                irradiance_1au: solar_e490().clone(),
-                total_irradiance_1au_w_m2: 1366.1,
-            },
-            mars: None,
-            beams: vec![],
-        },
-        exposure: Exposure {
-            instrument: "camera".into(),
-            camera,
-            bands: [1.0, 3.6].map(|centre_um| Band::new(centre_um, None)).into(),
-        },
-        models: Models { thermal: Thermal::Off, ..Models::default() },
-    }
+    let mut parts = scenes::parts(mesh, camera, towards_sun);
+    let sun = &mut parts.sky.sun;
+    (sun.distance_m, sun.irradiance_1au, sun.total_irradiance_1au_w_m2) = (1.5237 * AU_M, solar_e490().clone(), 1366.1);
+    parts.exposure.bands = [1.0, 3.6].map(|centre_um| Band::new(centre_um, None)).into();
+    parts
 }
 
 fn observed(scene: &SceneParts) -> Observation {

@@ -220,7 +220,7 @@ fn rays_agree_on_a_map_from_another_camera() {
     let view = camera([250.0, -900.0, 420.0], [0.0; 3], [0.0, 0.0, 1.0], 32, 0.08 / 32.0);
     let mut random = Random(7);
     let texels: Vec<f64> = (0..3600).map(|_| random.share()).collect();
-    let scene = crate::maps::scene(of_material(mesh.clone(), 0), view.clone(), [0.0, 0.0, 1.0]);
+    let scene = crate::scenes::scene(of_material(mesh.clone(), 0), view.clone(), [0.0, 0.0, 1.0]);
     let placement = crate::maps::camera_image(&map_camera, true);
     let options = MapOptions { fill: Fill::Value(0.0), ..MapOptions::default() };
     let terms = vec![vec![crate::maps::map(placement, texels.clone())]];

@@ -7,32 +7,8 @@ use mmxrt::formats::mtl::{self, ObjMaterial};
 use mmxrt::formats::{obj, scene_toml};
 use mmxrt::geometry::Mesh;
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{Scene, SceneParts};
+use mmxrt::scene::Scene;
 use mmxrt::study::{self, Observation};
-
-/// A site of 1000 facets on top of a body, seen from 70 km above in 16 x 16 pixels of one band.
-pub(crate) const SITE: &str = r#"mmxrt_scene = 1
-origin_m = [0.0, 12000.0, 0.0]
-[[mesh]]
-recipe = { version = 1, seed = 7, facets = 1000 }
-[materials]
-phobos_blue = { reflectance = 0.07 }
-phobos_red = { reflectance = 0.1 }
-[sun]
-direction = [0.0, 1.0, 0.5]
-distance_au = 1.5
-[mars]
-position_m = [9.4e6, 12000.0, 0.0]
-[observer]
-position_m = [0.0, 82000.0, 0.0]
-target_m = [0.0, 12000.0, 0.0]
-up = [0, 0, 1]
-[sensor]
-samples = 16
-lines = 16
-fov_deg = 1.0
-bands = { centres_um = [1.0] }
-"#;
 
 /// A folder that goes when the test ends.
 pub(crate) struct Scratch(PathBuf);
@@ -75,6 +51,11 @@ impl Scratch {
         path
     }
 
+    /// Replaces text that a file has by another.
+    pub(crate) fn edit(&self, name: &str, from: &str, to: &str) {
+        edit(&self.join(name), from, to);
+    }
+
     /// Writes `name.obj` and `name.mtl`; material i of the mesh gets the i-th name and colour.
     pub(crate) fn obj(&self, name: &str, mesh: &Mesh, materials: &[(&str, Option<[f64; 3]>)]) {
         let materials: Vec<_> =
@@ -96,6 +77,13 @@ impl Scratch {
     }
 }
 
+/// Replaces text that a file has by another.
+pub(crate) fn edit(file: &Path, from: &str, to: &str) {
+    let text = std::fs::read_to_string(file).unwrap();
+    assert!(text.contains(from), "no {from} in {}", file.display());
+    std::fs::write(file, text.replace(from, to)).unwrap();
+}
+
 /// Whether tests take as many cases as they can: `MMXRT_HEAVY=1`.
 pub(crate) fn is_heavy() -> bool {
     std::env::var("MMXRT_HEAVY").is_ok_and(|v| v == "1")
@@ -105,11 +93,4 @@ impl Drop for Scratch {
     fn drop(&mut self) {
         let _ = std::fs::remove_dir_all(&self.0);
     }
-}
-
-/// A scene of which some parts are others.
-pub(crate) fn edited(scene: &Scene, change: impl FnOnce(&mut SceneParts)) -> Scene {
-    let mut parts = scene.clone().into_parts();
-    change(&mut parts);
-    parts.check().unwrap()
 }

@@ -8,7 +8,7 @@ use mmxrt::scene::{Exposure, Scene, Setup, Sky, Sun};
 use mmxrt::solve::solve;
 use mmxrt::study;
 
-use crate::maps::scene;
+use crate::scenes::scene;
 use crate::shapes::{grid, nadir};
 
 /// Where a scene keeps what is large.

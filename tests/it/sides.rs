@@ -142,14 +142,14 @@ fn only_inside_the_only_body_is_an_error() {
         ("above a block on hills", &site, down(3.0, 40.0), ""),
         ("in one of two balls", &two, down(3.0, 1.0), inside),
     ] {
-        let scene = crate::maps::scene(of_material(mesh.clone(), 0), camera, [0.3, 0.2, 1.0]);
+        let scene = crate::scenes::scene(of_material(mesh.clone(), 0), camera, [0.3, 0.2, 1.0]);
         let (_, seen) = simulate(&scene, &unwatched).unwrap();
         let of_sides = |w: &&String| w.contains("from behind") || w.contains("closed part");
         let told: Vec<&String> = seen.warnings.iter().filter(of_sides).collect();
         assert!(told.iter().any(|w| w.contains(words)) != told.is_empty(), "{what}: {told:?}");
         assert_eq!(told.is_empty(), words.is_empty(), "{what}: {told:?}");
     }
-    let scene = crate::maps::scene(of_material(ball, 0), down(3.0, 11.0), [0.3, 0.2, 1.0]);
+    let scene = crate::scenes::scene(of_material(ball, 0), down(3.0, 11.0), [0.3, 0.2, 1.0]);
     let refused = scene.seen_by(Exposure { camera: down(3.0, 1.0), ..scene.exposure.clone() });
     let Err(Error::Invalid(problems)) = refused else { panic!("{refused:?}") };
     assert_eq!((problems.len(), problems[0].at.item.as_deref()), (1, Some("observer.position_m")));

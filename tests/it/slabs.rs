@@ -8,8 +8,8 @@ use mmxrt::scene::{Exposure, Scene, Sky, Sun, Thermal};
 use mmxrt::spectral::Band;
 use mmxrt::study;
 
-use crate::maps::scene;
-use crate::scratch::{Scratch, edited};
+use crate::scenes::{edited, scene};
+use crate::scratch::Scratch;
 use crate::shapes::{Random, camera, cuboid, grid, joined, of_material};
 
 /// A warm site with shadows in three bands.

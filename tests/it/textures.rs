@@ -2,12 +2,12 @@
 
 use mmxrt::geometry::{MaterialId, Mesh, Texels};
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{Mars, Scene, Texture, TextureKind, Thermal};
-use mmxrt::spectral::{Band, Spectrum};
+use mmxrt::scene::{Scene, Texture, TextureKind, Thermal};
+use mmxrt::spectral::Band;
 use mmxrt::study;
 
-use crate::maps::scene;
-use crate::scratch::{Scratch, edited};
+use crate::scenes::{SQUARE, SQUARE_OBJ, edited, mars, scene};
+use crate::scratch::Scratch;
 use crate::shapes::*;
 
 fn radiance(scene: &Scene, band: usize) -> Vec<f64> {
@@ -37,13 +37,7 @@ fn post() -> Scene {
     let scene = scene(mesh, camera([6.0, -9.0, 20.0], [0.0; 3], [0.0, 1.0, 0.0], 24, 0.025), [1.0, 0.3, 0.7]);
     edited(&scene, |scene| {
         scene.models.thermal = Thermal::Equilibrium;
-        scene.sky.mars = Some(Mars {
-            centre_m: glam::DVec3::new(3e6, 2e6, 8.7e6),
-            radius_m: 3_389_500.0,
-            reflectance: Spectrum::constant(0.25),
-            bond_albedo: 0.25,
-            thermal_exitance_w_m2: 110.0,
-        });
+        scene.sky.mars = Some(mars(glam::DVec3::new(3e6, 2e6, 8.7e6)));
         scene.exposure.bands.push(Band::new(3.5, Some(0.1)));
     })
 }
@@ -139,19 +133,10 @@ fn a_texture_of_layers_is_a_reflectance_at_each_wavelength() {
 #[test]
 fn a_texture_is_read_with_its_scene() {
     let folder = Scratch::new();
-    folder.write(
-        "square.obj",
-        "v -4 -4 0\nv 4 -4 0\nv 4 4 0\nv -4 4 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n",
-    );
+    folder.write("square.obj", SQUARE_OBJ);
     // Row 0 is the top of the image, v = 1: north, which is up in the image.
     folder.write("rows.csv", "3,1\n1,3\n");
-    let text = |texture: &str| {
-        format!(
-            "mmxrt_scene = 1\norigin_m = [0, 0, 11000]\n[[mesh]]\nobj = \"square.obj\"\n[materials.default]\nreflectance = 0.1\n{texture}\n\
-             [sun]\ndirection = [0, 0, 1]\ndistance_au = 1.5\n[thermal]\nmodel = \"off\"\n[observer]\nposition_m = [0, 0, 12000]\ntarget_m = [0, 0, 11000]\nup = [0, 1, 0]\n\
-             [sensor]\nsamples = 2\nlines = 2\nfov_deg = 0.45836379150820084\n[sensor.bands]\ncentres_um = [1.0]\n"
-        )
-    };
+    let text = |texture: &str| SQUARE.replace("[sun]", &format!("{texture}\n[sun]"));
     let plain = folder.look(&text("")).cube.band(0);
     let seen = folder.look(&text("texture = { raster = \"rows.csv\", quantity = \"factor\", placement = \"atlas\" }"));
     // Mean 2 becomes 1.

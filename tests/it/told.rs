@@ -1,7 +1,8 @@
 //! What is said of a result that is not wrong, but not what somebody may think.
 
 use crate::cli::run;
-use crate::scratch::{SITE, Scratch};
+use crate::scenes::SITE;
+use crate::scratch::Scratch;
 
 /// The site with Mars straight above, so many metres from the body's centre.
 fn with_mars_at(y_m: &str) -> String {

@@ -6,6 +6,7 @@ use mmxrt::formats::scene_toml;
 use mmxrt::progress::unwatched;
 use mmxrt::study;
 
+use crate::scenes::replaced;
 use crate::scratch::Scratch;
 
 /// A square of 2 m from 10 m above, under a Sun in the zenith at 1 au that sends 1000 W m-2 um-1 at all wavelengths.
@@ -21,13 +22,8 @@ fn seen(edits: &[(&str, &str)], files: &[(&str, &str)]) -> (Vec<f64>, String) {
     scratch.write("m.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nusemtl g\nf 1 2 3 4\n");
     scratch.write("sun.csv", FLAT_SUN);
     files.iter().for_each(|(name, text)| _ = scratch.write(name, text));
-    let mut text = SCENE.to_owned();
-    for (good, other) in edits {
-        assert!(text.contains(good), "{good}");
-        text = text.replace(good, other);
-    }
-    let file =
-        scene_toml::read(&scratch.write("s.toml", text), &unwatched).unwrap_or_else(|e| panic!("{edits:?}: {e}"));
+    let file = scene_toml::read(&scratch.write("s.toml", replaced(SCENE, edits)), &unwatched)
+        .unwrap_or_else(|e| panic!("{edits:?}: {e}"));
     let (_, observation) = study::simulate(&file.scene, &unwatched).unwrap();
     let cube = observation.cube.to_array();
     (cube.iter().copied().collect(), file.notes.join("\n"))

@@ -10,7 +10,8 @@ use serde_json::json;
 
 use crate::cli::run;
 use crate::gltf::{Folder, f32s, quad};
-use crate::map_files::{Bench, SCENE};
+use crate::map_files::Bench;
+use crate::scenes::SQUARE;
 use crate::scratch::Scratch;
 
 /// ASTM E490-00a has 1366.091 W m-2 in all.
@@ -19,7 +20,7 @@ const E490_W_M2: f64 = 1366.090796839;
 /// A square under a Sun in the zenith, 1 au away, and what was told of that Sun.
 fn under(folder: &Scratch, sun: &str) -> (Scene, String) {
     folder.write("square.obj", "v -4 -4 0\nv 4 -4 0\nv 4 4 0\nv -4 4 0\nf 1 2 3\nf 1 3 4\n");
-    let text = SCENE
+    let text = SQUARE
         .replace("distance_au = 1.5", &format!("distance_au = 1\n{sun}"))
         .replace("reflectance = 0.1", "reflectance = 0.1\nbond_albedo = 0.1\nemissivity_bolometric = 0.9")
         .replace("model = \"off\"", "model = \"equilibrium\"");
@@ -217,10 +218,10 @@ fn a_file_of_another_kind_is_named() {
         folder.write(name, text);
     }
     folder.write("mesh.glb", b"\x89PNG\r\n\x1a\n");
-    folder.write("png.toml", SCENE.replace("obj = \"square.obj\"", "file = \"mesh.glb\""));
-    folder.write("csv.toml", SCENE.replace("obj = \"square.obj\"", "file = \"facets.csv\""));
-    folder.write("both.toml", SCENE.replace("obj = ", "file = \"square.obj\"\nobj = "));
-    folder.write("stl.toml", SCENE.replace("square.obj", "mesh.stl"));
+    folder.write("png.toml", SQUARE.replace("obj = \"square.obj\"", "file = \"mesh.glb\""));
+    folder.write("csv.toml", SQUARE.replace("obj = \"square.obj\"", "file = \"facets.csv\""));
+    folder.write("both.toml", SQUARE.replace("obj = ", "file = \"square.obj\"\nobj = "));
+    folder.write("stl.toml", SQUARE.replace("square.obj", "mesh.stl"));
     folder.write("facets.csv", "facet,radiance_w_m2_sr_um at 0.55 um\n0,1.5\n1,2.5\n");
     folder.write("other.hdr", "no header of ENVI\n");
     folder.write("other.mtl", "");
@@ -276,7 +277,7 @@ fn a_table_of_filters_is_not_taken_for_reflectances_in_silence() {
     let (code, told, _) = run(&["inspect", &folder.argument("filters.csv")]);
     assert!(code == 0 && told.contains("responses of bands"), "{told}");
     folder.write("square.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    let scene = folder.write("scene.toml", SCENE.replace("reflectance = 0.1", "reflectance = \"filters.csv\""));
+    let scene = folder.write("scene.toml", SQUARE.replace("reflectance = 0.1", "reflectance = \"filters.csv\""));
     let error = scene_toml::read(&scene, &unwatched).unwrap_err().to_string();
     assert!(error.contains("holds 2 spectra") && error.contains("responses of bands"), "{error}");
 }

@@ -131,7 +131,7 @@ const FEW: u64 = 8;
 fn wrong_with_a_beam(scene: &Scene, seed: u64, tolerance: f64) -> Option<String> {
     let mut r = Random(seed ^ 0xBEA3);
     let towards = direction([r.share() - 0.5, r.share() - 0.5, r.share() + 0.05]);
-    let mut parts = crate::maps::scene(plane(1.0, 0.0), nadir(10.0, 1.0, 1), [0.0, 0.0, 1.0]).into_parts();
+    let mut parts = crate::scenes::scene(plane(1.0, 0.0), nadir(10.0, 1.0, 1), [0.0, 0.0, 1.0]).into_parts();
     let grey = parts.surface.materials[0].clone();
     parts.surface.materials = REFLECTANCE
         .iter()
