@@ -158,7 +158,7 @@ impl<'a> Coverage<'a> {
                 let nearest = front.at_centre.first();
                 nearest.into_iter().for_each(|i| visit.whole(candidates[*i as usize].triangle, &rect));
             } else if !front.sheet.is_empty() && layers.resolve(&ground, list, |i| front.has(i), visit) {
-                // Two layers, told.
+                // Two layers: reported.
             } else if list.len() <= FEW || !quarter(&rect, depth, list, candidates, waiting, stack) {
                 partition.resolve(&ground, list, &front.sheet, pulse, visit)?;
             }

@@ -10,7 +10,7 @@ use crate::geometry::polygon::{Point, Rect, area, clip_to_rect};
 use crate::progress::{Pulse, Watch, tell};
 
 /// For each cell, row by row, what `of` makes of the share of it that shows outer sides and the share that shows inner ones: exact.
-/// `stage` is what `watch` is told.
+/// `stage` is the name reported to `watch`.
 ///
 /// # Errors
 /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.

@@ -83,7 +83,7 @@ impl Layers {
         true
     }
 
-    /// Whether no two of the others overlap in the rectangle, for certain.
+    /// Whether it is certain that no two of the others overlap in the rectangle.
     fn are_apart(&self, ground: &Ground) -> bool {
         self.others.iter().enumerate().all(|(k, &i)| {
             let one = &ground.candidates[i as usize];
@@ -173,7 +173,7 @@ impl Rest {
     }
 }
 
-/// Whether two candidates do not overlap in a rectangle, for certain.
+/// Whether it is certain that two candidates do not overlap in a rectangle.
 fn are_apart(one: &Candidate, two: &Candidate, rect: &Rect) -> bool {
     let beside = |a: &Candidate, b: &Candidate| a.sides.iter().any(|s| b.outline.iter().all(|p| s.side(*p) <= 0.0));
     !one.bounds.overlaps(&two.bounds)

@@ -103,7 +103,7 @@ impl Seen {
 }
 
 impl Seen {
-    /// What an eye at infinity sees, in the direction `towards`; `stage` is what `watch` is told.
+    /// What an eye at infinity sees, in the direction `towards`; `stage` is the name reported to `watch`.
     ///
     /// Of facets that face away it sees nothing; they still block. Nor does it of facets seen edge-on, up to rounding.
     ///
@@ -120,7 +120,7 @@ impl Seen {
         seen(&Drawing::from_afar(mesh, topology, towards, cells), stage, watch)
     }
 
-    /// What an eye at `centre_m`, local, m, sees within the cone of some rays about `axis`; `stage` is what `watch` is told.
+    /// What an eye at `centre_m`, local, m, sees within the cone of some rays about `axis`; `stage` is the name reported to `watch`.
     ///
     /// # Errors
     /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.

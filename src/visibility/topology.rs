@@ -38,7 +38,7 @@ struct ClosedPart {
     high_m: DVec3,
 }
 
-/// Where an eye is that is not for certain outside of all closed parts.
+/// Where an eye is that is not certainly outside all closed parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Enclosure {
     /// Closed parts that it is inside of.
@@ -98,7 +98,7 @@ impl Topology {
         Enclosure { inside: around.len() - on, on }
     }
 
-    /// The closed parts that a place is not outside of for certain, and whether it is on their surface, to rounding.
+    /// The closed parts that a place is not certainly outside of, and whether it is on their surface, to rounding.
     ///
     /// Solid angles add up to 4 pi times the number of turns of the part around the place: 0 outside, also of a part that crosses itself.
     fn around(&self, mesh: &Mesh, eye_m: DVec3) -> Vec<(u32, bool)> {

@@ -1,4 +1,4 @@
-//! How what is seen of a cell is told to whoever asked.
+//! How what is seen of a cell is reported to the caller.
 
 use crate::geometry::polygon::{Point, Rect};
 
