@@ -14,7 +14,7 @@ pub(super) struct Materials {
 }
 
 impl Materials {
-    /// As many can be told apart.
+    /// This many can be told apart.
     pub(super) const MOST: usize = u16::MAX as usize + 1;
 
     /// The index of a name that faces use; `None` for a new one beyond [`Materials::MOST`].

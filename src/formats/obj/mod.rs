@@ -1,11 +1,11 @@
 //! Wavefront OBJ: meshes, in the file's own units, axes and order.
 //!
 //! Read are `v`, `f` (`a`, `a/b`, `a//c`, `a/b/c`, negative indices), `g`, `usemtl`, `mtllib` and `vt`. Colours of vertices, weights other
-//! than 1, and normals (`vn`) that make a face look round are told in [`ObjFile::report`]; `s` and comments say nothing here. Anything else is
+//! than 1, and normals (`vn`) that make a face look round are reported in [`ObjFile::report`]; `s` and comments say nothing here. Anything else is
 //! counted by its keyword in [`ObjFile::ignored`]. Vertices and faces keep the order of the file.
 //!
 //! Names are UTF-8, or else Windows-1252. A material file is looked for as it is named, then beside the OBJ file under the last part of its
-//! name, in any case; one that is not there is told: names alone may suffice.
+//! name, in any case; one that is not there is reported: names alone may suffice.
 //!
 //! # How a face becomes facets
 //!
@@ -94,7 +94,7 @@ impl ObjFile {
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::Invalid`] with what cannot be used, line by line: coordinates that are not finite numbers,
-/// faces with fewer than three corners or with vertices that do not exist, a file without faces. The first 20 are told, and the
+/// faces with fewer than three corners or with vertices that do not exist, a file without faces. The first 20 are reported, and the
 /// number of the rest.
 pub fn read(path: &Path) -> Result<ObjFile> {
     read_where(path, true)
