@@ -10,6 +10,7 @@ use std::path::Path;
 use mmxrt::formats::{npz, scene_toml};
 use mmxrt::integrate::Wanted;
 use mmxrt::integrate::integrate;
+use mmxrt::product::{Cube, CubeAxes};
 use mmxrt::progress::unwatched;
 use mmxrt::solve::solve;
 use mmxrt::spectral::Band;
@@ -43,7 +44,7 @@ fn main() -> Result<()> {
     for scene in [file.scene, narrow] {
         let image = integrate(&scene, &table, Wanted::default(), &unwatched)?;
         let last = scene.exposure.bands.len() - 1;
-        let radiance = image.cube.band(last);
+        let radiance = Cube::new(CubeAxes::of(&scene.exposure), vec![image.slab])?.band(last);
         println!(
             "{} bands, {:.3} mrad: mean at {:.2} um is {:.6} W m-2 sr-1 um-1",
             scene.exposure.bands.len(),

@@ -10,14 +10,14 @@
 //! writes attributes in hash order, another one at each run. (It reads what is written here.)
 
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Location, Problem, Result};
-use crate::product::Cube;
+use crate::product::{Cube, CubeAxes, Filling, Slab};
 use crate::progress::Watch;
 use crate::spectral::Band;
 
-use super::envi::DataType;
+use super::envi::{self, DataType, SoFar};
 use super::flat::{AxisOrder, Flat, FlatFile};
 
 /// The name of a band's channel, to 1e-6 nm.
@@ -26,46 +26,100 @@ pub fn channel_name(band: &Band) -> String {
     format!("S0.{}nm", format!("{:011.6}", band.centre_um * 1000.0).replace('.', ","))
 }
 
-/// Writes a cube as f32 scan lines.
+/// A radiance cube that is written slab by slab, in any order, as f32 scan lines. No slab is kept.
+#[derive(Debug)]
+pub struct ExrCube {
+    path: PathBuf,
+    file: FlatFile,
+    samples: usize,
+    /// The channel of each band.
+    channel: Vec<usize>,
+    filling: Filling,
+}
+
+impl ExrCube {
+    /// Begins a file.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if two bands would have the same channel name or the image is larger than OpenEXR can hold;
+    /// [`Error::Io`].
+    pub fn create(path: &Path, axes: &CubeAxes, description: &str) -> Result<Self> {
+        let CubeAxes { samples, lines, bands } = axes;
+        let names: Vec<String> = bands.iter().map(channel_name).collect();
+        let mut order: Vec<usize> = (0..names.len()).collect();
+        order.sort_by(|a, b| names[*a].cmp(&names[*b]));
+        if *samples == 0 || *lines == 0 || bands.is_empty() {
+            return Err(Error::invalid(Location::file(path), "an image without pixels or bands has no OpenEXR file"));
+        }
+        if let Some(pair) = order.windows(2).find(|w| names[w[0]] == names[w[1]]) {
+            let message = format!("bands {} and {} both have the centre {}", pair[0] + 1, pair[1] + 1, names[pair[0]]);
+            let problem = Problem::new(Location::file(path), message)
+                .with_help("OpenEXR knows bands by their wavelength, here to 1e-6 nm: move one, or leave out --exr");
+            return Err(Error::Invalid(vec![problem]));
+        }
+        let channels: Vec<&str> = order.iter().map(|band| names[*band].as_str()).collect();
+        let about = About {
+            description,
+            spectral: true,
+            unit: Some("W.m^-2.sr^-1.um^-1"),
+            widths: widths(order.iter().map(|band| bands[*band].fwhm_um)),
+            names: band_names(order.iter().map(|band| bands[*band].name.as_str())),
+        };
+        let head = head(path, &channels, [*samples, *lines], &about)?;
+        let flat = flat([*lines, *samples, bands.len()]);
+        let file = FlatFile::create(path, flat, &head).map_err(|e| Error::io(path, "writing", e))?;
+        let mut channel = vec![0; order.len()];
+        order.iter().enumerate().for_each(|(at, band)| channel[*band] = at);
+        Ok(ExrCube { path: path.into(), file, samples: *samples, channel, filling: Filling::new(axes) })
+    }
+
+    /// Writes a slab.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if it cannot be written, [`Error::Interrupted`] if `watch` asks to stop, and those of [`Filling::admits`].
+    pub fn put(&mut self, slab: &Slab, watch: Watch<'_>) -> Result<()> {
+        self.filling.admits(slab)?;
+        let so_far = SoFar::new(&self.filling, watch);
+        let ExrCube { path, file, samples, channel, .. } = self;
+        let of_slab = &channel[slab.bands.clone()];
+        let mut order: Vec<usize> = (0..of_slab.len()).collect();
+        order.sort_by_key(|band| of_slab[*band]);
+        let band_bytes = 4 * *samples;
+        let mut sorted = Vec::new();
+        let mut put = |lines: Range<usize>, bytes: &[u8]| {
+            // Bands whose channels follow one another lie in one piece.
+            order.chunk_by(|a, b| of_slab[*a] + 1 == of_slab[*b]).try_for_each(|run| {
+                sorted.clear();
+                for line in bytes.chunks_exact((band_bytes * order.len()).max(1)) {
+                    run.iter().for_each(|band| sorted.extend_from_slice(&line[band_bytes * band..][..band_bytes]));
+                }
+                let first = of_slab[run[0]];
+                let written = file.bytes(lines.clone(), first..first + run.len(), &sorted);
+                written.map_err(|e| Error::io(path.as_path(), "writing", e))
+            })
+        };
+        envi::stream_lines_f32(slab, *samples, &mut put, &so_far)?;
+        self.filling.add(slab);
+        Ok(())
+    }
+
+    /// Ends the file.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if slabs have not filled it.
+    pub fn end(self) -> Result<()> {
+        self.filling.end()
+    }
+}
+
+/// Writes all slabs of a cube with [`ExrCube`].
 ///
 /// # Errors
-/// [`Error::Invalid`] if two bands would have the same channel name or the image is larger than OpenEXR can hold,
-/// [`Error::Io`] if the file cannot be written, [`Error::Interrupted`] if `watch` asks to stop.
+/// Those of [`ExrCube::create`] and [`ExrCube::put`].
 pub fn write(path: &Path, cube: &Cube, description: &str, watch: Watch<'_>) -> Result<()> {
-    let names: Vec<String> = cube.bands.iter().map(channel_name).collect();
-    let mut order: Vec<usize> = (0..names.len()).collect();
-    order.sort_by(|a, b| names[*a].cmp(&names[*b]));
-    if cube.samples == 0 || cube.lines == 0 || cube.bands.is_empty() {
-        return Err(Error::invalid(Location::file(path), "an image without pixels or bands has no OpenEXR file"));
-    }
-    if let Some(pair) = order.windows(2).find(|w| names[w[0]] == names[w[1]]) {
-        let message = format!("bands {} and {} both have the centre {}", pair[0] + 1, pair[1] + 1, names[pair[0]]);
-        let problem = Problem::new(Location::file(path), message)
-            .with_help("OpenEXR knows bands by their wavelength, here to 1e-6 nm: move one, or leave out --exr");
-        return Err(Error::Invalid(vec![problem]));
-    }
-    let channels: Vec<&str> = order.iter().map(|band| names[*band].as_str()).collect();
-    let about = About {
-        description,
-        spectral: true,
-        unit: Some("W.m^-2.sr^-1.um^-1"),
-        widths: widths(order.iter().map(|band| cube.bands[*band].fwhm_um)),
-        names: band_names(order.iter().map(|band| cube.bands[*band].name.as_str())),
-    };
-    let head = head(path, &channels, [cube.samples, cube.lines], &about)?;
-    let writing = |e| Error::io(path, "writing", e);
-    let flat = flat([cube.lines, cube.samples, cube.bands.len()]);
-    let mut file = FlatFile::create(path, flat, &head).map_err(writing)?;
-    let band_bytes = 4 * cube.samples;
-    let mut sorted = Vec::new();
-    let mut put = |lines: Range<usize>, bytes: &[u8]| {
-        sorted.clear();
-        for line in bytes.chunks_exact(band_bytes * order.len()) {
-            order.iter().for_each(|band| sorted.extend_from_slice(&line[band_bytes * band..][..band_bytes]));
-        }
-        file.bytes(lines, 0..order.len(), &sorted).map_err(writing)
-    };
-    super::envi::stream_lines_f32(cube, &mut put, watch)
+    let mut file = ExrCube::create(path, &cube.axes, description)?;
+    cube.slabs().iter().try_for_each(|slab| file.put(slab, watch))?;
+    file.end()
 }
 
 /// How the numbers of a file lie behind its [`head`]: rows, columns and channels.

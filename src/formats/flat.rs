@@ -137,6 +137,7 @@ impl Flat {
 const HEAD: u64 = 8;
 
 /// A file that is written tile by tile, in any order.
+#[derive(Debug)]
 pub(super) struct FlatFile {
     flat: Flat,
     file: File,

@@ -8,8 +8,9 @@ use super::report_json::{self, BandEntry, ImageEntry, Input, ProductReport, Run}
 use super::subject::Subject;
 use super::{exr_cube, machine, npz, quicklook};
 use crate::error::{Error, Location, Problem, Result};
-use crate::product::FacetTable;
+use crate::product::{CubeAxes, FacetTable, ShownBands, Slab};
 use crate::progress::{Watch, tell};
+use crate::scene::Scene;
 use crate::spectral::Band;
 use crate::study::{self, Check, MapAccount, Observation};
 
@@ -53,8 +54,8 @@ pub struct Product {
     pub table: FacetTable,
     /// The file that the table was read from, if it was.
     pub table_from: Option<PathBuf>,
-    /// What the camera sees.
-    pub observation: Observation,
+    /// What the camera sees, but for the cube: its slabs have been written.
+    pub observation: Observation<()>,
     /// The maps that it was made from, if it was.
     pub maps: Option<MapAccount>,
 }
@@ -64,6 +65,17 @@ pub struct Product {
 pub struct ProductFolder {
     staged: Staged,
     options: ProductOptions,
+}
+
+/// A product folder that takes the slabs of its cube as they are made, and then all else.
+#[derive(Debug)]
+pub struct OpenProduct {
+    cube: envi::EnviCube,
+    thermal: Option<envi::EnviCube>,
+    exr: Option<exr_cube::ExrCube>,
+    shown: ShownBands,
+    // Last: files are closed before their folder is removed.
+    folder: ProductFolder,
 }
 
 /// What has been written.
@@ -118,55 +130,104 @@ impl ProductFolder {
         self.staged.has_room(study::product_bytes(&subject.scene, cubes_bytes))
     }
 
-    /// Writes everything and gives the folder its name. A product of which a check does not hold is not written.
+    /// Begins the files of the cube.
+    ///
+    /// # Errors
+    /// [`Error::Io`]; [`Error::Invalid`] if OpenEXR cannot hold the cube.
+    pub fn open(self, scene: &Scene) -> Result<OpenProduct> {
+        let named = |e| self.staged.named(e);
+        let file = |name: &str| self.staged.path().join(name);
+        let ProductOptions { interleave, precision, exr, split, .. } = self.options;
+        let axes = CubeAxes::of(&scene.exposure);
+        let create = |name: &str, title: &str| {
+            let title = titled(title, scene);
+            envi::EnviCube::create(&file(name), axes.clone(), interleave, precision, &title).map_err(named)
+        };
+        let cube = create("cube.img", "Radiance")?;
+        let thermal = split.then(|| create("thermal.img", "Thermal part of the radiance")).transpose()?;
+        let create = || exr_cube::ExrCube::create(&file("cube.exr"), &axes, &titled("Radiance", scene)).map_err(named);
+        let exr = exr.then(create).transpose()?;
+        let mut bands = report_json::bands_of_statistics(&axes.bands);
+        bands.push(quicklook::grey_band(&axes.bands));
+        bands.extend(quicklook::colour_bands(&axes.bands));
+        Ok(OpenProduct { cube, thermal, exr, shown: ShownBands::new(axes, bands), folder: self })
+    }
+}
+
+impl OpenProduct {
+    /// Writes a slab of the cube; they come in any order.
+    ///
+    /// # Errors
+    /// Those of [`envi::EnviCube::put`].
+    pub fn put(&mut self, slab: &Slab, watch: Watch<'_>) -> Result<()> {
+        let OpenProduct { folder, cube, thermal, exr, shown } = self;
+        let mut put = || {
+            shown.take(slab)?;
+            cube.put(slab, watch)?;
+            thermal.as_mut().map_or(Ok(()), |file| file.put(&slab.thermal(), watch))?;
+            exr.as_mut().map_or(Ok(()), |file| file.put(slab, watch))
+        };
+        put().map_err(|e| folder.staged.named(e))
+    }
+
+    /// Writes all else and gives the folder its name. A product of which a check does not hold, or whose cube slabs have not filled,
+    /// is not written.
     ///
     /// `run` is asked last what `run.json` is to say: date, threads and timings are known to the caller only.
     ///
     /// # Errors
     /// [`Error::Invalid`] with the checks that do not hold; [`Error::Io`]; [`Error::Interrupted`] if `watch` asks to stop.
-    pub fn write(self, product: Product, run: impl FnOnce() -> Run, watch: Watch<'_>) -> Result<Written> {
+    pub fn finish(self, product: Product, run: impl FnOnce() -> Run, watch: Watch<'_>) -> Result<Written> {
         verify(&product.observation.checks, product.table_from.as_deref())?;
-        let report = self.write_files(&product, run, watch).map_err(|e| self.staged.named(e))?;
-        let kept = self.staged.kept().to_vec();
-        self.staged.commit()?;
+        let OpenProduct { folder: ProductFolder { staged, options }, cube, thermal, exr, shown } = self;
+        let write = || {
+            cube.end()?;
+            thermal.map_or(Ok(()), envi::EnviCube::end)?;
+            exr.map_or(Ok(()), exr_cube::ExrCube::end)?;
+            write_files(&staged, options.table, &shown, &product, run, watch)
+        };
+        let report = write().map_err(|e| staged.named(e))?;
+        let kept = staged.kept().to_vec();
+        staged.commit()?;
         Ok(Written { product, report, kept })
     }
+}
 
-    fn write_files(&self, product: &Product, run: impl FnOnce() -> Run, watch: Watch<'_>) -> Result<ProductReport> {
-        let file = |name: &str| self.staged.path().join(name);
-        let ProductOptions { interleave, precision, exr, table: with_table, split, .. } = self.options;
-        let Product { subject, table, observation, .. } = product;
-        let (cube, planes) = (&observation.cube, &observation.backplanes);
-        let coverage = planes.plane("COVERAGE").map_or(&[][..], |plane| &plane.values);
-        let instrument = &subject.scene.exposure.instrument;
-        let title = |what: &str| format!("{what} by mmxrt {} of {instrument}", env!("CARGO_PKG_VERSION"));
+/// What an image of a scene is called.
+fn titled(what: &str, scene: &Scene) -> String {
+    format!("{what} by mmxrt {} of {}", env!("CARGO_PKG_VERSION"), scene.exposure.instrument)
+}
 
-        envi::write_cube(&file("cube.img"), cube, interleave, precision, &title("Radiance"), watch)?;
-        if split {
-            let title = title("Thermal part of the radiance");
-            envi::write_cube(&file("thermal.img"), &cube.thermal(), interleave, precision, &title, watch)?;
-        }
-        if exr {
-            exr_cube::write(&file("cube.exr"), cube, &title("Radiance"), watch)?;
-        }
-        tell(watch, "writing backplanes", 0, 1)?;
-        // Always in double precision: positions in metres have more digits than f32 holds.
-        envi::write_backplanes(&file("backplanes.img"), planes, Precision::F64, &title("Backplanes"))?;
-        if let Some(footprints) = &observation.footprints {
-            npz::write_footprints(&file("footprints.npz"), footprints, &subject.id)?;
-        }
-        if with_table {
-            npz::write_table(&file("table.npz"), table, &study::table_id(&subject.scene))?;
-        }
-        tell(watch, "writing pictures and reports", 0, 1)?;
-        quicklook::write_grey(&file("quicklook.png"), cube, quicklook::grey_band(&cube.bands), coverage)?;
-        quicklook::write_colour(&file("quicklook_rgb.png"), cube, quicklook::colour_bands(&cube.bands), coverage)?;
-        let report = report(product, coverage);
-        report_json::write(&file("report.json"), &report)?;
-        tell(watch, "writing pictures and reports", 1, 1)?;
-        report_json::write(&file("run.json"), &run())?;
-        Ok(report)
+/// Writes all but the cube.
+fn write_files(
+    staged: &Staged,
+    with_table: bool,
+    cube: &ShownBands,
+    product: &Product,
+    run: impl FnOnce() -> Run,
+    watch: Watch<'_>,
+) -> Result<ProductReport> {
+    let file = |name: &str| staged.path().join(name);
+    let Product { subject, table, observation, .. } = product;
+    let (bands, planes) = (&cube.axes.bands, &observation.backplanes);
+    let coverage = planes.plane("COVERAGE").map_or(&[][..], |plane| &plane.values);
+    tell(watch, "writing backplanes", 0, 1)?;
+    // Always in double precision: positions in metres have more digits than f32 holds.
+    envi::write_backplanes(&file("backplanes.img"), planes, Precision::F64, &titled("Backplanes", &subject.scene))?;
+    if let Some(footprints) = &observation.footprints {
+        npz::write_footprints(&file("footprints.npz"), footprints, &subject.id)?;
     }
+    if with_table {
+        npz::write_table(&file("table.npz"), table, &study::table_id(&subject.scene))?;
+    }
+    tell(watch, "writing pictures and reports", 0, 1)?;
+    quicklook::write_grey(&file("quicklook.png"), cube, quicklook::grey_band(bands), coverage)?;
+    quicklook::write_colour(&file("quicklook_rgb.png"), cube, quicklook::colour_bands(bands), coverage)?;
+    let report = report(product, cube, coverage);
+    report_json::write(&file("report.json"), &report)?;
+    tell(watch, "writing pictures and reports", 1, 1)?;
+    report_json::write(&file("run.json"), &run())?;
+    Ok(report)
 }
 
 /// Names and sizes, bytes, of what is in a product folder, by name.
@@ -203,9 +264,9 @@ fn verify(checks: &[Check], table: Option<&Path>) -> Result<()> {
 }
 
 /// What is said of a product.
-fn report(product: &Product, coverage: &[f64]) -> ProductReport {
+fn report(product: &Product, cube: &ShownBands, coverage: &[f64]) -> ProductReport {
     let Product { subject, observation, maps, .. } = product;
-    let cube = &observation.cube;
+    let CubeAxes { samples, lines, bands } = &cube.axes;
     let band_um = |band: Option<&Band>| band.map_or(0.0, |b| b.centre_um);
     ProductReport {
         format_version: report_json::FORMAT_VERSION,
@@ -213,13 +274,13 @@ fn report(product: &Product, coverage: &[f64]) -> ProductReport {
         scene: subject.id.clone(),
         inputs: subject.inputs.iter().map(Input::from).collect(),
         image: ImageEntry {
-            samples: cube.samples as u64,
-            lines: cube.lines as u64,
-            bands: cube.bands.len() as u64,
-            first_band_um: band_um(cube.bands.first()),
-            last_band_um: band_um(cube.bands.last()),
-            quicklook_band: quicklook::grey_band(&cube.bands) as u64 + 1,
-            quicklook_rgb_bands: quicklook::colour_bands(&cube.bands).map(|band| band as u64 + 1),
+            samples: *samples as u64,
+            lines: *lines as u64,
+            bands: bands.len() as u64,
+            first_band_um: band_um(bands.first()),
+            last_band_um: band_um(bands.last()),
+            quicklook_band: quicklook::grey_band(bands) as u64 + 1,
+            quicklook_rgb_bands: quicklook::colour_bands(bands).map(|band| band as u64 + 1),
         },
         bands: BandEntry::of(&subject.scene),
         effects: observation.effects.clone(),

@@ -11,7 +11,7 @@ use std::path::Path;
 use super::input;
 use crate::error::{Error, Location, Result};
 use crate::geometry::whole;
-use crate::product::Cube;
+use crate::product::ShownBands;
 use crate::spectral::Band;
 
 /// Black and white are the radiances that these shares of the covered pixels are below.
@@ -60,23 +60,23 @@ pub fn colour_bands(bands: &[Band]) -> [usize; 3] {
 ///
 /// # Errors
 /// [`Error::Io`] if the file cannot be written; [`Error::Invalid`] for an image without pixels.
-pub fn write_grey(path: &Path, cube: &Cube, band: usize, coverage: &[f64]) -> Result<()> {
+pub fn write_grey(path: &Path, cube: &ShownBands, band: usize, coverage: &[f64]) -> Result<()> {
     let (pixels, text) = channel(cube, band, coverage);
-    write(path, [cube.samples, cube.lines], png::ColorType::Grayscale, &pixels, &text)
+    write(path, [cube.axes.samples, cube.axes.lines], png::ColorType::Grayscale, &pixels, &text)
 }
 
 /// Writes three bands as a colour PNG, each stretched by itself: colours show differences, not colour.
 ///
 /// # Errors
 /// As [`write_grey`].
-pub fn write_colour(path: &Path, cube: &Cube, bands: [usize; 3], coverage: &[f64]) -> Result<()> {
+pub fn write_colour(path: &Path, cube: &ShownBands, bands: [usize; 3], coverage: &[f64]) -> Result<()> {
     let red = channel(cube, bands[0], coverage);
     let other = |band: usize| if band == bands[0] { red.clone() } else { channel(cube, band, coverage) };
     let ((green, green_text), (blue, blue_text)) = (other(bands[1]), other(bands[2]));
     let (red, red_text) = &red;
     let pixels: Vec<u8> = (0..red.len()).flat_map(|i| [red[i], green[i], blue[i]]).collect();
     let text = format!("red: {red_text}; green: {green_text}; blue: {blue_text}");
-    write(path, [cube.samples, cube.lines], png::ColorType::Rgb, &pixels, &text)
+    write(path, [cube.axes.samples, cube.axes.lines], png::ColorType::Rgb, &pixels, &text)
 }
 
 /// Writes one band as grey, or three as red, green and blue, of any image: [row, column], each stretched by itself and called
@@ -115,10 +115,9 @@ pub fn read_info(path: &Path) -> Result<(u32, u32, bool)> {
 }
 
 /// The bytes of a band, and what they mean.
-fn channel(cube: &Cube, band: usize, coverage: &[f64]) -> (Vec<u8>, String) {
-    let radiance = cube.band(band);
-    let um = cube.bands[band].centre_um;
-    stretched(&radiance, coverage, &format!("{um} um"), " W m-2 sr-1 um-1")
+fn channel(cube: &ShownBands, band: usize, coverage: &[f64]) -> (Vec<u8>, String) {
+    let um = cube.axes.bands[band].centre_um;
+    stretched(cube.band(band), coverage, &format!("{um} um"), " W m-2 sr-1 um-1")
 }
 
 fn stretched(values: &[f64], coverage: &[f64], label: &str, unit: &str) -> (Vec<u8>, String) {

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use super::InputFile;
 use super::input;
 use crate::error::{Error, Location, Result};
-use crate::product::{Backplanes, Cube};
+use crate::product::{Backplanes, ShownBands};
 use crate::scene::Scene;
 use crate::spectral::Band;
 use crate::study::{Check, Counts, Effect, MapAccount};
@@ -193,23 +193,28 @@ struct Lane {
     sum: f64,
 }
 
+/// The bands that statistics are of: the first, the middle and the last.
+pub fn bands_of_statistics(bands: &[Band]) -> Vec<usize> {
+    let mut of = vec![0, bands.len() / 2, bands.len().saturating_sub(1)];
+    of.dedup();
+    of.retain(|band| *band < bands.len());
+    of
+}
+
 /// Statistics of a cube's first, middle and last band over the pixels with `coverage`, and of every backplane.
-pub fn statistics(cube: &Cube, coverage: &[f64], backplanes: &Backplanes) -> Vec<Statistic> {
-    let mut bands = vec![0, cube.bands.len() / 2, cube.bands.len().saturating_sub(1)];
-    bands.dedup();
-    bands.retain(|band| *band < cube.bands.len());
+pub fn statistics(cube: &ShownBands, coverage: &[f64], backplanes: &Backplanes) -> Vec<Statistic> {
     let covered = |band: usize| {
-        let values = cube.band(band).into_iter().zip(coverage);
-        values.filter(|(_, c)| **c > 0.0).map(|(value, _)| value).collect::<Vec<f64>>()
+        let values = cube.band(band).iter().zip(coverage);
+        values.filter(|(_, c)| **c > 0.0).map(|(value, _)| *value).collect::<Vec<f64>>()
     };
     let of_band = |band: usize| {
-        let Band { name, centre_um, .. } = &cube.bands[band];
+        let Band { name, centre_um, .. } = &cube.axes.bands[band];
         let called = if name.is_empty() { String::new() } else { format!(" ({name})") };
         let name = format!("radiance at {centre_um} um{called}");
         Statistic::of(name, "W m-2 sr-1 um-1", &covered(band))
     };
     let of_planes = backplanes.planes.iter().map(|p| Statistic::of(&p.name, &p.unit, &p.values));
-    bands.into_iter().map(of_band).chain(of_planes).collect()
+    bands_of_statistics(&cube.axes.bands).into_iter().map(of_band).chain(of_planes).collect()
 }
 
 /// How long a run took, where and when.

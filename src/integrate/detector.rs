@@ -32,7 +32,7 @@ pub(super) fn row(line: u32) -> u32 {
 
 /// A pixel of the image, and where it lies in the drawing.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Site {
+pub(super) struct PixelSite {
     /// Its place in its line.
     pub(super) sample: u32,
     /// The cell in which it lies: column and row.
@@ -43,12 +43,12 @@ pub(super) struct Site {
     pub(super) centre: Point,
 }
 
-impl Site {
+impl PixelSite {
     /// Of one pixel.
     #[inline]
     pub(super) fn of(drawing: &Drawing, sample: u32, line: u32) -> Self {
         let cell = [sample, row(line)];
         let rect = drawing.grid.cell(cell[0], cell[1]);
-        Site { sample, cell, rect, centre: rect.centre() }
+        PixelSite { sample, cell, rect, centre: rect.centre() }
     }
 }

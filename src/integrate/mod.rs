@@ -18,7 +18,7 @@ mod textures;
 mod weights;
 
 use crate::error::Result;
-use crate::product::{Backplanes, Cube, FacetTable, Footprints};
+use crate::product::{Backplanes, FacetTable, Footprints, Slab};
 use crate::progress::Watch;
 use crate::scene::Scene;
 use crate::solve::Emission;
@@ -39,8 +39,8 @@ pub use sky::texels_seen;
 /// What a camera sees.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Image {
-    /// Radiance.
-    pub cube: Cube,
+    /// Radiance: all of it, under one sky.
+    pub slab: Slab,
     /// Images of geometry.
     pub backplanes: Backplanes,
     /// Which facets each pixel sees, if that is wanted.
@@ -55,10 +55,10 @@ pub struct Image {
     pub maps: Option<MapImage>,
 }
 
-/// What is wanted of an image besides its cube and its backplanes.
+/// What is wanted of an image besides its radiance and its backplanes.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Wanted<'m> {
-    /// Its radiance is that of maps. The cube holds what is solved where they know nothing, or everywhere, if that is asked for; their
+    /// Its radiance is that of maps. The slab holds what is solved where they know nothing, or everywhere, if that is asked for; their
     /// own radiance is to be added band by band, by the weights of their texels.
     pub maps: Option<&'m Maps<'m>>,
     /// Which facets each pixel sees.
@@ -146,13 +146,5 @@ pub fn integrate(scene: &Scene, table: &FacetTable, wanted: Wanted<'_>, watch: W
     let back_area_px = lines.iter().map(|line| line.census.back_area_px).sum();
     let excess_px = lines.iter().map(|line| line.census.excess_px).fold(0.0, f64::max);
     let slab = weights::slab(scene, &emission, lines.into_iter().map(|line| line.weights).collect());
-    Ok(Image {
-        back_area_px,
-        excess_px,
-        cube: Cube::new(samples, rows, scene.exposure.bands.clone(), vec![slab])?,
-        backplanes,
-        footprints,
-        seen: census.into_seen(),
-        maps,
-    })
+    Ok(Image { back_area_px, excess_px, slab, backplanes, footprints, seen: census.into_seen(), maps })
 }

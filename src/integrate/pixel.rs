@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::geometry::polygon::{Point, Rect, area, area_and_moment, clip_to_rect, holds, may_touch};
 use crate::visibility::{Drawing, Scratch, Side, Visit};
 
-use super::detector::Site;
+use super::detector::PixelSite;
 use super::lit::{LitArea, around};
 use super::parts::Window;
 use super::pieces::Pieces;
@@ -57,7 +57,7 @@ pub(super) struct Pixel<'a> {
     /// What is seen of each facet, for who asks for more than areas.
     pub(super) pieces: Pieces,
     /// Where it lies.
-    pub(super) site: Site,
+    pub(super) site: PixelSite,
     clipped: Vec<Point>,
     spare: Vec<Point>,
 }
@@ -75,7 +75,7 @@ impl<'a> Pixel<'a> {
             centre_is_lit: false,
             is_beside: false,
             subtracted: false,
-            site: Site::of(drawing, 0, 0),
+            site: PixelSite::of(drawing, 0, 0),
             clipped: vec![],
             spare: vec![],
         }
@@ -96,7 +96,7 @@ impl<'a> Pixel<'a> {
         self.pieces.clear();
         self.subtracted = false;
         self.centre = None;
-        self.site = Site::of(self.drawing, sample, line);
+        self.site = PixelSite::of(self.drawing, sample, line);
         self.is_beside = false;
         let [column, row] = self.site.cell;
         coverage.cell(column, row, scratch, self)?;

@@ -3,7 +3,7 @@
 use super::pixel::{Entry, Pixel};
 use super::textures::Textures;
 use crate::geometry::index_u32;
-use crate::product::Slab;
+use crate::product::{Added, Slab};
 use crate::scene::Scene;
 use crate::solve::{Emission, Fragment, ImagePart};
 use crate::visibility::Drawing;
@@ -116,7 +116,7 @@ pub(super) fn slab(scene: &Scene, emission: &Emission, lines: Vec<WeightLine>) -
         weight: Vec::with_capacity(entries),
         spectra: emission.spectra(),
         first_thermal_row: index_u32(emission.first_thermal_row()),
-        added: vec![],
+        added: Added::default(),
     };
     for line in lines {
         let base = slab.row.len();

@@ -48,9 +48,10 @@ pub fn integrate(
             given.ok_or_else(|| Error::invalid(Location::item("--table"), "give `--table`, `--radiance`, or both"))?;
         folder.admit(&subject, [&path], false)?;
         let wanted = Wanted { footprints, ..Wanted::default() };
-        let observation = study::observe(&subject.scene, &table, wanted, watch)?;
-        let product = Product { subject, table, table_from: Some(path), observation, maps: None };
-        return folder.write(product, run, watch);
+        let mut product = folder.open(&subject.scene)?;
+        let mut put = |slab| product.put(&slab, watch);
+        let observation = study::observe_by_slabs(&subject.scene, &table, wanted, &mut put, watch)?;
+        return product.finish(Product { subject, table, table_from: Some(path), observation, maps: None }, run, watch);
     }
     let sum = radiance_map::open_sum(maps, &mut subject, watch)?;
     if let (Some((path, _)), Some(_)) = (&sum.table, &given) {
@@ -68,6 +69,9 @@ pub fn integrate(
         None => solve::lit(&subject.scene, watch)?,
     };
     let options = MapOptions { choice: *choice, texels: *texels, fill: *fill, add_solved, footprints };
-    let (observation, maps) = study::observe_maps(&subject.scene, &table, sum.terms, &options, watch)?;
-    folder.write(Product { subject, table, table_from, observation, maps: Some(maps) }, run, watch)
+    let mut product = folder.open(&subject.scene)?;
+    let mut put = |slab| product.put(&slab, watch);
+    let (observation, maps) =
+        study::observe_maps_by_slabs(&subject.scene, &table, sum.terms, &options, &mut put, watch)?;
+    product.finish(Product { subject, table, table_from, observation, maps: Some(maps) }, run, watch)
 }

@@ -23,6 +23,8 @@ pub fn simulate(
     folder.admit(&subject, [], false)?;
     let wanted = Wanted { footprints: folder.options().footprints, ..Wanted::default() };
     let table = solve::solve(&subject.scene, watch)?;
-    let observation = study::observe(&subject.scene, &table, wanted, watch)?;
-    folder.write(Product { subject, table, table_from: None, observation, maps: None }, run, watch)
+    let mut product = folder.open(&subject.scene)?;
+    let mut put = |slab| product.put(&slab, watch);
+    let observation = study::observe_by_slabs(&subject.scene, &table, wanted, &mut put, watch)?;
+    product.finish(Product { subject, table, table_from: None, observation, maps: None }, run, watch)
 }

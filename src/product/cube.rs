@@ -4,7 +4,9 @@ use std::ops::Range;
 
 use ndarray::Array3;
 
-use crate::error::{Error, Location, Problem, Result};
+use super::{Added, Filling};
+use crate::error::{Error, Result};
+use crate::scene::Exposure;
 use crate::spectral::Band;
 
 /// Some bands of some lines of a cube, as a product of two matrices, [pixel, row] sparse weights x [row, band] spectra, and what maps
@@ -31,19 +33,34 @@ pub struct Slab {
     pub spectra: Vec<f64>,
     /// Rows from this one on are what the surface emits; those before it are what it reflects.
     pub first_thermal_row: u32,
-    /// Radiance from maps, added to that: [band, pixel]. Empty without maps.
-    pub added: Vec<f64>,
+    /// Radiance from maps, added to that.
+    pub added: Added,
 }
 
-/// The hyperspectral cube, kept as what it was computed from: slabs that fill it.
+/// The axes of a cube.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Cube {
+pub struct CubeAxes {
     /// Pixels in a line.
     pub samples: usize,
     /// Lines.
     pub lines: usize,
     /// The bands.
     pub bands: Vec<Band>,
+}
+
+impl CubeAxes {
+    /// Of the cube of an exposure.
+    pub fn of(exposure: &Exposure) -> Self {
+        let (samples, lines) = (exposure.camera.samples as usize, exposure.camera.lines as usize);
+        CubeAxes { samples, lines, bands: exposure.bands.clone() }
+    }
+}
+
+/// The hyperspectral cube, kept as what it was computed from: slabs that fill it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cube {
+    /// Its axes.
+    pub axes: CubeAxes,
     slabs: Vec<Slab>,
 }
 
@@ -52,30 +69,21 @@ impl Cube {
     ///
     /// # Errors
     /// [`Error::Invalid`] if slabs overlap, or leave something open, or one is not as large as it says.
-    pub fn new(samples: usize, lines: usize, bands: Vec<Band>, slabs: Vec<Slab>) -> Result<Self> {
+    pub fn new(axes: CubeAxes, slabs: Vec<Slab>) -> Result<Self> {
+        let mut filling = Filling::new(&axes);
         let mut problems = Vec::new();
-        let mut problem = |i: usize, message: String| {
-            problems.push(Problem::new(Location::item(format!("slab {i}")), message));
-        };
-        let overlap = |a: &Range<usize>, b: &Range<usize>| a.start.max(b.start) < a.end.min(b.end);
-        let mut filled = 0;
-        for (i, slab) in slabs.iter().enumerate() {
-            if slab.lines.end > lines || slab.bands.end > bands.len() {
-                problem(i, format!("reaches beyond {lines} lines and {} bands", bands.len()));
-                continue;
-            }
-            filled += slab.lines.len() * slab.bands.len();
-            slab.problems(samples * slab.lines.len()).into_iter().for_each(|message| problem(i, message));
-            let overlaps = |s: &Slab| overlap(&s.lines, &slab.lines) && overlap(&s.bands, &slab.bands);
-            if let Some(other) = slabs[..i].iter().position(overlaps) {
-                problem(i, format!("overlaps slab {other}"));
+        for slab in &slabs {
+            match filling.admits(slab) {
+                Ok(()) => filling.add(slab),
+                Err(Error::Invalid(more)) => problems.extend(more),
+                Err(other) => return Err(other),
             }
         }
-        if filled != lines * bands.len() && problems.is_empty() {
-            let message = format!("slabs hold {filled} of {} lines of bands", lines * bands.len());
-            problems.push(Problem::new(Location::item("cube"), message));
+        if !problems.is_empty() {
+            return Err(Error::Invalid(problems));
         }
-        if problems.is_empty() { Ok(Cube { samples, lines, bands, slabs }) } else { Err(Error::Invalid(problems)) }
+        filling.end()?;
+        Ok(Cube { axes, slabs })
     }
 
     /// The slabs it is made of.
@@ -88,14 +96,9 @@ impl Cube {
         self.slabs
     }
 
-    /// What maps add to each slab, to be changed: [band, pixel], or empty.
-    pub(crate) fn added_mut(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
-        self.slabs.iter_mut().map(|slab| &mut slab.added)
-    }
-
     /// The part of it that the surface emits; what maps add is not in it.
     pub fn thermal(&self) -> Cube {
-        Cube { slabs: self.slabs.iter().map(Slab::thermal).collect(), bands: self.bands.clone(), ..*self }
+        Cube { axes: self.axes.clone(), slabs: self.slabs.iter().map(Slab::thermal).collect() }
     }
 
     /// Radiance of some pixels in some bands, W m-2 sr-1 um-1: `put(pixel, first_band, values)` gets a few bands of
@@ -104,7 +107,7 @@ impl Cube {
     /// Each value is the sum of its weights times spectra in the order they are stored, however it is asked for.
     pub fn expand(&self, pixels: Range<usize>, bands: Range<usize>, mut put: impl FnMut(usize, usize, &[f64])) {
         for slab in &self.slabs {
-            let of_lines = slab.lines.start * self.samples..slab.lines.end * self.samples;
+            let of_lines = slab.lines.start * self.axes.samples..slab.lines.end * self.axes.samples;
             let pixels = pixels.start.max(of_lines.start)..pixels.end.min(of_lines.end);
             let bands = bands.start.max(slab.bands.start)..bands.end.min(slab.bands.end);
             if !pixels.is_empty() && !bands.is_empty() {
@@ -119,7 +122,7 @@ impl Cube {
 
     /// Radiance of a pixel in every band, W m-2 sr-1 um-1.
     pub fn pixel(&self, pixel: usize, radiance: &mut [f64]) {
-        self.expand(pixel..pixel + 1, 0..self.bands.len(), |_, band, values| {
+        self.expand(pixel..pixel + 1, 0..self.axes.bands.len(), |_, band, values| {
             radiance[band..band + values.len()].copy_from_slice(values);
         });
     }
@@ -127,16 +130,18 @@ impl Cube {
     /// Radiance of every pixel in one band, line by line, W m-2 sr-1 um-1.
     pub fn band(&self, band: usize) -> Vec<f64> {
         // Slabs come in any order.
-        let mut radiance = vec![0.0; self.samples * self.lines];
-        self.expand(0..self.samples * self.lines, band..band + 1, |pixel, _, values| radiance[pixel] = values[0]);
+        let pixels = self.axes.samples * self.axes.lines;
+        let mut radiance = vec![0.0; pixels];
+        self.expand(0..pixels, band..band + 1, |pixel, _, values| radiance[pixel] = values[0]);
         radiance
     }
 
     /// The whole cube as [line, sample, band], W m-2 sr-1 um-1.
     pub fn to_array(&self) -> Array3<f64> {
-        let mut array = Array3::zeros((self.lines, self.samples, self.bands.len()));
+        let CubeAxes { samples, lines, bands } = &self.axes;
+        let mut array = Array3::zeros((*lines, *samples, bands.len()));
         if let Some(values) = array.as_slice_mut() {
-            for (pixel, radiance) in values.chunks_exact_mut(self.bands.len()).enumerate() {
+            for (pixel, radiance) in values.chunks_exact_mut(bands.len()).enumerate() {
                 self.pixel(pixel, radiance);
             }
         }
@@ -146,7 +151,7 @@ impl Cube {
 
 impl Slab {
     /// What of it does not fit together, as a slab of so many pixels: a sentence for each.
-    fn problems(&self, pixels: usize) -> Vec<String> {
+    pub(super) fn problems(&self, pixels: usize) -> Vec<String> {
         let Slab { bands, row_start, row, weight, spectra, added, .. } = self;
         let mut problems = Vec::new();
         let is_listed = row_start.len() == pixels + 1
@@ -157,14 +162,17 @@ impl Slab {
         if !is_listed || row.len() != weight.len() || row.iter().any(|row| *row as usize >= rows) {
             problems.push(format!("{} weights of {rows} rows are not those of {pixels} pixels", row.len()));
         }
-        if spectra.len() != rows * bands.len() || !(added.is_empty() || added.len() == pixels * bands.len()) {
+        if spectra.len() != rows * bands.len() || !added.fits(pixels, bands.len()) {
             problems.push(format!("has not {} bands of {pixels} pixels", bands.len()));
         }
         problems
     }
 
-    fn thermal(&self) -> Slab {
-        let mut part = Slab { row_start: vec![0], row: vec![], weight: vec![], added: vec![], ..self.clone() };
+    /// As [`Cube::thermal`].
+    #[must_use]
+    pub fn thermal(&self) -> Slab {
+        let mut part =
+            Slab { row_start: vec![0], row: vec![], weight: vec![], added: Added::default(), ..self.clone() };
         for entries in self.row_start.windows(2) {
             for i in entries[0]..entries[1] {
                 if self.row[i] >= self.first_thermal_row {
@@ -191,7 +199,8 @@ impl Slab {
         if !parts.iter().all(|(_, slab)| is_alike(slab)) {
             return None;
         }
-        let mut sum = Slab { row_start: vec![0], row: vec![], weight: vec![], added: vec![], ..first.clone() };
+        let mut sum =
+            Slab { row_start: vec![0], row: vec![], weight: vec![], added: Added::default(), ..first.clone() };
         let mut entries: Vec<(u32, f64)> = Vec::new();
         for pixel in 0..pixels {
             entries.clear();
@@ -211,15 +220,23 @@ impl Slab {
             sum.weight.extend(entries.iter().map(|entry| entry.1));
             sum.row_start.push(sum.row.len());
         }
-        for (share, slab) in parts.iter().filter(|(_, slab)| !slab.added.is_empty()) {
-            sum.added.resize(slab.added.len(), 0.0);
-            sum.added.iter_mut().zip(&slab.added).for_each(|(sum, added)| *sum += share * added);
+        let bands = first.bands.len();
+        let is_reached = |pixel| parts.iter().any(|(_, slab)| slab.added.place(pixel).is_some());
+        sum.added = Added::zeros((0..pixels).map(is_reached), bands);
+        let all = sum.added.reached();
+        for (share, Slab { added, .. }) in parts {
+            let places = (0..pixels).filter_map(|pixel| sum.added.place(pixel).zip(added.place(pixel)));
+            for (to, from) in places.collect::<Vec<_>>() {
+                for band in 0..bands {
+                    sum.added.radiance[band * all + to] += share * added.radiance[band * added.reached() + from];
+                }
+            }
         }
         Some(sum)
     }
 
-    /// As [`Cube::expand`], of its own pixels and bands.
-    fn expand(&self, pixels: Range<usize>, bands: Range<usize>, mut put: impl FnMut(usize, usize, &[f64])) {
+    /// As [`Cube::expand`], of its own pixels and bands: they count from 0.
+    pub fn expand(&self, pixels: Range<usize>, bands: Range<usize>, mut put: impl FnMut(usize, usize, &[f64])) {
         // 16 sums stay in registers while the weights stream by.
         let mut band = bands.start;
         while band + 16 <= bands.end {
@@ -240,9 +257,9 @@ impl Slab {
     fn panel<const N: usize>(&self, pixel: usize, first_band: usize) -> [f64; N] {
         let entries = self.row_start[pixel]..self.row_start[pixel + 1];
         let mut sum = [0.0; N];
-        if !self.added.is_empty() {
-            let pixels = self.row_start.len() - 1;
-            sum = std::array::from_fn(|k| self.added[(first_band + k) * pixels + pixel]);
+        if let Some(place) = self.added.place(pixel) {
+            let reached = self.added.reached();
+            sum = std::array::from_fn(|k| self.added.radiance[(first_band + k) * reached + place]);
         }
         for (row, weight) in self.row[entries.clone()].iter().zip(&self.weight[entries]) {
             let spectrum = &self.spectra[*row as usize * self.bands.len() + first_band..][..N];
@@ -271,9 +288,9 @@ mod tests {
             weight: vec![2.0, 3.0],
             spectra: a.chain(b).collect(),
             first_thermal_row: 1,
-            added: vec![],
+            added: Added::default(),
         };
-        Cube::new(2, 1, bands, vec![slab]).unwrap()
+        Cube::new(CubeAxes { samples: 2, lines: 1, bands }, vec![slab]).unwrap()
     }
 
     #[test]
@@ -291,7 +308,7 @@ mod tests {
     fn what_is_emitted_is_the_rows_from_the_first_thermal_one_on() {
         let mut radiance = [f64::NAN; 21];
         let mut cube = cube();
-        cube.slabs[0].added = vec![1.0; 42];
+        cube.slabs[0].added = Added { start: vec![0, 1, 2], radiance: vec![1.0; 42] };
         cube.thermal().pixel(0, &mut radiance);
         for (i, value) in radiance.iter().enumerate() {
             assert_eq!(*value, 300.0 * i as f64);
@@ -303,13 +320,21 @@ mod tests {
     #[test]
     fn maps_add_to_a_pixel() {
         let mut cube = cube();
-        cube.slabs[0].added = (0..42).map(|i| f64::from(i) * 1000.0).collect();
-        // Band i of pixel 1 is at 2 i + 1.
+        // Pixel 1 alone is reached.
+        let radiance = (0..21).map(|i| f64::from(i) * 1000.0).collect();
+        cube.slabs[0].added = Added { start: vec![0, 0, 1], radiance };
         let mut radiance = [f64::NAN; 21];
         cube.pixel(1, &mut radiance);
-        assert_eq!((radiance[0], radiance[20]), (1000.0, 41_000.0));
+        assert_eq!((radiance[0], radiance[16], radiance[20]), (0.0, 16_000.0, 20_000.0));
+        cube.pixel(0, &mut radiance);
+        assert_eq!((radiance[0], radiance[20]), (0.0, 302.0 * 20.0));
+        // Both are.
+        let radiance_of_both = (0..42).map(|i| f64::from(i) * 1000.0).collect();
+        cube.slabs[0].added = Added { start: vec![0, 1, 2], radiance: radiance_of_both };
         cube.pixel(0, &mut radiance);
         assert_eq!((radiance[0], radiance[20]), (0.0, 40_000.0 + 302.0 * 20.0));
+        cube.pixel(1, &mut radiance);
+        assert_eq!((radiance[0], radiance[20]), (1000.0, 41_000.0));
     }
 
     #[test]

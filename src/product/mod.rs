@@ -1,15 +1,21 @@
 //! What is computed, here or elsewhere: facet tables, radiance maps, footprints, cubes, backplanes.
 
+mod added;
 mod backplanes;
 mod cube;
 mod facet_table;
+mod filling;
 mod footprints;
 mod radiance_map;
+mod shown_bands;
 mod texel_weights;
 
+pub use added::Added;
 pub use backplanes::{Backplanes, Plane};
-pub use cube::{Cube, Slab};
+pub use cube::{Cube, CubeAxes, Slab};
 pub use facet_table::{FacetTable, Lighting, Sees};
+pub use filling::Filling;
 pub use footprints::Footprints;
 pub use radiance_map::{Atlas, Patches, Placement, RadianceMap, Registration, SkyShare, TexelSource, ViewImage};
+pub use shown_bands::ShownBands;
 pub use texel_weights::{TexelLine, TexelWeights};

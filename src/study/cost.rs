@@ -73,7 +73,7 @@ fn image_bytes(scene: &Scene, has_maps: bool) -> u64 {
     let (planes, bands) = (plane_count(scene) as u64, scene.exposure.bands.len() as u64);
     let weights = WEIGHTS
         [usize::from(scene.models.thermal != Thermal::Off && !Emission::has_row_per_band(&scene.exposure.bands))];
-    // What maps add is kept as it is; planes of their own and weights of texels are about as much as the others.
+    // Maps may reach every pixel, and what they add is kept as it is; planes of their own and weights of texels are about as much as the others.
     let of_maps = if has_maps { 8 * (planes + bands) } else { 0 };
     pixels(scene).saturating_mul(8 * planes + WEIGHT_BYTES * weights + of_maps)
 }

@@ -4,14 +4,16 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::cost::has_room;
-use super::observation::Observation;
+use super::observation::{Observation, Put};
 use super::simulate::account_for;
 use super::warnings::enclosed;
 use super::{map_light, partly_sky};
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::{Camera, Texels};
 use crate::integrate::{self, Choice, MapImage, MapView, Maps, Unknown, Wanted};
-use crate::product::{Cube, FacetTable, Placement, RadianceMap, Registration, SkyShare, TexelSource, ViewImage};
+use crate::product::{
+    Added, FacetTable, Placement, RadianceMap, Registration, SkyShare, Slab, TexelSource, TexelWeights, ViewImage,
+};
 use crate::progress::{Watch, tell};
 use crate::scene::Scene;
 use crate::spectral::{Band, Mixes, mixes};
@@ -138,6 +140,21 @@ pub fn observe_maps(
     options: &MapOptions,
     watch: Watch<'_>,
 ) -> Result<(Observation, MapAccount)> {
+    Observation::held(scene, |put| observe_maps_by_slabs(scene, table, terms, options, put, watch))
+}
+
+/// As [`observe_maps`], but `put` takes the slabs of the cube as they are made: of a frame camera one.
+///
+/// # Errors
+/// As [`observe_maps`], and what `put` says.
+pub fn observe_maps_by_slabs(
+    scene: &Scene,
+    table: &FacetTable,
+    terms: Vec<Vec<RadianceMap>>,
+    options: &MapOptions,
+    put: Put<'_>,
+    watch: Watch<'_>,
+) -> Result<(Observation<()>, MapAccount)> {
     table.fits(scene)?;
     has_room(scene, true, None)?;
     fit(scene, &terms)?;
@@ -186,12 +203,9 @@ pub fn observe_maps(
     let unverified = unverified(&terms);
     let unknown_share = refuse(&on_scene, options, &unverified)?;
     let (added, magnitude) = add_up(scene, &mut terms, &on_scene, options, subtracts, watch)?;
-    // An image just made is one slab.
-    if let Some(of_slab) = image.cube.added_mut().next() {
-        *of_slab = added;
-    }
+    image.slab.added = added;
     if subtracts {
-        subtract(&mut image.cube, &magnitude)?;
+        subtract(&mut image.slab, scene.exposure.camera.samples as usize, &magnitude)?;
         notes.push(subtracted(&terms));
     }
     let unknown = pixels_of_nothing(&on_scene);
@@ -205,20 +219,21 @@ pub fn observe_maps(
         largest_angle_deg: on_scene.largest_angle_deg,
         quadrature_error: on_scene.quadrature_error,
     };
-    let pixels = on_scene.area.len();
     drop(on_scene);
     let uses_sun = options.add_solved || options.fill == Fill::Solved;
-    let mut observation = account_for(scene, table, image, uses_sun, watch)?;
+    let (mut observation, mut slab) = account_for(scene, table, image, uses_sun, watch)?;
     if !uses_sun {
         // What maps have in them and leave out is theirs to say.
         observation.effects.clear();
     }
     if options.fill == Fill::Nan {
         // Only now: what is computed is checked for numbers that are none.
-        for band in observation.cube.added_mut().flat_map(|added| added.chunks_exact_mut(pixels.max(1))) {
-            unknown.iter().for_each(|pixel| band[*pixel] = f64::NAN);
+        let places: Vec<usize> = unknown.iter().filter_map(|pixel| slab.added.place(*pixel)).collect();
+        for band in bands_mut(&mut slab.added) {
+            places.iter().for_each(|place| band[*place] = f64::NAN);
         }
     }
+    put(slab)?;
     notes.append(&mut observation.warnings);
     notes.extend(of_bands);
     observation.warnings = notes;
@@ -577,7 +592,29 @@ fn refuse(maps: &MapImage, options: &MapOptions, unverified: &str) -> Result<f64
     }
 }
 
-/// Radiance by maps: [band, pixel], W m-2 sr-1 um-1; and, if something is subtracted, the sum of the magnitudes of what was added up.
+/// For each pixel whether maps add something to it, or what stands where they know nothing.
+fn are_reached<'m>(on_scene: &'m MapImage, options: &MapOptions) -> impl Iterator<Item = bool> + use<'m> {
+    let fills = match options.fill {
+        Fill::Value(radiance) => radiance > 0.0,
+        Fill::Nan => true,
+        Fill::Refuse(_) | Fill::Solved => false,
+    };
+    let mut has_texels = vec![false; on_scene.area.len()];
+    for TexelWeights { lines } in on_scene.weights.iter().flatten() {
+        let pixels = lines.iter().flat_map(|line| (0..line.row_start.len()).map(|sample| line.pixel(sample)));
+        has_texels.iter_mut().zip(pixels).for_each(|(has, mut texels)| *has |= texels.next().is_some());
+    }
+    let is_unknown = |pixel: usize| on_scene.unknown.iter().any(|term| term[pixel] > 0.0);
+    has_texels.into_iter().enumerate().map(move |(pixel, has_texels)| has_texels || fills && is_unknown(pixel))
+}
+
+/// Of each band the radiance of the pixels that are reached.
+fn bands_mut(added: &mut Added) -> std::slice::ChunksExactMut<'_, f64> {
+    let reached = added.reached().max(1);
+    added.radiance.chunks_exact_mut(reached)
+}
+
+/// Radiance by maps; and, if something is subtracted, for each value the sum of the magnitudes of what was added up.
 fn add_up(
     scene: &Scene,
     terms: &mut [Term],
@@ -585,10 +622,11 @@ fn add_up(
     options: &MapOptions,
     subtracts: bool,
     watch: Watch<'_>,
-) -> Result<(Vec<f64>, Vec<f64>)> {
-    let pixels = on_scene.area.len();
-    let mut added = vec![0.0; pixels * scene.exposure.bands.len()];
-    let mut magnitude = vec![0.0; if subtracts { added.len() } else { 0 }];
+) -> Result<(Added, Vec<f64>)> {
+    let mut added = Added::zeros(are_reached(on_scene, options), scene.exposure.bands.len());
+    let mut magnitude = vec![0.0; if subtracts { added.radiance.len() } else { 0 }];
+    // For each value of a band its pixel.
+    let reached: Vec<usize> = (0..on_scene.area.len()).filter(|pixel| added.place(*pixel).is_some()).collect();
     let total: usize = terms.iter().flat_map(|t| &t.views).flat_map(|v| &v.sources).map(|s| s.uses.len()).sum();
     let mut done = 0;
     let mut values = Vec::new();
@@ -628,16 +666,17 @@ fn add_up(
                         Error::Invalid(vec![Problem::new(at, message).with_help(help)])
                     })?;
                     for (sensor_band, share) in shares {
-                        let out = &mut added[sensor_band * pixels..(sensor_band + 1) * pixels];
-                        for (pixel, (out, sum)) in out.iter_mut().zip(&sums).enumerate() {
-                            let mut value = source.weight * share * sum;
+                        let first = sensor_band * reached.len();
+                        let out = &mut added.radiance[first..first + reached.len()];
+                        for (place, (out, &pixel)) in out.iter_mut().zip(&reached).enumerate() {
+                            let mut value = source.weight * share * sums[pixel];
                             let filled = on_scene.area[pixel] - unfilled[pixel];
                             let is_something = filled > NOTHING * on_scene.area[pixel];
                             if options.fill.is_by_mean() && is_something && unfilled[pixel] > 0.0 {
                                 value *= on_scene.area[pixel] / filled;
                             }
                             *out += value;
-                            if let Some(sum) = magnitude.get_mut(sensor_band * pixels + pixel) {
+                            if let Some(sum) = magnitude.get_mut(first + place) {
                                 *sum += value.abs();
                             }
                         }
@@ -647,8 +686,8 @@ fn add_up(
         }
     }
     if let Fill::Value(radiance) = options.fill {
-        for out in added.chunks_exact_mut(pixels.max(1)) {
-            for (pixel, out) in out.iter_mut().enumerate() {
+        for out in bands_mut(&mut added) {
+            for (out, &pixel) in out.iter_mut().zip(&reached) {
                 let most = on_scene.unknown.iter().map(|term| term[pixel]).fold(0.0, f64::max);
                 *out += radiance * most;
             }
@@ -659,21 +698,21 @@ fn add_up(
 }
 
 /// Says where a sum is below 0. Below by rounding it is made 0.
-fn subtract(cube: &mut Cube, magnitude: &[f64]) -> Result<()> {
-    let pixels = cube.samples * cube.lines;
+fn subtract(slab: &mut Slab, samples: usize, magnitude: &[f64]) -> Result<()> {
     let (mut worst, mut count): (Option<(f64, usize, usize)>, u64) = (None, 0);
-    for band in 0..cube.bands.len() {
-        let sums = cube.band(band);
-        let Some(added) = cube.added_mut().next() else { break };
-        for (pixel, sum) in sums.into_iter().enumerate() {
-            let at = band * pixels + pixel;
-            if sum < -CANCELLED * magnitude[at] {
+    let mut sums = vec![0.0; samples * slab.lines.len()];
+    for band in 0..slab.bands.len() {
+        slab.expand(0..sums.len(), band..band + 1, |pixel, _, values| sums[pixel] = values[0]);
+        let Slab { added, .. } = slab;
+        for (pixel, &sum) in sums.iter().enumerate() {
+            let at = added.place(pixel).map(|place| band * added.reached() + place);
+            if sum < at.map_or(0.0, |at| -CANCELLED * magnitude[at]) {
                 count += 1;
                 if worst.is_none_or(|(least, ..)| sum < least) {
                     worst = Some((sum, band, pixel));
                 }
-            } else if sum < 0.0 {
-                added[at] -= sum;
+            } else if let Some(at) = at.filter(|_| sum < 0.0) {
+                added.radiance[at] -= sum;
             }
         }
     }
@@ -681,8 +720,8 @@ fn subtract(cube: &mut Cube, magnitude: &[f64]) -> Result<()> {
     let message = format!(
         "the sum is {} W m-2 sr-1 um-1 at sample {}, line {} (from 0) of band {}, the least of {count} values below 0",
         number(sum),
-        pixel % cube.samples,
-        pixel / cube.samples,
+        pixel % samples,
+        pixel / samples,
         band + 1
     );
     let problem = Problem::new(Location::item("--radiance"), message)

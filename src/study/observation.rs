@@ -4,13 +4,15 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::effects::Effect;
-use crate::product::{Backplanes, Cube, Footprints};
+use crate::error::Result;
+use crate::product::{Backplanes, Cube, CubeAxes, Footprints, Slab};
+use crate::scene::Scene;
 
 /// What a camera sees of a scene.
 #[derive(Debug, Clone)]
-pub struct Observation {
-    /// Radiance.
-    pub cube: Cube,
+pub struct Observation<C = Cube> {
+    /// Radiance; `()` if its slabs were handed on as they were made.
+    pub cube: C,
     /// Images of geometry.
     pub backplanes: Backplanes,
     /// Which facets each pixel sees, if that was wanted.
@@ -23,6 +25,27 @@ pub struct Observation {
     pub counts: Counts,
     /// What a reader of the result should know, as sentences.
     pub warnings: Vec<String>,
+}
+
+/// Takes slabs of an observation's cube as they are made.
+pub type Put<'a> = &'a mut dyn FnMut(Slab) -> Result<()>;
+
+impl Observation<()> {
+    /// With all slabs of its cube held together.
+    pub(super) fn held<T>(
+        scene: &Scene,
+        make: impl FnOnce(Put<'_>) -> Result<(Observation<()>, T)>,
+    ) -> Result<(Observation, T)> {
+        let mut slabs = Vec::new();
+        let mut put = |slab| {
+            slabs.push(slab);
+            Ok(())
+        };
+        let (made, more) = make(&mut put)?;
+        let Observation { cube: (), backplanes, footprints, effects, checks, counts, warnings } = made;
+        let cube = Cube::new(CubeAxes::of(&scene.exposure), slabs)?;
+        Ok((Observation { cube, backplanes, footprints, effects, checks, counts, warnings }, more))
+    }
 }
 
 /// Something that must hold for a result to be right.

@@ -2,14 +2,14 @@
 
 use super::cost::has_room;
 use super::effects::{Given, Reference, effects, mars_seen};
-use super::observation::{Check, Counts, Observation};
+use super::observation::{Check, Counts, Observation, Put};
 use super::site::Site;
 use super::warnings;
 use crate::error::Result;
 use crate::geometry::polygon::area;
 use crate::integrate::{self, Image, Wanted};
 use crate::physics::bounds;
-use crate::product::FacetTable;
+use crate::product::{FacetTable, Slab};
 use crate::progress::{Watch, tell};
 use crate::scene::{MarsModel, Scene};
 use crate::solve;
@@ -31,20 +31,37 @@ pub fn simulate(scene: &Scene, watch: Watch<'_>) -> Result<(FacetTable, Observat
 /// [`Error::Invalid`](crate::Error::Invalid) if the table is not of this scene, or memory cannot hold the image;
 /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
 pub fn observe(scene: &Scene, table: &FacetTable, wanted: Wanted<'_>, watch: Watch<'_>) -> Result<Observation> {
+    let make = |put: Put<'_>| Ok((observe_by_slabs(scene, table, wanted, put, watch)?, ()));
+    Ok(Observation::held(scene, make)?.0)
+}
+
+/// As [`observe`], but `put` takes the slabs of the cube as they are made: of a frame camera one.
+///
+/// # Errors
+/// As [`observe`], and what `put` says.
+pub fn observe_by_slabs(
+    scene: &Scene,
+    table: &FacetTable,
+    wanted: Wanted<'_>,
+    put: Put<'_>,
+    watch: Watch<'_>,
+) -> Result<Observation<()>> {
     table.fits(scene)?;
     has_room(scene, false, None)?;
     let image = integrate::integrate(scene, table, wanted, watch)?;
-    account_for(scene, table, image, true, watch)
+    let (observation, slab) = account_for(scene, table, image, true, watch)?;
+    put(slab)?;
+    Ok(observation)
 }
 
-/// An image with an account of how good it is.
+/// An account of how good an image is, and its radiance.
 pub(super) fn account_for(
     scene: &Scene,
     table: &FacetTable,
     image: Image,
     uses_sun: bool,
     watch: Watch<'_>,
-) -> Result<Observation> {
+) -> Result<(Observation<()>, Slab)> {
     tell(watch, "report", 0, 1)?;
     let site = Site::new(&scene.body.mesh, scene.body.topology());
     let given = Given::new(scene, &site, Reference::of(table, &image.backplanes));
@@ -70,25 +87,20 @@ pub(super) fn account_for(
         .concat(),
         checks: checks(scene, table, &given, &image),
         counts,
-        cube: image.cube,
+        cube: (),
         backplanes: image.backplanes,
         footprints: image.footprints,
     };
     tell(watch, "report", 1, 1)?;
-    Ok(observation)
+    Ok((observation, image.slab))
 }
 
 /// What must hold whatever the scene.
 fn checks(scene: &Scene, table: &FacetTable, given: &Given, image: &Image) -> Vec<Check> {
     let check = |name: &str, value: f64, limit: f64| Check { name: name.to_owned(), value, limit };
     let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
-    let bad = image
-        .cube
-        .slabs()
-        .iter()
-        .flat_map(|slab| slab.weight.iter().chain(&slab.spectra).chain(&slab.added))
-        .filter(|v| !v.is_finite())
-        .count();
+    let Slab { weight, spectra, added, .. } = &image.slab;
+    let bad = weight.iter().chain(spectra).chain(&added.radiance).filter(|v| !v.is_finite()).count();
     let mut checks = vec![
         check(
             "areas in a pixel exceed the pixel by, pixels",

@@ -48,7 +48,7 @@ fn site(towards_sun: [f64; 3]) -> Scene {
 
 fn cube(scene: &Scene) -> Vec<Vec<f64>> {
     let (_, seen) = study::simulate(scene, &unwatched).unwrap();
-    (0..seen.cube.bands.len()).map(|band| seen.cube.band(band)).collect()
+    (0..seen.cube.axes.bands.len()).map(|band| seen.cube.band(band)).collect()
 }
 
 /// Two suns light what each of them lights: the second has the first one's spectrum at 1.5 au, or a share of it.

@@ -167,13 +167,16 @@ fn shadows_within_pixels_are_whole() {
         for line in expected.lines().skip(1) {
             let right: Vec<f64> = line.split(',').map(|v| v.parse().unwrap()).collect();
             let (line, sample) = (right[0] as usize, right[1] as usize);
-            assert!((coverage[line * seen.cube.samples + sample] - right[2]).abs() < 1e-11, "{case} {line} {sample}");
+            assert!(
+                (coverage[line * seen.cube.axes.samples + sample] - right[2]).abs() < 1e-11,
+                "{case} {line} {sample}"
+            );
             // The Sun's irradiance is 1000.
             let radiance = cube[[line, sample, 0]] * std::f64::consts::PI / 1000.0;
             assert!((radiance - right[3]).abs() < 1e-11, "{case} {line} {sample}: {radiance} not {}", right[3]);
             pixels += 1;
         }
-        assert_eq!(pixels, seen.cube.samples * seen.cube.lines);
+        assert_eq!(pixels, seen.cube.axes.samples * seen.cube.axes.lines);
     }
 }
 

@@ -50,7 +50,7 @@ fn plane_values<'a>(seen: &'a Observation, name: &str) -> &'a [f64] {
 
 /// The radiance of every fully covered pixel, in each band.
 fn covered(seen: &Observation) -> Vec<Vec<f64>> {
-    let mut radiance = vec![0.0; seen.cube.bands.len()];
+    let mut radiance = vec![0.0; seen.cube.axes.bands.len()];
     let coverage = plane_values(seen, "COVERAGE").iter().enumerate();
     let full: Vec<_> = coverage
         .filter(|(_, c)| **c > 1.0 - 1e-12)

@@ -9,7 +9,9 @@ use mmxrt::Error;
 use mmxrt::formats::envi::{self, Interleave, Precision};
 use mmxrt::formats::{exr_cube, npz, quicklook, report_json};
 use mmxrt::geometry::Direction;
-use mmxrt::product::{Backplanes, Cube, FacetTable, Footprints, Lighting, Plane, Sees, Slab};
+use mmxrt::product::{
+    Added, Backplanes, Cube, CubeAxes, FacetTable, Footprints, Lighting, Plane, Sees, ShownBands, Slab,
+};
 use mmxrt::progress::unwatched;
 use mmxrt::scene::DirectionField;
 use mmxrt::spectral::Band;
@@ -25,9 +27,10 @@ fn small_cube() -> Cube {
         weight: vec![1.0, 2.0, 3.0, 4.0],
         spectra: vec![1.0, 10.0],
         first_thermal_row: 0,
-        added: vec![],
+        added: Added::default(),
     };
-    Cube::new(2, 2, vec![Band::new(0.95, None), Band::new(3.6, None)], vec![slab]).unwrap()
+    let bands = vec![Band::new(0.95, None), Band::new(3.6, None)];
+    Cube::new(CubeAxes { samples: 2, lines: 2, bands }, vec![slab]).unwrap()
 }
 
 /// A cube of several rows a pixel, of numbers without a pattern.
@@ -42,10 +45,17 @@ fn random_cube(samples: usize, lines: usize, bands: usize, rows: usize, rows_per
         weight: (0..pixels * rows_per_pixel).map(|_| random.share()).collect(),
         spectra: (0..rows * bands).map(|_| random.share()).collect(),
         first_thermal_row: 0,
-        added: vec![],
+        added: Added::default(),
     };
     let bands = (0..bands).map(|i| Band::new(0.95 + 0.01 * i as f64, Some(0.01))).collect();
-    Cube::new(samples, lines, bands, vec![slab]).unwrap()
+    Cube::new(CubeAxes { samples, lines, bands }, vec![slab]).unwrap()
+}
+
+/// All bands of a cube.
+fn shown(cube: &Cube) -> ShownBands {
+    let mut shown = ShownBands::new(cube.axes.clone(), 0..cube.axes.bands.len());
+    cube.slabs().iter().for_each(|slab| shown.take(slab).unwrap());
+    shown
 }
 
 fn f32s(bytes: &[u8]) -> Vec<f32> {
@@ -85,7 +95,7 @@ fn envi_header_says_what_readers_need() {
     let scratch = Scratch::new();
     let path = scratch.join("cube.img");
     let mut cube = random_cube(2, 1, 3, 1, 1);
-    cube.bands[1].fwhm_um = None;
+    cube.axes.bands[1].fwhm_um = None;
     envi::write_cube(&path, &cube, Interleave::Bil, Precision::F64, "a {strange}\ntitle", &unwatched).unwrap();
     let text = std::fs::read_to_string(scratch.join("cube.hdr")).unwrap();
     assert_eq!(
@@ -263,8 +273,8 @@ fn a_full_disk_is_an_error_that_names_the_file() {
         exr_cube::write(&path, &cube, "", &unwatched),
         npz::write_table(&path, &table(), "scene"),
         npz::write_footprints(&path, &Footprints { row_start: vec![0], ..Default::default() }, "scene"),
-        quicklook::write_grey(&path, &cube, 0, &[1.0; 64 * 64]),
-        quicklook::write_colour(&path, &cube, [0, 1, 2], &[1.0; 64 * 64]),
+        quicklook::write_grey(&path, &shown(&cube), 0, &[1.0; 64 * 64]),
+        quicklook::write_colour(&path, &shown(&cube), [0, 1, 2], &[1.0; 64 * 64]),
         report_json::write(&path, &image),
     ];
     for (i, result) in results.into_iter().enumerate() {
@@ -285,7 +295,7 @@ fn open_exr_reads_back_in_the_order_of_wavelength() {
     let path = scratch.join("cube.exr");
     // Descending, and across the change from three to four digits of nm.
     let mut cube = random_cube(5, 19, 3, 4, 2);
-    for (band, um) in cube.bands.iter_mut().zip([1.05, 0.9999995, 0.45]) {
+    for (band, um) in cube.axes.bands.iter_mut().zip([1.05, 0.9999995, 0.45]) {
         band.centre_um = um;
     }
     exr_cube::write(&path, &cube, "what it is", &unwatched).unwrap();
@@ -308,7 +318,7 @@ fn open_exr_reads_back_in_the_order_of_wavelength() {
     scratch.write("bad.exr", "v/1\x01");
     assert!(exr_cube::read_info(&scratch.join("bad.exr")).is_err());
 
-    cube.bands[1] = cube.bands[0].clone();
+    cube.axes.bands[1] = cube.axes.bands[0].clone();
     assert!(matches!(exr_cube::write(&path, &cube, "", &unwatched), Err(mmxrt::Error::Invalid(_))));
 }
 
@@ -539,13 +549,13 @@ fn quick_looks_are_pictures_of_the_cube_and_say_how_they_are_stretched() {
     let scratch = Scratch::new();
     let (grey, colour) = (scratch.join("grey.png"), scratch.join("colour.png"));
     let coverage = [1.0, 1.0, 0.5, 0.0];
-    quicklook::write_grey(&grey, &small_cube(), 1, &coverage).unwrap();
+    quicklook::write_grey(&grey, &shown(&small_cube()), 1, &coverage).unwrap();
     let (kind, pixels, text) = decode(&grey);
     assert_eq!((kind, pixels), (png::ColorType::Grayscale, vec![0, 128, 255, 0]));
     let [long, short] = ["3.6 um, black 1.0000e1, white 3.0000e1", "0.95 um, black 1.0000e0, white 3.0000e0"]
         .map(|text| format!("{text} W m-2 sr-1 um-1, power 1.000"));
     assert_eq!(text, long);
-    quicklook::write_colour(&colour, &small_cube(), [1, 0, 0], &coverage).unwrap();
+    quicklook::write_colour(&colour, &shown(&small_cube()), [1, 0, 0], &coverage).unwrap();
     assert_eq!([&grey, &colour].map(|p| quicklook::read_info(p).unwrap()), [(2, 2, false), (2, 2, true)]);
     assert!(matches!(quicklook::read_info(&scratch.join("none.png")), Err(Error::Io { .. })));
     let (kind, pixels, text) = decode(&colour);

@@ -65,7 +65,7 @@ fn largest_change(one: &Observation, other: &Observation) -> f64 {
         let pairs = one.cube.band(band).into_iter().zip(other.cube.band(band));
         pairs.map(|(a, b)| (a - b).abs() / reference).fold(0.0, f64::max)
     };
-    (0..one.cube.bands.len()).map(of_band).fold(0.0, f64::max)
+    (0..one.cube.axes.bands.len()).map(of_band).fold(0.0, f64::max)
 }
 
 #[test]

@@ -1,8 +1,10 @@
-//! Cubes of several slabs: a tunable filter, a push-broom, several poses.
+//! Cubes of several slabs: a tunable filter, a push-broom, several poses; and how slabs are written one by one.
 
+use mmxrt::Error;
 use mmxrt::formats::envi::{self, Interleave, Precision};
+use mmxrt::formats::exr_cube;
 use mmxrt::geometry::Direction;
-use mmxrt::product::{Cube, Slab};
+use mmxrt::product::{Added, Cube, CubeAxes, Filling, ShownBands, Slab};
 use mmxrt::progress::unwatched;
 use mmxrt::scene::{Exposure, Scene, Sky, Sun, Thermal};
 use mmxrt::spectral::Band;
@@ -23,6 +25,15 @@ fn site() -> Scene {
     })
 }
 
+/// Axes of bands at 1, 2, 3 ... um.
+fn axes(samples: usize, lines: usize, bands: usize) -> CubeAxes {
+    CubeAxes { samples, lines, bands: (0..bands).map(|i| Band::new(1.0 + i as f64, None)).collect() }
+}
+
+fn added(start: &[usize], values: usize) -> Added {
+    Added { start: start.to_vec(), radiance: vec![1.0; values] }
+}
+
 fn cube(scene: &Scene) -> Cube {
     study::simulate(scene, &unwatched).unwrap().1.cube
 }
@@ -37,7 +48,7 @@ fn bands_and_bytes(cube: &Cube, interleave: Interleave) -> (Vec<Vec<f64>>, Vec<u
     let scratch = Scratch::new();
     let path = scratch.join("cube.img");
     envi::write_cube(&path, cube, interleave, Precision::F64, "", &unwatched).unwrap();
-    ((0..cube.bands.len()).map(|band| cube.band(band)).collect(), std::fs::read(&path).unwrap())
+    ((0..cube.axes.bands.len()).map(|band| cube.band(band)).collect(), std::fs::read(&path).unwrap())
 }
 
 #[test]
@@ -56,7 +67,7 @@ fn a_tunable_filter_has_a_sky_for_each_band() {
         Slab { bands: band..band + 1, ..only_slab(&under(band).seen_by(exposure).unwrap()) }
     };
     // In any order.
-    let all = Cube::new(12, 12, bands.clone(), [2, 0, 1].map(slab).to_vec()).unwrap();
+    let all = Cube::new(CubeAxes::of(&first.exposure), [2, 0, 1].map(slab).to_vec()).unwrap();
     let (values, bytes) = bands_and_bytes(&all, Interleave::Bsq);
     for (band, values) in values.iter().enumerate() {
         // Few bands have a row of heat each, as one alone has: the same numbers.
@@ -75,8 +86,7 @@ fn a_push_broom_has_a_slab_for_each_line() {
         let at = line as usize;
         Slab { lines: at..at + 1, ..only_slab(&frame.seen_by(Exposure { camera, ..frame.exposure.clone() }).unwrap()) }
     };
-    let bands = frame.exposure.bands.clone();
-    let lines = Cube::new(12, 12, bands, (0..12).map(slab).collect()).unwrap();
+    let lines = Cube::new(CubeAxes::of(&frame.exposure), (0..12).map(slab).collect()).unwrap();
     let whole = cube(&frame);
     for interleave in [Interleave::Bsq, Interleave::Bil, Interleave::Bip] {
         let ((ours, _), (theirs, _)) = (bands_and_bytes(&lines, interleave), bands_and_bytes(&whole, interleave));
@@ -99,7 +109,7 @@ fn several_poses_add_up_with_their_weights() {
     };
     let poses = [(0.25, -0.3), (0.5, 0.0), (0.25, 0.3)];
     let parts = poses.map(|(share, by_px)| (share, only_slab(&moved(by_px))));
-    let smeared = Cube::new(12, 12, still.exposure.bands.clone(), vec![Slab::sum(&parts).unwrap()]).unwrap();
+    let smeared = Cube::new(CubeAxes::of(&still.exposure), vec![Slab::sum(&parts).unwrap()]).unwrap();
     let each = poses.map(|(share, by_px)| (share, cube(&moved(by_px))));
     for band in 0..3 {
         let values = smeared.band(band);
@@ -121,16 +131,22 @@ fn slabs_that_do_not_fill_a_cube_once_are_refused() {
         bands,
         ..Slab::default()
     };
-    let two = || vec![Band::new(1.0, None), Band::new(2.0, None)];
-    let made = |slabs: Vec<Slab>| Cube::new(2, 3, two(), slabs).map_err(|e| e.to_string());
+    let made = |slabs: Vec<Slab>| Cube::new(axes(2, 3, 2), slabs).map_err(|e| e.to_string());
     assert_eq!(made(vec![slab(0..3, 1..2), slab(0..1, 0..1), slab(1..3, 0..1)]).unwrap().band(1), [0.0; 6]);
     for (slabs, told) in [
         (vec![], "slabs hold 0 of 6"),
         (vec![slab(0..2, 0..2)], "slabs hold 4 of 6"),
-        (vec![slab(0..3, 0..2), slab(2..3, 1..2)], "slab 1: overlaps slab 0"),
+        (
+            vec![slab(0..3, 0..2), slab(2..3, 1..2)],
+            "slab of lines 2..3, bands 1..2 (from 0): overlaps slab of lines 0..3, bands 0..2",
+        ),
         (vec![slab(0..4, 0..2)], "reaches beyond 3 lines and 2 bands"),
         (vec![Slab { row: vec![0], ..slab(0..3, 0..2) }], "are not those of 6 pixels"),
-        (vec![Slab { added: vec![1.0; 3], ..slab(0..3, 0..2) }], "has not 2 bands of 6 pixels"),
+        (vec![Slab { added: added(&[0, 1, 2, 3], 6), ..slab(0..3, 0..2) }], "has not 2 bands of 6 pixels"),
+        (vec![Slab { added: added(&[0, 0, 0, 1, 1, 1, 1], 3), ..slab(0..3, 0..2) }], "has not 2 bands of 6 pixels"),
+        (vec![Slab { added: added(&[0, 0, 0, 2, 2, 2, 2], 4), ..slab(0..3, 0..2) }], "has not 2 bands of 6 pixels"),
+        (vec![Slab { added: added(&[0, 1, 0, 1, 1, 1, 1], 2), ..slab(0..3, 0..2) }], "has not 2 bands of 6 pixels"),
+        (vec![Slab { added: added(&[], 2), ..slab(0..3, 0..2) }], "has not 2 bands of 6 pixels"),
     ] {
         let error = made(slabs).unwrap_err();
         assert!(error.contains(told), "{error}");
@@ -179,12 +195,17 @@ fn slabs_of_any_shape_and_order_are_the_array_they_were_cut_from() {
                     slab.row_start.push(slab.row.len());
                 }
                 if r.share() < 0.3 {
-                    slab.added = (0..pixels * of_bands.len()).map(|_| (r.bits() % 50) as f64).collect();
-                    for (k, band) in of_bands.clone().enumerate() {
-                        for pixel in 0..pixels {
-                            array[band][of_lines.start * samples + pixel] += slab.added[k * pixels + pixel];
+                    let is_reached: Vec<bool> = (0..pixels).map(|_| r.share() < 0.4).collect();
+                    slab.added = Added::zeros(is_reached.iter().copied(), of_bands.len());
+                    let mut radiance = slab.added.radiance.iter_mut();
+                    for band in of_bands.clone() {
+                        for pixel in (0..pixels).filter(|pixel| is_reached[*pixel]) {
+                            let value = (r.bits() % 50) as f64;
+                            *radiance.next().unwrap() = value;
+                            array[band][of_lines.start * samples + pixel] += value;
                         }
                     }
+                    assert!(radiance.next().is_none());
                 }
                 slabs.push(slab);
             }
@@ -194,8 +215,7 @@ fn slabs_of_any_shape_and_order_are_the_array_they_were_cut_from() {
         }
         slabs_seen += slabs.len();
         out_of_order += usize::from(slabs.windows(2).any(|w| w[0].lines.start > w[1].lines.start));
-        let all = (0..bands).map(|i| Band::new(1.0 + i as f64, None)).collect();
-        let cube = Cube::new(samples, lines, all, slabs).unwrap();
+        let cube = Cube::new(axes(samples, lines, bands), slabs).unwrap();
         let of_cube: Vec<Vec<f64>> = (0..bands).map(|band| cube.band(band)).collect();
         assert_eq!(of_cube, array);
         let by_pixel = cube.to_array();
@@ -227,8 +247,7 @@ fn damaged_slabs_are_told_and_never_looked_into() {
         spectra: vec![2.0],
         ..Slab::default()
     };
-    let one = || vec![Band::new(1.0, None)];
-    assert_eq!(Cube::new(1, 1, one(), vec![good.clone()]).unwrap().band(0), [2.0]);
+    assert_eq!(Cube::new(axes(1, 1, 1), vec![good.clone()]).unwrap().band(0), [2.0]);
     let damaged = [
         Slab { row_start: vec![], ..good.clone() },
         Slab { row_start: vec![0, 9], ..good.clone() },
@@ -237,11 +256,187 @@ fn damaged_slabs_are_told_and_never_looked_into() {
         Slab { weight: vec![], ..good.clone() },
         Slab { spectra: vec![], ..good.clone() },
         Slab { lines: 0..usize::MAX, ..good.clone() },
+        Slab { lines: std::ops::Range { start: usize::MAX, end: 0 }, ..good.clone() },
+        Slab { added: added(&[0, 1], 2), ..good.clone() },
         Slab { lines: usize::MAX - 1..usize::MAX, bands: 5..6, ..good.clone() },
     ];
     for slab in damaged {
-        assert!(Cube::new(usize::MAX / 4, 1, one(), vec![slab.clone()]).is_err(), "{slab:?}");
-        assert!(Cube::new(1, 1, one(), vec![slab.clone()]).is_err(), "{slab:?}");
+        assert!(Cube::new(axes(usize::MAX / 4, 1, 1), vec![slab.clone()]).is_err(), "{slab:?}");
+        assert!(Cube::new(axes(1, 1, 1), vec![slab.clone()]).is_err(), "{slab:?}");
         assert!(slab == good || Slab::sum(&[(0.5, slab.clone()), (0.5, good.clone())]).is_none(), "{slab:?}");
     }
+}
+
+/// Radiance that is another in each pixel and band, exactly, also in single precision.
+fn radiance(sample: usize, line: usize, band: usize) -> f64 {
+    (1 + sample + 100 * line + 10_000 * band) as f64
+}
+
+/// A slab of it: sample and line come by weights, the band by what is added, in every other pixel; elsewhere by a row of its own.
+fn numbered(samples: usize, lines: std::ops::Range<usize>, bands: std::ops::Range<usize>) -> Slab {
+    let pixels = lines.clone().flat_map(|line| (0..samples).map(move |sample| (sample, line)));
+    let is_reached = |(sample, line): (usize, usize)| (sample + line) % 2 == 0;
+    let mut slab = Slab { row_start: vec![0], ..Slab::default() };
+    for (sample, line) in pixels.clone() {
+        slab.row.push(0);
+        slab.weight.push(radiance(sample, line, 0));
+        if !is_reached((sample, line)) {
+            slab.row.push(1);
+            slab.weight.push(1.0);
+        }
+        slab.row_start.push(slab.row.len());
+    }
+    let of_band = |band: usize| (10_000 * band) as f64;
+    slab.spectra = bands.clone().map(|_| 1.0).chain(bands.clone().map(of_band)).collect();
+    slab.added = Added::zeros(pixels.map(is_reached), bands.len());
+    let reached = slab.added.reached();
+    for (i, band) in bands.clone().enumerate() {
+        slab.added.radiance[i * reached..][..reached].fill(of_band(band));
+    }
+    Slab { lines, bands, ..slab }
+}
+
+/// Blocks of at most so many lines and bands, which fill a cube, in an order of their own.
+fn blocks(axes: &CubeAxes, lines: usize, bands: usize, r: &mut Random) -> Vec<[std::ops::Range<usize>; 2]> {
+    let cut = |all: usize, step: usize| (0..all).step_by(step).map(move |first| first..all.min(first + step));
+    let of_lines = |of_lines: std::ops::Range<usize>| cut(axes.bands.len(), bands).map(move |b| [of_lines.clone(), b]);
+    let mut blocks: Vec<_> = cut(axes.lines, lines).flat_map(of_lines).collect();
+    for i in (1..blocks.len()).rev() {
+        blocks.swap(i, (r.bits() % (i as u64 + 1)) as usize);
+    }
+    blocks
+}
+
+#[test]
+fn slabs_that_are_written_in_turn_are_the_file_that_their_numbers_are() {
+    let mut r = Random(3);
+    let scratch = Scratch::new();
+    let path = scratch.join("cube.img");
+    let mut written_blocks = 0;
+    // More pixels than are expanded at a time in one of them, lines and bands that divide by nothing, single pixels.
+    for [samples, lines, bands] in [[7, 37, 19], [131, 35, 5], [1, 1, 1], [1, 40, 3], [9, 1, 33]] {
+        let axes = axes(samples, lines, bands);
+        // A frame camera, a push-broom, a tunable filter, tiles of one by one, tiles that do not divide.
+        for (block_lines, block_bands) in [(lines, bands), (1, bands), (lines, 1), (1, 1), (3, 2), (17, 16)] {
+            let blocks = blocks(&axes, block_lines, block_bands, &mut r);
+            written_blocks += blocks.len();
+            for interleave in [Interleave::Bsq, Interleave::Bil, Interleave::Bip] {
+                let mut file = envi::EnviCube::create(&path, axes.clone(), interleave, Precision::F64, "x").unwrap();
+                for [lines, bands] in &blocks {
+                    // Made, written and dropped.
+                    file.put(&numbered(samples, lines.clone(), bands.clone()), &unwatched).unwrap();
+                }
+                assert!(!scratch.join("cube.hdr").exists());
+                file.end().unwrap();
+                let bytes = std::fs::read(&path).unwrap();
+                assert_eq!(bytes.len(), samples * lines * bands * 8);
+                for (i, value) in bytes.chunks_exact(8).enumerate() {
+                    let (line, sample, band) = match interleave {
+                        Interleave::Bsq => (i / samples % lines, i % samples, i / samples / lines),
+                        Interleave::Bil => (i / samples / bands, i % samples, i / samples % bands),
+                        Interleave::Bip => (i / bands / samples, i / bands % samples, i % bands),
+                    };
+                    let value = f64::from_le_bytes(value.try_into().unwrap());
+                    assert_eq!(value, radiance(sample, line, band), "{interleave:?} {i}");
+                }
+                std::fs::remove_file(scratch.join("cube.hdr")).unwrap();
+            }
+        }
+    }
+    assert!(written_blocks > 1000);
+}
+
+#[test]
+fn open_exr_takes_slabs_in_any_order_of_lines_and_wavelengths() {
+    use exr::prelude::*;
+    let mut r = Random(4);
+    let scratch = Scratch::new();
+    let path = scratch.join("cube.exr");
+    let mut axes = axes(5, 21, 6);
+    // Channels are in the order of wavelength.
+    let um = [3.0, 0.5, 2.0, 1.0, 2.5, 0.9];
+    axes.bands.iter_mut().zip(um).for_each(|(band, um)| band.centre_um = um);
+    for (block_lines, block_bands) in [(21, 6), (1, 6), (21, 1), (1, 1), (4, 5)] {
+        let mut file = exr_cube::ExrCube::create(&path, &axes, "x").unwrap();
+        for [lines, bands] in blocks(&axes, block_lines, block_bands, &mut r) {
+            file.put(&numbered(5, lines, bands), &unwatched).unwrap();
+        }
+        file.end().unwrap();
+        let image = read_first_flat_layer_from_file(&path).unwrap();
+        let channels = &image.layer_data.channel_data.list;
+        assert_eq!(channels.len(), 6);
+        for (channel, band) in channels.iter().zip([1, 5, 3, 2, 4, 0]) {
+            let expected: Vec<f32> = (0..105).map(|pixel| radiance(pixel % 5, pixel / 5, band) as f32).collect();
+            assert_eq!(channel.sample_data.values_as_f32().collect::<Vec<f32>>(), expected);
+        }
+    }
+}
+
+#[test]
+fn a_slab_that_is_missing_or_comes_twice_is_no_file() {
+    let scratch = Scratch::new();
+    let path = scratch.join("cube.img");
+    for interleave in [Interleave::Bsq, Interleave::Bil, Interleave::Bip] {
+        let begun = || envi::EnviCube::create(&path, axes(3, 4, 2), interleave, Precision::F32, "x").unwrap();
+        let mut file = begun();
+        file.put(&numbered(3, 0..4, 1..2), &unwatched).unwrap();
+        let twice = file.put(&numbered(3, 2..3, 0..2), &unwatched).unwrap_err().to_string();
+        assert!(twice.contains("lines 2..3, bands 0..2 (from 0): overlaps slab of lines 0..4, bands 1..2"), "{twice}");
+        let beyond = file.put(&numbered(3, 3..5, 0..1), &unwatched).unwrap_err().to_string();
+        assert!(beyond.contains("bands 0..1 (from 0): reaches beyond 4 lines and 2 bands"), "{beyond}");
+        let narrow = file.put(&numbered(2, 0..4, 0..1), &unwatched).unwrap_err().to_string();
+        assert!(narrow.contains("bands 0..1 (from 0): 12 weights of 2 rows are not those of 12 pixels"), "{narrow}");
+        // One that was refused, or in whose middle writing ended, does not count.
+        let stop = |_| false;
+        assert!(matches!(file.put(&numbered(3, 0..4, 0..1), &stop), Err(Error::Interrupted)));
+        let missing = file.end().unwrap_err().to_string();
+        assert!(missing.contains("cube: slabs hold 4 of 8 lines of bands"), "{missing}");
+        let mut file = begun();
+        file.put(&numbered(3, 0..4, 1..2), &unwatched).unwrap();
+        file.put(&numbered(3, 0..3, 0..1), &unwatched).unwrap();
+        let missing = file.end().unwrap_err().to_string();
+        assert!(missing.contains("cube: slabs hold 7 of 8 lines of bands"), "{missing}");
+        // What tells readers of the numbers was never written.
+        assert!(!scratch.join("cube.hdr").exists());
+    }
+    let mut file = exr_cube::ExrCube::create(&scratch.join("cube.exr"), &axes(3, 4, 2), "x").unwrap();
+    file.put(&numbered(3, 0..4, 1..2), &unwatched).unwrap();
+    assert!(file.put(&numbered(3, 0..4, 1..2), &unwatched).is_err());
+    assert!(exr_cube::ExrCube::create(&scratch.join("cube.exr"), &axes(3, 4, 2), "x").unwrap().end().is_err());
+    let mut shown = ShownBands::new(axes(3, 4, 2), [1, 7]);
+    shown.take(&numbered(3, 0..4, 0..2)).unwrap();
+    assert_eq!((shown.band(1)[11], shown.band(0).len(), shown.band(7).len()), (radiance(2, 3, 1), 0, 0));
+    assert!(shown.take(&numbered(3, 0..4, 0..2)).is_err());
+}
+
+/// A cube of 1e15 numbers counts its slabs as any other.
+#[test]
+fn what_fills_a_cube_is_counted_not_held() {
+    let huge = axes(0, 1_000_000_000_000, 1000);
+    let mut filling = Filling::new(&huge);
+    let slab = |lines, bands| Slab { lines, bands, row_start: vec![0], ..Slab::default() };
+    filling.add(&slab(0..1_000_000_000_000, 1..1000));
+    filling.add(&slab(5..1_000_000_000_000, 0..1));
+    assert!(filling.end().unwrap_err().to_string().contains("999999999999995 of 1000000000000000"));
+    assert!(filling.admits(&slab(0..5, 0..1)).is_ok() && filling.admits(&slab(4..6, 0..1)).is_err());
+}
+
+#[test]
+fn a_sum_of_poses_adds_what_maps_add_where_any_of_them_reaches() {
+    let slab = |start: &[usize], radiance: &[f64]| Slab {
+        lines: 0..1,
+        bands: 0..2,
+        row_start: vec![0; 4],
+        added: Added { start: start.to_vec(), radiance: radiance.to_vec() },
+        ..Slab::default()
+    };
+    let parts = [
+        (0.5, slab(&[0, 1, 1, 1], &[8.0, 80.0])),
+        (0.25, slab(&[0, 1, 2, 2], &[4.0, 16.0, 40.0, 160.0])),
+        (0.25, slab(&[], &[])),
+    ];
+    let sum = Slab::sum(&parts).unwrap();
+    // Pixel 2 is reached by none.
+    assert_eq!(sum.added, Added { start: vec![0, 1, 2, 2], radiance: vec![5.0, 4.0, 50.0, 40.0] });
+    assert_eq!(Slab::sum(&[(1.0, slab(&[], &[]))]).unwrap().added, Added::default());
 }

@@ -9,13 +9,13 @@ mod write;
 pub use self::header::{Header, parse_header, read_header};
 pub use self::pair::pair;
 pub use self::statistics::{BandStatistics, statistics};
-pub use self::write::{write_backplanes, write_cube};
+pub use self::write::{EnviCube, write_backplanes, write_cube};
 pub use super::number::DataType;
 
 pub(super) use self::header::{KEYS, Scale};
 pub(super) use self::header_text::{HeaderText, plain};
 pub(super) use self::pair::{ENDINGS, header_of};
-pub(super) use self::write::stream_lines_f32;
+pub(super) use self::write::{SoFar, stream_lines_f32};
 
 /// Order of the numbers in the file, slowest index first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

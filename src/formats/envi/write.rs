@@ -1,7 +1,7 @@
 //! Cubes and backplanes are written: their numbers, and their headers.
 
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
@@ -11,7 +11,7 @@ use crate::error::{Error, Location, Result};
 use crate::formats::flat::{AxisOrder, Flat, FlatFile};
 use crate::formats::number::single;
 use crate::formats::quicklook;
-use crate::product::{Backplanes, Cube, Plane};
+use crate::product::{Backplanes, Cube, CubeAxes, Filling, Plane, Slab};
 use crate::progress::{Watch, tell};
 
 /// A number as it is written.
@@ -36,19 +36,117 @@ impl Sample for f64 {
 
 /// Pixels expanded by one task. Not a power of two, so that 16 bands of a block do not share cache sets.
 const BLOCK: usize = 4112;
-/// Bands of a band-sequential file that are expanded at a time: what [`Cube::expand`] computes at once,
+/// Bands of a band-sequential file that are expanded at a time: what [`Slab::expand`] computes at once,
 /// less if that were more memory than this.
 const PASS_BANDS: usize = 16;
 const PASS_BYTES: usize = 64 << 20;
 /// Lines expanded at a time in the other interleaves.
 const PASS_LINES: usize = 16;
 
-/// Writes a radiance cube: the numbers to `path`, the header beside it (`.hdr`).
+/// A radiance cube that is written slab by slab, in any order: the numbers, at the end the header beside them (`.hdr`).
 ///
-/// The cube is expanded on the way to the disk and never held in memory; the bytes do not depend on the number of threads.
+/// Slabs are expanded on the way to the disk, and none is kept; the bytes depend neither on their order nor on the number of threads.
+/// Of [`Interleave::Bip`] slabs should have all bands: else each pixel of each slab is a write of its own.
+#[derive(Debug)]
+pub struct EnviCube {
+    path: PathBuf,
+    file: FlatFile,
+    axes: CubeAxes,
+    interleave: Interleave,
+    precision: Precision,
+    description: String,
+    filling: Filling,
+}
+
+impl EnviCube {
+    /// Begins a file.
+    ///
+    /// # Errors
+    /// [`Error::Io`].
+    pub fn create(
+        path: &Path,
+        axes: CubeAxes,
+        interleave: Interleave,
+        precision: Precision,
+        description: &str,
+    ) -> Result<Self> {
+        let size = [axes.lines, axes.samples, axes.bands.len()];
+        let flat = Flat::new(size, precision.data_type(), AxisOrder::from(interleave));
+        let file = FlatFile::create(path, flat, &[]).map_err(|e| Error::io(path, "writing", e))?;
+        let filling = Filling::new(&axes);
+        Ok(EnviCube { path: path.into(), file, axes, interleave, precision, description: description.into(), filling })
+    }
+
+    /// Writes a slab.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if it cannot be written, [`Error::Interrupted`] if `watch` asks to stop, and those of [`Filling::admits`].
+    pub fn put(&mut self, slab: &Slab, watch: Watch<'_>) -> Result<()> {
+        self.filling.admits(slab)?;
+        let so_far = SoFar::new(&self.filling, watch);
+        match self.precision {
+            Precision::F32 => self.stream::<f32>(slab, &so_far)?,
+            Precision::F64 => self.stream::<f64>(slab, &so_far)?,
+        }
+        self.filling.add(slab);
+        Ok(())
+    }
+
+    /// Expands a slab into the file, pass by pass, in one buffer.
+    fn stream<S: Sample>(&mut self, slab: &Slab, so_far: &SoFar) -> Result<()> {
+        let EnviCube { path, file, axes, interleave, .. } = self;
+        let samples = axes.samples;
+        let writing = |e| Error::io(path.as_path(), "writing", e);
+        if *interleave != Interleave::Bsq {
+            let mut put =
+                |lines: Range<usize>, bytes: &[u8]| file.bytes(lines, slab.bands.clone(), bytes).map_err(writing);
+            return stream_lines::<S>(slab, samples, *interleave == Interleave::Bil, &mut put, so_far);
+        }
+        let (bands, pixels) = (slab.bands.len(), samples * slab.lines.len());
+        let step = (PASS_BYTES / (pixels * S::BYTES).max(1)).clamp(1, PASS_BANDS);
+        let mut buffer = vec![0; pixels * step.min(bands) * S::BYTES];
+        for first in (0..bands).step_by(step) {
+            so_far.tell(first * slab.lines.len())?;
+            let pass = first..(first + step).min(bands);
+            // Block after block, each [band, pixel].
+            let pass_bytes = &mut buffer[..pixels * pass.len() * S::BYTES];
+            let block_bytes = BLOCK * pass.len() * S::BYTES;
+            pass_bytes.par_chunks_mut(block_bytes).enumerate().for_each(|(i, bytes)| {
+                tile::<S>(slab, i * BLOCK..((i + 1) * BLOCK).min(pixels), pass.clone(), true, bytes);
+            });
+            for (i, band) in pass.clone().enumerate() {
+                for (block, bytes) in pass_bytes.chunks(block_bytes).enumerate() {
+                    let run = bytes.len() / pass.len();
+                    let pixel = slab.lines.start * samples + block * BLOCK;
+                    file.pixels(slab.bands.start + band, pixel, &bytes[i * run..][..run]).map_err(writing)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Ends the file, and writes its header.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if slabs have not filled it; [`Error::Io`].
+    pub fn end(self) -> Result<()> {
+        self.filling.end()?;
+        let CubeAxes { samples, lines, bands } = &self.axes;
+        let size = [*samples, *lines, bands.len()];
+        let mut text = HeaderText::of_image(Some(&self.description), size, self.precision.data_type(), self.interleave);
+        text.field("data units", "W m-2 sr-1 um-1");
+        text.bands(bands.iter().map(|band| (Some(band.centre_um), band.fwhm_um, band.name.as_str())));
+        if bands.len() >= 3 {
+            text.list("default bands", quicklook::colour_bands(bands).map(|b| (b + 1).to_string()).into_iter());
+        }
+        text.write(&self.path.with_extension("hdr"))
+    }
+}
+
+/// Writes all slabs of a cube with [`EnviCube`].
 ///
 /// # Errors
-/// [`Error::Io`] if a file cannot be written, [`Error::Interrupted`] if `watch` asks to stop.
+/// Those of [`EnviCube::create`] and [`EnviCube::put`].
 pub fn write_cube(
     path: &Path,
     cube: &Cube,
@@ -57,95 +155,68 @@ pub fn write_cube(
     description: &str,
     watch: Watch<'_>,
 ) -> Result<()> {
-    let size = [cube.lines, cube.samples, cube.bands.len()];
-    let flat = Flat::new(size, precision.data_type(), AxisOrder::from(interleave));
-    let file = FlatFile::create(path, flat, &[]).map_err(|e| Error::io(path, "writing", e))?;
-    match precision {
-        Precision::F32 => stream::<f32>(path, file, cube, interleave, watch)?,
-        Precision::F64 => stream::<f64>(path, file, cube, interleave, watch)?,
-    }
-    let size = [cube.samples, cube.lines, cube.bands.len()];
-    let mut text = HeaderText::of_image(Some(description), size, precision.data_type(), interleave);
-    text.field("data units", "W m-2 sr-1 um-1");
-    text.bands(cube.bands.iter().map(|band| (Some(band.centre_um), band.fwhm_um, band.name.as_str())));
-    if cube.bands.len() >= 3 {
-        text.list("default bands", quicklook::colour_bands(&cube.bands).map(|b| (b + 1).to_string()).into_iter());
-    }
-    text.write(&path.with_extension("hdr"))
+    let mut file = EnviCube::create(path, cube.axes.clone(), interleave, precision, description)?;
+    cube.slabs().iter().try_for_each(|slab| file.put(slab, watch))?;
+    file.end()
 }
 
-/// Expands a cube into a file, pass by pass, in one buffer.
-fn stream<S: Sample>(
-    path: &Path,
-    mut file: FlatFile,
-    cube: &Cube,
-    interleave: Interleave,
-    watch: Watch<'_>,
-) -> Result<()> {
-    let writing = |e| Error::io(path, "writing", e);
-    let bands = cube.bands.len();
-    if interleave != Interleave::Bsq {
-        let mut put = |lines: Range<usize>, bytes: &[u8]| file.bytes(lines, 0..bands, bytes).map_err(writing);
-        return stream_lines::<S>(cube, interleave == Interleave::Bil, &mut put, watch);
-    }
-    let pixels = cube.samples * cube.lines;
-    let step = (PASS_BYTES / (pixels * S::BYTES).max(1)).clamp(1, PASS_BANDS);
-    let mut buffer = vec![0; pixels * step.min(bands) * S::BYTES];
-    for first in (0..bands).step_by(step) {
-        tell(watch, "writing the cube", first as u64, bands as u64)?;
-        let pass = first..(first + step).min(bands);
-        // Block after block, each [band, pixel].
-        let pass_bytes = &mut buffer[..pixels * pass.len() * S::BYTES];
-        let block_bytes = BLOCK * pass.len() * S::BYTES;
-        pass_bytes.par_chunks_mut(block_bytes).enumerate().for_each(|(i, bytes)| {
-            tile::<S>(cube, i * BLOCK..((i + 1) * BLOCK).min(pixels), pass.clone(), true, bytes);
-        });
-        for (i, band) in pass.clone().enumerate() {
-            for (block, bytes) in pass_bytes.chunks(block_bytes).enumerate() {
-                let run = bytes.len() / pass.len();
-                file.pixels(band, block * BLOCK, &bytes[i * run..][..run]).map_err(writing)?;
-            }
-        }
-    }
-    Ok(())
+/// How far a cube is while a slab is written.
+pub(in crate::formats) struct SoFar<'w> {
+    filled: usize,
+    all: usize,
+    watch: Watch<'w>,
 }
 
-/// Hands out the lines of a cube, each [band, sample] or [sample, band], several at a time.
+impl<'w> SoFar<'w> {
+    /// Before a slab is taken.
+    pub(in crate::formats) fn new(filling: &Filling, watch: Watch<'w>) -> Self {
+        SoFar { filled: filling.filled(), all: filling.all(), watch }
+    }
+
+    /// Tells that so many lines of a band of the slab are written.
+    fn tell(&self, lines: usize) -> Result<()> {
+        tell(self.watch, "writing the cube", (self.filled + lines) as u64, self.all as u64)
+    }
+}
+
+/// Hands out the lines of a slab, by their place in the cube, each [band, sample] or [sample, band], several at a time.
 fn stream_lines<S: Sample>(
-    cube: &Cube,
+    slab: &Slab,
+    samples: usize,
     band_major: bool,
     put: &mut impl FnMut(Range<usize>, &[u8]) -> Result<()>,
-    watch: Watch<'_>,
+    so_far: &SoFar,
 ) -> Result<()> {
-    let bands = 0..cube.bands.len();
-    let line_bytes = cube.samples * bands.len() * S::BYTES;
-    let mut buffer = vec![0; line_bytes * PASS_LINES.min(cube.lines)];
-    for first in (0..cube.lines).step_by(PASS_LINES) {
-        tell(watch, "writing the cube", first as u64, cube.lines as u64)?;
-        let lines = first..cube.lines.min(first + PASS_LINES);
-        let pass_bytes = &mut buffer[..line_bytes * lines.len()];
+    let (lines, bands) = (slab.lines.len(), slab.bands.len());
+    let line_bytes = samples * bands * S::BYTES;
+    let mut buffer = vec![0; line_bytes * PASS_LINES.min(lines)];
+    for first in (0..lines).step_by(PASS_LINES) {
+        so_far.tell(first * bands)?;
+        let pass = first..lines.min(first + PASS_LINES);
+        let pass_bytes = &mut buffer[..line_bytes * pass.len()];
         pass_bytes.par_chunks_mut(line_bytes.max(1)).enumerate().for_each(|(i, bytes)| {
-            let pixel = (first + i) * cube.samples;
-            tile::<S>(cube, pixel..pixel + cube.samples, bands.clone(), band_major, bytes);
+            let pixel = (first + i) * samples;
+            tile::<S>(slab, pixel..pixel + samples, 0..bands, band_major, bytes);
         });
-        put(lines, pass_bytes)?;
+        put(slab.lines.start + pass.start..slab.lines.start + pass.end, pass_bytes)?;
     }
     Ok(())
 }
 
-/// Hands out the lines of a cube as f32, each [band, sample], several at a time.
+/// Hands out the lines of a slab as f32, each [band, sample], several at a time.
 pub(in crate::formats) fn stream_lines_f32(
-    cube: &Cube,
+    slab: &Slab,
+    samples: usize,
     put: &mut impl FnMut(Range<usize>, &[u8]) -> Result<()>,
-    watch: Watch<'_>,
+    so_far: &SoFar,
 ) -> Result<()> {
-    stream_lines::<f32>(cube, true, put, watch)
+    stream_lines::<f32>(slab, samples, true, put, so_far)
 }
 
-/// The bytes of some pixels in some bands: [band, pixel] or [pixel, band].
-fn tile<S: Sample>(cube: &Cube, pixels: Range<usize>, bands: Range<usize>, band_major: bool, bytes: &mut [u8]) {
+/// The bytes of some pixels of a slab in some of its bands: [band, pixel] or [pixel, band].
+fn tile<S: Sample>(slab: &Slab, pixels: Range<usize>, bands: Range<usize>, band_major: bool, bytes: &mut [u8]) {
     let (pixel_step, band_step) = if band_major { (1, pixels.len()) } else { (bands.len(), 1) };
-    cube.expand(pixels.clone(), bands.clone(), |pixel, band, values| {
+    slab.expand(pixels.clone(), bands.clone(), |pixel, band, values| {
         let start = (pixel - pixels.start) * pixel_step + (band - bands.start) * band_step;
         for (k, value) in values.iter().enumerate() {
             let at = (start + k * band_step) * S::BYTES;
