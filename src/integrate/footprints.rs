@@ -45,7 +45,7 @@ pub fn footprints(mesh: &Mesh, topology: &Topology, sunlit: &Seen, camera: &Fram
         Ok(footprints)
     };
     let parts = vec![(); camera.lines as usize];
-    // Nobody asks to stop.
+    // Nothing asks to stop.
     let lines = sweep(&drawing, parts, ("footprints", &unwatched), start, look).unwrap_or_default();
     join(lines.into_iter())
 }

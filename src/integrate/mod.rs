@@ -1,6 +1,6 @@
 //! Scene and facet table to images: what each pixel sees, exactly.
 //!
-//! One pass (`sweep.rs`) over the image finds a pixel's entries (facet, area, lit areas), and, for who asks, the signed pieces they are made
+//! One pass (`sweep.rs`) over the image finds a pixel's entries (facet, area, lit areas), and, on request, the signed pieces they are made
 //! of. What is made of them are gatherers: weights of spectra, backplanes, footprints, texels of maps, a census. None looks for itself.
 
 mod backplanes;

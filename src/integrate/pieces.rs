@@ -1,4 +1,4 @@
-//! The signed pieces that a pixel's entries are made of, for who asks for more than their areas.
+//! The signed pieces that a pixel's entries are made of, for callers who need more than their areas.
 
 use crate::geometry::index_u32;
 use crate::geometry::polygon::Point;

@@ -54,7 +54,7 @@ pub(super) struct Pixel<'a> {
     is_beside: bool,
     /// Whether some entries are the rest after a subtraction.
     subtracted: bool,
-    /// What is seen of each facet, for who asks for more than areas.
+    /// What is seen of each facet, for callers who need more than areas.
     pub(super) pieces: Pieces,
     /// Where it lies.
     pub(super) site: PixelSite,
