@@ -19,7 +19,7 @@ struct Piece {
     triangle: Vec<u32>,
 }
 
-/// Triangles are sorted in so many stretches, whatever the number of threads.
+/// Triangles are sorted in this many stretches, whatever the number of threads.
 const PIECES: usize = 4;
 /// A triangle whose bounds hold more cells than this is traced row by row.
 const TRACED_CELLS: u32 = 16;

@@ -21,15 +21,15 @@ use crate::progress::Pulse;
 
 /// A cell with more triangles than this is quartered, if quartering helps.
 const FEW: usize = 12;
-/// Quartering is worthwhile if the quarters list their triangles so many times at the most.
+/// Quartering is worthwhile if the quarters list their triangles at most this many times.
 const WORTHWHILE: f64 = 1.8;
-/// Above so many triangles a cell is quartered even if they are listed up to ...
+/// Above this many triangles a cell is quartered even if they are listed up to ...
 const MANY: usize = 64;
-/// ... so many times (more often, they are layers one on another, and as many in every part), down to ...
+/// ... this many times (more often, they are layers on one another, as many in every quarter), down to ...
 const HOPELESS: f64 = 2.5;
 /// ... this depth.
 const DEEP: u32 = 8;
-/// A cell is quartered so often at the most: 4^-25 of a cell is below the rounding of its area.
+/// A cell is quartered at most this often: 4^-25 of a cell is below the rounding of its area.
 const DEEPEST: u32 = 25;
 
 /// The drawing, sorted into cells: ready to be asked what is seen in each.
@@ -59,7 +59,7 @@ pub struct Scratch<'a> {
 }
 
 impl<'a> Scratch<'a> {
-    /// Working memory for who wants to hear `pulse` while a cell is looked at.
+    /// Working memory; `pulse` is asked while a cell is processed.
     pub fn new(pulse: Pulse<'a>) -> Self {
         Scratch {
             pulse,

@@ -33,7 +33,7 @@ pub enum View {
     Pinhole {
         /// Projection centre, m.
         centre_m: DVec3,
-        /// What vertices are measured from, m: the centre itself, or from afar a point amid the mesh.
+        /// What vertices are measured from, m: the centre itself, or from afar a point in the middle of the mesh.
         from_m: DVec3,
         /// Depth of that point, m; 0 for the centre.
         depth_m: f64,
@@ -50,7 +50,7 @@ pub enum View {
     },
 }
 
-/// From so many times the mesh's size vertices are measured from amid the mesh.
+/// From this many times the mesh's size on, vertices are measured from the middle of the mesh.
 const AFAR: f64 = 16.0;
 
 impl View {
@@ -92,7 +92,7 @@ impl View {
     /// A central view of what lies within bounds, m: projection centre, m, unit vectors right, down and along the boresight, cells per unit of tangent
     /// along the first two, and the drawing coordinates of the boresight.
     ///
-    /// From afar the distance costs no digits: vertices are measured from a point amid the mesh, with axes sheared so that its ray
+    /// From afar the distance costs no digits: vertices are measured from a point in its middle, with axes sheared so that its ray
     /// is drawn as a point. With tangents t of that ray, x / z = t + (dx - t dz) / (z0 + dz).
     pub fn pinhole(
         bounds_m: Option<(DVec3, DVec3)>,
@@ -246,7 +246,7 @@ impl Extent {
 
 /// Facets are cut at the image's side planes once a corner lies this many image sizes beside the image, or behind the camera.
 const CUT_BEYOND: f64 = 4.0;
-/// ... and these planes lie so many image sizes beside the image, so that no cut edge comes near a pixel.
+/// ... and these planes lie this many image sizes beside the image, so that no cut edge comes near a pixel.
 const CUT_AT: f64 = 1.0;
 
 /// Triangles narrower than this, cells, may be drawn no wider than their corners are rounded: it depends on where they are.
@@ -288,7 +288,7 @@ impl<'a> Drawing<'a> {
     /// Draws some facets of a mesh, ascending, and no others: those that the cells may show, or that may hide these. No vertex of
     /// another facet is looked at.
     pub fn of_facets(mesh: &'a Mesh, topology: &'a Topology, view: View, grid: Grid, facets: &'a [u32]) -> Self {
-        // Zeroed memory that nobody looks at costs nothing.
+        // Zeroed memory that is never touched costs nothing.
         let mut points = vec![[0.0; 3]; mesh.vertices_m.len()];
         for vertex in facets.iter().flat_map(|facet| mesh.facets[*facet as usize]) {
             points[vertex as usize] = project(&view, mesh.vertices_m[vertex as usize]);
@@ -464,7 +464,7 @@ impl<'a> Drawing<'a> {
         let (far, offset) = match &self.view {
             View::Parallel { scale, offset, .. } => (reach_m * scale[0].max(scale[1]), offset),
             View::Pinhole { from_m, depth_m, scale, offset, .. } => {
-                // Nearness is 1 / depth; from afar, what that is more than the inverse depth of the point amid the mesh.
+                // Nearness is 1 / depth; from afar, minus the inverse depth of the point in the middle of the mesh.
                 let amid = if *depth_m > 0.0 { 1.0 / depth_m } else { 0.0 };
                 let near = self.corners(triangle).iter().fold(0.0, |n: f64, p| n.max(p[2] + amid));
                 ((reach_m + from_m.abs().element_sum()) * near * scale[0].max(scale[1]), offset)
@@ -690,7 +690,7 @@ impl<'a> Drawing<'a> {
                 let coordinates = self.mesh.vertices_m.iter().map(|p| p.abs().max_element());
                 coordinates.fold(near, f64::max)
             }
-            // Heights above the point amid the mesh are as good as what lies across, however flat the mesh.
+            // Heights above the point in the middle of the mesh are as good as what lies across, however flat the mesh.
             View::Pinhole { depth_m, scale, .. } if depth_m > 0.0 => {
                 near.max(across / (scale[0].min(scale[1]) * depth_m))
             }
@@ -737,7 +737,7 @@ pub(super) fn project(view: &View, p_m: DVec3) -> [f64; 3] {
             let p = p_m - *from_m;
             let along = p.dot(*u);
             let near = 1.0 / (along + depth_m);
-            // What 1 / depth is more than that of the point amid the mesh: as affine, and with all its digits.
+            // 1 / depth minus that of the point in the middle of the mesh: just as affine, and with all its digits.
             let nearness = if *depth_m > 0.0 { -along * near / depth_m } else { near };
             [p.dot(*h) * near * scale[0] + offset[0], p.dot(*v) * near * scale[1] + offset[1], nearness]
         }

@@ -120,7 +120,7 @@ struct Share {
     placed: bool,
 }
 
-/// A convex part of the rectangle and who is seen there: a share, or the sky.
+/// A convex part of the rectangle and what is seen there: a share, or the sky.
 #[derive(Debug, Clone, Copy)]
 struct Fragment {
     owner: u32,
@@ -197,7 +197,7 @@ impl Partition {
                 visit.whole(triangle, rect);
             }
         }
-        // One facet after the other, so that whoever listens turns to each once.
+        // One facet after the other, so that the visitor turns to each once.
         self.fragments.retain(|f| f.owner != SKY && f.start < f.end);
         self.fragments.sort_unstable_by_key(|f| (f.owner, f.start));
         for fragment in &self.fragments {
