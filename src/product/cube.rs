@@ -15,8 +15,8 @@ use crate::spectral::Band;
 /// A row is a spectrum that many pixels share: a material under a source, or a material at a temperature.
 /// A pixel needs a few of them, so 300 bands cost little more than one. W m-2 sr-1 um-1.
 ///
-/// All of a slab is made under one sky: a frame camera's cube is one slab, that of a tunable filter as many as bands, that of a
-/// push-broom as many as lines.
+/// All of a slab is made under one sky: a frame camera's cube is one slab; a tunable filter's has one for each band,
+/// a push-broom's one for each line.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Slab {
     /// Its lines in the cube.
@@ -150,7 +150,7 @@ impl Cube {
 }
 
 impl Slab {
-    /// What of it does not fit together, as a slab of so many pixels: a sentence for each.
+    /// What does not fit together in it, as a slab of this many pixels: a sentence for each problem.
     pub(super) fn problems(&self, pixels: usize) -> Vec<String> {
         let Slab { bands, row_start, row, weight, spectra, added, .. } = self;
         let mut problems = Vec::new();
