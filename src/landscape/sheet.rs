@@ -7,14 +7,14 @@ use super::crater::Crater;
 use super::relief::Octave;
 use super::{GROUND, STAGE, rounded_m};
 use crate::error::Result;
-use crate::geometry::cell::{cell_at, cut, is_cut_from_first};
+use crate::geometry::cell::{self, cell_at, cut};
 use crate::geometry::{Mesh, index_u32, whole};
 use crate::progress::{Watch, tell};
 
-/// Rows that are made together: as many as share a look at the craters.
+/// Rows that are made together: they share one search for craters.
 const BAND: usize = 16;
 
-/// Bands between two words to who watches.
+/// Bands between two progress reports.
 const BANDS_AT_ONCE: usize = 8;
 
 /// A square sheet of ground, centred.
@@ -112,14 +112,7 @@ impl Sheet {
             cell_at(((p_m / self.size_m + 0.5) * cells as f64).clamp(0.0, cells as f64), cells)
         };
         let ((i, u), (j, v)) = (place(x_m, self.columns), place(y_m, self.rows));
-        let corners_m = self.corners_m(i, j);
-        let [sw, se, ne, nw] = corners_m;
-        match is_cut_from_first(corners_m) {
-            true if u >= v => sw + u * (se - sw) + v * (ne - se),
-            true => sw + v * (nw - sw) + u * (ne - nw),
-            false if u + v <= 1.0 => sw + u * (se - sw) + v * (nw - sw),
-            false => ne + (1.0 - u) * (nw - ne) + (1.0 - v) * (se - ne),
-        }
+        cell::height_m(self.corners_m(i, j), u, v)
     }
 
     /// The sheet as a mesh, each cell cut by its shorter diagonal, facets counter-clockwise seen from above.

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::error::{Error, Location, Result};
 use crate::formats::input::InputFile;
-use crate::geometry::cell::{cell_at, cut, is_cut_from_first};
+use crate::geometry::cell::{self, cell_at, cut};
 use crate::geometry::{MaterialId, Mesh, index_u32};
 use crate::report::{Fate, Report};
 
@@ -35,7 +35,7 @@ pub(super) struct Ground {
 }
 
 impl Ground {
-    /// The ground of a simulation with `repeat` copies of its scene on each side; what of it is inferred, and files that were read.
+    /// The ground of a simulation with `repeat` copies of its scene on each side; what was inferred, and the files read.
     ///
     /// # Errors
     /// [`Error::Invalid`] if an isolated scene is to be repeated, or the raster does not span the scene; and as [`terrain`].
@@ -156,7 +156,7 @@ impl Ground {
         }
     }
 
-    /// Height of the ground at a place, m. An isolated scene's goes on level beyond its edges.
+    /// Height of the ground at a place, m. An isolated scene's continues level beyond its edges.
     pub(super) fn height_m(&self, x_m: f64, y_m: f64) -> f64 {
         let mut rise_m = 0.0;
         let mut place = |axis: usize, at_m: f64| {
@@ -172,17 +172,10 @@ impl Ground {
             cell_at(cells, self.cells[axis])
         };
         let ((i, u), (j, v)) = (place(0, x_m), place(1, y_m));
-        let [a, b, c, d] = self.corners(i, j).map(|corner| self.heights_m[corner]);
-        rise_m
-            + match (is_cut_from_first([a, b, c, d]), u >= v, u + v <= 1.0) {
-                (true, true, _) => a + u * (b - a) + v * (c - b),
-                (true, false, _) => a + u * (c - d) + v * (d - a),
-                (false, _, true) => a + u * (b - a) + v * (d - a),
-                (false, _, false) => c + (1.0 - u) * (d - c) + (1.0 - v) * (b - c),
-            }
+        rise_m + cell::height_m(self.corners(i, j).map(|corner| self.heights_m[corner]), u, v)
     }
 
-    /// Places in `heights_m` of a cell's corners: counter-clockwise from above, from its corner at the smallest x and y.
+    /// Indices in `heights_m` of a cell's corners: counter-clockwise seen from above, from its corner at the smallest x and y.
     fn corners(&self, i: usize, j: usize) -> [usize; 4] {
         let width = self.cells[1] + 1;
         [i * width + j, (i + 1) * width + j, (i + 1) * width + j + 1, i * width + j + 1]
@@ -283,7 +276,7 @@ fn short(x: f64) -> f64 {
     format!("{x:.3e}").parse().unwrap_or(x)
 }
 
-/// Objects that stand on the terrain, to be told of together.
+/// Objects that stand on the terrain, reported together.
 #[derive(Debug, Default)]
 pub(super) struct Standing {
     first: Option<(Location, String)>,
@@ -293,7 +286,7 @@ pub(super) struct Standing {
 }
 
 impl Standing {
-    /// Moves an object to where DART has it: by `objectDEMMode`.
+    /// Moves an object to where DART puts it, by `objectDEMMode`.
     pub(super) fn settle(&mut self, object: &Object, mesh: &mut Mesh, ground: &Ground, report: &mut Report) {
         let Some((low_m, high_m)) = mesh.bounds_m() else { return };
         let kept = match object.dem_mode {
