@@ -1,10 +1,10 @@
-//! `mmxrt convert`: one format becomes another, and what is lost is said.
+//! `mmxrt convert`: one format becomes another, and losses are reported.
 
 use std::path::PathBuf;
 
 use mmxrt::Result;
-use mmxrt::formats::convert::{self, Content, Conversion, Finding, NamedPose, Options, Severity};
-use mmxrt::formats::mesh_file::Up;
+use mmxrt::formats::convert::{self, Content, Conversion, Finding, Options, Severity};
+use mmxrt::formats::mesh_file::{NamedPose, Up};
 use mmxrt::formats::raster::DataType;
 use mmxrt::formats::{Format, registry};
 use mmxrt::report::{Note, Report};
@@ -16,19 +16,19 @@ use super::{Outcome, file_json};
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// What to convert: a scene, mesh, DART simulation, spectra or image; what it is shows by what it holds
+    /// What to convert: a scene, mesh, DART simulation, spectra or image; recognised by its content
     #[arg(required_unless_present = "list")]
     input: Option<PathBuf>,
-    /// What to write; its ending tells the format, none is a DART simulation. With --diff, what to compare with
+    /// What to write; the file extension selects the format, no extension means a DART simulation. With --diff, what to compare with
     #[arg(required_unless_present_any = ["list", "check"])]
     output: Option<PathBuf>,
-    /// List the formats, or what spectra a file holds
+    /// List the formats, or the spectra in a file
     #[arg(long, conflicts_with_all = ["output", "check", "diff"])]
     list: bool,
-    /// Look for mistakes in a DART simulation or optical database, and write nothing; exit code 1 if there are errors
+    /// Check a DART simulation or optical database for mistakes, and write nothing; exit code 1 if there are errors
     #[arg(long, conflicts_with_all = ["output", "diff"])]
     check: bool,
-    /// Say what two files or folders differ in by meaning, and write nothing; exit code 1 if they do
+    /// List how two files or folders differ in meaning, and write nothing; exit code 1 if they do
     #[arg(long)]
     diff: bool,
     /// Format of the input
@@ -40,58 +40,58 @@ pub(crate) struct Arguments {
     /// Version of DART to write for
     #[arg(long, value_name = "VERSION", value_parser = ["5.7.4", "5.11.0"], default_value = "5.7.4")]
     dart_version: String,
-    /// Size of DART's cells, m; without it what a pixel of the camera sees
+    /// Size of DART's cells, m; by default the footprint of a camera pixel
     #[arg(long, value_name = "M", allow_hyphen_values = true)]
     cell_m: Option<f64>,
-    /// Folder of DART's databases, for what is not in the simulation's own folder
+    /// Folder with DART's databases, for those that are not in the simulation's own folder
     #[arg(long, value_name = "FOLDER")]
     databases: Option<PathBuf>,
-    /// Where the middle of a DART scene, or the origin of a mesh, is, body-fixed, m
+    /// Body-fixed position of the middle of a DART scene, or of the origin of a mesh, m
     #[arg(long, value_name = "X,Y,Z", value_parser = numbers::<3>, allow_hyphen_values = true)]
     origin_m: Option<Numbers<3>>,
-    /// Unit of length of a mesh, m: 1000 for km; metres without it
+    /// Unit of length of a mesh, m: 1000 for km; by default 1
     #[arg(long, value_name = "M", allow_hyphen_values = true)]
     unit_m: Option<f64>,
-    /// Axis of a mesh that points up; z for OBJ and y for glTF without it
+    /// Axis of a mesh that points up; by default z for OBJ and y for glTF
     #[arg(long, value_name = "AXIS", value_parser = up)]
     up: Option<Up>,
-    /// How a mesh stands on the body: "body", with its z to the north, or "radial", with x east, y north and z up at --origin-m; body without it
+    /// How a mesh stands on the body: "body", with its z to the north, or "radial", with x east, y north and z up at --origin-m; by default "body"
     #[arg(long, value_name = "POSE", value_parser = pose)]
     pose: Option<NamedPose>,
-    /// Turn all facets of a mesh over: for one that is inside out
+    /// Flip all facets of a mesh that is inside out
     #[arg(long)]
     flip: bool,
-    /// Take N more of a repeated DART scene on each side: (2 N + 1)^2 scenes
+    /// Take N more copies of a repeated DART scene on each side: (2 N + 1)^2 scenes
     #[arg(long, value_name = "N", default_value_t = 0)]
     repeat: u32,
-    /// Where the Sun is in DART's frame, deg, for simulations that give a date
+    /// Direction of the Sun in DART's frame, deg, for simulations that give only a date
     #[arg(long, value_name = "ZENITH,AZIMUTH", value_parser = numbers::<2>, allow_hyphen_values = true)]
     sun_deg: Option<Numbers<2>>,
     /// Write nothing if anything is dropped or approximated: exit code 3
     #[arg(long)]
     strict: bool,
-    /// Read files that the input names also where they lie outside its folder
+    /// Also read files named by the input that lie outside its folder
     #[arg(long)]
     allow_outside: bool,
-    /// Of spectra take this one; may be given several times
+    /// Take only this spectrum; may be given several times
     #[arg(long, value_name = "NAME")]
     model: Vec<String>,
-    /// The wavelengths of a text that holds values alone, as those of the US Geological Survey do
+    /// The wavelengths for a text file of values alone, such as those of the US Geological Survey
     #[arg(long, value_name = "FILE")]
     wavelengths: Option<PathBuf>,
     /// Bands to resample spectra to, um: FIRST:LAST:COUNT or FIRST:LAST:COUNT:WIDTH
     #[arg(long, value_name = "BANDS", value_parser = bands)]
     bands: Option<Bands>,
-    /// Of an image take this band, from 1; may be given several times
+    /// Take only this band of an image, counted from 1; may be given several times
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     band: Vec<u32>,
-    /// Type of an image's numbers in ENVI and NumPy; as they are without it
+    /// Data type of an image in ENVI and NumPy; by default that of the input
     #[arg(long, value_name = "TYPE", value_parser = data_type)]
     dtype: Option<DataType>,
     /// Replace what exists
     #[arg(long)]
     force: bool,
-    /// Add the spectra to a database that exists
+    /// Add the spectra to an existing database
     #[arg(long, conflicts_with = "force")]
     append: bool,
 }
@@ -122,14 +122,14 @@ fn data_type(name: &str) -> std::result::Result<DataType, String> {
     found.ok_or_else(|| format!("types are {}", DataType::ALL.map(DataType::name).join(", ")))
 }
 
-/// Numbers with commas between them.
+/// Numbers separated by commas.
 #[derive(Debug, Clone, Copy)]
 struct Numbers<const N: usize>([f64; N]);
 
 fn numbers<const N: usize>(text: &str) -> std::result::Result<Numbers<N>, String> {
     let all: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
     let numbers = all.and_then(|all| <[f64; N]>::try_from(all).ok()).filter(|all| all.iter().all(|x| x.is_finite()));
-    numbers.map(Numbers).ok_or_else(|| format!("{N} numbers with commas between them are wanted"))
+    numbers.map(Numbers).ok_or_else(|| format!("expected {N} numbers separated by commas"))
 }
 
 /// Evenly spaced bands.
@@ -139,7 +139,7 @@ struct Bands(Vec<Band>);
 fn bands(text: &str) -> std::result::Result<Bands, String> {
     let parts: Vec<&str> = text.split(':').collect();
     let number = |text: &str| text.parse::<f64>().ok().filter(|x| *x > 0.0 && x.is_finite());
-    let wanted = "FIRST:LAST:COUNT or FIRST:LAST:COUNT:WIDTH, as 0.95:3.6:300:0.01";
+    let wanted = "FIRST:LAST:COUNT or FIRST:LAST:COUNT:WIDTH, as in 0.95:3.6:300:0.01";
     let (first, last, count, width) = match parts[..] {
         [first, last, count] => (first, last, count, None),
         [first, last, count, width] => (first, last, count, Some(width)),
@@ -150,7 +150,7 @@ fn bands(text: &str) -> std::result::Result<Bands, String> {
         return Err(wanted.into());
     };
     if last < first || (count == 1) != (last == first) {
-        return Err("one band has one centre, and several ascend".into());
+        return Err("one band has one centre, and several must ascend".into());
     }
     let fwhm_um = match width {
         Some(width) => Some(number(width).ok_or(wanted)?),

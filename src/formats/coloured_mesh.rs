@@ -14,11 +14,11 @@ use crate::scene::{Exposure, Material, Models, Photometry, Scene, SceneParts, Sk
 use crate::spectral::{Band, Spectrum, solar_e490};
 use crate::units::{AU_M, TSI_1AU_W_M2};
 
-use super::mesh_file::{ColouredMesh, Up};
+use super::mesh_file::{ColouredMesh, NamedPose, Up};
 use super::mtl::{self, ObjMaterial};
 use super::scene_toml::{EMISSIVITY_BOLOMETRIC, SENSOR_NAME};
 
-/// What its user knows of a mesh that its file does not say.
+/// What the user knows about a mesh that its file does not state.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Placing {
     /// Where its origin is, body-fixed, m; where the file says if not given.
@@ -33,16 +33,7 @@ pub struct Placing {
     pub flip: bool,
 }
 
-/// How coordinates stand on the body.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NamedPose {
-    /// Axes of the body.
-    Body,
-    /// x east, y north, z along the outward radius at the origin.
-    Radial,
-}
-
-/// A surface of which nothing is known: about that of regolith, so that a first image is neither black nor white.
+/// Reflectance of a surface of which nothing is known: about that of regolith, so that a first image is neither black nor white.
 const REFLECTANCE: f64 = 0.1;
 /// Pixels in a line, and lines.
 const PIXELS: u32 = 256;
@@ -67,7 +58,7 @@ impl ColouredMesh {
         ColouredMesh { mesh: scene.body.mesh.clone(), materials, origin_m: Some(scene.body.origin_m), sun: None }
     }
 
-    /// As its user has it, who knows more than the file; `up` is the axis that its format has up.
+    /// Places the mesh as its user says, who knows more than the file; `up` is the up axis of its format.
     #[must_use]
     pub fn placed(mut self, placing: &Placing, up: Up) -> Self {
         let turn = |v: DVec3| match (up, placing.up.unwrap_or(up)) {

@@ -1,8 +1,10 @@
-//! What every reader of meshes gives: a mesh, its materials' names and colours, and what is to be told of its file.
+//! What every mesh reader returns: a mesh, its materials' names and colours, and what to report about the file.
 
 use std::collections::BTreeMap;
 
 use glam::DVec3;
+use schemars::JsonSchema;
+use serde::Deserialize;
 
 use super::input::InputFile;
 use super::mtl::ObjMaterial;
@@ -27,13 +29,24 @@ pub struct ColouredMesh {
     pub sun: Option<Direction>,
 }
 
-/// The axis of a file that points up.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// The axis that points up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
 pub enum Up {
     /// z up.
     Z,
-    /// y up, z towards the viewer.
+    /// y up, z towards the viewer, as in many modelling programs.
     Y,
+}
+
+/// Poses with a name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum NamedPose {
+    /// Axes of the body.
+    Body,
+    /// x east, y north, z along the outward radius at `origin_m`.
+    Radial,
 }
 
 /// A file of a mesh, as it was read.
@@ -43,7 +56,7 @@ pub struct MeshFile {
     pub surface: ColouredMesh,
     /// The axis that files of this format have up, if they do not say it; a reader that knows has turned z up already.
     pub up: Up,
-    /// Statements that were passed over, and how many of each.
+    /// Statements that were ignored, and how many of each.
     pub ignored: BTreeMap<String, usize>,
     /// What of the file has no place in a mesh, but for what `doubts` tell: how the surface should look, most of all.
     pub report: Report,

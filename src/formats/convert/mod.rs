@@ -2,7 +2,7 @@
 //!
 //! What is read is one of four things: a scene; a surface, which is a mesh with names of materials; a list of spectra; or an
 //! image, which becomes nothing but an image. A
-//! surface becomes a scene by taking for granted what it does not say; a scene becomes a surface, or spectra, by leaving out the
+//! surface becomes a scene by assuming what it does not state; a scene becomes a surface, or spectra, by leaving out the
 //! rest; the report says either. Spectra make no scene.
 
 mod compare;
@@ -30,7 +30,7 @@ use super::folder::{FolderKind, Staged, spares};
 use super::format::{Format, Holds, ending};
 use super::gltf::format::BINARY;
 use super::input::InputFile;
-use super::mesh_file::{ColouredMesh, Up};
+use super::mesh_file::{ColouredMesh, NamedPose, Up};
 use super::obj::format::OBJ;
 use super::raster::headers::ENVI;
 use super::raster::text::GRID;
@@ -39,7 +39,7 @@ use super::scene_toml::{Axes, Unsaid, WriteOptions};
 use super::spectrum_csv::CSV;
 use super::{gltf, mtl, obj, registry, scene_toml, spectra, spectrum_csv};
 
-pub use super::coloured_mesh::{NamedPose, Placing};
+pub use super::coloured_mesh::Placing;
 pub use super::dart::{Finding, Severity};
 pub use compare::differences;
 pub use dart::check;
@@ -49,7 +49,7 @@ use self::dart::Flights;
 /// What a conversion leaves to its caller.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
-    /// The input's format, instead of what it looks like.
+    /// The input's format, if it is not to be recognised.
     pub from: Option<&'static Format>,
     /// The output's format, instead of what its name says.
     pub to: Option<&'static Format>,
@@ -57,7 +57,7 @@ pub struct Options {
     pub dart_version: Option<String>,
     /// Size of DART's cells, m; what a pixel of the camera sees if none is given.
     pub cell_m: Option<f64>,
-    /// A folder of DART databases and other files that a simulation may name, beside its own.
+    /// A folder of DART databases and other files that a simulation may name, besides its own.
     pub dart_databases: Option<PathBuf>,
     /// Where the middle of a DART scene, or the origin of a mesh, is, body-fixed, m; where the input says if it is not given.
     pub origin_m: Option<DVec3>,
@@ -127,7 +127,7 @@ const SCENE: FolderKind = FolderKind { marks: &["scene.toml"], parts: &["scene."
 /// Reads `input` and writes `output`.
 ///
 /// # Errors
-/// What the readers and writers say; [`Error::Unsupported`] for formats of which one does not hold what the other needs.
+/// Those of the readers and writers; [`Error::Unsupported`] if one format does not hold what the other needs.
 pub fn convert(input: &Path, output: &Path, options: &Options, watch: Watch<'_>) -> Result<Conversion> {
     let to = match options.to {
         Some(to) => to,
@@ -158,7 +158,7 @@ fn format_of(input: &Path, options: &Options) -> Result<(&'static Format, PathBu
     }
 }
 
-/// Refuses what is asked for and would not be done: a Sun that is not moved, spectra that are not resampled.
+/// Refuses options that would have no effect: a Sun that is not moved, spectra that are not resampled.
 fn without_effect(options: &Options, from: &Format, to: &Format) -> Result<()> {
     let mut problems = Vec::new();
     let mut only = |is_given: bool, option: &str, is_of_use: bool, of: &str| {
@@ -206,10 +206,10 @@ fn of_input(error: Error, input: &Path) -> Error {
     }
 }
 
-/// Reads a file or folder of any format, with what of it is not taken.
+/// Reads a file or folder of any format, and reports what is not taken over.
 ///
 /// # Errors
-/// What the format's reader says; [`Error::Invalid`] if there is no telling what it is.
+/// Those of the format's reader; [`Error::Invalid`] if the format is not recognised.
 pub fn read(input: &Path, options: &Options, watch: Watch<'_>) -> Result<(&'static Format, Content, Report)> {
     let (format, content, report, _) = read_all(input, options, watch)?;
     Ok((format, content, report))
@@ -389,7 +389,7 @@ impl Job<'_> {
         self.options.strict && self.report.has_losses()
     }
 
-    /// What was taken for what a scene does not say, where it is not written anyway.
+    /// The defaults of a scene that are not written anyway.
     fn forget_defaults(&mut self) {
         self.report.notes.retain(|note| note.fate != Fate::Defaulted);
     }
@@ -467,7 +467,7 @@ impl Job<'_> {
         surface.into_scene(self.input, pose, self.report)
     }
 
-    /// What the input did not say, by what is reported of it.
+    /// What the input did not state, judging by its report.
     fn unsaid(&self) -> Unsaid {
         let defaults = self.report.notes.iter().filter(|note| note.fate == Fate::Defaulted);
         let items = defaults.filter_map(|note| Some((note.at.item.clone()?, note.message.clone())));
@@ -594,7 +594,7 @@ impl Job<'_> {
     }
 
     fn raster(self, raster: &mut Raster, to: &Format) -> Result<bool> {
-        // A name alone does not tell what a table is to hold.
+        // A name alone does not say what a table should hold.
         let to = if *to == CSV { &GRID } else { to };
         let target = match to.holds {
             Holds::Image { target: Ok(target), .. } => target(self.output),
@@ -642,7 +642,7 @@ impl Job<'_> {
     }
 }
 
-/// The file of this ending that goes with an output.
+/// The companion file of an output with this extension.
 fn companion(output: &Path, extension: &str) -> Result<PathBuf> {
     let path = output.with_extension(extension);
     if path == output {

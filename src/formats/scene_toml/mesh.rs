@@ -3,14 +3,15 @@
 use glam::{DMat3, DQuat, DVec3};
 
 use crate::error::number;
+use crate::formats::mesh_file::NamedPose;
 use crate::formats::mtl::{self, ObjMaterial};
-use crate::formats::{coloured_mesh::Placing, mesh_file, recipe_toml, registry};
+use crate::formats::{coloured_mesh::Placing, recipe_toml, registry};
 use crate::geometry::{FrameCamera, Mesh, Pose, body_from_site};
 use crate::landscape;
 use crate::report::Note;
 
 use super::materials::Dictionary;
-use super::types::{Coordinates, GivenPose, MeshToml, NamedPose, PoseToml, RecipeToml, Up};
+use super::types::{Coordinates, GivenPose, MeshToml, PoseToml, RecipeToml};
 use super::{ROUNDED, TomlReader, UNIT_TOLERANCE};
 
 /// A camera that is more sizes of the scene away looks at next to nothing.
@@ -44,7 +45,7 @@ impl TomlReader<'_> {
                 if let Some(other) = begins.iter().position(is_here) {
                     self.note(
                         &item,
-                        format!("has the vertices of mesh[{other}], at the same places: is it given twice?"),
+                        format!("has the vertices of mesh[{other}], at the same positions: is it given twice?"),
                     );
                 }
                 begins.push(all.vertices_m.len());
@@ -123,7 +124,7 @@ impl TomlReader<'_> {
         Some(mesh)
     }
 
-    /// A file's mesh, m, z up, its materials, and what is doubtful of them.
+    /// A file's mesh, m, z up, its materials, and doubts about them.
     fn mesh_file(&mut self, item: &str, name: &str, toml: &MeshToml) -> Option<(Mesh, Vec<ObjMaterial>, Vec<Note>)> {
         self.tell("reading meshes", 0, 1);
         let read = registry::mesh(&self.path(name), true);
@@ -132,22 +133,18 @@ impl TomlReader<'_> {
         self.inputs.extend(file.inputs);
         if !file.ignored.is_empty() {
             let list: Vec<String> = file.ignored.iter().map(|(word, n)| format!("{n} x `{word}`")).collect();
-            self.notes.push(format!("{item}: statements passed over: {}", list.join(", ")));
+            self.notes.push(format!("{item}: statements ignored: {}", list.join(", ")));
         }
         self.notes.extend(file.doubts.iter().map(|note| format!("{item}, {}: {}", note.at, note.message)));
         if let Some(own_m) = file.surface.origin_m.filter(|own_m| *own_m != self.origin_m) {
             self.notes.push(format!("{item}: the file's own origin is {own_m}, m: that of this scene is taken"));
         }
-        let up = toml.up.map(|up| match up {
-            Up::Y => mesh_file::Up::Y,
-            Up::Z => mesh_file::Up::Z,
-        });
-        let placing = Placing { unit_m: toml.unit_m, up, flip: toml.flip == Some(true), ..Placing::default() };
+        let placing = Placing { unit_m: toml.unit_m, up: toml.up, flip: toml.flip == Some(true), ..Placing::default() };
         let surface = file.surface.placed(&placing, file.up);
         Some((surface.mesh, surface.materials, file.material_doubts))
     }
 
-    /// A scene that is less than a pixel, or next to nothing from where the camera is, is probably not in the unit that was said.
+    /// A scene smaller than a pixel, or tiny compared with its distance from the camera, is probably not in the stated unit.
     pub(super) fn suspect_scale(&mut self, meshes: &[MeshToml], mesh: &Mesh, camera: &FrameCamera) {
         let Some((low, high)) = mesh.bounds_m() else { return };
         let Some(i) = meshes.iter().position(|toml| toml.recipe.is_none()) else { return };
@@ -169,7 +166,7 @@ impl TomlReader<'_> {
         ));
     }
 
-    /// A body's coordinates that end far from the origin are probably not in the unit or the frame that was said.
+    /// A body whose coordinates end up far from the origin is probably not in the stated unit or frame.
     fn suspect_unit(&mut self, item: &str, toml: &MeshToml, mesh: &Mesh) {
         let Some((lo, hi)) = mesh.bounds_m() else { return };
         let (size_m, away_m) = ((hi - lo).length(), lo.max(DVec3::ZERO).max(-hi).length());
@@ -215,7 +212,7 @@ impl TomlReader<'_> {
         let axes = body_from_site(self.origin_m);
         if axes.is_none() {
             let message = format!(
-                "{what} needs an origin that is away from the body's centre, at which `origin_m` is: there the zenith is no direction"
+                "{what} needs an origin that is away from the body's centre, at which `origin_m` is: there the zenith is undefined"
             );
             self.helped(
                 item,

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::formats::mesh_file::{NamedPose, Up};
 use crate::landscape::Recipe;
 use crate::spectral::Light;
 
@@ -32,7 +33,7 @@ pub(crate) struct SceneToml {
     pub(crate) thermal: Option<ThermalToml>,
     /// Sun, camera or both by angles above a target, instead of their positions.
     pub(crate) geometry: Option<GeometryToml>,
-    /// Where the camera is, and where it looks; left out where `geometry` says it.
+    /// Where the camera is, and where it looks; left out if `geometry` says so.
     pub(crate) observer: Option<ObserverToml>,
     /// The camera.
     pub(crate) sensor: SensorToml,
@@ -73,16 +74,6 @@ pub(crate) enum RecipeToml {
     Given(Box<Recipe>),
 }
 
-/// The axis that points up.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum Up {
-    /// z up.
-    Z,
-    /// y up, z towards the viewer, as many modelling programs have it.
-    Y,
-}
-
 /// Where a mesh's coordinates start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
@@ -101,16 +92,6 @@ pub(crate) enum PoseToml {
     Named(NamedPose),
     /// By numbers.
     Given(GivenPose),
-}
-
-/// Poses with a name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum NamedPose {
-    /// Axes of the body.
-    Body,
-    /// x east, y north, z along the outward radius at `origin_m`.
-    Radial,
 }
 
 /// A rotation and a translation.
@@ -135,7 +116,7 @@ pub(crate) struct MaterialToml {
     pub(crate) rpv: Option<String>,
     /// Shares of other entries, which add up to 1.
     pub(crate) mixture: Option<BTreeMap<String, f64>>,
-    /// What tables are beyond their ends: unknown ("error", the default), or their last value ("hold").
+    /// Values of tables beyond their ends: unknown ("error", the default), or their last value ("hold").
     pub(crate) extend: Option<ExtendToml>,
     /// Emissivity, 0 to 1: a number, or the path of a CSV table. Default 1 - reflectance; of a mixture, that of its parts by their shares.
     pub(crate) emissivity: Option<Values>,
@@ -151,7 +132,7 @@ pub(crate) struct MaterialToml {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct TextureToml {
-    /// Path of a raster; or of several of the same size, whose bands follow one another.
+    /// Path of a raster, or of several of the same size whose bands are concatenated.
     pub(crate) raster: RasterToml,
     /// Names of the raster's channels, in the order of the bands. Default: all bands; of OpenEXR, the spectral layer or that of colours, in
     /// the order that names give by wavelength, red, green, blue, or a number.
@@ -163,17 +144,17 @@ pub(crate) struct TextureToml {
     pub(crate) unit: Option<FactorUnitToml>,
     /// Where it lies.
     pub(crate) placement: TexturePlacementToml,
-    /// For `placement = "plane"`: where the raster lies. It is put through everything. Default: where its own georeference in metres
+    /// For `placement = "plane"`: where the raster lies. It is projected through everything. Default: where its own georeference in metres
     /// puts it, to the East and the North of `origin_m`.
     pub(crate) plane: Option<PlaneToml>,
-    /// For `placement = "atlas"`: how the image goes on beyond its border. Default: not at all.
+    /// For `placement = "atlas"`: how the image continues beyond its border. Default: not at all.
     pub(crate) wrap: Option<WrapToml>,
     /// Whether factors are divided by their mean over the material's facets, so that it is 1 ("one", the default for factors), or
     /// stay as they are ("kept", the default for reflectances).
     pub(crate) mean: Option<MeanToml>,
-    /// What holds between the centres of texels. Default "nearest".
+    /// Interpolation between texel centres. Default "nearest".
     pub(crate) texels: Option<TexelsToml>,
-    /// Wavelengths of the raster's bands, where it does not say them, or others. One band may do without: it is for all wavelengths.
+    /// Wavelengths of the raster's bands, if it does not state them or to override them. A single band needs none: it is for all wavelengths.
     pub(crate) bands: Option<BandsToml>,
 }
 
@@ -193,7 +174,7 @@ pub(crate) enum RasterToml {
 pub(crate) enum TextureQuantityToml {
     /// Factors of the material's reflectance.
     Factor,
-    /// Reflectances in the material's stead.
+    /// Reflectances that replace the material's.
     Reflectance,
 }
 
@@ -218,19 +199,19 @@ pub(crate) enum TexturePlacementToml {
     Plane,
 }
 
-/// How an image goes on beyond its border.
+/// How an image continues beyond its border.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum WrapToml {
-    /// It begins again, to all sides; between texel centres of its first and last rows and columns, values vary as between others.
+    /// It repeats in all directions; interpolation crosses the borders.
     Repeat,
-    /// It begins again to the left and the right, as a map of all longitudes.
+    /// It repeats to the left and right, as a map of all longitudes.
     RepeatU,
-    /// It begins again above and below.
+    /// It repeats above and below.
     RepeatV,
 }
 
-/// What becomes of a texture's mean.
+/// What is done with a texture's mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum MeanToml {
@@ -240,11 +221,11 @@ pub(crate) enum MeanToml {
     Kept,
 }
 
-/// What holds between texel centres.
+/// Interpolation between texel centres.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum TexelsToml {
-    /// A texel has one value all over.
+    /// A texel has one value throughout.
     Nearest,
     /// Values vary linearly from centre to centre.
     Bilinear,
@@ -277,7 +258,7 @@ pub(crate) enum Values {
     File(String),
 }
 
-/// What a table is beyond its ends.
+/// Values of a table beyond its ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum ExtendToml {
@@ -339,7 +320,7 @@ pub(crate) struct MarsToml {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum MarsModelToml {
-    /// Lambert sphere near at hand: phase, tilt and horizon of each facet.
+    /// Lambert sphere in the near field: phase, tilt and horizon of each facet.
     NearField,
     /// Domagala (2020), equations (4) to (8) as printed.
     Thesis,
@@ -365,7 +346,7 @@ pub(crate) enum ThermalModelToml {
     Off,
 }
 
-/// Sun and camera by angles above a target. `incidence_deg` places the Sun, `emission_deg` the camera; the phase angle stands for one of the
+/// Sun and camera by angles above a target. `incidence_deg` places the Sun, `emission_deg` the camera; the phase angle can replace one of the
 /// azimuths.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -458,7 +439,7 @@ pub(crate) enum ConventionToml {
     Mitsuba,
 }
 
-/// A frame camera, by preset or by its own numbers; what is given beside a preset replaces the preset's.
+/// A frame camera, by preset or by its own numbers; keys given besides a preset override it.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SensorToml {
@@ -514,7 +495,7 @@ pub(crate) enum FocalToml {
     Each([f64; 2]),
 }
 
-/// The side of an image that a sensor's size is of.
+/// The side of an image that a sensor's size refers to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum SensorFitToml {
@@ -652,7 +633,7 @@ pub(crate) enum ShapeToml {
 pub(crate) enum ResponseToml {
     /// One table.
     One(String),
-    /// Several, whose columns follow one another.
+    /// Several, whose columns are concatenated.
     Several(Vec<String>),
 }
 
