@@ -1,4 +1,4 @@
-//! Errors, sorted by what the reader does next, and the place each one points at.
+//! Errors, sorted by what the user does next, each with the location it points at.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -9,17 +9,17 @@ use std::path::{Path, PathBuf};
 /// [`Scene`](crate::scene::Scene) is made.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// A file or folder could not be read or written: check the path, the rights, the space.
+    /// A file or folder could not be read or written: check the path, the permissions and the free space.
     #[error("{path}: {}", refusal(action, source), path = path.display())]
     Io {
         /// The file or folder.
         path: PathBuf,
         /// What was being done, as in "reading".
         action: &'static str,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
-    /// The text is not of its format: fix the text at this place. Only the first such place is told.
+    /// The text does not follow its format: fix it at this location. Only the first error is reported.
     #[error("{at}: {message}")]
     Syntax {
         /// Where.
@@ -27,7 +27,7 @@ pub enum Error {
         /// What was expected, and what was found.
         message: String,
     },
-    /// The text is well formed, its values are not usable: fix the values. All of them are told.
+    /// The text is well formed, but values in it are not usable: fix them. All are reported.
     #[error("{}", join(.0))]
     Invalid(Vec<Problem>),
     /// Understood, but not something this version can do.
@@ -43,7 +43,7 @@ pub enum Error {
     Interrupted,
 }
 
-/// The result of what can fail.
+/// The result of anything that can fail.
 pub type Result<T> = std::result::Result<T, Error>;
 
 impl Error {
@@ -57,7 +57,7 @@ impl Error {
         Error::Invalid(vec![Problem::new(at, message)])
     }
 
-    /// What to mend, each thing at its place; nothing if the caller asked to stop.
+    /// What to fix, each problem with its location; empty if the caller asked to stop.
     pub fn problems(&self) -> Vec<Problem> {
         match self {
             Error::Io { path, action, source } => {
@@ -78,19 +78,19 @@ impl Error {
     }
 }
 
-/// What the system said, in words that are the same on every system and for every format.
+/// The system's error, worded the same on every system and for every format.
 fn refusal(action: &str, source: &std::io::Error) -> String {
     use std::io::ErrorKind;
     match (source.kind(), action) {
         (ErrorKind::NotFound, "reading") => "there is no such file or folder".into(),
-        (ErrorKind::IsADirectory, "reading") => "is a folder, where a file is wanted".into(),
+        (ErrorKind::IsADirectory, "reading") => "is a folder, but a file is needed".into(),
         (ErrorKind::NotFound, _) => format!("{action}: there is no such file or folder"),
-        (ErrorKind::IsADirectory, _) => format!("{action}: there is a folder of this name"),
+        (ErrorKind::IsADirectory, _) => format!("{action}: a folder with this name exists"),
         (ErrorKind::NotADirectory, _) => {
-            format!("{action}: a part of this path is a file, where a folder is wanted")
+            format!("{action}: part of this path is a file, but a folder is needed")
         }
         (ErrorKind::PermissionDenied, _) => format!("{action}: permission denied"),
-        (ErrorKind::AlreadyExists, "making this folder") => format!("{action}: there is a file of this name"),
+        (ErrorKind::AlreadyExists, "making this folder") => format!("{action}: a file with this name exists"),
         _ => format!("{action}: {source}"),
     }
 }
@@ -99,19 +99,19 @@ fn join(problems: &[Problem]) -> String {
     problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("\n")
 }
 
-/// A number as messages show it: the digits of 1e308 are not worth reading.
+/// A number as messages show it: nobody wants to read the 309 digits of 1e308.
 pub(crate) fn number(x: f64) -> String {
     if x == 0.0 || (1e-5..1e15).contains(&x.abs()) { x.to_string() } else { format!("{x:e}") }
 }
 
-/// One thing to mend: where, what is wrong, and what to do about it.
+/// One thing to fix: where, what is wrong, and what to do about it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Problem {
     /// Where it is.
     pub at: Location,
     /// What is wrong.
     pub message: String,
-    /// What to do, if more can be said than the message says.
+    /// What to do, if the message does not make it obvious.
     pub help: Option<String>,
 }
 
@@ -143,9 +143,9 @@ impl fmt::Display for Problem {
     }
 }
 
-/// A place in a user's input: a file, a line and column in it, and the item there.
+/// A location in a user's input: a file, a line and column in it, and the item there.
 ///
-/// Printed as `scene.toml:14:9 sensor.bands[3]`; parts that are not known are left out.
+/// Printed as `scene.toml:14:9 sensor.bands[3]`; unknown parts are left out.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Location {
     /// The file.
@@ -156,7 +156,7 @@ pub struct Location {
     pub column: Option<usize>,
     /// The item, as in `sensor.bands[3]` or `facet 17`.
     pub item: Option<String>,
-    /// Byte range in the file's text, for pictures of the place.
+    /// Byte range in the file's text, for drawing the excerpt.
     pub span: Option<(usize, usize)>,
 }
 
@@ -171,9 +171,9 @@ impl Location {
         Location { line: Some(line), ..Location::file(path) }
     }
 
-    /// A byte range of a file whose text is at hand.
+    /// A byte range of a file whose text is available.
     pub fn span(path: impl AsRef<Path>, text: &str, start: usize, end: usize) -> Self {
-        // Readers of others may count into the middle of a letter.
+        // A third-party parser's offsets may fall inside a character.
         let [start, end] =
             [start, end].map(|at| (0..=at.min(text.len())).rev().find(|at| text.is_char_boundary(*at)).unwrap_or(0));
         let before = &text[..start];
@@ -186,12 +186,12 @@ impl Location {
         }
     }
 
-    /// An item that has no place in a file, as the argument of a library call.
+    /// An item that is in no file, such as an argument of a library call.
     pub fn item(item: impl Into<String>) -> Self {
         Location { item: Some(item.into()), ..Default::default() }
     }
 
-    /// The same place, naming the item there.
+    /// The same location, naming the item there.
     #[must_use]
     pub fn with_item(mut self, item: impl Into<String>) -> Self {
         self.item = Some(item.into());

@@ -1,11 +1,11 @@
-//! How long work tells its caller how far it is, and learns that it should stop.
+//! How long-running work reports its progress to the caller, and learns that it should stop.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use std::sync::{Mutex, PoisonError};
 
 use crate::error::{Error, Result};
 
-/// How far a stage is.
+/// The progress of a stage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Progress {
     /// What is being done, as in "sunlight".
@@ -19,12 +19,12 @@ pub struct Progress {
 /// Called between steps, from any thread; `false` asks to stop.
 pub type Watch<'a> = &'a (dyn Fn(Progress) -> bool + Sync);
 
-/// A [`Watch`] for those who do not want to know: never stops anything.
+/// A [`Watch`] that ignores progress and never stops the work.
 pub fn unwatched(_: Progress) -> bool {
     true
 }
 
-/// Tells the caller.
+/// Reports progress to the caller.
 ///
 /// # Errors
 /// [`Error::Interrupted`] if it asks to stop.
@@ -35,35 +35,35 @@ pub fn tell(watch: Watch<'_>, stage: &'static str, done: u64, total: u64) -> Res
     if watch(Progress { stage, done, total }) { Ok(()) } else { Err(Error::Interrupted) }
 }
 
-/// How far work is, for a host that asks instead of being called, and stops the work by a flag: from any thread, as often as it likes.
+/// Progress for a host that polls instead of being called back, and stops the work by a flag: from any thread, at any time.
 ///
 /// `&|progress| gauge.watch(progress)` is its [`Watch`].
 #[derive(Debug, Default)]
 pub struct Gauge {
-    // One value: stage and steps belong together.
+    // One value, since stage and steps belong together.
     now: Mutex<Option<Progress>>,
     is_stopped: AtomicBool,
 }
 
 impl Gauge {
-    /// Notes how far the work is; `false` once it should stop.
+    /// Records the progress; `false` once the work should stop.
     pub fn watch(&self, progress: Progress) -> bool {
         *self.now.lock().unwrap_or_else(PoisonError::into_inner) = Some(progress);
         !self.is_stopped.load(Relaxed)
     }
 
-    /// How far the work was when it last said so; `None` before it has begun.
+    /// The progress last reported; `None` before the work has begun.
     pub fn progress(&self) -> Option<Progress> {
         *self.now.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Makes the work end, with [`Error::Interrupted`], when it next says how far it is.
+    /// Makes the work end with [`Error::Interrupted`] at its next progress report.
     pub fn stop(&self) {
         self.is_stopped.store(true, Relaxed);
     }
 }
 
-/// Asks a [`Watch`] in the middle of a step too, so that it is heard however long a step takes.
+/// Asks a [`Watch`] within a step too, so that a request to stop is heard however long the step takes.
 pub struct Pulse<'a> {
     watch: Watch<'a>,
     stage: &'static str,
@@ -72,16 +72,16 @@ pub struct Pulse<'a> {
     work: usize,
 }
 
-/// So many pieces of work, of some 100 ns, are done between two questions.
+/// This many pieces of work, of some 100 ns each, are done between two questions.
 const WORK: usize = 1 << 14;
 
 impl<'a> Pulse<'a> {
-    /// Of a stage of which others count in `done` how many of `total` steps are done.
+    /// For a stage of `total` steps, of which others count in `done` those that are done.
     pub fn new(watch: Watch<'a>, stage: &'static str, done: &'a AtomicU64, total: u64) -> Self {
         Pulse { watch, stage, done, total, work: 0 }
     }
 
-    /// Says that some pieces of work have been done.
+    /// Records that some pieces of work have been done.
     ///
     /// # Errors
     /// [`Error::Interrupted`] if the watch asks to stop.

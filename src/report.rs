@@ -1,4 +1,4 @@
-//! What a conversion could not carry over as it was: nothing is lost in silence.
+//! What a conversion could not carry over unchanged: nothing is lost silently.
 
 use std::fmt;
 
@@ -7,13 +7,13 @@ use crate::error::Location;
 /// What became of something that has no exact counterpart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Fate {
-    /// Left out: the target has no place for it.
+    /// Left out: the target cannot hold it.
     Dropped,
-    /// Written as something near to it; the note says how near.
+    /// Replaced by something close; the note says how close.
     Approximated,
-    /// The source did not say; the note says what was taken.
+    /// Not stated by the source; the note gives the value taken.
     Defaulted,
-    /// The target has no place for it, but a file beside it keeps it for the way back.
+    /// The target cannot hold it, but a file next to it keeps it for the conversion back.
     Carried,
 }
 
@@ -28,12 +28,12 @@ impl fmt::Display for Fate {
     }
 }
 
-/// One thing that was not carried over as it was.
+/// One thing that was not carried over unchanged.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Note {
     /// What became of it.
     pub fate: Fate,
-    /// Where it stands in the source.
+    /// Its location in the source.
     pub at: Location,
     /// What it is, and why.
     pub message: String,
@@ -58,7 +58,7 @@ impl Report {
         self.notes.push(Note { fate, at, message: message.into() });
     }
 
-    /// Whether something is lost: what `--strict` refuses. Defaults and what is carried beside are no loss.
+    /// Whether something is lost, which `--strict` refuses. Defaults, and what a file next to the target keeps, are no loss.
     pub fn has_losses(&self) -> bool {
         self.notes.iter().any(|n| matches!(n.fate, Fate::Dropped | Fate::Approximated))
     }

@@ -26,7 +26,7 @@ pub fn um_from_nm(nm: f64) -> f64 {
     nm / 1000.0
 }
 
-/// How many wavenumbers, cm-1, a um is wide at a wavelength: of nu = 1e4 / lambda the derivative, 1e4 / lambda^2.
+/// The width in wavenumbers, cm-1, of 1 um at a wavelength: the derivative of nu = 1e4 / lambda, which is 1e4 / lambda^2.
 pub fn cm_1_per_um(wavelength_um: f64) -> f64 {
     1e4 / (wavelength_um * wavelength_um)
 }

@@ -1,4 +1,4 @@
-//! What is said to whom: results on standard output, progress and errors on standard error.
+//! Results go to standard output; progress and errors go to standard error.
 
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,13 +11,13 @@ use mmxrt::formats::report_json::{FORMAT_VERSION, Run, Stage, rfc3339};
 use mmxrt::progress::Progress;
 use mmxrt::{Error, Result};
 
-/// What takes less than this shows no progress.
+/// Work that takes less than this shows no progress.
 const PATIENCE: Duration = Duration::from_secs(1);
-/// Where there is no terminal, a line this often.
+/// Without a terminal, progress is a line this often.
 const LINE_EVERY: Duration = Duration::from_secs(10);
-/// A step that has not asked for so long whether it should stop is stopped where it is, ...
+/// After Ctrl-C, a step that has not checked for this long whether to stop is killed, ...
 const UNHEARD: Duration = Duration::from_millis(500);
-/// ... and so is what has not ended for so long after it heard that it should.
+/// ... and so is work that has not ended this long after it was asked to stop.
 const UNENDED: Duration = Duration::from_secs(10);
 
 pub(crate) struct Console {
@@ -32,7 +32,7 @@ pub(crate) struct Console {
     stages: Mutex<Stages>,
 }
 
-/// The stages of a run, and what is shown of the last one.
+/// The stages of a run, and what is displayed for the latest.
 #[derive(Default)]
 struct Stages {
     done: Vec<Stage>,
@@ -45,7 +45,7 @@ impl Stages {
     fn finish(&mut self) {
         if let Some((name, began)) = self.current.take() {
             let wall_s = began.elapsed().as_secs_f64();
-            // A stage that another one interrupted goes on.
+            // A stage that was interrupted by another continues.
             match self.done.iter_mut().find(|stage| stage.name == name) {
                 Some(stage) => stage.wall_s += wall_s,
                 None => self.done.push(Stage { name: name.to_owned(), wall_s }),
@@ -73,8 +73,8 @@ impl Console {
         }
     }
 
-    /// From here on Ctrl-C makes the next progress call stop the work, so that what is half written is removed. Work that does not
-    /// call for long ends where it is.
+    /// From now on Ctrl-C makes the next progress call stop the work, so that half-written files are removed. Work that makes no
+    /// call for too long is killed.
     pub(crate) fn catch_interrupt(&self) -> std::result::Result<(), ctrlc::Error> {
         let (interrupted, heard, json) = (Arc::clone(&self.interrupted), Arc::clone(&self.heard), self.json);
         ctrlc::set_handler(move || {
@@ -83,7 +83,7 @@ impl Console {
             if heard.load(Ordering::Relaxed) {
                 std::thread::sleep(UNENDED);
             }
-            // What has begun to take its place is finished: it would not be true that nothing was written.
+            // Output that is already being moved into place is finished: otherwise "nothing was written" would be false.
             if folder::abandon() {
                 say(&Error::Interrupted, json);
                 std::process::exit(1);
@@ -93,7 +93,7 @@ impl Console {
 
     /// The callback that the library calls between steps.
     pub(crate) fn watch(&self, progress: Progress) -> bool {
-        // A panic elsewhere while this was held left nothing that could be wrong here.
+        // A panic elsewhere while this lock was held cannot have left it inconsistent.
         let mut stages = self.stages.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         if stages.current.is_none_or(|(name, _)| name != progress.stage) {
             stages.finish();
@@ -131,12 +131,12 @@ impl Console {
         }
     }
 
-    /// Ends the last stage and takes its bar away.
+    /// Ends the current stage and removes its progress bar.
     pub(crate) fn finish_progress(&self) {
         self.stages.lock().unwrap_or_else(std::sync::PoisonError::into_inner).finish();
     }
 
-    /// What `run.json` says of the run so far.
+    /// The contents of `run.json` so far.
     pub(crate) fn run(&self, command: &str) -> Run {
         self.finish_progress();
         let stages = self.stages.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
@@ -152,15 +152,15 @@ impl Console {
         }
     }
 
-    /// Whether everything is to be said.
+    /// Whether to report everything.
     pub(crate) fn is_verbose(&self) -> bool {
         self.verbose
     }
 
-    /// A remark for people: on standard error, unless quiet.
+    /// A remark for the user: on standard error, unless quiet.
     pub(crate) fn note(&self, text: &str) {
         if !self.quiet && !self.json {
-            // Nobody can be told that standard error is gone.
+            // There is nowhere left to report that standard error is gone.
             let _ = writeln!(std::io::stderr(), "{text}");
         }
     }
@@ -177,14 +177,14 @@ impl Console {
         }
     }
 
-    /// The result of a command that has written what it was asked to: a standard output that is full does not undo that.
+    /// The result of a command whose output is already written: a full standard output does not make that an error.
     pub(crate) fn done(&self, text: &str, json: &serde_json::Value) {
         if let Err(error) = self.result(text, json) {
             self.note(&format!("warning: {error}; the output is complete"));
         }
     }
 
-    /// A line of standard output. Whoever closed it early, like `head`, has what he wants.
+    /// A line on standard output. A reader that closed it early, such as `head`, has what it wants.
     fn print(&self, text: &str) -> Result<()> {
         let mut out = std::io::stdout().lock();
         match writeln!(out, "{}", text.trim_end()).and_then(|()| out.flush()) {
@@ -202,6 +202,6 @@ impl Console {
 
 fn say(error: &Error, json: bool) {
     let text = if json { super::error_json(error).to_string() } else { mmxrt::formats::picture(error) };
-    // Nobody can be told that standard error is gone.
+    // There is nowhere left to report that standard error is gone.
     let _ = writeln!(std::io::stderr(), "{text}");
 }

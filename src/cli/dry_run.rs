@@ -1,4 +1,4 @@
-//! What `mmxrt inspect` says of a scene: a dry run of `mmxrt simulate`.
+//! What `mmxrt inspect` reports about a scene: a dry run of `mmxrt simulate`.
 
 use std::path::Path;
 
@@ -18,7 +18,7 @@ pub(super) fn run(path: &Path, console: &Console) -> Result<Outcome> {
     outlook.error.map_or(Ok(Outcome::Done), Err)
 }
 
-/// In a few lines what is asked most; `--json` has it all, in all its digits.
+/// The most wanted facts in a few lines; `--json` has everything, to full precision.
 fn text(outlook: &Outlook) -> String {
     let Outlook { subject, dry_run, warnings, .. } = outlook;
     let about = &dry_run.summary;
@@ -80,7 +80,7 @@ fn text(outlook: &Outlook) -> String {
     lines.join("\n")
 }
 
-/// A list below its name.
+/// A list under its name.
 fn list(name: &str, items: impl Iterator<Item = String>) -> String {
     let items: Vec<String> = items.map(|item| format!("\n  {item}")).collect();
     format!("{name}:{}", if items.is_empty() { " none".to_owned() } else { items.concat() })
@@ -122,7 +122,7 @@ fn short(value: f64) -> String {
     rounded(value, 4)
 }
 
-/// So many digits, or all before the point.
+/// This many digits, or all before the decimal point.
 fn rounded(value: f64, digits: i32) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();

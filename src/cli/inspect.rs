@@ -23,24 +23,24 @@ use super::console::Console;
 pub(crate) struct Arguments {
     /// A product folder, image (ENVI, ILWIS, OpenEXR, NumPy, PNG, CSV), .npz, .json report, scene, recipe, spectrum (.csv), .obj, .mtl, .gltf, .glb, DART simulation, output or optical database, .sli or .txt; or `e490`, the built-in spectrum of the Sun
     file: PathBuf,
-    /// Of a product folder: spectrum and planes of this pixel, counted from 0
+    /// Show the spectrum and planes of this pixel of a product folder, counted from 0
     #[arg(long, value_name = "SAMPLE,LINE", value_parser = pixel)]
     pixel: Option<(usize, usize)>,
     /// Write the spectrum of the pixel, or of the Sun, as a table
     #[arg(long, value_name = "OUT.csv")]
     csv: Option<PathBuf>,
-    /// Write a picture of an image (.png: grey, or of three bands in colours), or of the spectrum of a pixel or of the Sun (.svg)
+    /// Write a picture of an image (.png: grey, or three bands in colour), or of the spectrum of a pixel or of the Sun (.svg)
     #[arg(long, value_name = "OUT")]
     picture: Option<PathBuf>,
-    /// The band of the picture, from 1; given three times, those of red, green and blue
+    /// The band to show, counted from 1; given three times, those for red, green and blue
     #[arg(long, value_name = "N", requires = "picture", value_parser = clap::value_parser!(u32).range(1..))]
     band: Vec<u32>,
-    /// Replace a picture or table that exists
+    /// Replace an existing picture or table
     #[arg(long, requires = "written")]
     force: bool,
 }
 
-/// The name of the built-in spectrum of the Sun, where no file is called so.
+/// The name of the built-in spectrum of the Sun, unless a file has that name.
 const BUILT_IN_SUN: &str = "e490";
 
 fn pixel(text: &str) -> std::result::Result<(usize, usize), String> {
@@ -49,7 +49,7 @@ fn pixel(text: &str) -> std::result::Result<(usize, usize), String> {
     Ok((number(sample)?, number(line)?))
 }
 
-/// What a file holds: names and values, in the order they are said.
+/// What a file holds: names and values, in the order they are printed.
 type Facts = Vec<(&'static str, Value)>;
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
@@ -60,7 +60,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     }
     path.metadata().map_err(|e| Error::io(path, "reading", e))?;
     if arguments.csv.is_some() {
-        let message = "has no one spectrum that could be written: --csv goes with --pixel, or with `e490`";
+        let message = "has no single spectrum to write: use --csv with --pixel, or with `e490`";
         return Err(Error::invalid(Location::file(path), message));
     }
     // Of a product, the cube is the image.
@@ -73,7 +73,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let facts = match found {
         Some(format) if format.is_image() => image(path, format, arguments, console)?,
         _ if arguments.picture.is_some() => {
-            return Err(Error::invalid(Location::file(path), "is no image, of which a picture could be made"));
+            return Err(Error::invalid(Location::file(path), "is not an image, so no picture can be made of it"));
         }
         _ if is_scene(path)? => return super::dry_run::run(path, console),
         _ => inspect(path, found, console)?,
@@ -88,7 +88,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// The spectrum of a pixel, or of the Sun: said, and on request written and drawn.
+/// The spectrum of a pixel, or of the Sun: printed, and on request written and drawn.
 fn spectrum_of(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let path = &arguments.file;
     let (json, sheet) = match arguments.pixel {
@@ -131,16 +131,16 @@ fn spectrum_of(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// A fact as text; of a long list only the ends.
+/// A fact as text; a long list shows only its ends.
 fn line(name: &str, value: &Value) -> String {
     const ENDS: usize = 6;
     const NAMING: [&str; 5] = ["name", "file", "path", "array", "band"];
     let short = |value: &Value| match value {
         Value::String(text) => text.clone(),
         Value::Object(object) => {
-            // A name that is empty shows as "".
+            // An empty name is shown as "".
             let of = |v: &Value| v.as_str().filter(|s| !s.is_empty()).map_or_else(|| v.to_string(), str::to_owned);
-            // What a thing is called comes first; the order of the rest says nothing.
+            // The name comes first; the order of the rest means nothing.
             let (mut named, rest): (Vec<_>, Vec<_>) = object.iter().partition(|(k, _)| NAMING.contains(&k.as_str()));
             named.extend(rest);
             named.iter().map(|(k, v)| format!("{k} {}", of(v))).collect::<Vec<_>>().join(", ")
@@ -179,16 +179,15 @@ fn inspect(path: &Path, format: Option<&Format>, console: &Console) -> Result<Fa
         (_, Some("csv")) => spectrum(path, console),
         (_, Some(_)) => converted(path, console),
         _ if path.is_file() => {
-            let message = format!("no format of ours ends in {extension:?}");
+            let message = format!("no known format ends in {extension:?}");
             let endings = registry::endings(|_| true).join(", ");
             let help = format!("these do: {endings}, json, mtl; or name a folder of a product or a DART simulation");
             Err(Error::Invalid(vec![Problem::new(Location::file(path), message).with_help(help)]))
         }
         _ => Err(match path.metadata() {
             Ok(_) => {
-                let problem =
-                    Problem::new(Location::file(path), "is neither a file nor a folder, but a pipe or a device");
-                Error::Invalid(vec![problem.with_help("save what comes from it as a file")])
+                let problem = Problem::new(Location::file(path), "is a pipe or a device, not a file or folder");
+                Error::Invalid(vec![problem.with_help("save its output to a file first")])
             }
             Err(e) => Error::io(path, "reading", e),
         }),
@@ -290,7 +289,7 @@ fn recipe(path: &Path) -> Result<Facts> {
     ])
 }
 
-/// A spectrum: of a surface or of the Sun; or a table that is none, but is read as others are.
+/// A spectrum of a surface or of the Sun, or a table that is no spectrum but is read the same way.
 fn spectrum(path: &Path, console: &Console) -> Result<Facts> {
     if let Some((facets, bands)) = radiance_map::facets_of(path)? {
         let bands = bands.iter().map(|band| json!({ "um": band.centre_um, "fwhm_um": band.fwhm_um }));
@@ -335,7 +334,7 @@ fn folder(path: &Path) -> Result<Facts> {
     if !path.join("report.json").is_file() {
         return Err(Error::invalid(
             Location::file(path),
-            "is not a product folder, which has a report.json, nor an output of DART, which has a simulation.properties.txt",
+            "is neither a product folder (no report.json) nor an output of DART (no simulation.properties.txt)",
         ));
     }
     let files = product_folder::files(path)?;
@@ -441,7 +440,7 @@ fn image(path: &Path, format: &Format, arguments: &Arguments, console: &Console)
         "npz" => {
             let facts = arrays(path)?;
             let is_ours = facts.iter().any(|(name, _)| *name == "scene");
-            // Tables and footprints are no images; of other arrays it is not said which is one.
+            // Tables and footprints are not images, and other archives do not say which of their arrays is one.
             if arguments.picture.is_none() && (is_ours || registry::image(path).is_err()) {
                 return Ok(facts);
             }

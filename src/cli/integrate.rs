@@ -1,4 +1,4 @@
-//! `mmxrt integrate`: a scene, and the radiance that its facets send, become a product folder.
+//! `mmxrt integrate`: a scene and the radiance of its facets become a product folder.
 
 use std::path::PathBuf;
 
@@ -20,21 +20,21 @@ use super::product::ProductArguments;
 pub(crate) struct Arguments {
     /// The scene file
     scene: PathBuf,
-    /// What its facets receive, from `mmxrt solve`; one table serves all cameras and bands, while Bond albedos stay
+    /// The facet table from `mmxrt solve`; one table serves all cameras and bands, as long as the Bond albedos stay the same
     #[arg(long, value_name = "TABLE.npz")]
     table: Option<PathBuf>,
-    /// Radiance from elsewhere: a raster with its `.map.toml`, a table of facets, an output of DART. Maps joined by `+` add up, each
-    /// times a number after `*`; given several times, they are maps of other views of the same
+    /// Radiance from elsewhere: a raster with its `.map.toml`, a table of facets, or DART output. Maps joined by `+` add up, each
+    /// scaled by a factor after `*`; repeat the option for maps of the same scene from other views
     #[arg(long, value_name = "MAP[+MAP*W]...")]
     radiance: Vec<String>,
-    /// Which of maps of several views serve a facet
+    /// Which map to use where several views see a facet
     #[arg(long, value_enum, default_value = "nearest", requires = "radiance")]
     views: Views,
-    /// What a map is between the centres of its texels
+    /// How to interpolate between texel centres
     #[arg(long, value_enum, default_value = "nearest", requires = "radiance")]
     texels: Between,
-    /// What is shown where no map knows the radiance: `error` if that is over 0.1 % of what is seen, `solve` to fill it from the
-    /// scene's own sources, `nan` to mark pixels of which nothing is known, or a radiance in W m-2 sr-1 um-1
+    /// What to do where no map knows the radiance: `error` fails if that is over 0.1 % of what is seen, `solve` fills it from the
+    /// scene's own sources, `nan` marks pixels about which nothing is known, or give a radiance in W m-2 sr-1 um-1
     #[arg(long, value_name = "error|solve|nan|VALUE", default_value = "error", value_parser = fill, requires = "radiance")]
     unknown: Fill,
     #[command(flatten)]
@@ -43,9 +43,9 @@ pub(crate) struct Arguments {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Views {
-    /// The one from the nearest direction
+    /// The map from the nearest direction
     Nearest,
-    /// All of them, weighted by one over the squared angle
+    /// All maps, weighted by one over the squared angle
     Interpolated,
 }
 
@@ -64,7 +64,7 @@ fn fill(text: &str) -> std::result::Result<Fill, String> {
         "nan" | "NaN" => Ok(Fill::Nan),
         _ => match text.parse::<f64>() {
             Ok(value) if value >= 0.0 && value.is_finite() => Ok(Fill::Value(value)),
-            _ => Err("give `error`, `solve`, `nan`, or a radiance from 0".into()),
+            _ => Err("give `error`, `solve`, `nan`, or a radiance of at least 0".into()),
         },
     }
 }

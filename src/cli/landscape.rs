@@ -13,16 +13,16 @@ use super::console::Console;
 pub(crate) struct Arguments {
     /// The recipe file
     recipe: PathBuf,
-    /// The mesh to write: a name that ends in .obj, or a folder for landscape.obj
+    /// The mesh to write: a name ending in .obj, or a folder for landscape.obj
     #[arg(long, short, value_name = "OUT")]
     output: PathBuf,
-    /// Facets, instead of the recipe's
+    /// Number of facets, overriding the recipe
     #[arg(long, value_name = "N")]
     facets: Option<u32>,
-    /// Seed, instead of the recipe's
+    /// Seed, overriding the recipe
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Replace files that exist
+    /// Replace existing files
     #[arg(long)]
     force: bool,
 }

@@ -23,7 +23,7 @@ use console::Console;
 
 /// What a space camera sees of a small body: exact facet-to-pixel hyperspectral image simulation.
 ///
-/// Exit codes: 0 done; 1 bad input, failed I/O, a failed case of `validate`, an error that `convert --check` finds, a difference by `--diff`, or Ctrl-C;
+/// Exit codes: 0 done; 1 bad input, failed I/O, a failed case of `validate`, an error found by `convert --check`, a difference found by `convert --diff`, or Ctrl-C;
 /// 2 usage; 3 a loss under `convert --strict`. Unless the code is 0, nothing new is left under the name of the output.
 #[derive(Parser)]
 #[command(name = "mmxrt", version)]
@@ -37,44 +37,44 @@ struct Cli {
 #[derive(clap::Args)]
 #[command(next_help_heading = "Options of all commands")]
 struct Global {
-    /// Threads to use; all cores if not given. The products are the same for any number
+    /// Number of threads; by default all cores. Products do not depend on it
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Say nothing but errors
+    /// Print nothing but errors
     #[arg(long, short, global = true)]
     quiet: bool,
-    /// Say on standard error what is being done
+    /// Report on standard error what is being done
     #[arg(long, short, global = true, conflicts_with = "quiet")]
     verbose: bool,
-    /// Results on standard output and errors on standard error as JSON
+    /// Print results (standard output) and errors (standard error) as JSON
     #[arg(long, global = true)]
     json: bool,
 }
 
 #[derive(Subcommand)]
 enum Command {
-    /// A scene becomes a radiance cube, backplanes, pictures and a report (`inspect SCENE` is a dry run)
+    /// Turn a scene into a radiance cube, backplanes, pictures and a report (`inspect SCENE` is a dry run)
     Simulate(simulate::Arguments),
-    /// What reaches each facet of a scene, as a table
+    /// Compute what light and heat reach each facet of a scene, as a table
     Solve(solve::Arguments),
-    /// A scene and the table of its facets become the products of `simulate`
+    /// Turn a scene and its facet table, or radiance maps, into the products of `simulate`
     Integrate(integrate::Arguments),
-    /// A recipe becomes a landscape
+    /// Generate a landscape from a recipe
     Landscape(landscape::Arguments),
-    /// One format becomes another: scenes, meshes, spectra, images, and inputs of DART
+    /// Convert between formats: scenes, meshes, spectra, images, and inputs of DART
     Convert(convert::Arguments),
-    /// Says what a file holds; of a scene also what simulating it would take and tell
+    /// Show what a file holds; for a scene also what simulating it would take, and its warnings
     Inspect(inspect::Arguments),
-    /// Runs the closed-form cases and prints what passes
+    /// Run the closed-form test cases and print the results
     Validate(validate::Arguments),
 }
 
 /// How a command ended without an error.
 enum Outcome {
     Done,
-    /// It ran, and what it verified does not hold.
+    /// It ran, but a check failed.
     Failed,
-    /// Something would have been lost, and that was forbidden.
+    /// Something would have been lost, which was forbidden.
     Lost,
 }
 
@@ -82,7 +82,7 @@ pub(crate) fn run() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {
-            // If neither output can be written, the exit code still tells.
+            // If neither output can be written, the exit code still reports the failure.
             let _ = error.print();
             return u8::try_from(error.exit_code()).map_or(ExitCode::FAILURE, ExitCode::from);
         }
@@ -129,19 +129,19 @@ fn dispatch(command: Command, console: &Console) -> mmxrt::Result<Outcome> {
     }
 }
 
-/// Finishes and removes what runs that were stopped have left of an output, and says so.
+/// Finishes or removes what killed runs have left behind of an output, and says so.
 fn settle(output: &Path, console: &Console) -> mmxrt::Result<()> {
     folder::settle(output, true)?.iter().for_each(|said| console.note(said));
     Ok(())
 }
 
-/// Finishes what a run that was stopped had begun to put in the place of an input, and says so.
+/// Finishes what a killed run had begun to move into the place of an input, and says so.
 fn settle_input(input: &Path, console: &Console) -> mmxrt::Result<()> {
     folder::settle(input, false)?.iter().for_each(|said| console.note(said));
     Ok(())
 }
 
-/// A place's file as JSON: a name that is not UTF-8, which JSON cannot hold, as nearly as it can be shown.
+/// A location's file as JSON; a name that is not UTF-8 is shown as nearly as JSON can.
 fn file_json(file: Option<&PathBuf>) -> serde_json::Value {
     file.map(|path| path.display().to_string()).into()
 }

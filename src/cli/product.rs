@@ -1,4 +1,4 @@
-//! The product folder that `simulate` and `integrate` write: its options, and what is said of it.
+//! The product folder that `simulate` and `integrate` write: its options, and what is printed about it.
 
 use std::path::PathBuf;
 
@@ -11,27 +11,27 @@ use mmxrt::formats::report_json::ImageEntry;
 
 use super::console::Console;
 
-/// Of more defaults only so many are named in a line.
+/// At most this many defaults are named in a line.
 const TOLD: usize = 4;
 
 #[derive(clap::Args)]
 pub(crate) struct ProductArguments {
-    /// The folder to make
+    /// The folder to create
     #[arg(long, short, value_name = "FOLDER")]
     output: PathBuf,
-    /// Replace a product folder that exists
+    /// Replace an existing product folder
     #[arg(long)]
     force: bool,
-    /// Order of the cube's numbers
+    /// Interleave of the cube
     #[arg(long, value_enum, default_value = "bsq")]
     interleave: InterleaveName,
     /// Precision of the cube's numbers
     #[arg(long, value_enum, default_value = "f32")]
     dtype: PrecisionName,
-    /// Write the cube as spectral OpenEXR as well
+    /// Also write the cube as spectral OpenEXR
     #[arg(long)]
     exr: bool,
-    /// Write which facets each pixel sees as well
+    /// Also write which facets each pixel sees
     #[arg(long)]
     footprints: bool,
 }
@@ -55,7 +55,7 @@ enum PrecisionName {
 }
 
 impl ProductArguments {
-    /// Begins the folder, before anything is computed: it may not be possible.
+    /// Creates the folder before anything is computed, since that may fail.
     pub(super) fn stage(&self, table: bool, split: bool, console: &Console) -> Result<ProductFolder> {
         super::settle(&self.output, console)?;
         let interleave = match self.interleave {
@@ -72,7 +72,7 @@ impl ProductArguments {
         ProductFolder::stage(&self.output, self.force, options)
     }
 
-    /// Says what has been written.
+    /// Reports what has been written.
     pub(super) fn say(&self, written: &Written, console: &Console) {
         let Written { product, report, kept } = written;
         let output = self.output.display().to_string();
@@ -94,7 +94,7 @@ impl ProductArguments {
     }
 }
 
-/// Says which values of the heat balance the scene left open: temperatures depend on them. In a line, or each with its value.
+/// Names the heat-balance values that the scene left open, since temperatures depend on them: in one line, or each with its value.
 pub(super) fn say_defaults(subject: &Subject, console: &Console) {
     let open = subject.defaults_of_heat();
     if open.is_empty() {

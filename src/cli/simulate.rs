@@ -15,10 +15,10 @@ pub(crate) struct Arguments {
     scene: PathBuf,
     #[command(flatten)]
     product: ProductArguments,
-    /// Write the facet table as well
+    /// Also write the facet table
     #[arg(long)]
     table: bool,
-    /// Write the thermal part of the cube as well (thermal.img): the rest of the cube is reflected
+    /// Also write the thermal part of the cube (thermal.img); the rest of the cube is reflected light
     #[arg(long)]
     split: bool,
 }

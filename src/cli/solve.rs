@@ -15,7 +15,7 @@ pub(crate) struct Arguments {
     /// The table to write
     #[arg(long, short, value_name = "TABLE.npz")]
     output: PathBuf,
-    /// Replace a table that exists
+    /// Replace an existing table
     #[arg(long)]
     force: bool,
 }

@@ -1,4 +1,4 @@
-//! `mmxrt validate`: what the program computes against numbers from outside, and what passes.
+//! `mmxrt validate`: compares what the program computes with independent numbers.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -9,12 +9,12 @@ use mmxrt::{Result, formats};
 use super::Outcome;
 use super::console::Console;
 
-/// No file of cases is longer, bytes.
+/// Longest file of cases that is read, bytes.
 const LIMIT: u64 = 64 << 20;
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Cases of a file, by group and inputs, instead of the built-in ones; what is not known is SKIPPED and counted
+    /// File of cases, by group and inputs, to run instead of the built-in ones; unknown cases are SKIPPED and counted
     #[arg(long, value_name = "FILE")]
     oracles: Option<PathBuf>,
 }

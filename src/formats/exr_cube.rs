@@ -146,7 +146,7 @@ pub(super) fn widths(widths_um: impl Iterator<Item = Option<f64>> + Clone) -> Op
     widths_um.flatten().next().map(|_| texts.collect::<Vec<_>>().join(" "))
 }
 
-/// What [`widths`] has made, if it is of so many bands.
+/// Reads what [`widths`] wrote, if it has this many bands.
 pub(super) fn read_widths(text: &str, count: usize) -> Option<Vec<Option<f64>>> {
     let width = |text: &str| text.parse().ok().filter(|um: &f64| *um >= 0.0 && um.is_finite());
     let widths_um: Vec<f64> = text.split_whitespace().map(width).collect::<Option<_>>()?;

@@ -1,10 +1,10 @@
-//! Names of things in names of files: no system takes more than 255 bytes, and some of them are the file's own.
+//! File names made from other names: no system accepts more than 255 bytes, of which the file itself needs some.
 
 use std::borrow::Cow;
 
 /// Longer names are shortened, bytes.
 const LONGEST: usize = 120;
-/// So much of the end is kept, where a name says what it is, bytes.
+/// This much of the end is kept, which is where a name says what it is, bytes.
 const END: usize = 40;
 
 /// A name, or its beginning and its end where it is too long. Several may become the same.

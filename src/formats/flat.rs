@@ -11,7 +11,7 @@ use crate::formats::envi::Interleave;
 use crate::formats::input;
 use crate::formats::number::DataType;
 
-/// Numbers are read, and written, in pieces of about as many bytes.
+/// Numbers are read and written in pieces of about this many bytes.
 const PIECE: usize = 1 << 20;
 
 /// Order of the axes, slowest first.
@@ -37,7 +37,7 @@ impl From<Interleave> for AxisOrder {
     }
 }
 
-/// How a file's numbers lie.
+/// The layout of a file's numbers.
 #[derive(Debug, Clone)]
 pub(super) struct Flat {
     pub(super) rows: usize,
@@ -58,13 +58,13 @@ impl Flat {
         Flat { rows, columns, bands, start: 0, data_type, big_endian: false, order, has_heads: false }
     }
 
-    /// Bytes of all numbers; `None` if no file can have as many.
+    /// Bytes of all numbers; `None` if no file can have that many.
     pub(super) fn data_bytes(&self) -> Option<u64> {
         let pixels = (self.rows as u64).checked_mul(self.columns as u64)?;
         pixels.checked_mul(self.bands as u64)?.checked_mul(self.data_type.bytes() as u64)
     }
 
-    /// Whether a band lies in one piece.
+    /// Whether a band is contiguous.
     pub(super) fn is_banded(&self) -> bool {
         matches!(self.order, AxisOrder::BandRowColumn | AxisOrder::BandColumnRow) || self.bands == 1
     }
@@ -127,7 +127,7 @@ impl Flat {
 }
 
 impl Flat {
-    /// Bands that are written at a time: as many as memory is given for, where they are interleaved.
+    /// Number of bands written at a time: as many as the memory limit allows, if they are interleaved.
     pub(super) fn together(&self, most_bytes: usize) -> usize {
         if self.is_banded() { 1 } else { (most_bytes / (8 * self.rows * self.columns)).clamp(1, self.bands) }
     }
@@ -216,13 +216,13 @@ impl FlatFile {
         }
     }
 
-    /// Writes some pixels of one band, where that lies in one piece.
+    /// Writes some pixels of one band, where bands are contiguous.
     pub(super) fn pixels(&mut self, band: usize, first: usize, bytes: &[u8]) -> std::io::Result<()> {
         let number = band * self.flat.rows * self.flat.columns + first;
         self.put(self.flat.start + number as u64 * self.flat.data_type.bytes() as u64, bytes)
     }
 
-    /// Writes bytes that belong behind so many lines of one band, and so many bytes of heads.
+    /// Writes bytes that follow this many lines of one band and this many bytes of heads.
     fn run(&mut self, lines: usize, heads: u64, bytes: &[u8]) -> std::io::Result<()> {
         let line = (self.flat.columns * self.flat.data_type.bytes()) as u64;
         self.put(self.flat.start + lines as u64 * line + heads, bytes)

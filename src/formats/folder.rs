@@ -1,4 +1,4 @@
-//! What is half written never stands under its final name.
+//! Half-written output never appears under its final name.
 
 use std::ffi::OsStr;
 use std::fs::{self, File};
@@ -21,7 +21,7 @@ fn under_way() -> MutexGuard<'static, Vec<(PathBuf, Vec<PathBuf>)>> {
     UNDER_WAY.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// For a process that is about to end, whatever its threads do: no output takes its place any more, and what is half written is removed.
+/// For a process that is about to end, whatever its threads do: from now on no output is moved into place, and half-written files are removed.
 /// `false` if one has begun to take its place, or has.
 pub fn abandon() -> bool {
     let is_abandoned = staging::abandon();
@@ -34,7 +34,7 @@ pub fn abandon() -> bool {
     is_abandoned
 }
 
-/// A file, with those that go with it, or a folder, that is written in a hidden folder beside its final place, and moved there when
+/// A file with its companions, or a folder, that is written in a hidden folder next to its final place, and moved there when
 /// complete.
 ///
 /// Dropped before [`commit`](Staged::commit), it leaves nothing: not even the folders made to hold it. No other process writes
@@ -57,7 +57,7 @@ pub struct FolderKind {
     /// A folder that holds one of these is of the kind, or one staged as such; no other folder is ever replaced.
     pub marks: &'static [&'static str],
     /// What such a folder may hold: names, or how names begin, if they end in a dot. A folder with anything else in it is not replaced
-    /// either, but for what other programs leave everywhere.
+    /// either, except for what other programs leave everywhere.
     pub parts: &'static [&'static str],
 }
 
@@ -118,7 +118,7 @@ impl Staged {
             };
             let is_known = |name: &str| is_part(name) || is_stray(name);
             if let Some(other) = names.iter().map(|name| name.to_string_lossy()).find(|name| !is_known(name)) {
-                return refused(format!("holds {other:?}, which is no part of a product, so it is not replaced"));
+                return refused(format!("holds {other:?}, which is not part of a product, so it is not replaced"));
             }
         }
         fs::create_dir(&staged.path).map_err(|e| Error::io(target, "making this folder", e))?;
@@ -201,10 +201,10 @@ impl Staged {
         &self.kept
     }
 
-    /// Says if the disk has no room for so many bytes.
+    /// Refuses if the disk has no room for this many bytes.
     ///
     /// # Errors
-    /// [`Error::Invalid`]; nothing is said of a disk that does not tell.
+    /// [`Error::Invalid`]; disks that do not report their free space are not checked.
     pub fn has_room(&self, bytes: u64) -> Result<()> {
         let free = self.path.parent().and_then(staging::free_bytes).filter(|free| *free < bytes);
         let Some(free) = free else { return Ok(()) };
@@ -222,7 +222,7 @@ impl Staged {
         spares(&targets, inputs)
     }
 
-    /// An error that names what is written by the final name, which is the one its reader knows.
+    /// An error that names the output by its final name, which is the one the user knows.
     #[must_use]
     pub fn named(&self, error: Error) -> Error {
         let final_path = |path: &Path| self.staging.as_ref()?.final_path(path);
@@ -245,7 +245,7 @@ impl Staged {
         }
     }
 
-    /// Gives what is written its final name, when it is on the disk. What stood there before is removed only after that.
+    /// Moves the output to its final name once it is on the disk. What was there before is removed only after that.
     ///
     /// # Errors
     /// [`Error::Io`] if it cannot be renamed: then what stood there before still does.
@@ -275,14 +275,14 @@ impl Drop for Staged {
     fn drop(&mut self) {
         under_way().retain(|(hidden, _)| self.path.parent() != Some(hidden));
         self.staging = None;
-        // Nothing more can be done about what fails here: the error that led here is the one to tell.
+        // A failure here cannot be helped: the error that led here is the one to report.
         for folder in self.made.iter().rev() {
             let _ = fs::remove_dir(folder);
         }
     }
 }
 
-/// A target as it is replaced: what a link leads to, not the link.
+/// The target that is really replaced: what a link leads to, not the link.
 fn resolved(target: &Path, replace: bool) -> Result<PathBuf> {
     match target.symlink_metadata() {
         Ok(_) if !replace => {
@@ -310,12 +310,12 @@ fn is_file_name(target: &Path, replace: bool) -> Result<()> {
         return Err(Error::invalid(Location::file(target), "is a folder; name a file"));
     }
     if replace && target.exists() && !target.is_file() {
-        return Err(Error::invalid(Location::file(target), "is no file, so it is not replaced"));
+        return Err(Error::invalid(Location::file(target), "is not a file, so it is not replaced"));
     }
     Ok(())
 }
 
-/// Says if a file that something is made from is one of its targets, or lies in one that is a folder: by whatever name, link, or case of
+/// Refuses an input that is one of the targets, or lies in one that is a folder: by whatever name, link, or case of
 /// letters.
 ///
 /// # Errors
@@ -342,7 +342,7 @@ pub fn spares<'a>(targets: &[PathBuf], inputs: impl IntoIterator<Item = &'a Path
     if problems.is_empty() { Ok(()) } else { Err(Error::Invalid(problems)) }
 }
 
-/// What tells one file from another, whatever they are called.
+/// What identifies a file, whatever name it is reached by.
 #[cfg(unix)]
 type FileId = (u64, u64);
 #[cfg(not(unix))]
@@ -373,7 +373,7 @@ fn is_stray(name: &str) -> bool {
 
 /// All strays in a folder, by their names from there.
 fn strays(folder: &Path, inside: &Path, found: &mut Vec<PathBuf>) {
-    // What cannot be looked at is no reason not to write: it is told when it is in the way.
+    // A file that cannot be inspected does not prevent writing: it is reported if it turns out to be in the way.
     let Ok(entries) = folder.join(inside).read_dir() else { return };
     for entry in entries.filter_map(std::result::Result::ok) {
         let path = inside.join(entry.file_name());
@@ -492,7 +492,7 @@ mod tests {
             Staged::folder(&top.join("table.npz"), true).unwrap_err().to_string().ends_with("is a file; name a folder")
         );
         #[cfg(unix)]
-        assert!(Staged::file(Path::new("/dev/null"), true).unwrap_err().to_string().contains("is no file"));
+        assert!(Staged::file(Path::new("/dev/null"), true).unwrap_err().to_string().contains("is not a file"));
         assert_eq!(names(&top), ["table.npz"]);
         std::fs::remove_dir_all(top).unwrap();
     }

@@ -1,4 +1,4 @@
-//! Formats of images that are not read: each is told by how its files begin, with the line that converts it.
+//! Image formats that are not read: each is recognised by how its files begin, and the error gives the command that converts it.
 
 use std::path::Path;
 

@@ -20,10 +20,10 @@ pub struct Format {
     pub reads: &'static str,
     /// What is written; nothing if it is read only.
     pub writes: &'static str,
-    /// How all its files begin; empty if that tells nothing.
+    /// How all its files begin; empty if that identifies nothing.
     pub(super) mark: &'static [u8],
-    /// What else tells it, of a path and how the file there begins (nothing of a folder): the main file or folder. Where there is a mark too,
-    /// both must.
+    /// What else identifies it, given a path and how the file there begins (empty for a folder): the main file or folder. If there is also
+    /// a mark, both must fit.
     pub(super) told: Option<Told>,
     /// What it holds, and how that is read and written.
     pub(super) holds: Holds,
@@ -56,14 +56,14 @@ pub(super) enum Holds {
         kind: &'static str,
         /// Opens it.
         open: fn(&Path) -> Result<Raster>,
-        /// How it is written to a path; of what is read only, what is done instead.
+        /// How it is written to a path; for a format that is only read, what to do instead.
         target: std::result::Result<fn(&Path) -> Target, &'static str>,
     },
 }
 
-/// The main file or folder of what is at a path and begins like this, if it is of a format.
+/// The main file or folder of a path whose file begins like this, if it is of the format.
 pub(super) type Told = fn(&Path, &[u8]) -> Option<PathBuf>;
-/// Reads all spectra of a file, with what of it could not be taken over.
+/// Reads all spectra of a file, and reports what could not be taken over.
 pub(super) type ReadSpectra = fn(&Path) -> Result<(Vec<SpectralLibrary>, Report)>;
 /// Writes spectra to a file, which may be replaced if the flag says so, under a hidden name.
 pub(super) type Stage = fn(&Path, &[SpectralLibrary], bool) -> Result<(Staged, Report)>;
@@ -92,7 +92,7 @@ impl Format {
         }
     }
 
-    /// The main file or folder of what is of this format, by how it begins and what lies in or beside it.
+    /// The main file or folder if the path is of this format, by how it begins and what lies in or next to it.
     pub(super) fn told(&self, path: &Path, beginning: &[u8]) -> Option<PathBuf> {
         match self.told {
             Some(told) if beginning.starts_with(self.mark) => told(path, beginning),

@@ -1,4 +1,4 @@
-//! ILWIS 2 raster maps of numbers: a header `.mpr` in the manner of INI files, and its values `.mp#` beside it.
+//! ILWIS 2 raster maps of numbers: a header `.mpr` in the manner of INI files, and its values `.mp#` next to it.
 //!
 //! Values are little-endian, line after line, without a header of their own. DART writes and reads `Type=Real`, f64 as they
 //! stand; integers, which others write, are values by `Range=least:largest:step:offset=o`: (number + o) step.
@@ -26,7 +26,7 @@ pub struct Raster {
     pub columns: usize,
     /// Extent from line to line and along a line, m, if the header bounds the map.
     pub pixel_m: Option<[f64; 2]>,
-    /// Values, line after line, as they stand: DART marks what is undefined by -1 or NaN.
+    /// Values, line after line, unchanged: DART marks undefined ones by -1 or NaN.
     pub values: Vec<f64>,
 }
 
@@ -48,14 +48,14 @@ fn pair(path: &Path) -> Result<(PathBuf, PathBuf)> {
 /// Reads the header of a map by the path of either of its files: header, and the paths of header and values.
 ///
 /// # Errors
-/// As [`read`], but for the values.
+/// As [`read`], except for the values.
 pub fn open(path: &Path) -> Result<(Header, PathBuf, PathBuf)> {
     let (header_path, values_path) = pair(path)?;
     let (text, _) = input::text(&header_path, HEADER)?;
     Ok((parse_header(&text, &header_path)?, header_path, values_path))
 }
 
-/// Reads a map's header, and sees that the values beside it are as many as it says, without reading them.
+/// Reads a map's header, and checks that the file of values has the right size, without reading it.
 ///
 /// # Errors
 /// As [`read`].
@@ -75,7 +75,7 @@ pub fn read(path: &Path) -> Result<(Raster, Vec<InputFile>)> {
     let (header_path, values_path) = pair(path)?;
     let (text, of_header) = input::text(&header_path, HEADER)?;
     let header = parse_header(&text, &header_path)?;
-    // The length is told before as many bytes are read.
+    // The length is checked before that many bytes are read.
     let length = std::fs::metadata(&values_path).map_err(|e| Error::io(&values_path, "reading", e))?.len();
     header.fits(length, &values_path).or_else(|e| if length <= HEADER { Ok(()) } else { Err(e) })?;
     let bytes = input::bytes(&values_path, length)?;
@@ -86,7 +86,7 @@ pub fn read(path: &Path) -> Result<(Raster, Vec<InputFile>)> {
 /// No data in images of DART.
 pub const NO_DATA: f64 = -1.0;
 
-/// What stands for no data in images that DART writes, which their headers do not say: -1, where it occurs and no value is less.
+/// The no-data value in images that DART writes, which their headers do not state: -1, where it occurs and no value is less.
 /// Terrains, which are called `DEM`, have heights of -1.
 ///
 /// # Errors
@@ -122,7 +122,7 @@ pub struct Header {
     pixel_m: Option<[f64; 2]>,
     bounds: Option<[f64; 4]>,
     store: Storage,
-    /// Where it says of which type.
+    /// Where the header states the type.
     type_at: Location,
     path: PathBuf,
 }
@@ -132,7 +132,7 @@ pub struct Header {
 pub struct Storage {
     /// Type of the numbers.
     pub data_type: DataType,
-    /// The number that stands for "undefined".
+    /// The number that means "undefined".
     pub undefined: Option<f64>,
     /// Step and offset: value = (number + offset) step; `None` if the numbers are the values.
     pub scale: Option<[f64; 2]>,
@@ -167,7 +167,7 @@ impl Header {
         self.rows as u64 * self.columns as u64
     }
 
-    /// Whether the values take as many bytes.
+    /// Checks that the values take this many bytes.
     fn fits(&self, length: u64, path: &Path) -> Result<()> {
         let wanted = self.values() * 8;
         if length == wanted {
@@ -185,7 +185,7 @@ impl Header {
     /// The map, from the bytes of its values. `path` is for messages.
     ///
     /// # Errors
-    /// [`Error::Invalid`] if there are not as many as the header says.
+    /// [`Error::Invalid`] if their number is not that of the header.
     pub fn raster(&self, bytes: &[u8], path: &Path) -> Result<Raster> {
         if bytes.starts_with(b"DRTDB") {
             let feature = "a terrain in the format of newer versions of DART (it begins with DRTDB)".into();
@@ -212,7 +212,7 @@ pub struct MapExtent {
 }
 
 impl MapExtent {
-    /// A map from the origin on: x runs from row to row, y along a row, as DART has it. `pixel_m` is their extent, m.
+    /// A map from the origin on: x runs from row to row, y along a row, as in DART. `pixel_m` is the size of a pixel, m.
     pub fn of_pixels(pixel_m: [f64; 2], rows: usize, columns: usize) -> Self {
         let (x, y) = (rows as f64 * pixel_m[0], columns as f64 * pixel_m[1]);
         MapExtent { bounds: [0.0, -y, x, 0.0], corners_m: [[0.0, 0.0], [0.0, y], [x, 0.0], [x, y]] }
@@ -229,7 +229,7 @@ const ACTIVE: i32 = 2;
 /// `None` if that says nothing either.
 ///
 /// # Errors
-/// [`Error::Io`]; [`Error::Syntax`] for a table that is none.
+/// [`Error::Io`]; [`Error::Syntax`] for a damaged table.
 pub fn place(header: &Header, values_path: &Path) -> Result<Option<MapExtent>> {
     let mut place = MapExtent::of_pixels(header.pixel_m.unwrap_or([1.0; 2]), header.rows, header.columns);
     if let Some(bounds) = header.bounds {

@@ -1,4 +1,4 @@
-//! Reading whole files, with what a report says of them.
+//! Reading whole files, with what a report records about them.
 
 use std::borrow::Cow;
 use std::fs::File;
@@ -40,7 +40,7 @@ impl InputFile {
     }
 }
 
-/// A byte of what is deflated stands for no more than this: 2 bits for 258 bytes. No compression of OpenEXR saves more.
+/// A deflated byte expands to at most this many: 2 bits for 258 bytes. No compression of OpenEXR saves more.
 pub(crate) const MOST_DEFLATED: u64 = 1032;
 
 /// A file that is read in pieces, and hashed on the way.
@@ -76,7 +76,7 @@ pub(crate) fn open(path: &Path) -> std::io::Result<File> {
     if file.metadata()?.is_dir() { Err(std::io::ErrorKind::IsADirectory.into()) } else { Ok(file) }
 }
 
-/// As much of a file is looked at to tell what it is, bytes.
+/// This much of a file is read to recognise its format, bytes.
 const BEGINNING: usize = 4096;
 
 /// All bytes of a file of at most `limit` bytes.
@@ -89,7 +89,7 @@ pub(crate) fn bytes(path: &Path, limit: u64) -> Result<Vec<u8>> {
     let told = file.metadata().map_err(reading)?.len();
     let mut bytes = Vec::new();
     if told <= limit {
-        // A pipe or device tells no length, or a wrong one: the limit holds for what comes.
+        // A pipe or device has no length, or a wrong one: the limit applies to what is read.
         let room = usize::try_from(told).unwrap_or(usize::MAX).saturating_add(1);
         bytes.try_reserve_exact(room).map_err(|e| reading(e.into()))?;
         file.take(limit + 1).read_to_end(&mut bytes).map_err(reading)?;
@@ -126,7 +126,7 @@ pub(crate) fn beside(file: &Path, name: &str, outside: bool) -> std::result::Res
     }
     let leaves = |path: &Path| {
         !Path::new(name).components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir)) || {
-            // Links count as well; what is not there is told on reading.
+            // Links count as well; a missing file is reported on reading.
             let real = |path: &Path| path.canonicalize().ok();
             real(path).zip(real(folder)).is_some_and(|(path, folder)| !path.starts_with(folder))
         }
@@ -204,7 +204,7 @@ pub(crate) struct Problems {
 }
 
 impl Problems {
-    /// As many are told one by one.
+    /// At most this many are listed one by one.
     const TOLD: usize = 20;
 
     pub(crate) fn push(&mut self, problem: impl FnOnce() -> Problem) {

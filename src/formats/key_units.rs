@@ -36,7 +36,7 @@ const UNITS: [(&str, &str, f64); 25] = [
     ("px", "pixels", 1.0),
     ("texels", "texels", 1.0),
 ];
-/// Of more numbers only the factor is told.
+/// With more numbers than this only the factor is reported.
 const SHOWN: usize = 8;
 
 #[derive(Clone, Copy)]
@@ -71,7 +71,7 @@ pub(super) fn meant(key: &str, value: &Value, known: &[&str]) -> Option<String> 
     let (wanted_stem, wanted) = parted(name);
     let factor = match (unit, wanted) {
         (Some(a), Some(b)) if a.measures == b.measures => a.one / b.one,
-        // Nobody meant metres by seconds.
+        // Metres given in seconds are a mistake.
         (Some(_), Some(_)) => return None,
         (Some(a), None) if a.measures == "share" => a.one,
         (None, Some(b)) if stem == wanted_stem => return Some(format!("did you mean `{name}`? It is in {}", b.name)),

@@ -2,18 +2,18 @@
 
 use crate::units::{ELECTRONVOLT_J, LIGHT_SPEED_M_S, PLANCK_J_S};
 
-/// What a wavelength, or what stands for it, is counted in.
+/// The unit of a wavelength, or of a wavenumber, frequency or energy in its place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum WaveUnit {
-    /// A length of so many of 1 / this.
+    /// A length: this many make 1 um.
     PerUm(f64),
-    /// A length of so many um.
+    /// A length: one is this many um.
     Um(f64),
-    /// Waves in so many um: cm-1.
+    /// Waves in this many um: cm-1.
     Waves(f64),
-    /// A frequency of so many Hz.
+    /// A frequency: one is this many Hz.
     Hz(f64),
-    /// A photon's energy of so many eV.
+    /// A photon's energy: one is this many eV.
     Ev(f64),
 }
 
@@ -22,9 +22,9 @@ impl WaveUnit {
     pub(super) const NANOMETRES: WaveUnit = WaveUnit::PerUm(1e3);
 
     /// The unit that a text names: in the singular or the plural, in American or British spelling, in capitals or not, with either of the
-    /// two letters that look like a mu, and with the sign that stands for what was no UTF-8.
+    /// two letters that look like a mu, and with the replacement character for invalid UTF-8.
     pub(super) fn of(text: &str) -> Option<Self> {
-        // Of hertz, capitals tell milli from mega.
+        // For hertz, capitals distinguish milli from mega.
         let hertz = [("Hz", 1.0), ("kHz", 1e3), ("MHz", 1e6), ("GHz", 1e9), ("THz", 1e12), ("PHz", 1e15)];
         if let Some((_, hz)) = hertz.iter().find(|(name, _)| *name == text.trim()) {
             return Some(WaveUnit::Hz(*hz));
@@ -74,7 +74,7 @@ impl WaveUnit {
         })
     }
 
-    /// The wavelength that a number stands for, um; `None` for what is no wavelength.
+    /// The wavelength that a number in this unit means, um; `None` if it is not a wavelength.
     pub(super) fn um(self, number: f64) -> Option<f64> {
         let um = match self {
             WaveUnit::PerUm(per_um) => number / per_um,
@@ -86,7 +86,7 @@ impl WaveUnit {
         um.is_finite().then_some(um)
     }
 
-    /// The width, um, of what is `width` wide around `centre`, both in this unit.
+    /// The width in um of an interval `width` wide around `centre`, both in this unit.
     pub(super) fn width_um(self, centre: f64, width: f64) -> Option<f64> {
         match self {
             WaveUnit::PerUm(_) | WaveUnit::Um(_) => self.um(width),

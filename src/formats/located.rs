@@ -2,7 +2,7 @@
 //!
 //! Serde stops at the first thing it cannot use and often does not know where. Here the text becomes a tree that
 //! remembers its places; the tree is compared with the JSON Schema of the type it should be, and *all* that is unknown,
-//! missing or of another kind is told; only then does serde read it. The schema is the published one, so that editors
+//! missing or of another kind is reported; only then does serde read it. The schema is the published one, so that editors
 //! and this reader cannot disagree.
 
 use std::collections::BTreeMap;
@@ -20,14 +20,14 @@ use super::key_units;
 use super::spelling::nearest;
 use crate::error::{Error, Location, Problem, Result, number};
 
-/// Longer files are refused, bytes: nobody writes them.
+/// Longer files are refused, bytes: no one writes them by hand.
 const LIMIT: u64 = 16 << 20;
-/// As many problems are told: the place of each is counted from the beginning of the text.
+/// At most this many problems are reported: the place of each is counted from the beginning of the text.
 const TOLD: usize = 100;
 /// Longer names of items are refused, bytes: each item of a table or list carries the names of all around it.
 pub(super) const LONGEST_NAME: usize = 400;
 
-/// The keys that tell what a text is, and what is to be done with it.
+/// The keys that identify what a text is, and what to do with it.
 const KINDS: [(&str, &str); 3] = [
     ("mmxrt_scene", "is a scene file: `mmxrt simulate` takes it"),
     ("mmxrt_map", "is a map file: `mmxrt integrate SCENE --radiance` takes it"),
@@ -127,7 +127,7 @@ impl Document {
         Value::Object(map)
     }
 
-    /// The value without its places; `Null`, which TOML does not have, for what was told as a problem.
+    /// The value without its places; `Null`, which TOML does not have, for what was reported as a problem.
     fn value(&mut self, value: &Spanned<DeValue<'_>>, item: &str, text: &str) -> Value {
         let refused = match value.get_ref() {
             DeValue::String(s) => return Value::String(s.to_string()),
@@ -217,7 +217,7 @@ impl Document {
         serde_json::from_value(self.tree.clone()).map_err(|e| Error::invalid(Location::file(&self.path), e.to_string()))
     }
 
-    /// What the text is, if it is of another kind than the schema's by the key that tells its kind.
+    /// What the text is, if it is of another kind than the schema's by the key that identifies its kind.
     fn of_other_kind(&self, schema: &Value) -> Option<&'static str> {
         let is_of_schema = |key: &str| schema["properties"].get(key).is_some();
         KINDS.iter().find(|(key, _)| self.has(key)).filter(|(key, _)| !is_of_schema(key)).map(|(_, what)| *what)
@@ -226,7 +226,7 @@ impl Document {
     /// Adds what is wrong with a value by its schema; `root` holds the definitions that schemas refer to.
     fn compare(&self, root: &Value, schema: &Value, value: &Value, item: &str, problems: &mut Vec<Problem>) {
         let schema = resolved(root, schema);
-        // Told when the text was read; or enough has been told.
+        // Reported when the text was read; or enough has been reported.
         if value.is_null() || problems.len() > TOLD {
             return;
         }

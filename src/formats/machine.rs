@@ -13,7 +13,7 @@ pub fn memory_bytes() -> Option<u64> {
     Some(of_group(["memory.max", "memory/memory.limit_in_bytes"]).map_or(machine, |limit| limit.min(machine)))
 }
 
-/// Memory that nobody holds now, or that would be given up at once, bytes. `None` where the system does not say.
+/// Memory that is free now, or would be freed at once, bytes. `None` where the system does not say.
 pub fn free_memory_bytes() -> Option<u64> {
     let free = of_meminfo(&fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable")?;
     let limit = of_group(["memory.max", "memory/memory.limit_in_bytes"]);

@@ -1,4 +1,4 @@
-//! How files begin that are no text: once for those who read them, and for what is said of a file that is something else.
+//! How binary files begin: for their readers, and for the message about a file that is something else.
 
 use super::foreign;
 
@@ -33,8 +33,8 @@ pub(super) fn named(beginning: &[u8]) -> Option<&'static str> {
 pub(super) fn not_text(beginning: &[u8]) -> String {
     match named(beginning) {
         Some("text in UTF-16") => "damaged text in UTF-16: save the file as UTF-8".into(),
-        Some(name) => format!("is {name}, where text is wanted"),
-        None if beginning.contains(&0) => "is no text, which is wanted here".into(),
+        Some(name) => format!("is {name}, but text is needed"),
+        None if beginning.contains(&0) => "is not text, but text is needed".into(),
         None => "not UTF-8 text: save the file as UTF-8".into(),
     }
 }

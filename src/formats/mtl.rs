@@ -1,5 +1,5 @@
-//! Materials of OBJ files (`.mtl`): names and diffuse colours. What else makes a surface look as it does is told; shine (`Ka`, `Ks`, `Ns`,
-//! `Ni`, `illum`, `Pr` ..) is passed over, as every exporter writes some.
+//! Materials of OBJ files (`.mtl`): names and diffuse colours. What else makes a surface look as it does is reported; shine (`Ka`, `Ks`, `Ns`,
+//! `Ni`, `illum`, `Pr` ..) is ignored, as every exporter writes some.
 
 use std::io::{self, Write};
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! Parameters of photometric models as tables of comma-separated values.
 //!
 //! Lines that begin with `#` are comments. The first other line is the header: its first column is `wavelength_um` or
-//! `wavelength_nm`; the parameters are found by their names, in any order, and other columns are passed over. Rows ascend in
+//! `wavelength_nm`; the parameters are found by their names, in any order, and other columns are ignored. Rows ascend in
 //! wavelength.
 
 use std::io::{self, Write};
@@ -20,7 +20,7 @@ const LIMIT: u64 = 64 << 20;
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::Invalid`] with the lines that cannot be used: a header without a wavelength or one of the names, a row
-/// of another length, what is no finite number, wavelengths that do not ascend.
+/// of another length, values that are not finite numbers, wavelengths that do not ascend.
 pub fn read<const N: usize>(path: &Path, names: [&str; N], extend: Extend) -> Result<([Spectrum; N], InputFile)> {
     let (text, input) = input::text(path, LIMIT)?;
     Ok((parse(&text, path, names, extend)?, input))
@@ -93,7 +93,7 @@ impl<const N: usize> Header<N> {
         let in_nanometres = match cells[0] {
             "wavelength_um" => false,
             "wavelength_nm" => true,
-            other => return Err(format!("the first column is `{other}`, which is no wavelength with a unit")),
+            other => return Err(format!("the first column is `{other}`, which is not a wavelength with a unit")),
         };
         let mut columns = [0; N];
         for (column, name) in columns.iter_mut().zip(names) {

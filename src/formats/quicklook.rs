@@ -1,7 +1,7 @@
 //! Quick looks: PNG pictures of one band, and of three bands as colours.
 //!
 //! Grey is radiance between a black and a white, linearly where the median is mid-grey or brighter then, else by the power
-//! that makes it mid-grey: so shadows that only Mars lights show beside sunlit ground, and evenly lit ground keeps its
+//! that makes it mid-grey: so that shadows lit only by Mars show next to sunlit ground, and evenly lit ground keeps its
 //! contrast. The text `Description` in the file gives the radiances that are black and white, and the power.
 
 use std::fs::File;
@@ -16,7 +16,7 @@ use crate::spectral::Band;
 
 /// Black and white are the radiances that these shares of the covered pixels are below.
 const BLACK_WHITE: (f64, f64) = (0.005, 0.995);
-/// No power is less: beyond the cube root the steps of 8 bits show in what is dark.
+/// The least power: below the cube root the 8-bit steps become visible in dark areas.
 const LEAST_POWER: f64 = 1.0 / 3.0;
 
 /// The band that a grey picture shows: the middle one.
@@ -65,7 +65,7 @@ pub fn write_grey(path: &Path, cube: &ShownBands, band: usize, coverage: &[f64])
     write(path, [cube.axes.samples, cube.axes.lines], png::ColorType::Grayscale, &pixels, &text)
 }
 
-/// Writes three bands as a colour PNG, each stretched by itself: colours show differences, not colour.
+/// Writes three bands as a colour PNG, each stretched separately: colours show differences, not true colour.
 ///
 /// # Errors
 /// As [`write_grey`].
@@ -79,7 +79,7 @@ pub fn write_colour(path: &Path, cube: &ShownBands, bands: [usize; 3], coverage:
     write(path, [cube.axes.samples, cube.axes.lines], png::ColorType::Rgb, &pixels, &text)
 }
 
-/// Writes one band as grey, or three as red, green and blue, of any image: [row, column], each stretched by itself and called
+/// Writes one band as grey, or three as red, green and blue, of any image: [row, column], each stretched separately and called
 /// by its label. What is not finite is black. `size` is rows and columns.
 ///
 /// # Errors

@@ -1,4 +1,4 @@
-//! The list of all formats, and which one a file is: by how it begins and what lies beside it, and where that does not tell, by its name.
+//! The list of all formats, and recognising a file's: by how it begins and what lies next to it, and otherwise by its name.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ use super::scene_toml::format::SCENE;
 use super::{envi, input, marks, sli, spectrum_csv};
 use crate::error::{Error, Location, Problem, Result};
 
-/// All formats, in the order they are listed, and asked what a file is.
+/// All formats, in the order in which they are listed and tried on a file.
 pub static ALL: &[&Format] = &[
     &SCENE,
     &OBJ,
@@ -37,9 +37,9 @@ pub static ALL: &[&Format] = &[
     &raster::text::GRID,
 ];
 
-/// As much of a file is looked at to tell what it is, bytes.
+/// This much of a file is read to recognise its format, bytes.
 const BEGINNING: u64 = 1 << 16;
-/// How names of files end that go with others, and may have a header of ENVI beside them by chance.
+/// Extensions of companion files, which may have an ENVI header next to them by chance.
 const COMPANIONS: [&str; 2] = ["json", "mtl"];
 
 /// The format of a name, as `--from` and `--to` give it.
@@ -47,7 +47,7 @@ pub fn named(name: &str) -> Option<&'static Format> {
     ALL.iter().copied().find(|format| format.name == name)
 }
 
-/// The format of what is there, and its main file or folder.
+/// The format of a path, and its main file or folder.
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::Unsupported`] for an image in a format that is not read; [`Error::Invalid`] if there is no telling.
@@ -86,9 +86,9 @@ pub fn of_output(path: &Path) -> Result<&'static Format> {
     }
 }
 
-/// The format of a file that is to hold spectra; `None` if it is none of these.
+/// The format of a file that should hold spectra; `None` if it is not one of these.
 pub fn of_spectra(path: &Path) -> Option<&'static Format> {
-    // Whether it is there is found out by who reads it.
+    // Whether it exists is found out when it is read.
     let beginning = beginning(path).unwrap_or_default();
     let found = told(path, &beginning, Format::is_spectral).map(|(format, _)| format);
     found.or_else(|| called(path, Format::is_spectral))
@@ -134,14 +134,14 @@ pub fn image(path: &Path) -> Result<Raster> {
     }
 }
 
-/// Reads a mesh, of whatever format it is. Files that it names may lie outside its folder if `outside` says so.
+/// Reads a mesh in any format. Files that it names may lie outside its folder if `outside` is set.
 ///
 /// # Errors
 /// What the format's reader says; [`Error::Invalid`] if it is no mesh, or in a format that is not read.
 pub fn mesh(path: &Path, outside: bool) -> Result<MeshFile> {
     let beginning = beginning(path)?;
     let found = told(path, &beginning, Format::is_mesh).map(|(format, _)| format);
-    // What is told to be something else is no mesh, whatever it is called.
+    // A file recognised as something else is no mesh, whatever its name.
     let other = || marks::named(&beginning).filter(|name| !name.starts_with("text")).map(str::to_owned);
     let called = || called(path, Format::is_mesh).filter(|_| other().is_none());
     if let Some(Format { holds: Holds::Mesh { read }, .. }) = found.or_else(called) {
@@ -149,11 +149,11 @@ pub fn mesh(path: &Path, outside: bool) -> Result<MeshFile> {
     }
     let wanted = format!("meshes are {}", dotted(Format::is_mesh));
     let (message, help) = match other().or_else(|| Some(of_input(path).ok()?.0.kind().to_owned())) {
-        Some(other) => (format!("is {other}, where a mesh is wanted"), wanted),
+        Some(other) => (format!("is {other}, but a mesh is needed"), wanted),
         None if foreign::MESHES.contains(&ending(path).as_str()) => {
             ("is a mesh in a format that is not read".to_owned(), "save it as OBJ or glTF".to_owned())
         }
-        None => ("is no mesh that is read".to_owned(), wanted),
+        None => ("is not a mesh in a known format".to_owned(), wanted),
     };
     Err(Error::Invalid(vec![Problem::new(Location::file(path), message).with_help(help)]))
 }
@@ -181,7 +181,7 @@ fn beginning(path: &Path) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The first of some formats that is told by what is there.
+/// The first of some formats that recognises the file or folder.
 fn told(path: &Path, beginning: &[u8], of: impl Fn(&Format) -> bool) -> Option<(&'static Format, PathBuf)> {
     ALL.iter().copied().filter(|format| of(format)).find_map(|format| Some((format, format.told(path, beginning)?)))
 }
@@ -209,7 +209,7 @@ fn has_mark(ending: &str) -> bool {
 }
 
 /// Whether a file holds numbers alone, so that how it begins tells nothing: 2815 in the first pixel is the mark of JPEG XL. They are
-/// ILWIS', or just as many as a header of ENVI beside them says.
+/// ILWIS', or exactly as many as an ENVI header next to them says.
 fn holds_numbers_alone(path: &Path) -> bool {
     let ending = ending(path);
     if ending == "mp#" {
@@ -223,7 +223,7 @@ fn holds_numbers_alone(path: &Path) -> bool {
     path.metadata().is_ok_and(|file| Some(file.len()) == expected)
 }
 
-/// That a file is no image: what it is instead, or how it begins.
+/// The error for a file that is no image: what it is instead, or how it begins.
 fn no_image(path: &Path, beginning: &[u8]) -> Error {
     let ending = ending(path);
     let name = marks::named(beginning);

@@ -22,7 +22,7 @@ use super::table::{doubtful_unit, place};
 pub struct Responses {
     /// A name, and a response over wavelength, um; not below 0.
     pub columns: Vec<(String, Spectrum)>,
-    /// What was taken otherwise than it stands, as sentences.
+    /// What was not taken literally, as sentences.
     pub notes: Vec<String>,
 }
 
@@ -88,7 +88,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Responses> {
                 _ => {
                     let wanted = if i == 0 { "wavelength" } else { "number" };
                     let at = if cell.is_empty() { line } else { cell };
-                    problems.push(|| Problem::new(place(path, text, at), format!("`{cell}` is no {wanted}")));
+                    problems.push(|| Problem::new(place(path, text, at), format!("`{cell}` is not a {wanted}")));
                 }
             }
         }
@@ -120,7 +120,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Responses> {
     for (i, column) in names[1..].iter().enumerate() {
         if column.is_empty() || !known.insert(column.to_ascii_lowercase()) {
             let message =
-                if column.is_empty() { "a column has no name".into() } else { format!("`{column}` is there twice") };
+                if column.is_empty() { "a column has no name".into() } else { format!("`{column}` appears twice") };
             let at = if column.is_empty() { header } else { column };
             problems.push(|| Problem::new(place(path, text, at), message));
             continue;
@@ -148,10 +148,10 @@ pub fn parse(text: &str, path: &Path) -> Result<Responses> {
             match um.last() {
                 Some(last) if *last == at_um && value.last() == Some(&response) => doubled += 1,
                 Some(last) if *last == at_um => {
-                    let message = format!("wavelength {cell} is there twice, with different responses `{column}`");
+                    let message = format!("wavelength {cell} appears twice, with different responses `{column}`");
                     problems.push(|| Problem::new(place(path, text, cell), message));
                 }
-                // Rows out of order are told already.
+                // Rows out of order are reported already.
                 Some(last) if *last > at_um => {}
                 _ => {
                     um.push(at_um);
@@ -166,7 +166,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Responses> {
             ));
         }
         if doubled > 0 {
-            notes.push(format!("{name}, {column}: {doubled} rows are there twice"));
+            notes.push(format!("{name}, {column}: {doubled} rows appear twice"));
         }
         let ends = [value.first(), value.last()].map(|v| v.copied().unwrap_or_default() / peak);
         if ends[0].max(ends[1]) > END && um.len() > 2 {
@@ -178,7 +178,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Responses> {
         if let Some(spectrum) = Spectrum::new(um, value, Extend::Error).filter(|s| s.wavelength_um().len() > 1) {
             columns.push(((*column).to_owned(), spectrum));
         } else {
-            let message = format!("the response `{column}` is no table: at least two wavelengths are needed");
+            let message = format!("the response `{column}` is not a table: at least two wavelengths are needed");
             problems.push(|| Problem::new(place(path, text, column), message));
         }
     }
@@ -277,10 +277,10 @@ mod tests {
         assert!(told("wavelength,r\n1,1\n").contains("unit of wavelength"));
         assert!(told("wavelength_um\n1\n").contains("one column"));
         assert!(told("wavelength_um,r\n1,1\n2,-0.5\n3,1\n").contains("filter.csv:3:1"));
-        assert!(told("wavelength_um,r\n1,1\n2,0.5\n2,0.6\n3,1\n").contains("there twice"));
+        assert!(told("wavelength_um,r\n1,1\n2,0.5\n2,0.6\n3,1\n").contains("appears twice"));
         assert!(told("wavelength_um,r\n1,1\n3,0.5\n2,0.6\n4,1\n").contains("out of order"));
         assert!(told("wavelength_um,r\n1,0\n3,0\n").contains("nothing above 0"));
-        assert!(told("wavelength_um,r,R\n1,1,1\n3,1,1\n").contains("there twice"));
+        assert!(told("wavelength_um,r,R\n1,1,1\n3,1,1\n").contains("appears twice"));
         // Filters of the far infrared look so too.
         assert!(read("wavelength_um,r\n400,1\n700,1\n").unwrap().notes[0].contains("nanometres"));
         assert!(told("wavelength_um,r\n1,1,2\n3,x\n").lines().count() >= 2);

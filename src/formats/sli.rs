@@ -37,7 +37,7 @@ const MOST_SPECTRA: usize = 1 << 20;
 /// Reads a library; either of its two files may be named.
 ///
 /// Numbers that are not there (NaN, the header's `data ignore value`, channels that `bbl` calls bad) leave a gap in
-/// their spectrum. Spectra with values outside their range are left out. The report tells both.
+/// their spectrum. Spectra with values outside their range are left out. The report lists both.
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::Syntax`] and [`Error::Invalid`] at the lines of the header that cannot be used, for a file
@@ -162,7 +162,7 @@ fn names(header: &Header, report: &mut Report) -> Result<Vec<String>> {
     };
     let names: Vec<String> = list.split(',').map(|name| name.trim().to_owned()).collect();
     if names.len() != header.lines {
-        // Names may have commas: which belong together cannot be told.
+        // Names may contain commas, so there is no telling which pieces belong together.
         let message = format!("{} names for {} spectra: they are called by their numbers", names.len(), header.lines);
         report.note(Fate::Defaulted, at, message);
         return Ok((1..=header.lines).map(|i| format!("spectrum_{i}")).collect());
@@ -178,11 +178,7 @@ fn names(header: &Header, report: &mut Report) -> Result<Vec<String>> {
     });
     let names = names.collect();
     if doubled > 0 {
-        report.note(
-            Fate::Approximated,
-            at,
-            format!("{doubled} names are there twice: their spectrum's number is added"),
-        );
+        report.note(Fate::Approximated, at, format!("{doubled} names appear twice: their spectrum's number is added"));
     }
     Ok(names)
 }
@@ -198,7 +194,7 @@ fn ascending(um: &[f64], at: Location, report: &mut Report) -> Vec<usize> {
         let twice = um.len() - order.len();
         let mut message = format!("wavelengths step back {steps_back} times: they are sorted");
         if twice > 0 {
-            message.push_str(&format!("; of {twice} that are there twice the first is kept"));
+            message.push_str(&format!("; of {twice} that appear twice the first is kept"));
         }
         report.note(Fate::Approximated, at, message);
     }
@@ -210,14 +206,14 @@ fn good_channels(header: &Header) -> Result<Vec<bool>> {
     let Some(list) = header.field("bbl") else { return Ok(vec![true; header.samples]) };
     let flags: Option<Vec<bool>> = list.split(',').map(|flag| Some(flag.trim().parse::<f64>().ok()? != 0.0)).collect();
     flags.filter(|flags| flags.len() == header.samples).ok_or_else(|| {
-        let message = format!("is no list of {} numbers, 0 or 1", header.samples);
+        let message = format!("is not a list of {} numbers, 0 or 1", header.samples);
         Error::invalid(Location::file(&header.path).with_item("bbl"), message)
     })
 }
 
 /// Writes a library in double precision: the numbers to `path`, the header beside it (`.hdr`).
 ///
-/// The report tells comments, for which there is no place.
+/// The report lists comments, which the format cannot hold.
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::Invalid`] if a file exists and is not to be replaced, for spectra whose wavelengths differ, for

@@ -1,4 +1,4 @@
-//! Spectra in any of the formats that hold them, for those who convert from one to another.
+//! Spectra in any of the formats that hold them, for converting between them.
 
 use std::path::{Path, PathBuf};
 
@@ -16,10 +16,10 @@ use super::{registry, spectrum_csv};
 
 /// Reads all spectra of a file, or of the tables and texts in a folder, by their names.
 ///
-/// The report tells what could not be taken over.
+/// The report lists what could not be taken over.
 ///
 /// # Errors
-/// Those of the format's reader; [`Error::Unsupported`] if this is none that holds spectra.
+/// Those of the format's reader; [`Error::Unsupported`] if the format holds no spectra.
 pub fn read(path: &Path) -> Result<(Vec<SpectralLibrary>, Report)> {
     if path.is_dir() {
         return read_folder(path);
@@ -78,7 +78,7 @@ fn read_folder(path: &Path) -> Result<(Vec<SpectralLibrary>, Report)> {
 
 /// Writes spectra to a file, which appears whole or not at all.
 ///
-/// Tables and texts are written to a folder, a file for each material, if `path` has not their ending. The report tells
+/// Tables and texts are written to a folder, a file for each material, if `path` has not their ending. The report lists
 /// what has no place in the format.
 ///
 /// # Errors

@@ -1,7 +1,7 @@
 //! What the headings of a table of spectra say: a quantity, and the unit of its numbers.
 //!
 //! Units stand in brackets, or behind the name: `Reflectance (percent)`, `irradiance_w_m2_nm`, `wavenumber_cm-1`. What is stated and not
-//! understood is never passed over: the numbers would be taken for others.
+//! understood is never ignored: the numbers would be taken for others.
 
 use super::length::{self, WaveUnit};
 use super::radiance_map::unit::Unit as Dimension;
@@ -23,7 +23,7 @@ pub(super) const EMISSIVITY: &str = "emissivity";
 pub(super) const ALBEDO: &str = "albedo";
 pub(super) const IRRADIANCE: &str = "irradiance";
 pub(super) const LOG: &str = "log(1/R)";
-/// Words beside a quantity that leave it what it is.
+/// Words next to a quantity that do not change it.
 const AROUND: [&str; 13] = [
     "spectral",
     "solar",
@@ -73,11 +73,11 @@ pub(super) enum Unit {
     Irradiance(f64, String),
     /// Words that are perhaps no unit.
     Doubtful(String),
-    /// A unit that is not read, or none where one must be: why, and what to do.
+    /// An unknown unit, or a missing one: why, and what to do.
     Unread(String, String),
 }
 
-/// The quantity that a heading names and nothing else, or else the heading without its unit; and the unit.
+/// The quantity, if a heading names nothing else, or else the heading without its unit; and the unit.
 pub(super) fn of_column(cell: &str) -> (String, Unit) {
     let (outer, inner) = bracketed(cell);
     let words = length::words(outer);
@@ -115,7 +115,7 @@ pub(super) fn quantities(cell: &str) -> Vec<&'static str> {
     QUANTITIES.iter().filter(|(_, names)| is_named(names)).map(|(quantity, _)| *quantity).collect()
 }
 
-/// What stands before the last brackets of a heading, and in them.
+/// The text before the last brackets of a heading, and in them.
 fn bracketed(cell: &str) -> (&str, Option<&str>) {
     let begin = cell.find(['(', '[']);
     let end = cell.rfind([')', ']']);
@@ -144,14 +144,14 @@ fn fraction_unit(cell: &str, inner: Option<&str>) -> Unit {
         || ["\u{2030}", "ppm", "permille", "permil", "per mille"].contains(&digits);
     match is_scale || Dimension::of(inner).is_some() {
         true => {
-            let message = format!("`{inner}` is no unit of a fraction that is read");
+            let message = format!("`{inner}` is not a known unit of a fraction");
             Unit::Unread(message, "name the column `reflectance` (0 to 1) or `reflectance_percent`".to_owned())
         }
         false => Unit::Doubtful(inner.to_owned()),
     }
 }
 
-/// A unit of irradiance at the end of a heading that does not say what it is.
+/// A unit of irradiance at the end of a heading that does not name the quantity.
 fn trailing_unit(cell: &str) -> Option<&str> {
     let starts = cell.char_indices().zip(std::iter::once(' ').chain(cell.chars()));
     let mut starts = starts.filter(|((_, c), before)| c.is_alphabetic() && !before.is_alphanumeric());
@@ -191,7 +191,7 @@ fn irradiance(cell: &str, inner: Option<&str>) -> (String, Unit) {
     }
     match dimension(spelt).as_ref().and_then(w_m2_um) {
         Some(times) => (IRRADIANCE.to_owned(), Unit::Irradiance(times, spelt.to_owned())),
-        None => refused(format!("`{spelt}` is no unit of spectral irradiance that is read")),
+        None => refused(format!("`{spelt}` is not a known unit of spectral irradiance")),
     }
 }
 
@@ -211,10 +211,10 @@ fn w_m2_um(unit: &Dimension) -> Option<f64> {
     unit.over(&Dimension::of("W m-2 um-1")?)
 }
 
-/// The unit of wavelengths, or of what stands for them, that a heading states; `None` if it states none.
+/// The unit of wavelengths, wavenumbers or frequencies that a heading states; `None` if it states none.
 ///
 /// # Errors
-/// What is wrong with it, and what to do: a unit that is not known, or none for what is no wavelength.
+/// What is wrong, and what to do: an unknown unit, or none where the column is not a wavelength.
 pub(super) fn of_wavelength(cell: &str) -> Result<Option<WaveUnit>, (String, String)> {
     let (_, inner) = bracketed(cell);
     if let Some(unit) = inner.filter(|inner| !inner.is_empty()).and_then(WaveUnit::of)
@@ -263,7 +263,7 @@ fn is_wave_name(word: &str) -> bool {
     is_wavelength_name(word) || ["wavenumber", "wavenumbers", "frequency", "energy"].contains(&plain.as_str())
 }
 
-/// Words beside a wavelength that are no unit.
+/// Words next to a wavelength that are no unit.
 fn is_harmless(word: &str) -> bool {
     const HARMLESS: [&str; 21] = [
         "vacuum", "vac", "air", "centre", "center", "central", "band", "channel", "x", "axis", "nominal", "mean", "of",

@@ -39,7 +39,7 @@ pub(super) struct TableColumn<'a> {
     pub(super) values: Vec<Cell<'a>>,
 }
 
-/// A table, whoever wrote it.
+/// A table in any of the layouts that are read.
 #[derive(Debug)]
 pub(super) struct SpectralTable<'a> {
     /// What it is called in itself.
@@ -289,7 +289,7 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// The cells of a header and of the rows below it. A header in a comment may be parted otherwise than the rows.
+/// The cells of a header and of the rows below it. A header in a comment may use another separator than the rows.
 pub(super) fn parted<'a>(header: &'a str, is_comment: bool, rows: &[&'a str]) -> (Vec<&'a str>, Vec<Vec<&'a str>>) {
     let separator = match (is_comment, rows.first()) {
         (false, _) => Separator::of(header),
@@ -322,7 +322,7 @@ pub(super) fn parted<'a>(header: &'a str, is_comment: bool, rows: &[&'a str]) ->
     (cells, rows)
 }
 
-/// Headings parted by blanks only, as many as there are columns; units in brackets belong to the word before them.
+/// Headings separated by blanks only, one for each column; units in brackets belong to the word before them.
 fn headings(line: &str, count: usize) -> Vec<&str> {
     let mut cells: Vec<&str> = Vec::new();
     let mut depth = 0usize;
@@ -355,7 +355,7 @@ fn headings(line: &str, count: usize) -> Vec<&str> {
     cells
 }
 
-/// The unit of wavelengths that do not say it, by their size; told.
+/// The unit of wavelengths given without one, guessed from their size; this is reported.
 fn guessed(text: &str, path: &Path, cell: &str, rows: &[Vec<&str>], report: &mut Report) -> Result<WaveUnit> {
     let at = place(path, text, cell);
     let values: Vec<f64> = rows.iter().filter_map(|row| row.first()?.parse().ok()).collect();
@@ -418,7 +418,7 @@ fn values_alone<'a>(
         report.note(
             Fate::Dropped,
             at(),
-            format!("{} wavelengths that are there twice: the first is kept", before - rows.len()),
+            format!("{} wavelengths that appear twice: the first is kept", before - rows.len()),
         );
     }
     let name = title.split_once(':').map_or(title, |(_, name)| name).trim();
@@ -507,12 +507,11 @@ fn assembled<'a>(
     let number_of = |value: &Option<(f64, &str)>| value.map(|(number, _)| number);
     read.dedup_by(|next, row| next.0 == row.0 && next.1.iter().map(number_of).eq(row.1.iter().map(number_of)));
     if read.len() < rows {
-        let message =
-            format!("{} rows are there twice, wavelength and values: one of each is taken", rows - read.len());
+        let message = format!("{} rows appear twice, wavelength and values: one of each is taken", rows - read.len());
         report.note(Fate::Dropped, place(path, text, header), message);
     }
     for twice in read.windows(2).filter(|w| w[0].0 == w[1].0) {
-        let message = format!("wavelength {} is there twice, with different values", twice[1].2);
+        let message = format!("wavelength {} appears twice, with different values", twice[1].2);
         problems.push(|| Problem::new(place(path, text, twice[1].2), message).with_help("keep one of the rows"));
     }
     problems.finish(path)?;

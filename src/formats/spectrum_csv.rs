@@ -1,4 +1,4 @@
-//! Spectra as tables of text: what a scene's materials and Sun are, and what `convert` reads and writes.
+//! Spectra as text tables: those of a scene's materials and Sun, and those that `convert` reads and writes.
 //!
 //! Lines that begin with `#` are comments. The first other line is the header: its first column is `wavelength_um` or
 //! `wavelength_nm`; its second names the quantity and its unit: `reflectance`, `emissivity` or `albedo` (fractions), the
@@ -6,7 +6,7 @@
 //! over by [`read`], which a scene's materials use. Tables as others write them are read as well: `spectral_table.rs` has the layouts.
 //!
 //! [`read_all`] takes every column, as a spectrum of that name: several quantities of one material (`reflectance,k,g,h`), or
-//! of several (`basalt,olivine:reflectance_percent,olivine:emissivity`; a name alone stands for reflectance).
+//! of several (`basalt,olivine:reflectance_percent,olivine:emissivity`; a name alone means reflectance).
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -93,11 +93,11 @@ impl Quantity {
 /// Longer files are refused, bytes.
 const LIMIT: u64 = 64 << 20;
 
-/// Reads a spectrum, in um and fractions or W m-2 um-1. The report tells what was taken that the table does not say.
+/// Reads a spectrum, in um and fractions or W m-2 um-1. The report lists what was taken that the table does not say.
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::Invalid`] with the lines that cannot be used: no header that states both units, fewer
-/// columns than two, what is no number, wavelengths that are there twice, fractions outside 0 to 1.
+/// columns than two, cells that are not numbers, wavelengths that appear twice, fractions outside 0 to 1.
 pub fn read(path: &Path, quantity: Quantity, extend: Extend) -> Result<(Spectrum, InputFile, Report)> {
     let (text, input) = input::text(path, LIMIT)?;
     let (spectrum, report) = parse(&text, path, quantity, extend)?;
@@ -169,7 +169,7 @@ fn chosen<'t, 'a>(
         let mut found = columns.iter().filter(|column| column.name == *name);
         let Some(column) = found.next() else { continue };
         if let Some(second) = found.next() {
-            return Err(Error::invalid(place(path, text, second.cell), format!("`{name}` is there twice")));
+            return Err(Error::invalid(place(path, text, second.cell), format!("`{name}` appears twice")));
         }
         if let Unit::Unread(message, help) = &column.unit {
             return refused(column.cell, message.clone(), help.clone());
@@ -277,10 +277,10 @@ fn tell_outside<'a>(
     }
 }
 
-/// Tells what was taken for a unit that is not our own, and what is perhaps none.
+/// Reports what was taken as a unit other than our own, and what is perhaps not a unit.
 fn tell_unit(column: &TableColumn<'_>, at: impl FnOnce() -> Location, report: &mut Report) {
     let message = match &column.unit {
-        Unit::Doubtful(said) => format!("`{said}` is no unit that is known: taken as fractions, 0 to 1"),
+        Unit::Doubtful(said) => format!("`{said}` is not a known unit: taken as fractions, 0 to 1"),
         Unit::Irradiance(times, spelt) if !["w_m2_um", "w_m2_nm"].contains(&spelt.to_lowercase().as_str()) => {
             format!("read as irradiance in {spelt}, which is {} W m-2 um-1", number(*times))
         }
@@ -327,7 +327,7 @@ fn tell_doubtful_percent(fractions: &[f64], at: Location, report: &mut Report) {
     }
 }
 
-/// Fractions are measured beyond 0 and 1 by as much, against a standard; and irradiances below 0 by as much of the largest.
+/// Measured fractions go this far beyond 0 and 1, against a standard, and irradiances below 0 by this share of the largest.
 pub(super) const NOISE: f64 = 0.05;
 
 /// Numbers that noise has left beyond 0 and `most`, by `noise` at most, become these.
@@ -354,7 +354,7 @@ fn tell_doubtful_unit(table: &SpectralTable<'_>, wavelength_um: &[f64], header_a
     }
 }
 
-/// Reads all spectra of a table. Those of one material are named by the table or else the file. The report tells gaps, and what was
+/// Reads all spectra of a table. Those of one material are named by the table or else the file. The report lists gaps, and what was
 /// taken that the table does not say.
 ///
 /// `wavelengths`: the file with the wavelengths of a text that holds values alone, as libraries of the US Geological Survey do.
@@ -401,7 +401,7 @@ pub fn parse_all(text: &str, path: &Path, given_um: Option<&[f64]>) -> Result<(V
         if column.name.is_empty() || !known.insert(column.name.to_lowercase()) {
             let message = match column.name.as_str() {
                 "" => "a column has no name".into(),
-                name => format!("`{name}` is there twice"),
+                name => format!("`{name}` appears twice"),
             };
             return Err(Error::invalid(place(path, text, column.cell), message));
         }
@@ -486,7 +486,7 @@ fn in_percent(cell: &str) -> (&str, bool) {
 
 /// Writes spectra as one table, in um and fractions: those of one material, or of several, with `nan` where one has no value.
 ///
-/// The report tells comments that several materials have, for which there is no place.
+/// The report lists comments shared by several materials, which cannot be kept.
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::Invalid`] if the file exists and is not to be replaced, for names that a header cannot hold.
@@ -590,7 +590,7 @@ mod tests {
                     "a.csv:7:1: wavelength -1 is not positive",
                     "a.csv:8:1: 4 columns where the header has 2 (help: is the decimal sign a comma",
                     "a.csv:9:1: 3 columns where the header has 2",
-                    "a.csv:6:1: wavelength 1 is there twice",
+                    "a.csv:6:1: wavelength 1 appears twice",
                 ][..],
             ),
             (

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 /// Size of the picture and of the margins around the plot, px: left, top, right, bottom.
 const SIZE: [f64; 2] = [720.0, 420.0];
 const MARGIN: [f64; 4] = [84.0, 40.0, 20.0, 52.0];
-/// Lines of the curves, told apart without colours too by their widths.
+/// Lines of the curves; their widths distinguish them even without colour.
 const STROKES: [(&str, f64); 3] = [("#1b3a5c", 2.0), ("#b8860b", 1.4), ("#b22222", 1.0)];
 
 /// Draws curves: `x` and, for each, its name and values. What is not finite leaves a gap.

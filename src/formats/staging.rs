@@ -1,16 +1,16 @@
-//! The hidden folder beside an output, in which it is made, and from which it takes its place.
+//! The hidden folder next to an output, in which it is made and from which it is moved into place.
 //!
 //! ```text
 //! .NAME.partial/
-//!   lock     held by the process that writes: if nobody holds it, that process was killed
+//!   lock     held by the process that writes: if no process holds it, that process was killed
 //!   main/    what will be called NAME
 //!   beside/  the files that go with it
 //!   old/     what is replaced, on its way out
-//!   commit   all is written: from here on, whoever comes next finishes
+//!   commit   all is written: from here on, the next run finishes
 //! ```
 //!
-//! The folder's name is that of the output alone, and making a folder is exclusive: of two processes one has it. What stands in it
-//! is all there is to know, so that an exchange goes on from wherever a killed process left it.
+//! The folder's name depends only on the output, and making a folder is exclusive: only one of two processes gets it. Its contents
+//! are the whole state, so that an exchange can continue from wherever a killed process left it.
 
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File, TryLockError};
@@ -24,7 +24,7 @@ use crate::error::{Error, Location, Problem, Result};
 
 /// A longer name does not go into a hidden one, bytes: systems allow 255.
 const LONGEST_NAME: usize = 200;
-/// A folder that comes and goes as often is not waited for.
+/// A folder that comes and goes this often is no longer waited for.
 const ATTEMPTS: usize = 1000;
 
 const LOCK: &str = "lock";
@@ -32,7 +32,7 @@ const MAIN: &str = "main";
 const BESIDE: &str = "beside";
 const OLD: &str = "old";
 const COMMIT: &str = "commit";
-/// What `commit` says if what is there may be replaced.
+/// The content of `commit` if existing files may be replaced.
 const REPLACE: &[u8] = b"replace\n";
 
 /// Whether outputs of this process may still take their places, or one has begun to, or none ever will.
@@ -45,7 +45,7 @@ fn move_places(to: u8) -> bool {
     PLACES.compare_exchange(OPEN, to, Ordering::SeqCst, Ordering::SeqCst).is_ok() || PLACES.load(Ordering::SeqCst) == to
 }
 
-/// For a process that is about to end: no output takes its place any more. `false` if one has begun to, or has.
+/// For a process that is about to end: no output is moved into place any more. `false` if one already has been, or is being moved.
 pub(super) fn abandon() -> bool {
     move_places(ABANDONED)
 }
@@ -65,7 +65,7 @@ pub(super) struct Staging {
 /// What comes of asking for a hidden folder.
 enum Claim {
     Held(Option<File>),
-    /// Another process has it.
+    /// Another process holds it.
     Busy,
     /// It went away meanwhile.
     Gone,
@@ -149,7 +149,7 @@ impl Staging {
         Some(if inside.as_os_str().is_empty() { self.parent.join(&self.name) } else { self.parent.join(inside) })
     }
 
-    /// Gives all that is written its place, in one step as far as the disk can: what is there is replaced if it may be.
+    /// Moves everything into place, in one step as far as the disk allows, replacing existing files if permitted.
     ///
     /// # Errors
     /// [`Error::Io`], and [`Error::Interrupted`] after [`abandon`]: then everything is where it was.
@@ -183,7 +183,7 @@ impl Staging {
         if !done {
             self.begin(replace).map_err(|e| failed(&target, e))?;
             if let Err(error) = self.forward(replace) {
-                // While that stands there, whoever comes next goes forward: it is given up only when all is back.
+                // While that exists, the next run goes forward: it is removed only when everything is back.
                 if self.back(&beside) {
                     let _ = fs::remove_file(self.folder.join(COMMIT));
                 }
@@ -234,7 +234,7 @@ impl Staging {
         self.put(&self.main(), &self.name, replace)
     }
 
-    /// Takes what stands in the place of `new` away, unless `new` is there already.
+    /// Moves away what is in the place of `new`, unless `new` is there already.
     fn leave(&self, new: &Path, name: &OsStr, replace: bool) -> Result<()> {
         let (target, old) = (self.parent.join(name), self.folder.join(OLD).join(name));
         if new.symlink_metadata().is_err() || target.symlink_metadata().is_err() {
@@ -309,7 +309,7 @@ pub fn settle(path: &Path, is_output: bool) -> Result<Vec<String>> {
     for path in real.as_deref().into_iter().chain([path]) {
         let parent = folder_of(path);
         let wanted = path.file_name().map(hidden_name);
-        // A folder that is not there, or cannot be read, is told by whoever needs it.
+        // A folder that is missing or unreadable is reported by the code that needs it.
         let Ok(entries) = parent.read_dir() else { continue };
         let mut found: Vec<OsString> = entries.filter_map(|entry| Some(entry.ok()?.file_name())).collect();
         found.retain(|name| is_hidden(name));
@@ -471,7 +471,7 @@ fn exchange(a: &Path, b: &Path) -> io::Result<bool> {
     system::exchange(a, b)
 }
 
-/// Bytes that may be written to the disk that a folder is on, if it tells.
+/// Free space on the disk of a folder, bytes, if the disk reports it.
 pub(super) fn free_bytes(folder: &Path) -> Option<u64> {
     system::free_bytes(folder)
 }
@@ -506,7 +506,7 @@ mod system {
 
     pub(super) fn free_bytes(folder: &Path) -> Option<u64> {
         let disk = rustix::fs::statvfs(folder).ok()?;
-        // Some disks that are reached over a net do not tell.
+        // Some network disks do not report it.
         if disk.f_blocks == 0 { None } else { disk.f_bavail.checked_mul(disk.f_frsize) }
     }
 }

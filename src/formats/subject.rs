@@ -1,4 +1,4 @@
-//! What a product is of: a scene, and what is to be told of where it came from.
+//! The subject of a product: a scene, and what to report about its source.
 
 use std::path::Path;
 
@@ -10,9 +10,9 @@ use crate::progress::Watch;
 use crate::scene::{Scene, Thermal};
 use crate::study;
 
-/// A scene, and what its products tell of where it came from.
+/// A scene, and what its products report about its source.
 ///
-/// One of a file follows from [`open`](Subject::open); whoever makes or changes a scene in code says what there is to say.
+/// One of a file follows from [`open`](Subject::open); code that makes or changes a scene states what there is to report.
 #[derive(Debug, Clone)]
 pub struct Subject {
     /// The scene.

@@ -101,7 +101,7 @@ pub(super) fn numbers(path: &Path, text: &str, rows: &[Row<'_>], columns: &[Read
             let wrong = match i {
                 0 if value > previous => None,
                 0 if value <= 0.0 => Some(format!("wavelength {cell} is not positive")),
-                0 if value == previous => Some(format!("wavelength {cell} is there twice")),
+                0 if value == previous => Some(format!("wavelength {cell} appears twice")),
                 0 => Some(format!("wavelength {cell} is less than the one before it: sort the rows")),
                 _ if (limits.0..=limits.1).contains(&value) => None,
                 _ => Some(format!("{} {cell} {}", column.name, outside(limits, column.unit))),
@@ -119,9 +119,9 @@ pub(super) fn numbers(path: &Path, text: &str, rows: &[Row<'_>], columns: &[Read
     Ok(values)
 }
 
-/// What is to be told of a table in um or nm that has no wavelength between 0.1 and 100 um: it may be in another unit than its header says.
+/// What to report about a table in um or nm that has no wavelength between 0.1 and 100 um: it may be in another unit than its header says.
 pub(super) fn doubtful_unit(unit: WaveUnit, wavelength_um: &[f64]) -> Option<String> {
-    // Nobody takes metres or wavenumbers for either.
+    // No one mistakes metres or wavenumbers for either.
     if ![WaveUnit::MICROMETRES, WaveUnit::NANOMETRES].contains(&unit) {
         return None;
     }

@@ -1,7 +1,7 @@
 //! XML as a tree of elements that know where they stand; and such trees written.
 //!
-//! For formats whose content is elements and attributes. Text between elements is passed over and marked
-//! ([`Element::has_text`]); comments and processing instructions are passed over. Nothing is expanded or fetched: a
+//! For formats whose content is elements and attributes. Text between elements is ignored and marked
+//! ([`Element::has_text`]); comments and processing instructions are ignored. Nothing is expanded or fetched: a
 //! document type is refused, and so is every entity but the five that XML predefines and character references.
 //! UTF-8 only, with or without a byte order mark; lines may end in CRLF.
 
@@ -346,7 +346,7 @@ impl Cursor {
             (self.line, self.column) = if c == '\n' { (self.line + 1, 1) } else { (self.line, self.column + 1) };
         }
         self.offset = start;
-        // Beyond 32 bits places are not told.
+        // Positions beyond 32 bits are not reported.
         let short = |place: usize| u32::try_from(place).unwrap_or(u32::MAX);
         Mark { line: self.line, column: self.column, start: short(start), end: short(end) }
     }
@@ -372,7 +372,7 @@ impl Tree<'_> {
     fn open(&mut self, tag: &BytesStart, start: usize, end: usize) -> Result<()> {
         let name = tag.name().into_inner();
         if !is_name(name) {
-            return Err(self.error(start, end, format!("`{}` is no name of an element", shown(name))));
+            return Err(self.error(start, end, format!("`{}` is not a valid element name", shown(name))));
         }
         if self.root.is_some() {
             let message = format!("a second root, `<{}>`: the document has ended before it", shown(name));
@@ -425,7 +425,7 @@ impl Tree<'_> {
                 return Err(self.error(from, to, format!("more than {ATTRIBUTES} attributes in one element")));
             }
             if !is_name(name) {
-                return Err(self.error(from, to, format!("`{}` is no name of an attribute", shown(name))));
+                return Err(self.error(from, to, format!("`{}` is not a valid attribute name", shown(name))));
             }
             if !names.insert(name.to_owned()) {
                 return Err(self.error(from, to, format!("the attribute `{}` stands twice", shown(name))));
@@ -536,8 +536,8 @@ mod tests {
             ("<?xml version='1.0' encoding='ISO-8859-1'?><a/>", ":1:1", "ISO-8859-1 is not read"),
             ("", ":1:1", "no element"),
             ("<a \u{1}/>", ":1:4", "U+0001"),
-            ("<1/>", ":1:1", "no name"),
-            ("<a 1='2'/>", ":1:4", "no name of an attribute"),
+            ("<1/>", ":1:1", "not a valid element name"),
+            ("<a 1='2'/>", ":1:4", "not a valid attribute name"),
             ("<a><!-- b", ":1:4", "comment"),
             ("<a/>\u{feff}", ":1:5", "text outside"),
             ("\u{feff}<a/>", ":1:1", "byte order mark"),

@@ -87,12 +87,12 @@ impl FrameCamera {
         Self::angle_of_pitch(self.pitch[0], 1)
     }
 
-    /// Width of a pixel over the focal length where so many, with the boresight in their middle, subtend this angle, rad.
+    /// Width of a pixel over the focal length if this many pixels, centred on the boresight, subtend this angle, rad.
     pub fn pitch_of_angle(angle_rad: f64, pixels: u32) -> f64 {
         2.0 * (0.5 * angle_rad).tan() / f64::from(pixels)
     }
 
-    /// The angle, rad, that so many pixels subtend, with the boresight in their middle: the inverse of
+    /// The angle, rad, that this many pixels, centred on the boresight, subtend: the inverse of
     /// [`pitch_of_angle`](FrameCamera::pitch_of_angle).
     pub fn angle_of_pitch(pitch: f64, pixels: u32) -> f64 {
         2.0 * (0.5 * f64::from(pixels) * pitch).atan()

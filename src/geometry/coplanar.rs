@@ -1,4 +1,4 @@
-//! Where the triangles of two surfaces that are cut differently lie on one another.
+//! Where the triangles of two surfaces, triangulated differently, overlap.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -41,7 +41,7 @@ impl Overlaps {
 
 /// The common parts of a mesh's facets with triangles that lie in the same plane and face the same way.
 ///
-/// `tolerance_m` is to what coordinates are known: corners within it of a plane or an edge lie on it, and what is narrower is
+/// `tolerance_m` is the accuracy of the coordinates: corners within it of a plane or an edge lie on it, and what is narrower is
 /// not told. Of a facet and a triangle, the larger one's plane counts.
 pub fn overlaps(mesh: &Mesh, triangles: &[Facet], tolerance_m: f64) -> Overlaps {
     let mut all = Overlaps { polygon_start: vec![0], ..Overlaps::default() };
@@ -201,7 +201,7 @@ impl Grid {
                 continue;
             }
             let [p, q, r] = piece;
-            // Whole cells from the corner of the grid; what is beside it is nobody's.
+            // Whole cells from the corner of the grid; anything outside it belongs to no cell.
             let cell = |p: DVec3| {
                 ((p - self.low_m) / self.cell_m).floor().clamp(DVec3::splat(-1.0), DVec3::splat(2.0 * CELLS - 1.0))
             };

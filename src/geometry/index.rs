@@ -1,4 +1,4 @@
-//! Places in lists and grids: in the 32 bits that meshes spend on one, and as whole parts of numbers.
+//! Indices into lists and grids: in the 32 bits that meshes use, and as whole parts of numbers.
 
 /// A place in a list, in 32 bits.
 ///
@@ -15,7 +15,7 @@ pub(crate) fn index_u32(place: usize) -> u32 {
     place as u32
 }
 
-/// The whole part of a number, as a place in a list or a count: 0 of what is negative or NaN, and of what is beyond all counts the largest.
+/// The whole part of a number, as an index or a count: 0 for negative numbers and NaN, and the largest count for anything beyond.
 #[inline]
 #[expect(clippy::cast_possible_truncation, reason = "what `as` does is meant")]
 pub(crate) fn whole(number: f64) -> usize {

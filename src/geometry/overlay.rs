@@ -205,7 +205,7 @@ impl Overlay {
 /// Largest error of a bilinear texture by quadrature, relative to the largest value around; unless pieces would have to be
 /// divided more than ...
 const QUADRATURE: f64 = 1e-11;
-/// ... so many times.
+/// ... at most this many times.
 const DIVIDED: u32 = 6;
 
 /// Radon's rule of degree 5 on a triangle (Stroud 1971, T2 5-1): barycentric coordinates and weights (sum 1).

@@ -217,13 +217,13 @@ impl Line {
         [x, y]
     }
 
-    /// Whether all of a rectangle lies to the right, for certain.
+    /// Whether all of a rectangle certainly lies to the right.
     #[inline]
     pub fn has_on_its_right(&self, rect: &Rect) -> bool {
         self.side(self.leftmost(rect)) < 0.0
     }
 
-    /// Whether all of a rectangle lies to one side, for certain.
+    /// Whether all of a rectangle certainly lies to one side.
     #[inline]
     pub fn passes_by(&self, rect: &Rect) -> bool {
         let [x, y] = self.leftmost(rect);
@@ -264,7 +264,7 @@ fn sides(polygon: &[Point]) -> impl Iterator<Item = Line> {
     (0..polygon.len()).map(|i| Line::through(polygon[i], polygon[if i + 1 == polygon.len() { 0 } else { i + 1 }]))
 }
 
-/// Calls `put` with the line along each side of a polygon. Whether the polygon is counter-clockwise and convex for certain; if not,
+/// Calls `put` with the line along each side of a polygon. Returns whether the polygon is certainly counter-clockwise and convex; if not,
 /// nothing may be taken from these lines, since a side as short as rounding points anywhere.
 ///
 /// Where each corner turns left, the sides turn once around if they change between up and down, in the order of coordinates, twice.

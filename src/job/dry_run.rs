@@ -1,4 +1,4 @@
-//! What can be told of a scene's simulation on this machine before it is made.
+//! What can be said about simulating a scene on this machine before doing it.
 
 use std::path::Path;
 
@@ -7,24 +7,24 @@ use crate::formats::{Subject, machine, scene_toml};
 use crate::progress::Watch;
 use crate::study::{self, DryRun};
 
-/// What can be told of a simulation before it is made.
+/// What can be said about a simulation before it is run.
 #[derive(Debug)]
 pub struct Outlook {
     /// The scene.
     pub subject: Subject,
     /// What it will take.
     pub dry_run: DryRun,
-    /// Memory that is free now, bytes, where the system tells.
+    /// Free memory now, bytes, where the system reports it.
     pub free_memory_bytes: Option<u64>,
-    /// Room on the disk of the current folder, bytes, where the system tells: the product's is not named yet.
+    /// Free space on the current folder's disk, bytes, where the system reports it: the product's folder is not known yet.
     pub free_disk_bytes: Option<u64>,
-    /// What a reader of the product will be told, and what may become tight.
+    /// Warnings that the product will carry, and resources that may run short.
     pub warnings: Vec<String>,
     /// Why it cannot begin, if it cannot.
     pub error: Option<Error>,
 }
 
-/// Reads a scene file and looks at what simulating it would take and tell.
+/// Reads a scene file and estimates what simulating it would take, with its warnings.
 ///
 /// # Errors
 /// Those of [`scene_toml::read`].
@@ -45,7 +45,7 @@ pub fn dry_run(path: &Path, watch: Watch<'_>) -> Result<Outlook> {
     let tight = |what: &str, wanted: u64, free: Option<u64>| {
         let free = free.filter(|free| *free < wanted)?;
         let [wanted, free] = [wanted, free].map(|bytes| machine::size(bytes, 1));
-        Some(format!("it takes about {wanted} of {what}, and {free} are free now"))
+        Some(format!("it takes about {wanted} of {what}, but only {free} are free now"))
     };
     let shortages = [
         tight("memory", dry_run.memory_bytes, free_memory_bytes),

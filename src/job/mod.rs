@@ -1,6 +1,6 @@
 //! Whole commands as functions: from opened inputs to finished files, for the command line, a campaign, or another language.
 //!
-//! A job touches no file but through [`formats`](crate::formats), says nothing, and asks no clock: what it has to tell it returns.
+//! A job touches no file but through [`formats`](crate::formats), prints nothing, and reads no clock: it returns what it has to report.
 
 mod dry_run;
 mod image_survey;

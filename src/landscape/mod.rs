@@ -27,7 +27,7 @@ const BOULDER: MaterialId = MaterialId(1);
 /// Relief and craters less than this many grid steps wide are left out: a triangle grid would only alias them.
 const FINEST_STEPS: f64 = 3.0;
 
-/// What is done, as those who watch are told.
+/// The stage, as reported to the watch.
 const STAGE: &str = "making the landscape";
 
 /// A generated landscape.

@@ -26,7 +26,7 @@ pub(super) fn step_m(recipe: &Recipe) -> f64 {
     recipe.size_m / (0.5 * f64::from(recipe.facets)).sqrt()
 }
 
-/// Spends the facets, or tells all that is wrong with the recipe.
+/// Distributes the facets, or reports everything that is wrong with the recipe.
 ///
 /// A boulder's facets are about as large as the ground's, 20 at least and 320 at most. Where boulders would take more
 /// than half of all facets, the large ones get fewer.

@@ -14,7 +14,7 @@ const SIZE_M: (f64, f64) = (10.0, 1e5);
 /// Largest boulder, m.
 const LARGEST_BOULDER_M: f64 = 12.0;
 
-/// As many boulders as half of the most facets can make.
+/// The number of boulders that half of the largest number of facets can make.
 const MOST_BOULDERS: u32 = 100_000;
 
 /// A bound on the time a recipe can take.

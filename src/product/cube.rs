@@ -56,7 +56,7 @@ impl CubeAxes {
     }
 }
 
-/// The hyperspectral cube, kept as what it was computed from: slabs that fill it.
+/// The hyperspectral cube, kept in the form it was computed in: slabs that fill it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cube {
     /// Its axes.
@@ -68,7 +68,7 @@ impl Cube {
     /// Of slabs that fill it.
     ///
     /// # Errors
-    /// [`Error::Invalid`] if slabs overlap, or leave something open, or one is not as large as it says.
+    /// [`Error::Invalid`] if slabs overlap or leave gaps, or one does not have the size it states.
     pub fn new(axes: CubeAxes, slabs: Vec<Slab>) -> Result<Self> {
         let mut filling = Filling::new(&axes);
         let mut problems = Vec::new();
@@ -104,7 +104,7 @@ impl Cube {
     /// Radiance of some pixels in some bands, W m-2 sr-1 um-1: `put(pixel, first_band, values)` gets a few bands of
     /// one pixel at a time, of each slab all pixels before the next bands.
     ///
-    /// Each value is the sum of its weights times spectra in the order they are stored, however it is asked for.
+    /// Each value is the sum of its weights times spectra in the order they are stored, whichever pixels and bands are requested.
     pub fn expand(&self, pixels: Range<usize>, bands: Range<usize>, mut put: impl FnMut(usize, usize, &[f64])) {
         for slab in &self.slabs {
             let of_lines = slab.lines.start * self.axes.samples..slab.lines.end * self.axes.samples;

@@ -1,11 +1,11 @@
-//! What reaches each facet, and how warm it is. Not radiance: that depends on who looks.
+//! What reaches each facet, and how warm it is. Not radiance: that depends on the observer.
 
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::physics::heat;
 use crate::scene::{DirectionField, Scene, Sky, Thermal};
 use crate::visibility::Seen;
 
-/// Two directions to a source are the same to within this, rad: tables of other programs round.
+/// Two directions to a source are the same to within this, rad: other programs' tables are rounded.
 const DIRECTION_TOLERANCE: f64 = 1e-9;
 
 /// What of each facet a source sees.
@@ -21,15 +21,15 @@ pub enum Sees {
 
 /// What one source sends to each facet.
 ///
-/// Irradiances are geometric: relative to what they scale with, so that spectra are multiplied in afterwards.
+/// Irradiances are geometric, relative to a reference, so that spectra can be multiplied in afterwards.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lighting {
     /// What the source is called in its sky.
     pub source: String,
     /// From where its light comes.
     pub field: DirectionField,
-    /// Irradiance on each facet where the source sees it. By a beam over that on a plane normal to it: cos i, or 0 for a facet that
-    /// faces away. By Mars over its reflectance times the solar irradiance normal to the beam.
+    /// Irradiance on each facet where the source sees it. For a beam, relative to a plane normal to it: cos i, or 0 for a facet that
+    /// faces away. For Mars, relative to its reflectance times the solar irradiance normal to the beam.
     pub irradiance: Vec<f64>,
     /// What of each facet it sees.
     pub sees: Sees,
@@ -72,7 +72,7 @@ impl FacetTable {
         self.sources.first().and_then(Lighting::seen)
     }
 
-    /// Says if it cannot be of a scene: what it lacks would be missing from an image, and its report would not know.
+    /// Refuses a table that cannot be of the scene: what it lacks would be missing from the image without the report saying so.
     ///
     /// # Errors
     /// [`Error::Invalid`] with everything that does not fit.
@@ -120,7 +120,7 @@ impl FacetTable {
         }
         for (i, lighting) in self.sources.iter().enumerate() {
             if self.sources[..i].iter().any(|other| other.source == lighting.source) {
-                problem(lighting.source.clone(), "is there twice".into(), AGAIN);
+                problem(lighting.source.clone(), "appears twice".into(), AGAIN);
             }
             if let Some(Err(message)) = lighting.seen().map(Seen::validate) {
                 problem(format!("{}_polygon_start", lighting.source), message, AGAIN);
@@ -151,7 +151,7 @@ impl FacetTable {
     }
 }
 
-/// No facet is warmer, K: one that faces the Sun under a Mars that sends it as much light again, and all its heat, and every beam.
+/// No facet is warmer, K: one that faces the Sun, with a Mars that sends it as much light again, and all its heat, and every beam.
 fn warmest_k(scene: &Scene) -> f64 {
     let sun_w_m2 = scene.sky.sun.total_irradiance_w_m2();
     let mars_w_m2 = scene.sky.mars.as_ref().map_or(0.0, |mars| mars.thermal_exitance_w_m2);

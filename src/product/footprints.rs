@@ -1,6 +1,6 @@
 //! Which facets each pixel sees, and how much of them.
 
-/// For every pixel the facets that it sees: a sparse matrix [pixel, facet] of area fractions of the pixel.
+/// The facets that each pixel sees: a sparse matrix [pixel, facet] of area fractions of the pixel.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Footprints {
     /// First entry of each pixel, and the number of entries as the last element.

@@ -9,7 +9,7 @@ use crate::spectral::{Band, KnownLight};
 pub struct ViewImage {
     /// What took it: texels are its pixels.
     pub camera: Camera,
-    /// Whether a surface that others hide from the eye is unknown; if not, the image goes through everything.
+    /// Whether surface hidden from the eye is unknown; if not, the image is projected through everything.
     pub occlusion: bool,
 }
 
@@ -68,7 +68,7 @@ impl Atlas {
 /// Where a map's texels lie in a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Placement {
-    /// Texel i is facet i, of so many.
+    /// Texel i is facet i; the number of facets.
     Facets(usize),
     /// Texels are parts of facets.
     Patches(Patches),
@@ -100,10 +100,10 @@ pub trait TexelSource: Send {
     /// Bands are asked for in ascending order, each at most twice.
     ///
     /// # Errors
-    /// [`Error::Io`](crate::Error::Io), or [`Error::Invalid`](crate::Error::Invalid) for a value that no radiance has.
+    /// [`Error::Io`](crate::Error::Io), or [`Error::Invalid`](crate::Error::Invalid) for a value that is not a radiance.
     fn read(&mut self, band: usize, values: &mut Vec<f64>) -> Result<()>;
 
-    /// The share of each texel that shows the surface and no sky, line by line, where the source knows it: a coverage plane, or
+    /// The share of each texel that shows the surface rather than sky, line by line, where the source knows it: a coverage plane, or
     /// alpha. What [`read`](Self::read) gives is then the mean over that share; NaN where it is 0.
     ///
     /// # Errors
@@ -123,7 +123,7 @@ pub struct RadianceMap {
     pub source: Box<dyn TexelSource>,
     /// What the map's radiance is multiplied by.
     pub weight: f64,
-    /// What light its bands hold, as far as anybody knows: one for each; of bands beyond the list nobody knows.
+    /// What light its bands hold, as far as it is known: one for each band; unknown for bands beyond the list.
     pub light: Vec<KnownLight>,
     /// What texels that show surface in part hold.
     pub sky: SkyShare,
@@ -142,10 +142,10 @@ impl RadianceMap {
     }
 }
 
-/// What a texel of an image holds that shows the scene in part, and sky beside it.
+/// What an image's texel holds if it shows the scene only in part, and sky besides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SkyShare {
-    /// Of a camera's image the mean over all of the texel, with a dark sky, unless its surroundings are as bright as the scene. Of
+    /// For a camera's image the mean over the whole texel, with a dark sky, unless its surroundings are as bright as the scene. Of
     /// other images the mean over what shows the scene, unless texels beside the scene are dark.
     #[default]
     Guessed,
@@ -158,13 +158,13 @@ pub enum SkyShare {
 /// Where an image was found to lie, by its outline against the scene's.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Registration {
-    /// Columns and rows by which what it shows lies beyond where it was said to be.
+    /// Columns and rows by which the content is shifted from its stated position.
     pub shift_texels: [f64; 2],
     /// The same along its lines and across, m.
     pub shift_m: [f64; 2],
-    /// Share of the outline's area that image and scene have in common, as it was said to be and after the shift.
+    /// Share of the outline's area that image and scene have in common, at the stated position and after the shift.
     pub overlap: [f64; 2],
-    /// So far from there what it shows may lie, along its lines and across, as far as outlines tell, m: 0 where they decide.
+    /// How far from there its content may lie, along its lines and across, m: 0 where outlines decide.
     pub unverified_m: [f64; 2],
 }
 

@@ -13,7 +13,7 @@ use crate::visibility::Topology;
 /// A facet's number and one of its edges are kept in 31 bits.
 pub(crate) const MOST_FACETS: usize = 1 << 29;
 
-/// A surface and what it is made of: plain values, which nobody has checked.
+/// A surface and what it is made of: plain, unchecked values.
 #[derive(Debug, Clone)]
 pub struct Surface {
     /// Origin of all local coordinates, in the body-fixed frame, m.
@@ -83,7 +83,7 @@ impl std::fmt::Debug for Body {
 }
 
 impl Surface {
-    /// What is wrong with it, whoever lights it and looks at it.
+    /// What is wrong with it, whatever the sky and exposure.
     pub(super) fn problems(&self) -> Vec<Problem> {
         let mut problems = Vec::new();
         let mut problem = |item: &str, message: String| {
@@ -121,7 +121,7 @@ impl Surface {
             let item = self.item_of(texture);
             texture.check(mesh, &self.materials, |message| problem(&item, message));
             if self.textures[..i].iter().any(|t| t.material == texture.material) {
-                problem(&item, "a material has one texture at most".into());
+                problem(&item, "a material has at most one texture".into());
             }
         }
         problems

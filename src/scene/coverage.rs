@@ -2,7 +2,7 @@
 
 use crate::spectral::{ALL_UM, Band, MOST_BEYOND, Spectrum};
 
-/// The first of the bands that count which looks too far outside what a spectrum is known for, as a sentence.
+/// The first relevant band that reaches too far beyond where a spectrum is known, as a sentence.
 pub(super) fn uncovered(
     what: &str,
     spectrum: &Spectrum,
@@ -12,7 +12,7 @@ pub(super) fn uncovered(
     let known_um = spectrum.coverage_um();
     let is_outside = |i: &usize| {
         let band = &bands[*i];
-        // A response that lies below 0 is told of the band.
+        // A response at wavelengths below 0 is reported for the band.
         counts(band) && band.share_beyond(known_um) > MOST_BEYOND && band.share_beyond(ALL_UM) <= MOST_BEYOND
     };
     let outside: Vec<usize> = (0..bands.len()).filter(is_outside).collect();
@@ -33,7 +33,7 @@ pub(super) fn uncovered(
     ))
 }
 
-/// A share in percent, with as many digits as tell it from nothing and from all.
+/// A share in percent, with enough digits to distinguish it from 0 and 100.
 pub(super) fn percent(share: f64) -> String {
     if share < 0.001 { format!("{:.1e} %", 100.0 * share) } else { format!("{:.1} %", 100.0 * share) }
 }

@@ -5,7 +5,7 @@ use crate::error::{Location, Problem};
 use crate::geometry::FrameCamera;
 use crate::spectral::{ALL_UM, Band, MOST_BEYOND};
 
-/// Farther from the image than this, in sizes of the image, no boresight is taken for meant: beyond, digits of pixels are lost.
+/// A boresight farther from the image than this, in image sizes, is taken as a mistake: beyond, digits of pixels are lost.
 const FARTHEST: f64 = 1e6;
 /// Smaller pixels, rad, are refused: coordinates of 16 digits would be off by a thousandth of them.
 pub(crate) const LEAST_PITCH: f64 = 1e-12;

@@ -11,11 +11,11 @@ pub struct Material {
     /// Name, as in the scene's dictionary.
     pub name: String,
     /// Hemispherical reflectance (dimensionless): that of a Lambert surface, whose BRDF is reflectance / pi. With another photometry
-    /// it still is what emissivity and Bond albedo follow from, and says nothing of directions.
+    /// emissivity and Bond albedo still follow from it, but it says nothing about directions.
     pub reflectance: Spectrum,
     /// How reflectance depends on directions.
     pub photometry: Photometry,
-    /// Directional emissivity (dimensionless); Kirchhoff: 1 - reflectance unless told otherwise.
+    /// Directional emissivity (dimensionless); Kirchhoff: 1 - reflectance unless stated otherwise.
     pub emissivity: Spectrum,
     /// Share of the Sun's total irradiance that is not absorbed, for the heat balance.
     pub bond_albedo: f64,

@@ -1,4 +1,4 @@
-//! A body, what lights it, what looks at it, and by which equations: values of their own, each checked once, and together as a scene.
+//! A body, what lights it, what looks at it, and by which equations: separate values, each checked once, and together a scene.
 //! Nothing computed for an image is stored in them.
 
 mod body;
@@ -31,7 +31,7 @@ pub use sky::{Beam, MARS_ALBEDO, Mars, Sky, Sun};
 pub use source::{DirectionField, Incoming, Source, SourceKind};
 pub use texture::{Texture, TextureKind};
 
-/// All that a scene is made of: plain values, which nobody has checked.
+/// Everything that makes up a scene, as plain, unchecked values.
 #[derive(Debug, Clone)]
 pub struct SceneParts {
     /// What is looked at.
@@ -57,7 +57,7 @@ pub struct Setup {
     pub models: Models,
 }
 
-/// A setup that has been checked: complete, and every part fits the others. Below, no code asks again.
+/// A setup that has been checked: it is complete, and its parts fit together. Code below this layer does not check again.
 ///
 /// Its parts can be read as those of a [`Setup`]; to change them, make another one: the body is shared.
 #[derive(Debug, Clone)]
@@ -90,7 +90,7 @@ impl SceneParts {
 }
 
 impl Scene {
-    /// Checks what a body, a sky and an exposure owe each other, without looking at all facets unless the camera is amid them.
+    /// Checks that a body, a sky and an exposure fit together, without visiting all facets unless the camera is among them.
     ///
     /// # Errors
     /// As [`SceneParts::check`].
@@ -130,7 +130,7 @@ impl Scene {
     }
 }
 
-/// What is wrong with a sky and an exposure, each by itself.
+/// What is wrong with a sky and with an exposure, each on its own.
 fn alone(sky: &Sky, exposure: &Exposure) -> Vec<Problem> {
     [exposure.problems(), sky.problems()].concat()
 }
@@ -163,7 +163,7 @@ fn together(surface: &Surface, sky: &Sky, exposure: &Exposure, models: Models) -
 }
 
 impl Setup {
-    /// First and last wavelength at which all spectra are known that count in such a light, um. Bands end there.
+    /// First and last wavelength at which all spectra that matter for this light are known, um. Bands end there.
     pub fn known_um(&self, light: Light) -> (f64, f64) {
         let glows = light.glows() && self.models.thermal != Thermal::Off;
         let materials = self.body.materials.iter().flat_map(|m| {
@@ -216,7 +216,7 @@ impl Setup {
         )]
     }
 
-    /// Whether this version can simulate the scene: it carries more than it can compute.
+    /// Whether this version can simulate the scene: a scene can hold more than can be computed.
     ///
     /// # Errors
     /// [`Error::Unsupported`] at the first material that is not Lambert.
@@ -232,7 +232,7 @@ impl Setup {
     }
 }
 
-/// Nothing of a scene is farther away, m (100 light years): products of lengths stay far from what overflows.
+/// Nothing in a scene may be farther away, m (100 light years): products of lengths stay far from overflow.
 pub const FARTHEST_M: f64 = 1e18;
 
 /// Says if a place is too far away.
@@ -242,7 +242,7 @@ fn near_enough(item: &str, place_m: DVec3, problem: &mut impl FnMut(&str, String
     }
 }
 
-/// Says that the camera is inside the only body there is, of which it would see nothing but the dark inner side.
+/// Refuses a camera inside the only body, where it would see nothing but the dark inner side.
 fn inside(body: &Body, eye_m: DVec3) -> Option<Problem> {
     let (low_m, high_m) = body.bounds_m()?;
     let mesh = &body.mesh;

@@ -12,7 +12,7 @@ pub struct Models {
 /// How warm the surface is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Thermal {
-    /// Each facet in equilibrium with what it absorbs; lit and shaded parts each their own.
+    /// Each facet in equilibrium with what it absorbs, its lit and shaded parts separately.
     #[default]
     Equilibrium,
     /// Domagala (2020), equation (9): 150 K + 180 K E_sun / E_S.

@@ -6,7 +6,7 @@ use crate::spectral::{Band, Spectrum};
 /// The model of a surface's bidirectional reflectance.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Photometry {
-    /// The same radiance in every direction: the material's reflectance says it all.
+    /// The same radiance in every direction: the material's reflectance is all there is.
     #[default]
     Lambert,
     /// Hapke's.
@@ -76,7 +76,7 @@ impl From<[Spectrum; 4]> for Rpv {
 }
 
 impl Photometry {
-    /// What the model is called in a scene file; `None` for Lambert, which is not called anything there.
+    /// The model's name in a scene file; `None` for Lambert, which needs none.
     pub fn key(&self) -> Option<&'static str> {
         match self {
             Photometry::Lambert => None,
@@ -96,7 +96,7 @@ impl Photometry {
         }
     }
 
-    /// Says what bands look for where the parameters are not known, a sentence for each.
+    /// A sentence for each parameter that bands need where it is not known.
     pub(super) fn covers(&self, bands: &[Band], problem: impl FnMut(String)) {
         let of = |(name, spectrum): (&str, &Spectrum)| uncovered(name, spectrum, bands, |band| band.light.is_lit());
         self.parameters().into_iter().filter_map(of).for_each(problem);

@@ -119,13 +119,13 @@ impl Beam {
     fn check(&self, problem: &mut impl FnMut(&str, String)) {
         let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_".contains(c);
         if self.name.is_empty() || !self.name.chars().all(is_plain) {
-            problem(&self.item(), "a name of letters, digits, - and _ is wanted".into());
+            problem(&self.item(), "expected a name of letters, digits, - and _".into());
         }
         if let Some(v) = self.irradiance.value().iter().find(|v| !(**v >= 0.0 && v.is_finite())) {
-            problem(&format!("{}.irradiance", self.item()), format!("{v} is not a number from 0"));
+            problem(&format!("{}.irradiance", self.item()), format!("{v} is not a number of at least 0"));
         }
         if !(self.total_irradiance_w_m2 >= 0.0 && self.total_irradiance_w_m2.is_finite()) {
-            let message = format!("{} is not a number from 0", self.total_irradiance_w_m2);
+            let message = format!("{} is not a number of at least 0", self.total_irradiance_w_m2);
             problem(&format!("{}.total_irradiance_w_m2", self.item()), message);
         }
     }

@@ -49,7 +49,7 @@ pub enum Incoming<'a> {
 pub enum SourceKind<'a> {
     /// A point at infinity, which casts shadows; its total irradiance normal to the beam, W m-2.
     Beam(f64),
-    /// A sphere near at hand, lit by the Sun; a facet's own horizon cuts it, other terrain does not.
+    /// A sphere in the near field, lit by the Sun; a facet's own horizon cuts it, other terrain does not.
     Sphere(&'a Mars),
 }
 

@@ -119,7 +119,7 @@ impl Texture {
             let texel = i / self.layers();
             let (row, column) = (texel / self.columns, texel % self.columns);
             return problem(format!(
-                "texel (row {row}, column {column}) is {}: a number from 0 is wanted",
+                "texel (row {row}, column {column}) is {}: expected a number of at least 0",
                 number(self.values[i])
             ));
         }

@@ -1,5 +1,5 @@
-//! Scene to facet table: what each source sends to each facet, what of it that source sees, how warm it is. Not radiance,
-//! but for the question that the image asks: what does a facet send [towards an observer](Emission)?
+//! Scene to facet table: what each source sends to each facet, which part of it the source sees, how warm it is. No radiance,
+//! except to answer the image's question: what does a facet send [towards an observer](Emission)?
 
 mod emission;
 mod irradiance;
@@ -25,7 +25,7 @@ pub fn solve(scene: &Scene, watch: Watch<'_>) -> Result<FacetTable> {
     Ok(table)
 }
 
-/// Where every facet is lit, and nothing else: irradiances and temperatures are 0. That is what radiance from elsewhere leaves to
+/// Where every facet is lit, and nothing else: irradiances and temperatures are 0. That is all that radiance from elsewhere leaves to
 /// be asked.
 ///
 /// # Errors

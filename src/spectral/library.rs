@@ -34,7 +34,7 @@ impl SpectralLibrary {
         self.columns.iter().find(|c| c.name.eq_ignore_ascii_case(name)).map(|c| c.values.as_slice())
     }
 
-    /// A column as a spectrum; `None` if there is no such column, or if it is not a table that a spectrum can be.
+    /// A column as a spectrum; `None` if there is no such column, or if its values do not make a valid spectrum.
     pub fn spectrum(&self, name: &str, extend: Extend) -> Option<Spectrum> {
         Spectrum::new(self.wavelength_um.clone(), self.column(name)?.to_vec(), extend)
     }
@@ -68,7 +68,7 @@ impl SpectralLibrary {
                 push(format!("{}: not all values are finite numbers", column.name));
             }
             if self.columns[..i].iter().any(|c| c.name.eq_ignore_ascii_case(&column.name)) {
-                push(format!("{}: is there twice", column.name));
+                push(format!("{}: appears twice", column.name));
             }
         }
         if problems.is_empty() { Ok(()) } else { Err(Error::Invalid(problems)) }
@@ -76,8 +76,8 @@ impl SpectralLibrary {
 
     /// The spectra as bands see them: the mean of each column over each band's response, at the band's centre.
     ///
-    /// Columns are linear between their wavelengths. Parameters of reflectance models are averaged as they stand, which
-    /// is not the mean of what the model makes of them. Responses end where the wavelengths do. Bands may be in any order; the result ascends.
+    /// Columns are linear between their wavelengths. Parameters of reflectance models are averaged directly, which
+    /// is not the same as averaging the model's result. Responses end where the wavelengths do. Bands may be in any order; the result ascends.
     ///
     /// # Errors
     /// [`Error::Invalid`] for bands of which more than [`MOST_BEYOND`] lies beyond the wavelengths, or that share their centre; as

@@ -33,7 +33,7 @@ impl Light {
     }
 }
 
-/// What is known of the light in a band of a map; `None`: nobody says it.
+/// What is known of the light in a band of a map; `None`: not stated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct KnownLight {
     /// Whether it holds sunlight that surfaces reflect.
@@ -52,7 +52,7 @@ impl KnownLight {
     /// That it holds thermal emission; with which sunlight may be.
     pub const HEAT: KnownLight = KnownLight { sunlight: None, heat: Some(true) };
 
-    /// Whether it is known to hold light that a band has not: one number of both cannot be told apart.
+    /// Whether it is known to hold light that a band has not: one number for both cannot be taken apart.
     pub fn has_more_than(self, light: Light) -> bool {
         self.is(Some(true), light)
     }

@@ -15,20 +15,20 @@ pub type Mix = Vec<(usize, f64)>;
 pub struct Mixes {
     /// For each band of the sensor its mix.
     pub mixes: Vec<Mix>,
-    /// What a reader of the result should know, as sentences: bands that another stands for.
+    /// What a reader of the result should know, as sentences: bands replaced by another.
     pub told: Vec<String>,
 }
 
 /// For each band of a sensor its mix of the bands of a map; `light` is what is known of the light in the map's (nothing, beyond its end).
 ///
-/// - A band that is known to hold light which the sensor's has not does not serve it. Of two that are the same otherwise, a band of
+/// - A band known to hold light that the sensor's band excludes does not serve it. Of two that are otherwise the same, a band of
 ///   both serves before those that are known to lack sunlight, or heat.
 /// - A band that the map has too is taken as it is: of several the nearest. So is one that the map has cut at one end, if nothing of
 ///   the map is where the rest was.
 /// - Others are means, over the sensor's response, of what is linear between the centres of the map's bands; beyond the first and last
 ///   centre, but within these bands, it is held.
 /// - Not so if one of these bands holds another within it, as a panchromatic band does: it says little of its centre. Then the
-///   narrowest band stands for it that holds it within its own width.
+///   narrowest band that contains it replaces it.
 ///
 /// # Errors
 /// A sentence for each band of the sensor whose centre the map does not reach, or half of whose width.
@@ -48,7 +48,7 @@ pub fn mixes(map: &[Band], light: &[KnownLight], sensor: &[Band]) -> Result<Mixe
                 mixes.push(mix);
             }
             None if order.len() < all.len() && mix(map, &all, band).is_some() => wrong.push(format!(
-                "band {} of the sensor, {}, has {} alone, and the map's there holds other light, too, which cannot be told from it",
+                "band {} of the sensor, {}, has {} alone, and the map's there also holds other light, which cannot be separated from it",
                 i + 1,
                 describe(band),
                 band.light.name()
@@ -68,7 +68,7 @@ pub fn mixes(map: &[Band], light: &[KnownLight], sensor: &[Band]) -> Result<Mixe
         let (of_sensor, of_map) = (describe(&sensor[i]), describe(&map[of_map]));
         let more = match all.count() {
             0 => String::new(),
-            n => format!("; so it is with {n} more"),
+            n => format!("; the same holds for {n} more"),
         };
         Some(match kind {
             Stand::Points => format!(
@@ -84,7 +84,7 @@ pub fn mixes(map: &[Band], light: &[KnownLight], sensor: &[Band]) -> Result<Mixe
                 i + 1
             ),
             Stand::Within => format!(
-                "band {} of the sensor, {of_sensor}, has the value of the map's {of_map}, within which it lies: between centres is no place for so wide a band{more}",
+                "band {} of the sensor, {of_sensor}, has the value of the map's {of_map}, within which it lies: it is too wide to be interpolated between centres{more}",
                 i + 1
             ),
         })
@@ -93,7 +93,7 @@ pub fn mixes(map: &[Band], light: &[KnownLight], sensor: &[Band]) -> Result<Mixe
     if wrong.is_empty() { Ok(Mixes { mixes, told }) } else { Err(wrong) }
 }
 
-/// How a band of a map stands for one of the sensor that is not the same.
+/// How a map's band replaces a sensor's band that is not the same.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Stand {
     /// It has a width, and the map's have none.
@@ -114,7 +114,7 @@ fn serving(map: &[Band], all: &[usize], known: impl Fn(usize) -> KnownLight, ban
     may.iter().copied().filter(|i| is_whole(*i) || !has_better(*i)).collect()
 }
 
-/// Whether bands that are the same but for their light, or of whose light nobody knows, would serve one as well as the other, and have
+/// Whether bands that are the same but for their light, or of whose light nothing is known, would serve one as well as the other, and have
 /// to serve a band for which that matters.
 fn is_ambiguous(
     map: &[Band],

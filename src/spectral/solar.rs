@@ -23,7 +23,7 @@ pub fn solar_e490() -> &'static Spectrum {
 /// What a table of the Sun's irradiance at 1 au has in all.
 ///
 /// A table that ends within sunlight lacks what lies beyond its ends: that is E490's, scaled by the ratio of the two over the
-/// wavelengths of the table. A table with more than twice or less than half of the Sun's irradiance is something else, as a lamp or a unit,
+/// wavelengths of the table. A table with more than twice or less than half of the Sun's irradiance is something else, such as a lamp, or in another unit,
 /// and has nothing beyond its ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SunTotal {
@@ -53,7 +53,7 @@ impl SunTotal {
         SunTotal { table_w_m2: integral(table, first, last), beyond_w_m2: scale * beyond, times_e490 }
     }
 
-    /// Whether a table with so many times the irradiance of E490 may be the Sun's.
+    /// Whether a table with this many times the irradiance of E490 may be the Sun's.
     pub fn is_the_suns(times_e490: f64) -> bool {
         (0.5..=2.0).contains(&times_e490)
     }

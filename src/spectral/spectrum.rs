@@ -10,8 +10,8 @@ pub enum Extend {
     Hold,
 }
 
-/// Where a wavelength lies among some (um, ascending): the last that is not above it, and which share of the way to the next one lies
-/// behind it, 0 to below 1. What is linear between points and held beyond them has so much of the next one's value.
+/// Where a wavelength lies among some (um, ascending): the index of the last that is not above it, and the fraction of the way to the
+/// next one, 0 to below 1: the next one's weight in linear interpolation that holds the ends.
 pub fn between(points_um: &[f64], um: f64) -> (usize, f64) {
     let after = points_um.partition_point(|point| *point <= um);
     if after == 0 || after == points_um.len() {

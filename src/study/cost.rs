@@ -1,4 +1,4 @@
-//! What a simulation takes: memory, room on the disk, time. Estimates, made before anything is computed.
+//! What a simulation takes: memory, disk space, time, estimated before anything is computed.
 
 use crate::error::{Error, Location, Problem, Result};
 use crate::integrate::plane_count;
@@ -30,7 +30,7 @@ mod seconds {
     pub(super) const MOST_TANGENT: f64 = 12.0;
     /// To look through it, and to find its planes and write them.
     pub(super) const PIXEL: f64 = 1.6e-6;
-    /// Pieces that pixels and facets cut each other into along their edges: as many as the root of facets x pixels.
+    /// Pieces that pixels and facets cut each other into along their edges: proportional to the root of facets x pixels.
     pub(super) const CROSSING: f64 = 2.9e-6;
     /// A pixel in a band.
     pub(super) const NUMBER: f64 = 1.1e-8;
@@ -87,16 +87,16 @@ pub fn memory_bytes(scene: &Scene, has_maps: bool) -> u64 {
     image_bytes(scene, has_maps).saturating_add(held)
 }
 
-/// Says if the machine cannot hold the image: asked for in vain later, memory would end the program where it stands.
+/// Refuses if the machine cannot hold the image: running out of memory later would abort the program.
 ///
 /// # Errors
-/// [`Error::Invalid`] if it all takes more than `memory_bytes`, or the system does not give as much as the image takes.
+/// [`Error::Invalid`] if it all takes more than `memory_bytes`, or the system does not provide what the image takes.
 pub fn has_room(scene: &Scene, has_maps: bool, memory_bytes: Option<u64>) -> Result<()> {
     let (bytes, of_image) = (self::memory_bytes(scene, has_maps), image_bytes(scene, has_maps));
     let mut room: Vec<u8> = Vec::new();
     let asked = memory_bytes.is_none_or(|memory| bytes <= memory)
         && usize::try_from(of_image).is_ok_and(|bytes| room.try_reserve_exact(bytes).is_ok());
-    // Memory that nobody looks at may be asked for by nobody.
+    // Without this the compiler may drop an allocation that is never used.
     std::hint::black_box(&room);
     if asked {
         return Ok(());

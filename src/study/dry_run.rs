@@ -1,4 +1,4 @@
-//! What can be told of a simulation before it is made: what it will take, and what its reader should know.
+//! What can be said about a simulation before it is run: what it will take, and what its user should know.
 
 use super::cost::{self, Workload};
 use super::glimpse::Glimpse;
@@ -7,7 +7,7 @@ use super::summary::{self, Summary};
 use super::warnings::{self, MarsInView, Sight};
 use crate::scene::Scene;
 
-/// What can be told of a simulation before it is made.
+/// What can be said about a simulation before it is run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DryRun {
     /// The scene in a few numbers.
@@ -16,11 +16,11 @@ pub struct DryRun {
     pub filled: f64,
     /// About what the process will hold at most, bytes.
     pub memory_bytes: u64,
-    /// About what the product will take on the disk, as it is without options, bytes.
+    /// Approximate size of the product on the disk with default options, bytes.
     pub product_bytes: u64,
     /// About the CPU time, s, within a factor of [`WITHIN`](super::WITHIN) on a machine of 2022.
     pub cpu_s: f64,
-    /// What a reader of the result will be told, as sentences. What is hidden or in shadow is known only by what a few rays meet.
+    /// The warnings that the result will carry, as sentences. What is hidden or in shadow is judged by a few rays only.
     pub warnings: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! What a few rays of the camera meet: a glimpse of an image that is not made yet.
+//! What a few rays of the camera meet: a glimpse of an image before it is made.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -8,7 +8,7 @@ use crate::scene::Scene;
 
 /// Rays along a side of the image: shares of the image are good to a percent or two.
 const MOST_RAYS: u32 = 64;
-/// Facets are looked at so many at a time.
+/// Facets are processed this many at a time.
 const CHUNK: usize = 65_536;
 
 /// Rays through the middles of equal parts of the image, and the first facet that each meets.

@@ -1,4 +1,4 @@
-//! What light radiance maps hold: heat must count once, and a band without heat, or sunlight, has none of a map's either.
+//! The light that radiance maps hold: heat must count once, and a band without heat, or without sunlight, takes none of a map's either.
 
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::product::RadianceMap;
@@ -12,7 +12,7 @@ const HEAT_FROM_UM: f64 = 2.5;
 /// Weights of a mean, in decimals, sum to 1 but for this.
 const ROUNDED_MEAN: f64 = 1e-9;
 
-/// Says if thermal emission would count more than once; what may hold it, as far as anybody knows, is only told.
+/// Refuses thermal emission that would count more than once; where it is only possible, that is a note.
 pub(super) fn heat_counts_once(scene: &Scene, terms: &[Vec<RadianceMap>], add_solved: bool) -> Result<Vec<String>> {
     let holds = |heat: Option<bool>| {
         // A term's views are of the same sum; what is subtracted does not count twice.
@@ -48,12 +48,12 @@ pub(super) fn heat_counts_once(scene: &Scene, terms: &[Vec<RadianceMap>], add_so
     )])
 }
 
-/// Says which bands without sunlight, or without heat, get numbers of a map that may hold it.
+/// Reports bands without sunlight, or without heat, that get values of a map that may hold it.
 pub(super) fn may_hold_more(map: &RadianceMap, sensor: &[Band], mixes: &[Mix]) -> Option<String> {
     let may = |(of_map, _): &(usize, f64), light: Light| {
         map.light.get(*of_map).copied().unwrap_or_default().may_have_more_than(light)
     };
-    // So short of `HEAT_FROM_UM` there is no heat to tell from sunlight.
+    // This far below `HEAT_FROM_UM` there is no heat to distinguish from sunlight.
     let matters = |band: &Band| band.light == Light::Heat || band.centre_um > HEAT_FROM_UM;
     let mut unsure = sensor
         .iter()
@@ -63,7 +63,7 @@ pub(super) fn may_hold_more(map: &RadianceMap, sensor: &[Band], mixes: &[Mix]) -
     let (i, (band, _)) = unsure.next()?;
     let more = match unsure.count() {
         0 => String::new(),
-        n => format!("; so it is with {n} more"),
+        n => format!("; the same holds for {n} more"),
     };
     let other = if band.light == Light::Heat { "sunlight" } else { "heat" };
     Some(format!(

@@ -18,29 +18,29 @@ use crate::progress::{Watch, tell};
 use crate::scene::Scene;
 use crate::spectral::{Band, Mixes, mixes};
 
-/// No radiance is larger, W m-2 sr-1 um-1: a solar surface at all wavelengths sends less than 1e8. Products in single precision hold
-/// sums of many such, and bytes in the wrong order, which make numbers of any size, are found.
+/// Larger radiances are refused, W m-2 sr-1 um-1: a solar surface sends less than 1e8 at any wavelength. Single-precision products
+/// can hold sums of many such values, and a wrong byte order, which makes numbers of any size, is noticed.
 const LARGEST: f64 = 1e30;
 
-/// Of a pixel's surface rounding leaves less than this share known, where nothing is.
+/// Rounding makes less than this share of a pixel's surface known where nothing is.
 const NOTHING: f64 = 1e-9;
 
-/// A smaller share of what is seen is not worth a word if it is unknown: rims and rounding.
+/// A smaller unknown share of what is seen is not worth reporting: rims and rounding.
 const UNTOLD: f64 = 1e-6;
 
-/// A sum that is below 0 by less than this share of what was added and subtracted is 0: maps have the digits of single precision.
+/// A sum below 0 by less than this share of what was added and subtracted counts as 0: maps are in single precision.
 const CANCELLED: f64 = 1e-6;
 
 /// What is shown where maps know nothing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fill {
-    /// It is an error if it is more than this share of what is seen; of less, what is known of a facet or pixel stands for the rest.
+    /// An error if more than this share of what is seen is unknown; below, the known part of a facet or pixel represents the rest.
     Refuse(f64),
     /// What the scene's own sources and heat send there.
     Solved,
     /// This radiance, W m-2 sr-1 um-1.
     Value(f64),
-    /// What is known of a facet or pixel stands for the rest, however little it is; a pixel of which nothing is known is NaN.
+    /// The known part of a facet or pixel represents the rest, however small it is; a pixel of which nothing is known is NaN.
     Nan,
 }
 
@@ -97,7 +97,7 @@ pub struct MapEntry {
     pub undefined_texels: u64,
     /// Its bands that were used.
     pub bands: u64,
-    /// Texels that show the scene in part, and whose values, means over all of the texel, were divided by that share.
+    /// Texels that show the scene only in part, whose values (means over the whole texel) were divided by that share.
     pub divided_texels: u64,
     /// Where it was found to lie by its outline, if it was looked for.
     pub registration: Option<RegistrationEntry>,
@@ -107,15 +107,15 @@ pub struct MapEntry {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RegistrationEntry {
-    /// Columns and rows by which what it shows lies beyond where it was said to be.
+    /// Columns and rows by which the content is shifted from its stated position.
     pub shift_texels: [f64; 2],
     /// The same along its lines and across, m.
     pub shift_m: [f64; 2],
-    /// Share of the outlines' area that image and scene have in common where it was said to be.
+    /// Share of the outlines' area that image and scene have in common at the stated position.
     pub overlap_as_printed: f64,
     /// The same after the shift.
     pub overlap: f64,
-    /// So far from there it may lie, along its lines and across, because no outline tells, m: 0 where outlines decide.
+    /// How far from there it may lie, along its lines and across, because no outline decides, m: 0 where one does.
     pub unverified_m: [f64; 2],
 }
 
@@ -126,9 +126,9 @@ impl From<&Registration> for RegistrationEntry {
     }
 }
 
-/// Looks at a scene by radiance maps: `terms` add up, and each is one of several maps of the scene from different views.
+/// Images a scene from radiance maps: `terms` add up, and each consists of maps of the scene from different views.
 ///
-/// `table` tells where the scene is lit, and what fills gaps, if that is asked for.
+/// `table` says where the scene is lit, and fills gaps if requested.
 ///
 /// # Errors
 /// [`Error::Invalid`] if a map is not of this scene, lacks a band, or holds a negative or infinite radiance, or if maps know too
@@ -163,11 +163,11 @@ pub fn observe_maps_by_slabs(
     if let Fill::Value(value) = options.fill
         && !(0.0..=LARGEST).contains(&value)
     {
-        let message = format!("{} is no radiance: give one from 0 to {LARGEST:e} W m-2 sr-1 um-1", number(value));
+        let message = format!("{} is not a radiance: give one from 0 to {LARGEST:e} W m-2 sr-1 um-1", number(value));
         return Err(Error::invalid(Location::item("unknown"), message));
     }
     if options.fill == Fill::Solved && options.add_solved {
-        let message = "what is solved for the scene is added everywhere: it cannot fill gaps besides";
+        let message = "the scene's own light is added everywhere already: it cannot fill gaps as well";
         return Err(Error::invalid(Location::item("unknown"), message));
     }
     if options.fill == Fill::Solved && terms.len() > 1 {
@@ -250,7 +250,7 @@ struct MapSource {
     source: Box<dyn TexelSource>,
     /// For each band of the map that is needed, ascending: its weights in the sensor's bands.
     uses: Vec<Use>,
-    /// The first of these bands, until it has been used: it tells which texels have a value.
+    /// The first of these bands, until it has been used: it shows which texels have a value.
     first: Vec<f64>,
     /// For each texel whether that has no value; empty if no other band is needed.
     valueless: Vec<bool>,
@@ -262,7 +262,7 @@ struct MapSource {
 }
 
 impl MapSource {
-    /// Says if a band has a value where the first one has none: texels without a value are unknown in all bands.
+    /// Refuses a band that has a value where the first one has none: texels without a value are unknown in all bands.
     fn knows_the_same(&self, band: usize, values: &[f64], placement: &Placement) -> Result<()> {
         let odd = self.valueless.iter().zip(values).position(|(is_valueless, value)| *is_valueless && !value.is_nan());
         let Some(texel) = odd else { return Ok(()) };
@@ -282,16 +282,16 @@ struct MapGroup {
     placement: Placement,
     sources: Vec<MapSource>,
     known: Vec<bool>,
-    /// For each texel the share of it in which its eye sees the scene; empty if nobody asks for it.
+    /// For each texel the share of it in which its eye sees the scene; empty if not needed.
     seen: Vec<f64>,
-    /// For each texel whether that is nothing; empty if texels count by themselves.
+    /// For each texel whether that share is 0; empty if every texel counts.
     sky: Vec<bool>,
     /// How many texels of each source have no value.
     undefined: Vec<u64>,
 }
 
 impl MapGroup {
-    /// Says that its eye is inside closed parts of the scene, or on them, if what hides what is asked at all.
+    /// The warning that its eye is inside closed parts of the scene, or on them, if occlusion matters at all.
     fn enclosed(&self, scene: &Scene) -> Option<String> {
         let Placement::View(image) = &self.placement else { return None };
         let ViewImage { camera: Camera::Frame(camera), occlusion: true } = &**image else { return None };
@@ -335,17 +335,20 @@ fn fit(scene: &Scene, terms: &[Vec<RadianceMap>]) -> Result<()> {
             _ => {}
         }
         if u32::try_from(map.placement.texels()).is_err() {
-            problem(format!("has {} texels", map.placement.texels()), "a map has less than 2^32: cut it into several");
+            problem(
+                format!("has {} texels", map.placement.texels()),
+                "a map has fewer than 2^32 texels: cut it into several",
+            );
         }
         if !map.weight.is_finite() {
-            problem(format!("cannot be multiplied by {}", map.weight), "the weight is a number");
+            problem(format!("cannot be multiplied by {}", map.weight), "the weight must be a finite number");
         }
     }
     if problems.is_empty() { Ok(()) } else { Err(Error::Invalid(problems)) }
 }
 
 impl Term {
-    /// Terms with the same placements become one, whose texels are looked up once; and what is to be told of their bands.
+    /// Terms with the same placements become one, whose texels are looked up once; and what to report about their bands.
     fn of(scene: &Scene, terms: Vec<Vec<RadianceMap>>) -> Result<(Vec<Term>, Vec<String>)> {
         let (mut all, mut told): (Vec<Term>, Vec<String>) = (Vec::new(), Vec::new());
         let mut problems = Vec::new();
@@ -414,7 +417,7 @@ impl Term {
     }
 }
 
-/// For each band of a map that is needed, ascending, its weights in the sensor's bands; and what is to be told of them.
+/// For each band of a map that is needed, ascending, its weights in the sensor's bands; and what to report about them.
 fn uses(map: &RadianceMap, sensor: &[Band]) -> std::result::Result<(Vec<Use>, Vec<String>), Vec<String>> {
     let bands = map.source.bands();
     let Mixes { mixes, mut told } = mixes(bands, &map.light, sensor)?;
@@ -434,7 +437,7 @@ impl MapGroup {
         MapView { placement: &self.placement, known: &self.known, sky: &self.sky }
     }
 
-    /// In how much of each texel its eye sees the scene, if that matters; the first bands have been read.
+    /// Finds the share of each texel in which its eye sees the scene, if that matters; the first bands have been read.
     fn find_seen(&mut self, scene: &Scene, options: &MapOptions, watch: Watch<'_>) -> Result<()> {
         let Placement::View(image) = &self.placement else { return Ok(()) };
         for source in &mut self.sources {
@@ -459,7 +462,7 @@ impl MapGroup {
         self.seen.iter().filter(|share| 0.0 < **share && **share < 1.0).count() as u64
     }
 
-    /// What was done to texels at the rim of the scene, where it is not what anybody said.
+    /// What was done to texels at the rim of the scene, where no one stated it.
     fn told(&self) -> impl Iterator<Item = String> {
         let partly = self.partly_seen();
         let guessed = self.sources.iter().filter(move |source| source.sky == SkyShare::Guessed && partly > 0);
@@ -548,7 +551,10 @@ fn unverified(terms: &[Term]) -> String {
     if names.is_empty() {
         return String::new();
     }
-    format!("; a cause may be that images lie elsewhere than taken, which no outline tells: {}", names.join(", "))
+    format!(
+        "; the cause may be that images lie elsewhere than assumed, which no outline can show: {}",
+        names.join(", ")
+    )
 }
 
 /// What is said of what maps do not know.
@@ -661,7 +667,7 @@ fn add_up(
                         } else if value > most {
                             "no surface sends so much: are its unit, its weight and the order of its bytes right?"
                         } else {
-                            "radiance is a number from 0; mark what is not known by NaN, or by a `no_data` value"
+                            "radiance is a number of at least 0; mark unknown values by NaN, or by a `no_data` value"
                         };
                         Error::Invalid(vec![Problem::new(at, message).with_help(help)])
                     })?;

@@ -1,4 +1,4 @@
-//! Studies: what spans several layers. Takes values and callbacks, touches no disk.
+//! Studies: work that spans several layers. Takes values and callbacks, does not access the disk.
 
 mod cost;
 mod dry_run;

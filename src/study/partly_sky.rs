@@ -8,7 +8,7 @@ const DARK: f64 = 0.5;
 
 /// Whether values of partly seen texels are means over all of the texel, so that they have to be divided by the share that is seen.
 ///
-/// `seen` is that share, `values` a band's radiances: [texel]. Where nobody says it the texels around the scene tell: if they are dark,
+/// `seen` is that share, `values` a band's radiances: [texel]. Where it is not stated, the texels around the scene decide: if they are dark,
 /// sky is in the means. If there are none with a value, as in DART's images, those at the rim tell, by how much darker they are than
 /// what they border on. If that is not enough, a camera's image has sky in its means; a map of a plane, which may well be cut along the
 /// scene, has not.
@@ -64,12 +64,12 @@ pub(super) fn may_be_in_means(sky: SkyShare, image: &ViewImage, values: &[f64]) 
     dark >= LEAST_BORDER * all
 }
 
-/// Fewer texels at the rim tell nothing.
+/// Fewer texels at the rim are no evidence.
 const FEW: usize = 8;
 /// Texels at the rim that show less or more of the scene than these tell little: what they would be either way is too much alike, or
 /// too faint.
 const TELLING: std::ops::Range<f64> = 0.1..0.9;
-/// A texel at the rim that is brighter than so many of those beside it counts as that: a glint must not outweigh the others.
+/// A texel at the rim that is brighter than this many times its neighbours counts as that: a glint must not outweigh the others.
 const GLINT: f64 = 2.0;
 
 /// Whether texels at the rim are darker than the whole ones beside them, by about the share that they show: nearer to that than to

@@ -113,7 +113,7 @@ fn checks(scene: &Scene, table: &FacetTable, given: &Given, image: &Image) -> Ve
             table.sources.first().map_or(0.0, |sun| largest(&sun.irradiance)),
             1.0 + 1e-12,
         ),
-        check("weights and spectra that are no finite number", bad as f64, 0.0),
+        check("weights and spectra that are not finite", bad as f64, 0.0),
     ];
     if scene.sky.mars.is_some() && scene.models.mars_light == MarsModel::NearField {
         let bound = bounds::mars_light(1.0, mars_seen(scene, given.site).0, 1.0);

@@ -1,4 +1,4 @@
-//! What a mesh is like as a place: which way is up, how steep it is, and where rays leave it.
+//! Properties of a mesh as a site: which way is up, how steep it is, and where rays leave it.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -11,7 +11,7 @@ use crate::visibility::Topology;
 const SAMPLE: usize = 8192;
 /// Below this ratio of vector area to area (a hemisphere's) an open mesh is a body with holes, not a site.
 const SITE_RATIO: f64 = 0.5;
-/// Facets and vertices are looked at so many at a time.
+/// Facets and vertices are processed this many at a time.
 const CHUNK: usize = 65_536;
 
 /// A mesh as a place.

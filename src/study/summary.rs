@@ -25,17 +25,17 @@ pub struct Summary {
     pub size_m: [f64; 3],
     /// From the origin to the Sun, au.
     pub sun_distance_au: f64,
-    /// Of the Sun above level ground; `None` if the origin is the body's centre.
+    /// Elevation of the Sun above level ground; `None` if the origin is the body's centre.
     pub sun_elevation_deg: Option<f64>,
     /// Incidence of sunlight on the mean surface; `None` for a closed body.
     pub mean_incidence_deg: Option<f64>,
     /// Between the directions to Sun and camera.
     pub phase_deg: f64,
-    /// Of the camera from the zenith; `None` if the origin is the body's centre.
+    /// Angle of the camera from the zenith; `None` if the origin is the body's centre.
     pub emission_deg: Option<f64>,
     /// From the camera to the origin, m.
     pub range_m: f64,
-    /// Of the centre of Mars above level ground; `None` without Mars or level ground.
+    /// Elevation of the centre of Mars above level ground; `None` without Mars or level ground.
     pub mars_elevation_deg: Option<f64>,
     /// Angular radius of Mars; `None` without Mars.
     pub mars_radius_deg: Option<f64>,

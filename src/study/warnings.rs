@@ -13,10 +13,10 @@ use crate::scene::{Scene, Setup, Sky};
 use crate::visibility::Enclosure;
 use crate::visibility::Shown;
 
-/// Less of the image than this may show facets from behind without a word: rims of open sheets do.
+/// Up to this share of the image may show facets from behind without a warning: rims of open sheets do.
 const BACK_SHARE: f64 = 0.01;
 
-/// What is known of an image, or of a few rays of one that is not made yet.
+/// What is known about an image, or from a few rays before it is made.
 pub(super) struct Sight {
     /// Whether anything of the mesh is in view.
     pub(super) sees_mesh: bool,
@@ -28,7 +28,7 @@ pub(super) struct Sight {
     pub(super) about: &'static str,
 }
 
-/// What only the image tells. `uses_sun` says whether anything in it is sunlight of this scene: if not, where the Sun stands is of
+/// Warnings that need the image. `uses_sun` says whether anything in it is sunlight of this scene: if not, where the Sun stands is of
 /// no interest.
 pub(super) fn of_image(
     (given, table): (&Given, &FacetTable),
@@ -69,7 +69,7 @@ pub(super) fn of_image(
     of_sight(&sight, is_dark.then_some(dark))
 }
 
-/// What a sight tells; `dark` says that nothing is lit.
+/// Warnings that follow from a sight; `dark` says that nothing is lit.
 pub(super) fn of_sight(sight: &Sight, dark: Option<String>) -> Vec<String> {
     let mut all = Vec::new();
     all.extend(sight.mars.told(sight.about));
@@ -79,7 +79,7 @@ pub(super) fn of_sight(sight: &Sight, dark: Option<String>) -> Vec<String> {
     all.extend(dark);
     if sight.back_share > BACK_SHARE {
         all.push(format!(
-            "{}{:.1} % of what the camera sees are facets from behind, which are black: the camera is under the terrain, or facets are inside out",
+            "{}{:.1} % of what the camera sees is the back of facets, which is black: the camera is under the terrain, or facets are inside out",
             sight.about,
             100.0 * sight.back_share
         ));
@@ -87,7 +87,7 @@ pub(super) fn of_sight(sight: &Sight, dark: Option<String>) -> Vec<String> {
     all
 }
 
-/// What the scene tells by itself. `open_to_shadow` is the share of the site that terrain outside it might shadow; `uses_sun` is as
+/// Warnings that follow from the scene alone. `open_to_shadow` is the share of the site that terrain outside it might shadow; `uses_sun` is as
 /// for [`of_image`].
 pub(super) fn of_scene(scene: &Scene, site: &Site, open_to_shadow: f64, uses_sun: bool) -> Vec<String> {
     let mut all = Vec::new();
@@ -117,13 +117,13 @@ pub(super) fn of_scene(scene: &Scene, site: &Site, open_to_shadow: f64, uses_sun
     if scene.body.topology().coincident_facets > 0 {
         let lie = if scene.body.topology().coincident_facets == 1 { "lies" } else { "lie" };
         all.push(format!(
-            "{} {lie} on others, with the same side out: is a mesh, or a part of one, given twice? Of two the one is seen whose material comes first",
+            "{} {lie} on others, with the same side out: is a mesh, or a part of one, given twice? Of each pair the one whose material comes first is seen",
             facets(scene.body.topology().coincident_facets as u64)
         ));
     }
     if scene.body.topology().flipped_facets > 0 {
         all.push(format!(
-            "{} with the inner side out, against their neighbours: seen from outside they are black",
+            "{} turned inside out, unlike their neighbours: seen from outside they are black",
             facets(scene.body.topology().flipped_facets as u64)
         ));
     }
@@ -132,7 +132,7 @@ pub(super) fn of_scene(scene: &Scene, site: &Site, open_to_shadow: f64, uses_sun
     }
     if site.is_open && site.up.is_none() {
         let of_those = if scene.body.topology().coincident_facets > 0 {
-            ", those of facets that lie on others among them"
+            ", including those of facets that lie on others"
         } else {
             ""
         };
@@ -197,9 +197,9 @@ impl MarsInView {
         let sky = pixels(self.sky_px);
         match (self.sky_px > 0.0, self.surface_px > 0.0) {
             (false, false) => None,
-            (_, false) => Some(format!("Mars is in view and is not drawn: {sky} of it are black, as the sky")),
+            (_, false) => Some(format!("Mars is in view and is not drawn: {sky} of it are black, like the sky")),
             _ => Some(format!(
-                "Mars is in view and is not drawn: {sky} of it are black, as the sky, and in {} it stands before the surface, which is shown through it",
+                "Mars is in view and is not drawn: {sky} of it are black, like the sky, and in {} it stands in front of the surface, which shows through it",
                 pixels(self.surface_px)
             )),
         }

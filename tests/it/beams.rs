@@ -107,7 +107,7 @@ fn a_table_may_say_shares_and_knows_its_sources() {
     let mut doubled = table.clone();
     doubled.sources.push(table.sources[1].clone());
     let error = study::observe(&lit, &doubled, Wanted::default(), &unwatched).unwrap_err().to_string();
-    assert!(error.contains("lamp: is there twice"), "{error}");
+    assert!(error.contains("lamp: appears twice"), "{error}");
     let scratch = crate::scratch::Scratch::new();
     mmxrt::formats::npz::write_table(&scratch.join("t.npz"), &doubled, "s").unwrap_err();
     let mut torn = table.clone();

@@ -146,7 +146,7 @@ fn lenses_are_those_of_blender_and_opencv() {
     wrong("focal_px = -10\n", "");
     wrong("focal_px = [0, 1]\n", "focal lengths");
     wrong("fov_deg = 30\nboresight_px = [1e30, 0]\n", "boresight");
-    wrong("fit = \"scene\"\nshift = [0.1, 0]\n", "goes with square pixels");
+    wrong("fit = \"scene\"\nshift = [0.1, 0]\n", "works only with square pixels");
 }
 
 /// 16 x 12 pixels of 1 m and some more, from askance.

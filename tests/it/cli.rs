@@ -98,7 +98,7 @@ fn errors_name_the_place_as_text_and_as_json() {
     let (code, _, err) = run(&["inspect", &scratch.argument("none.xyz")]);
     assert!(code == 1 && err.contains("none.xyz"), "{err}");
     let (code, _, err) = run(&["inspect", scratch.path().to_str().unwrap()]);
-    assert!(code == 1 && err.contains("not a product folder"), "{err}");
+    assert!(code == 1 && err.contains("neither a product folder"), "{err}");
 }
 
 #[test]
@@ -177,7 +177,7 @@ fn a_camera_under_the_terrain_is_warned_of() {
     let scene =
         scene_file(&scratch, &SITE.replace("position_m = [0.0, 82000.0, 0.0]", "position_m = [0.0, 2000.0, 0.0]"));
     let (code, _, err) = run(&["simulate", &scene, "-o", &scratch.argument("out")]);
-    assert!(code == 0 && err.contains("100.0 % of what the camera sees are facets from behind"), "{err}");
+    assert!(code == 0 && err.contains("100.0 % of what the camera sees is the back of facets"), "{err}");
 }
 
 #[test]

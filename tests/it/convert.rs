@@ -490,8 +490,8 @@ fn what_would_change_nothing_is_refused() {
         (vec![&scene, "x", "--sun-deg", "10,20", "--databases", "."], vec!["--sun-deg: ", "--databases: "]),
         (vec![&scene, "x", "--origin-m", "1,2,3"], vec!["--origin-m: changes nothing from scene to dart"]),
         (vec![&dart, "x.toml", "--sun-deg", "90,0"], vec!["--sun-deg: a zenith angle of 90 deg"]),
-        (vec![&dart, "x.toml", "--databases", "no-such"], vec!["no-such --databases: is no folder"]),
-        (vec![&scene, "x", "--cell-m", "-1"], vec!["cell: -1 m is no positive length"]),
+        (vec![&dart, "x.toml", "--databases", "no-such"], vec!["no-such --databases: is not a folder"]),
+        (vec![&scene, "x", "--cell-m", "-1"], vec!["cell: -1 m is not a positive length"]),
     ] {
         let (code, out, err) = run(&[&["convert"], &arguments[..]].concat());
         assert!(code == 1 && told.iter().all(|told| err.contains(told)), "{arguments:?}: {out}{err}");

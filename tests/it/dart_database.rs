@@ -75,7 +75,7 @@ fn a_database_comes_back_as_it_was() {
     assert_eq!(database::rpv(&path, "pad").unwrap().0, all[2]);
     assert_eq!(database::coverage(&path, "gravel").unwrap(), (0.538, 2.5));
     let told = database::hapke(&path, "pad").unwrap_err().to_string();
-    assert!(told.contains("a.db table pad: is no Hapke model: it has no w, c1"), "{told}");
+    assert!(told.contains("a.db table pad: is not a Hapke model: it has no w, c1"), "{told}");
     let told = database::lambertian(&path, "paint").unwrap_err().to_string();
     assert!(told.contains("table paint: there is no such table (help: its tables are inner_paint, gravel,"), "{told}");
 }
@@ -132,7 +132,7 @@ fn names_are_mangled_as_darts_own_tools_do() {
     let one = |name: &str| library(name, &[1.0], &[("reflectance", &[0.2])]);
     let told = |models: &[SpectralLibrary]| database::create(&path, models, false).unwrap_err().to_string();
     assert!(told(&[one("a b"), one("A_b")]).contains("table A_b: \"a b\" and \"A_b\" become the same name"));
-    assert!(told(&[one("a"), one("a")]).contains("is there twice"));
+    assert!(told(&[one("a"), one("a")]).contains("appears twice"));
     assert!(told(&[one("")]).contains("has no name"));
     // DART names tables without quotes: what is a word of SQL could not be read there.
     for word in ["select", "_comments", "sqlite_x"] {
@@ -214,14 +214,14 @@ fn columns_and_rows_are_checked() {
         ),
         ("CREATE TABLE m (reflectance);".into(), "no column `wavelength`"),
         (rows("(1,1,2,0,0),(2,0.5,2,0,0)"), "table m, row 2, wavelength: 0.5 is less than 1 before it"),
-        (rows("(1,1,2,0,0),(2,1,2,0,0)"), "row 2, wavelength: 1 is there twice"),
+        (rows("(1,1,2,0,0),(2,1,2,0,0)"), "row 2, wavelength: 1 appears twice"),
         (rows("(1,NULL,2,0,0)"), "row 1, wavelength: is empty (NULL)"),
-        (rows("(1,-1,2,0,0)"), "row 1, wavelength: -1 is no wavelength"),
-        (rows("(1,9e999,2,0,0)"), "inf is no wavelength"),
+        (rows("(1,-1,2,0,0)"), "row 1, wavelength: -1 is not a wavelength"),
+        (rows("(1,9e999,2,0,0)"), "inf is not a wavelength"),
         (rows("(1,1,NULL,0,0)"), "row 1, reflectance: is empty (NULL)"),
         (rows("(1,1,'bright',0,0)"), "row 1, reflectance: is the text \"bright\""),
         (rows("(1,1,x'0102',0,0)"), "row 1, reflectance: is 2 bytes of binary data"),
-        (rows("(1,1,-9e999,0,0)"), "row 1, reflectance: -inf is no number"),
+        (rows("(1,1,-9e999,0,0)"), "row 1, reflectance: -inf is not a number"),
         (rows("(1,1,-2,0,0)"), "row 1, reflectance: -2 is outside 0 to 100"),
         (rows("(1,1,2,0,101)"), "row 1, diffuse_transmittance: 101 is outside 0 to 100"),
         ("CREATE TABLE m (lambda, n, k); INSERT INTO m VALUES (1, -1, 0);".into(), "row 1, n: -1 is negative"),
@@ -247,7 +247,7 @@ fn columns_and_rows_are_checked() {
     assert_eq!(all[0].column("reflectance").unwrap(), [0.01, 0.004]);
     let told: Vec<String> = report.notes.iter().map(ToString::to_string).collect();
     assert!(told[0].contains("table m: no reflectance is above 1: probably fractions"), "{told:?}");
-    assert!(told[1].contains("table _comments: speaks of \"lost\"") && told.len() == 2, "{told:?}");
+    assert!(told[1].contains("table _comments: names \"lost\"") && told.len() == 2, "{told:?}");
 }
 
 #[test]
@@ -292,7 +292,7 @@ fn damaged_files_are_errors() {
         ("a table's page that is not there", with(28, &[0, 0, 0, 3]), "damaged"),
         ("schema's page turned into data", with(100, &[2]), "damaged"),
         ("cells that point at the header", with(108, &[0, 0]), "damaged"),
-        ("a column's name that is no text", with(name, &[0xff]), "damaged"),
+        ("a column's name that is not text", with(name, &[0xff]), "damaged"),
         ("cells that point beyond", with(108, &[255, 255]), "damaged"),
     ];
     assert!(cases.len() >= 15);

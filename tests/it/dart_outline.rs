@@ -186,7 +186,7 @@ fn an_image_without_an_outline_lies_where_it_was_printed() {
     assert!(found.shift_texels == [0.0; 2] && (found.unverified_m[0] - 5.0).abs() < 0.6, "{found:?}");
     assert!(found.unverified_m[1] > 3.0 && found.overlap[1] < 0.35, "{found:?}");
     let note = note.unwrap();
-    assert!(note.contains("is not verified") && note.contains("beside the scene"), "{note}");
+    assert!(note.contains("is not verified") && note.contains("outside the scene"), "{note}");
     let printed = opened([22.4, 90.0], [2.0, 3.0], |_| true, RegistrationMode::Shifted([0.0; 2])).unwrap().0;
     assert_eq!(map.placement, printed.placement);
 }

@@ -403,9 +403,9 @@ fn damaged_images_are_told_at_their_place() {
     );
     says(
         error(&|output, _| edit(&output.join("simulation.properties.txt"), "852.000000", "bright")),
-        &["simulation.properties.txt:9 dart.band0.BOA.irradiance: `bright` is no finite number"],
+        &["simulation.properties.txt:9 dart.band0.BOA.irradiance: `bright` is not a finite number"],
     );
-    for (bad, text) in [(-0.5, "-0.5 is no value"), (f64::INFINITY, "inf is no value"), (-1.5, "(one of 2)")] {
+    for (bad, text) in [(-0.5, "-0.5 is not a value"), (f64::INFINITY, "inf is not a value"), (-1.5, "(one of 2)")] {
         says(
             error(&|output, _| {
                 let mut image = oblique(folder);
@@ -436,7 +436,7 @@ fn a_map_that_is_elsewhere_is_refused() {
     assert!(error.contains("does not overlap the scene") && error.contains("scene_from_dart"), "{error}");
     // Without inputs beside it, where it lies must be said.
     let error = view_map(&output, 0, &scene, &OutputMapOptions::default()).unwrap_err().to_string();
-    assert!(error.contains("is not beside its `output`") && error.contains("origin_in_dart_m"), "{error}");
+    assert!(error.contains("is not next to its `output`") && error.contains("origin_in_dart_m"), "{error}");
     assert!(view_map(&output, 1, &scene, &options()).unwrap_err().to_string().contains("no view 1"));
     for wrong in [vec![], vec![1.0, 2.0], vec![-1.0], vec![f64::NAN]] {
         let options = OutputMapOptions { irradiance_w_m2_um: Some(wrong), ..options() };
@@ -629,7 +629,7 @@ fn damaged_budgets_are_told_at_their_place() {
     says(error(&|_, figures| edit(figures, "* Inter", "Inter")), "Figures.txt:1: no line `* ... Scattered");
     says(error(&|_, figures| edit(figures, "10\t2", "ObjectName object0_0_0\n10\t2")), "grouped by objects (DART-Lux)");
     let properties = "simulation.properties.txt";
-    says(error(&|output, _| edit(&output.join(properties), "units:1", "units:7")), "`7` is no unit");
+    says(error(&|output, _| edit(&output.join(properties), "units:1", "units:7")), "`7` is not a known unit");
     says(
         error(&|output, _| edit(&output.join(properties), "units:", "unit:")),
         "unit of the radiative budget is not said",

@@ -468,7 +468,7 @@ fn what_does_not_fit_gets_a_proposal() {
     let tiny = SimulationOptions { memory_bytes: 1000, ..fine };
     assert!(said(&tiny).contains("whatever the cells"));
     let wrong = SimulationOptions { cell_m: Some(-1.0), ..options(TargetVersion::V5_7_4) };
-    assert!(dart::from_scene(&scene, &wrong).unwrap_err().to_string().contains("no positive length"));
+    assert!(dart::from_scene(&scene, &wrong).unwrap_err().to_string().contains("not a positive length"));
 }
 
 #[test]

@@ -115,7 +115,7 @@ fn it_warns_of_what_the_simulation_warns_of() {
     let cases = [
         ("as it is", SITE.to_owned(), ""),
         ("elsewhere", SITE.replace("target_m = [0.0, 12000.0", "target_m = [0.0, 1e6"), "nothing is in view"),
-        ("below", SITE.replace("82000.0", "2000.0"), "100.0 % of what the camera sees are facets from behind"),
+        ("below", SITE.replace("82000.0", "2000.0"), "100.0 % of what the camera sees is the back of facets"),
         ("night", SITE.replace("[0.0, 1.0, 0.5]", "[0.0, -1.0, 0.0]"), "nothing is lit: the Sun is below every facet"),
         (
             "Mars",

@@ -61,7 +61,7 @@ fn wavelengths_have_units_in_every_spelling() {
     let endless = opened(&folder, with(&format!("band names = {{{}, 2}}", "500nm".repeat(60_000))));
     assert_eq!(centres(&endless), [None, None]);
     let index = opened(&folder, with("wavelength units = Index\nwavelength = {1, 2}"));
-    assert!(centres(&index) == [None, None] && notes(&index).contains("in Index, which is no length of waves"));
+    assert!(centres(&index) == [None, None] && notes(&index).contains("in Index, which is not a unit of wavelength"));
 }
 
 #[test]

@@ -119,7 +119,7 @@ fn what_is_no_pixel_is_told() {
         (vec!["--pixel", "1"], 2, "two whole numbers"),
         (vec!["--pixel", "-1,2"], 2, "-1"),
         (vec!["--pixel", "1,2,3"], 2, "two whole numbers"),
-        (vec!["--csv", "x.csv"], 1, "--csv goes with --pixel"),
+        (vec!["--csv", "x.csv"], 1, "use --csv with --pixel"),
         (vec!["--pixel", "0,0", "--picture", "x.png"], 1, ".svg"),
     ] {
         let (got, _, err) = run(&[&["inspect", &out][..], &arguments].concat());

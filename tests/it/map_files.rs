@@ -109,7 +109,7 @@ fn the_scenes_own_table_is_a_map_too() {
     assert!(bench.try_to(&["--radiance", "{}table.npz*2"]).1.contains("counts once"));
     assert!(bench.try_to(&["--table", "{}table.npz", "--radiance", "{}table.npz"]).1.contains("counts once"));
     let gaps = bench.try_to(&["--radiance", "{}m.csv+{}table.npz", "--unknown", "solve"]);
-    assert!(gaps.0 == 1 && gaps.1.contains("cannot fill gaps besides"), "{}", gaps.1);
+    assert!(gaps.0 == 1 && gaps.1.contains("cannot fill gaps as well"), "{}", gaps.1);
     // A second view is another view of the first term, wherever the table stands.
     let views = bench.integrate(&["--radiance", "{}table.npz+{}m.csv", "--radiance", "{}m.csv"]);
     assert_near(&views, &both);
@@ -165,7 +165,7 @@ fn what_is_wrong_with_a_map_is_told_at_its_place() {
         (plane("quantity = \"radiance\"\n"), "mmxrt_map"),
         (plane(&HEAD.replace("mmxrt_map = 1", "mmxrt_map = 2")), "mmxrt_map"),
         (plane(&format!("{HEAD}colour = 1\n")), "colour"),
-        (plane(&of_unit("K")), "is no unit of spectral radiance"),
+        (plane(&of_unit("K")), "is not a unit of spectral radiance"),
         (plane(&of_unit("furlong")), "unit"),
         (
             plane(&HEAD.replace("\"radiance\"", "\"reflectance_factor\"").replace("W m-2 sr-1 um-1", "1")),
@@ -319,7 +319,7 @@ fn no_radiance_is_beyond_what_a_product_can_hold() {
     let (code, err) = bench.try_to(&["--radiance", "{}m.csv*1e308"]);
     assert!(code == 1 && err.contains("holds the radiance 1") && err.contains("its weight"), "{err}");
     let (code, err) = bench.try_to(&["--radiance", "{}m.csv", "--unknown", "1e39"]);
-    assert!(code == 1 && err.contains("1e39 is no radiance"), "{err}");
+    assert!(code == 1 && err.contains("1e39 is not a radiance"), "{err}");
     assert!(!bench.0.join("out").exists());
     assert_near(&bench.integrate(&["--radiance", "{}m.csv*1e-3"]), &[0.001, 0.002, 0.003, 0.004]);
 }
@@ -328,7 +328,7 @@ fn no_radiance_is_beyond_what_a_product_can_hold() {
 fn sums_say_what_is_wrong_in_them() {
     let bench = Bench::new();
     for (text, message) in
-        [("", "a map has no name"), ("{}m.csv+", "a map has no name"), ("{}m.csv*two", "\"two\" is no weight")]
+        [("", "a map has no name"), ("{}m.csv+", "a map has no name"), ("{}m.csv*two", "\"two\" is not a weight")]
     {
         let (code, err) = bench.try_to(&["--radiance", text]);
         assert!(code == 1 && err.contains(message), "{text}: {err}");
@@ -379,8 +379,8 @@ fn a_texture_that_serves_no_facet_says_why() {
     };
     let texture = "texture = { raster = \"t.csv\", quantity = \"factor\", placement = \"atlas\" }";
     let plain = format!("[materials.default]\nreflectance = 0.1\n{texture}\n");
-    told("1,nan\n1,1\n", &plain, "texel (row 0, column 1) is NaN: a number from 0 is wanted");
-    told("1,1\ninf,1\n", &plain, "texel (row 1, column 0) is inf: a number from 0 is wanted");
+    told("1,nan\n1,1\n", &plain, "texel (row 0, column 1) is NaN: expected a number of at least 0");
+    told("1,1\ninf,1\n", &plain, "texel (row 1, column 0) is inf: expected a number of at least 0");
     told("0,0\n0,0\n", &plain, "cannot be made 1: it is 0 over the material's facets");
     let mixed = format!(
         "[materials]\na = {{ reflectance = 0.1, {texture} }}\nb = {{ reflectance = 0.2 }}\ndefault = {{ mixture = {{ a = 0.5, b = 0.5 }} }}\n"

@@ -49,7 +49,7 @@ fn bands_of_one_place_are_told_apart_by_their_light() {
     let image = bench.integrate(&["--radiance", "{}m.map.toml"]);
     assert!((image[0] - 20.0).abs() < 1e-12 && (image[4] - 1.0).abs() < 1e-12, "{image:?}");
     two_bands(&bench, ", light = [\"heat\", \"both\"]");
-    refused(&bench, "{}m.map.toml", "has sunlight alone, and the map's there holds other light, too");
+    refused(&bench, "{}m.map.toml", "has sunlight alone, and the map's there also holds other light");
     sensor(&bench, "centres_um = [10.0, 10.0]\nfwhm_um = 1\nlight = [\"both\", \"heat\"]");
     let image = bench.integrate(&["--radiance", "{}m.map.toml"]);
     assert!((image[0] - 20.0).abs() < 1e-12 && (image[4] - 1.0).abs() < 1e-12, "{image:?}");
@@ -156,7 +156,7 @@ fn units_are_taken_in_all_their_spellings_and_told_if_they_are_none() {
         refused(&bench, "{}u.csv", "mW/(m2 sr cm-1)");
     }
     with("K");
-    refused(&bench, "{}u.csv", "is no unit of spectral radiance");
+    refused(&bench, "{}u.csv", "is not a unit of spectral radiance");
 }
 
 #[test]

@@ -57,11 +57,11 @@ fn a_file_that_is_missing_is_so_in_the_same_words_everywhere() {
     ] {
         let more = if arguments[0] == "integrate" { vec!["-o", &out] } else { vec![] };
         let (code, _, err) = run(&[arguments.to_vec(), more].concat());
-        let is_told = err.contains("is a folder, where a file is wanted") || err.contains("is no image");
+        let is_told = err.contains("is a folder, but a file is needed") || err.contains("is not an image");
         assert!(code == 1 && is_told && !err.contains("os error"), "{arguments:?}: {err}");
     }
     let (code, _, err) = run(&["simulate", &scene, "-o", &at("m.obj/out")]);
-    assert!(code == 1 && err.contains("m.obj: making this folder: there is a file of this name"), "{err}");
+    assert!(code == 1 && err.contains("m.obj: making this folder: a file with this name exists"), "{err}");
 }
 
 #[test]
@@ -167,8 +167,8 @@ fn images_that_are_damaged_or_called_by_another_name_are_told_as_what_they_are()
         assert_eq!(err.contains("header"), told.contains("header"), "{name}: {err}");
     }
     for (bytes, told) in [
-        (&b"\xff\xd8\xff\xe0\0\x10JFIF"[..], "is JPEG, where text is wanted"),
-        (b"a\0\xff", "is no text"),
+        (&b"\xff\xd8\xff\xe0\0\x10JFIF"[..], "is JPEG, but text is needed"),
+        (b"a\0\xff", "is not text"),
         (b"wavelength_\xb5m,reflectance\n", "save the file as UTF-8"),
     ] {
         scratch.write("r.csv", bytes);

@@ -211,7 +211,7 @@ fn damaged_envi_files_are_located() {
         ),
         ("ENVI\nsamples = -2\nbands = 2\ninterleave = bsr\n", "x.hdr:2 samples: \"-2\" is not a whole number from 1"),
         ("ENVI\nsamples = -2\nbands = 2\ninterleave = bsr\n", "x.hdr lines: is missing"),
-        ("ENVI\nsamples = -2\nbands = 2\ninterleave = bsr\n", "x.hdr:4 interleave: \"bsr\" is none of"),
+        ("ENVI\nsamples = -2\nbands = 2\ninterleave = bsr\n", "x.hdr:4 interleave: \"bsr\" is not one of"),
         (
             &good.replace("type = 4", "type = 6"),
             "x.hdr:5 data type: ENVI data type 6 (complex numbers) is not supported",

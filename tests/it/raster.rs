@@ -132,11 +132,11 @@ fn an_envi_image_that_cannot_be_is_refused_at_its_place() {
         ("data type = 1\nwavelength = {1}\n", "a.hdr:6 wavelength: 1 values for 2 bands"),
         ("data type = 1\nwavelength = {1, 0}\n", "wavelength: that of band 2 is not positive"),
         ("data type = 1\ndata ignore value = none\n", "a.hdr:6 data ignore value: \"none\" is not a number"),
-        ("data type = 1\ndata gain values = {1, inf}\n", "data gain values: is no list of 2 finite numbers"),
-        ("data type = 1\nreflectance scale factor = 0\n", "reflectance scale factor: is no positive number"),
+        ("data type = 1\ndata gain values = {1, inf}\n", "data gain values: is not a list of 2 finite numbers"),
+        ("data type = 1\nreflectance scale factor = 0\n", "reflectance scale factor: is not a positive number"),
         ("data type = 1\nfile compression = 1\n", "a compressed ENVI image is not supported"),
         ("data type = 1\nfile type = ENVI Spectral Library\n", "a spectral library as an image"),
-        ("data type = 1\ninterleave = tile\n", "a.hdr:6 interleave: \"tile\" is none of bsq, bil, bip"),
+        ("data type = 1\ninterleave = tile\n", "a.hdr:6 interleave: \"tile\" is not one of bsq, bil, bip"),
     ] {
         folder.write("a.hdr", header(more));
         let error = refused(&path);
@@ -316,7 +316,7 @@ fn an_array_of_a_npz_file_is_read_with_its_wavelengths() {
     for (arrays, message) in [
         (vec![("a", array()), ("b", array())], "a.npz: which of its arrays is the raster? [a, b] (help: save one"),
         (vec![], "a.npz: has no array of values"),
-        (vec![("a", array()), ("wavelength_um", doubles(&[1.0]))], "wavelength_um: is no list of 2 numbers"),
+        (vec![("a", array()), ("wavelength_um", doubles(&[1.0]))], "wavelength_um: is not a list of 2 numbers"),
         (vec![("a", array()), ("wavelength_um", doubles(&[1.0, f64::NAN]))], "wavelength_um[1]: NaN is not positive"),
         (vec![("a", array()), ("fwhm_um", doubles(&[1.0, -0.5]))], "fwhm_um[1]: -0.5 is not positive"),
         (vec![("a", npy("|u1", false, "(2, 3, 2)", &BIP[1..]))], "a.npz: has"),
@@ -425,7 +425,7 @@ fn an_openexr_file_that_cannot_be_is_refused() {
     for (bytes, message) in [
         (
             exr(&[("A", 2, 1), ("A", 2, 1)], [2, 1], std::slice::from_ref(&line), None),
-            "A: a channel of this name is there twice",
+            "A: a channel of this name appears twice",
         ),
         (exr(&[("A", 2, 2)], [2, 2], &[vec![0; 4]], None), "does not have every pixel"),
         (exr(&[], [2, 1], &[vec![]], None), "a.exr"),

@@ -288,7 +288,7 @@ fn flaws_of_a_mesh_are_counted() {
     mesh.facets.push([0, 0, 1]);
     mesh.material.push(mesh.material[0]);
     let seen = observed(&scene(mesh, sun(20.0, 0.0), nadir(1e4, 80.0, 8)));
-    assert!(warned(&seen, "1 facet with the inner side out"), "{:?}", seen.warnings);
+    assert!(warned(&seen, "1 facet turned inside out"), "{:?}", seen.warnings);
     assert!(warned(&seen, "1 facet without area"), "{:?}", seen.warnings);
     let mut ball = sphere([0.0; 3], 10.0, 2);
     ball.facets.pop();

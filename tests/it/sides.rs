@@ -126,7 +126,7 @@ fn only_inside_the_only_body_is_an_error() {
     let site = joined(&[hills(), cuboid([0.0, 0.0, -10.0], [10.0, 10.0, 30.0])]);
     let two = joined(&[ball.clone(), sphere([100.0, 0.0, 0.0], 10.0, 2)]);
     let (behind, inside) =
-        ("100.0 % of what the camera sees are facets from behind", "the camera is inside a closed part");
+        ("100.0 % of what the camera sees is the back of facets", "the camera is inside a closed part");
     for (what, mesh, camera, words) in [
         ("above a ball", &ball, down(3.0, 11.0), ""),
         ("far above a ball", &ball, down(3.0, 1e6), ""),
@@ -144,7 +144,7 @@ fn only_inside_the_only_body_is_an_error() {
     ] {
         let scene = crate::scenes::scene(of_material(mesh.clone(), 0), camera, [0.3, 0.2, 1.0]);
         let (_, seen) = simulate(&scene, &unwatched).unwrap();
-        let of_sides = |w: &&String| w.contains("from behind") || w.contains("closed part");
+        let of_sides = |w: &&String| w.contains("back of facets") || w.contains("closed part");
         let told: Vec<&String> = seen.warnings.iter().filter(of_sides).collect();
         assert!(told.iter().any(|w| w.contains(words)) != told.is_empty(), "{what}: {told:?}");
         assert_eq!(told.is_empty(), words.is_empty(), "{what}: {told:?}");

@@ -82,7 +82,7 @@ fn darts_text_is_checked_cell_by_cell() {
         (&format!("{header}\n1;nan;0;0\n"), "`nan` is not a finite number"),
         (&format!("{header}\n1;-2;0;0\n"), "2:3: reflectance -2 is outside 0 to 100"),
         (&format!("{header}\n1;101;0;0\n"), "reflectance 101 is outside 0 to 100"),
-        (&format!("{header}\n1;2;0;0\n1;2;0;0\n"), "3:1: wavelength 1 is there twice"),
+        (&format!("{header}\n1;2;0;0\n1;2;0;0\n"), "3:1: wavelength 1 appears twice"),
         (&format!("{header}\n1;2;0;0\n0.5;2;0;0\n"), "wavelength 0.5 is less than the one before"),
         (&format!("{header}\n-1;2;0;0\n"), "wavelength -1 is not positive"),
     ];
@@ -220,8 +220,8 @@ fn libraries_that_cannot_be_used_are_refused() {
         ("data type = 5\nwavelength = {1, 2, nan}\n", &bytes, "items that are not finite numbers"),
         ("data type = 5\nwavelength = {1, 2, 3}\nwavelength units = Index\n", &bytes, "index is not supported"),
         ("data type = 6\nwavelength = {1, 2, 3}\n", &bytes, "data type 6 (complex numbers) is not supported"),
-        ("data type = 5\nwavelength = {1, 2, 3}\nbbl = {1, x, 1}\n", &bytes, "no list of 3 numbers"),
-        ("data type = 5\nwavelength = {1, 2, 3}\nreflectance scale factor = 0\n", &bytes, "no positive number"),
+        ("data type = 5\nwavelength = {1, 2, 3}\nbbl = {1, x, 1}\n", &bytes, "not a list of 3 numbers"),
+        ("data type = 5\nwavelength = {1, 2, 3}\nreflectance scale factor = 0\n", &bytes, "not a positive number"),
         ("data type = 5\nwavelength = {1, 2, 3}\ndata ignore value = 0\n", &bytes, "no spectrum can be used"),
     ];
     for (fields, bytes, expected) in cases {
@@ -354,13 +354,13 @@ fn tables_of_many_spectra_are_checked_cell_by_cell() {
         ("wavelength_um\n1\n", "one column"),
         ("no,wavelength_um\n1,0.5\n2,0.6\n", "1:4: one column"),
         ("##\u{8}#\n,a\u{30a}\n##sun \n3 02", "2:2: one column"),
-        ("wavelength_um,a,A\n1,0,0\n", "a.csv:1:17: `A` is there twice"),
+        ("wavelength_um,a,A\n1,0,0\n", "a.csv:1:17: `A` appears twice"),
         ("wavelength_um,a,\n1,0,0\n", "has no name"),
         ("wavelength_um,a\n", "no rows"),
         ("wavelength_um,a\n1,7\n", "a.csv:2:3: reflectance 7 is outside 0 to 1"),
         ("wavelength_um,a_percent\n1,101\n", "outside 0 to 100"),
         ("wavelength_um,a,b\n1,0.1\n", "a.csv:2:1: 2 columns where the header has 3"),
-        ("wavelength_um,a\n1,0.1\n1,0.2\n", "a.csv:3:1: wavelength 1 is there twice, with different values"),
+        ("wavelength_um,a\n1,0.1\n1,0.2\n", "a.csv:3:1: wavelength 1 appears twice, with different values"),
     ];
     for (text, expected) in cases {
         assert!(told(text).contains(expected), "{text}\n{}", told(text));

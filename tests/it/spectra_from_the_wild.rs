@@ -206,8 +206,8 @@ fn a_library_of_an_instrument_with_overlapping_detectors_is_sorted() {
     scratch.write("a.hdr", header("a, a"));
     let (read, report) = spectra::read(&path).unwrap();
     let told: String = report.notes.iter().map(|note| format!("{}\n", note.message)).collect();
-    assert!(told.contains("step back 1 times") && told.contains("1 that are there twice the first is kept"), "{told}");
-    assert!(told.contains("1 names are there twice"), "{told}");
+    assert!(told.contains("step back 1 times") && told.contains("1 that appear twice the first is kept"), "{told}");
+    assert!(told.contains("1 names appear twice"), "{told}");
     assert_eq!(read[0].wavelength_um, [0.4, 0.88, 0.9]);
     assert_eq!(read[0].column("reflectance"), Some(&[0.1, 0.3, 0.2][..]));
     assert_eq!((read[1].name.as_str(), read[1].column("reflectance")), ("a_2", Some(&[0.5, 0.7, 0.6][..])));

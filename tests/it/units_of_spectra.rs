@@ -174,7 +174,7 @@ fn the_column_is_that_of_the_quantity_that_is_asked_for() {
     assert!(refused(ecostress, Quantity::Reflectance).contains("(Kirchhoff)"));
     assert_eq!(read(ecostress, Quantity::Emissivity).0, [(1.0, 0.95), (2.0, 0.96)]);
     assert!(
-        refused("wavelength_um,reflectance,Reflectance\n1,0.1,0.2\n", Quantity::Reflectance).contains("there twice")
+        refused("wavelength_um,reflectance,Reflectance\n1,0.1,0.2\n", Quantity::Reflectance).contains("appears twice")
     );
 }
 
@@ -237,10 +237,10 @@ fn irradiance_is_converted_from_the_unit_that_is_stated() {
     }
     for (heading, says) in [
         ("irradiance", "does not state its unit"),
-        ("irradiance (photons s-1 m-2 nm-1)", "no unit of spectral irradiance"),
-        ("irradiance (W m-2 sr-1 nm-1)", "no unit of spectral irradiance"),
-        ("irradiance (furlong)", "no unit of spectral irradiance"),
-        ("irradiance_w_m2", "no unit of spectral irradiance"),
+        ("irradiance (photons s-1 m-2 nm-1)", "not a known unit of spectral irradiance"),
+        ("irradiance (W m-2 sr-1 nm-1)", "not a known unit of spectral irradiance"),
+        ("irradiance (furlong)", "not a known unit of spectral irradiance"),
+        ("irradiance_w_m2", "not a known unit of spectral irradiance"),
         ("irradiance (W m-2 (cm-1)-1)", "1e4 / (wavelength in um)^2"),
         ("irradiance (W/m2/cm-1)", "1e4 / (wavelength in um)^2"),
     ] {
@@ -261,10 +261,10 @@ fn percent_is_percent_in_every_spelling() {
         assert_eq!(read(&text, Quantity::Reflectance).0, [(1.0, 0.125)], "{unit}");
     }
     let (points, told) = read("wavelength_um,reflectance (sample 3)\n1,0.5\n", Quantity::Reflectance);
-    assert!(points == [(1.0, 0.5)] && told[0].contains("`sample 3` is no unit that is known"), "{told:?}");
+    assert!(points == [(1.0, 0.5)] && told[0].contains("`sample 3` is not a known unit"), "{told:?}");
     for unit in ["x10000", "ppm", "W m-2"] {
         let told = refused(&format!("wavelength_um,reflectance ({unit})\n1,0.5\n"), Quantity::Reflectance);
-        assert!(told.contains("no unit of a fraction"), "{unit}: {told}");
+        assert!(told.contains("not a known unit of a fraction"), "{unit}: {told}");
     }
     // Fifteen rows, one error, with what the layout has for percent.
     let rows: String = (1..=15).map(|i| format!("{i}.0 {}\n", 10 + i)).collect();

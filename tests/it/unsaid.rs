@@ -199,7 +199,7 @@ fn observer_and_sun_in_the_axes_of_the_site() {
     let path = scratch.write("centre.toml", site.replace("[0, 1000, 0]", "[0, 0, 0]"));
     let error = scene_toml::read(&path, &unwatched).unwrap_err().to_string();
     for item in ["mesh[0].pose", "sun.frame", "observer.frame"] {
-        assert!(error.contains(item) && error.contains("zenith is no direction"), "{item}: {error}");
+        assert!(error.contains(item) && error.contains("zenith is undefined"), "{item}: {error}");
     }
     scratch.write("pole.toml", site.replace("origin_m = [0, 1000, 0]", "origin_m = [0, 0, 1000]"));
     let pole = read(&scratch, "pole.toml");
@@ -228,7 +228,7 @@ fn the_camera_that_convert_chooses_sees_an_outer_side() {
         let scene = read(&scratch, &format!("out/{name}.toml")).scene;
         let (_, seen) = study::simulate(&scene, &unwatched).unwrap();
         assert!(seen.counts.visible_facets > 0, "{name}");
-        let behind = seen.warnings.iter().any(|w| w.contains("from behind"));
+        let behind = seen.warnings.iter().any(|w| w.contains("back of facets"));
         assert!(!behind, "{name}: {:?}", seen.warnings);
         let expanded = seen.cube.to_array();
         assert!(expanded.iter().any(|radiance| *radiance > 0.0), "{name} is black");

@@ -63,7 +63,7 @@ fn what_noise_leaves_beyond_0_and_1_is_0_or_1() {
 fn rows_that_are_there_twice_count_once() {
     let rows = "wavelength_um,reflectance\n0.5,0.2\n0.5,0.2\n1.5,0.4\n";
     let (found, said) = seen(&[("reflectance = 0.1", "reflectance = \"r.csv\"")], &[("r.csv", rows)]);
-    assert!(is_near(found[0], 0.3 * 1000.0 / PI, 1e-12) && said.contains("1 rows are there twice"), "{found:?} {said}");
+    assert!(is_near(found[0], 0.3 * 1000.0 / PI, 1e-12) && said.contains("1 rows appear twice"), "{found:?} {said}");
 }
 
 #[test]

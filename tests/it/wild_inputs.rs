@@ -146,7 +146,7 @@ fn an_envi_image_with_frame_offsets_or_two_opinions_is_refused() {
         opened(&format!("{key} = {{0, 0}}\n")).unwrap();
     }
     let error = opened("samples = 1\n").unwrap_err().to_string();
-    assert!(error.contains("a.hdr:8 samples: is there twice, and in line 2 it is another"), "{error}");
+    assert!(error.contains("a.hdr:8 samples: appears twice, and in line 2 it is another"), "{error}");
     let told = opened("Samples =  2\n").unwrap().report;
     assert!(told.notes.iter().any(|note| note.message.contains("the same as in line 2")), "{told:?}");
 }
@@ -241,8 +241,8 @@ fn a_file_of_another_kind_is_named() {
         (&["simulate", "m.map.toml", "-o", &out], "is a map file"),
         (&["landscape", "scene.toml", "-o", &out], "is a scene file"),
         (&["integrate", "scene.toml", "--radiance", "scene.toml", "-o", &out], "is a scene file"),
-        (&["simulate", "png.toml", "-o", &out], "mesh.glb: is PNG, where a mesh is wanted"),
-        (&["simulate", "csv.toml", "-o", &out], "facets.csv: is csv, where a mesh is wanted"),
+        (&["simulate", "png.toml", "-o", &out], "mesh.glb: is PNG, but a mesh is needed"),
+        (&["simulate", "csv.toml", "-o", &out], "facets.csv: is csv, but a mesh is needed"),
         (&["simulate", "both.toml", "-o", &out], "give either `file` (or `obj`, which is the same) or `recipe`"),
         (&["simulate", "stl.toml", "-o", &out], "is a mesh in a format that is not read"),
     ] {

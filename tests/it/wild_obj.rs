@@ -301,7 +301,10 @@ fn a_body_inside_out_is_told_and_turned() {
     assert!(told.contains("inside out"), "{told}");
     // `convert` says it, and turns it.
     let (_, out, err) = run(&["convert", &scratch.argument("bad.obj"), &scratch.argument("a.toml")]);
-    assert!(out.contains("mesh.flip: as it is: its facets face inwards") || err.contains("from behind"), "{out}{err}");
+    assert!(
+        out.contains("mesh.flip: as it is: its facets face inwards") || err.contains("back of facets"),
+        "{out}{err}"
+    );
     let (code, out, err) = run(&["convert", "--flip", &scratch.argument("bad.obj"), &scratch.argument("b.toml")]);
     assert!(code == 0 && !out.contains("mesh.flip"), "{out}{err}");
     let facet = scene_toml::read(&scratch.join("b.toml"), &unwatched).unwrap().scene.body.mesh.facet(300);

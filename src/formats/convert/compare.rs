@@ -26,7 +26,7 @@ const POSITION_M: f64 = 1e-9;
 const SHARE: f64 = 1e-12;
 /// Colours are the same within the digits of an f32, in which some formats have them.
 const COLOUR: f64 = 1e-6;
-/// As many facets, materials or tables are told one by one.
+/// At most this many facets, materials or tables are reported one by one.
 const TOLD: usize = 10;
 
 /// One line for each difference: where, and both values. Empty: the same in meaning.
@@ -103,7 +103,7 @@ impl Lines {
         }
     }
 
-    /// Compares what has the same name, the second of a name with the second, and tells what has no counterpart.
+    /// Compares what has the same name, the second of a name with the second, and reports what has no counterpart.
     fn each(&mut self, at: &str, a: &[String], b: &[String], mut compare: impl FnMut(&mut Self, &str, usize, usize)) {
         let known = self.0.len();
         let mut is_met = vec![false; b.len()];
@@ -151,7 +151,7 @@ impl Lines {
             };
             match spectrum(a, &columns[i]).zip(spectrum(b, &b.columns[j])) {
                 Some((a, b)) => lines.spectra(at, &a, &b),
-                None => lines.push(at, "is no table", "or the other is none"),
+                None => lines.push(at, "is not a table", "or the other is none"),
             }
         });
     }
@@ -344,7 +344,7 @@ impl Lines {
             return self.push("sensor.bands", bands.len(), b.bands.len());
         }
         let differ = |a: &Band, b: &Band| {
-            // Shapes and lights are told by themselves.
+            // Shapes and lights are compared separately.
             let Band { name: _, centre_um, fwhm_um, response: _, light: _ } = a;
             !same(*centre_um, b.centre_um) || !same(fwhm_um.unwrap_or(0.0), b.fwhm_um.unwrap_or(0.0))
         };
@@ -426,7 +426,7 @@ impl Lines {
             let sorted = |(mesh, names): (&Mesh, &[String])| {
                 let mut order: Vec<usize> = (0..facets_a).collect();
                 let key = |f: usize| first_corner_first(mesh, f).map(|c| c.to_array());
-                // Facets that coincide are told apart by their materials.
+                // Coincident facets are distinguished by their materials.
                 order.sort_by(|&x, &y| {
                     let (x_m, y_m) = (key(x), key(y));
                     let corners = x_m.as_flattened().iter().zip(y_m.as_flattened()).map(|(p, q)| p.total_cmp(q));
@@ -488,13 +488,13 @@ fn nth(names: &[String], i: usize) -> usize {
     names[..i].iter().filter(|name| **name == names[i]).count()
 }
 
-/// By how many corners a facet of `b` is to be turned, in its sense, to lie on one of `a`: which comes first says nothing.
+/// By how many corners a facet of `b` must be rotated to match one of `a`: which corner comes first means nothing.
 fn turn(a: &Mesh, i: usize, b: &Mesh, j: usize) -> Option<usize> {
     let (corners_a, corners_b) = (a.facet(i).corners_m, b.facet(j).corners_m);
     (0..3).find(|turn| (0..3).all(|k| near(corners_a[k], corners_b[(k + turn) % 3])))
 }
 
-/// Whether what stands at the corners of two facets is the same, of which the second is to be turned.
+/// Whether two facets have the same values at their corners, after rotating the second.
 fn alike_turned(a: &[[f64; 2]; 3], b: &[[f64; 2]; 3], turn: usize) -> bool {
     let alike = |a: f64, b: f64| same(a, b) || a.is_nan() && b.is_nan();
     (0..3).all(|k| (0..2).all(|axis| alike(a[k][axis], b[(k + turn) % 3][axis])))

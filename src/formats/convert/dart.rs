@@ -1,4 +1,4 @@
-//! DART simulations and databases as this module takes them: what is read, checked and written of them in one call.
+//! DART simulations and databases for `convert`: reading, checking and writing each in one call.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -22,7 +22,7 @@ pub(super) type Flights = Vec<(String, Vec<Step>)>;
 
 fn reading(options: &Options) -> Result<dart::ReadOptions> {
     if let Some(folder) = options.dart_databases.as_ref().filter(|folder| !folder.is_dir()) {
-        return Err(Error::invalid(Location::file(folder).with_item("--databases"), "is no folder"));
+        return Err(Error::invalid(Location::file(folder).with_item("--databases"), "is not a folder"));
     }
     if let Some([zenith, _]) = options.sun_deg.filter(|[zenith, _]| !(0.0..90.0).contains(zenith)) {
         let message = format!("a zenith angle of {zenith} deg: the Sun stands above the ground, from 0 to 90 deg");
@@ -126,13 +126,13 @@ pub fn check(input: &Path, options: &Options) -> Result<Vec<Finding>> {
     }
 }
 
-/// What keeps a Mars that was written beside a simulation from coming back with it.
+/// What keeps a Mars that was written next to a simulation from being read back.
 fn mars(path: &Path, options: &Options) -> Vec<Finding> {
     let has_mars = reading(options).is_ok_and(|reading| {
         let folder = reading.folder(path);
         dart::has_mars(&folder) || folder.simulation.join(dart::MARS).join("input").is_dir()
     });
-    // What is wrong with the rest is told by the rest.
+    // Problems in the other parts are reported when those are read.
     let Some((_, _, report, _)) = has_mars.then(|| read(path, options, &unwatched).ok()).flatten() else {
         return Vec::new();
     };
@@ -218,7 +218,7 @@ fn refused(error: Error) -> Result<Vec<Finding>> {
     Ok(problems.into_iter().map(finding).collect())
 }
 
-/// Every model of a database is read; what is refused is an error, what is noted a warning.
+/// Reads every model of a database; refusals become errors, notes become warnings.
 fn check_database(path: &Path) -> Result<Vec<Finding>> {
     let mut findings = Vec::new();
     let database = match Database::open(path) {

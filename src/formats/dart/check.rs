@@ -1,4 +1,4 @@
-//! What DART would do otherwise than its user thinks: a simulation's inputs looked over without converting them.
+//! Where DART would not do what its user expects: checks a simulation's inputs without converting them.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -29,7 +29,7 @@ use crate::formats::input;
 /// How bad a finding is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Severity {
-    /// The simulation is not, or need not be, what is meant.
+    /// The simulation may not be what is meant.
     Warning,
     /// It cannot be what is meant.
     Error,
@@ -67,7 +67,7 @@ impl std::fmt::Display for Finding {
     }
 }
 
-/// What a check asks of a table in a database of optical properties.
+/// What a check needs to know of a table in a database of optical properties.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TableSummary {
     /// First and last wavelength, um.
@@ -76,7 +76,7 @@ pub struct TableSummary {
     pub shares: Vec<[f64; 3]>,
 }
 
-/// The coverage of a table, by the path of its database and its name, which is empty for a text, or `None` where it is not known.
+/// The summary of a table, by the path of its database and its name (empty for a text file); `None` if it is not known.
 pub type SummaryOf<'a> = &'a dyn Fn(&Path, &str) -> Option<TableSummary>;
 
 /// For checks that open no database.
@@ -84,7 +84,7 @@ pub fn no_summary(_database: &Path, _table: &str) -> Option<TableSummary> {
     None
 }
 
-/// Looks over a simulation, from its folder or its `input/`. Findings come in the order of checks, errors of reading first.
+/// Checks a simulation, given its folder or its `input/`. Findings are in the order of the checks, read errors first.
 pub fn check(path: &Path, options: &ReadOptions, coverage: SummaryOf<'_>) -> Vec<Finding> {
     let folder = options.folder(path);
     let inputs = match Inputs::read(&folder) {
@@ -122,7 +122,7 @@ fn missing(inputs: &Inputs) -> Vec<Finding> {
                 (format!("`{path}` is missing"), "element", "write it with all its attributes")
             }
             MissingKind::Element { found, least } => {
-                let what = format!("`{path}` is there {found} times: at least {least} are wanted");
+                let what = format!("`{path}` is there {found} times: at least {least} are required");
                 (what, "element", "write it with all its attributes")
             }
             MissingKind::Attribute { places: 1, .. } => (format!("`{path}` is missing"), "attribute", "write it"),
@@ -218,12 +218,12 @@ impl<'a> Checker<'a> {
         if dated.is_some() && self.simulation.maket.latitude_longitude_altitude[0] < 0.0 {
             let at = self.simulation.directions.at.clone();
             let effect =
-                "is said to count its azimuth from North there, half a turn otherwise than north of it: not confirmed";
+                "is said to count its azimuth from North there, half a turn different from north of it: not confirmed";
             self.warning(&at, "a Sun by date south of the equator", effect, "give the Sun's angles");
         }
     }
 
-    /// Wavelengths in um; as many irradiances and factors as bands.
+    /// Wavelengths in um; one irradiance and factor per band.
     fn bands(&mut self) {
         let simulation = self.simulation;
         for band in simulation.phase.bands.iter().filter(|band| band.mean_um > USUAL_UM) {
@@ -694,7 +694,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// Facets that are turned against the one beside them.
+    /// Facets turned against their neighbours.
     fn turned(&mut self, object: &Object, mesh: &Mesh) {
         // Corners at one place are one, whatever their number.
         let place = |v: u32| mesh.vertices_m[v as usize].to_array().map(|x| (x + 0.0).to_bits());
@@ -736,7 +736,7 @@ impl<'a> Checker<'a> {
     }
 }
 
-/// The mesh of an object, without materials: DART takes none from the file. `None` if it is not there.
+/// The mesh of an object, without materials: DART takes none from the file. `None` if the file is missing.
 fn load(folder: &Folder, object: &Object) -> Result<Option<ObjFile>> {
     let found = folder.locate(&object.file, &object.at).map_err(|problem| Error::Invalid(vec![problem]))?;
     let Some(path) = found else { return Ok(None) };

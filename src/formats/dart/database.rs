@@ -107,7 +107,7 @@ impl Database {
 
     /// Reads all models.
     ///
-    /// The report tells tables that are no models, models that are spoken of but not there, and reflectances that look
+    /// The report lists tables that are no models, models that are named but missing, and reflectances that look
     /// like fractions.
     ///
     /// # Errors
@@ -126,14 +126,14 @@ impl Database {
         }
         for (model, _) in &self.comments {
             if !self.tables.iter().any(|t| same(&t.name, model)) {
-                let message = format!("speaks of {model:?}, but there is no such table");
+                let message = format!("names {model:?}, but there is no such table");
                 report.note(Fate::Dropped, self.at(COMMENTS), message);
             }
         }
         Ok((all, report))
     }
 
-    /// Reads one model. The report tells reflectances that look like fractions.
+    /// Reads one model. The report lists reflectances that look like fractions.
     ///
     /// # Errors
     /// [`Error::Invalid`] if there is no such model; with all rows that cannot be used: what is no finite number or
@@ -189,8 +189,8 @@ impl Database {
             match &cells[wavelength.0] {
                 Err(what) => told(wavelength.1, what.clone()),
                 Ok(um) => match library.wavelength_um.last() {
-                    _ if !um.is_finite() || *um <= 0.0 => told(wavelength.1, format!("{um} is no wavelength")),
-                    Some(last) if um == last => told(wavelength.1, format!("{} is there twice", number(*um))),
+                    _ if !um.is_finite() || *um <= 0.0 => told(wavelength.1, format!("{um} is not a wavelength")),
+                    Some(last) if um == last => told(wavelength.1, format!("{} appears twice", number(*um))),
                     Some(last) if um < last => {
                         told(wavelength.1, format!("{} is less than {} before it", number(*um), number(*last)));
                     }
@@ -201,7 +201,7 @@ impl Database {
                 let value = match &cells[i] {
                     Ok(value) if value.is_finite() => *value,
                     Ok(value) => {
-                        told(name, format!("{value} is no number"));
+                        told(name, format!("{value} is not a number"));
                         continue;
                     }
                     Err(what) => {
@@ -239,12 +239,12 @@ impl Database {
         if lacking.is_empty() {
             return Ok((library, report));
         }
-        Err(Error::invalid(self.at(model), format!("is no {kind:?} model: it has no {}", lacking.join(", "))))
+        Err(Error::invalid(self.at(model), format!("is not a {kind:?} model: it has no {}", lacking.join(", "))))
     }
 
     /// The reflectance of a Lambertian model, fractions, unknown beyond its wavelengths.
     ///
-    /// The report tells whether the material transmits light, which is dropped here.
+    /// The report says whether the material transmits light, which is dropped here.
     ///
     /// # Errors
     /// As [`Database::read`]; [`Error::Invalid`] for a model of another kind.
@@ -259,7 +259,7 @@ impl Database {
             }
         }
         let reflectance = library.spectrum("reflectance", Extend::Error);
-        let reflectance = reflectance.ok_or_else(|| Error::invalid(self.at(model), "is no spectrum"))?;
+        let reflectance = reflectance.ok_or_else(|| Error::invalid(self.at(model), "is not a spectrum"))?;
         Ok((reflectance, report))
     }
 
@@ -336,7 +336,7 @@ fn bytes(path: &Path) -> Result<Vec<u8>> {
         beside.push(ending);
         if std::fs::metadata(&beside).is_ok_and(|m| m.len() > 0) {
             let beside = Path::new(&beside).display();
-            let message = format!("a program is writing to it, or was stopped while it was: {beside} holds changes");
+            let message = format!("a program is writing to it, or was stopped while writing: {beside} holds changes");
             let help = "close that program, or open the file with it once more, which mends it";
             return Err(Error::Invalid(vec![Problem::new(Location::file(path), message).with_help(help)]));
         }
@@ -346,7 +346,7 @@ fn bytes(path: &Path) -> Result<Vec<u8>> {
 
 /// Writes a database of these models. It appears whole or not at all.
 ///
-/// The report tells names that had to change, transmittances that were taken to be 0, and columns that no kind of table has.
+/// The report lists names that had to change, transmittances that were taken to be 0, and columns that no kind of table has.
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::Invalid`] if the file exists and is not to be replaced, for names that become the same, for

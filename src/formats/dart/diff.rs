@@ -19,10 +19,10 @@ use super::simulation::{
     SequenceEntry, SequenceGroup, Simulation, SpectralInterval, ThermalFunction, Topography, Version,
 };
 
-/// As many attributes that are not read are told one by one.
+/// At most this many attributes that are not read are listed one by one.
 const TOLD: usize = 10;
 
-/// What the inputs of two simulations differ in, one line each: as [`diff`], then what of them is passed over and not alike, and the
+/// How the inputs of two simulations differ, one line each: as [`diff`], then ignored content that differs, and the
 /// same for those in `mars/`, which are lit by Mars.
 ///
 /// # Errors
@@ -123,7 +123,7 @@ impl Lines {
         }
     }
 
-    /// `scale`: what is small beside it is small.
+    /// `scale`: differences that are small compared with it are ignored.
     fn numbers(&mut self, at: &str, a: &[f64], b: &[f64], scale: f64) {
         let same = |(x, y): (&f64, &f64)| x == y || (x - y).abs() <= ROUNDING * x.abs().max(y.abs()).max(scale);
         if a.len() != b.len() || !a.iter().zip(b).all(same) {

@@ -24,7 +24,7 @@ pub(super) use optics::{intervals, irradiance, spectra, tabulated, thermal_funct
 pub use surfaces::group_names;
 use surfaces::{GROUPS, surfaces};
 
-/// What differs by no more is the same in DART, for all that is told.
+/// Differences up to this are not reported: they are the same in DART.
 const SAME: f64 = 1e-3;
 
 /// What a simulation's folder holds.
@@ -38,7 +38,7 @@ pub struct Package {
     pub databases: Vec<(String, Vec<SpectralLibrary>)>,
     /// The same surface lit by Mars alone, where it is: DART has one parallel source, and light adds.
     pub mars: Option<Simulation>,
-    /// What DART has no place for.
+    /// What DART cannot hold.
     pub sidecar: Option<Sidecar>,
     /// What DART will have to cope with.
     pub size: Size,
@@ -93,7 +93,7 @@ impl Size {
 pub struct SimulationOptions {
     /// Version of DART.
     pub target: TargetVersion,
-    /// Size of a cell, m; `None`: what a pixel of the camera sees.
+    /// Size of a cell, m; `None`: the footprint of a camera pixel.
     pub cell_m: Option<f64>,
     /// Memory that DART may take, bytes.
     pub memory_bytes: u64,
@@ -128,7 +128,7 @@ pub fn from_scene(scene: &Scene, options: &SimulationOptions) -> Result<(Package
     let cell_m = match options.cell_m {
         Some(cell_m) if cell_m > 0.0 && cell_m.is_finite() => cell_m,
         Some(cell_m) => {
-            return Err(Error::invalid(Location::item("cell"), format!("{cell_m} m is no positive length")));
+            return Err(Error::invalid(Location::item("cell"), format!("{cell_m} m is not a positive length")));
         }
         None => {
             let cell_m = pixel_m(scene, size_m);

@@ -1,7 +1,7 @@
 //! The eleven input files of a simulation, as XML trees.
 //!
 //! 5.7.4 (v1083) holds every element and attribute of that version's schema whose condition is true, in the schema's order.
-//! 5.11.0 (v1449) follows the files that DART itself wrote; what it was never seen to write is refused.
+//! 5.11.0 (v1449) follows files that DART itself wrote; anything it was never seen to write is refused.
 
 use glam::DVec3;
 
@@ -26,7 +26,7 @@ pub enum TargetVersion {
 }
 
 impl TargetVersion {
-    /// As the root elements have it.
+    /// As the root elements state it.
     pub fn version(self) -> Version {
         let (version, build) = match self {
             TargetVersion::V5_7_4 => ("5.7.4", "v1083"),
@@ -60,7 +60,7 @@ const FOCAL_LENGTH_M: f64 = 0.05;
 /// The files: name and root element. `boxes_m` are the lowest and highest coordinates of each object's OBJ, in DART's axes.
 ///
 /// # Errors
-/// [`Error::Unsupported`] for a version that is not written, and for what is not known of that version.
+/// [`Error::Unsupported`] for a version that is not written, and for features not known in that version.
 pub fn inputs(simulation: &Simulation, boxes_m: &[(DVec3, DVec3)]) -> Result<Vec<(&'static str, Element)>> {
     let writer = Writer { simulation, boxes_m, target: TargetVersion::of(&simulation.version)? };
     if let Some(field) = simulation.fields.first() {
@@ -329,7 +329,7 @@ impl Writer<'_> {
         element.and(optical).and(types.and(default_type()))
     }
 
-    /// Links of a surface; its back is as its front unless told otherwise.
+    /// Links of a surface; its back is as its front unless stated otherwise.
     fn links(&self, links: &Links, double_face: bool, back: Option<&Links>) -> Vec<Element> {
         let back = back.unwrap_or(links);
         let back_optical = Element::new("BackFaceOpticalProperty").and(optical_link(back));

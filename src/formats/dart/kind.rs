@@ -9,7 +9,7 @@ use crate::report::{Fate, Report};
 use crate::spectral::SpectralLibrary;
 use crate::units::percent_from_fraction;
 
-/// What a table describes, as its columns tell.
+/// What a table describes, judging by its columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TableKind {
     /// Reflectance and transmittances of a Lambertian facet.
@@ -20,9 +20,9 @@ pub enum TableKind {
     Rpv,
     /// A fluid that scatters as two Henyey-Greenstein functions.
     FluidHenyeyGreenstein,
-    /// A fluid that scatters as Rayleigh has it.
+    /// A fluid with Rayleigh scattering.
     FluidRayleigh,
-    /// Specular reflection, as older versions have it.
+    /// Specular reflection, in the form of older versions.
     Specular,
     /// A leaf's roughness.
     Roughness,
@@ -139,7 +139,7 @@ pub(super) fn check_order(names: &[&str], at: &Location) -> Result<()> {
     invalid(message, format!("put them in the order {}", expected.join(", ")))
 }
 
-/// Percent that never exceed 1 are told: the manual's own text has it both ways.
+/// Percentages that never exceed 1 are reported: the manual itself uses both.
 pub(super) fn suspect_fractions(library: &SpectralLibrary, at: Location, report: &mut Report) {
     let most = library.column("reflectance").unwrap_or_default().iter().copied().fold(0.0, f64::max);
     if most > 0.0 && most <= 0.01 {
@@ -148,7 +148,7 @@ pub(super) fn suspect_fractions(library: &SpectralLibrary, at: Location, report:
     }
 }
 
-/// The name of a model's table: what is no letter, digit or `_` becomes `_`, and one is put before a leading digit.
+/// The name of a model's table: characters other than letters, digits and `_` become `_`, and one is put before a leading digit.
 pub fn model_name(name: &str) -> String {
     let plain = name.chars().map(|c| if c.is_alphanumeric() { c } else { '_' });
     let gap = name.chars().next().filter(|c| c.is_numeric()).map(|_| '_');
@@ -178,7 +178,7 @@ pub(crate) fn distinct_names<'a>(
             None if name.is_empty() => told("a model has no name".into(), "give it one"),
             None => {}
             Some(None) => told("is there already".into(), "choose another name"),
-            Some(Some(other)) if other == model.name => told("is there twice".into(), "rename one of them"),
+            Some(Some(other)) if other == model.name => told("appears twice".into(), "rename one of them"),
             Some(Some(other)) => {
                 told(format!("{other:?} and {:?} become the same name", model.name), "rename one of them")
             }
@@ -188,7 +188,7 @@ pub(crate) fn distinct_names<'a>(
     if problems.is_empty() { Ok(names) } else { Err(Error::Invalid(problems)) }
 }
 
-/// A table as DART has it: columns in its order, wavelength first, and in its units.
+/// A table in DART's form: columns in its order, wavelength first, and in its units.
 pub(super) struct DartTable {
     pub(super) kind: TableKind,
     pub(super) names: Vec<String>,
@@ -196,7 +196,7 @@ pub(super) struct DartTable {
 }
 
 impl DartTable {
-    /// Of spectra. The report tells transmittances that were taken to be 0, and columns that no kind of table has.
+    /// Makes a table of spectra. The report lists transmittances that were taken to be 0, and columns that no kind of table has.
     ///
     /// # Errors
     /// [`Error::Invalid`] for what [`SpectralLibrary::check`] refuses, and for values outside their range.

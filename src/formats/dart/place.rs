@@ -73,7 +73,7 @@ pub fn placed(origin_m: DVec3, origin_in_dart_m: DVec3) -> Pose {
 /// beside it, of the scene by [`from_scene`](super::from_scene()).
 ///
 /// # Errors
-/// [`Error::Invalid`] if `mmxrt.toml` tells of a scene with another `origin_m`; as [`Sidecar::read`].
+/// [`Error::Invalid`] if `mmxrt.toml` is of a scene with another `origin_m`; as [`Sidecar::read`].
 pub fn scene_from_dart(simulation: &Simulation, folder: &Folder, scene: &Scene) -> Result<Pose> {
     let path = folder.simulation.join(sidecar::FILE);
     let sidecar = Sidecar::read(&path)?.map(|(sidecar, _)| sidecar);

@@ -1,4 +1,4 @@
-//! `mmxrt.toml` beside a simulation: what DART's own files have no place for, so that a scene comes back whole.
+//! `mmxrt.toml` next to a simulation: what DART's own files cannot hold, so that a scene comes back whole.
 //!
 //! DART never sees it. On the way back a value of it is used only where DART's files still hold what was written with it: an
 //! edited XML file or database wins.
@@ -222,7 +222,7 @@ impl Sidecar {
         }
     }
 
-    /// Reads the file beside a simulation; `None` if there is none.
+    /// Reads the file next to a simulation; `None` if there is none.
     ///
     /// # Errors
     /// [`Error::Io`]; [`Error::Syntax`] at the first place that is not as it is written by this version.
@@ -302,7 +302,7 @@ impl Sidecar {
         &self.sensor.name
     }
 
-    /// A band as the scene has it, at a centre that DART has.
+    /// The scene's band at a centre that DART uses.
     pub(super) fn band(&self, index: usize, centre_um: f64) -> Option<Band> {
         let fwhm_um = *self.sensor.fwhm_um.get(index)?;
         let plain = Band::new(centre_um, (fwhm_um > 0.0).then_some(fwhm_um));
@@ -378,7 +378,7 @@ fn material_part(material: &Material) -> MaterialPart {
     }
 }
 
-/// Faces 0, 1, 2 ... of several facets each, as runs of faces with as many facets; `None` if they are in another order.
+/// Faces 0, 1, 2 ... of several facets each, as runs of faces with equally many facets; `None` if they are in another order.
 pub(super) fn runs_of_faces(mesh: &Mesh) -> Option<Vec<(u32, u32)>> {
     let mut runs: Vec<(u32, u32)> = Vec::new();
     for (i, face) in mesh.face_of_facet.chunk_by(|a, b| a == b).enumerate() {

@@ -1,7 +1,7 @@
 //! DART's spectra in text: what its database manager imports (`2D-LAM_<name>.txt`), and what versions before 5.7 read themselves.
 //!
 //! The former has `#` comments, a header, and columns parted by `;`. The latter has comments between asterisks, the last
-//! of which names the columns, and columns parted by blanks. Both are in um and percent.
+//! of which names the columns, and columns separated by blanks. Both are in um and percent.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -69,7 +69,7 @@ pub fn file_name(model: &str) -> String {
 /// Reads a spectrum in either format; it is named by its file.
 ///
 /// # Errors
-/// [`Error::Io`]; [`Error::Syntax`] for what is no UTF-8, or a comment without an end; [`Error::Invalid`] with all cells
+/// [`Error::Io`]; [`Error::Syntax`] for invalid UTF-8, or a comment without an end; [`Error::Invalid`] with all cells
 /// that cannot be used, for columns in another order than DART's, for less rows than the file says it has;
 /// [`Error::Unsupported`] for version 5.4's leaves, which have two faces.
 pub fn read(path: &Path) -> Result<(SpectralLibrary, Report)> {

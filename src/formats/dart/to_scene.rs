@@ -1,4 +1,4 @@
-//! A DART simulation as a scene, and what of it has no counterpart.
+//! A DART simulation as a scene, and its parts without a counterpart.
 
 mod mars;
 mod mesh;
@@ -32,7 +32,7 @@ use super::sidecar::{self, Sidecar};
 use super::simulation::{Links, OpticalKind, OpticalProperty, Pinhole, Simulation, SpectralInterval};
 use super::text_spectra;
 
-/// What a conversion needs to know beside the simulation.
+/// What a conversion needs besides the simulation.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SceneOptions {
     /// Where the middle of the scene's ground is on the body, body-fixed, m; `None`: nowhere, the body's axes are East, North and up.
@@ -46,7 +46,7 @@ pub struct SceneOptions {
 pub struct Converted {
     /// The scene, checked.
     pub scene: Scene,
-    /// What has no counterpart, and what was taken for what the simulation does not say.
+    /// What has no counterpart, and the defaults for what the simulation does not state.
     pub report: Report,
     /// Files that were read: the OBJ files, databases, and `mmxrt.toml`.
     pub inputs: Vec<InputFile>,
@@ -54,11 +54,11 @@ pub struct Converted {
 
 /// Reflectance of what cannot be looked up.
 const UNKNOWN_REFLECTANCE: f64 = 0.1;
-/// Rounds that bring the Sun's spectrum to the irradiances of bands; each leaves some hundredths of what is off.
+/// Rounds that bring the Sun's spectrum to the irradiances of bands; each leaves some hundredths of the error.
 const ROUNDS: usize = 8;
-/// Irradiances of bands that are off by more than this share are told.
+/// Irradiances of bands that are off by more than this share are reported.
 const UNFIT: f64 = 1e-6;
-/// Where a simulation has no camera, one looks down from so many times the scene's extent.
+/// Where a simulation has no camera, one looks down from this many times the scene's extent.
 const CAMERA_DISTANCE: f64 = 10.0;
 
 /// The scene of a simulation whose folder holds the files it names, and `mmxrt.toml` if it was written here.
@@ -232,7 +232,7 @@ impl SceneBuilder<'_> {
         let mut ratios: Vec<f64> =
             lit.iter().map(|&i| given[i] / of_e490[i]).filter(|r| *r > 0.0 && r.is_finite()).collect();
         ratios.sort_by(f64::total_cmp);
-        // The middle of them tells the distance.
+        // Their middle gives the distance.
         let middle = ratios.get(ratios.len() / 2).copied().unwrap_or(1.0);
         let distance_au = middle.sqrt().recip();
         let message = format!(
@@ -285,7 +285,7 @@ impl SceneBuilder<'_> {
         for (i, property) in simulation.optical.iter().enumerate() {
             let notes = self.report.notes.len();
             let Some(table) = self.table(property, is_linked[i] || is_ground(i), bands)? else { continue };
-            // A black ground at 0 K that nothing else is made of stands for the sky.
+            // A black ground at 0 K whose material nothing else uses represents the sky.
             if !is_linked[i] && i == ground && self.is_sky(property.kind, &table) {
                 self.report.notes.truncate(notes);
                 continue;
@@ -431,7 +431,7 @@ impl SceneBuilder<'_> {
             OpticalKind::Hapke => of_library(database.hapke(&property.model)?),
             OpticalKind::Rpv => of_library(database.rpv(&property.model)?),
         };
-        let none = || Error::invalid(property.at.clone(), format!("the table {:?} is no spectrum", property.model));
+        let none = || Error::invalid(property.at.clone(), format!("the table {:?} is not a spectrum", property.model));
         read.ok_or_else(none).map(Some)
     }
 
@@ -441,7 +441,7 @@ impl SceneBuilder<'_> {
         if name.is_empty() {
             return Err(Error::invalid(
                 at.clone(),
-                format!("{:?} is no table of a database, and no text", property.ident),
+                format!("{:?} is neither a table of a database nor a text file", property.ident),
             ));
         }
         let located = self.folder.locate(name, at).map_err(|problem| Error::Invalid(vec![problem]))?;

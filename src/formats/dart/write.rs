@@ -5,7 +5,7 @@
 //! mmxrt.toml  what DART has no place for
 //! input/      the eleven XML files, obj/, databases
 //! mars/       the same surface lit by Mars, where it is
-//! check/      a tetrahedron whose radiances the README tells
+//! check/      a tetrahedron whose radiances the README gives
 //! ```
 
 use std::f64::consts::PI;

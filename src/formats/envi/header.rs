@@ -50,11 +50,11 @@ pub struct Header {
     pub fwhm: Vec<f64>,
     /// Names of the bands; empty if not given.
     pub band_names: Vec<String>,
-    /// The number that stands for "nothing here".
+    /// The number that means "nothing here".
     pub ignore: Option<f64>,
     /// Every key (lower case) and its text, in the order of the file.
     pub fields: Vec<(String, String)>,
-    /// What was not taken as it stands.
+    /// What was not taken literally.
     pub report: Report,
 }
 
@@ -79,7 +79,7 @@ impl Header {
             let numbers = numbers.filter(|n| is_whole(n) && n.iter().all(|v| v.is_finite()));
             if numbers.is_none() {
                 let each = if self.is_library() { "channel, or a single one" } else { "band" };
-                let message = format!("is no list of {count} finite numbers, one for each {each}");
+                let message = format!("is not a list of {count} finite numbers, one for each {each}");
                 problems.push(Problem::new(Location::file(&self.path).with_item(key), message));
             }
             numbers.filter(|n| n.iter().any(|v| *v != default))
@@ -91,7 +91,7 @@ impl Header {
             Some(Ok(divisor)) if divisor > 0.0 && divisor.is_finite() => divisor,
             Some(_) => {
                 let at = Location::file(&self.path).with_item("reflectance scale factor");
-                problems.push(Problem::new(at, "is no positive number"));
+                problems.push(Problem::new(at, "is not a positive number"));
                 1.0
             }
         };
@@ -121,7 +121,7 @@ impl Header {
     }
 
     /// Widths of the bands, um, in the unit of `fwhm units`, if there is that key, or of the wavelengths; `None` if they cannot be used.
-    /// The report tells what is odd.
+    /// The report lists what is odd.
     pub(in crate::formats) fn fwhm_um(&self, centres_um: &[f64], report: &mut Report) -> Option<Vec<f64>> {
         let at = || Location::file(&self.path).with_item("fwhm");
         let unit = match self.field("fwhm units").and_then(WaveUnit::of) {
@@ -163,7 +163,7 @@ const LIMIT: u64 = 16 << 20;
 /// Reads a header.
 ///
 /// # Errors
-/// [`Error::Io`], [`Error::Syntax`] at the first line that is none, [`Error::Invalid`] with all values that are missing
+/// [`Error::Io`], [`Error::Syntax`] at the first line that is not of a header, [`Error::Invalid`] with all values that are missing
 /// or wrong, [`Error::Unsupported`] for complex numbers and other data types we do not read.
 pub fn read_header(path: &Path) -> Result<Header> {
     let bytes = input::bytes(path, LIMIT)?;
@@ -173,7 +173,7 @@ pub fn read_header(path: &Path) -> Result<Header> {
 /// Reads the text of a header; `path` is for messages.
 ///
 /// # Errors
-/// As [`read_header`], but for [`Error::Io`].
+/// As [`read_header`], except [`Error::Io`].
 pub fn parse_header(path: &Path, text: &str) -> Result<Header> {
     let fields = Fields::parse(path, text)?;
     let mut problems = Vec::new();
@@ -195,7 +195,7 @@ pub fn parse_header(path: &Path, text: &str) -> Result<Header> {
         Some("bil") => Interleave::Bil,
         Some("bip") => Interleave::Bip,
         Some(other) => {
-            problems.push(Problem::new(fields.at("interleave"), format!("{other:?} is none of bsq, bil, bip")));
+            problems.push(Problem::new(fields.at("interleave"), format!("{other:?} is not one of bsq, bil, bip")));
             Interleave::Bsq
         }
     };
@@ -289,7 +289,7 @@ pub(in crate::formats) const KEYS: [&str; 21] = [
     "minor frame offsets",
 ];
 
-/// As many keys that may be misspelt are told.
+/// At most this many keys that may be misspelt are reported.
 const TOLD: usize = 30;
 
 /// Lines that a header of ESRI has.
@@ -372,7 +372,7 @@ impl<'a> Fields<'a> {
         Ok(Fields { path, list })
     }
 
-    /// Keys that are there twice: what they say must be the same.
+    /// Keys that appear twice must have the same value.
     fn tell_doubled(&self, problems: &mut Vec<Problem>, report: &mut Report) {
         let plain = |text: &str| text.split([' ', '\t', '\n', '\r']).collect::<String>().to_lowercase();
         let mut known: BTreeMap<&str, &Field> = BTreeMap::new();
@@ -383,9 +383,9 @@ impl<'a> Fields<'a> {
             };
             let at = Location::line(self.path, field.line).with_item(&field.key);
             if plain(&first.value) == plain(&field.value) {
-                report.note(Fate::Defaulted, at, format!("is there twice, the same as in line {}", first.line));
+                report.note(Fate::Defaulted, at, format!("appears twice, the same as in line {}", first.line));
             } else {
-                problems.push(Problem::new(at, format!("is there twice, and in line {} it is another", first.line)));
+                problems.push(Problem::new(at, format!("appears twice, and in line {} it is another", first.line)));
             }
         }
     }
@@ -404,13 +404,13 @@ impl<'a> Fields<'a> {
             }
             if let Some(near) = spelling::nearest(&field.key, &KEYS).filter(|near| !there.contains(near)) {
                 told += 1;
-                let message = format!("is no key of ENVI, and passed over: did you mean `{near}`?");
+                let message = format!("is not an ENVI key and is ignored: did you mean `{near}`?");
                 report.note(Fate::Dropped, Location::line(self.path, field.line).with_item(&field.key), message);
             }
         }
     }
 
-    /// A name for each of so many things: names may hold commas where each has a line. None if they do not fit, which is told.
+    /// A name for each of `count` things: names may contain commas if each is on its own line. Empty if the count is wrong, which is reported.
     fn names(&self, key: &str, count: u64, report: &mut Report) -> Vec<String> {
         let Some(text) = self.get(key) else { return Vec::new() };
         let fits = |names: &Vec<String>| names.len() as u64 == count;

@@ -64,7 +64,7 @@ impl Component {
         }
     }
 
-    /// A number of as many bytes as it has, and what it is at most if that stands for 1.
+    /// A number in its component type, and that type's maximum if it is normalised to 1.
     fn value(self, bytes: &[u8]) -> (f64, f64) {
         match (self, bytes) {
             (Component::I8, &[a]) => (f64::from(a as i8), 127.0),

@@ -1,4 +1,4 @@
-//! Which extensions are read, which say nothing of geometry, and which cannot be passed over.
+//! Which extensions are read, which say nothing of geometry, and which cannot be ignored.
 
 use std::collections::BTreeSet;
 

@@ -5,12 +5,12 @@
 //!
 //! **Digits.** glTF stores positions as f32: 0.5 mm at 10 km. A mesh that is farther from its origin than it is large is written around its
 //! middle, which is the node's `translation`, and so keeps its shape in every reader. Beside positions stands an attribute of our own,
-//! `_POSITION_RESIDUAL` (VEC3 of f32): the position minus its f32. Their sum is good to 1e-14 of the position; who does not know
+//! `_POSITION_RESIDUAL` (VEC3 of f32): the position minus its f32. Their sum is good to 1e-14 of the position; a reader that does not know
 //! the attribute passes over it. Node transforms are read in f64.
 //!
 //! **Extensions.** Read are `KHR_mesh_quantization`, `EXT_mesh_gpu_instancing`, `KHR_node_visibility`, the colours of
 //! `KHR_materials_pbrSpecularGlossiness`, and of `KHR_lights_punctual` the direction of the brightest directional light, which is the Sun. What
-//! moves or adds no geometry is passed over and told; an extension that is not known is refused, also where the file calls it optional.
+//! moves or adds no geometry is ignored and reported; an extension that is not known is refused, also where the file calls it optional.
 //!
 //! **Colours.** A material without a colour is white, as glTF has it.
 //!

@@ -80,7 +80,7 @@ pub fn parse(bytes: &[u8], path: &Path, outside: bool) -> Result<(ColouredMesh, 
     Ok((ColouredMesh { mesh, materials, origin_m, sun }, report, inputs))
 }
 
-/// The JSON and the binary chunk of a GLB; chunks of other kinds are passed over, as the format wants it.
+/// The JSON and the binary chunk of a GLB; chunks of other kinds are ignored, as the format wants it.
 fn chunks<'a>(bytes: &'a [u8], path: &Path) -> Result<(&'a [u8], Option<&'a [u8]>)> {
     let wrong = |message: String| Err(Error::syntax(Location::file(path), message));
     let number = |bytes: &[u8], at: usize| {
@@ -240,7 +240,7 @@ struct Reader<'a> {
     lights: Option<Vec<Light>>,
     sun: Option<SunLight>,
     report: Report,
-    /// Items and messages of what has been told.
+    /// Items and messages already reported.
     told: BTreeSet<(String, String)>,
 }
 
@@ -283,7 +283,7 @@ impl Reader<'_> {
     }
 
     fn tell(&mut self, fate: Fate, item: impl Into<String>, message: impl Into<String>) {
-        // An instance of a mesh loses what the mesh loses: told once.
+        // An instance of a mesh loses what the mesh loses: reported once.
         let (item, message) = (item.into(), message.into());
         if self.told.insert((item.clone(), message.clone())) {
             self.report.note(fate, self.data.at(item), message);

@@ -48,7 +48,7 @@ pub fn list(path: &Path) -> Result<(Option<Header>, Vec<ArrayInfo>)> {
 /// Shape and values of an array.
 pub type Shaped = (Vec<usize>, Vec<f64>);
 
-/// Arrays of numbers (f4, f8) by name, as f64; `None` where there is none of that name.
+/// Arrays of numbers (f4, f8) by name, as f64; `None` if none has that name.
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::Syntax`] naming the array that is damaged; [`Error::Unsupported`] for a compressed file;
@@ -114,7 +114,7 @@ impl Npz {
     /// The header of a file of this format, in one of these versions.
     pub(super) fn header(&mut self, format: &str, versions: &[u32]) -> Result<Header> {
         let Some(array) = self.array("header")? else {
-            return Err(Error::invalid(self.at("header"), format!("is missing: this is no {format}")));
+            return Err(Error::invalid(self.at("header"), format!("is missing: this is not a {format}")));
         };
         let header: Header = array
             .text()
@@ -136,7 +136,7 @@ impl Npz {
         self.zip.index_for_name(&format!("{name}.npy")).is_some()
     }
 
-    /// The bytes of an array; `None` if there is none of this name. Never holds more than the file can; nor do all arrays together,
+    /// The bytes of an array; `None` if none has this name. Never holds more than the file can; nor do all arrays together,
     /// which could be the same bytes over and over.
     fn bytes_of(&mut self, name: &str) -> Result<Option<Vec<u8>>> {
         let at = self.at(name);
@@ -173,7 +173,7 @@ impl Npz {
         Ok(Some(bytes))
     }
 
-    /// An array; `None` if there is none of this name.
+    /// An array; `None` if none has this name.
     fn array(&mut self, name: &str) -> Result<Option<Array>> {
         let at = self.at(name);
         let damaged = |message: String| Error::syntax(at.clone(), message);
@@ -243,7 +243,7 @@ impl Npz {
         Ok(data.as_chunks::<4>().0.iter().map(|b| u32::from_le_bytes(*b)).collect())
     }
 
-    /// Ends of lists, of 32 or 64 bits. One that no list can have is the largest number: then it is none in the table either.
+    /// Ends of lists, of 32 or 64 bits. An impossible end becomes the largest number, which is then refused in the table, too.
     pub(super) fn ends(&mut self, name: &str, problems: &mut Vec<Problem>) -> Result<Vec<usize>> {
         let (descr, data) = self.data(name, &["<u4", "<u8"], 1, true, problems)?;
         let end = |end: u64| usize::try_from(end).unwrap_or(usize::MAX);

@@ -48,7 +48,7 @@ pub struct Header {
 /// What an array holds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Field {
-    /// Unit; 1 for what has none.
+    /// Unit; 1 if dimensionless.
     pub unit: String,
     /// Meaning.
     pub meaning: String,

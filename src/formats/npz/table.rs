@@ -114,14 +114,14 @@ pub fn read_table(path: &Path) -> Result<(FacetTable, Header)> {
         }
     }
     let table = FacetTable { sources, temperature_lit_k, temperature_shaded_k };
-    // If the Sun's cannot be used, that has been told, and all others would be of another length.
+    // If the Sun's cannot be used, that has been reported, and all others would be of another length.
     let is_comparable = table.facets() > 0 || problems.is_empty();
     let at = |item: String| Location::file(path).with_item(item);
     check(&table, is_comparable, |item, message| problems.push(Problem::new(at(item), message)));
     if problems.is_empty() { Ok((table, header)) } else { Err(Error::Invalid(problems)) }
 }
 
-/// One source's arrays; `None` if its direction is missing, which has been told.
+/// One source's arrays; `None` if its direction is missing, which has been reported.
 fn read_source(file: &mut Npz, source: &str, problems: &mut Vec<Problem>) -> Result<Option<Lighting>> {
     let named = |what: &str| format!("{source}_{what}");
     let irradiance = file.f64s(&named("irradiance"), 1, true, problems)?;
@@ -131,7 +131,7 @@ fn read_source(file: &mut Npz, source: &str, problems: &mut Vec<Problem>) -> Res
         let codes = file.bytes(&named("lit"), problems)?;
         if let Some(i) = codes.iter().position(|code| *code > 2) {
             let at = file.at(&format!("{}[{i}]", named("lit")));
-            problems.push(Problem::new(at, format!("{} is none of 0, 1, 2", codes[i])));
+            problems.push(Problem::new(at, format!("{} is not one of 0, 1, 2", codes[i])));
         }
         let shown = |code: &u8| [Shown::Nothing, Shown::Whole, Shown::Part][usize::from(*code).min(2)];
         let uv = file.f64s(&named("polygon_uv"), 2, true, problems)?;
@@ -163,7 +163,7 @@ fn read_source(file: &mut Npz, source: &str, problems: &mut Vec<Problem>) -> Res
 /// What is refused as out of range is so by more than numbers of far or thin facets are by rounding: finer bounds are those of the product.
 const ROUNDING: f64 = 1e-3;
 
-/// Tells what of a table does not fit together or is out of range: (item, message). Lengths are compared only on request.
+/// Lists what does not fit together in a table or is out of range: (item, message). Lengths are compared only on request.
 fn check(table: &FacetTable, is_comparable: bool, mut problem: impl FnMut(String, String)) {
     let facets = table.facets();
     let mut columns: Vec<(String, &[f64])> = Vec::new();
@@ -197,7 +197,7 @@ fn check(table: &FacetTable, is_comparable: bool, mut problem: impl FnMut(String
     let all = columns.iter().map(|(name, values)| (name.as_str(), *values));
     for (name, values) in all.chain(heat.map(|(name, values)| (name, values.as_slice()))) {
         if let Some(i) = values.iter().position(|v| !(*v >= 0.0 && v.is_finite())) {
-            problem(format!("{name}[{i}]"), format!("{} is not a number from 0", number(values[i])));
+            problem(format!("{name}[{i}]"), format!("{} is not a number of at least 0", number(values[i])));
         }
     }
     for (name, values) in &columns {

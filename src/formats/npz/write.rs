@@ -41,7 +41,7 @@ pub(super) enum Values<'a> {
     Vector([f64; 3]),
 }
 
-/// Writes columns, and a header before them; `format` is its name and its versions, the last of which this is.
+/// Writes columns, and a header before them; `format` is its name and its versions, of which the last is written.
 pub(super) fn write(
     path: &Path,
     (format, versions): (&str, &[u32]),
@@ -81,11 +81,11 @@ pub(super) fn write(
         zip.finish()?;
         Ok(())
     })();
-    // The file's own error tells more than what the zip made of it.
+    // The file's own error says more than what the zip writer made of it.
     file.error.map_or(done, Err).and_then(|()| file.file.flush()).map_err(io)
 }
 
-/// A file that keeps its first error and pretends that all is well, because `ZipWriter` prints, when dropped, what it
+/// A file that keeps its first error and reports success, because `ZipWriter` prints, when dropped, what it
 /// could not write.
 struct KeepError {
     file: BufWriter<File>,
@@ -118,7 +118,7 @@ impl Write for KeepError {
 
 impl Seek for KeepError {
     fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
-        // Positions are told without asking the file, which may have failed.
+        // Positions are tracked here, without asking the file, which may have failed.
         self.at = match to {
             SeekFrom::Start(at) => at,
             SeekFrom::Current(offset) => self.at.saturating_add_signed(offset),

@@ -1,4 +1,4 @@
-//! Radiance of facets that says all of itself: the forms that the [module](super) around this one tells.
+//! Radiance of facets that needs no map file: the forms listed in the [module](super) above.
 
 use std::path::Path;
 

@@ -1,6 +1,6 @@
 //! Radiance maps from elsewhere: a raster or a table of facets, and a map file that says what its numbers are and where they lie.
 //!
-//! A map file is TOML: it is named itself, or lies beside the raster, as `x.map.toml` beside `x.img`. Its JSON Schema is in
+//! A map file is TOML: it is named itself, or lies next to the raster, as `x.map.toml` next to `x.img`. Its JSON Schema is in
 //! `schemas/`. Tables of facets that say all of it themselves need none:
 //!
 //! - `.npz`: `radiance_w_m2_sr_um` \[facet, band\], `wavelength_um` \[band\], and if bands have a width `fwhm_um` \[band\];
@@ -64,11 +64,11 @@ pub fn dart_schema() -> schemars::Schema {
     schemars::schema_for!(DartMapToml)
 }
 
-/// Opens what is at a path as maps of a scene; `weight` is what their radiance is multiplied by.
+/// Opens a path as maps of a scene; `weight` multiplies their radiance.
 ///
 /// | at the path | |
 /// |---|---|
-/// | a map file (`.toml`), or a raster with one beside it | as it says |
+/// | a map file (`.toml`), or a raster with one next to it | as it says |
 /// | `.npz`, `.csv` with radiance and wavelengths of facets | see above |
 /// | a DART simulation, its `output/`, a folder of images, an image, `RADIATIVE_BUDGET` | its views, or triangles: see [`dart::output`] |
 ///
@@ -95,13 +95,13 @@ pub fn open(path: &Path, scene: &Scene, weight: f64, watch: Watch<'_>) -> Result
     }
     if let Some(problem) = facets::missing(path)? {
         let help = format!(
-            "a table of facets has `{}` beside `wavelength_um`; for an image say in {} what it is: `quantity`, `unit` and `placement`",
+            "a table of facets has `{}` besides `wavelength_um`; for an image say in {} what it is: `quantity`, `unit` and `placement`",
             facets::RADIANCE,
             beside(path).display()
         );
         return Err(Error::Invalid(vec![problem.with_help(help)]));
     }
-    // What is no raster either is told as that.
+    // A file that is no raster either is reported as such.
     let raster = registry::image(path)?;
     let message = format!(
         "is a raster of {} x {} pixels and {} bands, but what its numbers are, and where they lie, is not known",
@@ -113,7 +113,7 @@ pub fn open(path: &Path, scene: &Scene, weight: f64, watch: Watch<'_>) -> Result
     Err(Error::Invalid(vec![Problem::new(Location::file(path), message).with_help(help)]))
 }
 
-/// The map file beside a raster.
+/// The map file next to a raster.
 fn beside(path: &Path) -> PathBuf {
     path.with_extension("map.toml")
 }
@@ -207,7 +207,7 @@ fn of_dart(
     let others = [Brf, Tapp].into_iter().filter(|other| *other != taken && has(*other));
     for other in others {
         notes.push(format!(
-            "{}: images of {} are passed over: those of {} are taken",
+            "{}: images of {} are ignored: those of {} are taken",
             path.display(),
             other.name(),
             taken.name()

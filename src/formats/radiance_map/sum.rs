@@ -9,7 +9,7 @@ use crate::formats::subject::Subject;
 use crate::product::{FacetTable, RadianceMap};
 use crate::progress::Watch;
 
-/// A map, or a facet table, and what it is multiplied by.
+/// A map, or a facet table, and its factor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Summand {
     /// Where it is.
@@ -18,7 +18,7 @@ pub struct Summand {
     pub weight: f64,
 }
 
-/// Reads `A+B*0.5`: paths and what they are multiplied by. A path that is there is taken as it stands.
+/// Reads `A+B*0.5`: paths and factors. A text that is an existing path is taken literally.
 ///
 /// # Errors
 /// [`Error::Invalid`] at the first map without a name, or with a weight that is no number.
@@ -30,7 +30,7 @@ pub fn summands(text: &str) -> Result<Vec<Summand>> {
         let (mut path, mut weight) = (part.trim(), Ok(1.0));
         while let Some((before, factor)) = path.rsplit_once('*').filter(|_| !Path::new(path).exists()) {
             path = before.trim();
-            let factor = factor.trim().parse::<f64>().map_err(|_| format!("{:?} is no weight", factor.trim()));
+            let factor = factor.trim().parse::<f64>().map_err(|_| format!("{:?} is not a weight", factor.trim()));
             weight = weight.and_then(|weight| Ok(weight * factor?));
         }
         let weight = if path.is_empty() { Err("a map has no name".to_owned()) } else { weight };
@@ -52,7 +52,7 @@ pub struct Sum {
     pub table: Option<(PathBuf, FacetTable)>,
 }
 
-/// Opens the maps of a sum, which is given once for each view; the subject learns what is to be told of them.
+/// Opens the maps of a sum, which is given once for each view; the subject learns what to report about them.
 ///
 /// # Errors
 /// Those of [`open`] and [`Subject::read_table`]; [`Error::Invalid`] if views have sums of different lengths, or if a facet table has
@@ -120,8 +120,8 @@ mod tests {
             ("", "--radiance \"\": a map has no name"),
             ("a.img+", "a map has no name"),
             ("*2", "a map has no name"),
-            ("a*b.img", "\"b.img\" is no weight"),
-            ("a.img*", "\"\" is no weight"),
+            ("a*b.img", "\"b.img\" is not a weight"),
+            ("a.img*", "\"\" is not a weight"),
         ] {
             assert!(wrong(text).contains(message), "{}", wrong(text));
         }

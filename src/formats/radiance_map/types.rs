@@ -14,7 +14,7 @@ pub(super) struct MapToml {
     #[schemars(range(min = 1, max = 1))]
     #[allow(dead_code, reason = "the schema checks it")]
     pub(super) mmxrt_map: u32,
-    /// The raster, or several of the same size whose bands follow one another. Default: the file that this one is named after.
+    /// The raster, or several of the same size whose bands are concatenated. Default: the file that this one is named after.
     pub(super) raster: Option<RasterToml>,
     /// Names of the raster's channels, in the order of the bands. Default: all bands; of OpenEXR, the spectral layer or that of colours, in
     /// the order that names give by wavelength, red, green, blue, or a number.
@@ -27,7 +27,7 @@ pub(super) struct MapToml {
     pub(super) unit: Option<String>,
     /// For a reflectance factor: the irradiance that it refers to, W m-2 um-1, its cosine already in it; one for all bands, or one for each.
     pub(super) irradiance_w_m2_um: Option<NumbersToml>,
-    /// The number that stands for "not known", beside NaN and what the raster itself says.
+    /// The number that means "not known", besides NaN and what the raster itself states.
     pub(super) no_data: Option<f64>,
     /// The bands, where the raster does not know its wavelengths; they replace the raster's. Their `light` is what the numbers hold.
     pub(super) bands: Option<BandsToml>,
@@ -42,22 +42,22 @@ pub(super) struct MapToml {
     /// For `placement = "plane"`: where the raster lies. Default: where its own georeference in metres puts it, to the East and the North of
     /// the scene's `origin_m`.
     pub(super) plane: Option<PlaneToml>,
-    /// For `placement = "atlas"`: how the image goes on beyond its border. Default: not at all.
+    /// For `placement = "atlas"`: how the image continues beyond its border. Default: not at all.
     pub(super) wrap: Option<WrapToml>,
-    /// For a camera or a plane: whether a surface that others hide from it is unknown (the default); if not, the image goes
-    /// through everything.
+    /// For a camera or a plane: whether surface hidden from it is unknown (the default); if not, the image is
+    /// projected through everything.
     pub(super) occlusion: Option<bool>,
-    /// For a camera or a plane: what texels hold that show the scene in part, and sky beside it. Default: `included` for a camera, unless
+    /// For a camera or a plane: what texels hold that show the scene only in part, and sky besides. Default: `included` for a camera, unless
     /// its raster knows their coverage, or what lies around the scene is as bright; `left_out` for a plane, unless that is dark.
     pub(super) sky: Option<SkyToml>,
-    /// Whether the numbers hold thermal emission, which a sum must hold once. Default: brightness temperatures do, of others nobody knows.
-    /// Of bands that differ, `light` in `bands` says it.
+    /// Whether the numbers hold thermal emission, which a sum must hold once. Default: brightness temperatures do, for others it is not known.
+    /// For bands that differ, use `light` in `bands`.
     pub(super) heat: Option<bool>,
-    /// What becomes of small numbers below 0, as filters of renderers leave them beside bright edges. Default "error".
+    /// What to do with small negative numbers, which renderers' filters leave next to bright edges. Default "error".
     pub(super) negative: Option<NegativeToml>,
 }
 
-/// What a texel holds that shows the scene in part.
+/// What a texel holds that shows the scene only in part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum SkyToml {
@@ -67,7 +67,7 @@ pub(super) enum SkyToml {
     LeftOut,
 }
 
-/// What becomes of numbers below 0.
+/// What to do with negative numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum NegativeToml {
@@ -85,7 +85,7 @@ pub(super) struct DartMapToml {
     #[schemars(range(min = 1, max = 1))]
     #[allow(dead_code, reason = "the schema checks it")]
     pub(super) mmxrt_map: u32,
-    /// A DART simulation, its `output`, a folder of images therein, or an image.
+    /// A DART simulation, its `output`, a folder of images in it, or an image.
     pub(super) dart: String,
     /// Where the scene's `origin_m` is in DART's frame (x down the image, y to its right, z up, from the scene's corner), m. There, x is
     /// South and y East, as `convert` has them; at a pole y is +y of the body, and at the body's centre x is -y and y is x of it.

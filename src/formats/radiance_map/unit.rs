@@ -157,7 +157,7 @@ impl Parser<'_> {
                 _ => named(word)?,
             };
             let exponent = self.exponent()?;
-            // Below a stroke, cm-1 is a wavenumber; of others nobody knows whether that is meant, or the minus is said twice.
+            // Below a stroke, cm-1 is a wavenumber; for other units it is unclear whether that is meant, or the minus is doubled.
             if is_under != below && exponent < 0 && (word, exponent) != ("cm", -1) {
                 return None;
             }

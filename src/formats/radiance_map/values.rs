@@ -36,10 +36,10 @@ impl ToRadiance {
         let times = match quantity {
             Radiance => of("W m-2 sr-1 um-1")
                 .or_else(|| Some(of("W m-2 sr-1 (cm-1)-1")? * cm_1_per_um(band.centre_um)))
-                .ok_or("is no unit of spectral radiance: \"W m-2 sr-1 um-1\", say"),
-            BandRadiance => of("W m-2 sr-1").ok_or("is no unit of radiance in a band: \"W m-2 sr-1\""),
-            ReflectanceFactor => of("1").ok_or("is no unit of a factor: \"1\" or \"%\""),
-            BrightnessTemperature => of("K").filter(|times| *times == 1.0).ok_or("is no unit of temperature: \"K\""),
+                .ok_or("is not a unit of spectral radiance: \"W m-2 sr-1 um-1\", say"),
+            BandRadiance => of("W m-2 sr-1").ok_or("is not a unit of radiance in a band: \"W m-2 sr-1\""),
+            ReflectanceFactor => of("1").ok_or("is not a unit of a factor: \"1\" or \"%\""),
+            BrightnessTemperature => of("K").filter(|times| *times == 1.0).ok_or("is not a unit of temperature: \"K\""),
         }?;
         Ok(match quantity {
             Radiance => ToRadiance::Times(times),
@@ -186,11 +186,11 @@ impl RasterTexels {
             i % raster.columns
         ));
         let help = if value == -1.0 {
-            "if -1 stands for what is not known, say `no_data = -1`"
+            "if -1 means \"not known\", say `no_data = -1`"
         } else if self.clips {
             "`negative = \"clip\"` makes numbers 0 whose magnitude is below a fifth of the band's largest; this one is more"
         } else {
-            "say which number stands for what is not known: `no_data`; if a filter left it beside a bright edge: `negative = \"clip\"`"
+            "say which number means \"not known\": `no_data`; if a filter left it next to a bright edge: `negative = \"clip\"`"
         };
         Error::Invalid(vec![
             Problem::new(at, format!("{} is negative, which nothing that a map holds can be", number(value)))
@@ -209,10 +209,13 @@ pub(super) struct FacetTexels {
 }
 
 impl FacetTexels {
-    /// Whether bands and values can be what they are said to be.
+    /// Checks that bands and values can be what they claim to be.
     pub(super) fn check(&self) -> Result<()> {
         if let Some(band) = self.bands.iter().find(|b| !(b.centre_um > 0.0 && b.centre_um.is_finite())) {
-            return Err(Error::invalid(Location::file(&self.path), format!("{} um is no wavelength", band.centre_um)));
+            return Err(Error::invalid(
+                Location::file(&self.path),
+                format!("{} um is not a wavelength", band.centre_um),
+            ));
         }
         let has_width = |b: &&Band| b.fwhm_um.is_some_and(|w| !(w > 0.0 && w <= 2.0 * b.centre_um));
         if let Some(Band { centre_um, fwhm_um, .. }) = self.bands.iter().find(has_width) {
@@ -226,7 +229,7 @@ impl FacetTexels {
             let (facet, band) = (i / self.bands.len(), i % self.bands.len());
             let at = Location::file(&self.path).with_item(format!("facet {facet}, band {}", band + 1));
             let problem = Problem::new(at, format!("the radiance {}", self.values[i]))
-                .with_help("radiance is a number from 0; mark what is not known by NaN");
+                .with_help("radiance is a number of at least 0; mark unknown values by NaN");
             return Err(Error::Invalid(vec![problem]));
         }
         Ok(())
@@ -282,7 +285,7 @@ mod tests {
             |quantity, unit: &str| ToRadiance::new(quantity, &Unit::of(unit).unwrap(), &at_1(), None).unwrap_err();
         assert!(refused(ReflectanceFactor, "1").contains("irradiance"));
         assert!(refused(BandRadiance, "W m-2 sr-1").contains("width"));
-        assert!(refused(Radiance, "K").contains("no unit of spectral radiance"));
-        assert!(refused(Radiance, "W m-2 sr-1").contains("no unit of spectral radiance"));
+        assert!(refused(Radiance, "K").contains("not a unit of spectral radiance"));
+        assert!(refused(Radiance, "W m-2 sr-1").contains("not a unit of spectral radiance"));
     }
 }

@@ -6,7 +6,7 @@ use crate::progress::{Watch, tell};
 
 use super::Raster;
 
-/// As many lines are told one by one.
+/// At most this many lines are listed one by one.
 const TOLD: usize = 20;
 
 /// What the values of a band are like; NaN does not count.

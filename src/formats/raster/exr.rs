@@ -40,7 +40,7 @@ pub(in crate::formats) static OPEN_EXR: Format = Format {
     holds: Holds::Image { kind: "OpenEXR image", open, target: Ok(|_| Target::Exr) },
 };
 
-/// All bands of a file are held up to this size, or as many as fit.
+/// All bands of a file are held in memory up to this size, or as many as fit.
 const HELD_BYTES: usize = 8 << 30;
 /// Blocks that are decompressed at a time, for each thread.
 const AHEAD: usize = 4;
@@ -191,7 +191,7 @@ pub(super) fn open(path: &Path) -> Result<Raster> {
     let mut sorted: Vec<&str> = found.iter().map(|f| f.0.name.as_str()).collect();
     sorted.sort_unstable();
     for pair in sorted.windows(2).filter(|pair| pair[0] == pair[1]) {
-        problems.push(Problem::new(at().with_item(pair[0]), "a channel of this name is there twice"));
+        problems.push(Problem::new(at().with_item(pair[0]), "a channel of this name appears twice"));
     }
     if !problems.is_empty() {
         return Err(Error::Invalid(problems));
@@ -267,7 +267,7 @@ impl Default for Numbers {
 }
 
 impl Numbers {
-    /// Room for so many numbers, each this.
+    /// Room for this many numbers, all of this value.
     fn of(count: usize, value: f32, are_f32: bool) -> std::result::Result<Self, std::collections::TryReserveError> {
         if are_f32 {
             let mut numbers = Vec::new();

@@ -82,7 +82,7 @@ pub(super) fn open_envi(path: &Path) -> Result<Raster> {
         }
         None => {
             let unit = header.field("wavelength units").unwrap_or_default();
-            report.note(Fate::Dropped, at("wavelength"), format!("in {unit}, which is no length of waves"));
+            report.note(Fate::Dropped, at("wavelength"), format!("in {unit}, which is not a unit of wavelength"));
             Vec::new()
         }
     };

@@ -28,7 +28,7 @@ pub(super) struct Chosen {
     pub(super) alpha: Option<usize>,
 }
 
-/// As many names are told.
+/// At most this many names are reported.
 const TOLD: usize = 30;
 
 /// Names of layers whose wavelengths are those of several quantities: components of polarised light, transmittance.
@@ -177,7 +177,7 @@ fn named(all: &[&str], name: &str) -> std::result::Result<usize, (String, String
                     format!("it has {}", names.join(", "))
                 }
             };
-            (format!("{name:?} is no channel of the raster, or of several"), help)
+            (format!("{name:?} is not a channel of the raster, or of several"), help)
         })
 }
 

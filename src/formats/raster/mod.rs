@@ -1,7 +1,7 @@
 //! Rasters: images of one or many bands in the formats of other programs, read band by band.
 //!
 //! A band is f64, row by row, whatever the file stores; what the file says is no data is NaN. Of a file that interleaves its
-//! bands, as many are read in one pass as 256 MiB hold; no more of any file is in memory, but of those that are compressed as a whole:
+//! bands, as many are read in one pass as fit in 256 MiB; no more of a file is in memory, except for those compressed as a whole:
 //! OpenEXR (see `exr.rs`).
 
 mod compare;
@@ -78,7 +78,7 @@ pub struct Raster {
     alpha: Option<usize>,
     /// That coverage, once it is read.
     coverage: Option<Vec<f64>>,
-    /// What else stands for "nothing here".
+    /// What else means "nothing here".
     no_data: Option<f64>,
     /// Where it lies, as an ENVI header says it.
     georeference: Option<Georeference>,
@@ -419,7 +419,7 @@ fn check_size(at: Location, rows: usize, columns: usize, bands: usize) -> Result
     Err(Error::invalid(at, message))
 }
 
-/// Refuses a file that is shorter than its header says; of a longer one, what is told.
+/// Refuses a file that is shorter than its header says; for a longer one, returns what to report.
 fn check_length(path: &Path, flat: &Flat, end: Option<u64>, said_by: &Path) -> Result<Option<String>> {
     let there = match end {
         Some(end) => end,

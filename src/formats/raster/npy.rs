@@ -189,7 +189,7 @@ pub(super) fn open_npz(path: &Path) -> Result<Raster> {
             || of_list.rows.min(of_list.columns) != 1
             || of_list.rows * of_list.columns != raster.bands.len()
         {
-            let message = format!("is no list of {} numbers, one for each band", raster.bands.len());
+            let message = format!("is not a list of {} numbers, one for each band", raster.bands.len());
             problems.push(Problem::new(at(&member.name), message));
             return Ok(None);
         }

@@ -1,4 +1,4 @@
-//! Rasters are written band by band as they are read, and what a format has no place for is told.
+//! Rasters are written band by band as they are read, and what a format cannot hold is reported.
 
 use std::fmt::Write as _;
 use std::fs::File;
@@ -46,7 +46,7 @@ pub struct Options {
     pub replace: bool,
 }
 
-/// Writes a raster under hidden names: [`Staged::commit`] gives all files their own. The report tells what is lost.
+/// Writes a raster under hidden names: [`Staged::commit`] gives all files their own. The report lists what is lost.
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::Invalid`] for bands that are not there, for what exists and is not to be replaced, and for
@@ -402,7 +402,7 @@ fn channel_names(bands: &[RasterBand], path: &Path, report: &mut Report) -> Resu
     }
     if names.iter().any(|name| !name.is_empty()) {
         let at = Location::file(path).with_item("names of bands");
-        report.note(Fate::Dropped, at, "channels are numbered: names are longer than 31 bytes, or there twice");
+        report.note(Fate::Dropped, at, "channels are numbered: names are longer than 31 bytes, or appear twice");
     }
     Ok(match bands.len() {
         1 => (vec!["Y".to_owned()], false),

@@ -12,7 +12,7 @@ const ROUNDED_DEG: f64 = 0.01;
 /// Angles that differ by less are the same, deg: rounding of the trigonometry.
 const SAME_DEG: f64 = 1e-6;
 
-/// What `[geometry]` places. What could not be placed is `Some(None)`: the problem has been told.
+/// What `[geometry]` places. What could not be placed is `Some(None)`: the problem has been reported.
 #[derive(Default)]
 pub(super) struct ByAngles {
     /// Towards the Sun, axes of the body.

@@ -40,7 +40,7 @@ pub(in crate::formats) fn rotation_near(m: DMat3) -> Option<(DMat3, f64)> {
 pub(super) fn no_rotation(axes: DMat3) -> String {
     match rotation_near(axes) {
         Some((_, off)) => {
-            format!("axes are not at right angles: {off:.1e} off, and more than {ROUNDED} is no rounding")
+            format!("axes are not at right angles: {off:.1e} off, and more than {ROUNDED} is not rounding")
         }
         None if axes.determinant() < 0.0 => "axes are left-handed: a mirror image".to_owned(),
         None => "axes lie in one plane".to_owned(),
@@ -48,7 +48,7 @@ pub(super) fn no_rotation(axes: DMat3) -> String {
 }
 
 impl TomlReader<'_> {
-    /// A rotation of rounded numbers, made one, which is told; `None`, and no word, if it is none.
+    /// A rotation from rounded numbers, made exact and reported; `None`, without a report, if it is not a rotation.
     pub(in crate::formats) fn unrounded(&mut self, item: &str, m: DMat3) -> Option<DMat3> {
         match rotation_near(m) {
             Some((_, off)) if off <= UNIT_TOLERANCE => Some(m),

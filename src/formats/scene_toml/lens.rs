@@ -175,7 +175,7 @@ impl TomlReader<'_> {
             return None;
         }
         if !lens.is_plain() {
-            self.problem("sensor.fit", "goes with square pixels and a boresight in the middle of the image alone");
+            self.problem("sensor.fit", "works only with square pixels and a boresight in the middle of the image");
             return None;
         }
         Some(true)

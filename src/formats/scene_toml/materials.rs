@@ -17,7 +17,7 @@ use super::super::spelling;
 use super::types::{ExtendToml, MaterialToml};
 use super::{ROUNDED, TomlReader};
 
-/// As much more than 1 may be the sum of numbers of three digits.
+/// The sum of numbers of three digits may exceed 1 by this much.
 const EXCESS: f64 = 2e-3;
 
 /// Bolometric emissivity of a surface that does not state one; Phobos and most powders lie between 0.9 and 1.
@@ -26,7 +26,7 @@ pub(in crate::formats) const EMISSIVITY_BOLOMETRIC: f64 = 0.95;
 const LEAST_EMISSIVITY: f64 = 1e-3;
 /// Two colours are the same if no channel differs by more: one step of the 8 bits that most programs keep.
 const COLOUR_STEP: f64 = 1.0 / 255.0;
-/// A table that covers less of sunlight does not tell a Bond albedo; 0.4 to 2.5 um are 0.89 of it.
+/// A table that covers less of sunlight does not determine a Bond albedo; 0.4 to 2.5 um cover 0.89 of it.
 const LEAST_SUNLIGHT: f64 = 0.8;
 /// A facet's material is a number of 16 bits.
 const MOST_ENTRIES: usize = 1 << 16;
@@ -65,7 +65,7 @@ impl TomlReader<'_> {
         }
         let order = parts_first(&parts);
         if order.len() < names.len() {
-            // What follows the circle without being in it would be told as well: tell only what reaches itself.
+            // Mixtures that lead into a circle without being in it would be reported too: report only those that reach themselves.
             for i in (0..names.len()).filter(|&i| reaches(&parts, i)) {
                 let item = member(&member("materials", &names[i]), "mixture");
                 self.problem(&item, format!("{:?} is a mixture of itself", names[i]));
@@ -389,7 +389,7 @@ fn has_kirchhoff_emissivity(material: &Material) -> bool {
 
 /// The emissivity of a mixture with a reflectance: that of its parts, by their shares; `None` if it is known nowhere.
 pub(super) fn mixed_emissivity(mixed: &[(f64, &Material)], reflectance: &Spectrum) -> Option<Spectrum> {
-    // The same but for rounding, of which nobody need hear.
+    // The same except for rounding, which is not worth reporting.
     if mixed.iter().all(|(_, part)| has_kirchhoff_emissivity(part)) {
         return Some(reflectance.map(kirchhoff_emissivity));
     }

@@ -1,6 +1,6 @@
 //! `scene.toml`: everything a simulation needs, or where it lies.
 //!
-//! Reading goes in three steps, and each tells all its problems: the text against the schema
+//! Reading goes in three steps, and each reports all its problems: the text against the schema
 //! ([`located`]); each part against itself and the files it names; the whole, by [`SceneParts::check`].
 
 mod angles;
@@ -102,7 +102,7 @@ impl std::fmt::Display for Stated {
     }
 }
 
-/// As many problems are told with their lines.
+/// At most this many problems are reported with their lines.
 const PLACED: usize = 1000;
 /// Bond albedo of Mars, if none is given.
 const MARS_BOND_ALBEDO: f64 = 0.25;
@@ -161,7 +161,7 @@ pub(super) struct TomlReader<'a> {
     problems: Vec<Problem>,
     defaults: Vec<Stated>,
     notes: Vec<String>,
-    /// Whether it is no scene file: what such a file leaves open is told as notes.
+    /// Whether it is no scene file: its defaults are reported as notes.
     is_beside_scene: bool,
     inputs: Vec<InputFile>,
     watch: Watch<'a>,
@@ -208,7 +208,7 @@ impl<'a> TomlReader<'a> {
         if file.is_symlink() && self.inputs[1..].iter().any(|input| !input.path.starts_with(&self.folder)) {
             let real = file.canonicalize().ok().and_then(|real| Some(real.parent()?.display().to_string()));
             let message = format!(
-                "{} is a link: what is not beside it is taken from beside what it leads to, in {}",
+                "{} is a link: files that are not next to it are taken from next to its target, in {}",
                 file.display(),
                 real.unwrap_or_default()
             );
@@ -262,7 +262,7 @@ impl TomlReader<'_> {
     }
 
     pub(super) fn problem(&mut self, item: &str, message: impl Into<String>) -> &mut Problem {
-        // Lines are counted from the beginning of the text: of more problems only the item is told.
+        // Finding a line means counting from the beginning of the text: beyond this many problems only the item is reported.
         let at = match self.problems.len() {
             0..PLACED => self.document.at(item),
             _ => Location::file(&self.inputs[0].path).with_item(item),
@@ -643,7 +643,7 @@ impl TomlReader<'_> {
             let help = problem.help.clone().or_else(|| self.doubt(&item));
             (derived, Problem { at: self.document.at(&item), help, ..problem })
         });
-        // What follows from a material's reflectance (its emissivity, mixtures of it) need not be told beside it.
+        // Problems that follow from a material's reflectance (its emissivity, mixtures of it) need not be reported as well.
         let (derived, own): (Vec<_>, Vec<_>) = placed.partition(|(derived, _)| *derived);
         let told = if own.is_empty() { derived } else { own };
         Error::Invalid(told.into_iter().map(|(_, problem)| problem).collect())

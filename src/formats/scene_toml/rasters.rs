@@ -140,7 +140,7 @@ impl TomlReader<'_> {
     }
 
     /// Compares the wavelengths that a text gives with those that the raster says. Nearer to that of another band than to its own is a
-    /// mistake; else it is told.
+    /// mistake; else it is reported.
     fn compare_bands(&mut self, item: &str, given: &[Band], own_um: &[Option<f64>], names: &[&str]) -> Option<()> {
         let colours: Option<Vec<usize>> = names.iter().map(|name| raster::colour(name)).collect();
         if let Some(colours) = colours
@@ -277,7 +277,7 @@ impl TomlReader<'_> {
         let Some(towards) = towards.filter(|t| t.vec().dot(normal.vec()).abs() > LEAST_SINE) else {
             self.problem(
                 &member(item, "towards"),
-                "is no direction from which the plane is seen: it lies in the plane",
+                "is not a direction from which the plane is seen: it lies in the plane",
             );
             return None;
         };
@@ -357,7 +357,7 @@ impl TomlReader<'_> {
         let material = MaterialId(u16::try_from(id).ok()?);
         let mut texture = Texture { material, kind, corners, rows, columns, wavelength_um, values, texels };
         let to_one = toml.mean.map_or(kind == TextureKind::Factor, |mean| mean == MeanToml::One);
-        // A texel that is no number is told as that, not as its mean.
+        // A texel that is not a number is reported as such, not through the mean.
         if to_one && texture.odd_texel().is_none() {
             let means = texture.means(mesh);
             if let Some(mean) = means.iter().find(|m| !(**m > 0.0 && m.is_finite())) {

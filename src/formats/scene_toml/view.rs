@@ -22,15 +22,15 @@ pub(in crate::formats) const SENSOR_NAME: &str = "frame camera";
 const LONGEST_UM: f64 = 1000.0;
 /// Few instruments look beyond this, um.
 pub(in crate::formats) const USUAL_UM: f64 = 100.0;
-/// Directions that are closer than this, rad, may be the same but for rounding.
+/// Directions closer than this, rad, may differ only by rounding.
 const ALONG: f64 = 16.0 * f64::EPSILON;
-/// Rounding of an up that is closer to the line of sight, rad, may turn the image by as much as is worth telling.
+/// Rounding of an up that is closer to the line of sight than this, rad, may turn the image noticeably.
 const SLANT: f64 = 1e-6;
-/// As many bad centres are told one by one.
+/// At most this many bad centres are listed one by one.
 const TOLD: usize = 20;
 
 impl TomlReader<'_> {
-    /// The sensor, at a pose that is `None` if what is wrong with it has been told.
+    /// The sensor, at a pose that is `None` if what is wrong with it has been reported.
     pub(super) fn exposure(&mut self, toml: &SensorToml, pose: Option<Pose>, mesh: Option<&Mesh>) -> Option<Exposure> {
         let preset = toml.preset == Some(Preset::Macromega);
         let samples = self.given("sensor.samples", toml.samples, preset.then_some(256));

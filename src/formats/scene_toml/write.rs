@@ -1,7 +1,7 @@
-//! Writing a scene: the scene file, its mesh as OBJ and MTL, and a CSV table for each spectrum, all beside one another.
+//! Writing a scene: the scene file, its mesh as OBJ and MTL, and a CSV table for each spectrum, all in one folder.
 //!
-//! Read again, it is the same scene, bit for bit but for a scaled solar spectrum and positions that no sum with the origin gives,
-//! which are so to rounding. What the scene's source did not say is not written, so that it goes on to follow from what it does say; what a
+//! Read again, it is the same scene, bit for bit except for a scaled solar spectrum and positions that no sum with the origin gives,
+//! which are the same to rounding. What the scene's source did not state is not written, so that it still follows from what it did state; what a
 //! scene file must have is written all the same, below a comment.
 
 use std::borrow::Cow;
@@ -55,7 +55,7 @@ pub enum Unsaid {
     Nothing,
     /// These items, as [`SceneFile::defaults`](super::SceneFile) names them.
     Items(BTreeSet<String>),
-    /// Whatever is as it would be if nobody said it. Tables of the file, and what was taken for them, are told in comments.
+    /// Everything that equals its default. The file's required tables, and the values taken for them, are stated in comments.
     Defaults(BTreeMap<String, String>),
 }
 
@@ -72,7 +72,7 @@ pub enum Axes {
 /// Writes a scene to `path`, which ends in `.toml`, and what it refers to beside it, in files whose names begin with its own. Everything is
 /// stated.
 ///
-/// Gives the files, which are to be [committed](Staged::commit), and what is not said in them as the scene has it.
+/// Returns the files, which are to be [committed](Staged::commit), and a report of where they differ from the scene.
 ///
 /// # Errors
 /// [`Error::Invalid`](crate::Error::Invalid) if one of the files exists and `replace` is false; [`Error::Io`](crate::Error::Io).
@@ -80,7 +80,7 @@ pub fn write(scene: &Scene, path: &Path, replace: bool) -> Result<(Staged, Repor
     write_with(scene, path, &WriteOptions { replace, ..WriteOptions::default() })
 }
 
-/// As [`write()`], without what was not said.
+/// As [`write()`], without what was not stated.
 ///
 /// # Errors
 /// As [`write()`].
@@ -142,7 +142,7 @@ struct Writer<'a> {
     report: Report,
 }
 
-/// A TOML string, or key: of its four kinds of strings the one that a key may be whatever stands in it.
+/// A TOML string or key: of the four kinds of strings, the one that can be a key whatever its content.
 fn quoted(text: &str) -> String {
     let mut quoted = String::from("\"");
     for c in text.chars() {
@@ -165,7 +165,7 @@ fn absolute(local_m: DVec3, origin_m: DVec3) -> String {
     list(DVec3::from_array([0, 1, 2].map(component)))
 }
 
-/// The number at or beside `near` that reading makes `wanted` of, to the last bit; `near` if there is none.
+/// The number at or next to `near` that is read as `wanted`, to the last bit; `near` if there is none.
 fn exact(near: f64, read: impl Fn(f64) -> f64, wanted: f64) -> f64 {
     let (mut below, mut above) = (near, near);
     for _ in 0..8 {
@@ -190,7 +190,7 @@ impl Writer<'_> {
         self.report.note(fate, Location::item(item), message);
     }
 
-    /// Whether an item's value is left out: nobody said it, and it is what follows without it.
+    /// Whether an item's value is left out: it was not stated, and equals its default.
     fn is_left_out(&self, item: &str, is_default: bool) -> bool {
         let is_unsaid = match &self.options.unsaid {
             Unsaid::Nothing => false,
@@ -200,7 +200,7 @@ impl Writer<'_> {
         is_unsaid && is_default
     }
 
-    /// A comment for a table that nobody gave.
+    /// A comment for a table that was not stated.
     fn comment(&self, table: &str) -> String {
         match &self.options.unsaid {
             Unsaid::Defaults(taken) => {

@@ -22,7 +22,7 @@ impl Constant<'_> {
         self.layers() * incoming
     }
 
-    /// Adds to the rows' spectra what a wavelength has in them, of this weight in its band.
+    /// Adds a wavelength's contribution to the rows' spectra, with its weight in the band.
     pub(super) fn spectra(&self, um: f64, weight: f64, incoming: &[[f64; 2]], mut add: impl FnMut(usize, f64)) {
         let base = match self.texture.map(|texture| texture.kind) {
             None | Some(TextureKind::Factor) => at(&self.material.reflectance, um),
@@ -60,7 +60,7 @@ impl Constant<'_> {
     }
 }
 
-/// BRDF, 1/sr. The angles are those of no facet in particular: it is the same at all.
+/// BRDF, 1/sr. The angles are arbitrary, since it is the same at all of them.
 fn brdf(reflectance: f64) -> f64 {
     let any = PhotometricAngles { cos_incidence: 1.0, cos_emission: 1.0, phase_rad: 0.0 };
     Brdf::Lambert { reflectance }.eval(&any)

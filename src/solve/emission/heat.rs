@@ -1,4 +1,4 @@
-//! Thermal emission: a row for each material at each temperature of a grid, or of few bands one for each.
+//! Thermal emission: a row for each material at each temperature of a grid, or, with few bands, one for each band.
 
 use super::at;
 use super::light::Fragment;
@@ -19,7 +19,7 @@ pub(super) struct Heat<'a> {
     radiance: Vec<f64>,
 }
 
-/// Whether so few bands take a row each: fewer weights than temperatures would need.
+/// Whether there are so few bands that each gets a row: that takes fewer weights than temperatures would.
 pub(super) fn has_row_per_band(bands: usize) -> bool {
     bands <= POINTS
 }
@@ -80,7 +80,7 @@ impl<'a> Heat<'a> {
         }
     }
 
-    /// The emission of a part, between some temperatures of a material of which the first is `first`.
+    /// The emission of a part, interpolated between a material's temperatures from `first` on.
     fn interpolate(&self, part: f64, first: usize, weights: &[f64; POINTS], add: &mut impl FnMut(usize, f64)) {
         if has_row_per_band(self.bands) {
             for band in 0..self.bands {

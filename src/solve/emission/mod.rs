@@ -50,7 +50,7 @@ struct OfMaterial {
 }
 
 impl<'a> Emission<'a> {
-    /// For the facets of a scene and what was solved for them, which fits the scene.
+    /// For the facets of a scene and the table solved for them, which fits the scene.
     pub fn new(scene: &'a Scene, table: &'a FacetTable) -> Self {
         let lights = SourceLight::list(&table.sources);
         let materials = &scene.body.materials;
@@ -95,13 +95,13 @@ impl<'a> Emission<'a> {
         self.rows
     }
 
-    /// The first row of what is emitted; those before it are what is reflected.
+    /// The first row of emitted radiance; those before it are reflected.
     pub fn first_thermal_row(&self) -> usize {
         self.first_thermal_row
     }
 
-    /// Adds to `add(row, weight)` what a facet sends towards the observer that sees this fragment of it; weights are those of the pixel's
-    /// mean. `texture` is what the texture of its material is there, if it has one.
+    /// Adds to `add(row, weight)` what a facet sends towards the observer that sees this fragment of it; weights are for the
+    /// pixel's mean. `texture` is its material's texture there, if it has one.
     pub fn send(&self, fragment: &Fragment, texture: Option<&Modulation>, mut add: impl FnMut(u32, f64)) {
         let material = self.scene.body.mesh.material[fragment.facet as usize].0 as usize;
         let OfMaterial { plain, textured } = self.of_material[material];
@@ -161,7 +161,7 @@ impl<'a> Emission<'a> {
         spectra
     }
 
-    /// Irradiance normal to a source's beam, W m-2 um-1, as a product: of a light, and of what becomes of it on the way.
+    /// Irradiance normal to a source's beam, W m-2 um-1, as a product of a light and of what happens to it on the way.
     fn incoming(&self, source: &Source, um: f64) -> [f64; 2] {
         let sunlight = || self.scene.sky.sun.irradiance_w_m2_um(um).unwrap_or(f64::NAN);
         match source.incoming {

@@ -3,7 +3,7 @@
 use crate::geometry::whole;
 use crate::physics::blackbody;
 
-/// Temperatures in geometric progression; what lies between is interpolated by the six nearest.
+/// Temperatures in geometric progression; values between are interpolated from the six nearest.
 ///
 /// B(l, T) is smooth in ln T: its sixth derivative is about x^6 B with x = h c / (l k T), so the error of six-point
 /// interpolation in steps d of ln T is at most 0.0049 (x d)^6 B (225/64 / 6! in the middle interval).
@@ -15,7 +15,7 @@ pub(super) struct TemperatureGrid {
 
 /// Step in ln T: 2 K at 300 K.
 const STEP: f64 = 1.0 / 150.0;
-/// Largest error of the radiance that interpolation gives, relative: 0.0049 (x d)^6, times exp(3 x d) for its growth
+/// Largest relative error of the interpolated radiance: 0.0049 (x d)^6, times exp(3 x d) for its growth
 /// over the six points; x = h c / (l k T).
 pub fn interpolation_error(lambda_um: f64, temperature_k: f64) -> f64 {
     let xd = blackbody::C2_UM_K / (lambda_um * temperature_k) * STEP;

@@ -13,6 +13,6 @@ fn find(given: &Given) -> Finding {
     let share = (ABERRATION_RAD * (1.0 + given.longest_ray_m() / given.pixel_m())).min(1.0);
     let bound = given.all_light().map(|all| 2.0 * share * all);
     let note = "directions and distances are taken as given. Apparent ones of one instant need nothing more; geometric ones are off by \
-                up to 1e-4 rad, a sixtieth of the Sun's disc: by so much shadows' edges move too";
+                up to 1e-4 rad, a sixtieth of the Sun's disc: shadow edges move by as much";
     left_out(bound, note)
 }

@@ -10,7 +10,7 @@ pub(super) const KIND: EffectKind =
 
 fn find(given: &Given) -> Finding {
     let (bound, note) = match by_mars(given.scene) {
-        None => (None, "no Mars in the scene: cannot be said"),
+        None => (None, "no Mars in the scene: not known"),
         Some(Eclipse::None) => (Some(0.0), "Mars is not in front of the Sun"),
         Some(Eclipse::Partial) => (given.all_light(), "Mars covers part of the Sun's disc: the site has less sunlight"),
         Some(Eclipse::Total) => (given.all_light(), "Mars covers the Sun: the site has no sunlight"),

@@ -8,7 +8,7 @@ use crate::spectral::Light;
 use crate::study::site::Site;
 use crate::units::{MARS_RADIUS_M, PHOBOS_ORBIT_M};
 
-/// What an image is like that bounds are relative to. It is taken from the image itself.
+/// The properties of an image that bounds are relative to, taken from the image itself.
 #[derive(Debug, Clone, Copy, Default)]
 pub(in crate::study) struct Reference {
     /// Median cosine of incidence of the sunlit pixels; `None` if nothing that is seen is lit.
@@ -71,7 +71,7 @@ impl<'a> Given<'a> {
         }
     }
 
-    /// Most that a facet sends by sunlight: reflected at normal incidence, and emitted when warmest; relative as all bounds.
+    /// The most that a facet sends because of sunlight: reflected at normal incidence, and emitted when warmest; relative as all bounds.
     pub(super) fn all_light(&self) -> Option<f64> {
         let reflected = if self.lit_um().next().is_some() { 1.0 / self.reference.cos_incidence? } else { 0.0 };
         Some(reflected + self.emitted(self.noon_k)?)

@@ -18,7 +18,7 @@ fn find(given: &Given) -> Finding {
     match given.scene.sky.mars.as_ref().map(|_| given.scene.models.mars_light) {
         Some(MarsModel::NearField) => modelled(
             bound.map(|b| b * MARS_LIGHT_ERROR),
-            "a Lambert sphere near at hand with its phase, tilt and horizon of each facet; uniform and without air: the albedo is an input",
+            "a Lambert sphere in the near field, with phase, tilt and each facet's horizon; uniform and without an atmosphere: the albedo is an input",
         ),
         Some(MarsModel::Thesis) => modelled(
             bound.map(|b| 2.0 * b),

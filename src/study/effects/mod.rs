@@ -1,4 +1,4 @@
-//! What shapes the light, modelled or not, each in a file of its own with a bound of what it costs.
+//! The effects that shape the light, modelled or not, each in a file of its own with a bound on its influence.
 //!
 //! Bounds are relative to the **median sunlit radiance**: sunlight reflected by the same material at the median incidence of
 //! the sunlit pixels, in the worst band and material. A pixel in shadow may change by more of its own radiance.
@@ -50,7 +50,7 @@ pub(super) struct EffectKind {
     equation: Option<&'static str>,
     /// What adds it to a result, if anything does.
     step: Option<&'static str>,
-    /// The light that it is in: it changes nothing in bands without that. `None`: in all.
+    /// The light that it affects: it changes nothing in bands without that. `None`: all light.
     light: Option<fn(Light) -> bool>,
     find: fn(&Given) -> Finding,
 }
@@ -79,11 +79,11 @@ pub struct Effect {
     /// What in the library adds it to a result, if anything does.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub step: Option<String>,
-    /// How it is modelled, or why it is left out, and what the bound is of.
+    /// How it is modelled, or why it is left out, and what the bound refers to.
     pub note: String,
 }
 
-/// A bound of as much as all the sunlight, or more, tells nothing apart.
+/// A bound as large as all the sunlight, or larger, distinguishes nothing.
 const USELESS: f64 = 1.0;
 
 /// All effects in a scene.

@@ -28,7 +28,7 @@ fn find(given: &Given) -> Finding {
         Thermal::Equilibrium => modelled(
             given.largest_up_to(warmest_k, |um, m, t_k| interpolation_error(um, t_k).min(1.0) * emission(m, um, t_k)),
             format!(
-                "each facet in equilibrium with what it absorbs, its lit and shaded parts apart; up to {warmest_k:.1} K. The bound is \
+                "each facet in equilibrium with what it absorbs, its lit and shaded parts separately; up to {warmest_k:.1} K. The bound is \
                      of the interpolation in temperature; see thermal inertia for the rest"
             ),
         ),

@@ -2,7 +2,7 @@
 //!
 //! A file of oracles is JSON: `{"oracles": [{"group", "name", "inputs", "expected", "unit", "tol_rel", "tol_abs", "tolerance", "source"}]}`.
 //! `expected` is a number, a fraction as text ("2663/6800"), or lists and objects of them. What an oracle asks for is
-//! told by its group, its name up to the first `(` or `=`, and its inputs; an input that is missing is looked for in the name ("rho=0.07").
+//! given by its group, its name up to the first `(` or `=`, and its inputs; an input that is missing is looked for in the name ("rho=0.07").
 
 mod closed_forms;
 mod patch;
@@ -34,7 +34,7 @@ pub enum Verdict {
 pub enum By {
     /// The functions that `simulate` goes through for the same thing.
     Simulate,
-    /// A closed form, or a slower way, that `simulate` does not go through: it says that the expected number is right,
+    /// A closed form, or a slower method, that `simulate` does not use: it confirms that the expected number is right,
     /// and nothing of `simulate`.
     Reference,
 }
@@ -112,7 +112,7 @@ const ZERO_TOLERANCE_DEG: f64 = 1.3e-6;
 /// That of other numbers: what rounding of numbers about 1 leaves of a difference.
 const ZERO_TOLERANCE: f64 = 4.0 * f64::EPSILON;
 
-/// A number to check against, as its file gives it; [`values`] is what this program says to it.
+/// A number to check against, as its file gives it; [`values`] is this program's answer.
 struct Oracle<'a> {
     group: &'a str,
     name: &'a str,
@@ -151,7 +151,7 @@ impl<'a> Oracle<'a> {
             answers.iter().filter_map(|a| Some(Answer { value: part(&a.value)?, ..a.clone() })).collect()
         };
         match expected {
-            // What nobody answers is one row, however many numbers it has.
+            // An unknown case is one row, however many numbers it has.
             Value::Array(_) | Value::Object(_) if answers.is_empty() => rows.push(self.skipped(name, None)),
             Value::Array(list) => {
                 for (i, expected) in list.iter().enumerate() {
@@ -216,7 +216,7 @@ impl<'a> Oracle<'a> {
     }
 }
 
-/// What this program says to an oracle: a number, or lists and objects of them, some of which may be missing.
+/// This program's answer to an oracle: a number, or lists and objects of them, some of which may be missing.
 #[derive(Debug, Clone)]
 struct Answer {
     by: By,

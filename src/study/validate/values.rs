@@ -42,7 +42,7 @@ impl Oracle<'_> {
         Some(self.input("d_au").or_else(in_name)? * AU_M)
     }
 
-    /// What this version says to it; nothing if it does not compute that.
+    /// This version's answer; nothing if it does not compute that.
     pub(super) fn answers(&self) -> Vec<Answer> {
         let kind = self.name.split(['(', '=']).next().unwrap_or("").trim();
         let answers = match self.group {

@@ -23,7 +23,7 @@ const DATABASES: [(OpticalKind, &str); 3] = [
     (OpticalKind::Hapke, "mmxrt_hapke.db"),
     (OpticalKind::Rpv, "mmxrt_rpv.db"),
 ];
-/// What stands for the sky where there must be a ground.
+/// The material of the ground that replaces the sky where DART requires one.
 const SKY: &str = "space";
 /// Heat below this share of reflected sunlight is left out of a band, and sunlight below this share of heat.
 const NEGLIGIBLE: f64 = 1e-6;

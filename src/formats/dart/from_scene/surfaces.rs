@@ -4,7 +4,7 @@ use crate::geometry::{Mesh, index_u32};
 
 use super::ObjectMesh;
 
-/// As many groups of an OBJ file can be told apart.
+/// An OBJ file can distinguish this many groups.
 pub(super) const GROUPS: usize = 676;
 
 /// The surface as OBJ files, each with a group for each of its materials; one file unless there are more than [`GROUPS`].
@@ -52,7 +52,7 @@ fn part(mesh: &Mesh, is_of_it: impl Fn(usize) -> bool) -> Mesh {
 ///
 /// A map of n names has a table of 16 places, doubled until n fills at most three quarters, and goes through the places h mod size.
 /// The hash of two letters, 31 a + b, grows in alphabetical order and stays below 2^16; so names whose hashes lie between
-/// two multiples of the table's size are in the same order both ways. `None` where there are not so many.
+/// two multiples of the table's size are in the same order both ways. `None` if there are not that many.
 pub fn group_names(count: usize) -> Option<Vec<String>> {
     let mut places = 16;
     while 4 * count > 3 * places {

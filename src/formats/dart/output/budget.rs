@@ -1,4 +1,4 @@
-//! The radiative budget of triangles: `triangles.txt`, which is binary, tells where they are, `RadiativeBudgetFigures.txt` of
+//! The radiative budget of triangles: `triangles.txt`, which is binary, gives their positions, `RadiativeBudgetFigures.txt` of
 //! each band what they send out.
 //!
 //! DART cuts what it reads into triangles of its own: a facet and a triangle that lie in one plane share what they have in
@@ -30,7 +30,7 @@ pub(super) const FIGURES: &str = "RadiativeBudgetFigures.txt";
 const LIMIT: u64 = 1 << 36;
 /// A triangle: 1 if it is a parallelogram, nine f64 for three corners, then 29 bytes of materials.
 const RECORD: usize = 102;
-/// DART's inputs went through f32: coordinates are known to so many of the largest one.
+/// DART's inputs went through f32: coordinates are known to this share of the largest one.
 const TOLERANCE: f64 = 4.0 / (1u64 << 24) as f64;
 /// A facet that triangles cover more often than once, by more than this share of it, is refused.
 const DOUBLED: f64 = 1e-3;
@@ -48,7 +48,7 @@ pub struct Mismatch {
     pub all_triangles_m2: f64,
 }
 
-/// What a band's figures are told in: `dart.products.RadiativeBudget.units`.
+/// The unit of a band's figures: `dart.products.RadiativeBudget.units`.
 #[derive(Debug, Clone, Copy)]
 enum Unit {
     /// Over the irradiance of the scene, W m-2 um-1, which it is multiplied by.
@@ -130,8 +130,7 @@ fn unit(
         Some("1") => Ok(Unit::Density),
         Some("2") => Ok(Unit::Power),
         Some(other) => {
-            let message =
-                format!("`{other}` is no unit of a budget that is known: 0 (relative), 1 (W/m2/um), 2 (W/um)");
+            let message = format!("`{other}` is not a known unit of a budget: 0 (relative), 1 (W/m2/um), 2 (W/um)");
             Err(Problem::new(properties.at(key), message))
         }
         None => Err(Problem::new(properties.at(key), "the unit of the radiative budget is not said")),

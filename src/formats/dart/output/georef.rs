@@ -24,7 +24,7 @@ pub(super) struct Corners {
     pub(super) rounding_m: f64,
 }
 
-/// The corners of the image whose header is `image`, with so many rows and columns, in the file that has them.
+/// The corners of the image whose header is `image`, with this many rows and columns, from the file that has them.
 ///
 /// The image's own file is taken where it is there: it has all digits.
 ///

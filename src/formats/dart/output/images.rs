@@ -29,7 +29,7 @@ pub(super) const NAME_ROUNDING_DEG: f64 = 0.05;
 /// Corners that are farther than this share of a pixel from where size and direction put them, beyond rounding, are not those
 /// of the image.
 const CORNER_TOLERANCE: f64 = 0.01;
-/// What stands for "no value".
+/// The number that means "no value".
 const NOTHING: f64 = -1.0;
 
 /// Zenith angle and azimuth of a name's `VZ=022_4_VA=090_0`, deg.
@@ -112,7 +112,7 @@ pub(super) fn map(
     Ok((map, note))
 }
 
-/// An apparent temperature is one of heat, whatever is said of the mode.
+/// An apparent temperature is of heat, whatever the mode.
 fn light(quantity: ImageQuantity, of_mode: KnownLight) -> KnownLight {
     match quantity {
         ImageQuantity::Tapp => KnownLight { heat: Some(true), ..of_mode },
@@ -137,31 +137,31 @@ fn told(name: &str, found: &Registration) -> String {
     )
 }
 
-/// That an image's outline does not tell where it lies.
+/// The note that an image's outline does not determine where it lies.
 fn unverified(name: &str, found: &Registration, is_misfit: bool) -> String {
     let axes = found.unverified_m.iter().zip(["columns", "rows"]).filter(|(far_m, _)| **far_m > 0.0);
     let far: Vec<String> = axes.map(|(far_m, axis)| format!("{far_m:.2} m along its {axis}")).collect();
     let much = if is_misfit {
         let beside = 100.0 * (1.0 - found.overlap[1]);
-        format!(", and {beside:.1} % of its texels have values though they lie beside the scene")
+        format!(", and {beside:.1} % of its texels have values although they lie outside the scene")
     } else {
         String::new()
     };
     format!(
-        "{name}: where it lies is not verified: no outline tells{much}; it may be off by up to {} (oblique images of DART-FT 5.7.4 lay up to \
+        "{name}: its position is not verified: no outline shows it{much}; it may be off by up to {} (oblique images of DART-FT 5.7.4 lay up to \
          {KNOWN_ERROR_M} m beside their printed corners); `shift_texels` in a map file places it",
         far.join(" and ")
     )
 }
 
-/// As far beside their printed corners oblique images have been found, m.
+/// The distance from their printed corners at which oblique images have been found, m.
 const KNOWN_ERROR_M: f64 = 3.6;
 
 fn misfit(found: &Registration, path: &Path) -> Error {
     let Registration { shift_texels: [columns, rows], overlap: [printed, shifted], .. } = found;
     let message = format!(
         "its outline has {:.1} % in common with the scene's where its corners put it, and {:.1} % at best, {columns:.2} columns and {rows:.2} rows \
-         beyond: below {:.0} % it is no image of this scene",
+         beyond: below {:.0} % it is not an image of this scene",
         100.0 * printed,
         100.0 * shifted,
         100.0 * LEAST_OVERLAP
@@ -173,7 +173,7 @@ fn misfit(found: &Registration, path: &Path) -> Error {
     Error::Invalid(vec![problem])
 }
 
-/// What was found; of what is wrong with it, the problems are kept.
+/// The value, if there is one; problems are collected.
 fn keep<T>(found: Result<T>, problems: &mut Vec<Problem>) -> Result<Option<T>> {
     match found {
         Ok(found) => Ok(Some(found)),
@@ -419,7 +419,7 @@ impl TexelSource for ImageTexels {
                 i % raster.columns
             ));
             let message = format!(
-                "{} is no value of an image (one of {count}): those are 0 or above and finite, {NOTHING} or NaN where there is none",
+                "{} is not a value of an image (one of {count}): those are 0 or above and finite, {NOTHING} or NaN where there is none",
                 raster.values[i]
             );
             return Err(Error::invalid(at, message));

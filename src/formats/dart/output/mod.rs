@@ -1,7 +1,7 @@
 //! What a DART simulation computed, as radiance maps of a scene: images of parallel views, and the radiative budget of
 //! triangles.
 //!
-//! `output/BANDn/{BRF,Tapp,Radiance}/ITERn/IMAGES_DART/*.mpr` are the images; `simulation.properties.txt` tells their
+//! `output/BANDn/{BRF,Tapp,Radiance}/ITERn/IMAGES_DART/*.mpr` are the images; `simulation.properties.txt` gives their
 //! directions, bands and irradiances. Axes and angles of DART end here: maps lie in the scene's local frame.
 
 mod budget;
@@ -28,7 +28,7 @@ use super::read::{self, ReadOptions};
 pub use budget::Mismatch;
 use properties::{Properties, Told};
 
-/// What DART's images hold.
+/// The quantity of DART's images.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ImageQuantity {
     /// Reflectance factor: pi times radiance over the irradiance of a horizontal plane.
@@ -117,7 +117,7 @@ pub struct OutputMapOptions {
     pub sky: SkyShare,
 }
 
-/// How an image's place is found: oblique images of DART-FT lie beside the corners that DART prints.
+/// How an image's position is found: DART-FT prints the corners of oblique images off from where they lie.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub enum RegistrationMode {
     /// By the outline of texels with a value against the scene's own; if they do not fit, it is an error.
@@ -125,11 +125,11 @@ pub enum RegistrationMode {
     Outline,
     /// As above, but what fits best is taken, however bad it is.
     Forced,
-    /// What it shows lies so many columns and rows beyond where its corners put it.
+    /// What it shows lies this many columns and rows beyond where its corners put it.
     Shifted([f64; 2]),
 }
 
-/// Finds what a simulation computed, at the path of its folder, of its `output/`, of a folder therein (a band, an iteration,
+/// Finds what a simulation computed, at the path of its folder, of its `output/`, of a folder in it (a band, an iteration,
 /// `IMAGES_DART`), or of one image: what lies there.
 ///
 /// Of several iterations that lie there `ITERX` is taken, or that with the highest number. Values are not read.
@@ -162,7 +162,7 @@ fn root(path: &Path) -> Result<PathBuf> {
         Some(folder) => Ok(folder.to_owned()),
         None => {
             let message = format!(
-                "is no output of DART: neither it, nor `output` in it, nor a folder around it holds {}",
+                "is not an output of DART: neither it, nor `output` in it, nor a folder around it holds {}",
                 properties::FILE
             );
             let help = "copy that file with the images: it tells bands, directions and irradiances";
@@ -255,7 +255,7 @@ impl Output {
         &self.passed_over
     }
 
-    /// A view as a map of a scene: an image of it, each texel at what is seen there; and what is worth knowing of its place.
+    /// A view as a map of a scene: an image of it, each texel at what is seen there; and what is worth knowing about its position.
     ///
     /// # Errors
     /// [`Error::Io`]; [`Error::Invalid`] with all that is wrong: images that are cut short, of different sizes or without
@@ -276,13 +276,13 @@ impl Output {
         images::map(view, &self.properties, pose, scene, options, watch)
     }
 
-    /// Bands whose radiative budget is told for each triangle, ascending.
+    /// Bands with a radiative budget for each triangle, ascending.
     pub fn budget(&self) -> &[OutputBand] {
         &self.budget
     }
 
     /// The radiative budget of triangles as a map of a scene: what they scatter and emit, over pi, as Lambert surfaces send it
-    /// out. A texel is a triangle; it is on all facets that it lies on, in their plane.
+    /// out. A texel is a triangle, on every facet that it overlaps in the same plane.
     ///
     /// # Errors
     /// [`Error::Io`]; [`Error::Invalid`] with all that is wrong: no budget, a number of triangles that is not the same
@@ -312,8 +312,7 @@ impl Output {
         let reading = ReadOptions::default();
         let folder = reading.folder(&simulation);
         if !folder.input.join("maket.xml").is_file() {
-            let message =
-                "where DART's scene lies in this one is not known: the simulation's `input` is not beside its `output`";
+            let message = "the position of DART's scene in this one is not known: the simulation's `input` is not next to its `output`";
             let help = "copy it there, or say in a map file where the scene's origin is: `dart = \"output\"`, `origin_in_dart_m = [6, 8, 0]`";
             return Err(Error::Invalid(vec![Problem::new(Location::file(&self.folder), message).with_help(help)]));
         }

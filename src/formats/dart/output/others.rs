@@ -1,4 +1,4 @@
-//! What a simulation's `output/` holds that is no map here: told by name, and otherwise passed over.
+//! What a simulation's `output/` holds that is no map here: listed by name, and otherwise ignored.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ use crate::error::Result;
 
 use super::{ImageQuantity, band_number, budget, names, properties};
 
-/// As many are told one by one.
+/// At most this many are listed one by one.
 const TOLD: usize = 40;
 
 /// Folders and files of an output that are not `read`, sorted; those of all bands as one. `is_wanted`: what lies in or around what is

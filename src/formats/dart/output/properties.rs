@@ -12,7 +12,7 @@ pub(super) const FILE: &str = "simulation.properties.txt";
 /// Longer files are refused, bytes: there are some hundred lines for a band and for a direction.
 const LIMIT: u64 = 1 << 30;
 
-/// What is there, or what is wrong with it.
+/// A value, or what is wrong with it.
 pub(super) type Told<T> = std::result::Result<T, Problem>;
 
 /// A simulation's properties. A key that is there twice has its last value: modules append theirs.
@@ -54,7 +54,7 @@ impl Properties {
         let Some(text) = self.text(key) else { return Ok(None) };
         match text.parse::<f64>() {
             Ok(number) if number.is_finite() => Ok(Some(number)),
-            _ => Err(Problem::new(self.at(key), format!("`{text}` is no finite number"))),
+            _ => Err(Problem::new(self.at(key), format!("`{text}` is not a finite number"))),
         }
     }
 
@@ -83,11 +83,11 @@ impl Properties {
         Ok(if width_um > 0.0 { Band::boxed(middle_um, width_um) } else { Band::new(middle_um, None) })
     }
 
-    /// The wavelength at which a band's apparent temperatures are meant, um: as DART says since 5.8, else the band's middle.
+    /// The wavelength to which a band's apparent temperatures refer, um: as DART states since 5.8, else the band's middle.
     pub(super) fn equivalent_um(&self, number: usize, band: &Band) -> Told<f64> {
         let key = format!("dart.band{number}.equivalentWavelength");
         match self.number(&key)? {
-            Some(um) if um <= 0.0 => Err(Problem::new(self.at(&key), format!("{um} um is no wavelength"))),
+            Some(um) if um <= 0.0 => Err(Problem::new(self.at(&key), format!("{um} um is not a wavelength"))),
             Some(um) => Ok(um),
             None => Ok(band.centre_um),
         }
@@ -138,7 +138,7 @@ impl Properties {
     }
 }
 
-/// An image, as the properties have it.
+/// An image, as listed in the properties.
 pub(super) struct Image {
     /// Zenith angle and azimuth of the direction from the scene to the viewer, deg.
     pub(super) towards_deg: [f64; 2],

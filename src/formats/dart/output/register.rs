@@ -9,7 +9,7 @@ use crate::progress::Watch;
 use crate::scene::Scene;
 use crate::visibility::{Drawing, Grid, View, covered};
 
-/// What an outline tells.
+/// What an outline shows.
 pub(super) enum Found {
     /// Nothing, and why.
     Nothing(&'static str),
@@ -21,11 +21,11 @@ pub(super) enum Found {
 const FARTHEST_M: f64 = 5.0;
 /// ... but no less than this and no more than that, texels.
 const FARTHEST_TEXELS: [f64; 2] = [8.0, 48.0];
-/// The scene is drawn in so many cells a texel, along each axis, ...
+/// The scene is drawn in this many cells per texel, along each axis, ...
 const FINEST: usize = 4;
 /// ... or in fewer, so that there are not more cells than this.
 const MOST_CELLS: usize = 6_000_000;
-/// A shift by up to this is none: what the outlines of texels tell is not known better.
+/// A shift up to this counts as none: outlines of texels are not more precise.
 const RESIDUAL: f64 = 0.5;
 /// Shifts by whole texels that change the misfit by less than this, texels, fit as well as the best one: no outline decides between them.
 const FLAT: f64 = 0.5;
@@ -34,7 +34,7 @@ const ROUNDING: f64 = 1e-9;
 
 /// Finds the shift by which the scene's outline, seen from where an image was, fits the texels with a value best.
 ///
-/// `valid` tells for each texel whether it has one. What is minimised is the sum over texels of (valid - covered share) squared.
+/// `valid` says for each texel whether it has one. What is minimised is the sum over texels of (valid - covered share) squared.
 ///
 /// # Errors
 /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
@@ -125,7 +125,7 @@ impl Outline {
         shift.map(|s| (s * self.fine as f64).round() as isize)
     }
 
-    /// The covered share of a texel, if what the image shows is shifted by so many cells.
+    /// The covered share of a texel, if what the image shows is shifted by this many cells.
     fn covered(&self, column: usize, row: usize, shift: [isize; 2]) -> f64 {
         let width = (self.size[0] + 2 * self.margin) * self.fine + 1;
         let first = |texel: usize, k: usize| (((texel + self.margin) * self.fine) as isize - shift[k]) as usize;

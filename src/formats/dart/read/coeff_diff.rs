@@ -25,7 +25,7 @@ pub(super) fn optical(coeff_diff: &Element, bands: usize, reading: &mut Reading)
             let named = table(element, "databaseName", "ModelName");
             let named = named.or_else(|| Some((text()?.to_owned(), String::new())));
             if named.is_none() {
-                reading.note(Fate::Dropped, element.at(), "an optical property that is no table of a database");
+                reading.note(Fate::Dropped, element.at(), "an optical property that is not a table of a database");
             }
             let (database, model) = named.unwrap_or_default();
             let transmittance = match kind {
@@ -33,7 +33,7 @@ pub(super) fn optical(coeff_diff: &Element, bands: usize, reading: &mut Reading)
                 _ => table(element, "transmittanceDatabaseName", "transmittanceModelName"),
             };
             if kind != OpticalKind::Lambertian && transmittance.is_none() {
-                reading.note(Fate::Defaulted, element.at(), "names no table of transmittance: taken is none");
+                reading.note(Fate::Defaulted, element.at(), "names no table of transmittance: none is taken");
             }
             let factors = factors(element, bands, reading);
             // Old versions have one set for all bands.

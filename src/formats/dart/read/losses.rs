@@ -1,4 +1,4 @@
-//! What inputs hold that mmxrt has no counterpart for, and what it does not know: told once for each kind.
+//! What inputs hold that mmxrt has no counterpart for, or does not know: reported once for each kind.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -14,7 +14,7 @@ struct Feature {
     section: &'static str,
     /// The element; `*` for any.
     element: &'static str,
-    /// Attributes, any of which switches it on; none if the element does by being there.
+    /// Attributes, any of which switches it on; none if the element's presence does.
     attributes: &'static [&'static str],
     /// Values that leave it off.
     off: &'static [&'static str],
@@ -36,7 +36,7 @@ const OTHER_MODE: &str = "another mode than images by sunlight and heat (Monte C
 const SPECULAR: &str = "specular reflection";
 const OTHER_OPTICS: &str = "an optical property that is neither Lambertian nor Hapke's nor RPV";
 
-/// What is told if it is in use. The same words are told once, at the first place.
+/// What is reported if it is in use. The same words are reported once, at the first place.
 const FEATURES: &[Feature] = &[
     switch("Maket", "Maket", &["dartZone"], "the part of the scene that DART would simulate: all of it is read"),
     Feature {
@@ -325,7 +325,7 @@ pub(super) const KNOWN: &[(&str, &str)] = &[
     ("AzimuthalOffset", "directionalAzimuthalOffset sunAzimuthalOffset"),
 ];
 
-/// Elements of which there may be several side by side; of all others the first is read.
+/// Elements that may appear several times; of all others only the first is read.
 pub(super) const LISTED: &[&str] = &[
     "LambertianMulti",
     "HapkeSpecularMulti",
@@ -345,10 +345,10 @@ pub(super) const LISTED: &[&str] = &[
     "Sensor",
 ];
 
-/// Names that are not known are told one by one up to this number.
+/// Names that are not known are reported one by one up to this number.
 const UNKNOWN: usize = 50;
 
-/// Notes what of the inputs is not read.
+/// Notes the parts of the inputs that are not read.
 pub(super) fn tell(inputs: &Inputs, reading: &mut Reading) {
     let known: BTreeMap<&str, &str> = KNOWN.iter().copied().collect();
     for (root, (_, name, _)) in inputs.roots.iter().zip(super::FILES) {
@@ -362,7 +362,7 @@ pub(super) fn tell(inputs: &Inputs, reading: &mut Reading) {
             in_use(section, feature, &mut told);
         }
         let mut unknown = Told::default();
-        // Sections without a counterpart are told as a whole.
+        // Sections without a counterpart are reported as a whole.
         if known.contains_key(name) {
             strangers(section, &known, &mut unknown);
         }

@@ -45,7 +45,7 @@ pub(super) fn read(maket: &Element, reading: &mut Reading) -> Maket {
     }
 }
 
-/// `caseDEM`: what the generator makes a terrain of.
+/// `caseDEM`: what the generator makes a terrain from.
 const GENERATORS: [&str; 5] = [
     "synthetic shapes",
     "a part of another raster",

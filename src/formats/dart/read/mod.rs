@@ -1,7 +1,7 @@
-//! DART's inputs read: what mmxrt understands of a simulation, and what it does not.
+//! Reading DART's inputs: what mmxrt understands of a simulation, and what it does not.
 //!
 //! Simulations of DART 5.4 to 5.11: elements are looked up by name below the section of a file, in any order, since every version moves some of
-//! them. What is not known is passed over and told.
+//! them. Unknown content is ignored and reported.
 
 mod camera;
 mod carried;
@@ -30,7 +30,7 @@ use reading::Reading;
 /// What a simulation does not say itself.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ReadOptions {
-    /// A folder of databases and other files that inputs may name, beside the simulation's own.
+    /// A folder of databases and other files that inputs may name, besides the simulation's own.
     pub database: Option<PathBuf>,
     /// Inputs may name files anywhere.
     pub allow_outside: bool,
@@ -45,7 +45,7 @@ impl ReadOptions {
     }
 }
 
-/// Pixels that a raster may be larger or smaller than the scene, but for rounding.
+/// Pixels by which a raster may be larger or smaller than the scene, apart from rounding.
 const LENIENT: f64 = 1.001;
 
 /// The input files: their names, the section each holds, and whether a simulation is read without it.
@@ -71,7 +71,7 @@ pub(super) struct Inputs {
 }
 
 impl Inputs {
-    /// Reads all that are there. Errors of all files are told together.
+    /// Reads all files that exist. The errors of all of them are reported together.
     pub(super) fn read(folder: &Folder) -> Result<Self> {
         let mut problems = Vec::new();
         let (mut roots, mut files) = (Vec::new(), Vec::new());
@@ -137,7 +137,7 @@ impl Inputs {
 
 /// Reads the inputs of a simulation, from its folder or its `input/`.
 ///
-/// The report tells what is passed over, taken as something near to it, or taken because nothing is said. OBJ files and
+/// The report lists what is ignored, approximated, or taken by default. OBJ files and
 /// databases are not opened: [`Folder::locate`] finds them.
 ///
 /// # Errors
@@ -181,7 +181,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<(Simulation, Report, V
 /// It spans the scene, with two lines and columns at least. `None` also if it is not there.
 ///
 /// # Errors
-/// [`Error::Invalid`] if it holds what is no height, or if its header gives it another extent than the scene's, by more than
+/// [`Error::Invalid`] if it holds values that are not heights, or if its header gives it another extent than the scene's, by more than
 /// a pixel; and as [`ilwis::read`].
 pub fn terrain(simulation: &Simulation, folder: &Folder) -> Result<Option<(Raster, Vec<InputFile>)>> {
     let Some(Topography { file: name, generated: _, at }) = &simulation.maket.topography else { return Ok(None) };

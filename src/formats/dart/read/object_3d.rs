@@ -99,7 +99,7 @@ fn group(element: &Element, shared: &Shared, reading: &mut Reading) -> Group {
     let optics = element.child("GroupOpticalProperties");
     let double_face = optics.is_some_and(|o| is_double(o, reading));
     let (mut front, mut behind) = (None, None);
-    // A group that DART turns into a turbid medium has no surface; that is told elsewhere.
+    // A group that DART turns into a turbid medium has no surface; that is reported elsewhere.
     if let Some(o) = optics.filter(|_| !shared.all) {
         front = match shared.optical {
             Some(object) => reading.links(object, Some(o)),

@@ -1,4 +1,4 @@
-//! What a reader of inputs has at hand: typed values of attributes, and where it says what is wrong or lost.
+//! The tools for reading inputs: typed values of attributes, and a record of what is wrong or lost.
 
 use std::collections::BTreeSet;
 use std::str::FromStr;
@@ -13,14 +13,14 @@ use super::super::folder::Folder;
 use super::super::mandatory::{self, Missing, MissingKind};
 use super::{Inputs, ReadOptions, carried};
 
-/// The state of reading one simulation. A value that cannot be used is a problem, and reading goes on with a stand-in.
+/// The state of reading one simulation. An unusable value is recorded as a problem, and reading continues with a stand-in.
 pub(super) struct Reading<'a> {
     pub(super) folder: &'a Folder,
     pub(super) options: &'a ReadOptions,
     pub(super) problems: Problems,
     pub(super) report: Report,
     pub(super) inputs: Vec<InputFile>,
-    /// Attributes whose default has been told: once for all elements of a path.
+    /// Attributes whose default has been reported: once for all elements of a path.
     defaulted: BTreeSet<String>,
 }
 
@@ -145,7 +145,7 @@ impl<'a> Reading<'a> {
         }
     }
 
-    /// Tells attributes that DART wants and that would be carried, that are not there, and of which nothing has been said.
+    /// Reports missing attributes that DART requires and that would be carried, unless already reported.
     pub(super) fn missing(&mut self, inputs: &Inputs) {
         for Missing { path, at, kind } in mandatory::missing(inputs) {
             let MissingKind::Attribute { name, places } = kind else { continue };

@@ -16,7 +16,7 @@ use super::{SceneBuilder, SceneFrame};
 
 /// The folder, in that of a simulation, of the one that is lit by Mars.
 pub(in crate::formats) const FOLDER: &str = "mars";
-/// As many differences are told.
+/// At most this many differences are reported.
 const TOLD: usize = 3;
 
 /// Whether a Mars was written beside a simulation.
