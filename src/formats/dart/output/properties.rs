@@ -118,7 +118,7 @@ impl Properties {
     }
 
     /// What is known of an image by the first part of its name.
-    pub(super) fn image(&self, prefix: &str) -> Told<Option<Image>> {
+    pub(super) fn image(&self, prefix: &str) -> Told<Option<ImageProperties>> {
         let named = |(key, (value, _)): (&String, &(String, usize))| {
             (value == prefix).then(|| key.strip_suffix(".imageNamePrefix")).flatten().map(str::to_owned)
         };
@@ -129,7 +129,7 @@ impl Properties {
                 .ok_or_else(|| Problem::new(self.at(&key), format!("the direction of {prefix} is missing")))
         };
         let is_sensor = self.text(&format!("{key}.isSensorImage")).is_some_and(|v| v != "0");
-        Ok(Some(Image { towards_deg: [angle("teta")?, angle("phi")?], is_sensor }))
+        Ok(Some(ImageProperties { towards_deg: [angle("teta")?, angle("phi")?], is_sensor }))
     }
 
     /// Height of the scene's bottom, where the ground corners of images lie, m.
@@ -139,7 +139,7 @@ impl Properties {
 }
 
 /// An image, as listed in the properties.
-pub(super) struct Image {
+pub(super) struct ImageProperties {
     /// Zenith angle and azimuth of the direction from the scene to the viewer, deg.
     pub(super) towards_deg: [f64; 2],
     /// By a camera, not a parallel view.
