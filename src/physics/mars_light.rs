@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::GaussLegendre;
 use super::mars::{Wave, common_arcs, irradiance_vector};
-use crate::geometry::Direction;
+use crate::geometry::{Direction, Vectors};
 
 /// E / (rho E_S) of [`mars::irradiance`](super::mars::irradiance) for the facets of one scene, at the cost of a few dozen multiplications.
 ///
@@ -33,6 +33,15 @@ pub struct MarsLight {
     vector: [[(f64, f64); 3]; 3],
     /// Irradiance / q^3 at (distance, half phase) = (low, low), (low, high), (high, low), (high, high), for each azimuth and tau.
     horizon: Vec<[f64; 4]>,
+}
+
+/// Mars, seen from a facet.
+struct Sight {
+    to_centre: DVec3,
+    distance_m: f64,
+    sin_radius: f64,
+    cos_tilt: f64,
+    cos_phase: f64,
 }
 
 /// Intervals of tau.
@@ -76,19 +85,13 @@ impl MarsLight {
 
     /// E / (rho E_S) on a facet at `position_m` with unit `normal`.
     pub fn irradiance(&self, position_m: DVec3, normal: DVec3) -> f64 {
-        let to_centre_m = self.centre_m - position_m;
-        let distance_m = to_centre_m.length();
-        let per_m = 1.0 / distance_m;
-        let to_centre = to_centre_m * per_m;
-        let sin_radius = self.radius_m * per_m;
-        let cos_tilt = normal.dot(to_centre);
+        let sight = self.sight(position_m, normal);
+        let Sight { to_centre, distance_m, sin_radius, cos_tilt, cos_phase } = sight;
         if cos_tilt <= -sin_radius || sin_radius >= 1.0 {
             return 0.0;
         }
-        let cos_phase = -self.sun.dot(to_centre);
         if cos_tilt >= sin_radius {
-            let (a, w) = self.vector_at(distance_m, cos_phase);
-            return (a * cos_tilt + w * normal.dot(self.sun)).max(0.0);
+            return self.of_whole_disc(&sight, normal);
         }
         let across = self.sun + cos_phase * to_centre;
         // Along the Sun's side, and square to it; both times sin(phase).
@@ -102,6 +105,43 @@ impl MarsLight {
         self.horizon_at(corner, cos_azimuth, tau) * sin_radius.powi(3)
     }
 
+    /// The same on many facets, in the length of `irradiance`.
+    pub fn irradiances(&self, positions_m: &Vectors, normals: &Vectors, irradiance: &mut [f64]) {
+        // Where the disc is whole there is nothing to decide, so that several facets are computed at once; the others are marked.
+        const OTHER: f64 = -1.0;
+        for ((position_m, normal), irradiance) in positions_m.iter().zip(normals.iter()).zip(&mut *irradiance) {
+            let sight = self.sight(position_m, normal);
+            let of_whole_disc = self.of_whole_disc(&sight, normal);
+            let is_whole = (sight.cos_tilt >= sight.sin_radius) & (sight.sin_radius < 1.0);
+            *irradiance = if is_whole { of_whole_disc } else { OTHER };
+        }
+        for (k, irradiance) in irradiance.iter_mut().enumerate().filter(|(_, irradiance)| **irradiance == OTHER) {
+            *irradiance = self.irradiance(positions_m.get(k), normals.get(k));
+        }
+    }
+
+    #[inline(always)]
+    fn sight(&self, position_m: DVec3, normal: DVec3) -> Sight {
+        let to_centre_m = self.centre_m - position_m;
+        let distance_m = to_centre_m.length();
+        let per_m = 1.0 / distance_m;
+        let to_centre = to_centre_m * per_m;
+        Sight {
+            to_centre,
+            distance_m,
+            sin_radius: self.radius_m * per_m,
+            cos_tilt: normal.dot(to_centre),
+            cos_phase: -self.sun.dot(to_centre),
+        }
+    }
+
+    #[inline(always)]
+    fn of_whole_disc(&self, sight: &Sight, normal: DVec3) -> f64 {
+        let (a, w) = self.vector_at(sight.distance_m, sight.cos_phase);
+        (a * sight.cos_tilt + w * normal.dot(self.sun)).max(0.0)
+    }
+
+    #[inline(always)]
     fn vector_at(&self, distance_m: f64, cos_phase: f64) -> (f64, f64) {
         let along = quadratic(self.distance_m.share(distance_m));
         let across = quadratic(self.cos_phase.share(cos_phase));

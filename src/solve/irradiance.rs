@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::geometry::{Facet, index_u32};
+use crate::geometry::{Vectors, index_u32};
 use crate::physics::mars_light::MarsLight;
 use crate::physics::{heat, mars, sun};
 use crate::product::{FacetTable, Sees};
@@ -44,13 +44,16 @@ struct Chunk<'a> {
     shaded_k: &'a mut [f64],
 }
 
-/// What is found of a chunk's facets on the way.
+/// What is found of a chunk's facets on the way, a column each: loops over columns compute several facets at once.
 #[derive(Default)]
 struct Work {
-    facets: Vec<(Facet, DVec3)>,
+    centroids_m: Vectors,
+    normals: Vectors,
     /// Sunlight that other bodies reflect, as irradiance, and their own heat, W m-2, each before it is absorbed.
     reflected_w_m2: Vec<f64>,
     heat_w_m2: Vec<f64>,
+    absorptance: Vec<f64>,
+    emissivity: Vec<f64>,
 }
 
 /// A source, and what is the same for all facets.
@@ -82,73 +85,89 @@ impl<'a> Prepared<'a> {
 
 impl Chunk<'_> {
     fn fill(mut self, scene: &Scene, sources: &[Prepared], sees: &[&Sees], work: &mut Work) {
-        let Work { facets, reflected_w_m2, heat_w_m2 } = work;
-        let count = self.irradiance.first().map_or(0, |column| column.len());
-        facets.clear();
-        let facet = |f| scene.body.mesh.facet(f);
-        facets.extend((self.first..self.first + count).map(facet).map(|facet| (facet, facet.normal())));
+        let Work { centroids_m, normals, reflected_w_m2, heat_w_m2, absorptance, emissivity } = work;
+        let mesh = &scene.body.mesh;
+        let chunk = self.first..self.first + self.irradiance.first().map_or(0, |column| column.len());
+        centroids_m.set(chunk.clone().map(|f| mesh.facet(f).centroid_m()));
+        normals.set(chunk.clone().map(|f| mesh.facet(f).cross_m2()));
+        normals.normalize_or_zero();
         for sums in [&mut *reflected_w_m2, &mut *heat_w_m2] {
             sums.clear();
-            sums.resize(count, 0.0);
+            sums.resize(chunk.len(), 0.0);
         }
         let sun_w_m2 = scene.sky.sun.total_irradiance_w_m2();
         for (i, ((source, sees), column)) in sources.iter().zip(sees).zip(&mut self.irradiance).enumerate() {
             match source {
                 Prepared::Beam { towards, total_w_m2 } => {
-                    let is_seen = |f: usize| match sees {
-                        Sees::Polygons(seen) => seen.shown[f] != Shown::Nothing,
-                        Sees::All | Sees::Shares(_) => true,
-                    };
-                    for (k, ((_, normal), irradiance)) in facets.iter().zip(column.iter_mut()).enumerate() {
-                        // Exact predicates found the facet lit; its rounded cosine may still be a hair below 0.
-                        let cos = if is_seen(self.first + k) { normal.dot(*towards) } else { 0.0 };
-                        *irradiance = sun::irradiance_on_facet(1.0, cos);
+                    // Exact predicates found the facet lit; its rounded cosine may still be a hair below 0.
+                    let on_facet = |normal: DVec3| sun::irradiance_on_facet(1.0, normal.dot(*towards));
+                    let rows = column.iter_mut().zip(normals.iter());
+                    match sees {
+                        Sees::Polygons(seen) => {
+                            rows.zip(&seen.shown[chunk.clone()]).for_each(|((irradiance, normal), shown)| {
+                                *irradiance = if *shown != Shown::Nothing { on_facet(normal) } else { 0.0 };
+                            });
+                        }
+                        Sees::All | Sees::Shares(_) => {
+                            rows.for_each(|(irradiance, normal)| *irradiance = on_facet(normal))
+                        }
                     }
                     // Lit and shaded states are the Sun's; of other beams facets have their share.
                     if i > 0 {
-                        for (k, (sum, irradiance)) in reflected_w_m2.iter_mut().zip(column.iter()).enumerate() {
+                        for ((sum, irradiance), f) in reflected_w_m2.iter_mut().zip(column.iter()).zip(chunk.clone()) {
                             if *irradiance > 0.0 {
-                                *sum += total_w_m2 * irradiance * share(sees, self.first + k);
+                                *sum += total_w_m2 * irradiance * share(sees, f);
                             }
                         }
                     }
                 }
                 Prepared::Sphere { mars, light, model } => {
-                    for (k, ((facet, normal), irradiance)) in facets.iter().zip(column.iter_mut()).enumerate() {
-                        let centroid_m = facet.centroid_m();
+                    if *model == MarsModel::NearField {
+                        light.irradiances(centroids_m, normals, column);
+                    }
+                    let vectors = centroids_m.iter().zip(normals.iter());
+                    let sums = reflected_w_m2.iter_mut().zip(heat_w_m2.iter_mut());
+                    for (((centroid_m, normal), irradiance), (reflected, heat)) in
+                        vectors.zip(column.iter_mut()).zip(sums)
+                    {
                         let to_mars_m = mars.centre_m - centroid_m;
                         let distance_m = to_mars_m.length();
                         let (sin_radius, cos_tilt) = (mars.radius_m / distance_m, normal.dot(to_mars_m) / distance_m);
-                        *irradiance = match model {
-                            MarsModel::NearField => light.irradiance(centroid_m, *normal),
-                            MarsModel::Thesis => mars::thesis_irradiance(1.0, 1.0, sin_radius, cos_tilt),
-                        };
+                        if *model == MarsModel::Thesis {
+                            *irradiance = mars::thesis_irradiance(1.0, 1.0, sin_radius, cos_tilt);
+                        }
                         // Sunlight that Mars reflects is taken to be of the Sun's colour.
-                        reflected_w_m2[k] += mars.bond_albedo * *irradiance * sun_w_m2;
-                        heat_w_m2[k] +=
-                            mars.thermal_exitance_w_m2 * mars::uniform_sphere_form_factor(sin_radius, cos_tilt);
+                        *reflected += mars.bond_albedo * *irradiance * sun_w_m2;
+                        *heat += mars.thermal_exitance_w_m2 * mars::uniform_sphere_form_factor(sin_radius, cos_tilt);
                     }
                 }
             }
         }
         let Some(sunlight) = self.irradiance.first() else { return };
+        let temperatures = self.lit_k.iter_mut().zip(self.shaded_k).zip(sunlight.iter());
         match scene.models.thermal {
             Thermal::Off => {}
             Thermal::Thesis => {
-                for (k, (lit_k, shaded_k)) in self.lit_k.iter_mut().zip(self.shaded_k).enumerate() {
-                    *lit_k = heat::thesis_temperature_k(sunlight[k]);
+                for ((lit_k, shaded_k), sunlight) in temperatures {
+                    *lit_k = heat::thesis_temperature_k(*sunlight);
                     *shaded_k = heat::thesis_temperature_k(0.0);
                 }
             }
             Thermal::Equilibrium => {
-                for (k, (lit_k, shaded_k)) in self.lit_k.iter_mut().zip(self.shaded_k).enumerate() {
-                    let material = scene.body.mesh.material[self.first + k].0 as usize;
-                    let material = &scene.body.materials[material];
-                    let (absorptance, emissivity) = (1.0 - material.bond_albedo, material.emissivity_bolometric);
-                    let shaded = absorptance * reflected_w_m2[k] + emissivity * heat_w_m2[k];
-                    let lit = absorptance * sun_w_m2 * sunlight[k] + shaded;
-                    *lit_k = heat::equilibrium_temperature_k(lit, emissivity);
-                    *shaded_k = heat::equilibrium_temperature_k(shaded, emissivity);
+                let materials = || mesh.material[chunk.clone()].iter().map(|m| &scene.body.materials[m.0 as usize]);
+                absorptance.clear();
+                absorptance.extend(materials().map(|material| 1.0 - material.bond_albedo));
+                emissivity.clear();
+                emissivity.extend(materials().map(|material| material.emissivity_bolometric));
+                let others = reflected_w_m2.iter().zip(heat_w_m2.iter());
+                let surface = absorptance.iter().zip(emissivity.iter());
+                for ((((lit_k, shaded_k), sunlight), (reflected, heat)), (absorptance, emissivity)) in
+                    temperatures.zip(others).zip(surface)
+                {
+                    let shaded = absorptance * reflected + emissivity * heat;
+                    let lit = absorptance * sun_w_m2 * sunlight + shaded;
+                    *lit_k = heat::equilibrium_temperature_k(lit, *emissivity);
+                    *shaded_k = heat::equilibrium_temperature_k(shaded, *emissivity);
                 }
             }
         }

@@ -4,20 +4,11 @@ use rayon::prelude::*;
 
 use super::drawing::{Drawing, Grid};
 use crate::geometry::polygon::Point;
-use crate::geometry::whole_u32;
+use crate::geometry::{GroupSizes, Groups, whole_u32};
 
-/// For every cell, row by row, the triangles that touch it, ascending.
+/// For every cell, row by row, the triangles that touch it, ascending: the lists of each stretch of triangles.
 #[derive(Debug)]
-pub(super) struct Bins {
-    pieces: Vec<Piece>,
-}
-
-/// The lists of a stretch of triangles.
-#[derive(Debug)]
-struct Piece {
-    start: Vec<usize>,
-    triangle: Vec<u32>,
-}
+pub(super) struct Bins(Vec<Groups<u32>>);
 
 /// Triangles are sorted in this many stretches, whatever the number of threads.
 const PIECES: usize = 4;
@@ -30,48 +21,31 @@ impl Bins {
         let length = triangles.div_ceil(PIECES).max(1);
         let stretches: Vec<std::ops::Range<usize>> =
             (0..PIECES).map(|i| (i * length).min(triangles)..((i + 1) * length).min(triangles)).collect();
-        Bins { pieces: stretches.into_par_iter().map(|range| Piece::new(drawing, range)).collect() }
+        Bins(stretches.into_par_iter().map(|range| sorted(drawing, range)).collect())
     }
 
     /// The triangles of a cell.
     pub(super) fn triangles(&self, cell: usize) -> impl Iterator<Item = u32> {
-        self.pieces.iter().flat_map(move |piece| piece.cell(cell)).copied()
+        self.0.iter().flat_map(move |stretch| stretch.of(cell)).copied()
     }
 
     /// Writes the triangles of a cell into `list`.
     pub(super) fn cell(&self, cell: usize, list: &mut Vec<u32>) {
         list.clear();
-        for piece in &self.pieces {
-            list.extend_from_slice(piece.cell(cell));
+        for stretch in &self.0 {
+            list.extend_from_slice(stretch.of(cell));
         }
     }
 }
 
-impl Piece {
-    fn new(drawing: &Drawing, range: std::ops::Range<usize>) -> Self {
-        let cells = drawing.grid.columns as usize * drawing.grid.rows as usize;
-        // Counted one place to the right, so that the running sum leaves each cell's start in its own place.
-        let mut start = vec![0; cells + 1];
-        for t in range.clone().map(|place| drawing.listed_at(place)) {
-            for_each_cell(drawing, t, |cell| start[cell + 1] += 1);
-        }
-        for cell in 0..cells {
-            start[cell + 1] += start[cell];
-        }
-        let mut triangle = vec![0u32; start[cells]];
-        let mut fill = start.clone();
-        for t in range.map(|place| drawing.listed_at(place)) {
-            for_each_cell(drawing, t, |cell| {
-                triangle[fill[cell]] = t;
-                fill[cell] += 1;
-            });
-        }
-        Piece { start, triangle }
-    }
-
-    fn cell(&self, cell: usize) -> &[u32] {
-        &self.triangle[self.start[cell]..self.start[cell + 1]]
-    }
+/// The lists of a stretch of triangles.
+fn sorted(drawing: &Drawing, stretch: std::ops::Range<usize>) -> Groups<u32> {
+    let mut sizes = GroupSizes::new(drawing.grid.columns as usize * drawing.grid.rows as usize);
+    let triangles = || stretch.clone().map(|place| drawing.listed_at(place));
+    triangles().for_each(|t| for_each_cell(drawing, t, |cell| sizes.count(cell)));
+    let mut lists = sizes.into_groups();
+    triangles().for_each(|t| for_each_cell(drawing, t, |cell| lists.put(cell, t)));
+    lists
 }
 
 /// Columns or rows whose inside an extent touches; empty if it lies outside.

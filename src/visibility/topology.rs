@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::coincident;
-use crate::geometry::{Mesh, index_u32, solid_angle_off_surface_sr};
+use crate::geometry::{GroupSizes, Mesh, index_u32, solid_angle_off_surface_sr};
 
 /// No facet.
 pub const NONE: u32 = u32::MAX;
@@ -45,13 +45,6 @@ pub struct Enclosure {
     pub inside: usize,
     /// Closed parts on whose surface it is, to rounding.
     pub on: usize,
-}
-
-/// One end of a matching: the larger vertex of an edge, and 4 x facet + edge.
-#[derive(Clone, Copy)]
-struct Half {
-    other: u32,
-    code: u32,
 }
 
 impl Topology {
@@ -145,55 +138,49 @@ fn join(one: (u32, bool), two: (u32, bool), neighbour: &mut [[u32; 3]], same_way
     }
 }
 
-/// Matches edges by vertex index; returns the codes of those left over.
+/// Marks the half of an edge that leads from the smaller vertex to the larger.
+const UPWARDS: u32 = 1 << 31;
+
+/// Matches edges by vertex index; returns the codes (4 x facet + edge) of those left over.
 fn match_by_index(mesh: &Mesh, neighbour: &mut [[u32; 3]], same_way: &mut Vec<[u32; 2]>) -> Vec<u32> {
-    let mut start = vec![0u32; mesh.vertices_m.len() + 1];
-    for &[a, b, c] in &mesh.facets {
-        for (p, q) in [(a, b), (b, c), (c, a)] {
-            if p != q {
-                start[p.min(q) as usize + 1] += 1;
-            }
-        }
+    let edges = |[a, b, c]: [u32; 3]| [(a, b), (b, c), (c, a)];
+    // By the smaller vertex.
+    let mut sizes = GroupSizes::new(mesh.vertices_m.len());
+    for (p, q) in mesh.facets.iter().flat_map(|facet| edges(*facet)).filter(|(p, q)| p != q) {
+        sizes.count(p.min(q) as usize);
     }
-    for i in 1..start.len() {
-        start[i] += start[i - 1];
-    }
-    let mut halves = vec![Half { other: 0, code: 0 }; start[start.len() - 1] as usize];
-    let mut fill = start.clone();
-    for (i, &[a, b, c]) in mesh.facets.iter().enumerate() {
-        for (k, (p, q)) in [(a, b), (b, c), (c, a)].into_iter().enumerate() {
-            if p != q {
-                let at = &mut fill[p.min(q) as usize];
-                // The lowest bit of the code's edge number is free at 3: direction goes into the top bit.
-                let code = index_u32(4 * i + k) | if p < q { 1 << 31 } else { 0 };
-                halves[*at as usize] = Half { other: p.max(q), code };
-                *at += 1;
-            }
+    // Of each half the larger vertex, and the code: in one number, whose order is that of both.
+    let mut halves = sizes.into_groups::<u64>();
+    for (i, facet) in mesh.facets.iter().enumerate() {
+        for (k, (p, q)) in edges(*facet).into_iter().enumerate().filter(|(_, (p, q))| p != q) {
+            let code = index_u32(4 * i + k) | if p < q { UPWARDS } else { 0 };
+            halves.put(p.min(q) as usize, u64::from(p.max(q)) << 32 | u64::from(code));
         }
     }
     let mut open = Vec::new();
+    #[expect(clippy::cast_possible_truncation, reason = "the lower half of the number is meant")]
+    let code = |half: &u64| *half as u32;
     for v in 0..mesh.vertices_m.len() {
-        let bucket = &mut halves[start[v] as usize..start[v + 1] as usize];
-        match_bucket(bucket, |h| h.other, |h| h.code, neighbour, same_way, &mut open);
+        match_halves(halves.of_mut(v), |half| half >> 32, code, neighbour, same_way, &mut open);
     }
     open
 }
 
-/// Matches the halves of a bucket that have the same key: exactly two make a pair, others stay open.
-fn match_bucket<H: Copy, K: Ord + Copy>(
-    bucket: &mut [H],
+/// Matches halves that have the same key, by which they can be sorted: exactly two make a pair, others stay open.
+fn match_halves<H: Copy + Ord, K: PartialEq>(
+    halves: &mut [H],
     key: impl Fn(&H) -> K,
     code: impl Fn(&H) -> u32,
     neighbour: &mut [[u32; 3]],
     same_way: &mut Vec<[u32; 2]>,
     open: &mut Vec<u32>,
 ) {
-    bucket.sort_unstable_by_key(|h| (key(h), code(h)));
-    let way = |c: u32| (c & !(1 << 31), c >> 31 == 1);
-    for run in bucket.chunk_by(|a, b| key(a) == key(b)) {
+    halves.sort_unstable();
+    let way = |code: u32| (code & !UPWARDS, code & UPWARDS != 0);
+    for run in halves.chunk_by(|a, b| key(a) == key(b)) {
         match run {
             [one, two] => join(way(code(one)), way(code(two)), neighbour, same_way),
-            _ => open.extend(run.iter().map(|h| code(h) & !(1 << 31))),
+            _ => open.extend(run.iter().map(|half| code(half) & !UPWARDS)),
         }
     }
 }
@@ -211,12 +198,12 @@ fn match_by_place(mesh: &Mesh, open: Vec<u32>, neighbour: &mut [[u32; 3]], same_
         .filter_map(|&code| {
             let (p, q) = ends(mesh, code);
             let (p, q) = (id(p), id(q));
-            let way = if p < q { 1 << 31 } else { 0 };
+            let way = if p < q { UPWARDS } else { 0 };
             (p != q).then_some(((p.min(q), p.max(q)), code | way))
         })
         .collect();
     let mut left = Vec::new();
-    match_bucket(&mut halves, |h| h.0, |h| h.1, neighbour, same_way, &mut left);
+    match_halves(&mut halves, |h| h.0, |h| h.1, neighbour, same_way, &mut left);
     left.sort_unstable();
     left
 }
