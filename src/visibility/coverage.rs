@@ -9,9 +9,10 @@ use rayon::prelude::*;
 use robust::{Coord, orient2d};
 
 use super::bins::Bins;
+use super::candidate::{Candidate, Contender, Plane};
 use super::drawing::{Drawing, Side};
 use super::layers::Layers;
-use super::partition::{Candidate, Ground, Partition};
+use super::partition::{Ground, Partition};
 use super::topology::NONE;
 use super::visit::Visit;
 use crate::error::Result;
@@ -50,6 +51,8 @@ pub struct Scratch<'a> {
     pulse: Pulse<'a>,
     triangles: Vec<u32>,
     candidates: Vec<Candidate>,
+    /// In the places of those candidates that are not hidden; in other places what was there before.
+    contenders: Vec<Contender>,
     list: Vec<u32>,
     stack: Vec<Part>,
     waiting: Vec<u32>,
@@ -65,6 +68,7 @@ impl<'a> Scratch<'a> {
             pulse,
             triangles: vec![],
             candidates: vec![],
+            contenders: vec![],
             list: vec![],
             stack: vec![],
             waiting: vec![],
@@ -109,7 +113,8 @@ impl<'a> Coverage<'a> {
     /// [`Error::Interrupted`](crate::Error::Interrupted) if the watch of `scratch` asks to stop.
     pub fn cell<V: Visit>(&self, column: u32, row: u32, scratch: &mut Scratch, visit: &mut V) -> Result<()> {
         let cell = row as usize * self.drawing.grid.columns as usize + column as usize;
-        let Scratch { pulse, triangles, candidates, list, stack, waiting, front, layers, partition } = scratch;
+        let Scratch { pulse, triangles, candidates, contenders, list, stack, waiting, front, layers, partition } =
+            scratch;
         self.bins.cell(cell, triangles);
         let rect = self.drawing.grid.cell(column, row);
         if self.settled[cell] {
@@ -151,7 +156,10 @@ impl<'a> Coverage<'a> {
                 }
                 !hidden
             });
-            let ground = Ground { drawing: self.drawing, rect: &rect, candidates };
+            if depth == 0 {
+                make_contenders(self.drawing, candidates, list, contenders);
+            }
+            let ground = Ground { drawing: self.drawing, rect: &rect, contenders };
             if !list.is_empty() && list.len() == front.sheet.len() {
                 list.iter().for_each(|i| visit.whole(candidates[*i as usize].triangle, &rect));
             } else if depth == DEEPEST {
@@ -159,11 +167,21 @@ impl<'a> Coverage<'a> {
                 nearest.into_iter().for_each(|i| visit.whole(candidates[*i as usize].triangle, &rect));
             } else if !front.sheet.is_empty() && layers.resolve(&ground, list, |i| front.has(i), visit) {
                 // Two layers: reported.
-            } else if list.len() <= FEW || !quarter(&rect, depth, list, candidates, waiting, stack) {
+            } else if list.len() <= FEW || !quarter(&rect, depth, list, contenders, waiting, stack) {
                 partition.resolve(&ground, list, &front.sheet, pulse, visit)?;
             }
         }
         Ok(())
+    }
+}
+
+/// Makes contenders of the candidates in `list`, in their places.
+fn make_contenders(drawing: &Drawing, candidates: &[Candidate], list: &[u32], contenders: &mut Vec<Contender>) {
+    if let (Some(first), true) = (list.first(), contenders.len() < candidates.len()) {
+        contenders.resize(candidates.len(), Contender::new(drawing, &candidates[*first as usize]));
+    }
+    for &i in list {
+        contenders[i as usize] = Contender::new(drawing, &candidates[i as usize]);
     }
 }
 
@@ -206,6 +224,8 @@ fn originals(drawing: &Drawing, triangles: &[u32]) -> Vec<bool> {
 struct Front {
     /// Candidates that cover the centre, nearest first.
     at_centre: Vec<u32>,
+    /// The same with their nearness there.
+    by_nearness: Vec<(f64, u32)>,
     /// The sheet; empty if there is none.
     sheet: Vec<u32>,
     /// For each candidate the number of the last search in which it was listed, covered the centre, and joined a sheet.
@@ -236,8 +256,14 @@ impl Front {
                 self.central[i as usize] = self.search;
             }
         }
-        let near = |i: u32| candidates[i as usize].nearness(centre);
-        self.at_centre.sort_unstable_by(|a, b| near(*b).total_cmp(&near(*a)).then(a.cmp(b)));
+        if self.at_centre.len() > 1 {
+            let plane = |i: u32| Plane::through(drawing.corners(candidates[i as usize].triangle));
+            self.by_nearness.clear();
+            self.by_nearness.extend(self.at_centre.iter().map(|i| (plane(*i).nearness(centre), *i)));
+            self.by_nearness.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+            self.at_centre.clear();
+            self.at_centre.extend(self.by_nearness.iter().map(|(_, i)| *i));
+        }
         let listing = self.search;
         for first in 0..self.at_centre.len() {
             if self.grow(rect, candidates, listing, first) {
@@ -283,7 +309,7 @@ impl Front {
                 let i = i as usize;
                 if self.listed[i] != listing {
                     // Beside the rectangle, or found hidden before the cell was quartered: then the sheet is not whole.
-                    if may_touch(&candidates[i], rect) {
+                    if candidates[i].may_touch(rect) {
                         return false;
                     }
                 } else if self.joined[i] < self.search {
@@ -326,14 +352,14 @@ fn quarter(
     rect: &Rect,
     depth: u32,
     list: &[u32],
-    candidates: &[Candidate],
+    contenders: &[Contender],
     waiting: &mut Vec<u32>,
     stack: &mut Vec<Part>,
 ) -> bool {
     let (listed, stacked) = (waiting.len(), stack.len());
     for quarter in rect.quarters() {
         let from = waiting.len();
-        waiting.extend(list.iter().copied().filter(|&i| may_touch(&candidates[i as usize], &quarter)));
+        waiting.extend(list.iter().copied().filter(|&i| contenders[i as usize].may_touch(&quarter)));
         stack.push((quarter, depth + 1, from, waiting.len()));
     }
     let times = (waiting.len() - listed) as f64 / list.len() as f64;
@@ -343,14 +369,6 @@ fn quarter(
     waiting.truncate(listed);
     stack.truncate(stacked);
     false
-}
-
-/// Whether a candidate may overlap a rectangle; errs on the side of yes.
-fn may_touch(candidate: &Candidate, rect: &Rect) -> bool {
-    if !candidate.bounds.overlaps(rect) {
-        return false;
-    }
-    candidate.sides.iter().all(|s| !s.has_on_its_right(rect))
 }
 
 /// Whether one of the sides of an outline that `open` names (bit k: from corner k on) may cross a rectangle.

@@ -3,7 +3,8 @@
 //!
 //! No partition is needed then: what the others win, pair by pair, is what the sheet loses.
 
-use super::partition::{Candidate, Cutter, Ground, Won, least_area};
+use super::candidate::Contender;
+use super::partition::{Cutter, Ground, Won, least_area};
 use super::visit::Visit;
 use crate::geometry::index_u32;
 use crate::geometry::polygon::{Point, Rect, area, clip_to_rect};
@@ -24,8 +25,9 @@ struct Hidden {
 /// Two layers in one rectangle; kept to reuse its memory.
 #[derive(Debug, Default)]
 pub(super) struct Layers {
-    sheet: Vec<u32>,
-    others: Vec<u32>,
+    /// Contenders, and their bounds: these are compared, each with each, before anything else is.
+    sheet: Vec<(u32, Rect)>,
+    others: Vec<(u32, Rect)>,
     hidden: Vec<Hidden>,
     points: Vec<Point>,
     clipped: Vec<Point>,
@@ -35,7 +37,7 @@ pub(super) struct Layers {
 }
 
 impl Layers {
-    /// Finds what is seen in the rectangle of the candidates in `list`, of which those that `in_sheet` names cover it once,
+    /// Finds what is seen in the rectangle of the contenders in `list`, of which those that `in_sheet` names cover it once,
     /// and tells `visit`; or tells nothing, if the others may overlap one another.
     pub(super) fn resolve<V: Visit>(
         &mut self,
@@ -44,11 +46,12 @@ impl Layers {
         in_sheet: impl Fn(u32) -> bool,
         visit: &mut V,
     ) -> bool {
-        let candidates = ground.candidates;
+        let contenders = ground.contenders;
         self.sheet.clear();
         self.others.clear();
         for &i in list {
-            if in_sheet(i) { self.sheet.push(i) } else { self.others.push(i) }
+            let bounds = contenders[i as usize].bounds;
+            if in_sheet(i) { self.sheet.push((i, bounds)) } else { self.others.push((i, bounds)) }
         }
         if self.others.len() * self.others.len().max(self.sheet.len()) > MANY_PAIRS || !self.are_apart(ground) {
             return false;
@@ -56,15 +59,15 @@ impl Layers {
         self.hidden.clear();
         self.points.clear();
         for k in 0..self.others.len() {
-            self.insert(ground, self.others[k], visit);
+            self.insert(ground, self.others[k].0, visit);
         }
         self.hidden.sort_unstable_by_key(|h| (h.facet, h.start));
         let mut first = 0;
-        for &i in &self.sheet {
+        for &(i, _) in &self.sheet {
             let count = self.hidden[first..].iter().take_while(|h| h.facet == i).count();
             let hidden = &self.hidden[first..first + count];
             first += count;
-            let facet = &candidates[i as usize];
+            let facet = &contenders[i as usize];
             if hidden.is_empty() || V::SIGNED {
                 visit.whole(facet.triangle, ground.rect);
                 for h in hidden {
@@ -75,7 +78,7 @@ impl Layers {
                 clip_to_rect(&facet.outline, ground.rect, &mut self.clipped, &mut self.spare);
                 self.rest.start(&self.clipped);
                 for h in hidden {
-                    self.rest.lose(ground, facet, &candidates[h.by as usize], &mut self.cutter);
+                    self.rest.lose(ground, facet, &contenders[h.by as usize], &mut self.cutter);
                 }
                 self.rest.pieces().for_each(|p| visit.piece(facet.triangle, ground.rect, p));
             }
@@ -85,15 +88,16 @@ impl Layers {
 
     /// Whether it is certain that no two of the others overlap in the rectangle.
     fn are_apart(&self, ground: &Ground) -> bool {
-        self.others.iter().enumerate().all(|(k, &i)| {
-            let one = &ground.candidates[i as usize];
-            self.others[k + 1..].iter().all(|&j| are_apart(one, &ground.candidates[j as usize], ground.rect))
+        let contender = |i: u32| &ground.contenders[i as usize];
+        self.others.iter().enumerate().all(|(k, (i, bounds))| {
+            let mut near = self.others[k + 1..].iter().filter(|(_, other)| bounds.overlaps(other));
+            near.all(|(j, _)| are_apart(contender(*i), contender(*j), ground.rect))
         })
     }
 
     /// Gives a facet what it wins of the sheet.
     fn insert(&mut self, ground: &Ground, by: u32, visit: &mut impl Visit) {
-        let other = &ground.candidates[by as usize];
+        let other = &ground.contenders[by as usize];
         let (rect, least_area) = (ground.rect, least_area(ground.rect));
         clip_to_rect(&other.outline, rect, &mut self.clipped, &mut self.spare);
         if area(&self.clipped) <= least_area {
@@ -102,9 +106,9 @@ impl Layers {
         let bounds = Rect::of(&self.clipped);
         let first = self.hidden.len();
         let mut all = true;
-        for &i in &self.sheet {
-            let facet = &ground.candidates[i as usize];
-            if !facet.bounds.overlaps(&bounds) || !self.cutter.common(&self.clipped, facet, least_area) {
+        for &(i, _) in self.sheet.iter().filter(|(_, of_facet)| of_facet.overlaps(&bounds)) {
+            let facet = &ground.contenders[i as usize];
+            if !self.cutter.common(&self.clipped, facet, least_area) {
                 continue;
             }
             let won = self.cutter.contest(ground.drawing, other, facet, least_area);
@@ -152,7 +156,7 @@ impl Rest {
     }
 
     /// Takes away what another facet wins of this one.
-    fn lose(&mut self, ground: &Ground, facet: &Candidate, other: &Candidate, cutter: &mut Cutter) {
+    fn lose(&mut self, ground: &Ground, facet: &Contender, other: &Contender, cutter: &mut Cutter) {
         let least_area = least_area(ground.rect);
         let mut i = 0;
         // Pieces that are added lie beside the other facet and need not be looked at again.
@@ -173,12 +177,8 @@ impl Rest {
     }
 }
 
-/// Whether it is certain that two candidates do not overlap in a rectangle.
-fn are_apart(one: &Candidate, two: &Candidate, rect: &Rect) -> bool {
-    let beside = |a: &Candidate, b: &Candidate| a.sides.iter().any(|s| b.outline.iter().all(|p| s.side(*p) <= 0.0));
-    !one.bounds.overlaps(&two.bounds)
-        || one.continues(two)
-        || !one.bounds.common(&two.bounds).overlaps(rect)
-        || beside(one, two)
-        || beside(two, one)
+/// Whether it is certain that two contenders whose bounds overlap do not overlap in a rectangle.
+fn are_apart(one: &Contender, two: &Contender, rect: &Rect) -> bool {
+    let beside = |a: &Contender, b: &Contender| a.sides.iter().any(|s| b.outline.iter().all(|p| s.side(*p) <= 0.0));
+    one.continues(two) || !one.bounds.common(&two.bounds).overlaps(rect) || beside(one, two) || beside(two, one)
 }

@@ -5,6 +5,7 @@
 //! is settled or resolved by [`Coverage`].
 
 mod bins;
+mod candidate;
 mod coincident;
 mod coverage;
 mod covered;

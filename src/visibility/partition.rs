@@ -4,110 +4,24 @@
 //! Against one owner the overlap is convex and nearness is affine over it, so one cut by "equal nearness" decides exactly;
 //! facets that pierce each other and cyclic overlaps need no special case. The fragments always add up to the cell.
 
+use super::candidate::Contender;
 use super::drawing::Drawing;
-use super::topology::NONE;
 use super::visit::Visit;
 use crate::error::Result;
 use crate::geometry::index_u32;
-use crate::geometry::polygon::{Line, Point, Rect, area, clip_to_rect, clip_to_sides, split};
+use crate::geometry::polygon::{Point, Rect, area, clip_to_rect, clip_to_sides, split};
 use crate::progress::Pulse;
 
 const SKY: u32 = u32::MAX;
 /// A piece below this share of the cell's area is not split off: what rounding leaves of touching facets, not a surface.
 const SLIVER: f64 = 1e-15;
-/// Forward error of a nearness, in units of eps x (magnitude of nearness + slope x magnitude of coordinates).
-const DEPTH_ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// Facets are close if nowhere one leads by more than this, in units of that error: another view may take them to be tied.
 const CLOSE: f64 = 4096.0;
 
-/// A triangle, with what its contests need: made once for a cell, however often the cell is quartered.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Candidate {
-    pub(super) triangle: u32,
-    facet: u32,
-    /// The facets that continue this one beyond its edges, and where they stand among the candidates; [`NONE`] without any.
-    continuations: [u32; 3],
-    pub(super) beside: [u32; 3],
-    /// The sides of the outline that are open, bit k for the one that starts at corner k.
-    pub(super) open: u8,
-    /// Counter-clockwise.
-    pub(super) outline: [Point; 3],
-    /// Lines along the outline, the inside on the left.
-    pub(super) sides: [Line; 3],
-    pub(super) bounds: Rect,
-    /// Greatest and least nearness of its corners.
-    pub(super) nearest: f64,
-    pub(super) farthest: f64,
-    /// Nearness is anchor[2] + slope . (p - anchor).
-    anchor: [f64; 3],
-    slope: [f64; 2],
-    /// Bound of the error of a nearness within the triangle.
-    error: f64,
-}
-
-impl Candidate {
-    pub(super) fn new(drawing: &Drawing, triangle: u32) -> Self {
-        let [magnitude_xy, magnitude_near] = drawing.magnitude();
-        let [a, b, c] = drawing.corners(triangle);
-        let (bx, by, bz) = (b[0] - a[0], b[1] - a[1], b[2] - a[2]);
-        let (cx, cy, cz) = (c[0] - a[0], c[1] - a[1], c[2] - a[2]);
-        let inverse = 1.0 / (bx * cy - by * cx);
-        let slope = [(bz * cy - cz * by) * inverse, (bx * cz - cx * bz) * inverse];
-        let size = bx.abs().max(cx.abs()).max(by.abs()).max(cy.abs());
-        let products = (bz * cy).abs() + (cz * by).abs() + (bx * cz).abs() + (cx * bz).abs();
-        let steep = slope[0].abs() + slope[1].abs();
-        let outline = drawing.outline(triangle);
-        Candidate {
-            triangle,
-            facet: drawing.facet(triangle),
-            continuations: drawing.continuations(triangle),
-            beside: [NONE; 3],
-            open: drawing.open_sides(triangle),
-            outline,
-            sides: [0, 1, 2].map(|k| Line::through(outline[k], outline[if k == 2 { 0 } else { k + 1 }])),
-            bounds: Rect::of(&outline),
-            nearest: a[2].max(b[2]).max(c[2]),
-            farthest: a[2].min(b[2]).min(c[2]),
-            anchor: a,
-            slope,
-            error: DEPTH_ROUNDING * (magnitude_near + steep * magnitude_xy + products * inverse.abs() * size),
-        }
-    }
-
-    /// Finds the continuations of each candidate among all, which stand in the order of their triangles.
-    pub(super) fn link(candidates: &mut [Candidate]) {
-        for i in 0..candidates.len() {
-            for k in 0..3 {
-                let facet = candidates[i].continuations[k];
-                // Each pair once: the later finds the earlier. A facet in one piece is a triangle of the same number.
-                if facet < candidates[i].triangle
-                    && let Ok(j) = candidates[..i].binary_search_by_key(&facet, |c| c.triangle)
-                {
-                    candidates[i].beside[k] = index_u32(j);
-                    let triangle = candidates[i].triangle;
-                    let other = &mut candidates[j];
-                    if let Some(back) = other.continuations.iter().position(|f| *f == triangle) {
-                        other.beside[back] = index_u32(i);
-                    }
-                }
-            }
-        }
-    }
-
-    pub(super) fn nearness(&self, p: Point) -> f64 {
-        self.anchor[2] + self.slope[0] * (p[0] - self.anchor[0]) + self.slope[1] * (p[1] - self.anchor[1])
-    }
-
-    /// Whether two candidates cannot overlap: one facet, or facets that share an edge and face the same way.
-    pub(super) fn continues(&self, other: &Candidate) -> bool {
-        self.facet == other.facet || self.continuations.contains(&other.facet)
-    }
-}
-
-/// A candidate's part in the rectangle at hand.
+/// A contender's part in the rectangle at hand.
 #[derive(Debug, Clone, Copy)]
 struct Share {
-    candidate: u32,
+    contender: u32,
     bounds: Rect,
     /// Greatest nearness there, with its error.
     nearest: f64,
@@ -131,11 +45,11 @@ struct Fragment {
     farthest: f64,
 }
 
-/// What is contested: a rectangle, and all that may be in it.
+/// What is contested: a rectangle, and all that may be seen in it, in the order of the cell's contenders; what stands in the places of others says nothing.
 pub(super) struct Ground<'a> {
     pub(super) drawing: &'a Drawing<'a>,
     pub(super) rect: &'a Rect,
-    pub(super) candidates: &'a [Candidate],
+    pub(super) contenders: &'a [Contender],
 }
 
 /// The partition of one rectangle; kept to reuse its memory.
@@ -148,9 +62,9 @@ pub(super) struct Partition {
 }
 
 impl Partition {
-    /// Finds what is seen in the rectangle of the candidates in `list` and tells `visit`.
+    /// Finds what is seen in the rectangle of the contenders in `list` and tells `visit`.
     ///
-    /// `sheet`: candidates that cover the rectangle once, without overlap; empty if none are known to.
+    /// `sheet`: contenders that cover the rectangle once, without overlap; empty if none are known to.
     ///
     /// # Errors
     /// [`Error::Interrupted`](crate::Error::Interrupted) if the watch of `pulse` asks to stop.
@@ -162,17 +76,17 @@ impl Partition {
         pulse: &mut Pulse,
         visit: &mut impl Visit,
     ) -> Result<()> {
-        let Ground { rect, candidates, .. } = ground;
+        let Ground { rect, contenders, .. } = ground;
         let least_area = least_area(rect);
         self.fragments.clear();
-        self.gather(rect, candidates, list, least_area);
+        self.gather(rect, contenders, list, least_area);
         if sheet.is_empty() {
             let start = index_u32(self.points.len());
             self.points.extend(rect.corners());
             let end = index_u32(self.points.len());
             self.fragments.push(Fragment { owner: SKY, start, end, bounds: **rect, farthest: f64::NEG_INFINITY });
         } else {
-            self.start_with(sheet, candidates);
+            self.start_with(sheet, contenders);
         }
         let mut next = 0;
         while next < self.shares.len() {
@@ -190,7 +104,7 @@ impl Partition {
             share.cut = true;
         }
         for share in &self.shares {
-            let triangle = candidates[share.candidate as usize].triangle;
+            let triangle = contenders[share.contender as usize].triangle;
             if share.cut {
                 visit.cut(triangle, rect);
             } else {
@@ -204,30 +118,30 @@ impl Partition {
             let owner = &self.shares[fragment.owner as usize];
             if owner.cut {
                 let polygon = &self.points[fragment.start as usize..fragment.end as usize];
-                visit.piece(candidates[owner.candidate as usize].triangle, rect, polygon);
+                visit.piece(contenders[owner.contender as usize].triangle, rect, polygon);
             }
         }
         Ok(())
     }
 
-    /// The candidates that have a share of the rectangle, nearest first.
-    fn gather(&mut self, rect: &Rect, candidates: &[Candidate], list: &[u32], least_area: f64) {
+    /// The contenders that have a share of the rectangle, nearest first.
+    fn gather(&mut self, rect: &Rect, contenders: &[Contender], list: &[u32], least_area: f64) {
         self.shares.clear();
         self.points.clear();
         let clipped = &mut self.cutter.overlap;
         for &i in list {
-            let candidate = &candidates[i as usize];
-            clip_to_rect(&candidate.outline, rect, clipped, &mut self.cutter.spare);
+            let contender = &contenders[i as usize];
+            clip_to_rect(&contender.outline, rect, clipped, &mut self.cutter.spare);
             if area(clipped) <= least_area {
                 continue;
             }
             let start = index_u32(self.points.len());
             self.points.extend_from_slice(clipped);
-            let nearest = clipped.iter().map(|p| candidate.nearness(*p)).fold(f64::NEG_INFINITY, f64::max);
+            let nearest = clipped.iter().map(|p| contender.nearness(*p)).fold(f64::NEG_INFINITY, f64::max);
             self.shares.push(Share {
-                candidate: i,
+                contender: i,
                 bounds: Rect::of(clipped),
-                nearest: nearest + candidate.error,
+                nearest: nearest + contender.error,
                 start,
                 end: index_u32(self.points.len()),
                 cut: false,
@@ -238,46 +152,46 @@ impl Partition {
     }
 
     /// Starts from a sheet: its facets are the fragments as they are, where the sky would first have to be cut up.
-    fn start_with(&mut self, sheet: &[u32], candidates: &[Candidate]) {
+    fn start_with(&mut self, sheet: &[u32], contenders: &[Contender]) {
         for i in 0..self.shares.len() {
-            let Share { candidate, start, end, bounds, .. } = self.shares[i];
-            if sheet.contains(&candidate) {
+            let Share { contender, start, end, bounds, .. } = self.shares[i];
+            if sheet.contains(&contender) {
                 self.shares[i].placed = true;
-                let farthest = self.farthest(&candidates[candidate as usize], start, end);
+                let farthest = self.farthest(&contenders[contender as usize], start, end);
                 self.fragments.push(Fragment { owner: index_u32(i), start, end, bounds, farthest });
             }
         }
     }
 
-    /// Least nearness of a candidate at some points, with its error.
-    fn farthest(&self, candidate: &Candidate, start: u32, end: u32) -> f64 {
+    /// Least nearness of a contender at some points, with its error.
+    fn farthest(&self, contender: &Contender, start: u32, end: u32) -> f64 {
         let points = &self.points[start as usize..end as usize];
-        points.iter().map(|p| candidate.nearness(*p)).fold(f64::INFINITY, f64::min) - candidate.error
+        points.iter().map(|p| contender.nearness(*p)).fold(f64::INFINITY, f64::min) - contender.error
     }
 
     /// Gives a share what it wins of the fragments that are there.
     fn insert(&mut self, ground: &Ground, new: usize, least_area: f64) {
-        let Ground { drawing, candidates, .. } = ground;
-        let Share { candidate, bounds, nearest, .. } = self.shares[new];
-        let candidate = &candidates[candidate as usize];
+        let Ground { drawing, contenders, .. } = ground;
+        let Share { contender, bounds, nearest, .. } = self.shares[new];
+        let contender = &contenders[contender as usize];
         for i in 0..self.fragments.len() {
             let fragment = self.fragments[i];
             if fragment.start == fragment.end || !fragment.bounds.overlaps(&bounds) {
                 continue;
             }
-            let owner = self.shares.get(fragment.owner as usize).map(|s| &candidates[s.candidate as usize]);
+            let owner = self.shares.get(fragment.owner as usize).map(|s| &contenders[s.contender as usize]);
             if let Some(owner) = owner
-                && (candidate.continues(owner) || (self.shares[new].cut && nearest < fragment.farthest))
+                && (contender.continues(owner) || (self.shares[new].cut && nearest < fragment.farthest))
             {
                 continue;
             }
             let polygon = &self.points[fragment.start as usize..fragment.end as usize];
-            if !self.cutter.overlap(polygon, candidate, least_area) {
+            if !self.cutter.overlap(polygon, contender, least_area) {
                 continue;
             }
             let verdict = match owner {
                 None => Won::All,
-                Some(owner) => self.cutter.contest(drawing, candidate, owner, least_area),
+                Some(owner) => self.cutter.contest(drawing, contender, owner, least_area),
             };
             if verdict != Won::All {
                 self.shares[new].cut = true;
@@ -289,7 +203,7 @@ impl Partition {
                 self.shares[fragment.owner as usize].cut = true;
             }
             self.fragments[i] = Fragment { end: fragment.start, farthest: f64::INFINITY, ..fragment };
-            self.add(index_u32(new), Some(candidate), Cut::Overlap);
+            self.add(index_u32(new), Some(contender), Cut::Overlap);
             for k in 0..self.cutter.kept_end.len() {
                 self.add(fragment.owner, owner, Cut::Kept(k));
             }
@@ -297,13 +211,13 @@ impl Partition {
     }
 
     /// Adds what the cutter has cut as a fragment.
-    fn add(&mut self, owner: u32, candidate: Option<&Candidate>, cut: Cut) {
+    fn add(&mut self, owner: u32, contender: Option<&Contender>, cut: Cut) {
         let polygon = self.cutter.polygon(cut);
         let start = index_u32(self.points.len());
         self.points.extend_from_slice(polygon);
         let end = index_u32(self.points.len());
         let bounds = Rect::of(polygon);
-        let farthest = candidate.map_or(f64::NEG_INFINITY, |c| self.farthest(c, start, end));
+        let farthest = contender.map_or(f64::NEG_INFINITY, |c| self.farthest(c, start, end));
         self.fragments.push(Fragment { owner, start, end, bounds, farthest });
     }
 }
@@ -320,7 +234,7 @@ pub(super) fn least_area(rect: &Rect) -> f64 {
     SLIVER * rect.area()
 }
 
-/// What a candidate wins of an overlap.
+/// What a contender wins of an overlap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Won {
     All,
@@ -328,13 +242,13 @@ pub(super) enum Won {
     Nothing,
 }
 
-/// Cuts a fragment into what a candidate covers and what its owner keeps.
+/// Cuts a fragment into what a contender covers and what its owner keeps.
 #[derive(Debug, Default)]
 pub(super) struct Cutter {
     overlap: Vec<Point>,
     spare: Vec<Point>,
     value: Vec<f64>,
-    /// Of each side of the candidate.
+    /// Of each side of the contender.
     distance: [Vec<f64>; 3],
     /// What the owner keeps: convex polygons, one after the other, and where each ends.
     kept: Vec<Point>,
@@ -362,23 +276,23 @@ impl Cutter {
         }
     }
 
-    /// What a candidate has won.
+    /// What a contender has won.
     pub(super) fn won(&self) -> &[Point] {
         &self.overlap
     }
 
-    /// Whether a candidate overlaps a polygon; leaves the overlap.
-    pub(super) fn common(&mut self, polygon: &[Point], candidate: &Candidate, least_area: f64) -> bool {
+    /// Whether a contender overlaps a polygon; leaves the overlap.
+    pub(super) fn common(&mut self, polygon: &[Point], contender: &Contender, least_area: f64) -> bool {
         self.kept.clear();
         self.kept_end.clear();
-        clip_to_sides(polygon, &candidate.sides, &mut self.overlap, &mut self.spare);
+        clip_to_sides(polygon, &contender.sides, &mut self.overlap, &mut self.spare);
         area(&self.overlap) > least_area
     }
 
-    /// Whether a candidate overlaps a fragment; leaves the overlap and what lies outside it.
-    pub(super) fn overlap(&mut self, polygon: &[Point], candidate: &Candidate, least_area: f64) -> bool {
+    /// Whether a contender overlaps a fragment; leaves the overlap and what lies outside it.
+    pub(super) fn overlap(&mut self, polygon: &[Point], contender: &Contender, least_area: f64) -> bool {
         let mut crosses = [false; 3];
-        for ((distance, line), crosses) in self.distance.iter_mut().zip(&candidate.sides).zip(&mut crosses) {
+        for ((distance, line), crosses) in self.distance.iter_mut().zip(&contender.sides).zip(&mut crosses) {
             let (mut some_inside, mut some_outside) = (false, false);
             distance.clear();
             distance.extend(polygon.iter().map(|p| {
@@ -399,7 +313,7 @@ impl Cutter {
         let mut whole = true;
         for k in (0..3).filter(|k| crosses[*k]) {
             if !whole {
-                let line = &candidate.sides[k];
+                let line = &contender.sides[k];
                 self.distance[k].clear();
                 self.distance[k].extend(self.overlap.iter().map(|p| line.side(*p)));
             }
@@ -418,24 +332,24 @@ impl Cutter {
         area(&self.overlap) > least_area
     }
 
-    /// Who is nearer in the overlap; where both are, in parts, the overlap is reduced to what the candidate wins.
+    /// Who is nearer in the overlap; where both are, in parts, the overlap is reduced to what the contender wins.
     pub(super) fn contest(
         &mut self,
         drawing: &Drawing,
-        candidate: &Candidate,
-        owner: &Candidate,
+        contender: &Contender,
+        owner: &Contender,
         least_area: f64,
     ) -> Won {
-        let error = candidate.error + owner.error;
+        let error = contender.error + owner.error;
         self.value.clear();
         let mut largest = 0.0_f64;
         self.value.extend(self.overlap.iter().map(|p| {
-            let lead = candidate.nearness(*p) - owner.nearness(*p);
+            let lead = contender.nearness(*p) - owner.nearness(*p);
             largest = largest.max(lead.abs());
             if lead.abs() <= error { 0.0 } else { lead }
         }));
         if largest <= CLOSE * error
-            && let Some(before) = drawing.is_before(candidate.facet, owner.facet)
+            && let Some(before) = drawing.is_before(contender.facet, owner.facet)
         {
             return if before { Won::All } else { Won::Nothing };
         }
@@ -444,7 +358,7 @@ impl Cutter {
         match (ahead, behind) {
             (true, false) => Won::All,
             (false, true) => Won::Nothing,
-            (false, false) if drawing.goes_before(candidate.facet, owner.facet) => Won::All,
+            (false, false) if drawing.goes_before(contender.facet, owner.facet) => Won::All,
             (false, false) => Won::Nothing,
             (true, true) => {
                 split(&self.overlap, &self.value, &mut self.spare, &mut self.outside);
