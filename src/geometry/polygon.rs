@@ -319,38 +319,55 @@ fn convex_outline(polygon: &[Point]) -> Vec<Point> {
     outline
 }
 
-/// The part of a convex polygon inside a rectangle, appended to nothing: `out` is cleared first.
+/// The part of a convex polygon inside a rectangle. `out` is cleared first.
 pub fn clip_to_rect(polygon: &[Point], rect: &Rect, out: &mut Vec<Point>, spare: &mut Vec<Point>) {
-    out.clear();
     let bounds = Rect::of(polygon);
-    // What one limit cuts off can only make another needless, so that the first bounds tell which are needed.
-    let limits = [
-        (0, bounds.min[0] < rect.min[0], rect.min[0], 1.0),
-        (0, bounds.max[0] > rect.max[0], rect.max[0], -1.0),
-        (1, bounds.min[1] < rect.min[1], rect.min[1], 1.0),
-        (1, bounds.max[1] > rect.max[1], rect.max[1], -1.0),
-    ];
-    let needed = limits.into_iter().filter(|l| l.1).map(|(axis, _, limit, sign)| (axis, limit, sign));
-    out.extend_from_slice(polygon);
-    for (axis, limit, sign) in needed {
-        spare.clear();
-        let Some(&last) = out.last() else { return };
-        let (mut before, mut e) = (last, sign * (last[axis] - limit));
-        for &p in out.iter() {
-            let d = sign * (p[axis] - limit);
-            if (d > 0.0 && e < 0.0) || (d < 0.0 && e > 0.0) {
-                let mut x = crossing(before, e, p, d);
-                x[axis] = limit;
-                push(spare, x);
-            }
-            if d >= 0.0 {
-                push(spare, p);
-            }
-            (before, e) = (p, d);
-        }
-        tidy(spare);
-        std::mem::swap(out, spare);
+    out.clear();
+    // What one limit cuts off can only make another needless, so that the first bounds tell which are needed. The first takes the
+    // polygon as it is.
+    let mut uncut = Some(polygon);
+    if bounds.min[0] < rect.min[0] {
+        clip_to_limit::<0, true>(uncut.take(), rect.min[0], out, spare);
     }
+    if bounds.max[0] > rect.max[0] {
+        clip_to_limit::<0, false>(uncut.take(), rect.max[0], out, spare);
+    }
+    if bounds.min[1] < rect.min[1] {
+        clip_to_limit::<1, true>(uncut.take(), rect.min[1], out, spare);
+    }
+    if bounds.max[1] > rect.max[1] {
+        clip_to_limit::<1, false>(uncut.take(), rect.max[1], out, spare);
+    }
+    out.extend_from_slice(uncut.unwrap_or_default());
+}
+
+/// Leaves in `out` the part of a polygon, or of what `out` holds, above a limit of one coordinate, or below it.
+#[inline]
+fn clip_to_limit<const AXIS: usize, const ABOVE: bool>(
+    polygon: Option<&[Point]>,
+    limit: f64,
+    out: &mut Vec<Point>,
+    spare: &mut Vec<Point>,
+) {
+    spare.clear();
+    let polygon = polygon.unwrap_or(out);
+    let Some(&last) = polygon.last() else { return };
+    let inside = |p: Point| if ABOVE { p[AXIS] - limit } else { limit - p[AXIS] };
+    let (mut before, mut e) = (last, inside(last));
+    for &p in polygon {
+        let d = inside(p);
+        if (d > 0.0 && e < 0.0) || (d < 0.0 && e > 0.0) {
+            let mut x = crossing(before, e, p, d);
+            x[AXIS] = limit;
+            push(spare, x);
+        }
+        if d >= 0.0 {
+            push(spare, p);
+        }
+        (before, e) = (p, d);
+    }
+    tidy(spare);
+    std::mem::swap(out, spare);
 }
 
 /// The part of a convex polygon to the left of some lines. `out` is cleared first.
@@ -362,16 +379,37 @@ pub fn clip_to_sides(polygon: &[Point], sides: &[Line], out: &mut Vec<Point>, sp
     }
 }
 
+/// Corners of nearly all polygons that are cut.
+const FEW_CORNERS: usize = 16;
+
 /// Leaves of a polygon what lies where `distance`, affine, is not negative.
 #[inline]
 fn cut_by(distance: impl Fn(Point) -> f64, polygon: &mut Vec<Point>, spare: &mut Vec<Point>) {
     let Some(&last) = polygon.last() else { return };
+    let (mut few, mut many) = ([0.0; FEW_CORNERS], vec![]);
+    let distances = match few.get_mut(..polygon.len()) {
+        Some(few) => few,
+        None => {
+            many.resize(polygon.len(), 0.0);
+            &mut many[..]
+        }
+    };
+    let (mut inside, mut outside) = (false, false);
+    for (d, p) in distances.iter_mut().zip(&*polygon) {
+        *d = distance(*p);
+        inside |= *d >= 0.0;
+        outside |= *d < 0.0;
+    }
+    // Most lines leave all of a polygon or nothing: then no corner moves.
+    if !inside {
+        polygon.clear();
+    }
+    if !(inside && outside) {
+        return;
+    }
     spare.clear();
-    let (mut before, mut e) = (last, distance(last));
-    let mut untouched = true;
-    for &x in polygon.iter() {
-        let d = distance(x);
-        untouched &= d >= 0.0;
+    let (mut before, mut e) = (last, distances[distances.len() - 1]);
+    for (&x, &d) in polygon.iter().zip(&*distances) {
         if (d > 0.0 && e < 0.0) || (d < 0.0 && e > 0.0) {
             push(spare, crossing(before, e, x, d));
         }
@@ -380,10 +418,8 @@ fn cut_by(distance: impl Fn(Point) -> f64, polygon: &mut Vec<Point>, spare: &mut
         }
         (before, e) = (x, d);
     }
-    if !untouched {
-        tidy(spare);
-        std::mem::swap(polygon, spare);
-    }
+    tidy(spare);
+    std::mem::swap(polygon, spare);
 }
 
 /// The common part of two convex polygons that are both counter-clockwise (x right, y up). `out` is cleared first.
