@@ -58,46 +58,48 @@ impl Window<'_> {
 /// Convex polygons on facets, in (u, v).
 #[derive(Debug)]
 pub(super) struct Polygons<'a> {
-    /// First polygon of each facet; one more element than facets.
+    /// First polygon of each [`BLOCK`] of facets, and the number of polygons as the last element.
     first: Vec<usize>,
+    /// The facet of each polygon, ascending.
+    facet: &'a [u32],
     start: &'a [usize],
     uv: &'a [Point],
 }
 
+/// Facets whose polygons are looked up together: most have none, so that a place for each would cost more memory than all polygons.
+const BLOCK: usize = 32;
+
 impl<'a> Polygons<'a> {
     /// What is lit, or seen.
-    pub(super) fn of_seen(sunlit: &'a Seen) -> Self {
-        Polygons {
-            first: first(sunlit.shown.len(), &sunlit.polygon_facet),
-            start: &sunlit.polygon_start,
-            uv: &sunlit.uv,
-        }
+    pub(super) fn of_seen(seen: &'a Seen) -> Self {
+        Self::new(seen.shown.len(), &seen.polygon_facet, &seen.polygon_start, &seen.uv)
     }
 
     /// Texels on `facets` facets.
     pub(super) fn of_patches(facets: usize, patches: &'a Patches) -> Self {
-        Polygons { first: first(facets, &patches.polygon_facet), start: &patches.polygon_start, uv: &patches.uv }
+        Self::new(facets, &patches.polygon_facet, &patches.polygon_start, &patches.uv)
+    }
+
+    fn new(facets: usize, facet: &'a [u32], start: &'a [usize], uv: &'a [Point]) -> Self {
+        let mut first = Vec::with_capacity(facets.div_ceil(BLOCK) + 1);
+        let mut at = 0;
+        for block in 0..=facets.div_ceil(BLOCK) {
+            at += facet[at..].iter().take_while(|f| (**f as usize) < block * BLOCK).count();
+            first.push(at);
+        }
+        Polygons { first, facet, start, uv }
     }
 
     fn of(&self, facet: u32) -> std::ops::Range<usize> {
-        self.first[facet as usize]..self.first[facet as usize + 1]
+        let block = facet as usize / BLOCK;
+        let (first, end) = (self.first[block], self.first[block + 1]);
+        let of_block = &self.facet[first..end];
+        first + of_block.partition_point(|f| *f < facet)..first + of_block.partition_point(|f| *f <= facet)
     }
 
     fn uv(&self, i: usize) -> &'a [Point] {
         &self.uv[self.start[i]..self.start[i + 1]]
     }
-}
-
-/// First polygon of each facet, and the number of polygons as the last element.
-fn first(facets: usize, polygon_facet: &[u32]) -> Vec<usize> {
-    let mut first = vec![0; facets + 1];
-    for f in polygon_facet {
-        first[*f as usize + 1] += 1;
-    }
-    for i in 1..first.len() {
-        first[i] += first[i - 1];
-    }
-    first
 }
 
 /// Parts in the image, and working memory.

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::{Coverage, Drawing, Grid, OnFacet, Scratch, Side, Topology, View, Visit, cells_of};
 use crate::error::Result;
 use crate::geometry::polygon::{Point, Rect, area, clip_to_rect};
-use crate::geometry::{Direction, Mesh, index_u32, whole_u32};
+use crate::geometry::{Direction, GroupSizes, Groups, Mesh, index_u32, whole_u32};
 use crate::progress::{Pulse, Watch, tell};
 
 /// So many facets share a cell of the view from afar, in the mean: fewer make more work at cell borders, more are quartered.
@@ -116,6 +116,7 @@ impl Seen {
         stage: &'static str,
         watch: Watch<'_>,
     ) -> Result<Self> {
+        tell(watch, stage, 0, 1)?;
         let cells = mesh.facets.len() as f64 / FACETS_PER_CELL;
         seen(&Drawing::from_afar(mesh, topology, towards, cells), stage, watch)
     }
@@ -132,6 +133,7 @@ impl Seen {
         stage: &'static str,
         watch: Watch<'_>,
     ) -> Result<Self> {
+        tell(watch, stage, 0, 1)?;
         let u = axis.vec();
         let (h, v) = axis.frame();
         let tangents: Vec<Point> = rays.iter().map(|r| [r.dot(h) / r.dot(u), r.dot(v) / r.dot(u)]).collect();
@@ -299,29 +301,39 @@ impl Visit for CellSight<'_> {
     }
 }
 
+/// Triangles whose entries are looked up together: most have none, so that a place for each would cost more memory than all entries.
+const BLOCK: usize = 32;
+
+/// Where the entries of each triangle are: by block, of each the triangle, its row and its number there, ascending.
+struct EntriesByTriangle(Groups<(u32, u32, u32)>);
+
+impl EntriesByTriangle {
+    fn new(triangles: usize, rows: &[Row]) -> Self {
+        let blocks = triangles.div_ceil(BLOCK);
+        let mut sizes = GroupSizes::new(blocks);
+        rows.iter().flat_map(|row| &row.entries).for_each(|entry| sizes.count(entry.triangle as usize / BLOCK));
+        let mut entries = sizes.into_groups();
+        for (r, row) in rows.iter().enumerate() {
+            for (i, Entry { triangle, .. }) in row.entries.iter().enumerate() {
+                entries.put(*triangle as usize / BLOCK, (*triangle, index_u32(r), index_u32(i)));
+            }
+        }
+        (0..blocks).for_each(|block| entries.of_mut(block).sort_unstable());
+        EntriesByTriangle(entries)
+    }
+
+    fn of(&self, triangle: u32) -> &[(u32, u32, u32)] {
+        let of_block = self.0.of(triangle as usize / BLOCK);
+        let from = of_block.partition_point(|entry| entry.0 < triangle);
+        let to = of_block.partition_point(|entry| entry.0 <= triangle);
+        &of_block[from..to]
+    }
+}
+
 /// Gathers what the cells say about each facet.
 fn assemble(drawing: &Drawing, rows: &[Row]) -> Seen {
-    // Entries by triangle: (row, entry), rows ascending.
-    let (triangles, facets) = (drawing.len(), drawing.mesh().facets.len());
-    let mut start = vec![0; triangles + 1];
-    for row in rows {
-        for e in &row.entries {
-            start[e.triangle as usize + 1] += 1;
-        }
-    }
-    for i in 0..triangles {
-        start[i + 1] += start[i];
-    }
-    let mut entry = vec![(0u32, 0u32); start[triangles]];
-    let mut fill = start.clone();
-    for (r, row) in rows.iter().enumerate() {
-        for (i, e) in row.entries.iter().enumerate() {
-            let at = &mut fill[e.triangle as usize];
-            entry[*at] = (index_u32(r), index_u32(i));
-            *at += 1;
-        }
-    }
-    drop(fill);
+    let facets = drawing.mesh().facets.len();
+    let entries = EntriesByTriangle::new(drawing.len(), rows);
     let chunk = 4096;
     let parts: Vec<Seen> = (0..facets.div_ceil(chunk))
         .into_par_iter()
@@ -329,8 +341,7 @@ fn assemble(drawing: &Drawing, rows: &[Row]) -> Seen {
             let mut part = Seen { polygon_start: vec![0], ..Seen::default() };
             let mut gather = Gather::default();
             for facet in c * chunk..((c + 1) * chunk).min(facets) {
-                let entries = |t: u32| &entry[start[t as usize]..start[t as usize + 1]];
-                gather.facet(drawing, index_u32(facet), entries, rows, &mut part);
+                gather.facet(drawing, index_u32(facet), &entries, rows, &mut part);
             }
             part
         })
@@ -358,19 +369,12 @@ struct Gather {
 }
 
 impl Gather {
-    fn facet<'e>(
-        &mut self,
-        drawing: &Drawing,
-        facet: u32,
-        entries: impl Fn(u32) -> &'e [(u32, u32)],
-        rows: &[Row],
-        out: &mut Seen,
-    ) {
+    fn facet(&mut self, drawing: &Drawing, facet: u32, entries: &EntriesByTriangle, rows: &[Row], out: &mut Seen) {
         if drawing.side(facet) != Side::Front || (!drawing.is_cut(facet) && drawing.is_edge_on(facet)) {
             out.shown.push(Shown::Nothing);
             return;
         }
-        let is_whole = !drawing.is_cut(facet) && entries(facet).is_empty();
+        let is_whole = !drawing.is_cut(facet) && entries.of(facet).is_empty();
         if is_whole && drawing.grid.bounds().contains(&Rect::of(&drawing.outline(facet))) {
             out.shown.push(Shown::Whole);
             return;
@@ -395,7 +399,7 @@ impl Gather {
                     out.polygon_start.push(out.uv.len());
                 }
             };
-            let entries = entries(triangle);
+            let entries = entries.of(triangle);
             let mut next = 0;
             // Cells without an entry are wholly seen: they are joined along their row, so that a large facet has few polygons.
             cells_of(outline, drawing.grid, |row, columns| {
@@ -408,9 +412,9 @@ impl Gather {
                         add(&self.clipped);
                     }
                 };
-                while next < entries.len() && entries[next].0 == row {
+                while next < entries.len() && entries[next].1 == row {
                     let cells = &rows[row as usize];
-                    let Entry { column, first, end, .. } = cells.entries[entries[next].1 as usize];
+                    let Entry { column, first, end, .. } = cells.entries[entries[next].2 as usize];
                     close_run(run, column, &mut add);
                     for i in first..end {
                         add(cells.polygon(i));
