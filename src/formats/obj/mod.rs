@@ -126,43 +126,58 @@ pub fn read_where(path: &Path, outside: bool) -> Result<ObjFile> {
 /// # Errors
 /// As [`read`].
 pub fn parse(
-    source: &mut dyn Read,
+    source: &mut (dyn Read + Send),
     path: &Path,
-    load_mtl: &mut dyn FnMut(&str) -> Result<Vec<ObjMaterial>>,
+    load_mtl: &mut (dyn FnMut(&str) -> Result<Vec<ObjMaterial>> + Send),
 ) -> Result<ObjFile> {
     let mut parser = Parser::new(path, load_mtl);
-    // Whole lines, a buffer at a time: the text is parsed while it is in the cache, and never all in memory.
-    let mut buffer = vec![0; BUFFER];
+    // Whole lines, a buffer at a time: the text is parsed while it is in the cache, and never all in memory; the next buffer is read, and
+    // its bytes are hashed, meanwhile.
+    let (mut text, mut next) = (vec![0; BUFFER], vec![0; BUFFER]);
     let (mut filled, mut offset) = (0, 0);
+    let mut read = fill(source, &mut text);
+    if [[0xff, 0xfe], [0xfe, 0xff]].iter().any(|mark| text.starts_with(mark)) {
+        return Err(Error::syntax(Location::file(path), "UTF-16 text: save the file as UTF-8"));
+    }
+    let mut skipped = if text.starts_with(BYTE_ORDER_MARK) { BYTE_ORDER_MARK.len() } else { 0 };
     loop {
-        let read = match source.read(&mut buffer[filled..]) {
-            Err(e) if e.kind() == io::ErrorKind::Interrupted => continue,
-            read => read.map_err(|e| Error::io(path, "reading", e))?,
+        let n = read.map_err(|e| Error::io(path, "reading", e))?;
+        let end = filled + n;
+        let whole = match n {
+            0 => end,
+            _ => memchr::memrchr(b'\n', &text[..end]).map_or(0, |i| i + 1),
         };
-        filled += read;
-        if offset == 0 && [[0xff, 0xfe], [0xfe, 0xff]].iter().any(|mark| buffer[..filled].starts_with(mark)) {
-            return Err(Error::syntax(Location::file(path), "UTF-16 text: save the file as UTF-8"));
-        }
-        if offset == 0 && buffer[..filled].starts_with(BYTE_ORDER_MARK) {
-            buffer.copy_within(BYTE_ORDER_MARK.len()..filled, 0);
-            filled -= BYTE_ORDER_MARK.len();
-        }
-        let whole = match read {
-            0 => filled,
-            _ => memchr::memrchr(b'\n', &buffer[..filled]).map_or(0, |i| i + 1),
-        };
-        parser.lines(&buffer[..whole], offset);
-        buffer.copy_within(whole..filled, 0);
-        filled -= whole;
-        offset += whole;
-        if read == 0 {
-            return parser.finish();
-        }
-        if filled == buffer.len() {
+        if n > 0 && whole == 0 && end == BUFFER {
             let message = format!("a line of more than {BUFFER} bytes: is it an OBJ file?");
             return Err(Error::syntax(Location::line(path, parser.next_line()), message));
         }
+        filled = end - whole;
+        next[..filled].copy_from_slice(&text[whole..end]);
+        let lines = &text[skipped.min(whole)..whole];
+        ((), read) = rayon::join(|| parser.lines(lines, offset), || fill(source, &mut next[filled..]));
+        if n == 0 {
+            return parser.finish();
+        }
+        offset += lines.len();
+        if whole > 0 {
+            skipped = 0;
+        }
+        std::mem::swap(&mut text, &mut next);
     }
+}
+
+/// Reads until a buffer is full or nothing more comes.
+fn fill(source: &mut dyn Read, buffer: &mut [u8]) -> io::Result<usize> {
+    let mut filled = 0;
+    while filled < buffer.len() {
+        match source.read(&mut buffer[filled..]) {
+            Ok(0) => break,
+            Ok(n) => filled += n,
+            Err(e) if e.kind() == io::ErrorKind::Interrupted => {}
+            Err(e) => return Err(e),
+        }
+    }
+    Ok(filled)
 }
 
 #[cfg(test)]

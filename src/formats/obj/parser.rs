@@ -47,7 +47,7 @@ struct Place {
 pub(super) struct Parser<'a> {
     path: PathBuf,
     /// The materials of a `mtllib` name.
-    load_mtl: &'a mut dyn FnMut(&str) -> Result<Vec<ObjMaterial>>,
+    load_mtl: &'a mut (dyn FnMut(&str) -> Result<Vec<ObjMaterial>> + Send),
     vertices: Vec<DVec3>,
     texture_vertices: Vec<[f64; 2]>,
     faces: Faces,
@@ -101,7 +101,7 @@ pub(super) struct Parser<'a> {
 }
 
 impl<'a> Parser<'a> {
-    pub(super) fn new(path: &Path, load_mtl: &'a mut dyn FnMut(&str) -> Result<Vec<ObjMaterial>>) -> Self {
+    pub(super) fn new(path: &Path, load_mtl: &'a mut (dyn FnMut(&str) -> Result<Vec<ObjMaterial>> + Send)) -> Self {
         Parser {
             path: path.to_owned(),
             load_mtl,
