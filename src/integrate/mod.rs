@@ -19,7 +19,7 @@ mod weights;
 
 use crate::error::Result;
 use crate::product::{Backplanes, FacetTable, Footprints, Slab};
-use crate::progress::Watch;
+use crate::progress::{Watch, tell};
 use crate::scene::Scene;
 use crate::solve::Emission;
 
@@ -87,6 +87,7 @@ pub fn integrate(scene: &Scene, table: &FacetTable, wanted: Wanted<'_>, watch: W
     let prepared = wanted.maps.map(|maps| maps::prepare(maps, scene, watch)).transpose()?.unwrap_or_default();
     let map_polygons: Vec<Vec<_>> =
         prepared.iter().map(|views| views.iter().map(|p| p.polygons(mesh.facets.len())).collect()).collect();
+    tell(watch, "image", 0, 1)?;
     let drawing = detector::draw(mesh, scene.body.topology(), scene.body.bounds_m(), camera);
     // Of each source that is known by parts: the Sun first.
     let lit: Vec<_> = table.sources.iter().filter_map(|lighting| lighting.seen()).collect();

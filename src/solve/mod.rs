@@ -32,6 +32,9 @@ pub fn solve(scene: &Scene, watch: Watch<'_>) -> Result<FacetTable> {
 /// As [`solve`].
 pub fn lit(scene: &Scene, watch: Watch<'_>) -> Result<FacetTable> {
     scene.simulable()?;
+    // Found here at the latest: a stage of its own, and not the first source's work.
+    tell(watch, "topology", 0, 1)?;
+    let _ = scene.body.topology();
     let facets = scene.body.mesh.facets.len();
     let lighting = |source: Source| {
         Ok(Lighting {
