@@ -159,24 +159,29 @@ impl FlatFile {
         let columns = self.flat.columns;
         let plane = rows.len() * columns;
         let step = (PIECE / (8 * columns * bands.len()).max(1)).max(1);
-        let (mut numbers, mut bytes) = (Vec::new(), Vec::new());
+        let Flat { data_type, big_endian, order, .. } = self.flat;
+        let (mut pixels, mut bytes) = (Vec::new(), Vec::new());
         for first in (0..rows.len()).step_by(step) {
             let some = first..rows.len().min(first + step);
-            numbers.clear();
-            let lines = |band: usize| &values[band * plane..][some.start * columns..some.end * columns];
-            match self.flat.order {
-                AxisOrder::BandRowColumn | AxisOrder::BandColumnRow => {
-                    (0..bands.len()).for_each(|band| numbers.extend_from_slice(lines(band)))
-                }
-                AxisOrder::RowBandColumn => some.clone().for_each(|row| {
-                    (0..bands.len())
-                        .for_each(|band| numbers.extend_from_slice(&values[band * plane + row * columns..][..columns]))
-                }),
-                AxisOrder::RowColumnBand => (some.start * columns..some.end * columns)
-                    .for_each(|pixel| numbers.extend(values[pixel..].iter().step_by(plane))),
-            }
             bytes.clear();
-            self.flat.data_type.encode(self.flat.big_endian, &numbers, &mut bytes);
+            let mut lines = |band: usize, rows: Range<usize>| {
+                let numbers = &values[band * plane..][rows.start * columns..rows.end * columns];
+                data_type.encode(big_endian, numbers, &mut bytes);
+            };
+            match order {
+                AxisOrder::BandRowColumn | AxisOrder::BandColumnRow => {
+                    (0..bands.len()).for_each(|band| lines(band, some.clone()));
+                }
+                AxisOrder::RowBandColumn => {
+                    some.clone().for_each(|row| (0..bands.len()).for_each(|band| lines(band, row..row + 1)));
+                }
+                AxisOrder::RowColumnBand => {
+                    pixels.clear();
+                    (some.start * columns..some.end * columns)
+                        .for_each(|pixel| pixels.extend(values[pixel..].iter().step_by(plane)));
+                    data_type.encode(big_endian, &pixels, &mut bytes);
+                }
+            }
             self.bytes(rows.start + some.start..rows.start + some.end, bands.clone(), &bytes)?;
         }
         Ok(())

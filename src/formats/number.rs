@@ -97,10 +97,13 @@ impl DataType {
         let is_integer = self.is_integer();
         let nearest = |v: &f64| if is_integer { v.round_ties_even() } else { *v };
         with_type!(self, T => {
+            let start = bytes.len();
+            bytes.resize(start + values.len() * size_of::<T>(), 0);
+            let (numbers, _) = bytes[start..].as_chunks_mut::<{ size_of::<T>() }>();
             if big_endian {
-                values.iter().for_each(|v| bytes.extend((nearest(v) as T).to_be_bytes()));
+                numbers.iter_mut().zip(values).for_each(|(b, v)| *b = (nearest(v) as T).to_be_bytes());
             } else {
-                values.iter().for_each(|v| bytes.extend((nearest(v) as T).to_le_bytes()));
+                numbers.iter_mut().zip(values).for_each(|(b, v)| *b = (nearest(v) as T).to_le_bytes());
             }
         });
     }

@@ -353,6 +353,16 @@ fn clip_to_limit<const AXIS: usize, const ABOVE: bool>(
     let polygon = polygon.unwrap_or(out);
     let Some(&last) = polygon.last() else { return };
     let inside = |p: Point| if ABOVE { p[AXIS] - limit } else { limit - p[AXIS] };
+    if let &[a, b, c] = polygon
+        && let Some(part) = part_of_triangle([a, b, c], [inside(a), inside(b), inside(c)], AXIS, limit)
+    {
+        out.clear();
+        match part {
+            TrianglePart::Corner(part) => out.extend_from_slice(&part),
+            TrianglePart::Side(part) => out.extend_from_slice(&part),
+        }
+        return;
+    }
     let (mut before, mut e) = (last, inside(last));
     for &p in polygon {
         let d = inside(p);
@@ -368,6 +378,43 @@ fn clip_to_limit<const AXIS: usize, const ABOVE: bool>(
     }
     tidy(spare);
     std::mem::swap(out, spare);
+}
+
+/// What a line leaves of a triangle.
+enum TrianglePart {
+    /// One corner is inside.
+    Corner([Point; 3]),
+    /// Two are.
+    Side([Point; 4]),
+}
+
+/// What a limit of one coordinate leaves of a triangle whose corners are so far inside: nearly all that is cut are triangles, and nearly
+/// all of these once. `None` where corners fall on one another or on the limit, or all of it is on one side.
+#[inline]
+fn part_of_triangle([a, b, c]: [Point; 3], [da, db, dc]: [f64; 3], axis: usize, limit: f64) -> Option<TrianglePart> {
+    if ![da, db, dc].iter().all(|d| d.abs() > 0.0) {
+        return None;
+    }
+    let meet = |p: Point, d: f64, q: Point, e: f64| {
+        let mut x = crossing(p, d, q, e);
+        x[axis] = limit;
+        x
+    };
+    let (ab, bc, ca) = (|| meet(a, da, b, db), || meet(b, db, c, dc), || meet(c, dc, a, da));
+    let part = match (da > 0.0, db > 0.0, dc > 0.0) {
+        (true, false, false) => TrianglePart::Corner([ca(), a, ab()]),
+        (false, true, false) => TrianglePart::Corner([ab(), b, bc()]),
+        (false, false, true) => TrianglePart::Corner([ca(), bc(), c]),
+        (true, true, false) => TrianglePart::Side([ca(), a, b, bc()]),
+        (false, true, true) => TrianglePart::Side([ca(), ab(), b, c]),
+        (true, false, true) => TrianglePart::Side([a, ab(), bc(), c]),
+        (true, true, true) | (false, false, false) => return None,
+    };
+    let coincide = match &part {
+        TrianglePart::Corner([p, q, r]) => p == q || q == r || r == p,
+        TrianglePart::Side([p, q, r, s]) => p == q || q == r || r == s || s == p,
+    };
+    if coincide { None } else { Some(part) }
 }
 
 /// The part of a convex polygon to the left of some lines. `out` is cleared first.
@@ -457,6 +504,36 @@ mod tests {
         let (a, m) = area_and_moment(&far);
         assert_eq!((a, m[0] / a, m[1] / a), (4.0, 1e8 + 1.0, 1.0 - 1e8));
         assert_eq!(area(&[]), 0.0);
+    }
+
+    #[test]
+    fn a_limit_cuts_a_triangle_as_it_cuts_any_polygon() {
+        let (mut out, mut spare) = (vec![], vec![]);
+        let corners = [[0.0, 0.0], [4.0, 0.0], [0.0, 4.0]];
+        // x from 1 to 9: the corner at (4, 0) is left, the cut runs from (1, 3) to (1, 0); and so on around.
+        let right = Rect { min: [1.0, -9.0], max: [9.0, 9.0] };
+        let left = Rect { min: [-9.0, -9.0], max: [1.0, 9.0] };
+        for turn in 0..3 {
+            let triangle = [0, 1, 2].map(|k: usize| corners[(k + turn) % 3]);
+            // The same outline with one corner more, on a side.
+            let polygon =
+                [triangle[0], triangle[1], triangle[2], [0, 1].map(|k| 0.5 * (triangle[0][k] + triangle[2][k]))];
+            for (rect, area_px) in [(right, 4.5), (left, 3.5)] {
+                clip_to_rect(&triangle, &rect, &mut out, &mut spare);
+                let (of_triangle, moment) = area_and_moment(&out);
+                assert_eq!((of_triangle, out.len()), (area_px, if rect == right { 3 } else { 4 }), "{turn}");
+                clip_to_rect(&polygon, &rect, &mut out, &mut spare);
+                let (of_polygon, other) = area_and_moment(&out);
+                assert_eq!(
+                    (of_triangle, moment.map(|m| (m * 1e9).round())),
+                    (of_polygon, other.map(|m| (m * 1e9).round()))
+                );
+            }
+        }
+        // Corners on the limit: all or nothing is left.
+        let beyond = Rect { min: [4.0, -9.0], max: [9.0, 9.0] };
+        clip_to_rect(&corners, &beyond, &mut out, &mut spare);
+        assert!(out.is_empty());
     }
 
     #[test]

@@ -172,19 +172,19 @@ impl<'a> Planes<'a> {
     /// Writes one pixel's values into its line of each plane.
     pub(super) fn gather(&self, pixel: &Pixel, planes: &mut [&mut [f64]]) {
         let sample = pixel.site.sample as usize;
-        let mut abundance = vec![0.0; 2 * self.entries.len()];
+        let (fixed, abundance) = planes.split_at_mut(KINDS.len());
         let coverage: f64 = pixel.entries.iter().map(|e| e.shown.area).sum();
-        let sums = (coverage > 0.0).then(|| self.sums(pixel, coverage, &mut abundance));
-        let fixed = KINDS.iter().map(|kind| sums.as_ref().map_or(f64::NAN, kind.value));
-        for (plane, value) in planes.iter_mut().zip(fixed.chain(abundance)) {
-            plane[sample] = value;
-        }
-        if sums.is_none() {
-            planes[0][sample] = coverage;
+        if coverage > 0.0 {
+            let sums = self.sums(pixel, coverage, |entry, area| abundance[entry][sample] += area);
+            fixed.iter_mut().zip(&KINDS).for_each(|(plane, kind)| plane[sample] = (kind.value)(&sums));
+        } else {
+            fixed.iter_mut().for_each(|plane| plane[sample] = f64::NAN);
+            fixed[0][sample] = coverage;
         }
     }
 
-    fn sums(&self, pixel: &Pixel, coverage: f64, abundance: &mut [f64]) -> Sums {
+    /// Adds areas, and lit areas, of dictionary entries to their planes by `add(plane, area)` on the way.
+    fn sums(&self, pixel: &Pixel, coverage: f64, mut add: impl FnMut(usize, f64)) -> Sums {
         let mesh = &self.scene.body.mesh;
         let (mut position_m, mut range_m, mut lit) = (DVec3::ZERO, 0.0, 0.0);
         let (mut local_incidence, mut local_emission) = (0.0, 0.0);
@@ -209,8 +209,8 @@ impl<'a> Planes<'a> {
                 None => *more_materials.entry(material).or_insert(0.0) += area,
             }
             for (entry, share) in &self.shares[material] {
-                abundance[2 * entry] += share * area;
-                abundance[2 * entry + 1] += share * e.lit.area;
+                add(2 * entry, share * area);
+                add(2 * entry + 1, share * e.lit.area);
             }
         }
         let most = area_of_material.iter().copied().enumerate().chain(more_materials);
