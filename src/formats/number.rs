@@ -98,7 +98,7 @@ impl DataType {
         let nearest = |v: &f64| if is_integer { v.round_ties_even() } else { *v };
         with_type!(self, T => {
             let start = bytes.len();
-            bytes.resize(start + values.len() * size_of::<T>(), 0);
+            bytes.resize(start + values.len() * self.bytes(), 0);
             let (numbers, _) = bytes[start..].as_chunks_mut::<{ size_of::<T>() }>();
             if big_endian {
                 numbers.iter_mut().zip(values).for_each(|(b, v)| *b = (nearest(v) as T).to_be_bytes());
