@@ -13,7 +13,7 @@ pub mod gltf;
 pub mod ilwis;
 mod input;
 mod key_units;
-mod length;
+mod wave_unit;
 pub mod located;
 pub mod machine;
 mod marks;

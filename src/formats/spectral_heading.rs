@@ -3,8 +3,8 @@
 //! Units stand in brackets, or behind the name: `Reflectance (percent)`, `irradiance_w_m2_nm`, `wavenumber_cm-1`. What is stated and not
 //! understood is never ignored: the numbers would be taken for others.
 
-use super::length::{self, WaveUnit};
 use super::radiance_map::unit::Unit as Dimension;
+use super::wave_unit::{self, WaveUnit};
 
 /// Quantities, and what people call them.
 const QUANTITIES: [(&str, &[&str]); 9] = [
@@ -80,7 +80,7 @@ pub(super) enum Unit {
 /// The quantity, if a heading names nothing else, or else the heading without its unit; and the unit.
 pub(super) fn of_column(cell: &str) -> (String, Unit) {
     let (outer, inner) = bracketed(cell);
-    let words = length::words(outer);
+    let words = wave_unit::words(outer);
     let named = quantities(cell);
     let is_light = named.contains(&IRRADIANCE) || (named.is_empty() && trailing_unit(cell).is_some());
     if is_light {
@@ -110,7 +110,7 @@ pub(super) fn quantities(cell: &str) -> Vec<&'static str> {
     if ["log(1/r", "log10(1/r", "log1/r", "log10(r", "log(r"].iter().any(|log| plain.contains(log)) {
         return vec![LOG];
     }
-    let words = length::words(cell);
+    let words = wave_unit::words(cell);
     let is_named = |names: &[&str]| words.iter().any(|word| names.contains(&word.as_str()));
     QUANTITIES.iter().filter(|(_, names)| is_named(names)).map(|(quantity, _)| *quantity).collect()
 }
@@ -126,7 +126,7 @@ fn bracketed(cell: &str) -> (&str, Option<&str>) {
 }
 
 fn fraction_unit(cell: &str, inner: Option<&str>) -> Unit {
-    let words = length::words(cell);
+    let words = wave_unit::words(cell);
     let has = |word: &str| words.iter().any(|w| w == word);
     let is_percent = |text: &str| HUNDRED.contains(&text.to_lowercase().as_str());
     if cell.contains('%')
@@ -166,7 +166,7 @@ fn irradiance(cell: &str, inner: Option<&str>) -> (String, Unit) {
     let behind = at.map(|at| cell[at + IRRADIANCE.len()..].trim_matches(['_', ' ', ',', ':', '-']));
     // `irradiance_sigma (W m-2 nm-1)` is another quantity.
     let is_other = |text: &str| {
-        let words = length::words(text.split(['(', '[']).next().unwrap_or_default());
+        let words = wave_unit::words(text.split(['(', '[']).next().unwrap_or_default());
         ["sigma", "std", "stdev", "error", "err", "uncertainty", "unc", "deviation"]
             .iter()
             .any(|word| words.iter().any(|w| w == word))

@@ -14,9 +14,9 @@ use crate::error::{Error, Location, Problem, Result, number};
 use crate::report::{Fate, Report};
 
 use super::input::Problems;
-use super::length::{self, WaveUnit};
 use super::spectral_heading::{Unit, WAVE_UNITS, is_of_wavelength, of_column, of_wavelength};
 use super::table::place;
+use super::wave_unit::{self, WaveUnit};
 
 /// Numbers below this are not there: the library of the US Geological Survey has -1.23e34 in deleted channels.
 pub(super) const DELETED_BELOW: f64 = -1e30;
@@ -82,7 +82,7 @@ pub(super) fn wavelengths(text: &str, path: &Path) -> Result<Vec<f64>> {
     let lines = Lines::of(text);
     let (title, values) = one_column(&lines, text, path)?;
     let values: Vec<f64> = values.iter().map(|v| v.map_or(f64::NAN, |v| v.0)).collect();
-    let words = length::words(title);
+    let words = wave_unit::words(title);
     let stated = words.iter().filter(|word| word.len() > 1).find_map(|word| WaveUnit::of(word));
     let stated = stated.or_else(|| plain_unit(&values));
     let Some(unit) = stated else {
@@ -103,7 +103,7 @@ fn plain_unit(values: &[f64]) -> Option<WaveUnit> {
 
 /// Whether a line, or its first cell, names wavelengths.
 fn names_wavelength(text: &str) -> bool {
-    is_of_wavelength(text) || length::words(text).iter().any(|word| word.starts_with("wavelen"))
+    is_of_wavelength(text) || wave_unit::words(text).iter().any(|word| word.starts_with("wavelen"))
 }
 
 /// Puts the column that names wavelengths first, wherever it stands, and takes out those that number the rows before it.

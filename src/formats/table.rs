@@ -8,7 +8,7 @@ use crate::spectral::{Column, SpectralLibrary};
 use super::dart::kind::{is_known, outside, range, same};
 use super::format::ending;
 use super::input::Problems;
-use super::length::WaveUnit;
+use super::wave_unit::WaveUnit;
 
 /// Endings of tables of text, besides `.csv`.
 const ENDINGS: [&str; 5] = ["txt", "tab", "dat", "asc", "tsv"];

@@ -1,7 +1,7 @@
 //! Which facets each pixel sees, as a product.
 
 use super::detector::draw;
-use super::lit::LitArea;
+use super::lit_area::LitArea;
 use super::parts::Polygons;
 use super::pixel::Pixel;
 use super::sweep::{Line, sweep};

@@ -7,12 +7,11 @@ mod backplanes;
 mod census;
 mod detector;
 mod footprints;
-mod lit;
+mod lit_area;
 mod maps;
 mod parts;
 mod pieces;
 mod pixel;
-mod sky;
 mod sweep;
 mod textures;
 mod weights;
@@ -25,16 +24,15 @@ use crate::solve::Emission;
 
 use backplanes::Planes;
 use census::{Census, CensusLine};
-use lit::LitArea;
-use maps::{Looker, MapLine};
+use lit_area::LitArea;
+use maps::{MapLine, PixelTexels};
 use parts::Polygons;
 use pixel::Pixel;
 use weights::{WeightLine, Weights};
 
 pub use backplanes::plane_count;
 pub use footprints::footprints;
-pub use maps::{Choice, MapImage, MapView, Maps, Unknown, meets};
-pub use sky::texels_seen;
+pub use maps::{Choice, MapImage, MapView, Maps, Unknown, meets, texels_seen};
 
 /// What a camera sees.
 #[derive(Debug, Clone, PartialEq)]
@@ -107,22 +105,22 @@ pub fn integrate(scene: &Scene, table: &FacetTable, wanted: Wanted<'_>, watch: W
     let start = || {
         let mut pixel = Pixel::new(&drawing, lights().collect());
         pixel.pieces.are_kept = wanted.maps.is_some() || !scene.body.textures.is_empty();
-        let looker = wanted.maps.map(|maps| Looker::new(scene, &drawing, maps, &prepared, &map_polygons));
-        (pixel, Weights::new(scene, &drawing, &emission), looker)
+        let map_texels = wanted.maps.map(|maps| PixelTexels::new(scene, &drawing, maps, &prepared, &map_polygons));
+        (pixel, Weights::new(scene, &drawing, &emission), map_texels)
     };
-    let look = |(pixel, weights, looker): &mut (Pixel, Weights, Option<Looker>),
+    let look = |(pixel, weights, map_texels): &mut (Pixel, Weights, Option<PixelTexels>),
                 line: &mut sweep::Line,
                 mut planes_part: Vec<&mut [f64]>| {
         let (mut gathered, row) = (Gathered::default(), line.row);
         weights.new_line(row);
-        if let Some(looker) = looker {
-            gathered.maps = looker.new_line(row);
+        if let Some(map_texels) = map_texels {
+            gathered.maps = map_texels.new_line(row);
         }
         line.each(pixel, |pixel| {
             census.gather(pixel, &mut gathered.census);
             pixel.sort_pieces();
-            if let Some(looker) = looker {
-                looker.gather(pixel, &mut gathered.maps, |entry, area, lit| weights.add(entry, area, lit));
+            if let Some(map_texels) = map_texels {
+                map_texels.gather(pixel, &mut gathered.maps, |entry, area, lit| weights.add(entry, area, lit));
             }
             if wanted.maps.is_none_or(|maps| maps.adds_solved) {
                 weights.gather(pixel);

@@ -5,7 +5,7 @@ use crate::geometry::polygon::{Point, Rect, area, area_and_moment, clip_to_rect,
 use crate::visibility::{Drawing, Scratch, Side, Visit};
 
 use super::detector::PixelSite;
-use super::lit::{LitArea, around};
+use super::lit_area::{LitArea, around};
 use super::parts::Window;
 use super::pieces::Pieces;
 use crate::solve::ImagePart;

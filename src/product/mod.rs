@@ -1,7 +1,7 @@
 //! What is computed, here or elsewhere: facet tables, radiance maps, footprints, cubes, backplanes.
 
 mod added;
-mod backplanes;
+mod planes;
 mod cube;
 mod facet_table;
 mod filling;
@@ -11,11 +11,11 @@ mod shown_bands;
 mod texel_weights;
 
 pub use added::Added;
-pub use backplanes::{Backplanes, Plane};
 pub use cube::{Cube, CubeAxes, Slab};
 pub use facet_table::{FacetTable, Lighting, Sees};
 pub use filling::Filling;
 pub use footprints::Footprints;
+pub use planes::{Backplanes, Plane};
 pub use radiance_map::{Atlas, Patches, Placement, RadianceMap, Registration, SkyShare, TexelSource, ViewImage};
 pub use shown_bands::ShownBands;
 pub use texel_weights::{TexelLine, TexelWeights};

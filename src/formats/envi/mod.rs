@@ -1,21 +1,21 @@
 //! ENVI: a file of numbers and a text header beside it. Cubes and backplanes are written; any header can be inspected.
 
-mod header;
-mod header_text;
+mod read_header;
+mod write_header;
 mod pair;
 mod statistics;
 mod write;
 
-pub use self::header::{Header, parse_header, read_header};
 pub use self::pair::pair;
+pub use self::read_header::{Header, parse_header, read_header};
 pub use self::statistics::{BandStatistics, statistics};
 pub use self::write::{EnviCube, write_backplanes, write_cube};
 pub use super::number::DataType;
 
-pub(super) use self::header::{KEYS, Scale};
-pub(super) use self::header_text::{HeaderText, plain};
 pub(super) use self::pair::{ENDINGS, header_of};
+pub(super) use self::read_header::{KEYS, Scale};
 pub(super) use self::write::{SoFar, stream_lines_f32};
+pub(super) use self::write_header::{HeaderText, plain};
 
 /// Order of the numbers in the file, slowest index first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use super::header_text::{HeaderText, plain};
+use super::write_header::{HeaderText, plain};
 use super::{Interleave, Precision};
 use crate::error::{Error, Location, Result};
 use crate::formats::flat::{AxisOrder, Flat, FlatFile};

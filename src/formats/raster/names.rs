@@ -3,7 +3,7 @@
 //! OpenEXR keeps channels in the alphabetical order of their names: B before G before R, `1000nm` before `900nm`. Which band is which
 //! only the names tell.
 
-use crate::formats::length::WaveUnit;
+use crate::formats::wave_unit::WaveUnit;
 
 /// What orders bands that belong together, best first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

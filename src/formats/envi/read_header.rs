@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use super::{CODES, DataType, Interleave, SPECTRAL_LIBRARY};
 use crate::error::{Error, Location, Problem, Result};
 use crate::formats::input;
-use crate::formats::length::WaveUnit;
 use crate::formats::spelling;
+use crate::formats::wave_unit::WaveUnit;
 use crate::report::{Fate, Report};
 
 /// Value = (number x gain + offset) / divisor.

@@ -34,13 +34,13 @@ pub(in crate::integrate) struct MapLine {
 }
 
 /// Looks maps up, pixel by pixel.
-pub(in crate::integrate) struct Looker<'a> {
+pub(in crate::integrate) struct PixelTexels<'a> {
     scene: &'a Scene,
     terms: Vec<Vec<Lookup<'a>>>,
     together: Together,
     choice: Choice,
     unknown: Unknown,
-    /// Of the entry at hand: see [`Looker::measure_angles`] and [`measure_shares`].
+    /// Of the entry at hand: see [`PixelTexels::measure_angles`] and [`measure_shares`].
     angles: Vec<Vec<f64>>,
     shares: Vec<f64>,
     /// Lit area of the entry at hand that no map knows, for each source known by parts.
@@ -48,7 +48,7 @@ pub(in crate::integrate) struct Looker<'a> {
     parts: Vec<ImagePart>,
 }
 
-impl<'a> Looker<'a> {
+impl<'a> PixelTexels<'a> {
     pub(in crate::integrate) fn new(
         scene: &'a Scene,
         drawing: &'a Drawing<'a>,
@@ -65,7 +65,7 @@ impl<'a> Looker<'a> {
         let terms: Vec<Vec<Lookup>> = prepared.iter().zip(polygons).map(lookups).collect();
         let angles = terms.iter().map(|views| vec![f64::NAN; views.len()]).collect();
         let (together, choice, unknown) = (Together::default(), maps.choice, maps.unknown);
-        Looker { scene, terms, together, choice, unknown, angles, shares: vec![], lit_rest: vec![], parts: vec![] }
+        PixelTexels { scene, terms, together, choice, unknown, angles, shares: vec![], lit_rest: vec![], parts: vec![] }
     }
 
     pub(in crate::integrate) fn new_line(&mut self, row: u32) -> MapLine {
