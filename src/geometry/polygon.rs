@@ -351,7 +351,7 @@ pub fn clip_to_rect(polygon: &[Point], rect: &Rect, out: &mut Vec<Point>, spare:
     out.extend_from_slice(uncut.unwrap_or_default());
 }
 
-/// Leaves in `out` the part of a polygon, or of what `out` holds, above a limit of one coordinate, or below it.
+/// Leaves in `out` the part of `polygon`, or else of what `out` holds, where the coordinate `AXIS` is at least `limit`; at most, if not `ABOVE`.
 #[inline]
 fn clip_to_limit<const AXIS: usize, const ABOVE: bool>(
     polygon: Option<&[Point]>,
@@ -394,12 +394,12 @@ fn clip_to_limit<const AXIS: usize, const ABOVE: bool>(
 enum TrianglePart {
     /// One corner is inside.
     Corner([Point; 3]),
-    /// Two are.
+    /// Two corners are inside.
     Side([Point; 4]),
 }
 
-/// What a limit of one coordinate leaves of a triangle whose corners are so far inside: nearly all that is cut are triangles, and nearly
-/// all of these once. `None` where corners fall on one another or on the limit, or all of it is on one side.
+/// What a limit of one coordinate leaves of a triangle whose corners lie at these distances inside it: nearly everything that is cut is a
+/// triangle, and cut once. `None` if corners coincide or lie on the limit, or if the limit does not cut it.
 #[inline]
 fn part_of_triangle([a, b, c]: [Point; 3], [da, db, dc]: [f64; 3], axis: usize, limit: f64) -> Option<TrianglePart> {
     if ![da, db, dc].iter().all(|d| d.abs() > 0.0) {
@@ -436,7 +436,7 @@ pub fn clip_to_sides(polygon: &[Point], sides: &[Line], out: &mut Vec<Point>, sp
     }
 }
 
-/// Corners of nearly all polygons that are cut.
+/// Nearly all polygons that are cut have at most this many corners.
 const FEW_CORNERS: usize = 16;
 
 /// Leaves of a polygon what lies where `distance`, affine, is not negative.
@@ -454,8 +454,9 @@ fn cut_by(distance: impl Fn(Point) -> f64, polygon: &mut Vec<Point>, spare: &mut
     let (mut inside, mut outside) = (false, false);
     for (d, p) in distances.iter_mut().zip(&*polygon) {
         *d = distance(*p);
-        inside |= *d >= 0.0;
-        outside |= *d < 0.0;
+        let is_inside = *d >= 0.0;
+        inside |= is_inside;
+        outside |= !is_inside;
     }
     // Most lines leave all of a polygon or nothing: then no corner moves.
     if !inside {
