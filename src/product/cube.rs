@@ -154,7 +154,7 @@ impl Slab {
     pub(super) fn problems(&self, pixels: usize) -> Vec<String> {
         let Slab { bands, row_start, row, weight, spectra, added, .. } = self;
         let mut problems = Vec::new();
-        let is_listed = row_start.len() == pixels + 1
+        let is_listed = row_start.len().checked_sub(1) == Some(pixels)
             && row_start.first() == Some(&0)
             && row_start.last() == Some(&row.len())
             && row_start.is_sorted();

@@ -248,6 +248,8 @@ fn damaged_slabs_are_told_and_never_looked_into() {
         ..Slab::default()
     };
     assert_eq!(Cube::new(axes(1, 1, 1), vec![good.clone()]).unwrap().band(0), [2.0]);
+    // More pixels than can be counted.
+    assert!(Cube::new(axes(usize::MAX / 4, 8, 1), vec![Slab { lines: 0..8, ..good.clone() }]).is_err());
     let damaged = [
         Slab { row_start: vec![], ..good.clone() },
         Slab { row_start: vec![0, 9], ..good.clone() },
