@@ -143,11 +143,12 @@ pub fn parse(
     loop {
         let n = read.map_err(|e| Error::io(path, "reading", e))?;
         let end = filled + n;
-        let whole = match n {
-            0 => end,
-            _ => memchr::memrchr(b'\n', &text[..end]).map_or(0, |i| i + 1),
-        };
-        if n > 0 && whole == 0 && end == BUFFER {
+        if n == 0 {
+            parser.lines(&text[skipped..end], offset);
+            return parser.finish();
+        }
+        let whole = memchr::memrchr(b'\n', &text[..end]).map_or(0, |i| i + 1);
+        if whole == 0 && end == BUFFER {
             let message = format!("a line of more than {BUFFER} bytes: is it an OBJ file?");
             return Err(Error::syntax(Location::line(path, parser.next_line()), message));
         }
@@ -155,9 +156,6 @@ pub fn parse(
         next[..filled].copy_from_slice(&text[whole..end]);
         let lines = &text[skipped.min(whole)..whole];
         ((), read) = rayon::join(|| parser.lines(lines, offset), || fill(source, &mut next[filled..]));
-        if n == 0 {
-            return parser.finish();
-        }
         offset += lines.len();
         if whole > 0 {
             skipped = 0;
