@@ -108,7 +108,7 @@ pub fn check(input: &Path, options: &Options) -> Result<Vec<Finding>> {
             let reading = reading(options)?;
             let databases = RefCell::new(Databases::default());
             let of =
-                |path: &Path| dart::check(path, &reading, &|path, model| databases.borrow_mut().coverage(path, model));
+                |path: &Path| dart::check(path, &reading, &|path, model| databases.borrow_mut().summary(path, model));
             let mut findings = of(&path);
             let simulation = reading.folder(&path).simulation;
             let by_mars = simulation.join(dart::MARS);
@@ -157,11 +157,11 @@ struct Databases {
 
 impl Databases {
     /// What a table covers.
-    fn coverage(&mut self, path: &Path, model: &str) -> Option<TableSummary> {
+    fn summary(&mut self, path: &Path, model: &str) -> Option<TableSummary> {
         let Databases { open, refused } = self;
         if model.is_empty() {
             return match dart::text_spectra::read(path) {
-                Ok((library, _)) => coverage(&library),
+                Ok((library, _)) => summary(&library),
                 Err(error) => {
                     refused.push(error);
                     None
@@ -184,11 +184,11 @@ impl Databases {
                 return None;
             }
         };
-        coverage(&library)
+        summary(&library)
     }
 }
 
-fn coverage(library: &SpectralLibrary) -> Option<TableSummary> {
+fn summary(library: &SpectralLibrary) -> Option<TableSummary> {
     Some(TableSummary { range_um: library.coverage_um()?, shares: shares(library) })
 }
 

@@ -85,7 +85,7 @@ pub fn no_summary(_database: &Path, _table: &str) -> Option<TableSummary> {
 }
 
 /// Checks a simulation, given its folder or its `input/`. Findings are in the order of the checks, read errors first.
-pub fn check(path: &Path, options: &ReadOptions, coverage: SummaryOf<'_>) -> Vec<Finding> {
+pub fn check(path: &Path, options: &ReadOptions, summary_of: SummaryOf<'_>) -> Vec<Finding> {
     let folder = options.folder(path);
     let inputs = match Inputs::read(&folder) {
         Ok(inputs) => inputs,
@@ -101,7 +101,7 @@ pub fn check(path: &Path, options: &ReadOptions, coverage: SummaryOf<'_>) -> Vec
     check.files();
     check.date();
     check.bands();
-    check.properties(coverage);
+    check.properties(summary_of);
     check.links();
     check.objects();
     check.fields();
@@ -269,7 +269,7 @@ impl<'a> Checker<'a> {
     }
 
     /// Factors, transmittance, spectra.
-    fn properties(&mut self, coverage: SummaryOf<'_>) {
+    fn properties(&mut self, summary_of: SummaryOf<'_>) {
         let mut idents: BTreeSet<String> = BTreeSet::new();
         for property in &self.simulation.optical {
             if !idents.insert(property.ident.to_lowercase()) {
@@ -283,7 +283,7 @@ impl<'a> Checker<'a> {
             }
             self.factors(property);
             self.transparency(property);
-            self.spectrum(property, coverage);
+            self.spectrum(property, summary_of);
         }
     }
 
@@ -319,7 +319,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn spectrum(&mut self, property: &OpticalProperty, coverage: SummaryOf<'_>) {
+    fn spectrum(&mut self, property: &OpticalProperty, summary_of: SummaryOf<'_>) {
         let path = match self.folder.locate(&property.database, &property.at) {
             Ok(Some(path)) => path,
             // A database that DART ships is not expected in the folder.
@@ -329,7 +329,7 @@ impl<'a> Checker<'a> {
                 return self.warning(&property.at, problem.message, "looks there", fix);
             }
         };
-        let Some(TableSummary { range_um: (first, last), shares }) = coverage(&path, &property.model) else {
+        let Some(TableSummary { range_um: (first, last), shares }) = summary_of(&path, &property.model) else {
             return;
         };
         if first > USUAL_UM {
