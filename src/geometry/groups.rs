@@ -12,7 +12,7 @@ pub(crate) struct Groups<T> {
 }
 
 impl GroupSizes {
-    /// Of so many groups, all empty.
+    /// All groups are empty.
     pub(crate) fn new(groups: usize) -> Self {
         // Counted two places to the right: the running sum then stands one place to the right of each group's start, and every item
         // that is put in moves it on, until it is the next group's.
@@ -25,7 +25,7 @@ impl GroupSizes {
         self.0[group + 2] += 1;
     }
 
-    /// Room for the items that were counted, each of which is to be [`put`](Groups::put) in.
+    /// Room for the items that were counted: each must now be [`put`](Groups::put) in, once.
     pub(crate) fn into_groups<T: Copy + Default>(self) -> Groups<T> {
         let mut start = self.0;
         let mut sum = 0;

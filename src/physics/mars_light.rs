@@ -105,7 +105,7 @@ impl MarsLight {
         self.horizon_at(corner, cos_azimuth, tau) * sin_radius.powi(3)
     }
 
-    /// The same on many facets, in the length of `irradiance`.
+    /// Writes [`irradiance`](MarsLight::irradiance) on many facets: positions, unit normals and results are of the same number.
     pub fn irradiances(&self, positions_m: &Vectors, normals: &Vectors, irradiance: &mut [f64]) {
         // Where the disc is whole there is nothing to decide, so that several facets are computed at once; the others are marked.
         const OTHER: f64 = -1.0;

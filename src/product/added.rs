@@ -20,7 +20,7 @@ impl Added {
         if reached == 0 { Added::default() } else { Added { start, radiance: vec![0.0; reached * bands] } }
     }
 
-    /// Whether it belongs to so many pixels and bands.
+    /// Whether it is of this many pixels and bands.
     pub(super) fn fits(&self, pixels: usize, bands: usize) -> bool {
         let Added { start, radiance } = self;
         if start.is_empty() {

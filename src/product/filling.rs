@@ -43,12 +43,12 @@ impl Filling {
         if problems.is_empty() { Ok(()) } else { Err(Error::Invalid(problems)) }
     }
 
-    /// A slab comes that is admitted.
+    /// Records a slab that [`admits`](Filling::admits) has let in.
     pub fn add(&mut self, slab: &Slab) {
         self.slabs.push([slab.lines.clone(), slab.bands.clone()]);
     }
 
-    /// No more slabs come.
+    /// Ends the filling: no more slabs come.
     ///
     /// # Errors
     /// [`Error::Invalid`] if they leave something open.
@@ -60,7 +60,7 @@ impl Filling {
         Err(Error::invalid(Location::item("cube"), format!("slabs hold {filled} of {all} lines of bands")))
     }
 
-    /// How many lines of a band there are, band by band.
+    /// How many lines there are, those of each band counted by themselves.
     pub fn filled(&self) -> usize {
         self.slabs.iter().map(|[lines, bands]| lines.len().saturating_mul(bands.len())).fold(0, usize::saturating_add)
     }

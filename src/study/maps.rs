@@ -598,7 +598,7 @@ fn refuse(maps: &MapImage, options: &MapOptions, unverified: &str) -> Result<f64
     }
 }
 
-/// For each pixel whether maps add something to it, or what stands where they know nothing.
+/// For each pixel whether maps add something to it, or where they know nothing the fill does.
 fn are_reached<'m>(on_scene: &'m MapImage, options: &MapOptions) -> impl Iterator<Item = bool> + use<'m> {
     let fills = match options.fill {
         Fill::Value(radiance) => radiance > 0.0,

@@ -1,4 +1,4 @@
-//! The triangles of a cell: what tells whether they can be seen there, and of those that may, what tells where.
+//! The triangles of a cell: first what shows which of them may be seen, then, of these, what shows where they are.
 
 use super::drawing::Drawing;
 use super::topology::NONE;
@@ -8,7 +8,7 @@ use crate::geometry::polygon::{Line, Point, Rect};
 /// Forward error of a nearness, in units of eps x (magnitude of nearness + slope x magnitude of coordinates).
 const DEPTH_ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// A triangle that touches a cell. Most are found to lie behind others by no more than this.
+/// A triangle that touches a cell. This is enough to find that most lie behind others.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Candidate {
     pub(super) triangle: u32,

@@ -51,7 +51,7 @@ pub struct Scratch<'a> {
     pulse: Pulse<'a>,
     triangles: Vec<u32>,
     candidates: Vec<Candidate>,
-    /// In the places of those candidates that are not hidden; in other places what was there before.
+    /// In the places of their candidates. The places of hidden ones hold leftovers, which no list names.
     contenders: Vec<Contender>,
     list: Vec<u32>,
     stack: Vec<Part>,

@@ -45,7 +45,8 @@ struct Fragment {
     farthest: f64,
 }
 
-/// What is contested: a rectangle, and all that may be seen in it, in the order of the cell's contenders; what stands in the places of others says nothing.
+/// What is contested: a rectangle, and all that may be seen in it. Contenders stand in the places of their candidates; the places of hidden
+/// candidates hold leftovers, which are not to be read.
 pub(super) struct Ground<'a> {
     pub(super) drawing: &'a Drawing<'a>,
     pub(super) rect: &'a Rect,

@@ -11,7 +11,7 @@ use crate::geometry::polygon::{Point, Rect, area, clip_to_rect};
 use crate::geometry::{Direction, GroupSizes, Groups, Mesh, index_u32, whole_u32};
 use crate::progress::{Pulse, Watch, tell};
 
-/// So many facets share a cell of the view from afar, in the mean: fewer make more work at cell borders, more are quartered.
+/// Mean number of facets in a cell of the view from afar: fewer make more work at cell borders, more are quartered.
 const FACETS_PER_CELL: f64 = 6.0;
 /// Polygons below this share of their facet are what rounding leaves at shared edges, ...
 const SLIVER: f64 = 1e-14;

@@ -166,7 +166,7 @@ fn match_by_index(mesh: &Mesh, neighbour: &mut [[u32; 3]], same_way: &mut Vec<[u
     open
 }
 
-/// Matches halves that have the same key, by which they can be sorted: exactly two make a pair, others stay open.
+/// Matches halves of the same key, which comes first in their order: exactly two make a pair, others stay open.
 fn match_halves<H: Copy + Ord, K: PartialEq>(
     halves: &mut [H],
     key: impl Fn(&H) -> K,

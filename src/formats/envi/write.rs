@@ -173,7 +173,7 @@ impl<'w> SoFar<'w> {
         SoFar { filled: filling.filled(), all: filling.all(), watch }
     }
 
-    /// Tells that so many lines of a band of the slab are written.
+    /// Reports that this many lines of the slab are written, those of each band counted by themselves.
     fn tell(&self, lines: usize) -> Result<()> {
         tell(self.watch, "writing the cube", (self.filled + lines) as u64, self.all as u64)
     }
