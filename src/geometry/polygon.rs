@@ -118,21 +118,12 @@ impl Rect {
     }
 }
 
-/// 0 if the first of two points comes before the other in the order of coordinates, else 1.
-///
-/// It is an index, and not a condition, because it is as good as random: a processor would guess wrong every other time.
-#[inline]
-fn first_of(a: Point, b: Point) -> usize {
-    usize::from((a[0] > b[0]) | ((a[0] == b[0]) & (a[1] > b[1])))
-}
-
 /// The point where the segment between `a` and `b` meets the line where `da`, `db` (of strictly opposite signs) pass zero.
 ///
 /// The ends are taken in the order of their coordinates, so that two polygons that share the segment get the same bits.
 #[inline]
 fn crossing(a: Point, da: f64, b: Point, db: f64) -> Point {
-    let first = first_of(a, b);
-    let ([a, b], [da, db]) = ([[a, b][first], [a, b][1 - first]], [[da, db][first], [da, db][1 - first]]);
+    let ((a, da), (b, db)) = if (a[0], a[1]) <= (b[0], b[1]) { ((a, da), (b, db)) } else { ((b, db), (a, da)) };
     let t = da / (da - db);
     [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])]
 }
@@ -201,8 +192,7 @@ impl Line {
     /// The line from `a` to `b`.
     #[inline]
     pub fn through(a: Point, b: Point) -> Line {
-        let first = first_of(a, b);
-        let (from, to, sign) = ([a, b][first], [a, b][1 - first], [1.0, -1.0][first]);
+        let (from, to, sign) = if (a[0], a[1]) <= (b[0], b[1]) { (a, b, 1.0) } else { (b, a, -1.0) };
         Line { from, step: [to[0] - from[0], to[1] - from[1]], sign }
     }
 
