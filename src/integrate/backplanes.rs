@@ -24,7 +24,7 @@ const fn plane(name: &'static str, unit: &'static str, value: fn(&Sums) -> f64) 
 }
 
 /// Planes that every product has, in their order.
-const KINDS: [PlaneKind; 30] = [
+const KINDS: &[PlaneKind] = &[
     plane("COVERAGE", "1", |of| of.coverage),
     plane("LIT_FRACTION", "1", |of| of.lit / of.coverage),
     plane("FACET", "index from 0", |of| f64::from(of.largest.1)),
@@ -176,7 +176,7 @@ impl<'a> Planes<'a> {
         let coverage: f64 = pixel.entries.iter().map(|e| e.shown.area).sum();
         if coverage > 0.0 {
             let sums = self.sums(pixel, coverage, |entry, area| abundance[entry][sample] += area);
-            fixed.iter_mut().zip(&KINDS).for_each(|(plane, kind)| plane[sample] = (kind.value)(&sums));
+            fixed.iter_mut().zip(KINDS).for_each(|(plane, kind)| plane[sample] = (kind.value)(&sums));
         } else {
             fixed.iter_mut().for_each(|plane| plane[sample] = f64::NAN);
             fixed[0][sample] = coverage;

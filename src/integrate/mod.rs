@@ -82,11 +82,12 @@ pub fn integrate(scene: &Scene, table: &FacetTable, wanted: Wanted<'_>, watch: W
     scene.simulable()?;
     table.fits(scene)?;
     let (camera, mesh) = (&scene.exposure.camera, &scene.body.mesh);
+    let topology = scene.body.topology_watched(watch)?;
     let prepared = wanted.maps.map(|maps| maps::prepare(maps, scene, watch)).transpose()?.unwrap_or_default();
     let map_polygons: Vec<Vec<_>> =
         prepared.iter().map(|views| views.iter().map(|p| p.polygons(mesh.facets.len())).collect()).collect();
     tell(watch, "image", 0, 1)?;
-    let drawing = detector::draw(mesh, scene.body.topology(), scene.body.bounds_m(), camera);
+    let drawing = detector::draw(mesh, topology, scene.body.bounds_m(), camera);
     // Of each source that is known by parts: the Sun first.
     let lit: Vec<_> = table.sources.iter().filter_map(|lighting| lighting.seen()).collect();
     let lit_polygons: Vec<Polygons> = lit.iter().map(|seen| Polygons::of_seen(seen)).collect();

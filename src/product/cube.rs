@@ -171,8 +171,17 @@ impl Slab {
     /// As [`Cube::thermal`].
     #[must_use]
     pub fn thermal(&self) -> Slab {
-        let mut part =
-            Slab { row_start: vec![0], row: vec![], weight: vec![], added: Added::default(), ..self.clone() };
+        let Slab { lines, bands, spectra, first_thermal_row, .. } = self;
+        let mut part = Slab {
+            lines: lines.clone(),
+            bands: bands.clone(),
+            row_start: vec![0],
+            row: vec![],
+            weight: vec![],
+            spectra: spectra.clone(),
+            first_thermal_row: *first_thermal_row,
+            added: Added::default(),
+        };
         for entries in self.row_start.windows(2) {
             for i in entries[0]..entries[1] {
                 if self.row[i] >= self.first_thermal_row {

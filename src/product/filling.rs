@@ -11,7 +11,7 @@ pub struct Filling {
     samples: usize,
     lines: usize,
     bands: usize,
-    /// Lines and bands of each slab that came.
+    /// Lines and bands of the slabs that came, those that make a rectangle as one.
     slabs: Vec<[Range<usize>; 2]>,
 }
 
@@ -45,7 +45,13 @@ impl Filling {
 
     /// Records a slab that [`admits`](Filling::admits) has let in.
     pub fn add(&mut self, slab: &Slab) {
-        self.slabs.push([slab.lines.clone(), slab.bands.clone()]);
+        let mut added = [slab.lines.clone(), slab.bands.clone()];
+        // Slabs that come one after the other are one: then few are to be looked through, however many come.
+        while let Some((i, joined)) = self.slabs.iter().enumerate().find_map(|(i, of)| Some((i, joined(of, &added)?))) {
+            self.slabs.swap_remove(i);
+            added = joined;
+        }
+        self.slabs.push(added);
     }
 
     /// Ends the filling: no more slabs come.
@@ -69,6 +75,18 @@ impl Filling {
     pub fn all(&self) -> usize {
         self.lines.saturating_mul(self.bands)
     }
+}
+
+/// Two rectangles as one, where they have a side in common.
+fn joined(a: &[Range<usize>; 2], b: &[Range<usize>; 2]) -> Option<[Range<usize>; 2]> {
+    let joined = |along: usize| {
+        let (a_part, b_part) = (&a[along], &b[along]);
+        let meet = a[1 - along] == b[1 - along] && (a_part.end == b_part.start || b_part.end == a_part.start);
+        let mut all = a.clone();
+        all[along] = a_part.start.min(b_part.start)..a_part.end.max(b_part.end);
+        meet.then_some(all)
+    };
+    joined(0).or_else(|| joined(1))
 }
 
 /// What a slab is called.

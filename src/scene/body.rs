@@ -8,6 +8,7 @@ use glam::DVec3;
 use super::{FARTHEST_M, Material, Texture};
 use crate::error::{Error, Location, Problem, Result};
 use crate::geometry::Mesh;
+use crate::progress::{Watch, tell};
 use crate::visibility::Topology;
 
 /// A facet's number and one of its edges are kept in 31 bits.
@@ -60,6 +61,17 @@ impl Body {
     /// What hangs together with what: found when it is first asked for.
     pub fn topology(&self) -> &Topology {
         self.0.topology.get_or_init(|| Topology::new(&self.mesh))
+    }
+
+    /// The same, as a stage of its own if it has yet to be found.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`] if `watch` asks to stop.
+    pub fn topology_watched(&self, watch: Watch<'_>) -> Result<&Topology> {
+        if self.0.topology.get().is_none() {
+            tell(watch, "topology", 0, 1)?;
+        }
+        Ok(self.topology())
     }
 
     /// The surface, to be changed and checked again: copied only if others share it.

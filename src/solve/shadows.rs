@@ -4,7 +4,7 @@
 
 use crate::error::Result;
 use crate::product::{FacetTable, Lighting, Sees};
-use crate::progress::{Watch, tell};
+use crate::progress::Watch;
 use crate::scene::{Scene, Sky, Source, SourceKind, Thermal};
 use crate::visibility::Seen;
 
@@ -15,9 +15,7 @@ use crate::visibility::Seen;
 /// As [`solve`](super::solve).
 pub fn lit(scene: &Scene, watch: Watch<'_>) -> Result<FacetTable> {
     scene.simulable()?;
-    // Found here at the latest: a stage of its own, and not the first source's work.
-    tell(watch, "topology", 0, 1)?;
-    let _ = scene.body.topology();
+    scene.body.topology_watched(watch)?;
     let facets = scene.body.mesh.facets.len();
     let lighting = |source: Source| {
         Ok(Lighting {

@@ -89,13 +89,10 @@ impl Contender {
         let Candidate { triangle, continuations, outline, bounds, .. } = *candidate;
         let corners = drawing.corners(triangle);
         let plane = Plane::through(corners);
-        let [a, b, c] = corners;
-        let (bx, by, bz) = (b[0] - a[0], b[1] - a[1], b[2] - a[2]);
-        let (cx, cy, cz) = (c[0] - a[0], c[1] - a[1], c[2] - a[2]);
+        let Spread { b: [bx, by, bz], c: [cx, cy, cz], inverse } = Spread::of(corners);
         let size = bx.abs().max(cx.abs()).max(by.abs()).max(cy.abs());
         let products = (bz * cy).abs() + (cz * by).abs() + (bx * cz).abs() + (cx * bz).abs();
         let steep = plane.slope[0].abs() + plane.slope[1].abs();
-        let inverse = 1.0 / (bx * cy - by * cx);
         Contender {
             triangle,
             facet: drawing.facet(triangle),
@@ -124,6 +121,21 @@ impl Contender {
     }
 }
 
+/// A triangle's second and third corner, seen from the first, and 1 / (twice its area in the drawing, with its sign).
+struct Spread {
+    b: [f64; 3],
+    c: [f64; 3],
+    inverse: f64,
+}
+
+impl Spread {
+    #[inline]
+    fn of([a, b, c]: [[f64; 3]; 3]) -> Self {
+        let (b, c) = ([0, 1, 2].map(|k| b[k] - a[k]), [0, 1, 2].map(|k| c[k] - a[k]));
+        Spread { b, c, inverse: 1.0 / (b[0] * c[1] - b[1] * c[0]) }
+    }
+}
+
 /// How near a triangle is at each point of the drawing: anchor[2] + slope . (p - anchor).
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Plane {
@@ -133,11 +145,9 @@ pub(super) struct Plane {
 
 impl Plane {
     #[inline]
-    pub(super) fn through([a, b, c]: [[f64; 3]; 3]) -> Self {
-        let (bx, by, bz) = (b[0] - a[0], b[1] - a[1], b[2] - a[2]);
-        let (cx, cy, cz) = (c[0] - a[0], c[1] - a[1], c[2] - a[2]);
-        let inverse = 1.0 / (bx * cy - by * cx);
-        Plane { anchor: a, slope: [(bz * cy - cz * by) * inverse, (bx * cz - cx * bz) * inverse] }
+    pub(super) fn through(corners: [[f64; 3]; 3]) -> Self {
+        let Spread { b: [bx, by, bz], c: [cx, cy, cz], inverse } = Spread::of(corners);
+        Plane { anchor: corners[0], slope: [(bz * cy - cz * by) * inverse, (bx * cz - cx * bz) * inverse] }
     }
 
     #[inline]

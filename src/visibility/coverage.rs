@@ -156,13 +156,15 @@ impl<'a> Coverage<'a> {
                 }
                 !hidden
             });
+            if list.len() == front.sheet.len() {
+                list.iter().for_each(|i| visit.whole(candidates[*i as usize].triangle, &rect));
+                continue;
+            }
             if depth == 0 {
                 make_contenders(self.drawing, candidates, list, contenders);
             }
             let ground = Ground { drawing: self.drawing, rect: &rect, contenders };
-            if !list.is_empty() && list.len() == front.sheet.len() {
-                list.iter().for_each(|i| visit.whole(candidates[*i as usize].triangle, &rect));
-            } else if depth == DEEPEST {
+            if depth == DEEPEST {
                 let nearest = front.at_centre.first();
                 nearest.into_iter().for_each(|i| visit.whole(candidates[*i as usize].triangle, &rect));
             } else if !front.sheet.is_empty() && layers.resolve(&ground, list, |i| front.has(i), visit) {
