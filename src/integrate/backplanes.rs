@@ -173,7 +173,8 @@ impl<'a> Planes<'a> {
     pub(super) fn gather(&self, pixel: &Pixel, planes: &mut [&mut [f64]]) {
         let sample = pixel.site.sample as usize;
         let (fixed, abundance) = planes.split_at_mut(KINDS.len());
-        let coverage: f64 = pixel.entries.iter().map(|e| e.shown.area).sum();
+        // From 0: a sum of nothing would be -0.
+        let coverage = pixel.entries.iter().map(|e| e.shown.area).fold(0.0, |sum, area| sum + area);
         if coverage > 0.0 {
             let sums = self.sums(pixel, coverage, |entry, area| abundance[entry][sample] += area);
             fixed.iter_mut().zip(KINDS).for_each(|(plane, kind)| plane[sample] = (kind.value)(&sums));

@@ -572,9 +572,12 @@ fn told(share: f64, pixels: usize, options: &MapOptions, unverified: &str) -> Op
              radiance fills them"
         ),
     };
-    let percent = 100.0 * share;
+    let percent = match 100.0 * share {
+        percent if percent < 0.001 => format!("{percent:.0e}"),
+        percent => format!("{percent:.3}"),
+    };
     (share > UNTOLD || pixels > 0)
-        .then(|| format!("{percent:.3} % of what the camera sees is unknown to the maps{how}{of_nothing}{unverified}"))
+        .then(|| format!("{percent} % of what the camera sees is unknown to the maps{how}{of_nothing}{unverified}"))
 }
 
 /// The share of what is seen that is unknown, if it is not too much.

@@ -263,7 +263,7 @@ fn the_rasters_unit_is_used_or_compared() {
     let (_, said) = bench.integrate("u.exr", &format!("{HEAD}unit = \"W m-2 sr-1 nm-1\"\n{ATLAS}"));
     assert!(!said.contains("states"), "{said}");
     for (unit, message) in
-        [(Some("DN"), "is not understood"), (None, "states none"), (Some("K"), "not a unit of spectral radiance")]
+        [(Some("DN"), "is not understood"), (None, "states none"), (Some("K"), "must be one of spectral radiance")]
     {
         bench.0.write("u.exr", file(unit));
         let (code, said) = bench.try_to("u.exr", &format!("{HEAD}{ATLAS}"));

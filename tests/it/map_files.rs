@@ -165,7 +165,7 @@ fn what_is_wrong_with_a_map_is_told_at_its_place() {
         (plane("quantity = \"radiance\"\n"), "mmxrt_map"),
         (plane(&HEAD.replace("mmxrt_map = 1", "mmxrt_map = 2")), "mmxrt_map"),
         (plane(&format!("{HEAD}colour = 1\n")), "colour"),
-        (plane(&of_unit("K")), "is not a unit of spectral radiance"),
+        (plane(&of_unit("K")), "must be one of spectral radiance"),
         (plane(&of_unit("furlong")), "unit"),
         (
             plane(&HEAD.replace("\"radiance\"", "\"reflectance_factor\"").replace("W m-2 sr-1 um-1", "1")),

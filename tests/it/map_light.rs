@@ -156,7 +156,7 @@ fn units_are_taken_in_all_their_spellings_and_told_if_they_are_none() {
         refused(&bench, "{}u.csv", "mW/(m2 sr cm-1)");
     }
     with("K");
-    refused(&bench, "{}u.csv", "is not a unit of spectral radiance");
+    refused(&bench, "{}u.csv", "must be one of spectral radiance");
 }
 
 #[test]

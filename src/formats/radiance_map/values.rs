@@ -36,10 +36,10 @@ impl ToRadiance {
         let times = match quantity {
             Radiance => of("W m-2 sr-1 um-1")
                 .or_else(|| Some(of("W m-2 sr-1 (cm-1)-1")? * cm_1_per_um(band.centre_um)))
-                .ok_or("is not a unit of spectral radiance: \"W m-2 sr-1 um-1\", say"),
-            BandRadiance => of("W m-2 sr-1").ok_or("is not a unit of radiance in a band: \"W m-2 sr-1\""),
-            ReflectanceFactor => of("1").ok_or("is not a unit of a factor: \"1\" or \"%\""),
-            BrightnessTemperature => of("K").filter(|times| *times == 1.0).ok_or("is not a unit of temperature: \"K\""),
+                .ok_or("the quantity is a radiance: its unit must be one of spectral radiance, such as \"W m-2 sr-1 um-1\""),
+            BandRadiance => of("W m-2 sr-1").ok_or("the quantity is the radiance in a band: its unit must be \"W m-2 sr-1\", or a multiple of it"),
+            ReflectanceFactor => of("1").ok_or("the quantity is a reflectance factor: its unit must be \"1\" or \"%\""),
+            BrightnessTemperature => of("K").filter(|times| *times == 1.0).ok_or("the quantity is a brightness temperature: its unit must be \"K\""),
         }?;
         Ok(match quantity {
             Radiance => ToRadiance::Times(times),
@@ -285,7 +285,7 @@ mod tests {
             |quantity, unit: &str| ToRadiance::new(quantity, &Unit::of(unit).unwrap(), &at_1(), None).unwrap_err();
         assert!(refused(ReflectanceFactor, "1").contains("irradiance"));
         assert!(refused(BandRadiance, "W m-2 sr-1").contains("width"));
-        assert!(refused(Radiance, "K").contains("not a unit of spectral radiance"));
-        assert!(refused(Radiance, "W m-2 sr-1").contains("not a unit of spectral radiance"));
+        assert!(refused(Radiance, "K").contains("must be one of spectral radiance"));
+        assert!(refused(Radiance, "W m-2 sr-1").contains("must be one of spectral radiance"));
     }
 }
