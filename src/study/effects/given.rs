@@ -1,6 +1,6 @@
 //! What bounds are made from: a body, a sky, an exposure, and what they are relative to.
 
-use crate::physics::reflectance::{Brdf, PhotometricAngles};
+use crate::physics::reflectance::Lambert;
 use crate::physics::{blackbody, bounds, heat, sun};
 use crate::product::{Backplanes, FacetTable};
 use crate::scene::{MARS_ALBEDO, Material, Setup, Sky};
@@ -161,8 +161,7 @@ pub(in crate::study) fn mars_seen(scene: &Setup, site: &Site) -> (f64, bool) {
 /// Sunlight that a white Lambert surface square to it reflects, W m-2 sr-1 um-1.
 pub(super) fn white_radiance(scene: &Setup, um: f64) -> Option<f64> {
     let normal = scene.sky.sun.irradiance_w_m2_um(um)?;
-    let angles = PhotometricAngles { cos_incidence: 1.0, cos_emission: 1.0, phase_rad: 0.0 };
-    Some(Brdf::Lambert { reflectance: 1.0 }.eval(&angles) * normal)
+    Some(Lambert { reflectance: 1.0 }.brdf() * normal)
 }
 
 /// Sunlight that a material reflects at an incidence, W m-2 sr-1 um-1.

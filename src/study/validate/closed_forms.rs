@@ -61,6 +61,81 @@ pub(super) fn mean_over_orbit(of_phase_deg: impl Fn(f64) -> f64) -> f64 {
     (inner + 0.5 * (at(0) + at(STEPS))) / f64::from(STEPS)
 }
 
+/// Directional-hemispherical albedo of a Lommel-Seeliger surface of isotropic particles: (w / 2) (1 - mu0 ln(1 + 1 / mu0)).
+pub(super) fn lommel_seeliger_albedo(single_scattering_albedo: f64, cos_incidence: f64) -> f64 {
+    0.5 * single_scattering_albedo * (1.0 - cos_incidence * cos_incidence.recip().ln_1p())
+}
+
+/// Radiosity of a cube's faces of which one emits 1: that face's, the opposite's, one of the others'. Each face has one radiosity.
+///
+/// Of the sum and the difference of the first two: s = 1 + rho (p s + 8 a b), d = 1 - rho p d, and b (1 - rho (p + 2 a)) = rho a s, with
+/// p and a the form factors of opposite and adjacent faces.
+pub(super) fn cube_radiosity(reflectance: f64) -> [f64; 3] {
+    let (p, a) = (parallel_rectangles(1.0, 1.0, 1.0), perpendicular_rectangles(1.0, 1.0, 1.0));
+    let per_sum = reflectance * a / (1.0 - reflectance * (p + 2.0 * a));
+    let sum = 1.0 / (1.0 - reflectance * (p + 8.0 * a * per_sum));
+    let difference = 1.0 / (1.0 + reflectance * p);
+    [0.5 * (sum + difference), 0.5 * (sum - difference), per_sum * sum]
+}
+
+/// A bowl that is a cap of a sphere, in level ground under the Sun (Ingersoll, Svitek & Murray 1992): every point of it gets the same light
+/// from the rest. Lengths in diameters of the rim.
+pub(super) struct Bowl {
+    pub(super) depth: f64,
+    pub(super) reflectance: f64,
+    pub(super) emissivity: f64,
+    /// Sunlight on level ground, W m-2.
+    pub(super) irradiance: f64,
+}
+
+impl Bowl {
+    /// Radius of the sphere.
+    pub(super) fn radius(depth: f64) -> f64 {
+        (0.25 + depth * depth) / (2.0 * depth)
+    }
+
+    /// Where the shadow of the rim at -1/2 ends, on the sphere, towards +1/2; beyond that nothing of the bowl is lit.
+    pub(super) fn shadow_end(depth: f64, elevation_rad: f64) -> f64 {
+        let centre_height = Self::radius(depth) - depth;
+        let (sin, cos) = elevation_rad.sin_cos();
+        -0.5 + (cos - 2.0 * centre_height * sin) * cos
+    }
+
+    /// Form factor of the bowl from any point in it.
+    pub(super) fn form_factor(&self) -> f64 {
+        1.0 / (1.0 + 0.25 / (self.depth * self.depth))
+    }
+
+    /// Sunlight that the bowl gets, over its area.
+    pub(super) fn mean_direct(&self) -> f64 {
+        self.irradiance * (1.0 - self.form_factor())
+    }
+
+    /// Sunlight that a point gets from the rest of it, W m-2.
+    pub(super) fn scattered(&self) -> f64 {
+        let f = self.form_factor();
+        f * self.reflectance * self.mean_direct() / (1.0 - self.reflectance * f)
+    }
+
+    /// What a black body would emit at the temperature of a shadow, W m-2.
+    pub(super) fn shadow_exitance(&self) -> f64 {
+        let f = self.form_factor();
+        let absorbed = self.irradiance * f * (1.0 - self.reflectance) / (1.0 - self.reflectance * f);
+        absorbed * (1.0 + self.reflectance * (1.0 - f) / self.emissivity)
+    }
+
+    /// Heat that a point gets from the rest of it, W m-2: what is emitted there less sunlight absorbed.
+    pub(super) fn heat(&self) -> f64 {
+        self.shadow_exitance() - (1.0 - self.reflectance) * self.scattered() / self.emissivity
+    }
+
+    /// Light that leaves it over light that comes in.
+    pub(super) fn apparent_albedo(&self) -> f64 {
+        let f = self.form_factor();
+        self.reflectance * (1.0 - f) / (1.0 - self.reflectance * f)
+    }
+}
+
 /// Form factor of two equal, opposite rectangles a x b (Howell C-11).
 pub(super) fn parallel_rectangles(a: f64, b: f64, distance: f64) -> f64 {
     let (x, y) = (a / distance, b / distance);
