@@ -1,6 +1,6 @@
-//! Heat that goes into the ground by day and comes out at night: one-dimensional conduction with constant properties.
+//! Heat stored in the ground by day and released at night: one-dimensional conduction with constant properties.
 //!
-//! With tau = omega t and zeta = z sqrt(omega rho c / k) the equation is dT/dtau = d2T/dzeta2, and the surface knows of the ground only its thermal
+//! With tau = omega t and zeta = z sqrt(omega rho c / k) the equation is dT/dtau = d2T/dzeta2, and at the surface the ground enters only by its thermal
 //! inertia I = sqrt(k rho c): absorbed + I sqrt(omega) dT/dzeta = eps sigma T^4.
 
 use std::f64::consts::PI;
@@ -12,25 +12,25 @@ pub fn thermal_inertia_from_cgs(cal_cm2_k_s_half: f64) -> f64 {
     41_840.0 * cal_cm2_k_s_half
 }
 
-/// Depth at which a wave of this period has 1/e of its amplitude, m: l = sqrt(kappa P / pi), kappa the diffusivity, m2 s-1.
+/// Depth at which a temperature wave of this period has 1/e of its surface amplitude, m: l = sqrt(kappa P / pi), kappa the diffusivity, m2 s-1.
 ///
-/// Source: Carslaw & Jaeger (1959), sec. 2.6. There it also is 1 rad late.
+/// Source: Carslaw & Jaeger (1959), sec. 2.6. At this depth it lags by 1 rad.
 pub fn skin_depth_m(diffusivity_m2_s: f64, period_s: f64) -> f64 {
     (diffusivity_m2_s * period_s / PI).sqrt()
 }
 
-/// What is left of a surface wave at a depth: its amplitude over that at the surface, exp(-z / l), and its lag, z / l rad.
+/// A temperature wave at a depth: its amplitude over that at the surface, exp(-z / l), and its lag, z / l rad.
 pub fn wave_at_depth(depth_m: f64, diffusivity_m2_s: f64, period_s: f64) -> (f64, f64) {
     let depth = depth_m / skin_depth_m(diffusivity_m2_s, period_s);
     ((-depth).exp(), depth)
 }
 
-/// How much warmer a surface is after a time of constant flux into it, K: 2 F sqrt(t / pi) / I. Source: Carslaw & Jaeger (1959), sec. 2.9.
+/// Rise of the surface temperature after a time of constant flux into the ground, K: 2 F sqrt(t / pi) / I. Source: Carslaw & Jaeger (1959), sec. 2.9.
 pub fn rise_by_constant_flux_k(thermal_inertia: f64, flux_w_m2: f64, time_s: f64) -> f64 {
     2.0 * flux_w_m2 * (time_s / PI).sqrt() / thermal_inertia
 }
 
-/// How long a surface that radiates stays as warm as it was, s: (I / (4 eps sigma T^3))^2.
+/// Time in which a radiating surface cools, s: (I / (4 eps sigma T^3))^2.
 pub fn relaxation_time_s(thermal_inertia: f64, emissivity_bolometric: f64, t_k: f64) -> f64 {
     (thermal_inertia * t_k / (4.0 * emitted_w_m2(t_k, emissivity_bolometric))).powi(2)
 }
@@ -42,7 +42,7 @@ pub struct Ground {
     pub thermal_inertia: f64,
     /// Emissivity over all wavelengths, above 0 to 1.
     pub emissivity_bolometric: f64,
-    /// After how long everything comes again, s.
+    /// Period of the insolation, s.
     pub period_s: f64,
 }
 

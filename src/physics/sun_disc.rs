@@ -1,10 +1,10 @@
-//! The Sun as a disc: how much of it an edge leaves, and points that stand for it. Lengths in radii of the disc.
+//! The Sun as a disc: the share of it that is visible beyond an edge, and quadrature rules on it. Lengths are in radii of the disc.
 //!
 //! Limits: a disc so small that it is flat; 5 mrad are flat to 1e-5.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Share of a disc's light that comes from beyond a straight edge; `x` is how far its centre is inside, from -1 to 1.
+/// Share of a disc's light that is visible beyond a straight edge; `x` is the distance of its centre from the edge, -1 (hidden) to 1 (visible).
 ///
 /// 1/2 + (x sqrt(1 - x^2) + asin x) / pi of a uniform disc. With limb darkening 1 - u (1 - sqrt(1 - r^2)) a chord at y gives
 /// 2 (1 - u) sqrt(1 - y^2) + u (pi / 2) (1 - y^2). Source: the integral of these.
@@ -16,7 +16,7 @@ pub fn share_beyond_edge(x: f64, limb_darkening: f64) -> f64 {
     ((1.0 - u) * uniform + u * darkened) / (PI * (1.0 - u / 3.0))
 }
 
-/// Share of a uniform disc that another one of this radius, its centre at this distance, leaves.
+/// Share of a uniform disc that is visible beside another disc of this radius, whose centre is at this distance.
 ///
 /// Source: two segments of circles make a lens. Limits: radius above 0, distance from 0.
 pub fn share_beside_disc(radius: f64, distance: f64) -> f64 {
@@ -37,7 +37,7 @@ pub fn share_beside_disc(radius: f64, distance: f64) -> f64 {
     1.0 - (segment(1.0, d - from_other) + segment(radius, from_other)) / PI
 }
 
-/// Points on a disc and their shares of its light: sums over them stand for integrals over the disc.
+/// Quadrature rules on the disc: points and their shares of its light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DiscRule {
     /// The centre.
@@ -127,11 +127,10 @@ impl DiscRule {
         points
     }
 
-    /// c: across the penumbra of a straight edge, light summed over any stretch is off by no more than c times that of c radii of the
-    /// whole disc.
+    /// c, the largest error behind a straight edge: of the visible share, integrated across the penumbra over any interval, in radii of the disc.
     ///
-    /// So a pixel of size p that such an edge crosses, at distance d from it and with a Sun of angular radius s, is off by at most
-    /// sqrt(2) c s d / p of its sunlit radiance. Worst of all directions of the edge; of a stretch that ends outside the penumbra it is 0.5 to 1 of this.
+    /// With a Sun of angular radius s and an edge at distance d, a pixel of size p is off by at most sqrt(2) c s d / p of its sunlit radiance.
+    /// This is the worst over all directions of the edge and all intervals; over those that reach beyond the penumbra it is 0.5 to 1 times as large.
     pub fn edge_error(self) -> f64 {
         match self {
             DiscRule::G1 => 0.2123,

@@ -2,14 +2,14 @@
 
 use glam::DVec3;
 
-/// Cosines of incidence and emission are no smaller than this: the models have powers of them that are infinite at the horizon.
+/// The smallest cosine of incidence and emission: some models have powers of them that are infinite at the horizon.
 pub const LEAST_COSINE: f64 = 1e-6;
 
-/// Where light comes from and goes to, at a surface point.
+/// Directions of light and view at a surface point.
 ///
-/// Phase and azimuth are kept as tangents of their halves, which lose no digits at 0 nor at 180 deg (infinity), where the arc
-/// cosine of a dot product loses half of them. The azimuth is that of the view from the light's, 0 where both are on
-/// one side; it is 0 where one of them is at the zenith and has none.
+/// Phase and azimuth are stored as tangents of half the angle, which keep all digits at 0 and at 180 deg (infinity), where the arc
+/// cosine of a dot product loses half of them. The azimuth is the angle between the horizontal parts of the two directions: 0 if both are on the same
+/// side, and also if one of them is at the zenith and has no azimuth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PhotometricAngles {
     cos_incidence: f64,
@@ -23,21 +23,21 @@ impl PhotometricAngles {
     pub const ZENITH: PhotometricAngles =
         PhotometricAngles { cos_incidence: 1.0, cos_emission: 1.0, tan_half_phase: 0.0, tan_half_azimuth: 0.0 };
 
-    /// Of a surface's normal and the directions from it to source and observer: unit vectors, but for rounding.
+    /// From a surface's normal and the directions to source and observer: unit vectors, to rounding.
+    #[inline]
     pub fn of_directions(normal: DVec3, to_source: DVec3, to_observer: DVec3) -> Self {
         let (cos_incidence, cos_emission) = (normal.dot(to_source), normal.dot(to_observer));
-        let level_source = to_source - cos_incidence * normal;
-        let level_observer = to_observer - cos_emission * normal;
-        let (a, b) = (level_source * level_observer.length(), level_observer * level_source.length());
+        let (across, along) = (to_source.cross(to_observer), to_source.dot(to_observer));
         PhotometricAngles {
             cos_incidence: above_horizon(cos_incidence),
             cos_emission: above_horizon(cos_emission),
-            tan_half_phase: tan_half_between(to_source, to_observer),
-            tan_half_azimuth: tan_half_between(a, b),
+            tan_half_phase: tan_half_of(across.length(), along),
+            // Sine and cosine of the azimuth, both times sin i sin e.
+            tan_half_azimuth: tan_half_of(normal.dot(across).abs(), along - cos_incidence * cos_emission),
         }
     }
 
-    /// Of incidence, emission and the azimuth between them, rad, each from 0 to pi.
+    /// From incidence, emission and the azimuth between them, rad, each from 0 to pi.
     pub fn of_angles(incidence_rad: f64, emission_rad: f64, azimuth_rad: f64) -> Self {
         let haversine = |angle: f64| (0.5 * angle).sin().powi(2);
         let across = incidence_rad.sin() * emission_rad.sin();
@@ -50,8 +50,8 @@ impl PhotometricAngles {
         }
     }
 
-    /// Of the cosines of incidence, emission and phase angle. Such as no three directions have, as after rounding, are moved to the
-    /// nearest that some have.
+    /// From the cosines of incidence, emission and phase angle. If no directions have these, as may happen by rounding, the phase angle is moved to
+    /// the nearest possible one.
     pub fn of_cosines(cos_incidence: f64, cos_emission: f64, cos_phase: f64) -> Self {
         let (mu0, mu) = (above_horizon(cos_incidence), above_horizon(cos_emission));
         let across = sine(mu0) * sine(mu);
@@ -65,7 +65,7 @@ impl PhotometricAngles {
         }
     }
 
-    /// Light and view in each other's place.
+    /// The same with light and view exchanged.
     pub fn swapped(&self) -> Self {
         PhotometricAngles { cos_incidence: self.cos_emission, cos_emission: self.cos_incidence, ..*self }
     }
@@ -140,10 +140,17 @@ fn haversine_of_tan_half(tan_half: f64) -> f64 {
     1.0 / (1.0 + (tan_half * tan_half).recip())
 }
 
-/// tan(x / 2) of the angle between two vectors of one length; 0 where they have none.
-fn tan_half_between(a: DVec3, b: DVec3) -> f64 {
-    let (apart, together) = ((a - b).length(), (a + b).length());
-    if apart == 0.0 { 0.0 } else { apart / together }
+/// tan(x / 2) from the sine (not negative) and the cosine of x, both scaled by the same number; 0 if that number is 0.
+#[inline]
+fn tan_half_of(sine: f64, cosine: f64) -> f64 {
+    let both = (sine * sine + cosine * cosine).sqrt();
+    if both == 0.0 {
+        0.0
+    } else if cosine >= 0.0 {
+        sine / (both + cosine)
+    } else {
+        (both - cosine) / sine
+    }
 }
 
 #[cfg(test)]

@@ -6,8 +6,8 @@ use super::{LEAST_COSINE, PhotometricAngles};
 
 /// f = (A / pi) (mu0 mu)^(k - 1). Source: Minnaert (1941). Reciprocal.
 ///
-/// With k below 1 this is infinite at the limb, and reflects more than there is where 2 A mu0^(k - 1) / (k + 1) is above 1:
-/// cosines count as no smaller than where that is 1 ([`Minnaert::limb_cosine`]).
+/// With k below 1 this is infinite at the limb, and would reflect more light than arrives where 2 A mu0^(k - 1) / (k + 1) exceeds 1.
+/// Smaller cosines than that are raised to it ([`Minnaert::limb_cosine`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Minnaert {
     /// Normal albedo: the reflectance factor with light and view at the zenith, from 0.
@@ -24,7 +24,7 @@ impl Minnaert {
         self.albedo / PI * product.powf(self.exponent - 1.0)
     }
 
-    /// The least cosine that counts: where the model without it would reflect all light, (2 A / (k + 1))^(1 / (1 - k)).
+    /// The smallest cosine used, at which the unlimited model reflects all light: (2 A / (k + 1))^(1 / (1 - k)).
     pub fn limb_cosine(&self) -> f64 {
         if self.exponent >= 1.0 {
             return LEAST_COSINE;

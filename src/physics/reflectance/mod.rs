@@ -57,15 +57,15 @@ pub enum Brdf {
     Hapke(Box<Hapke>),
     /// That of Rahman, Pinty and Verstraete.
     Rpv(Rpv),
-    /// As measured.
+    /// A table of measurements.
     Table(Table),
 }
 
 impl Brdf {
     /// The BRDF, 1/sr, without any cosine.
     ///
-    /// Limits: above the horizon. On the dark side irradiance is 0, and in back view nothing asks: cosines below [`LEAST_COSINE`],
-    /// as rounding makes them at the limb, count as that.
+    /// Limits: defined above the horizon. Cosines below [`LEAST_COSINE`], as rounding makes them at the limb, are raised to it; on the dark
+    /// side the irradiance is 0 anyway.
     pub fn eval(&self, angles: &PhotometricAngles) -> f64 {
         match self {
             Brdf::Lambert(model) => model.brdf(),
@@ -89,7 +89,7 @@ impl Brdf {
         PI * self.eval(angles) * angles.cos_incidence()
     }
 
-    /// Whether light and view may change places: f(i, e) = f(e, i). What is not reciprocal is no surface's, and has no emissivity.
+    /// Whether f is the same with the directions of light and view exchanged. A real surface's is (Helmholtz); a table's may not be.
     pub fn is_reciprocal(&self) -> bool {
         match self {
             Brdf::Table(table) => table.is_reciprocal(),

@@ -1,4 +1,4 @@
-//! How a surface's brightness falls with the phase angle, for the models that have it as a factor of its own.
+//! The decrease of brightness with phase angle, for models that have it as a separate factor.
 
 use super::PhotometricAngles;
 

@@ -1,7 +1,7 @@
 //! Hapke's model at all wavelengths by its values at a few single-scattering albedos.
 //!
-//! At fixed angles f / w is a smooth function of gamma = sqrt(1 - w), which a polynomial follows: f(w) = sum over nodes of
-//! (f_k / w_k) w L_k(gamma), L_k Lagrange's polynomials. The first factor is geometry, a weight; the second is a spectrum, a row.
+//! At fixed angles f / w is a smooth function of gamma = sqrt(1 - w), close to a polynomial: f(w) = sum over nodes of
+//! (f_k / w_k) w L_k(gamma), with Lagrange's polynomials L_k. The first factor is geometry, a weight; the rest is a spectrum, a row.
 
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
@@ -35,7 +35,7 @@ impl AlbedoNodes {
         self.gamma.len()
     }
 
-    /// f / w at each node, 1/sr: what a fragment seen at these angles weights the rows with.
+    /// f / w at each node, 1/sr: the weights of the rows for a fragment seen at these angles.
     pub fn weights<'a>(&'a self, angles: &PhotometricAngles) -> impl Iterator<Item = f64> + 'a {
         let at = self.parameters.at(angles);
         let places = at.places(self.parameters.h);

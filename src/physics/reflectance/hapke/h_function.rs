@@ -1,4 +1,4 @@
-//! Chandrasekhar's H: light scattered more than once by isotropic particles.
+//! Chandrasekhar's H function: multiple scattering by isotropic particles.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -6,13 +6,13 @@ use std::sync::Arc;
 /// Which H.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum HFormula {
-    /// Chandrasekhar's own: no light is lost or made.
+    /// Chandrasekhar's own, which conserves energy.
     #[default]
     Exact,
-    /// (1 + 2 x) / (1 + 2 x sqrt(1 - w)). Source: Hapke (1981). Off by up to 4 %: at w = 1 and normal incidence it makes 4 % of light.
+    /// (1 + 2 x) / (1 + 2 x sqrt(1 - w)). Source: Hapke (1981). Off by up to 4 %: at w = 1 and normal incidence the albedo is 4 % too large.
     Hapke1981,
     /// 1 / (1 - w x (r0 + (1 - 2 r0 x) / 2 ln((1 + x) / x))), r0 = (1 - g) / (1 + g), g = sqrt(1 - w). Source: Hapke (2002). Off by up
-    /// to 0.8 %: at w = 1 and normal incidence it loses 1.4 % of light.
+    /// to 0.8 %: at w = 1 and normal incidence the albedo is 1.4 % too small.
     Hapke2002,
 }
 
@@ -22,14 +22,13 @@ pub struct H(Form);
 
 #[derive(Debug, Clone, PartialEq)]
 enum Form {
-    Sum(LogSamples),
     // Shared, because surfaces are copied.
     Table(Arc<Table>),
     Hapke1981 { gamma: f64 },
     Hapke2002 { albedo: f64, r0: f64 },
 }
 
-/// An argument x, and what of H(x) depends on it alone.
+/// An argument x, prepared for the H of any albedo.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HPlace {
     x: f64,
@@ -37,25 +36,17 @@ pub struct HPlace {
 }
 
 impl HFormula {
-    /// H of a single-scattering albedo w, 0 to 1; the exact one by a table, for many arguments from 0 to 1.
+    /// H of a single-scattering albedo w, 0 to 1.
     pub fn function(self, albedo: f64) -> H {
-        match self {
-            HFormula::Exact => H(Form::Table(Arc::new(Table::new(&LogSamples::new(albedo))))),
-            _ => self.function_for_few(albedo),
-        }
-    }
-
-    /// The same for a few arguments, without a table.
-    pub fn function_for_few(self, albedo: f64) -> H {
         let gamma = (1.0 - albedo).max(0.0).sqrt();
         H(match self {
-            HFormula::Exact => Form::Sum(LogSamples::new(albedo)),
+            HFormula::Exact => Form::Table(Arc::new(Table::new(&LogSamples::new(albedo)))),
             HFormula::Hapke1981 => Form::Hapke1981 { gamma },
             HFormula::Hapke2002 => Form::Hapke2002 { albedo, r0: (1.0 - gamma) / (1.0 + gamma) },
         })
     }
 
-    /// Where an argument from 0 to 1 is, for all albedos.
+    /// Prepares an argument, 0 to 1, for the H of any albedo.
     #[inline]
     pub fn place(self, x: f64) -> HPlace {
         let aside = match self {
@@ -72,18 +63,17 @@ impl H {
     /// Which H it is.
     pub fn formula(&self) -> HFormula {
         match self.0 {
-            Form::Sum(_) | Form::Table(_) => HFormula::Exact,
+            Form::Table(_) => HFormula::Exact,
             Form::Hapke1981 { .. } => HFormula::Hapke1981,
             Form::Hapke2002 { .. } => HFormula::Hapke2002,
         }
     }
 
-    /// H at an argument, whose place is by the same formula.
+    /// H at an argument prepared by the same formula.
     #[inline]
     pub fn at(&self, place: &HPlace) -> f64 {
         let x = place.x;
         match &self.0 {
-            Form::Sum(samples) => samples.h(x),
             Form::Table(table) => table.at(place.aside),
             Form::Hapke1981 { gamma } => (1.0 + 2.0 * x) / (1.0 + 2.0 * x * gamma),
             Form::Hapke2002 { albedo, r0 } => {
@@ -234,11 +224,11 @@ mod tests {
         // 1 / H(x) = sqrt(1 - w) + (w / 2) int_0^1 y H(y) / (x + y) dy; in y = z^4, of which H is almost a polynomial.
         let rule = GaussLegendre::new(48);
         for w in [0.0, 0.03, 0.3, 0.72, 0.95, 0.9999, 1.0] {
-            let h = HFormula::Exact.function_for_few(w);
+            let h = LogSamples::new(w);
             for x in [1e-3, 0.04, 0.3, 1.0] {
-                let integral = rule.integral(0.0, 1.0, |z| 4.0 * z.powi(7) * h.of(z.powi(4)) / (x + z.powi(4)));
+                let integral = rule.integral(0.0, 1.0, |z| 4.0 * z.powi(7) * h.h(z.powi(4)) / (x + z.powi(4)));
                 let inverse = (1.0_f64 - w).sqrt() + 0.5 * w * integral;
-                assert!((inverse * h.of(x) - 1.0).abs() < 3e-12, "{w} {x}: {:e}", inverse * h.of(x) - 1.0);
+                assert!((inverse * h.h(x) - 1.0).abs() < 3e-12, "{w} {x}: {:e}", inverse * h.h(x) - 1.0);
             }
         }
     }
@@ -247,13 +237,13 @@ mod tests {
     fn the_table_is_the_sum() {
         let mut worst = 0.0_f64;
         for w in [0.0, 0.01, 0.1, 0.35, 0.6, 0.9, 0.99, 0.9999, 1.0] {
-            let (table, sum) = (HFormula::Exact.function(w), HFormula::Exact.function_for_few(w));
+            let (table, sum) = (HFormula::Exact.function(w), LogSamples::new(w));
             for k in 0..=3000 {
                 let x = (f64::from(k) / 3000.0).powi(6);
-                worst = worst.max((table.of(x) / sum.of(x) - 1.0).abs());
+                worst = worst.max((table.of(x) / sum.h(x) - 1.0).abs());
             }
             for x in [1e-16, 1e-12, 1e-9] {
-                worst = worst.max((table.of(x) / sum.of(x) - 1.0).abs());
+                worst = worst.max((table.of(x) / sum.h(x) - 1.0).abs());
             }
         }
         assert!(worst < 2e-11, "{worst:e}");

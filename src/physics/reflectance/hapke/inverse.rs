@@ -1,17 +1,20 @@
 //! The single-scattering albedo of a surface whose reflectance is known.
 
-use super::{AtAngles, HFormula, Parameters};
+use super::{AlbedoNodes, Parameters};
 use crate::error::number;
 use crate::physics::reflectance::albedo::Measure;
 
-/// Finds w of what was measured.
+/// Finds w from a measured reflectance, at any number of wavelengths.
 #[derive(Debug, Clone)]
 pub struct Inverse {
-    formula: HFormula,
-    /// What depends on angles alone, and its weight in what was measured.
-    points: Vec<(AtAngles, f64)>,
+    nodes: AlbedoNodes,
+    /// What is measured at each node, over its w.
+    measured: Vec<f64>,
     most: f64,
 }
+
+/// For w from 0 to 1 they interpolate the model to 1e-14.
+const NODES: usize = 28;
 
 /// No single-scattering albedo from 0 to 1 gives this.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -24,26 +27,26 @@ pub struct NoAlbedo {
 }
 
 impl Inverse {
-    /// Of a surface with these parameters, by this measure.
+    /// For a surface with these parameters, and this kind of measurement.
     pub fn new(parameters: &Parameters, measure: &Measure) -> Self {
-        let points = measure.points().into_iter().map(|(angles, weight)| (parameters.at(&angles), weight)).collect();
-        let mut inverse = Inverse { formula: parameters.h, points, most: 0.0 };
+        let nodes = AlbedoNodes::new(*parameters, &(0.0..=1.0), NODES);
+        let mut measured = vec![0.0; NODES];
+        for (angles, weight) in measure.points() {
+            measured.iter_mut().zip(nodes.weights(&angles)).for_each(|(sum, of_node)| *sum += weight * of_node);
+        }
+        let mut inverse = Inverse { nodes, measured, most: 0.0 };
         inverse.most = inverse.reflectance(0.0);
         inverse
     }
 
     /// What is measured where sqrt(1 - w) is gamma.
     fn reflectance(&self, gamma: f64) -> f64 {
-        let albedo = 1.0 - gamma * gamma;
-        // A table of H costs as much as some hundred of its values.
-        let few = self.points.len() < 100;
-        let h = if few { self.formula.function_for_few(albedo) } else { self.formula.function(albedo) };
-        albedo * self.points.iter().map(|(at, weight)| weight * at.per_albedo(&h)).sum::<f64>()
+        self.nodes.rows(1.0 - gamma * gamma).zip(&self.measured).map(|(row, of_node)| row * of_node).sum()
     }
 
     /// w from the reflectance that was measured.
     ///
-    /// Reflectance rises with w, and is smooth in gamma = sqrt(1 - w): between black and white there is one root, kept between two ends
+    /// Reflectance rises with w and is smooth in gamma = sqrt(1 - w), so there is one root between black and white; it stays bracketed
     /// (Illinois method, Dowell & Jarratt 1971).
     ///
     /// # Errors
@@ -68,7 +71,7 @@ impl Inverse {
             let is_dark = miss < 0.0;
             let (moved, kept) = if is_dark { (&mut dark, &mut bright) } else { (&mut bright, &mut dark) };
             *moved = (gamma, miss);
-            // An end that stays twice is drawn towards the root, lest it stay for ever.
+            // An end that stays in place twice has its value halved, or the steps would shrink towards it slowly.
             if was_dark == Some(is_dark) {
                 kept.1 *= 0.5;
             }
@@ -86,7 +89,7 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::reflectance::hapke::{Hapke, Roughness, Surge};
+    use crate::physics::reflectance::hapke::{HFormula, Hapke, Roughness, Surge};
     use crate::physics::reflectance::{Brdf, PhaseFunction, PhotometricAngles};
 
     fn phobos(h: HFormula) -> Parameters {

@@ -3,8 +3,8 @@
 //! f = K w / (4 pi) mu0e / (mu0e + mue) {p(g) (1 + B_S) + H(mu0e / K) H(mue / K) - 1} (1 + B_C) S / mu0
 //!
 //! Source: Hapke (1981, 1984, 1986, 2002, 2008); *Theory of Reflectance and Emittance Spectroscopy* (2012). Reciprocal.
-//! Only H and the factor w before it know the single-scattering albedo w, and with it the wavelength: [`Parameters::at`] is all the rest,
-//! and depends on the angles alone. [`AlbedoNodes`] makes of it weights and rows.
+//! Only the factor w and the two H depend on the single-scattering albedo w, and so on wavelength. [`Parameters::at`] computes the rest, which
+//! depends on the angles alone; [`AlbedoNodes`] turns both into weights and rows.
 
 mod albedo_nodes;
 mod h_function;
@@ -33,13 +33,13 @@ pub struct Hapke {
 pub struct Parameters {
     /// Phase function p(g) of the particles.
     pub phase: PhaseFunction,
-    /// Opposition effect by shadows: B_S = B0 / (1 + tan(g / 2) / h), of light scattered once. B0 above 1 is allowed: so are fits.
+    /// Opposition effect by shadow hiding, of light scattered once: B_S = B0 / (1 + tan(g / 2) / h). B0 may be above 1, as it is in fits.
     pub shadow_hiding: Surge,
-    /// Opposition effect by interference: B_C = B0 (1 + (1 - exp(-x)) / x) / (2 (1 + x)^2), x = tan(g / 2) / h, of all light.
+    /// Opposition effect by coherent backscatter, of all light: B_C = B0 (1 + (1 - exp(-x)) / x) / (2 (1 + x)^2), x = tan(g / 2) / h.
     pub coherent: Surge,
-    /// Mean slope below the size of what a mesh resolves.
+    /// Roughness at scales that the mesh does not resolve.
     pub roughness: Roughness,
-    /// K, from 1: how much more each particle scatters than in a thin cloud ([`porosity_factor`]).
+    /// K, from 1: by how much close packing brightens the layer ([`porosity_factor`]).
     pub porosity_factor: f64,
     /// Which H.
     pub h: HFormula,
@@ -72,10 +72,10 @@ impl Surge {
     }
 }
 
-/// What of f depends on angles alone: f = w amplitude (single + H(x0) H(x) - 1).
+/// The part of f that depends on angles alone: f = w amplitude (single + H(x0) H(x) - 1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AtAngles {
-    /// K / (4 pi) times what geometry, roughness and interference make of it, 1/sr.
+    /// All factors but w: K / (4 pi), the shading, and 1 + B_C; 1/sr.
     pub amplitude: f64,
     /// p(g) (1 + B_S).
     pub single: f64,
@@ -90,7 +90,7 @@ impl AtAngles {
         self.per_albedo_at(h, &self.places(h.formula()))
     }
 
-    /// Where the arguments are, for all w.
+    /// The arguments prepared for H, which is the same work for all w.
     #[inline]
     fn places(&self, formula: HFormula) -> [HPlace; 2] {
         self.x.map(|x| formula.place(x))
@@ -113,7 +113,7 @@ impl Parameters {
         h: HFormula::Exact,
     };
 
-    /// What of f depends on these angles.
+    /// The part of f that depends on these angles.
     pub fn at(&self, angles: &PhotometricAngles) -> AtAngles {
         let tan_half_phase = angles.tan_half_phase();
         let single = self.phase.at(angles) * (1.0 + self.shadow_hiding.of_shadows(tan_half_phase));
@@ -124,9 +124,9 @@ impl Parameters {
     }
 }
 
-/// K of a layer of which particles fill this share: -ln(1 - 1.209 q) / (1.209 q), q = share^(2/3). Source: Hapke (2008).
+/// K of a layer with this share of its volume filled by particles: -ln(1 - 1.209 q) / (1.209 q), q = share^(2/3). Source: Hapke (2008).
 ///
-/// Limits: shares from 0 to below 0.752, where particles touch on all sides, and K is infinite.
+/// Limits: shares from 0 to below 0.752, where K is infinite.
 pub fn porosity_factor(filled_share: f64) -> f64 {
     let shadowed = 1.209 * filled_share.cbrt().powi(2);
     if shadowed > 0.0 { -(-shadowed).ln_1p() / shadowed } else { 1.0 }

@@ -1,4 +1,4 @@
-//! Hapke's macroscopic roughness: slopes too small for the mesh to have them.
+//! Hapke's macroscopic roughness: slopes at scales that the mesh does not resolve.
 
 use std::f64::consts::PI;
 
@@ -6,7 +6,7 @@ use crate::physics::reflectance::PhotometricAngles;
 
 /// Mean slope theta-bar, and what follows from it. Source: Hapke (1984).
 ///
-/// Limits: mean slopes up to some 30 deg. Slopes that the mesh has count twice if they are in here, too.
+/// Limits: mean slopes up to some 30 deg. Slopes that the mesh resolves must not be included again.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Roughness {
     tan: f64,
@@ -34,8 +34,8 @@ impl Roughness {
 
     /// The effective cosines, and what shadows leave.
     ///
-    /// The published equations are two sets, one for i <= e and one for the other case. They are one in the steeper direction a (the smaller
-    /// zenith angle) and the flatter b; and mu0 cancels:
+    /// The published equations are two sets, for i <= e and for i > e. Written for the direction a with the smaller zenith angle and the
+    /// other one, b, they are the same, and mu0 cancels:
     /// S mu0e / mu0 = mu0e mue / (eta(i) eta(e)) chi / (1 - F + F chi mu_a / eta(a)).
     #[inline]
     pub fn at(&self, angles: &PhotometricAngles) -> Seen {
