@@ -19,6 +19,12 @@ pub enum Measure {
     Spherical,
     /// Geometric albedo of a sphere: brightness at phase 0 over that of a white Lambert disc, 2 pi int f mu^2 dmu.
     Geometric,
+    /// The same at another phase angle, which is the geometric albedo times the sphere's phase function: int f mu0 mu dOmega over the part of the
+    /// sphere that is lit and visible.
+    SphereAtPhase {
+        /// Phase angle, rad, 0 to below pi.
+        phase_rad: f64,
+    },
 }
 
 impl Measure {
@@ -47,6 +53,7 @@ impl Measure {
                 };
                 squares(&rule, 0.0, 1.0).map(at).collect()
             }
+            Measure::SphereAtPhase { phase_rad } => sphere(&rule, phase_rad),
         }
     }
 
@@ -82,6 +89,22 @@ fn hemisphere(rule: &GaussLegendre, incidence_rad: f64) -> Vec<(PhotometricAngle
             let weight = 2.0 * emission.cos() * emission.sin() * of_emission.abs();
             azimuths.iter().map(move |&(azimuth, of_azimuth)| {
                 (PhotometricAngles::of_angles(incidence_rad, emission, azimuth), weight * of_azimuth)
+            })
+        })
+        .collect()
+}
+
+/// Angles and weights of f on a sphere, in photometric longitude and latitude: mu = cos b cos l, mu0 = cos b cos(l - g).
+fn sphere(rule: &GaussLegendre, phase_rad: f64) -> Vec<(PhotometricAngles, f64)> {
+    let cos_phase = phase_rad.cos();
+    rule.nodes(phase_rad - FRAC_PI_2, FRAC_PI_2)
+        .flat_map(|(longitude, of_longitude)| {
+            // Both hemispheres.
+            rule.nodes(0.0, FRAC_PI_2).map(move |(latitude, of_latitude)| {
+                let cos_latitude = latitude.cos();
+                let (mu, mu0) = (cos_latitude * longitude.cos(), cos_latitude * (longitude - phase_rad).cos());
+                let weight = 2.0 * of_longitude * of_latitude * cos_latitude * mu0 * mu;
+                (PhotometricAngles::of_cosines(mu0, mu, cos_phase), weight)
             })
         })
         .collect()
@@ -196,6 +219,31 @@ mod tests {
         }
         // To 1e-6.
         assert_close(Measure::Geometric.of(&phobos), 0.065_995_053_589_764_08, 1e-5);
+    }
+
+    #[test]
+    fn spheres_at_any_phase() {
+        let lambert = Brdf::Lambert(Lambert { reflectance: 0.3 });
+        let dark = Brdf::LommelSeeliger(LommelSeeliger { albedo: 0.1, phase: PhaseFunction::Isotropic });
+        for phase_deg in [0.001, 15.0, 90.0, 150.0] {
+            let phase_rad = f64::to_radians(phase_deg);
+            let at = Measure::SphereAtPhase { phase_rad };
+            // 2/3 rho (sin a + (pi - a) cos a) / pi, and w/8 (1 - sin(a/2) tan(a/2) ln cot(a/4)).
+            let of_lambert = 0.2 * (phase_rad.sin() + (PI - phase_rad) * phase_rad.cos()) / PI;
+            let half = 0.5 * phase_rad;
+            let of_dark = 0.0125 * (1.0 - half.sin() * half.tan() * (0.5 * half).tan().recip().ln());
+            assert_close(at.of(&lambert), of_lambert, 1e-12);
+            assert_close(at.of(&dark), of_dark, 1e-7);
+        }
+    }
+
+    #[test]
+    fn the_spherical_albedo_by_phase_angles_is_that_by_hemispheres() {
+        // The spherical albedo is p q = 2 int p Phi(a) sin a da over phase angles.
+        let brdf = Brdf::Akimov(Akimov { albedo: 0.1, phase: PhaseCurve { beta: -1.5, gamma: 0.2, delta: 0.0 } });
+        let by_spheres = GaussLegendre::new(24)
+            .integral(0.0, PI, |phase_rad| 2.0 * Measure::SphereAtPhase { phase_rad }.of(&brdf) * phase_rad.sin());
+        assert_close(by_spheres, Measure::Spherical.of(&brdf), 1e-5);
     }
 
     #[test]

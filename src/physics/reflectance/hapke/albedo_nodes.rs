@@ -8,6 +8,7 @@ use std::ops::RangeInclusive;
 
 use super::{H, Parameters};
 use crate::physics::reflectance::PhotometricAngles;
+use crate::physics::reflectance::albedo::Measure;
 
 /// With so many the error is below 1e-12 for w from 0 to 1.
 const MOST_NODES: usize = 32;
@@ -40,6 +41,15 @@ impl AlbedoNodes {
         let at = self.parameters.at(angles);
         let places = at.places(self.parameters.h);
         self.h.iter().map(move |h| at.per_albedo_at(h, &places))
+    }
+
+    /// The same of a measured reflectance, such as an albedo: what it is over w at each node. Times rows, it is that reflectance at any wavelength.
+    pub fn measured(&self, measure: &Measure) -> Vec<f64> {
+        let mut sums = vec![0.0; self.count()];
+        for (angles, weight) in measure.points() {
+            sums.iter_mut().zip(self.weights(&angles)).for_each(|(sum, of_node)| *sum += weight * of_node);
+        }
+        sums
     }
 
     /// w L_k(gamma) of each node: the rows at a wavelength where the albedo is w, within the range.
@@ -84,8 +94,8 @@ pub fn node_count(albedos: &RangeInclusive<f64>, least_single: f64, tolerance: f
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::reflectance::PhaseFunction;
     use crate::physics::reflectance::hapke::{HFormula, Hapke, Roughness, Surge};
+    use crate::physics::reflectance::{Brdf, PhaseFunction};
 
     fn parameters(h: HFormula) -> Parameters {
         Parameters {
@@ -127,6 +137,19 @@ mod tests {
                     assert!(error <= bound.max(1e-10), "{h:?} {albedos:?} {count}: {error:e} {bound:e}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn albedos_of_a_spectrum_from_a_few_nodes() {
+        let (parameters, albedos) = (parameters(HFormula::Exact), 0.03..=0.12);
+        let nodes = AlbedoNodes::new(parameters, &albedos, 4);
+        let measure = Measure::DirectionalHemispherical { cos_incidence: 0.7 };
+        let at_nodes = nodes.measured(&measure);
+        for w in [0.03, 0.0571, 0.12] {
+            let by_nodes: f64 = at_nodes.iter().zip(nodes.rows(w)).map(|(of_node, row)| of_node * row).sum();
+            let exact = measure.of(&Brdf::Hapke(Box::new(Hapke::new(w, parameters))));
+            assert!((by_nodes / exact - 1.0).abs() < 1e-7, "{w}: {by_nodes} {exact}");
         }
     }
 

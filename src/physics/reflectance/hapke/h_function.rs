@@ -1,7 +1,6 @@
 //! Chandrasekhar's H function: multiple scattering by isotropic particles.
 
 use std::f64::consts::PI;
-use std::sync::Arc;
 
 /// Which H.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -22,8 +21,7 @@ pub struct H(Form);
 
 #[derive(Debug, Clone, PartialEq)]
 enum Form {
-    // Shared, because surfaces are copied.
-    Table(Arc<Table>),
+    Table(Table),
     Hapke1981 { gamma: f64 },
     Hapke2002 { albedo: f64, r0: f64 },
 }
@@ -40,7 +38,7 @@ impl HFormula {
     pub fn function(self, albedo: f64) -> H {
         let gamma = (1.0 - albedo).max(0.0).sqrt();
         H(match self {
-            HFormula::Exact => Form::Table(Arc::new(Table::new(&LogSamples::new(albedo)))),
+            HFormula::Exact => Form::Table(Table::new(&LogSamples::new(albedo))),
             HFormula::Hapke1981 => Form::Hapke1981 { gamma },
             HFormula::Hapke2002 => Form::Hapke2002 { albedo, r0: (1.0 - gamma) / (1.0 + gamma) },
         })

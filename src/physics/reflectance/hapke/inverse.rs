@@ -30,10 +30,7 @@ impl Inverse {
     /// For a surface with these parameters, and this kind of measurement.
     pub fn new(parameters: &Parameters, measure: &Measure) -> Self {
         let nodes = AlbedoNodes::new(*parameters, &(0.0..=1.0), NODES);
-        let mut measured = vec![0.0; NODES];
-        for (angles, weight) in measure.points() {
-            measured.iter_mut().zip(nodes.weights(&angles)).for_each(|(sum, of_node)| *sum += weight * of_node);
-        }
+        let measured = nodes.measured(measure);
         let mut inverse = Inverse { nodes, measured, most: 0.0 };
         inverse.most = inverse.reflectance(0.0);
         inverse
