@@ -16,6 +16,7 @@
 //! | (3) | [`sun::irradiance_on_facet`] | Lambert's cosine | flat plane |
 //! | (5) inverse square | [`sun::irradiance_at`] | - | oracles `TSI` |
 //! | angular radius, solid angle, light time | [`sun::angular_radius_rad`], [`sun::solid_angle_sr`], [`sun::light_time_s`] | - | oracles `sun` |
+//! | form factors of rectangles, strips, discs and polygons | [`form_factor`] | Howell, catalogue; Lambert | a closed cube; oracles `formfactor` |
 //! | sphere of uniform radiance over a tilted facet | [`mars::uniform_sphere_form_factor`] | Naraghi (1988); Howell, catalogue | oracles `plane_to_sphere_F` |
 //! | Lambert sphere lit by the Sun, near at hand | [`mars::irradiance`], [`mars::irradiance_vector`] | integral over the visible cap | oracles `marsshine` |
 //! | the same, fast, for the facets of one scene | [`mars_light::MarsLight`] | E'' + E = great-circle integral | against [`mars::irradiance`] |
@@ -42,6 +43,7 @@
 pub mod blackbody;
 pub mod bounds;
 pub mod conduction;
+pub mod form_factor;
 pub mod heat;
 pub mod mars;
 pub mod mars_light;

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use crate::geometry::{Direction, angle_rad};
-use crate::physics::{GaussLegendre, blackbody};
+use crate::physics::{GaussLegendre, blackbody, form_factor};
 
 /// Temperature of the black body that has this radiance, K: Planck's law solved for T.
 pub(super) fn brightness_temperature_k(lambda_um: f64, radiance_w_m2_sr_um: f64) -> f64 {
@@ -71,7 +71,8 @@ pub(super) fn lommel_seeliger_albedo(single_scattering_albedo: f64, cos_incidenc
 /// Of the sum and the difference of the first two: s = 1 + rho (p s + 8 a b), d = 1 - rho p d, and b (1 - rho (p + 2 a)) = rho a s, with
 /// p and a the form factors of opposite and adjacent faces.
 pub(super) fn cube_radiosity(reflectance: f64) -> [f64; 3] {
-    let (p, a) = (parallel_rectangles(1.0, 1.0, 1.0), perpendicular_rectangles(1.0, 1.0, 1.0));
+    let (p, a) =
+        (form_factor::parallel_rectangles(1.0, 1.0, 1.0), form_factor::perpendicular_rectangles(1.0, 1.0, 1.0));
     let per_sum = reflectance * a / (1.0 - reflectance * (p + 2.0 * a));
     let sum = 1.0 / (1.0 - reflectance * (p + 8.0 * a * per_sum));
     let difference = 1.0 / (1.0 + reflectance * p);
@@ -134,63 +135,6 @@ impl Bowl {
         let f = self.form_factor();
         self.reflectance * (1.0 - f) / (1.0 - self.reflectance * f)
     }
-}
-
-/// Form factor of two equal, opposite rectangles a x b (Howell C-11).
-pub(super) fn parallel_rectangles(a: f64, b: f64, distance: f64) -> f64 {
-    let (x, y) = (a / distance, b / distance);
-    let (rx, ry) = ((1.0 + x * x).sqrt(), (1.0 + y * y).sqrt());
-    let sum = 0.5 * ((1.0 + x * x) * (1.0 + y * y) / (1.0 + x * x + y * y)).ln()
-        + x * ry * (x / ry).atan()
-        + y * rx * (y / rx).atan()
-        - x * x.atan()
-        - y * y.atan();
-    2.0 / (PI * x * y) * sum
-}
-
-/// Form factor from a rectangle of width `w1` to one of height `h2` at right angles, with a common edge (Howell C-14).
-pub(super) fn perpendicular_rectangles(common: f64, w1: f64, h2: f64) -> f64 {
-    let (h, w) = (h2 / common, w1 / common);
-    let (h_2, w_2) = (h * h, w * w);
-    let (both, all) = (h_2 + w_2, 1.0 + h_2 + w_2);
-    let logs = ((1.0 + w_2) * (1.0 + h_2) / all).ln()
-        + w_2 * (w_2 * all / ((1.0 + w_2) * both)).ln()
-        + h_2 * (h_2 * all / ((1.0 + h_2) * both)).ln();
-    let arcs = w * (1.0 / w).atan() + h * (1.0 / h).atan() - both.sqrt() * (1.0 / both.sqrt()).atan();
-    (arcs + 0.25 * logs) / (PI * w)
-}
-
-/// Form factor from an endless strip of width `w1` to one of height `h2` at right angles, with a common edge (Howell C-9).
-pub(super) fn perpendicular_strips(w1: f64, h2: f64) -> f64 {
-    0.5 * (1.0 + h2 / w1 - (h2 / w1).hypot(1.0))
-}
-
-/// Form factor from a disc of radius `r1` to one of `r2` on the same axis, `distance` apart (Howell C-41).
-pub(super) fn coaxial_discs(r1: f64, r2: f64, distance: f64) -> f64 {
-    let (x, y) = (r1 / distance, r2 / distance);
-    let s = 1.0 + (1.0 + y * y) / (x * x);
-    // (s - sqrt(s^2 - 4 (y/x)^2)) / 2, without its cancellation.
-    2.0 * (y / x).powi(2) / (s + (s * s - 4.0 * (y / x).powi(2)).sqrt())
-}
-
-/// Form factor of an element at the origin to a polygon, cut by the element's horizon: Lambert's contour sum.
-pub(super) fn element_to_polygon(normal: DVec3, polygon: &[DVec3]) -> f64 {
-    let mut above = Vec::new();
-    for (i, &a) in polygon.iter().enumerate() {
-        let b = polygon[(i + 1) % polygon.len()];
-        let (height_a, height_b) = (normal.dot(a), normal.dot(b));
-        if height_a > 0.0 {
-            above.push(a);
-        }
-        if (height_a > 0.0) != (height_b > 0.0) {
-            above.push(a + (b - a) * (height_a / (height_a - height_b)));
-        }
-    }
-    let edges = (0..above.len()).map(|i| {
-        let (a, b) = (above[i], above[(i + 1) % above.len()]);
-        angle_rad(a, b) * normal.dot(a.cross(b).normalize_or_zero())
-    });
-    (edges.sum::<f64>() / (2.0 * PI)).abs()
 }
 
 /// Area of an ellipsoid's outline in parallel projection: pi abc sqrt(sum of (u_i / radius_i)^2).

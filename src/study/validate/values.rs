@@ -9,7 +9,7 @@ use super::{Answer, By, Oracle, scene_cases};
 use crate::geometry::{Direction, Pose, angle_rad};
 use crate::physics::mars_light::MARS_LIGHT_ERROR;
 use crate::physics::reflectance::albedo::Measure;
-use crate::physics::{blackbody, bounds, conduction, heat, mars, sun, sun_disc};
+use crate::physics::{blackbody, bounds, conduction, form_factor, heat, mars, sun, sun_disc};
 use crate::scene::Thermal;
 use crate::spectral::{ALL_UM, Band, solar_e490};
 use crate::units::{AU_M, STEFAN_BOLTZMANN_W_M2_K4};
@@ -177,31 +177,28 @@ impl Oracle<'_> {
             "mars_angular_diameter_from_phobos_deg" => 2.0 * q()?.asin().to_degrees(),
             // 2 pi (1 - cos a), a its angular radius.
             _ if kind.contains("solid_angle") => 4.0 * std::f64::consts::PI * (0.5 * q()?.asin()).sin().powi(2),
-            "parallel_rectangles" => closed_forms::parallel_rectangles(input("a")?, input("b")?, input("distance")?),
+            "parallel_rectangles" => form_factor::parallel_rectangles(input("a")?, input("b")?, input("distance")?),
             "perpendicular_rectangles" => {
-                closed_forms::perpendicular_rectangles(input("common")?, input("w1")?, input("h2")?)
+                form_factor::perpendicular_rectangles(input("common")?, input("w1")?, input("h2")?)
             }
-            "element_to_coaxial_disc" => {
-                let (radius, height) = (input("R")?, input("h")?);
-                radius * radius / (radius * radius + height * height)
-            }
+            "element_to_coaxial_disc" => form_factor::element_to_coaxial_disc(input("R")?, input("h")?),
             "coaxial_discs" | "coaxial_parallel_discs" | "parallel_coaxial_discs" => {
                 let of = |keys: [&str; 2]| keys.iter().find_map(|key| self.input(key));
                 let height = of(["h", "distance"])?;
-                closed_forms::coaxial_discs(of(["r1", "R1"])?, of(["r2", "R2"])?, height)
+                form_factor::coaxial_discs(of(["r1", "R1"])?, of(["r2", "R2"])?, height)
             }
             "strips_at_right_angles" | "perpendicular_strips" => {
                 let of = |key| self.input(key).unwrap_or(1.0);
-                closed_forms::perpendicular_strips(of("w1"), of("h2"))
+                form_factor::perpendicular_strips(of("w1"), of("h2"))
             }
             "cube_closure" => {
-                closed_forms::parallel_rectangles(1.0, 1.0, 1.0)
-                    + 4.0 * closed_forms::perpendicular_rectangles(1.0, 1.0, 1.0)
+                form_factor::parallel_rectangles(1.0, 1.0, 1.0)
+                    + 4.0 * form_factor::perpendicular_rectangles(1.0, 1.0, 1.0)
             }
             "element_to_triangle_clipped" => {
                 let triangle = self.inputs.get("triangle")?.as_array()?;
                 let polygon = triangle.iter().map(vector).collect::<Option<Vec<_>>>()?;
-                closed_forms::element_to_polygon(self.vector("normal")?, &polygon)
+                form_factor::element_to_polygon(self.vector("normal")?, &polygon)
             }
             _ => return None,
         }))
