@@ -55,6 +55,8 @@ mod mosaics;
 mod oracles;
 mod old_tables;
 mod partly_sky;
+mod photometry_files;
+mod photometry_image;
 mod products;
 mod raster;
 mod raster_convert;

@@ -21,6 +21,7 @@ mod phase_curve;
 mod phase_function;
 pub mod presets;
 mod rpv;
+mod shape;
 mod table;
 
 use std::f64::consts::PI;
@@ -35,6 +36,7 @@ pub use minnaert::Minnaert;
 pub use phase_curve::PhaseCurve;
 pub use phase_function::PhaseFunction;
 pub use rpv::Rpv;
+pub use shape::{Albedos, Separated, Shape};
 pub use table::{Axis, Table};
 
 /// What is reflected and let through of light is all of it within this: more makes energy.

@@ -16,13 +16,13 @@ pub struct Inverse {
 /// For w from 0 to 1 they interpolate the model to 1e-14.
 const NODES: usize = 28;
 
-/// No single-scattering albedo from 0 to 1 gives this.
+/// No albedo that a model may have gives this.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("no single-scattering albedo gives a reflectance of {}: with these parameters it is from 0 to {}", number(*.reflectance), number(*.most))]
+#[error("no albedo gives a reflectance of {}: with these parameters it is from 0 to {}", number(*.reflectance), number(*.most))]
 pub struct NoAlbedo {
     /// What was asked for.
     pub reflectance: f64,
-    /// The most there is, at w = 1.
+    /// The most there is.
     pub most: f64,
 }
 

@@ -32,6 +32,11 @@ impl Roughness {
         Roughness { tan, chi: 1.0 / (1.0 + PI * tan * tan).sqrt() }
     }
 
+    /// The mean slope, rad.
+    pub fn mean_slope_rad(&self) -> f64 {
+        self.tan.atan()
+    }
+
     /// The effective cosines, and what shadows leave.
     ///
     /// The published equations are two sets, for i <= e and for i > e. Written for the direction a with the smaller zenith angle and the
