@@ -7,7 +7,7 @@ use crate::error::number;
 use crate::physics::reflectance::albedo::Measure;
 use crate::physics::reflectance::hapke::{HFormula, NoAlbedo, Parameters, Surge};
 use crate::physics::reflectance::{
-    Albedos, Brdf, Partition, PhaseCurve, PhaseFunction, PhotometricAngles, Separated, Shape,
+    Albedos, Brdf, DirectionalAlbedos, Partition, PhaseCurve, PhaseFunction, PhotometricAngles, Separated, Shape,
 };
 use crate::spectral::{Band, Spectrum};
 
@@ -108,6 +108,14 @@ impl Model {
     pub fn separated(&self, tolerance: f64) -> Separated {
         let (low, high) = self.albedo.range();
         Separated::new(&self.shape, &(low..=high), tolerance)
+    }
+
+    /// Its directional albedo where the spherical one is `bond_albedo`: a table, and the factor of its weights; `None` if no albedo gives that.
+    pub fn absorbing(&self, bond_albedo: f64) -> Option<(DirectionalAlbedos, f64)> {
+        let albedo = Albedos::new(&self.shape, &Measure::Spherical, bond_albedo).of(bond_albedo).ok()?;
+        let separated = Separated::new(&self.shape, &(albedo..=albedo), TOLERANCE);
+        // At a single albedo it is one product.
+        Some((DirectionalAlbedos::new(&separated), albedo))
     }
 
     /// Its hemispherical (spherical, Bond's) reflectance.

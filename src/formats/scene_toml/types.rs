@@ -128,7 +128,7 @@ pub(crate) struct MaterialToml {
     pub(crate) mixture: Option<BTreeMap<String, f64>>,
     /// Values of tables beyond their ends: unknown ("error", the default), or their last value ("hold").
     pub(crate) extend: Option<ExtendToml>,
-    /// Emissivity, 0 to 1: a number, or the path of a CSV table. Default 1 - reflectance; of a mixture, that of its parts by their shares.
+    /// Emissivity, 0 to 1: a number, or the path of a CSV table. Default 1 - reflectance, with a model by direction; of a mixture, that of its parts by their shares.
     pub(crate) emissivity: Option<Values>,
     /// Share of all sunlight that is not absorbed. Default: mean of the reflectance, weighted with the solar spectrum.
     pub(crate) bond_albedo: Option<f64>,

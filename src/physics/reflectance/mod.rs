@@ -12,6 +12,7 @@
 mod akimov;
 pub mod albedo;
 mod angles;
+mod directional;
 pub mod hapke;
 mod lambert;
 mod lommel_seeliger;
@@ -28,6 +29,7 @@ use std::f64::consts::PI;
 
 pub use akimov::Akimov;
 pub use angles::{LEAST_COSINE, PhotometricAngles};
+pub use directional::{DirectionalAlbedos, FLATTEST};
 pub use hapke::Hapke;
 pub use lambert::Lambert;
 pub use lommel_seeliger::LommelSeeliger;

@@ -172,7 +172,9 @@ impl<'a> Emission<'a> {
         if let (Some(heat), [sun, ..]) = (self.heat, &self.lights[..])
             && let (first, Family::Heat(heat)) = &self.families[heat]
         {
-            heat.weights(material, fragment, sun.of(fragment), |row, weight| add(index_u32(first + row), weight));
+            let cos_emission = || self.view.cos_emission(fragment);
+            let add = |row: usize, weight| add(index_u32(first + row), weight);
+            heat.weights(material, fragment, sun.of(fragment), cos_emission, add);
         }
     }
 

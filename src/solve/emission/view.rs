@@ -21,6 +21,13 @@ impl<'a> View<'a> {
         View { camera: &scene.exposure.camera, mesh: &scene.body.mesh, radius_m }
     }
 
+    /// Cosine of emission at the centroid of all that is seen of a fragment.
+    pub(super) fn cos_emission(&self, fragment: &Fragment) -> f64 {
+        let [x_px, y_px] = fragment.shown.centroid_px().unwrap_or_default();
+        let normal = self.mesh.facet(fragment.facet as usize).cross_m2().normalize_or_zero();
+        normal.dot(-self.camera.ray(x_px, y_px).normalize_or_zero())
+    }
+
     /// The angles at the centroid of what a source lights of a fragment; of a source in the near field, to the
     /// middle of what of it is above the facet's horizon.
     pub(super) fn angles(&self, fragment: &Fragment, light: &SourceLight) -> PhotometricAngles {
