@@ -131,7 +131,8 @@ impl<'a> Given<'a> {
 
 /// Centres of all bands; of wide ones also the ends, and the corners between them of reflectances and emissivities; um, ascending.
 fn bands_um(scene: &Setup, materials: &[&Material]) -> Vec<(f64, Light)> {
-    let of_materials = materials.iter().flat_map(|m| [&m.reflectance, &m.emissivity]);
+    let parameters = materials.iter().flat_map(|m| m.photometry.parameters()).map(|(_, spectrum)| spectrum);
+    let of_materials = materials.iter().flat_map(|m| [&m.reflectance, &m.emissivity]).chain(parameters);
     let mut corners_um: Vec<f64> = of_materials
         .chain(scene.sky.mars.iter().map(|m| &m.reflectance))
         .flat_map(|spectrum| spectrum.wavelength_um().iter().copied())
