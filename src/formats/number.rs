@@ -115,6 +115,18 @@ pub(super) fn single(number: f64) -> f32 {
     number as f32
 }
 
+/// The number at or next to `near` that is read as `wanted`, to the last bit; `near` if there is none.
+pub(super) fn exact(near: f64, read: impl Fn(f64) -> f64, wanted: f64) -> f64 {
+    let (mut below, mut above) = (near, near);
+    for _ in 0..8 {
+        if let Some(exact) = [below, above].into_iter().find(|x| read(*x) == wanted) {
+            return exact;
+        }
+        (below, above) = (below.next_down(), above.next_up());
+    }
+    near
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

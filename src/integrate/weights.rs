@@ -61,7 +61,7 @@ impl<'a> Weights<'a> {
 
     /// Adds a part of an entry of this area, pixels, and what of it each source lights.
     pub(super) fn add(&mut self, entry: &Entry, area: f64, lit: &[ImagePart]) {
-        let fragment = Fragment { facet: entry.facet, shown: ImagePart { area, ..entry.shown }, lit };
+        let fragment = Fragment { facet: entry.facet, shown: entry.shown.scaled_to(area), lit };
         let sums = &mut self.sums;
         self.emission.send(&fragment, None, |row, weight| sums.add(row, weight));
     }

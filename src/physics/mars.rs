@@ -218,9 +218,37 @@ pub(super) fn common_arcs((middle_a, half_a): (f64, f64), (middle_b, half_b): (f
     })
 }
 
+/// Unit vector towards the middle of what of a sphere is above a surface's horizon: its centre, or, where the horizon cuts it, halfway from
+/// there to its upper edge. `normal` is of unit length.
+pub fn middle_above_horizon(normal: DVec3, to_centre_m: DVec3, radius_m: f64) -> DVec3 {
+    let distance_m = to_centre_m.length();
+    let centre = to_centre_m / distance_m;
+    let sin_elevation = normal.dot(centre).clamp(-1.0, 1.0);
+    let (elevation, radius) = (sin_elevation.asin(), (radius_m / distance_m).min(1.0).asin());
+    if elevation >= radius {
+        return centre;
+    }
+    let middle = 0.5 * (elevation + radius).max(0.0);
+    (centre - sin_elevation * normal).normalize_or_zero() * middle.cos() + normal * middle.sin()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_middle_of_what_is_up() {
+        let towards = |elevation_deg: f64| {
+            let (sin, cos) = f64::to_radians(elevation_deg).sin_cos();
+            7.0 * DVec3::new(cos, 0.0, sin)
+        };
+        let radius = 7.0 * f64::to_radians(20.0).sin();
+        // Whole; half; a third of its height; nothing.
+        for (elevation_deg, expected_deg) in [(30.0, 30.0), (20.0, 20.0), (0.0, 10.0), (-10.0, 5.0), (-25.0, 0.0)] {
+            let middle = middle_above_horizon(DVec3::Z, towards(elevation_deg), radius);
+            assert!((middle - towards(expected_deg) / 7.0).length() < 1e-15, "{elevation_deg}: {middle}");
+        }
+    }
 
     const R: f64 = 3_389.5;
     const D: f64 = 9_376.0;

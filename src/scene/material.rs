@@ -4,14 +4,15 @@ use crate::spectral::{Band, Spectrum};
 
 use super::coverage::uncovered;
 use super::{Photometry, Thermal};
+use crate::physics::reflectance::kirchhoff_emissivity;
 
 /// Optical and thermal properties of a surface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
     /// Name, as in the scene's dictionary.
     pub name: String,
-    /// Hemispherical reflectance (dimensionless): that of a Lambert surface, whose BRDF is reflectance / pi. With another photometry
-    /// emissivity and Bond albedo still follow from it, but it says nothing about directions.
+    /// Hemispherical reflectance (dimensionless), of light from all of the sky: that of a Lambert surface, whose BRDF is reflectance / pi. With
+    /// another photometry emissivity and Bond albedo still follow from it, but it says nothing about directions.
     pub reflectance: Spectrum,
     /// How reflectance depends on directions.
     pub photometry: Photometry,
@@ -26,6 +27,11 @@ pub struct Material {
 }
 
 impl Material {
+    /// Whether its emissivity is what it does not reflect.
+    pub fn has_kirchhoff_emissivity(&self) -> bool {
+        self.emissivity == self.reflectance.map(kirchhoff_emissivity)
+    }
+
     /// Says what bands look for where its spectra are not known.
     pub(super) fn covers(&self, bands: &[Band], thermal: Thermal, problem: &mut impl FnMut(&str, String)) {
         let item = format!("materials.{:?}", self.name);
@@ -54,7 +60,10 @@ impl Material {
             }
         }
         if let Some(key) = self.photometry.key() {
-            self.photometry.check(|message| problem(&format!("{item}.{key}"), message));
+            self.photometry.check(|parameter, message| {
+                let dot = if parameter.is_empty() { "" } else { "." };
+                problem(&format!("{item}.{key}{dot}{parameter}"), message);
+            });
         }
         if !(0.0..=1.0).contains(&self.bond_albedo) {
             problem(&format!("{item}.bond_albedo"), format!("{} is outside 0 to 1", self.bond_albedo));

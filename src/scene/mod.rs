@@ -26,7 +26,8 @@ pub use exposure::Exposure;
 pub(crate) use exposure::LEAST_PITCH;
 pub use material::Material;
 pub use models::{MarsModel, Models, Thermal};
-pub use photometry::{Hapke, Photometry, Rpv};
+pub(crate) use photometry::TOLERANCE;
+pub use photometry::{Hapke, Model, Photometry, Rpv, problems as model_problems};
 pub use sky::{Beam, MARS_ALBEDO, Mars, Sky, Sun};
 pub use source::{DirectionField, Incoming, Source, SourceKind};
 pub use texture::{Texture, TextureKind};
@@ -167,8 +168,9 @@ impl Setup {
     pub fn known_um(&self, light: Light) -> (f64, f64) {
         let glows = light.glows() && self.models.thermal != Thermal::Off;
         let materials = self.body.materials.iter().flat_map(|m| {
-            let reflectance = light.is_lit().then_some(&m.reflectance);
-            reflectance.into_iter().chain(glows.then_some(&m.emissivity))
+            let parameters = m.photometry.parameters().into_iter().map(|(_, spectrum)| spectrum);
+            let reflected = parameters.chain([&m.reflectance]).filter(|_| light.is_lit());
+            reflected.chain(glows.then_some(&m.emissivity))
         });
         let all = materials.chain(self.sky.spectra().filter(|_| light.is_lit()));
         all.map(Spectrum::coverage_um).fold(ALL_UM, |(a, b), (first, last)| (a.max(first), b.min(last)))
@@ -219,12 +221,13 @@ impl Setup {
     /// Whether this version can simulate the scene: a scene can hold more than can be computed.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] at the first material that is not Lambert.
+    /// [`Error::Unsupported`] at the first texture of reflectances on a surface whose radiance is not proportional to its reflectance.
     pub fn simulable(&self) -> Result<()> {
-        for material in &self.body.materials {
-            if let Some(key) = material.photometry.key() {
-                let at = Location::item(format!("materials.{:?}.{key}", material.name));
-                let feature = format!("simulating a surface by its `{key}` parameters");
+        for texture in self.body.textures.iter().filter(|texture| texture.kind == TextureKind::Reflectance) {
+            let Some(material) = self.body.materials.get(texture.material.0 as usize) else { continue };
+            if let Some(key) = material.photometry.key().filter(|_| !material.photometry.is_proportional()) {
+                let at = Location::item(self.body.item_of(texture));
+                let feature = format!("a texture of reflectances on a surface by its `{key}` parameters");
                 return Err(Error::Unsupported { at, feature });
             }
         }

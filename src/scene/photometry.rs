@@ -1,6 +1,14 @@
-//! How a surface's reflectance depends on the directions of light and view: parameters, carried as data.
+//! How a surface's reflectance depends on the directions of light and view.
+
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::coverage::uncovered;
+use crate::error::number;
+use crate::physics::reflectance::albedo::Measure;
+use crate::physics::reflectance::hapke::{HFormula, NoAlbedo, Parameters, Surge};
+use crate::physics::reflectance::{
+    Albedos, Brdf, DirectionalAlbedos, Partition, PhaseCurve, PhaseFunction, PhotometricAngles, Separated, Shape,
+};
 use crate::spectral::{Band, Spectrum};
 
 /// The model of a surface's bidirectional reflectance.
@@ -9,10 +17,21 @@ pub enum Photometry {
     /// The same radiance in every direction: the material's reflectance is all there is.
     #[default]
     Lambert,
-    /// Hapke's.
+    /// A model by numbers, and an albedo that is a spectrum.
+    Model(Box<Model>),
+    /// Hapke's by tables: every parameter is a spectrum.
     Hapke(Box<Hapke>),
-    /// That of Rahman, Pinty and Verstraete.
+    /// That of Rahman, Pinty and Verstraete by tables.
     Rpv(Box<Rpv>),
+}
+
+/// A model whose parameters are the same at all wavelengths, except for its albedo.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Model {
+    /// The model and its parameters.
+    pub shape: Shape,
+    /// Its albedo: single-scattering, normal, or RPV's amplitude.
+    pub albedo: Spectrum,
 }
 
 /// Parameters of Hapke's model as SOILSPECT has it (Jacquemoud, Baret & Hanocq 1992), all dimensionless.
@@ -75,20 +94,204 @@ impl From<[Spectrum; 4]> for Rpv {
     }
 }
 
+impl Model {
+    /// Of a surface whose reflectance was measured.
+    ///
+    /// # Errors
+    /// [`NoAlbedo`] at the first value that no albedo gives.
+    pub fn measured(shape: Shape, reflectance: &Spectrum, measure: &Measure) -> Result<Self, NoAlbedo> {
+        let albedos = Albedos::new(&shape, measure, reflectance.range().1);
+        Ok(Model { shape, albedo: reflectance.try_map(|value| albedos.of(value))? })
+    }
+
+    /// As products of what angles and what wavelengths give, to a relative tolerance.
+    pub fn separated(&self, tolerance: f64) -> Separated {
+        let (low, high) = self.albedo.range();
+        Separated::new(&self.shape, &(low..=high), tolerance)
+    }
+
+    /// Its directional albedo where the spherical one is `bond_albedo`: a table, and the factor of its weights; `None` if no albedo gives that.
+    pub fn absorbing(&self, bond_albedo: f64) -> Option<(DirectionalAlbedos, f64)> {
+        let albedo = Albedos::new(&self.shape, &Measure::Spherical, bond_albedo).of(bond_albedo).ok()?;
+        let separated = Separated::new(&self.shape, &(albedo..=albedo), TOLERANCE);
+        // At a single albedo it is one product.
+        Some((DirectionalAlbedos::new(&separated), albedo))
+    }
+
+    /// Its hemispherical (spherical, Bond's) reflectance.
+    pub fn hemispherical(&self) -> Spectrum {
+        let separated = self.separated(TOLERANCE);
+        let measured = separated.measured(&Measure::Spherical);
+        self.albedo.map(|albedo| separated.rows(albedo).iter().zip(&measured).map(|(row, of)| row * of).sum())
+    }
+
+    /// What is wrong with the parameters: of each its key and a sentence.
+    pub fn problems(&self) -> Vec<(&'static str, String)> {
+        let mut problems = problems(&self.shape);
+        let most = self.shape.most();
+        if let Some(v) = self.albedo.value().iter().find(|v| !(0.0..=most).contains(*v) || v.is_infinite()) {
+            problems.push(("", out_of_range(*v, "from 0 to 1")));
+        }
+        problems
+    }
+}
+
+/// Relative error that a model may have by being separated.
+pub(crate) const TOLERANCE: f64 = 1e-9;
+
+fn out_of_range(v: f64, range: &str) -> String {
+    format!("{} is out of range, which is {range}", number(v))
+}
+
+/// What is wrong with the parameters of a model: of each its key and a sentence.
+pub fn problems(shape: &Shape) -> Vec<(&'static str, String)> {
+    let mut found = Vec::new();
+    let mut check = |key: &'static str, v: f64, is_right: bool, range: &str| {
+        if !(is_right && v.is_finite()) {
+            found.push((key, out_of_range(v, range)));
+        }
+    };
+    match *shape {
+        Shape::LommelSeeliger(phase) => check_phase(&phase, &mut check),
+        Shape::LunarLambert(curve, partition) => {
+            check_curve(&curve, &mut check);
+            match partition {
+                Partition::Constant(share) => check("share", share, (0.0..=1.0).contains(&share), "from 0 to 1"),
+                Partition::Exponential { scale_rad } => {
+                    let scale_deg = scale_rad.to_degrees();
+                    check("share.scale_deg", scale_deg, scale_deg > 0.0, "above 0");
+                }
+                Partition::Moon => {}
+            }
+        }
+        Shape::Minnaert(exponent) => check("exponent", exponent, exponent >= 0.0, "from 0"),
+        Shape::Akimov(curve) => check_curve(&curve, &mut check),
+        Shape::Hapke(Parameters { phase, shadow_hiding, coherent, roughness, porosity_factor, h: _ }) => {
+            check_phase(&phase, &mut check);
+            for ([amplitude, width], surge) in [
+                (["shadow_hiding.amplitude", "shadow_hiding.width"], shadow_hiding),
+                (["coherent.amplitude", "coherent.width"], coherent),
+            ] {
+                check(amplitude, surge.amplitude, surge.amplitude >= 0.0, "from 0");
+                check(width, surge.width, surge.width > 0.0, "above 0");
+            }
+            let slope_rad = roughness.mean_slope_rad();
+            let is_right = (0.0..FRAC_PI_2).contains(&slope_rad);
+            check("mean_slope_deg", slope_rad.to_degrees(), is_right, "from 0 to below 90");
+            check("porosity_factor", porosity_factor, porosity_factor >= 1.0, "from 1");
+        }
+        Shape::Rpv { exponent, asymmetry, hot_spot } => {
+            check("k", exponent, exponent >= 0.0, "from 0");
+            check("g", asymmetry, asymmetry.abs() < 1.0, "from -1 to 1, ends excluded");
+            // Beyond 2 the hot spot would be negative.
+            check("h", hot_spot, hot_spot <= 2.0, "up to 2");
+        }
+    }
+    found
+}
+
+fn check_curve(curve: &PhaseCurve, check: &mut impl FnMut(&'static str, f64, bool, &str)) {
+    for (key, v) in [("phase.beta", curve.beta), ("phase.gamma", curve.gamma), ("phase.delta", curve.delta)] {
+        check(key, v, true, "finite");
+    }
+}
+
+fn check_phase(phase: &PhaseFunction, check: &mut impl FnMut(&'static str, f64, bool, &str)) {
+    match *phase {
+        PhaseFunction::Isotropic => {}
+        PhaseFunction::HenyeyGreenstein { b } => check("b", b, b.abs() < 1.0, "from -1 to 1, ends excluded"),
+        PhaseFunction::TwoTerms { b, c } => {
+            check("b", b, (0.0..1.0).contains(&b), "from 0 to below 1 if there is a `c`");
+            let at = |phase_rad: f64| phase.at(&PhotometricAngles::of_angles(0.5 * phase_rad, 0.5 * phase_rad, PI));
+            let is_never_negative = (0..=180).all(|deg| at(f64::from(deg).to_radians()) >= 0.0);
+            check("c", c, is_never_negative, "where the phase function is negative nowhere");
+        }
+        PhaseFunction::Legendre { about_source, about_specular } => {
+            about_source.into_iter().chain(about_specular).for_each(|v| check("phase", v, true, "finite"));
+        }
+    }
+}
+
+impl Hapke {
+    /// The model of parameters that `value` gives.
+    fn shape(&self, value: impl Fn(&Spectrum) -> Option<f64>) -> Option<Shape> {
+        Some(Shape::Hapke(Parameters {
+            phase: PhaseFunction::Legendre {
+                about_source: [value(&self.c1)?, value(&self.c2)?],
+                about_specular: [value(&self.c3)?, value(&self.c4)?],
+            },
+            shadow_hiding: Surge { amplitude: value(&self.h1)?, width: value(&self.h2)? },
+            h: HFormula::Hapke1981,
+            ..Parameters::PLAIN
+        }))
+    }
+}
+
+impl Rpv {
+    /// The model of parameters that `value` gives.
+    fn shape(&self, value: impl Fn(&Spectrum) -> Option<f64>) -> Option<Shape> {
+        Some(Shape::Rpv { exponent: value(&self.k)?, asymmetry: value(&self.g)?, hot_spot: value(&self.h)? })
+    }
+}
+
 impl Photometry {
     /// The model's name in a scene file; `None` for Lambert, which needs none.
     pub fn key(&self) -> Option<&'static str> {
         match self {
             Photometry::Lambert => None,
+            Photometry::Model(model) => Some(match model.shape {
+                Shape::LommelSeeliger(_) => "lommel_seeliger",
+                Shape::LunarLambert(..) => "lunar_lambert",
+                Shape::Minnaert(_) => "minnaert",
+                Shape::Akimov(_) => "akimov",
+                Shape::Hapke(_) => "hapke",
+                Shape::Rpv { .. } => "rpv",
+            }),
             Photometry::Hapke(_) => Some("hapke"),
             Photometry::Rpv(_) => Some("rpv"),
         }
     }
 
-    /// The parameters with their names; none for Lambert.
+    /// The model, if it is one by numbers.
+    pub fn model(&self) -> Option<&Model> {
+        if let Photometry::Model(model) = self { Some(model) } else { None }
+    }
+
+    /// Whether radiance is proportional to the material's reflectance.
+    pub fn is_proportional(&self) -> bool {
+        match self {
+            Photometry::Lambert => true,
+            Photometry::Model(model) => !matches!(model.shape, Shape::Hapke(_)),
+            Photometry::Hapke(_) | Photometry::Rpv(_) => false,
+        }
+    }
+
+    /// As a model of which only the albedo depends on wavelength; `None` if it is not one, and for Lambert.
+    pub fn to_model(&self) -> Option<Model> {
+        let constant = |s: &Spectrum| s.value().iter().all(|v| *v == s.value()[0]).then(|| s.value()[0]);
+        match self {
+            Photometry::Lambert => None,
+            Photometry::Model(model) => Some(model.as_ref().clone()),
+            Photometry::Hapke(hapke) => Some(Model { shape: hapke.shape(constant)?, albedo: hapke.w.clone() }),
+            Photometry::Rpv(rpv) => Some(Model { shape: rpv.shape(constant)?, albedo: rpv.rho0.clone() }),
+        }
+    }
+
+    /// The surface at a wavelength, um; `None` where it is not known, and for Lambert.
+    pub fn brdf(&self, um: f64) -> Option<Brdf> {
+        let (shape, albedo) = match self {
+            Photometry::Lambert => return None,
+            Photometry::Model(model) => (model.shape, &model.albedo),
+            Photometry::Hapke(hapke) => (hapke.shape(|s| s.at(um))?, &hapke.w),
+            Photometry::Rpv(rpv) => (rpv.shape(|s| s.at(um))?, &rpv.rho0),
+        };
+        Some(shape.brdf(albedo.at(um)?))
+    }
+
+    /// The tables of parameters with their names; none for Lambert and models by numbers.
     pub fn parameters(&self) -> Vec<(&'static str, &Spectrum)> {
         match self {
-            Photometry::Lambert => vec![],
+            Photometry::Lambert | Photometry::Model(_) => vec![],
             Photometry::Hapke(p) => {
                 Hapke::NAMES.into_iter().zip([&p.w, &p.c1, &p.c2, &p.c3, &p.c4, &p.h1, &p.h2]).collect()
             }
@@ -102,8 +305,11 @@ impl Photometry {
         self.parameters().into_iter().filter_map(of).for_each(problem);
     }
 
-    /// What is wrong with the parameters, a sentence for each.
-    pub(super) fn check(&self, mut problem: impl FnMut(String)) {
+    /// What is wrong with the parameters: of each its key, empty for the model's own, and a sentence.
+    pub(super) fn check(&self, mut problem: impl FnMut(&str, String)) {
+        if let Photometry::Model(model) = self {
+            model.problems().into_iter().for_each(|(key, message)| problem(key, message));
+        }
         for (name, spectrum) in self.parameters() {
             let (low, high) = match name {
                 "w" => (0.0, 1.0),
@@ -116,10 +322,8 @@ impl Photometry {
             let is_wrong = |v: &&f64| !(low..=high).contains(*v) || (open && (**v == low || **v == high));
             if let Some(v) = spectrum.value().iter().find(is_wrong) {
                 let range = if high.is_infinite() { format!("from {low}") } else { format!("from {low} to {high}") };
-                problem(format!(
-                    "{name} = {v} is out of range, which is {range}{}",
-                    if open { ", ends excluded" } else { "" }
-                ));
+                let ends = if open { ", ends excluded" } else { "" };
+                problem("", format!("{name} = {v} is out of range, which is {range}{ends}"));
             }
         }
     }

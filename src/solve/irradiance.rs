@@ -5,9 +5,10 @@ use rayon::prelude::*;
 
 use crate::geometry::{Vectors, index_u32};
 use crate::physics::mars_light::MarsLight;
+use crate::physics::reflectance::DirectionalAlbedos;
 use crate::physics::{heat, mars, sun};
 use crate::product::{FacetTable, Sees};
-use crate::scene::{Mars, MarsModel, Scene, Source, SourceKind, Thermal};
+use crate::scene::{Mars, MarsModel, Material, Scene, Source, SourceKind, Thermal};
 use crate::visibility::Shown;
 
 /// Facets that are looked at together: what is found of them stays at hand.
@@ -20,6 +21,10 @@ pub(super) fn fill(scene: &Scene, table: &mut FacetTable) {
     let mut chunks: Vec<Chunk> = (0..table.facets().div_ceil(CHUNK))
         .map(|i| Chunk { first: i * CHUNK, irradiance: vec![], lit_k: &mut [], shaded_k: &mut [] })
         .collect();
+    // In equilibrium a surface with a model absorbs sunlight by its incidence.
+    let is_warm = scene.models.thermal == Thermal::Equilibrium;
+    let albedo = |material: &Material| material.photometry.model().filter(|_| is_warm)?.absorbing(material.bond_albedo);
+    let albedos: Vec<_> = scene.body.materials.iter().map(albedo).collect();
     let mut sees = Vec::new();
     for lighting in &mut table.sources {
         sees.push(&lighting.sees);
@@ -31,7 +36,9 @@ pub(super) fn fill(scene: &Scene, table: &mut FacetTable) {
         .iter_mut()
         .zip(temperatures)
         .for_each(|(chunk, (lit, shaded))| (chunk.lit_k, chunk.shaded_k) = (lit, shaded));
-    chunks.into_par_iter().for_each_init(Work::default, |work, chunk| chunk.fill(scene, &sources, &sees, work));
+    chunks
+        .into_par_iter()
+        .for_each_init(Work::default, |work, chunk| chunk.fill(scene, &sources, &sees, &albedos, work));
 }
 
 /// Some facets that follow one another in the mesh.
@@ -53,6 +60,7 @@ struct Work {
     reflected_w_m2: Vec<f64>,
     heat_w_m2: Vec<f64>,
     absorptance: Vec<f64>,
+    sun_absorptance: Vec<f64>,
     emissivity: Vec<f64>,
 }
 
@@ -84,8 +92,15 @@ impl<'a> Prepared<'a> {
 }
 
 impl Chunk<'_> {
-    fn fill(mut self, scene: &Scene, sources: &[Prepared], sees: &[&Sees], work: &mut Work) {
-        let Work { centroids_m, normals, reflected_w_m2, heat_w_m2, absorptance, emissivity } = work;
+    fn fill(
+        mut self,
+        scene: &Scene,
+        sources: &[Prepared],
+        sees: &[&Sees],
+        albedos: &[Option<(DirectionalAlbedos, f64)>],
+        work: &mut Work,
+    ) {
+        let Work { centroids_m, normals, reflected_w_m2, heat_w_m2, absorptance, sun_absorptance, emissivity } = work;
         let mesh = &scene.body.mesh;
         let chunk = self.first..self.first + self.irradiance.first().map_or(0, |column| column.len());
         centroids_m.set(chunk.clone().map(|f| mesh.facet(f).centroid_m()));
@@ -157,15 +172,24 @@ impl Chunk<'_> {
                 let materials = || mesh.material[chunk.clone()].iter().map(|m| &scene.body.materials[m.0 as usize]);
                 absorptance.clear();
                 absorptance.extend(materials().map(|material| 1.0 - material.bond_albedo));
+                sun_absorptance.clone_from(absorptance);
+                if albedos.iter().any(Option::is_some) {
+                    let facets = mesh.material[chunk.clone()].iter().zip(sunlight.iter()).zip(&mut *sun_absorptance);
+                    for ((material, cos_incidence), absorptance) in facets {
+                        if let Some((table, factor)) = &albedos[material.0 as usize] {
+                            table.weights(*cos_incidence, |_, weight| *absorptance = (1.0 - factor * weight).max(0.0));
+                        }
+                    }
+                }
                 emissivity.clear();
                 emissivity.extend(materials().map(|material| material.emissivity_bolometric));
                 let others = reflected_w_m2.iter().zip(heat_w_m2.iter());
-                let surface = absorptance.iter().zip(emissivity.iter());
-                for ((((lit_k, shaded_k), sunlight), (reflected, heat)), (absorptance, emissivity)) in
+                let surface = absorptance.iter().zip(sun_absorptance.iter()).zip(emissivity.iter());
+                for ((((lit_k, shaded_k), sunlight), (reflected, heat)), ((absorptance, of_sun), emissivity)) in
                     temperatures.zip(others).zip(surface)
                 {
                     let shaded = absorptance * reflected + emissivity * heat;
-                    let lit = absorptance * sun_w_m2 * sunlight + shaded;
+                    let lit = of_sun * sun_w_m2 * sunlight + shaded;
                     *lit_k = heat::equilibrium_temperature_k(lit, *emissivity);
                     *shaded_k = heat::equilibrium_temperature_k(shaded, *emissivity);
                 }

@@ -116,6 +116,15 @@ impl Spectrum {
         Spectrum::new(points, value, if held { Extend::Hold } else { Extend::Error })
     }
 
+    /// The spectrum with every value changed by `f`, which may fail.
+    ///
+    /// # Errors
+    /// The first failure.
+    pub fn try_map<E>(&self, f: impl FnMut(f64) -> Result<f64, E>) -> Result<Self, E> {
+        let value = self.value.iter().copied().map(f).collect::<Result<_, E>>()?;
+        Ok(Spectrum { value, ..self.clone() })
+    }
+
     /// The spectrum with every value changed by `f`.
     #[must_use]
     pub fn map(&self, f: impl Fn(f64) -> f64) -> Self {

@@ -80,7 +80,10 @@ fn the_shipped_scene_is_told_on_a_page() {
 fn what_would_not_begin_says_all_that_is_wrong() {
     let scratch = Scratch::new();
     scratch.write("rpv.csv", "wavelength_um,g,rho0,k,h\n1,-0.1,0.05,0.8,0.05\n2,-0.2,0.06,0.8,0.07\n");
-    let text = SITE.replace("0.07 }", "0.07, rpv = \"rpv.csv\" }").replace("= 16\n", "= 16384\n");
+    scratch.write("texels.csv", "0.1,0.2\n0.3,0.4\n");
+    let material = "0.07, rpv = \"rpv.csv\", texture = { raster = \"texels.csv\", quantity = \"reflectance\", placement = \"plane\", plane = \
+                    { corner_m = [-1e4, 0, 1e4], along_line_m = [1e4, 0, 0], line_to_line_m = [0, 0, -1e4] } } }";
+    let text = SITE.replace("0.07 }", material).replace("= 16\n", "= 16384\n");
     let scene = scratch.write("scene.toml", text);
     let limited = |options: &[&str]| {
         let output = std::process::Command::new("sh")

@@ -13,7 +13,7 @@ use crate::formats::mesh_file::ColouredMesh;
 use crate::formats::mtl::ObjMaterial;
 use crate::geometry::{FrameCamera, MaterialId, Mesh, Pose};
 use crate::scene::{
-    Beam, Exposure, Hapke, Mars, Material, Models, Photometry, Rpv, Scene, Setup, Sky, Sun, Surface, Texture,
+    Beam, Exposure, Hapke, Mars, Material, Model, Models, Photometry, Rpv, Scene, Setup, Sky, Sun, Surface, Texture,
 };
 use crate::spectral::{Band, Column, Extend, SpectralLibrary, Spectrum};
 
@@ -244,6 +244,11 @@ impl Lines {
         }
         match (photometry, &b.photometry) {
             (Photometry::Lambert, Photometry::Lambert) => {}
+            (Photometry::Model(a), Photometry::Model(b)) => {
+                let Model { shape, albedo } = a.as_ref();
+                self.debugged(&format!("{at} photometry"), shape, &b.shape);
+                self.spectra(&format!("{at} albedo"), albedo, &b.albedo);
+            }
             (Photometry::Hapke(a), Photometry::Hapke(b)) => {
                 let Hapke { w, c1, c2, c3, c4, h1, h2 } = a.as_ref();
                 let of_b = [&b.w, &b.c1, &b.c2, &b.c3, &b.c4, &b.h1, &b.h2];
@@ -257,7 +262,7 @@ impl Lines {
                     self.spectra(&format!("{at}.{name}"), a, b);
                 }
             }
-            (Photometry::Lambert | Photometry::Hapke(_) | Photometry::Rpv(_), _) => {
+            (Photometry::Lambert | Photometry::Model(_) | Photometry::Hapke(_) | Photometry::Rpv(_), _) => {
                 let shown = |p: &Photometry| p.key().unwrap_or("lambert");
                 self.words(&format!("{at} photometry"), shown(photometry), shown(&b.photometry));
             }

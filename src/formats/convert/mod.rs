@@ -664,6 +664,11 @@ fn libraries(scene: &Scene, report: &mut Report) -> Vec<SpectralLibrary> {
         let at = || Location::item(format!("materials.{:?}", material.name));
         let columns = match &material.photometry {
             Photometry::Lambert => vec![("reflectance", &material.reflectance)],
+            Photometry::Model(_) => {
+                let message = "its hemispherical reflectance: how that depends on directions is not a spectrum";
+                report.note(Fate::Approximated, at(), message);
+                vec![("reflectance", &material.reflectance)]
+            }
             // DART's name of rho0.
             Photometry::Rpv(_) => (material.photometry.parameters().into_iter())
                 .map(|(name, column)| (if name == "rho0" { "reflectance" } else { name }, column))

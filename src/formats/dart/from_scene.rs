@@ -395,6 +395,16 @@ impl Site<'_> {
             item("materials"),
             "Bond albedo, bolometric emissivity and mixtures; DART's emissivity is 1 - reflectance",
         );
+        for (material, key) in scene
+            .body
+            .materials
+            .iter()
+            .filter(|m| m.photometry.model().is_some())
+            .filter_map(|m| Some((m, m.photometry.key()?)))
+        {
+            let at = Location::item(format!("materials.{:?}.{key}", material.name));
+            report.note(Fate::Approximated, at, "a Lambert surface of the same hemispherical reflectance");
+        }
         for (material, function) in scene.body.materials.iter().zip(&simulation.thermal) {
             let off = emissivity_off(scene, material, &simulation.phase.bands);
             if off > 1e-12 && function.mean_k > 0.0 {

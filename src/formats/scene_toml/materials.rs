@@ -5,16 +5,17 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::error::number;
 use crate::formats::mtl::ObjMaterial;
 use crate::geometry::MaterialId;
-use crate::physics::reflectance::kirchhoff_emissivity;
+use crate::physics::reflectance::albedo::Measure;
+use crate::physics::reflectance::{PhotometricAngles, Shape, kirchhoff_emissivity};
 use crate::physics::srgb::{hex_from_linear, linear_from_hex};
-use crate::scene::{Hapke, Material, Photometry, Rpv};
+use crate::scene::{Hapke, Material, Model, Photometry, Rpv, model_problems};
 use crate::spectral::{Extend, Spectrum, solar_mean, sunlight_share};
 
 use super::super::located::member;
 use super::super::photometry_csv;
 use super::super::spectrum_csv::Quantity;
 use super::super::spelling;
-use super::types::{ExtendToml, MaterialToml};
+use super::types::{ExtendToml, HapkeToml, MaterialToml, MeasuredAtToml, MeasuredNameToml, MeasuredToml, RpvToml};
 use super::{ROUNDED, TomlReader};
 
 /// The sum of numbers of three digits may exceed 1 by this much.
@@ -92,12 +93,19 @@ impl TomlReader<'_> {
         if entry.reflectance.is_some() == entry.mixture.is_some() {
             self.problem(&item, "give either `reflectance` or `mixture`");
         }
-        let keys = [("hapke", entry.hapke.is_some()), ("rpv", entry.rpv.is_some())];
-        if keys.iter().all(|(_, given)| *given) {
-            self.problem(&item, "give either `hapke` or `rpv`");
+        let models = entry.models();
+        if let [first, second, ..] = models[..] {
+            self.problem(&item, format!("give either `{first}` or `{second}`: a surface has one model"));
         }
-        let Some(mixture) = &entry.mixture else { return vec![] };
-        for (key, _) in keys.iter().filter(|(_, given)| *given) {
+        let Some(mixture) = &entry.mixture else {
+            if let (Some(_), []) = (&entry.measured, &models[..]) {
+                let message =
+                    "says nothing of a Lambert surface, which has one reflectance: leave it out, or give a model";
+                self.problem(&member(&item, "measured"), message);
+            }
+            return vec![];
+        };
+        for key in models.iter().chain(entry.measured.iter().map(|_| &"measured")) {
             self.problem(&member(&item, key), "a mixture has no parameters of its own: they are those of its parts");
         }
         // From 0.0: the sum of nothing is -0.
@@ -171,6 +179,11 @@ impl TomlReader<'_> {
                 mixture
             }
         };
+        let photometry = self.photometry(&item, entry, reflectance.as_ref(), extend);
+        let reflectance = match photometry.as_ref().and_then(Photometry::model) {
+            Some(model) => Some(model.hemispherical()),
+            None => reflectance,
+        };
         let emissivity = match &entry.emissivity {
             Some(values) => self.fraction_spectrum(&member(&item, "emissivity"), values, Quantity::Emissivity, extend),
             None if mixed.is_empty() => {
@@ -179,7 +192,7 @@ impl TomlReader<'_> {
             }
             None => reflectance.as_ref().and_then(|reflectance| {
                 let at = member(&item, "emissivity");
-                let is_kirchhoff = mixed.iter().all(|(_, part)| has_kirchhoff_emissivity(part));
+                let is_kirchhoff = mixed.iter().all(|(_, part)| part.has_kirchhoff_emissivity());
                 let said = if is_kirchhoff { "1 - reflectance" } else { "that of its parts, by their shares" };
                 let emissivity = mixed_emissivity(&mixed, reflectance);
                 match emissivity {
@@ -192,12 +205,8 @@ impl TomlReader<'_> {
         if let (Some(reflectance), Some(emissivity), Some(_)) = (&reflectance, &emissivity, &entry.emissivity) {
             self.note_excess(&item, reflectance, emissivity);
         }
-        let photometry = self.photometry(&item, entry, extend);
         if mixed.iter().any(|(_, part)| part.photometry != Photometry::Lambert) {
-            self.problem(
-                &member(&item, "mixture"),
-                "has a part with `hapke` or `rpv`: only Lambert surfaces are mixed",
-            );
+            self.problem(&member(&item, "mixture"), "has a part with a model: only Lambert surfaces are mixed");
         }
         let at = member(&item, "bond_albedo");
         let bond_albedo = self.bond_albedo(&at, entry.bond_albedo, &mixed, reflectance.as_ref());
@@ -229,16 +238,91 @@ impl TomlReader<'_> {
         }
     }
 
-    fn photometry(&mut self, item: &str, entry: &MaterialToml, extend: Extend) -> Option<Photometry> {
-        if let Some(name) = &entry.hapke {
-            let columns = self.parameters(&member(item, "hapke"), name, Hapke::NAMES, extend)?;
-            return Some(Photometry::Hapke(Box::new(columns.into())));
+    fn photometry(
+        &mut self,
+        item: &str,
+        entry: &MaterialToml,
+        reflectance: Option<&Spectrum>,
+        extend: Extend,
+    ) -> Option<Photometry> {
+        let tables = [&entry.hapke.as_ref().and_then(HapkeToml::file), &entry.rpv.as_ref().and_then(RpvToml::file)];
+        if let (Some(_), Some(_)) = (&entry.measured, tables.into_iter().flatten().next()) {
+            self.problem(&member(item, "measured"), "says nothing of a model by a table, which has its own albedo");
         }
-        if let Some(name) = &entry.rpv {
-            let columns = self.parameters(&member(item, "rpv"), name, Rpv::NAMES, extend)?;
-            return Some(Photometry::Rpv(Box::new(columns.into())));
+        match tables {
+            [Some(name), _] => {
+                let columns = self.parameters(&member(item, "hapke"), name, Hapke::NAMES, extend)?;
+                Some(Photometry::Hapke(Box::new(columns.into())))
+            }
+            [_, Some(name)] => {
+                let columns = self.parameters(&member(item, "rpv"), name, Rpv::NAMES, extend)?;
+                Some(Photometry::Rpv(Box::new(columns.into())))
+            }
+            _ => match entry.shape() {
+                None => Some(Photometry::Lambert),
+                Some((key, shape)) => self.model(item, key, shape, entry.measured.as_ref(), reflectance),
+            },
         }
-        Some(Photometry::Lambert)
+    }
+
+    /// A model by numbers, whose albedo gives the reflectance that was measured.
+    fn model(
+        &mut self,
+        item: &str,
+        key: &str,
+        shape: Shape,
+        measured: Option<&MeasuredToml>,
+        reflectance: Option<&Spectrum>,
+    ) -> Option<Photometry> {
+        let wrong = model_problems(&shape);
+        for (parameter, message) in &wrong {
+            let at = parameter.split('.').fold(member(item, key), |at, name| member(&at, name));
+            self.problem(&at, message);
+        }
+        let at = member(item, "measured");
+        let measure = match measured {
+            None => {
+                self.stated(&at, "hemispherical");
+                Some(Some(Measure::Spherical))
+            }
+            Some(MeasuredToml::Named(MeasuredNameToml::Hemispherical)) => Some(Some(Measure::Spherical)),
+            Some(MeasuredToml::Named(MeasuredNameToml::Normal)) => {
+                Some(Some(Measure::ReflectanceFactor(PhotometricAngles::ZENITH)))
+            }
+            Some(MeasuredToml::Named(MeasuredNameToml::Albedo)) => Some(None),
+            Some(MeasuredToml::At(angles)) => self.measured_at(&at, angles).map(Some),
+        };
+        let (measure, reflectance) = (measure?, reflectance.filter(|_| wrong.is_empty())?);
+        let model = match measure {
+            Some(measure) => Model::measured(shape, reflectance, &measure),
+            None => Ok(Model { shape, albedo: reflectance.clone() }),
+        };
+        match model {
+            Ok(model) => Some(Photometry::Model(Box::new(model))),
+            Err(error) => {
+                self.problem(&member(item, "reflectance"), error.to_string());
+                None
+            }
+        }
+    }
+
+    fn measured_at(&mut self, item: &str, angles: &MeasuredAtToml) -> Option<Measure> {
+        let MeasuredAtToml { incidence_deg, emission_deg, phase_deg } = *angles;
+        let problems = self.problems.len();
+        for (key, angle_deg) in [("incidence_deg", incidence_deg), ("emission_deg", emission_deg)] {
+            if !(0.0..90.0).contains(&angle_deg) {
+                self.problem(&member(item, key), format!("{} is outside 0 to below 90", number(angle_deg)));
+            }
+        }
+        let [least, most] = [(incidence_deg - emission_deg).abs(), incidence_deg + emission_deg];
+        if !(least..=most).contains(&phase_deg) && self.problems.len() == problems {
+            let [least, most] = [least, most].map(number);
+            let message = format!("{} is impossible at these angles, which leave {least} to {most}", number(phase_deg));
+            self.problem(&member(item, "phase_deg"), message);
+        }
+        let [incidence, emission, phase] = [incidence_deg, emission_deg, phase_deg].map(|deg| deg.to_radians().cos());
+        let measure = Measure::ReflectanceFactor(PhotometricAngles::of_cosines(incidence, emission, phase));
+        (self.problems.len() == problems).then_some(measure)
     }
 
     fn parameters<const N: usize>(
@@ -382,15 +466,10 @@ impl TomlReader<'_> {
     }
 }
 
-/// Whether what a material does not reflect is its emissivity.
-fn has_kirchhoff_emissivity(material: &Material) -> bool {
-    material.emissivity == material.reflectance.map(kirchhoff_emissivity)
-}
-
 /// The emissivity of a mixture with a reflectance: that of its parts, by their shares; `None` if it is known nowhere.
 pub(super) fn mixed_emissivity(mixed: &[(f64, &Material)], reflectance: &Spectrum) -> Option<Spectrum> {
     // The same except for rounding, which is not worth reporting.
-    if mixed.iter().all(|(_, part)| has_kirchhoff_emissivity(part)) {
+    if mixed.iter().all(|(_, part)| part.has_kirchhoff_emissivity()) {
         return Some(reflectance.map(kirchhoff_emissivity));
     }
     let parts: Vec<(f64, &Spectrum)> = mixed.iter().map(|(share, part)| (*share, &part.emissivity)).collect();

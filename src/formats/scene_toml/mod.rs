@@ -11,6 +11,7 @@ mod lens;
 mod materials;
 mod mesh;
 mod rasters;
+mod shapes;
 pub(super) mod types;
 mod view;
 mod write;

@@ -108,17 +108,27 @@ pub(crate) struct GivenPose {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct MaterialToml {
-    /// Hemispherical reflectance, 0 to 1: a number, or the path of a CSV table. The surface is Lambert unless `hapke` or `rpv` is given.
+    /// Reflectance, 0 to 1: a number, or the path of a CSV table. The surface is Lambert unless one of the models below is given.
     pub(crate) reflectance: Option<Values>,
-    /// Path of a CSV table of Hapke parameters: `w`, `c1`, `c2`, `c3`, `c4`, `h1`, `h2`. Carried by `convert`, not simulated yet.
-    pub(crate) hapke: Option<String>,
-    /// Path of a CSV table of RPV parameters: `rho0`, `k`, `g`, `h`. Carried by `convert`, not simulated yet.
-    pub(crate) rpv: Option<String>,
+    /// How the reflectance was measured; a model has the albedo that gives it. Default "hemispherical".
+    pub(crate) measured: Option<MeasuredToml>,
+    /// Lommel and Seeliger's model of dark particles; its albedo is that of single scattering.
+    pub(crate) lommel_seeliger: Option<LommelSeeligerToml>,
+    /// McEwen's mixture of Lommel and Seeliger's surface and Lambert's; its albedo is the normal one.
+    pub(crate) lunar_lambert: Option<LunarLambertToml>,
+    /// Minnaert's model; its albedo is the normal one.
+    pub(crate) minnaert: Option<MinnaertToml>,
+    /// Akimov's model of a very rough surface; its albedo is the normal one.
+    pub(crate) akimov: Option<AkimovToml>,
+    /// Hapke's model, whose albedo is that of single scattering; or the path of a CSV table of `w`, `c1`, `c2`, `c3`, `c4`, `h1`, `h2`.
+    pub(crate) hapke: Option<HapkeToml>,
+    /// The model of Rahman, Pinty and Verstraete, whose albedo is its amplitude rho0; or the path of a CSV table of `rho0`, `k`, `g`, `h`.
+    pub(crate) rpv: Option<RpvToml>,
     /// Shares of other entries, which add up to 1.
     pub(crate) mixture: Option<BTreeMap<String, f64>>,
     /// Values of tables beyond their ends: unknown ("error", the default), or their last value ("hold").
     pub(crate) extend: Option<ExtendToml>,
-    /// Emissivity, 0 to 1: a number, or the path of a CSV table. Default 1 - reflectance; of a mixture, that of its parts by their shares.
+    /// Emissivity, 0 to 1: a number, or the path of a CSV table. Default 1 - reflectance, with a model by direction; of a mixture, that of its parts by their shares.
     pub(crate) emissivity: Option<Values>,
     /// Share of all sunlight that is not absorbed. Default: mean of the reflectance, weighted with the solar spectrum.
     pub(crate) bond_albedo: Option<f64>,
@@ -126,6 +136,190 @@ pub(crate) struct MaterialToml {
     pub(crate) emissivity_bolometric: Option<f64>,
     /// Variation of reflectance inside facets. Heat does not see it.
     pub(crate) texture: Option<TextureToml>,
+}
+
+/// How a reflectance was measured.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(crate) enum MeasuredToml {
+    /// By name.
+    Named(MeasuredNameToml),
+    /// As a reflectance factor at some angles.
+    At(MeasuredAtToml),
+}
+
+/// Measurements with a name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum MeasuredNameToml {
+    /// Share of the light from all of the sky that goes back: the spherical (Bond's) albedo at a wavelength.
+    Hemispherical,
+    /// Reflectance factor with light and view at the zenith.
+    Normal,
+    /// It is the model's own albedo.
+    Albedo,
+}
+
+/// Angles of a reflectance factor.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct MeasuredAtToml {
+    /// Of the light from the normal, deg.
+    pub(crate) incidence_deg: f64,
+    /// Of the view from the normal, deg.
+    pub(crate) emission_deg: f64,
+    /// Between light and view, deg.
+    pub(crate) phase_deg: f64,
+}
+
+/// Lommel and Seeliger's model.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LommelSeeligerToml {
+    /// Asymmetry of the particles' phase function (Henyey and Greenstein), -1 to 1; below 0 scatters back. Default: isotropic.
+    pub(crate) b: Option<f64>,
+    /// For two terms: which is the stronger, above 0 the one that scatters back; `b` is then from 0, the width of both.
+    pub(crate) c: Option<f64>,
+}
+
+/// Lunar-Lambert.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LunarLambertToml {
+    /// L, how much of it is Lommel and Seeliger's.
+    pub(crate) share: ShareToml,
+    /// How brightness falls with phase. Default: not at all.
+    pub(crate) phase: Option<PhaseCurveToml>,
+}
+
+/// How much of a lunar-Lambert surface is Lommel and Seeliger's.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(crate) enum ShareToml {
+    /// The same at all phase angles, 0 to 1.
+    Constant(f64),
+    /// By name.
+    Named(ShareNameToml),
+    /// exp(-g / scale).
+    Exponential(ShareScaleToml),
+}
+
+/// Shares with a name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum ShareNameToml {
+    /// McEwen's (1996) polynomial for the Moon.
+    Moon,
+}
+
+/// A share that falls with phase.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ShareScaleToml {
+    /// Phase angle at which it is 1 / e, deg.
+    pub(crate) scale_deg: f64,
+}
+
+/// Minnaert's model.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct MinnaertToml {
+    /// Exponent k, from 0; 1 is Lambert's surface.
+    pub(crate) exponent: f64,
+}
+
+/// Akimov's model.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct AkimovToml {
+    /// How brightness falls with phase. Default: not at all.
+    pub(crate) phase: Option<PhaseCurveToml>,
+}
+
+/// Brightness by the phase angle g, rad: exp(beta g + gamma g^2 + delta g^3).
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct PhaseCurveToml {
+    /// Per rad; below 0. Default 0.
+    pub(crate) beta: Option<f64>,
+    /// Per rad^2. Default 0.
+    pub(crate) gamma: Option<f64>,
+    /// Per rad^3. Default 0.
+    pub(crate) delta: Option<f64>,
+}
+
+/// Hapke's model.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(crate) enum HapkeToml {
+    /// Path of a table: every parameter is a spectrum.
+    File(String),
+    /// Numbers.
+    Given(Box<HapkeNumbersToml>),
+}
+
+/// Parameters of Hapke's model that are the same at all wavelengths.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct HapkeNumbersToml {
+    /// Asymmetry of the particles' phase function (Henyey and Greenstein), -1 to 1; below 0 scatters back. Default: isotropic.
+    pub(crate) b: Option<f64>,
+    /// For two terms: which is the stronger, above 0 the one that scatters back; `b` is then from 0, the width of both.
+    pub(crate) c: Option<f64>,
+    /// Opposition surge by shadows. Default: none.
+    pub(crate) shadow_hiding: Option<SurgeToml>,
+    /// Opposition surge by coherent backscatter. Default: none.
+    pub(crate) coherent: Option<SurgeToml>,
+    /// Mean slope of what is rough below the size of a facet, deg, 0 to 90. Default 0.
+    pub(crate) mean_slope_deg: Option<f64>,
+    /// K, from 1: by how much close packing brightens the layer. Default 1.
+    pub(crate) porosity_factor: Option<f64>,
+    /// Which H function. Default "exact".
+    pub(crate) h: Option<HFormulaToml>,
+}
+
+/// A peak of brightness about phase 0.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SurgeToml {
+    /// Height B0, from 0.
+    pub(crate) amplitude: f64,
+    /// Width h, above 0.
+    pub(crate) width: f64,
+}
+
+/// H functions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum HFormulaToml {
+    /// Chandrasekhar's own.
+    Exact,
+    /// Hapke's approximation of 1981.
+    Hapke1981,
+    /// Hapke's approximation of 2002.
+    Hapke2002,
+}
+
+/// The model of Rahman, Pinty and Verstraete.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(crate) enum RpvToml {
+    /// Path of a table: every parameter is a spectrum.
+    File(String),
+    /// Numbers.
+    Given(RpvNumbersToml),
+}
+
+/// Parameters of RPV that are the same at all wavelengths.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RpvNumbersToml {
+    /// Exponent k, from 0: below 1 the limb is bright.
+    pub(crate) k: f64,
+    /// Asymmetry, -1 to 1; below 0 scatters back.
+    pub(crate) g: f64,
+    /// rho_c of the hot spot, up to 2.
+    pub(crate) h: f64,
 }
 
 /// An image on a material's facets.

@@ -18,6 +18,7 @@ use crate::formats::file_name::shortened;
 use crate::formats::folder::Staged;
 use crate::formats::located::LONGEST_NAME;
 use crate::formats::mtl::{self, ObjMaterial};
+use crate::formats::number::exact;
 use crate::formats::{obj, photometry_csv, response_csv};
 use crate::geometry::FrameCamera;
 use crate::physics::srgb::linear_from_hex;
@@ -28,6 +29,7 @@ use crate::units::{AU_M, MARS_RADIUS_M};
 
 use super::super::located::member;
 use super::materials::{EMISSIVITY_BOLOMETRIC, mean, mixed_emissivity};
+use super::shapes;
 use super::view::{SENSOR_NAME, pitch_of_ifov};
 use super::{MARS_BOND_ALBEDO, MARS_THERMAL_EXITANCE_W_M2};
 
@@ -163,18 +165,6 @@ fn list(v: DVec3) -> String {
 fn absolute(local_m: DVec3, origin_m: DVec3) -> String {
     let component = |i: usize| exact(local_m[i] + origin_m[i], |sum| sum - origin_m[i], local_m[i]);
     list(DVec3::from_array([0, 1, 2].map(component)))
-}
-
-/// The number at or next to `near` that is read as `wanted`, to the last bit; `near` if there is none.
-fn exact(near: f64, read: impl Fn(f64) -> f64, wanted: f64) -> f64 {
-    let (mut below, mut above) = (near, near);
-    for _ in 0..8 {
-        if let Some(exact) = [below, above].into_iter().find(|x| read(*x) == wanted) {
-            return exact;
-        }
-        (below, above) = (below.next_down(), above.next_up());
-    }
-    near
 }
 
 /// Whether a spectrum is the same at all wavelengths, so that a number says it.
@@ -317,9 +307,14 @@ impl Writer<'_> {
         match self.shares(i, material) {
             Some(shares) => _ = writeln!(text, "mixture = {{ {shares} }}"),
             None => {
-                let values = self.values(&file("reflectance"), "reflectance", &material.reflectance)?;
+                let model = material.photometry.model();
+                let reflectance = model.map_or(&material.reflectance, |model| &model.albedo);
+                let values = self.values(&file("reflectance"), "reflectance", reflectance)?;
                 _ = writeln!(text, "reflectance = {values}");
-                tables.extend(Some(&material.reflectance).filter(|s| constant(s).is_none()));
+                if let (Some(model), Some(key)) = (model, material.photometry.key()) {
+                    _ = writeln!(text, "measured = \"albedo\"\n{key} = {}", shapes::text(&model.shape));
+                }
+                tables.extend(Some(reflectance).filter(|s| constant(s).is_none()));
             }
         }
         let is_usual = self.usual_emissivity(i, material).as_ref() == Some(&material.emissivity);
@@ -330,7 +325,7 @@ impl Writer<'_> {
             let _ = writeln!(text, "emissivity = {values}");
             tables.extend(Some(&material.emissivity).filter(|s| constant(s).is_none()));
         }
-        if let Some(key) = material.photometry.key() {
+        if let Some(key) = material.photometry.key().filter(|_| material.photometry.model().is_none()) {
             let columns = self.columns(&item, material);
             let named: Vec<(&str, &Spectrum)> = columns.iter().map(|(name, column)| (*name, column)).collect();
             let table = self.file(&file(key), "csv", |out| photometry_csv::write(out, &named))?;

@@ -3,7 +3,7 @@
 
 use super::at;
 use super::light::{Modulation, SourceLight};
-use crate::physics::reflectance::{Brdf, PhotometricAngles};
+use crate::physics::reflectance::Lambert;
 use crate::scene::{Material, Texture, TextureKind};
 
 #[derive(Debug, Clone, Copy)]
@@ -28,7 +28,7 @@ impl Constant<'_> {
             None | Some(TextureKind::Factor) => at(&self.material.reflectance, um),
             Some(TextureKind::Reflectance) => 1.0,
         };
-        let reflected = weight * brdf(base);
+        let reflected = weight * Lambert { reflectance: base }.brdf();
         let shares = self.texture.map_or_else(|| vec![1.0], |texture| texture.shares(um));
         for (layer, share) in shares.into_iter().enumerate() {
             for (i, [light, on_the_way]) in incoming.iter().enumerate() {
@@ -58,10 +58,4 @@ impl Constant<'_> {
             }
         }
     }
-}
-
-/// BRDF, 1/sr. The angles are arbitrary, since it is the same at all of them.
-fn brdf(reflectance: f64) -> f64 {
-    let any = PhotometricAngles { cos_incidence: 1.0, cos_emission: 1.0, phase_rad: 0.0 };
-    Brdf::Lambert { reflectance }.eval(&any)
 }

@@ -1,11 +1,15 @@
 //! Thermal emission: a row for each material at each temperature of a grid, or, with few bands, one for each band.
+//!
+//! A material with a model emits in each direction what it does not reflect from there: the emission of a black body, less what its albedo
+//! is the sum of, product by product ([`Separated`]).
 
 use super::at;
 use super::light::Fragment;
 use super::temperature_grid::{POINTS, TemperatureGrid};
 use crate::physics::blackbody;
+use crate::physics::reflectance::{DirectionalAlbedos, Separated};
 use crate::product::FacetTable;
-use crate::scene::Scene;
+use crate::scene::{Material, Model, Scene};
 use crate::spectral::Band;
 
 #[derive(Debug)]
@@ -15,13 +19,32 @@ pub(super) struct Heat<'a> {
     lit_k: &'a [f64],
     shaded_k: &'a [f64],
     bands: usize,
-    /// Thermal radiance of [material, temperature, band], W m-2 sr-1 um-1.
+    /// Of each material.
+    surfaces: Vec<Surface>,
+    /// Thermal radiance of [spectrum of a material, temperature, band], W m-2 sr-1 um-1.
     radiance: Vec<f64>,
 }
+
+/// What a material emits: its own spectrum, less those of the products that its albedo is the sum of.
+#[derive(Debug)]
+struct Surface {
+    /// Number of its first spectrum.
+    first: usize,
+    albedos: Option<DirectionalAlbedos>,
+}
+
+/// Relative error that the albedo in an emissivity may have by being separated.
+const TOLERANCE: f64 = 1e-6;
 
 /// Whether there are so few bands that each gets a row: that takes fewer weights than temperatures would.
 pub(super) fn has_row_per_band(bands: usize) -> bool {
     bands <= POINTS
+}
+
+/// The model of a material whose emissivity follows from it.
+fn by_direction(material: &Material) -> Option<(&Model, Separated)> {
+    let model = material.photometry.model().filter(|_| material.has_kirchhoff_emissivity())?;
+    Some((model, model.separated(TOLERANCE)))
 }
 
 impl<'a> Heat<'a> {
@@ -38,22 +61,36 @@ impl<'a> Heat<'a> {
         }
         let (bands, materials) = (&scene.exposure.bands, &scene.body.materials);
         let temperatures_k: Vec<f64> = grid.temperatures_k().collect();
-        let mut radiance = vec![0.0; materials.len() * temperatures_k.len() * bands.len()];
+        let separated: Vec<Option<(&Model, Separated)>> = materials.iter().map(by_direction).collect();
+        let mut spectra = 0;
+        let surface = |of: &Option<(&Model, Separated)>| {
+            let first = spectra;
+            spectra += 1 + of.as_ref().map_or(0, |(_, separated)| separated.terms());
+            Surface { first, albedos: of.as_ref().map(|(_, separated)| DirectionalAlbedos::new(separated)) }
+        };
+        let surfaces: Vec<Surface> = separated.iter().map(surface).collect();
+        let mut radiance = vec![0.0; spectra * temperatures_k.len() * bands.len()];
         for (b, band) in bands.iter().enumerate().filter(|(_, band)| band.light.glows()) {
             for (um, weight) in quadrature(band) {
                 let black: Vec<f64> = temperatures_k.iter().map(|t| blackbody::radiance_w_m2_sr_um(um, *t)).collect();
-                for (m, material) in materials.iter().enumerate() {
-                    let emissivity = at(&material.emissivity, um);
-                    for (k, black) in black.iter().enumerate() {
-                        radiance[(m * temperatures_k.len() + k) * bands.len() + b] += weight * emissivity * black;
+                for ((material, separated), Surface { first, .. }) in materials.iter().zip(&separated).zip(&surfaces) {
+                    let factors = match separated {
+                        None => vec![at(&material.emissivity, um)],
+                        Some((model, separated)) => [vec![1.0], separated.rows(at(&model.albedo, um))].concat(),
+                    };
+                    for (i, factor) in factors.into_iter().enumerate() {
+                        for (k, black) in black.iter().enumerate() {
+                            let at = ((first + i) * temperatures_k.len() + k) * bands.len() + b;
+                            radiance[at] += weight * factor * black;
+                        }
                     }
                 }
             }
         }
-        Some(Heat { grid, lit_k, shaded_k, bands: bands.len(), radiance })
+        Some(Heat { grid, lit_k, shaded_k, bands: bands.len(), surfaces, radiance })
     }
 
-    /// Number of rows: bands, or [material, temperature].
+    /// Number of rows: bands, or [spectrum of a material, temperature].
     pub(super) fn rows(&self) -> usize {
         if has_row_per_band(self.bands) { self.bands } else { self.radiance.len() / self.bands }
     }
@@ -67,20 +104,34 @@ impl<'a> Heat<'a> {
         }
     }
 
-    /// The rows' weights for a fragment of a material, of which the Sun sees `lit`, pixels.
+    /// The rows' weights for a fragment of a material, of which the Sun sees `lit`, pixels; the cosine of emission is asked for where it counts.
     #[inline]
-    pub(super) fn weights(&self, material: usize, fragment: &Fragment, lit: f64, mut add: impl FnMut(usize, f64)) {
+    pub(super) fn weights(
+        &self,
+        material: usize,
+        fragment: &Fragment,
+        lit: f64,
+        cos_emission: impl Fn() -> f64,
+        mut add: impl FnMut(usize, f64),
+    ) {
         let facet = fragment.facet as usize;
+        let Surface { first, albedos } = &self.surfaces[material];
         for (part, temperature_k) in [(lit, self.lit_k), (fragment.shown.area - lit, self.shaded_k)] {
             if part > 0.0
                 && let Some((at, weights)) = self.grid.weights(temperature_k[facet])
             {
-                self.interpolate(part, material * self.grid.len() + at, &weights, &mut add);
+                self.interpolate(part, first * self.grid.len() + at, &weights, &mut add);
+                if let Some(albedos) = albedos {
+                    albedos.weights(cos_emission(), |term, albedo| {
+                        let first = (first + 1 + term) * self.grid.len() + at;
+                        self.interpolate(-albedo * part, first, &weights, &mut add);
+                    });
+                }
             }
         }
     }
 
-    /// The emission of a part, interpolated between a material's temperatures from `first` on.
+    /// The emission of a part, interpolated between a spectrum's temperatures from `first` on.
     fn interpolate(&self, part: f64, first: usize, weights: &[f64; POINTS], add: &mut impl FnMut(usize, f64)) {
         if has_row_per_band(self.bands) {
             for band in 0..self.bands {

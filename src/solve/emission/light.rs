@@ -1,6 +1,7 @@
 //! How much of what is seen of a facet each source lights.
 
 use crate::product::{Lighting, Sees};
+use crate::scene::DirectionField;
 
 /// A part of the image, or of a facet in it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -12,6 +13,18 @@ pub struct ImagePart {
 }
 
 impl ImagePart {
+    /// Image centroid, pixels; `None` if its moment was not asked for.
+    pub fn centroid_px(&self) -> Option<[f64; 2]> {
+        let centroid_px = self.moment.map(|m| m / self.area);
+        (self.moment != [0.0; 2] && centroid_px.iter().all(|x| x.is_finite())).then_some(centroid_px)
+    }
+
+    /// The same with another area.
+    #[must_use]
+    pub fn scaled_to(&self, area: f64) -> ImagePart {
+        ImagePart { area, moment: self.moment.map(|m| m * (area / self.area)) }
+    }
+
     /// Joins a part that does not overlap it.
     #[inline]
     pub fn add(&mut self, other: &ImagePart) {
@@ -55,6 +68,7 @@ pub struct Modulation<'a> {
 /// A source's irradiance, and what of a fragment has it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SourceLight<'a> {
+    pub(super) field: DirectionField,
     irradiance: &'a [f64],
     reach: Reach<'a>,
 }
@@ -80,7 +94,7 @@ impl<'a> SourceLight<'a> {
                     Reach::Part(parts - 1)
                 }
             };
-            SourceLight { irradiance: &lighting.irradiance, reach }
+            SourceLight { field: lighting.field, irradiance: &lighting.irradiance, reach }
         };
         sources.iter().map(light).collect()
     }
@@ -99,6 +113,15 @@ impl<'a> SourceLight<'a> {
             Reach::Shares(shares) => fragment.shown.area * shares[fragment.facet as usize],
             Reach::Part(part) => fragment.lit.get(part).map_or(0.0, |lit| lit.area),
         }
+    }
+
+    /// Image centroid of what is lit of a fragment, pixels; of all of it where that is not known.
+    pub(super) fn centroid_px(&self, fragment: &Fragment) -> [f64; 2] {
+        let lit = match self.reach {
+            Reach::All | Reach::Shares(_) => None,
+            Reach::Part(part) => fragment.lit.get(part).and_then(ImagePart::centroid_px),
+        };
+        lit.or_else(|| fragment.shown.centroid_px()).unwrap_or_default()
     }
 
     /// Lit area of what a texture covers, pixels.

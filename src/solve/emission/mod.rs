@@ -3,19 +3,25 @@
 //! Radiance = sum over rows of weight x spectrum. Rows belong to families: a material's reflectance under each incoming spectrum, the
 //! same under a texture, and heat. Each knows its rows, their spectra, and its weights for what is seen of a facet.
 
+mod by_band;
 mod constant;
 mod heat;
 mod light;
+mod modelled;
 mod temperature_grid;
+mod view;
 
 use crate::geometry::index_u32;
 use crate::product::FacetTable;
-use crate::scene::{Incoming, Scene, Source, Texture};
+use crate::scene::{Incoming, Material, Scene, Source, Texture};
 use crate::spectral::{Band, Spectrum};
 
+use by_band::{ByBand, Sample};
 use constant::Constant;
 use heat::Heat;
 use light::SourceLight;
+use modelled::Modelled;
+use view::View;
 
 pub use light::{Fragment, ImagePart, Modulation};
 pub use temperature_grid::interpolation_error;
@@ -25,6 +31,10 @@ pub use temperature_grid::interpolation_error;
 enum Family<'a> {
     /// The reflectance of a material that is the same in all directions, plain or under a texture.
     Constant(Constant<'a>),
+    /// That of a model whose albedo alone is a spectrum.
+    Modelled(Modelled<'a>),
+    /// That of a model of which more depends on wavelength.
+    ByBand(ByBand<'a>),
     /// Thermal emission of all materials.
     Heat(Heat<'a>),
 }
@@ -33,6 +43,7 @@ enum Family<'a> {
 #[derive(Debug)]
 pub struct Emission<'a> {
     scene: &'a Scene,
+    view: View<'a>,
     lights: Vec<SourceLight<'a>>,
     /// Each with its first row, ascending.
     families: Vec<(usize, Family<'a>)>,
@@ -54,20 +65,20 @@ impl<'a> Emission<'a> {
     pub fn new(scene: &'a Scene, table: &'a FacetTable) -> Self {
         let lights = SourceLight::list(&table.sources);
         let materials = &scene.body.materials;
-        let plain = materials.iter().map(|material| Constant { material, texture: None });
-        let of_texture = |texture: &'a Texture| {
-            let material = &materials[texture.material.0 as usize];
-            Constant { material, texture: Some(texture) }
-        };
-        let reflecting = plain.chain(scene.body.textures.iter().map(of_texture)).map(Family::Constant);
         let mut of_material: Vec<OfMaterial> =
             (0..materials.len()).map(|plain| OfMaterial { plain, textured: None }).collect();
         for (i, texture) in scene.body.textures.iter().enumerate() {
             of_material[texture.material.0 as usize].textured = Some(materials.len() + i);
         }
+        let (view, families) = (View::of(scene), vec![]);
         let mut emission =
-            Emission { scene, lights, families: vec![], rows: 0, first_thermal_row: 0, of_material, heat: None };
-        reflecting.for_each(|family| emission.push(family));
+            Emission { scene, view, lights, families, rows: 0, first_thermal_row: 0, of_material, heat: None };
+        for material in materials {
+            emission.push(emission.reflecting(material, None));
+        }
+        for texture in &scene.body.textures {
+            emission.push(emission.reflecting(&materials[texture.material.0 as usize], Some(texture)));
+        }
         emission.first_thermal_row = emission.rows;
         if let Some(heat) = Heat::new(scene, table, |band| emission.quadrature(band)) {
             emission.heat = Some(emission.families.len());
@@ -76,9 +87,50 @@ impl<'a> Emission<'a> {
         emission
     }
 
+    /// The reflectance of a material, plain or under a texture.
+    fn reflecting(&self, material: &'a Material, texture: Option<&'a Texture>) -> Family<'a> {
+        if material.photometry.key().is_none() {
+            return Family::Constant(Constant { material, texture });
+        }
+        let modelled = material.photometry.to_model().map(|model| Modelled::new(model, texture));
+        let bands = || self.scene.exposure.bands.iter().filter(|band| band.light.is_lit());
+        match modelled {
+            // A wavelength takes one row, and a model of several products one for each.
+            Some(modelled)
+                if modelled.terms() == 1
+                    || bands().map(|band| self.quadrature(band).len()).sum::<usize>() >= modelled.terms() =>
+            {
+                Family::Modelled(modelled)
+            }
+            _ => Family::ByBand(ByBand::new(self.samples(material), texture)),
+        }
+    }
+
+    /// A material's surface, and the light on it, at the wavelengths of each band.
+    fn samples(&self, material: &Material) -> Vec<Vec<Sample>> {
+        let sources = self.scene.sky.sources();
+        let sample = |(um, weight): (f64, f64)| {
+            let incoming = |source: &Source| self.incoming(source, um).iter().product::<f64>() * weight;
+            let brdf = material.photometry.brdf(um)?;
+            Some(Sample { um, brdf, incoming: sources.iter().map(incoming).collect() })
+        };
+        let of_band = |band: &Band| match band.light.is_lit() {
+            true => self.quadrature(band).into_iter().filter_map(sample).collect(),
+            false => vec![],
+        };
+        self.scene.exposure.bands.iter().map(of_band).collect()
+    }
+
+    /// Whether weights depend on where in a pixel a fragment is lit.
+    pub(crate) fn wants_moments(&self) -> bool {
+        self.families.iter().any(|(_, family)| matches!(family, Family::Modelled(_) | Family::ByBand(_)))
+    }
+
     fn push(&mut self, family: Family<'a>) {
         let rows = match &family {
             Family::Constant(constant) => constant.rows(self.lights.len()),
+            Family::Modelled(modelled) => modelled.rows(self.lights.len()),
+            Family::ByBand(by_band) => by_band.rows(),
             Family::Heat(heat) => heat.rows(),
         };
         self.families.push((self.rows, family));
@@ -120,7 +172,9 @@ impl<'a> Emission<'a> {
         if let (Some(heat), [sun, ..]) = (self.heat, &self.lights[..])
             && let (first, Family::Heat(heat)) = &self.families[heat]
         {
-            heat.weights(material, fragment, sun.of(fragment), |row, weight| add(index_u32(first + row), weight));
+            let cos_emission = || self.view.cos_emission(fragment);
+            let add = |row: usize, weight| add(index_u32(first + row), weight);
+            heat.weights(material, fragment, sun.of(fragment), cos_emission, add);
         }
     }
 
@@ -132,10 +186,16 @@ impl<'a> Emission<'a> {
         fragment: &Fragment,
         add: &mut impl FnMut(u32, f64),
     ) {
-        if let (first, Family::Constant(constant)) = &self.families[family] {
-            constant.weights(fragment.facet, &self.lights, amount, texture, |row, weight| {
-                add(index_u32(first + row), weight)
-            });
+        let (first, family) = &self.families[family];
+        let add = |row: usize, weight| add(index_u32(first + row), weight);
+        let angles = |light: &SourceLight| self.view.angles(fragment, light);
+        match family {
+            Family::Constant(constant) => constant.weights(fragment.facet, &self.lights, amount, texture, add),
+            Family::Modelled(modelled) => {
+                modelled.weights(fragment.facet, &self.lights, amount, angles, texture, add);
+            }
+            Family::ByBand(by_band) => by_band.weights(fragment.facet, &self.lights, amount, angles, texture, add),
+            Family::Heat(_) => {}
         }
     }
 
@@ -148,11 +208,18 @@ impl<'a> Emission<'a> {
             for (um, weight) in self.quadrature(band) {
                 let incoming: Vec<[f64; 2]> = sources.iter().map(|source| self.incoming(source, um)).collect();
                 for (first, family) in &self.families {
-                    if let Family::Constant(constant) = family {
-                        let add = |row: usize, value: f64| spectra[(first + row) * bands.len() + b] += value;
-                        constant.spectra(um, weight, &incoming, add);
+                    let add = |row: usize, value: f64| spectra[(first + row) * bands.len() + b] += value;
+                    match family {
+                        Family::Constant(constant) => constant.spectra(um, weight, &incoming, add),
+                        Family::Modelled(modelled) => modelled.spectra(um, weight, &incoming, add),
+                        Family::ByBand(_) | Family::Heat(_) => {}
                     }
                 }
+            }
+        }
+        for (first, family) in &self.families {
+            if let Family::ByBand(by_band) = family {
+                by_band.spectra(&mut spectra[first * bands.len()..]);
             }
         }
         if let Some((first, Family::Heat(heat))) = self.heat.map(|heat| &self.families[heat]) {
@@ -181,7 +248,8 @@ impl<'a> Emission<'a> {
     fn knots_um(&self, (lo, hi): (f64, f64)) -> Vec<f64> {
         let body = &self.scene.body;
         let materials = body.materials.iter().flat_map(|m| [&m.reflectance, &m.emissivity]);
-        let all = materials.chain(self.scene.sky.spectra());
+        let parameters = body.materials.iter().flat_map(|m| m.photometry.parameters()).map(|(_, spectrum)| spectrum);
+        let all = materials.chain(parameters).chain(self.scene.sky.spectra());
         let layers = body.textures.iter().flat_map(|t| &t.wavelength_um);
         let mut knots: Vec<f64> =
             all.flat_map(|s| s.wavelength_um()).chain(layers).copied().filter(|um| lo < *um && *um < hi).collect();

@@ -1,6 +1,6 @@
 //! What bounds are made from: a body, a sky, an exposure, and what they are relative to.
 
-use crate::physics::reflectance::{Brdf, PhotometricAngles};
+use crate::physics::reflectance::Lambert;
 use crate::physics::{blackbody, bounds, heat, sun};
 use crate::product::{Backplanes, FacetTable};
 use crate::scene::{MARS_ALBEDO, Material, Setup, Sky};
@@ -131,7 +131,8 @@ impl<'a> Given<'a> {
 
 /// Centres of all bands; of wide ones also the ends, and the corners between them of reflectances and emissivities; um, ascending.
 fn bands_um(scene: &Setup, materials: &[&Material]) -> Vec<(f64, Light)> {
-    let of_materials = materials.iter().flat_map(|m| [&m.reflectance, &m.emissivity]);
+    let parameters = materials.iter().flat_map(|m| m.photometry.parameters()).map(|(_, spectrum)| spectrum);
+    let of_materials = materials.iter().flat_map(|m| [&m.reflectance, &m.emissivity]).chain(parameters);
     let mut corners_um: Vec<f64> = of_materials
         .chain(scene.sky.mars.iter().map(|m| &m.reflectance))
         .flat_map(|spectrum| spectrum.wavelength_um().iter().copied())
@@ -161,8 +162,7 @@ pub(in crate::study) fn mars_seen(scene: &Setup, site: &Site) -> (f64, bool) {
 /// Sunlight that a white Lambert surface square to it reflects, W m-2 sr-1 um-1.
 pub(super) fn white_radiance(scene: &Setup, um: f64) -> Option<f64> {
     let normal = scene.sky.sun.irradiance_w_m2_um(um)?;
-    let angles = PhotometricAngles { cos_incidence: 1.0, cos_emission: 1.0, phase_rad: 0.0 };
-    Some(Brdf::Lambert { reflectance: 1.0 }.eval(&angles) * normal)
+    Some(Lambert { reflectance: 1.0 }.brdf() * normal)
 }
 
 /// Sunlight that a material reflects at an incidence, W m-2 sr-1 um-1.

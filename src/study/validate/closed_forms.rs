@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use crate::geometry::{Direction, angle_rad};
-use crate::physics::{GaussLegendre, blackbody};
+use crate::physics::{GaussLegendre, blackbody, form_factor};
 
 /// Temperature of the black body that has this radiance, K: Planck's law solved for T.
 pub(super) fn brightness_temperature_k(lambda_um: f64, radiance_w_m2_sr_um: f64) -> f64 {
@@ -61,61 +61,80 @@ pub(super) fn mean_over_orbit(of_phase_deg: impl Fn(f64) -> f64) -> f64 {
     (inner + 0.5 * (at(0) + at(STEPS))) / f64::from(STEPS)
 }
 
-/// Form factor of two equal, opposite rectangles a x b (Howell C-11).
-pub(super) fn parallel_rectangles(a: f64, b: f64, distance: f64) -> f64 {
-    let (x, y) = (a / distance, b / distance);
-    let (rx, ry) = ((1.0 + x * x).sqrt(), (1.0 + y * y).sqrt());
-    let sum = 0.5 * ((1.0 + x * x) * (1.0 + y * y) / (1.0 + x * x + y * y)).ln()
-        + x * ry * (x / ry).atan()
-        + y * rx * (y / rx).atan()
-        - x * x.atan()
-        - y * y.atan();
-    2.0 / (PI * x * y) * sum
+/// Directional-hemispherical albedo of a Lommel-Seeliger surface of isotropic particles: (w / 2) (1 - mu0 ln(1 + 1 / mu0)).
+pub(super) fn lommel_seeliger_albedo(single_scattering_albedo: f64, cos_incidence: f64) -> f64 {
+    0.5 * single_scattering_albedo * (1.0 - cos_incidence * cos_incidence.recip().ln_1p())
 }
 
-/// Form factor from a rectangle of width `w1` to one of height `h2` at right angles, with a common edge (Howell C-14).
-pub(super) fn perpendicular_rectangles(common: f64, w1: f64, h2: f64) -> f64 {
-    let (h, w) = (h2 / common, w1 / common);
-    let (h_2, w_2) = (h * h, w * w);
-    let (both, all) = (h_2 + w_2, 1.0 + h_2 + w_2);
-    let logs = ((1.0 + w_2) * (1.0 + h_2) / all).ln()
-        + w_2 * (w_2 * all / ((1.0 + w_2) * both)).ln()
-        + h_2 * (h_2 * all / ((1.0 + h_2) * both)).ln();
-    let arcs = w * (1.0 / w).atan() + h * (1.0 / h).atan() - both.sqrt() * (1.0 / both.sqrt()).atan();
-    (arcs + 0.25 * logs) / (PI * w)
+/// Radiosity of a cube's faces of which one emits 1: that face's, the opposite's, one of the others'. Each face has one radiosity.
+///
+/// Of the sum and the difference of the first two: s = 1 + rho (p s + 8 a b), d = 1 - rho p d, and b (1 - rho (p + 2 a)) = rho a s, with
+/// p and a the form factors of opposite and adjacent faces.
+pub(super) fn cube_radiosity(reflectance: f64) -> [f64; 3] {
+    let (p, a) =
+        (form_factor::parallel_rectangles(1.0, 1.0, 1.0), form_factor::perpendicular_rectangles(1.0, 1.0, 1.0));
+    let per_sum = reflectance * a / (1.0 - reflectance * (p + 2.0 * a));
+    let sum = 1.0 / (1.0 - reflectance * (p + 8.0 * a * per_sum));
+    let difference = 1.0 / (1.0 + reflectance * p);
+    [0.5 * (sum + difference), 0.5 * (sum - difference), per_sum * sum]
 }
 
-/// Form factor from an endless strip of width `w1` to one of height `h2` at right angles, with a common edge (Howell C-9).
-pub(super) fn perpendicular_strips(w1: f64, h2: f64) -> f64 {
-    0.5 * (1.0 + h2 / w1 - (h2 / w1).hypot(1.0))
+/// A bowl that is a cap of a sphere, in level ground under the Sun (Ingersoll, Svitek & Murray 1992): every point of it gets the same light
+/// from the rest. Lengths in diameters of the rim.
+pub(super) struct Bowl {
+    pub(super) depth: f64,
+    pub(super) reflectance: f64,
+    pub(super) emissivity: f64,
+    /// Sunlight on level ground, W m-2.
+    pub(super) irradiance: f64,
 }
 
-/// Form factor from a disc of radius `r1` to one of `r2` on the same axis, `distance` apart (Howell C-41).
-pub(super) fn coaxial_discs(r1: f64, r2: f64, distance: f64) -> f64 {
-    let (x, y) = (r1 / distance, r2 / distance);
-    let s = 1.0 + (1.0 + y * y) / (x * x);
-    // (s - sqrt(s^2 - 4 (y/x)^2)) / 2, without its cancellation.
-    2.0 * (y / x).powi(2) / (s + (s * s - 4.0 * (y / x).powi(2)).sqrt())
-}
-
-/// Form factor of an element at the origin to a polygon, cut by the element's horizon: Lambert's contour sum.
-pub(super) fn element_to_polygon(normal: DVec3, polygon: &[DVec3]) -> f64 {
-    let mut above = Vec::new();
-    for (i, &a) in polygon.iter().enumerate() {
-        let b = polygon[(i + 1) % polygon.len()];
-        let (height_a, height_b) = (normal.dot(a), normal.dot(b));
-        if height_a > 0.0 {
-            above.push(a);
-        }
-        if (height_a > 0.0) != (height_b > 0.0) {
-            above.push(a + (b - a) * (height_a / (height_a - height_b)));
-        }
+impl Bowl {
+    /// Radius of the sphere.
+    pub(super) fn radius(depth: f64) -> f64 {
+        (0.25 + depth * depth) / (2.0 * depth)
     }
-    let edges = (0..above.len()).map(|i| {
-        let (a, b) = (above[i], above[(i + 1) % above.len()]);
-        angle_rad(a, b) * normal.dot(a.cross(b).normalize_or_zero())
-    });
-    (edges.sum::<f64>() / (2.0 * PI)).abs()
+
+    /// Where the shadow of the rim at -1/2 ends, on the sphere, towards +1/2; beyond that nothing of the bowl is lit.
+    pub(super) fn shadow_end(depth: f64, elevation_rad: f64) -> f64 {
+        let centre_height = Self::radius(depth) - depth;
+        let (sin, cos) = elevation_rad.sin_cos();
+        -0.5 + (cos - 2.0 * centre_height * sin) * cos
+    }
+
+    /// Form factor of the bowl from any point in it.
+    pub(super) fn form_factor(&self) -> f64 {
+        1.0 / (1.0 + 0.25 / (self.depth * self.depth))
+    }
+
+    /// Sunlight that the bowl gets, over its area.
+    pub(super) fn mean_direct(&self) -> f64 {
+        self.irradiance * (1.0 - self.form_factor())
+    }
+
+    /// Sunlight that a point gets from the rest of it, W m-2.
+    pub(super) fn scattered(&self) -> f64 {
+        let f = self.form_factor();
+        f * self.reflectance * self.mean_direct() / (1.0 - self.reflectance * f)
+    }
+
+    /// What a black body would emit at the temperature of a shadow, W m-2.
+    pub(super) fn shadow_exitance(&self) -> f64 {
+        let f = self.form_factor();
+        let absorbed = self.irradiance * f * (1.0 - self.reflectance) / (1.0 - self.reflectance * f);
+        absorbed * (1.0 + self.reflectance * (1.0 - f) / self.emissivity)
+    }
+
+    /// Heat that a point gets from the rest of it, W m-2: what is emitted there less sunlight absorbed.
+    pub(super) fn heat(&self) -> f64 {
+        self.shadow_exitance() - (1.0 - self.reflectance) * self.scattered() / self.emissivity
+    }
+
+    /// Light that leaves it over light that comes in.
+    pub(super) fn apparent_albedo(&self) -> f64 {
+        let f = self.form_factor();
+        self.reflectance * (1.0 - f) / (1.0 - self.reflectance * f)
+    }
 }
 
 /// Area of an ellipsoid's outline in parallel projection: pi abc sqrt(sum of (u_i / radius_i)^2).

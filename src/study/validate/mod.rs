@@ -6,6 +6,7 @@
 
 mod closed_forms;
 mod patch;
+mod reflectance;
 mod scene_cases;
 mod values;
 

@@ -3,31 +3,33 @@
 use glam::{DMat3, DVec3};
 use serde_json::{Value, json};
 
+use super::closed_forms::{self, Bowl};
 use super::patch::Patch;
-use super::{Answer, By, Oracle, closed_forms, scene_cases};
+use super::{Answer, By, Oracle, scene_cases};
 use crate::geometry::{Direction, Pose, angle_rad};
 use crate::physics::mars_light::MARS_LIGHT_ERROR;
-use crate::physics::{blackbody, bounds, mars, sun};
+use crate::physics::reflectance::albedo::Measure;
+use crate::physics::{blackbody, bounds, conduction, form_factor, heat, mars, sun, sun_disc};
 use crate::scene::Thermal;
 use crate::spectral::{ALL_UM, Band, solar_e490};
 use crate::units::{AU_M, STEFAN_BOLTZMANN_W_M2_K4};
 
 /// What `simulate` computes in the same way.
-fn simulate(value: impl Into<Value>) -> Vec<Answer> {
+pub(super) fn simulate(value: impl Into<Value>) -> Vec<Answer> {
     vec![Answer { by: By::Simulate, value: value.into(), own_tolerance: None }]
 }
 
 /// What only says that the expected number is right.
-fn reference(value: impl Into<Value>) -> Vec<Answer> {
+pub(super) fn reference(value: impl Into<Value>) -> Vec<Answer> {
     vec![Answer { by: By::Reference, value: value.into(), own_tolerance: None }]
 }
 
 impl Oracle<'_> {
     /// An input, or what the name says of it.
-    fn input(&self, key: &str) -> Option<f64> {
+    pub(super) fn input(&self, key: &str) -> Option<f64> {
         let in_name = || {
             let (_, rest) = self.name.split_once(&format!("{key}="))?;
-            rest.split([',', ')']).next()?.parse().ok()
+            rest.split([',', ')']).next()?.trim_end_matches("deg").parse().ok()
         };
         self.inputs.get(key).and_then(Value::as_f64).or_else(in_name)
     }
@@ -60,6 +62,10 @@ impl Oracle<'_> {
             "ils" => self.response(kind),
             "brdf" => self.brdf(kind),
             "brdf_property" => self.brdf_property(kind),
+            "hapke_parts" => self.hapke_parts(kind),
+            "albedo" => self.albedo(kind),
+            "furnace" => self.furnace(kind),
+            "crater" => self.crater(kind),
             "penumbra" => self.penumbra(kind),
             "pushbroom" => self.pushbroom(kind),
             _ => None,
@@ -76,7 +82,7 @@ impl Oracle<'_> {
             // The exitance over all wavelengths: the constant that temperatures are found with.
             _ if kind.to_lowercase().contains("stefan_boltzmann") || kind.starts_with("sigma") => {
                 simulate(match input("T_K").or_else(|| input("T")) {
-                    Some(t_k) => crate::physics::heat::emitted_w_m2(t_k, input("eps").unwrap_or(1.0)),
+                    Some(t_k) => heat::emitted_w_m2(t_k, input("eps").unwrap_or(1.0)),
                     None => STEFAN_BOLTZMANN_W_M2_K4,
                 })
             }
@@ -171,31 +177,28 @@ impl Oracle<'_> {
             "mars_angular_diameter_from_phobos_deg" => 2.0 * q()?.asin().to_degrees(),
             // 2 pi (1 - cos a), a its angular radius.
             _ if kind.contains("solid_angle") => 4.0 * std::f64::consts::PI * (0.5 * q()?.asin()).sin().powi(2),
-            "parallel_rectangles" => closed_forms::parallel_rectangles(input("a")?, input("b")?, input("distance")?),
+            "parallel_rectangles" => form_factor::parallel_rectangles(input("a")?, input("b")?, input("distance")?),
             "perpendicular_rectangles" => {
-                closed_forms::perpendicular_rectangles(input("common")?, input("w1")?, input("h2")?)
+                form_factor::perpendicular_rectangles(input("common")?, input("w1")?, input("h2")?)
             }
-            "element_to_coaxial_disc" => {
-                let (radius, height) = (input("R")?, input("h")?);
-                radius * radius / (radius * radius + height * height)
-            }
+            "element_to_coaxial_disc" => form_factor::element_to_coaxial_disc(input("R")?, input("h")?),
             "coaxial_discs" | "coaxial_parallel_discs" | "parallel_coaxial_discs" => {
                 let of = |keys: [&str; 2]| keys.iter().find_map(|key| self.input(key));
                 let height = of(["h", "distance"])?;
-                closed_forms::coaxial_discs(of(["r1", "R1"])?, of(["r2", "R2"])?, height)
+                form_factor::coaxial_discs(of(["r1", "R1"])?, of(["r2", "R2"])?, height)
             }
             "strips_at_right_angles" | "perpendicular_strips" => {
                 let of = |key| self.input(key).unwrap_or(1.0);
-                closed_forms::perpendicular_strips(of("w1"), of("h2"))
+                form_factor::perpendicular_strips(of("w1"), of("h2"))
             }
             "cube_closure" => {
-                closed_forms::parallel_rectangles(1.0, 1.0, 1.0)
-                    + 4.0 * closed_forms::perpendicular_rectangles(1.0, 1.0, 1.0)
+                form_factor::parallel_rectangles(1.0, 1.0, 1.0)
+                    + 4.0 * form_factor::perpendicular_rectangles(1.0, 1.0, 1.0)
             }
             "element_to_triangle_clipped" => {
                 let triangle = self.inputs.get("triangle")?.as_array()?;
                 let polygon = triangle.iter().map(vector).collect::<Option<Vec<_>>>()?;
-                closed_forms::element_to_polygon(self.vector("normal")?, &polygon)
+                form_factor::element_to_polygon(self.vector("normal")?, &polygon)
             }
             _ => return None,
         }))
@@ -383,6 +386,7 @@ impl Oracle<'_> {
             "lommel_seeliger_phase_integral" => {
                 closed_forms::phase_integral(closed_forms::lommel_seeliger_sphere_phase)
             }
+            _ if kind.starts_with("geometric_albedo_sphere_") => Measure::Geometric.of(&self.model(kind)?),
             _ => return None,
         }))
     }
@@ -453,49 +457,64 @@ impl Oracle<'_> {
                 ..patch(Thermal::Equilibrium)?
             })?),
             "thesis_eq9_T" => simulate(lit_k(patch(Thermal::Thesis)?)?),
-            _ => return None,
-        })
-    }
-
-    /// BRDF of a Lambert surface at incidence and emission: radiance over irradiance, by a patch, a Sun and a camera.
-    fn lambert_brdf(&self, incidence_deg: f64, emission_deg: f64, azimuth_deg: f64) -> Option<f64> {
-        let patch = Patch {
-            sun: from_zenith(incidence_deg, 0.0),
-            observer_m: 1000.0 * from_zenith(emission_deg, azimuth_deg),
-            reflectance: self.input("rho").or_else(|| self.input("A"))?,
-            ..Patch::default()
-        };
-        Some(patch.radiance()? / incidence_deg.to_radians().cos())
-    }
-
-    fn brdf(&self, kind: &str) -> Option<Vec<Answer>> {
-        let (i_deg, e_deg) = (self.input("i_deg")?, self.input("e_deg")?);
-        let azimuth_deg = self.input("psi_deg").unwrap_or(0.0);
-        Some(match kind {
-            "lambert" => simulate(self.lambert_brdf(i_deg, e_deg, azimuth_deg)?),
-            // A name like "radf_model_vs_lambert0.07": the second of the two.
-            _ if kind.starts_with("radf_") => {
-                let reflectance = kind.split_once("lambert")?.1.parse().ok()?;
-                let sun = from_zenith(i_deg, 0.0);
-                let observer_m = 1000.0 * from_zenith(e_deg, azimuth_deg);
-                let radiance = Patch { sun, observer_m, reflectance, ..Patch::default() }.radiance()?;
-                simulate(json!({"radf_lambert": std::f64::consts::PI * radiance}))
+            "conduction_equator" => reference(self.day_at_the_equator()?),
+            "linear_wave_amplitude" => {
+                let (ratio, lag_rad) =
+                    conduction::wave_at_depth(self.input("z_m")?, self.input("kappa")?, self.input("period_s")?);
+                reference(json!({"amplitude_ratio": ratio, "phase_lag_rad": lag_rad}))
+            }
+            "constant_flux_surface_rise" => {
+                let (inertia, flux_w_m2, time_s) = (self.input("Gamma")?, self.input("F")?, self.input("t_s")?);
+                reference(conduction::rise_by_constant_flux_k(inertia, flux_w_m2, time_s))
+            }
+            "viking_thermal_inertia_SI" => {
+                let cgs = self.inputs.get("cgs")?.as_array()?.iter().map(Value::as_f64).collect::<Option<Vec<_>>>()?;
+                reference(cgs.into_iter().map(conduction::thermal_inertia_from_cgs).collect::<Vec<_>>())
             }
             _ => return None,
         })
     }
 
-    fn brdf_property(&self, kind: &str) -> Option<Vec<Answer>> {
-        let (i_deg, e_deg, azimuth_deg) = (self.input("i")?, self.input("e")?, self.input("psi")?);
-        let both =
-            || Some((self.lambert_brdf(i_deg, e_deg, azimuth_deg)?, self.lambert_brdf(e_deg, i_deg, azimuth_deg)?));
-        (kind == "reciprocity lambert").then(both)?.map(|(one, other)| simulate((one / other - 1.0).abs()))
+    /// A day at the equator of a body without slopes, the Sun over it.
+    fn day_at_the_equator(&self) -> Option<Value> {
+        const STEPS: usize = 1440;
+        let noon_w_m2 = (1.0 - self.input("A")?) * sun::irradiance_at(self.input("S0")?, self.distance_m()?);
+        let turn_rad = |k: usize| 2.0 * std::f64::consts::PI * k as f64 / STEPS as f64;
+        let absorbed: Vec<f64> = (0..STEPS).map(|k| sun::irradiance_on_facet(noon_w_m2, turn_rad(k).cos())).collect();
+        let ground = conduction::Ground {
+            thermal_inertia: self.input("Gamma")?,
+            emissivity_bolometric: self.input("eps")?,
+            period_s: self.input("period_s")?,
+        };
+        let day = ground.periodic_temperature_k(&absorbed);
+        // The highest point of the parabola through the warmest time and its neighbours, after noon.
+        let (warmest, &at) = day.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
+        let (before, after) = (day[(warmest + STEPS - 1) % STEPS], day[(warmest + 1) % STEPS]);
+        let aside = 0.5 * (before - after) / (before - 2.0 * at + after);
+        Some(json!({
+            "Tmax": at - 0.25 * (before - after) * aside,
+            "Tmin": day.iter().copied().fold(f64::INFINITY, f64::min),
+            "Tnoon": day[0],
+            "T_mean": day.iter().sum::<f64>() / STEPS as f64,
+            "T_midnight": day[STEPS / 2],
+            "T_sunrise": day[3 * STEPS / 4],
+            "T_sunset": day[STEPS / 4],
+            "lag_of_max_deg": (turn_rad(warmest) + aside * turn_rad(1)).to_degrees(),
+        }))
     }
 
     fn penumbra(&self, kind: &str) -> Option<Vec<Answer>> {
-        let sun_rad = sun::angular_radius_rad(self.distance_m()?);
+        let sun_rad = || Some(sun::angular_radius_rad(self.distance_m()?));
         Some(match kind {
+            "straight_edge_visible_fraction" | "straight_edge_visible_fraction_limb_darkened" => {
+                reference(sun_disc::share_beyond_edge(self.input("x")?, self.input("u").unwrap_or(0.0)))
+            }
+            "two_disc_visible_fraction" => {
+                let (sun, other, apart) = (self.input("r_sun")?, self.input("r_occ")?, self.input("d")?);
+                reference(sun_disc::share_beside_disc(other / sun, apart / sun))
+            }
             "edge_shadow_width" => {
+                let sun_rad = sun_rad()?;
                 let (height_m, i_rad) = (self.input("h_m")?, self.input("i_deg")?.to_radians());
                 let edge_m = |i_rad: f64| height_m * i_rad.tan();
                 let cos = i_rad.cos();
@@ -512,12 +531,51 @@ impl Oracle<'_> {
             }
             // A uniform disc over a flat horizon, over what a point at its centre gives at normal incidence.
             "flat_horizon_sun_irradiance_ratio" => {
+                let sun_rad = sun_rad()?;
                 let elevation_rad = self.input("elevation_in_sun_radii")? * sun_rad;
                 let form_factor = mars::uniform_sphere_form_factor(sun_rad.sin(), elevation_rad.sin());
                 reference(form_factor / sun_rad.sin().powi(2))
             }
             _ => return None,
         })
+    }
+
+    /// Light between surfaces that enclose it.
+    fn furnace(&self, kind: &str) -> Option<Vec<Answer>> {
+        let reflectance = self.input("rho")?;
+        Some(reference(match kind {
+            "closed_cavity_radiosity" => json!(self.input("M")? / (1.0 - reflectance)),
+            "bounces_for_1e-6" => json!((1e-6_f64.ln() / reflectance.ln()).ceil()),
+            "cube_one_face_emits" => json!(closed_forms::cube_radiosity(reflectance)),
+            _ => return None,
+        }))
+    }
+
+    /// A bowl under the Sun.
+    fn crater(&self, kind: &str) -> Option<Vec<Answer>> {
+        let depth = self.input("depth_over_diameter")?;
+        let elevation_rad = || Some(self.input("sun_elevation_deg")?.to_radians());
+        Some(reference(match kind {
+            "ingersoll" => {
+                let bowl = Bowl {
+                    depth,
+                    reflectance: self.input("A")?,
+                    emissivity: self.input("eps")?,
+                    irradiance: self.input("F")? * elevation_rad()?.sin(),
+                };
+                json!({
+                    "f": bowl.form_factor(),
+                    "E_scattered": bowl.scattered(),
+                    "E_ir": bowl.heat(),
+                    "T_shadow": heat::equilibrium_temperature_k(bowl.shadow_exitance(), 1.0),
+                    "apparent_albedo": bowl.apparent_albedo(),
+                    "mean_direct": bowl.mean_direct(),
+                })
+            }
+            "bowl_radius_over_diameter" => json!(Bowl::radius(depth)),
+            "bowl_shadow_edge_x" => json!(Bowl::shadow_end(depth, elevation_rad()?)),
+            _ => return None,
+        }))
     }
 
     fn pushbroom(&self, kind: &str) -> Option<Vec<Answer>> {
@@ -532,7 +590,7 @@ impl Oracle<'_> {
 }
 
 /// A unit vector at an angle from the zenith, azimuth from +X towards +Y.
-fn from_zenith(angle_deg: f64, azimuth_deg: f64) -> DVec3 {
+pub(super) fn from_zenith(angle_deg: f64, azimuth_deg: f64) -> DVec3 {
     let ((sin, cos), (sin_az, cos_az)) = (angle_deg.to_radians().sin_cos(), azimuth_deg.to_radians().sin_cos());
     DVec3::new(sin * cos_az, sin * sin_az, cos)
 }

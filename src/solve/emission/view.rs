@@ -1,0 +1,50 @@
+//! At which angles a fragment is lit and seen.
+
+use super::light::{Fragment, SourceLight};
+use crate::geometry::{FrameCamera, Mesh};
+use crate::physics::mars::middle_above_horizon;
+use crate::physics::reflectance::PhotometricAngles;
+use crate::scene::{DirectionField, Scene};
+
+/// Who looks at what.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct View<'a> {
+    camera: &'a FrameCamera,
+    mesh: &'a Mesh,
+    /// Of Mars, the source in the near field, m.
+    radius_m: f64,
+}
+
+impl<'a> View<'a> {
+    pub(super) fn of(scene: &'a Scene) -> Self {
+        let radius_m = scene.sky.mars.as_ref().map_or(0.0, |mars| mars.radius_m);
+        View { camera: &scene.exposure.camera, mesh: &scene.body.mesh, radius_m }
+    }
+
+    /// Cosine of emission at the centroid of all that is seen of a fragment.
+    pub(super) fn cos_emission(&self, fragment: &Fragment) -> f64 {
+        let [x_px, y_px] = fragment.shown.centroid_px().unwrap_or_default();
+        let normal = self.mesh.facet(fragment.facet as usize).cross_m2().normalize_or_zero();
+        normal.dot(-self.camera.ray(x_px, y_px).normalize_or_zero())
+    }
+
+    /// The angles at the centroid of what a source lights of a fragment; of a source in the near field, to the
+    /// middle of what of it is above the facet's horizon.
+    pub(super) fn angles(&self, fragment: &Fragment, light: &SourceLight) -> PhotometricAngles {
+        let facet = self.mesh.facet(fragment.facet as usize);
+        let [x_px, y_px] = light.centroid_px(fragment);
+        let ray = self.camera.ray(x_px, y_px);
+        let normal = facet.cross_m2().normalize_or_zero();
+        let to_source = match light.field {
+            DirectionField::Afar(direction) => direction.vec(),
+            DirectionField::Near(_) => {
+                let eye_m = self.camera.centre_m();
+                let towards = light.field.towards(eye_m + facet.met_by(eye_m, ray) * ray);
+                // Where a facet is edge-on, rays meet it anywhere.
+                let towards = if towards.is_finite() { towards } else { light.field.towards(facet.centroid_m()) };
+                middle_above_horizon(normal, towards, self.radius_m)
+            }
+        };
+        PhotometricAngles::of_directions(normal, to_source, -ray.normalize_or_zero())
+    }
+}
