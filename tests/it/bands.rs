@@ -241,6 +241,7 @@ fn the_report_lists_bands_that_are_not_as_most_are() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "sqlite"), ignore = "SKIPPED: needs the feature sqlite")]
 fn bands_go_to_dart_and_come_back() {
     let scratch = prepared();
     scratch.write("filter.csv", "wavelength_nm,red\n500,0\n600,50\n700,0\n");

@@ -213,6 +213,7 @@ fn the_image_of_a_shifted_oblong_camera_is_put_back_where_it_was_seen() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "sqlite"), ignore = "SKIPPED: needs the feature sqlite")]
 fn what_darts_camera_cannot_be_is_told() {
     let bench = Bench::new();
     scene_with(&bench, OBSERVER, "samples = 6\nlines = 4\nfocal_px = [1100, 700]\nboresight_px = [2, 2]\n");

@@ -405,6 +405,7 @@ fn spectra_go_through_every_format() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "sqlite"), ignore = "SKIPPED: needs the feature sqlite")]
 fn any_name_of_a_material_comes_back() {
     let scratch = Scratch::new();
     let name = "q&<>\"' \\ \u{fc} end";
@@ -443,6 +444,7 @@ fn a_file_whose_name_is_not_utf_8_is_converted() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "sqlite"), ignore = "SKIPPED: needs the feature sqlite")]
 fn a_format_that_is_said_overrules_the_name() {
     let scratch = Scratch::new();
     let argument = |name: &str| scratch.argument(name);
@@ -463,6 +465,7 @@ fn a_format_that_is_said_overrules_the_name() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "sqlite"), ignore = "SKIPPED: needs the feature sqlite")]
 fn a_database_grows() {
     let scratch = Scratch::new();
     let argument = |name: &str| scratch.argument(name);
@@ -482,6 +485,7 @@ fn a_database_grows() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "sqlite"), ignore = "SKIPPED: needs the feature sqlite")]
 fn what_would_change_nothing_is_refused() {
     let scratch = prepared(SCENE);
     let argument = |name: &str| scratch.argument(name);
@@ -555,6 +559,7 @@ fn objects_that_become_one_are_told() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "sqlite"), ignore = "SKIPPED: needs the feature sqlite")]
 fn inspect_knows_what_convert_reads() {
     let scratch = prepared(SCENE);
     let argument = |name: &str| scratch.argument(name);

@@ -469,6 +469,7 @@ fn write_simulation(folder: &Path) {
 }
 
 #[test]
+#[cfg_attr(not(feature = "sqlite"), ignore = "SKIPPED: needs the feature sqlite")]
 fn a_scene_that_was_made_of_the_simulation_lies_where_it_was_read() {
     let scratch = Scratch::new();
     let folder = scratch.join("simulation");
@@ -490,6 +491,7 @@ fn a_scene_that_was_made_of_the_simulation_lies_where_it_was_read() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "sqlite"), ignore = "SKIPPED: needs the feature sqlite")]
 fn a_simulation_that_was_made_of_the_scene_lies_where_it_was_written() {
     let scratch = Scratch::new();
     let (made, folder) = (made(), scratch.join("simulation"));

@@ -412,6 +412,7 @@ fn what_dart_makes_a_terrain_of_is_told() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "sqlite"), ignore = "SKIPPED: needs the feature sqlite")]
 fn a_terrain_survives_the_way_to_dart_and_back() {
     let simulation = Simulation::new(&[(DVec3::new(6.0, 1.5, 0.0), 0)]).boundary(1);
     let scratch = &simulation.0;
@@ -469,6 +470,7 @@ fn a_check_knows_that_a_repeated_terrain_meets_itself() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "sqlite"), ignore = "SKIPPED: needs the feature sqlite")]
 fn a_black_terrain_is_no_sky() {
     // A written simulation has a ground that stands for the sky: a black table at 0 K. With hills it would hide what is behind them.
     let simulation = Simulation::new(&[(DVec3::new(6.0, 1.5, 0.0), 2)]);

@@ -112,6 +112,7 @@ fn number(text: &str, element: &str, n: usize, attribute: &str) -> f64 {
 }
 
 #[test]
+#[cfg_attr(not(feature = "sqlite"), ignore = "SKIPPED: needs the feature sqlite")]
 fn axes_and_azimuths_are_those_worked_out_by_hand() {
     let scratch = Scratch::new();
     let (old, new) = (scratch.path().join("old"), scratch.path().join("new"));
@@ -174,6 +175,7 @@ fn axes_and_azimuths_are_those_worked_out_by_hand() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "sqlite"), ignore = "SKIPPED: needs the feature sqlite")]
 fn the_sun_shines_on_the_faces_that_it_should() {
     // Cosines of incidence from DART's own numbers: OBJ v y z x, Sun by zenith angle and azimuth.
     let scratch = Scratch::new();
@@ -252,6 +254,7 @@ fn assert_same(a: &Scene, b: &Scene) {
 }
 
 #[test]
+#[cfg_attr(not(feature = "sqlite"), ignore = "SKIPPED: needs the feature sqlite")]
 fn a_scene_comes_back_whole() {
     for target in [TargetVersion::V5_7_4, TargetVersion::V5_11_0] {
         let mut full = rich();
@@ -274,6 +277,7 @@ fn a_scene_comes_back_whole() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "sqlite"), ignore = "SKIPPED: needs the feature sqlite")]
 fn without_the_sidecar_what_is_missing_is_told() {
     let scratch = Scratch::new();
     let folder = scratch.path().join("out");
@@ -326,6 +330,7 @@ fn without_the_sidecar_what_is_missing_is_told() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "sqlite"), ignore = "SKIPPED: needs the feature sqlite")]
 fn an_edited_file_wins() {
     let scratch = Scratch::new();
     let folder = scratch.path().join("out");
@@ -377,6 +382,7 @@ fn mars_lights_a_second_simulation() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "sqlite"), ignore = "SKIPPED: needs the feature sqlite")]
 fn the_same_scene_gives_the_same_bytes() {
     let scratch = Scratch::new();
     let mut listings = Vec::new();
@@ -472,6 +478,7 @@ fn what_does_not_fit_gets_a_proposal() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "sqlite"), ignore = "SKIPPED: needs the feature sqlite")]
 fn the_shipped_sites_come_back() {
     for name in ["phobos_site", "phobos_mars_side"] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name).join("scene.toml");
@@ -496,6 +503,7 @@ fn the_shipped_sites_come_back() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "sqlite"), ignore = "SKIPPED: needs the feature sqlite")]
 fn a_sun_below_the_horizon_gives_no_light() {
     let scratch = Scratch::new();
     let folder = scratch.path().join("out");
@@ -519,6 +527,7 @@ fn a_sun_below_the_horizon_gives_no_light() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "sqlite"), ignore = "SKIPPED: needs the feature sqlite")]
 fn e490_is_recognized_by_its_irradiances() {
     let scratch = Scratch::new();
     let folder = scratch.path().join("out");
@@ -567,6 +576,7 @@ fn e490_is_recognized_by_its_irradiances() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "sqlite"), ignore = "SKIPPED: needs the feature sqlite")]
 fn more_materials_than_groups_take_more_files() {
     let scratch = Scratch::new();
     let folder = scratch.path().join("out");
