@@ -126,6 +126,7 @@ fn models_are_written_and_read_back_the_same() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "sqlite"), ignore = "SKIPPED: needs the feature sqlite")]
 fn spectra_and_dart_have_the_hemispherical_reflectance() {
     let folder = folder("reflectance = 0.05\nminnaert = { exponent = 0.6 }");
     let (code, out, err) = run(&["convert", &folder.argument("scene.toml"), &folder.argument("dart"), "--to", "dart"]);

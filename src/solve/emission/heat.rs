@@ -122,13 +122,26 @@ impl<'a> Heat<'a> {
             {
                 self.interpolate(part, first * self.grid.len() + at, &weights, &mut add);
                 if let Some(albedos) = albedos {
-                    albedos.weights(cos_emission(), |term, albedo| {
-                        let first = (first + 1 + term) * self.grid.len() + at;
-                        self.interpolate(-albedo * part, first, &weights, &mut add);
-                    });
+                    self.less_reflected(albedos, cos_emission(), part, (first + 1, at), &weights, &mut add);
                 }
             }
         }
+    }
+
+    /// Takes away what a surface does not emit because it reflects it. Apart, as what costs more is from what all surfaces take.
+    #[inline(never)]
+    fn less_reflected(
+        &self,
+        albedos: &DirectionalAlbedos,
+        cos_emission: f64,
+        part: f64,
+        (first, at): (usize, usize),
+        weights: &[f64; POINTS],
+        mut add: &mut dyn FnMut(usize, f64),
+    ) {
+        albedos.weights(cos_emission, |term, albedo| {
+            self.interpolate(-albedo * part, (first + term) * self.grid.len() + at, weights, &mut add);
+        });
     }
 
     /// The emission of a part, interpolated between a spectrum's temperatures from `first` on.
