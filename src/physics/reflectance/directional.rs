@@ -47,7 +47,9 @@ impl DirectionalAlbedos {
         if let Some(k) = self.points.iter().position(|(x, _)| *x == root) {
             return at(k).iter().enumerate().for_each(|(term, value)| put(term, *value));
         }
-        let shares: Vec<f64> = self.points.iter().map(|(x, weight)| weight / (root - x)).collect();
+        // In place: this is asked for each fragment, and each facet.
+        let mut shares = [0.0; POINTS];
+        shares.iter_mut().zip(&self.points).for_each(|(share, (x, weight))| *share = weight / (root - x));
         let total: f64 = shares.iter().sum();
         for term in 0..terms {
             let sum: f64 = shares.iter().enumerate().map(|(k, share)| share * at(k)[term]).sum();

@@ -9,7 +9,7 @@ mod heat;
 mod light;
 mod modelled;
 mod temperature_grid;
-mod view;
+mod fragment_angles;
 
 use crate::geometry::index_u32;
 use crate::product::FacetTable;
@@ -18,10 +18,10 @@ use crate::spectral::{Band, Spectrum};
 
 use by_band::{ByBand, Sample};
 use constant::Constant;
+use fragment_angles::FragmentAngles;
 use heat::Heat;
 use light::SourceLight;
 use modelled::Modelled;
-use view::View;
 
 pub use light::{Fragment, ImagePart, Modulation};
 pub use temperature_grid::interpolation_error;
@@ -43,7 +43,7 @@ enum Family<'a> {
 #[derive(Debug)]
 pub struct Emission<'a> {
     scene: &'a Scene,
-    view: View<'a>,
+    angles: FragmentAngles<'a>,
     lights: Vec<SourceLight<'a>>,
     /// Each with its first row, ascending.
     families: Vec<(usize, Family<'a>)>,
@@ -70,9 +70,9 @@ impl<'a> Emission<'a> {
         for (i, texture) in scene.body.textures.iter().enumerate() {
             of_material[texture.material.0 as usize].textured = Some(materials.len() + i);
         }
-        let (view, families) = (View::of(scene), vec![]);
+        let (angles, families) = (FragmentAngles::of(scene), vec![]);
         let mut emission =
-            Emission { scene, view, lights, families, rows: 0, first_thermal_row: 0, of_material, heat: None };
+            Emission { scene, angles, lights, families, rows: 0, first_thermal_row: 0, of_material, heat: None };
         for material in materials {
             emission.push(emission.reflecting(material, None));
         }
@@ -172,7 +172,7 @@ impl<'a> Emission<'a> {
         if let (Some(heat), [sun, ..]) = (self.heat, &self.lights[..])
             && let (first, Family::Heat(heat)) = &self.families[heat]
         {
-            let cos_emission = || self.view.cos_emission(fragment);
+            let cos_emission = || self.angles.cos_emission(fragment);
             let add = |row: usize, weight| add(index_u32(first + row), weight);
             heat.weights(material, fragment, sun.of(fragment), cos_emission, add);
         }
@@ -204,7 +204,7 @@ impl<'a> Emission<'a> {
         fragment: &Fragment,
         add: &mut dyn FnMut(usize, f64),
     ) {
-        let angles = |light: &SourceLight| self.view.angles(fragment, light);
+        let angles = |light: &SourceLight| self.angles.angles(fragment, light);
         match family {
             Family::Modelled(modelled) => {
                 modelled.weights(fragment.facet, &self.lights, amount, angles, texture, add);

@@ -8,17 +8,17 @@ use crate::scene::{DirectionField, Scene};
 
 /// Who looks at what.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct View<'a> {
+pub(super) struct FragmentAngles<'a> {
     camera: &'a FrameCamera,
     mesh: &'a Mesh,
     /// Of Mars, the source in the near field, m.
     radius_m: f64,
 }
 
-impl<'a> View<'a> {
+impl<'a> FragmentAngles<'a> {
     pub(super) fn of(scene: &'a Scene) -> Self {
         let radius_m = scene.sky.mars.as_ref().map_or(0.0, |mars| mars.radius_m);
-        View { camera: &scene.exposure.camera, mesh: &scene.body.mesh, radius_m }
+        FragmentAngles { camera: &scene.exposure.camera, mesh: &scene.body.mesh, radius_m }
     }
 
     /// Cosine of emission at the centroid of all that is seen of a fragment.
