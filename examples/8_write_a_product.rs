@@ -13,6 +13,7 @@ use mmxrt::formats::product_folder::{ProductFolder, ProductOptions, Written};
 use mmxrt::formats::report_json::{FORMAT_VERSION, Run, rfc3339};
 use mmxrt::job;
 use mmxrt::progress::Gauge;
+use mmxrt::study::Request;
 use mmxrt::{Error, Result};
 
 fn main() -> Result<()> {
@@ -61,5 +62,5 @@ pub(crate) fn write_product(
         wall_s: began.elapsed().as_secs_f64(),
         stages: vec![],
     };
-    job::simulate(subject, folder, run, &|progress| gauge.watch(progress))
+    job::simulate(subject, &Request::default(), folder, run, &|progress| gauge.watch(progress))
 }

@@ -114,7 +114,7 @@ fn bands(bands: &[Band]) -> String {
     format!("{} {places}, {widths}", bands.len())
 }
 
-fn size(bytes: u64) -> String {
+pub(super) fn size(bytes: u64) -> String {
     machine::size(bytes, 1)
 }
 
@@ -123,7 +123,7 @@ fn short(value: f64) -> String {
 }
 
 /// This many digits, or all before the decimal point.
-fn rounded(value: f64, digits: i32) -> String {
+pub(super) fn rounded(value: f64, digits: i32) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
     }

@@ -7,7 +7,7 @@ use mmxrt::formats::convert::{self, Content};
 use mmxrt::formats::dart::output;
 use mmxrt::formats::located::Document;
 use mmxrt::formats::mtl::{self, ObjMaterial};
-use mmxrt::formats::report_json::{self, ProductReport, Run};
+use mmxrt::formats::report_json::{self, FORMAT_VERSION, ProductReport, Run};
 use mmxrt::formats::spectrum_csv::{self, Quantity};
 use mmxrt::formats::{envi, exr_cube, gltf, npz, obj, pixel, product_folder, radiance_map, recipe_toml, registry};
 use mmxrt::job::{self, SpectrumSheet, Survey};
@@ -387,20 +387,13 @@ fn report(path: &Path) -> Result<Facts> {
         groups.dedup();
         return Ok(vec![("kind", json!("oracles")), ("count", json!(oracles.len())), ("groups", json!(groups))]);
     }
-    let report: ProductReport = report_json::read(path)?;
-    Ok(vec![
-        ("kind", json!("report")),
-        ("mmxrt", json!(report.mmxrt)),
-        ("scene", json!(report.scene)),
-        ("inputs", value["inputs"].clone()),
-        ("image", value["image"].clone()),
-        ("counts", value["counts"].clone()),
-        ("effects", value["effects"].clone()),
-        ("checks", value["checks"].clone()),
-        ("defaults", json!(report.defaults)),
-        ("warnings", json!(report.warnings)),
-        ("statistics", value["statistics"].clone()),
-    ])
+    // Older versions have effects of another form.
+    if value["format_version"].as_u64().is_none_or(|version| version >= u64::from(FORMAT_VERSION)) {
+        report_json::read::<ProductReport>(path)?;
+    }
+    let all = ["mmxrt", "scene", "inputs", "image", "plan", "counts", "effects", "checks", "defaults", "warnings", "statistics"];
+    let there = all.into_iter().filter(|name| value.get(name).is_some());
+    Ok([("kind", json!("report"))].into_iter().chain(there.map(|name| (name, value[name].clone()))).collect())
 }
 
 fn arrays(path: &Path) -> Result<Facts> {

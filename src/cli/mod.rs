@@ -6,6 +6,7 @@ mod dry_run;
 mod inspect;
 mod integrate;
 mod landscape;
+mod plan;
 mod product;
 mod simulate;
 mod solve;
@@ -57,6 +58,8 @@ enum Command {
     Simulate(simulate::Arguments),
     /// Compute what light and heat reach each facet of a scene, as a table
     Solve(solve::Arguments),
+    /// Show which effects a simulation of a scene would model, which it would leave out, and what it would take
+    Plan(plan::Arguments),
     /// Turn a scene and its facet table, or radiance maps, into the products of `simulate`
     Integrate(integrate::Arguments),
     /// Generate a landscape from a recipe
@@ -121,6 +124,7 @@ fn dispatch(command: Command, console: &Console) -> mmxrt::Result<Outcome> {
     match command {
         Command::Simulate(arguments) => simulate::run(&arguments, console),
         Command::Solve(arguments) => solve::run(&arguments, console),
+        Command::Plan(arguments) => plan::run(&arguments, console),
         Command::Integrate(arguments) => integrate::run(&arguments, console),
         Command::Landscape(arguments) => landscape::run(&arguments, console),
         Command::Convert(arguments) => convert::run(&arguments, console),

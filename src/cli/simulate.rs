@@ -7,12 +7,15 @@ use mmxrt::{Result, job};
 
 use super::Outcome;
 use super::console::Console;
+use super::plan::{RequestArguments, in_short};
 use super::product::ProductArguments;
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     /// The scene file
     scene: PathBuf,
+    #[command(flatten)]
+    request: RequestArguments,
     #[command(flatten)]
     product: ProductArguments,
     /// Also write the facet table
@@ -28,7 +31,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     super::settle_input(&arguments.scene, console)?;
     let folder = arguments.product.stage(arguments.table, arguments.split, console)?;
     let subject = Subject::open(&arguments.scene, &watch)?;
-    let written = job::simulate(subject, folder, || console.run("simulate"), &watch)?;
+    let written = job::simulate(subject, &arguments.request.request(), folder, || console.run("simulate"), &watch)?;
+    written.product.plan.iter().for_each(|plan| console.note(&in_short(plan)));
     arguments.product.say(&written, console);
     Ok(Outcome::Done)
 }

@@ -3,15 +3,19 @@
 use std::path::PathBuf;
 
 use mmxrt::formats::Subject;
+use mmxrt::study::Request;
 use mmxrt::{Result, job};
 
 use super::console::Console;
+use super::plan::RequestArguments;
 use super::{Outcome, product};
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     /// The scene file
     scene: PathBuf,
+    #[command(flatten)]
+    request: RequestArguments,
     /// The table to write
     #[arg(long, short, value_name = "TABLE.npz")]
     output: PathBuf,
@@ -25,10 +29,11 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     super::settle(&arguments.output, console)?;
     super::settle_input(&arguments.scene, console)?;
     let staged = job::stage_table(&arguments.output, arguments.force)?;
-    let subject = Subject::open(&arguments.scene, &watch)?;
+    let mut subject = Subject::open(&arguments.scene, &watch)?;
     product::say_defaults(&subject, console);
     subject.warnings.iter().for_each(|warning| console.note(&format!("warning: {warning}")));
-    let table = job::solve(&subject, staged, &watch)?;
+    let request = Request { for_any_bands: true, ..arguments.request.request() };
+    let table = job::solve(&mut subject, &request, staged, &watch)?;
     let (path, facets) = (arguments.output.display().to_string(), table.facets());
     let defaults: Vec<String> = subject.defaults.iter().map(ToString::to_string).collect();
     let json =

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::envi::{self, Interleave, Precision};
 use super::folder::Staged;
-use super::report_json::{self, BandEntry, ImageEntry, Input, ProductReport, Run};
+use super::report_json::{self, BandEntry, ImageEntry, Input, PlanEntry, ProductReport, Run};
 use super::subject::Subject;
 use super::{exr_cube, machine, npz, quicklook};
 use crate::error::{Error, Location, Problem, Result};
@@ -12,7 +12,7 @@ use crate::product::{CubeAxes, FacetTable, ShownBands, Slab};
 use crate::progress::{Watch, tell};
 use crate::scene::Scene;
 use crate::spectral::Band;
-use crate::study::{self, Check, MapAccount, Observation};
+use crate::study::{self, Check, MapAccount, Observation, Plan};
 
 /// How a product is written, and what of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,6 +56,8 @@ pub struct Product {
     pub table_from: Option<PathBuf>,
     /// What the camera sees, but for the cube: its slabs have been written.
     pub observation: Observation<()>,
+    /// What decided by which models it was made, if it was decided here.
+    pub plan: Option<Plan>,
     /// The maps that it was made from, if it was.
     pub maps: Option<MapAccount>,
 }
@@ -265,7 +267,7 @@ fn verify(checks: &[Check], table: Option<&Path>) -> Result<()> {
 
 /// What is said of a product.
 fn report(product: &Product, cube: &ShownBands, coverage: &[f64]) -> ProductReport {
-    let Product { subject, observation, maps, .. } = product;
+    let Product { subject, observation, plan, maps, .. } = product;
     let CubeAxes { samples, lines, bands } = &cube.axes;
     let band_um = |band: Option<&Band>| band.map_or(0.0, |b| b.centre_um);
     ProductReport {
@@ -283,6 +285,7 @@ fn report(product: &Product, cube: &ShownBands, coverage: &[f64]) -> ProductRepo
             quicklook_rgb_bands: quicklook::colour_bands(bands).map(|band| band as u64 + 1),
         },
         bands: BandEntry::of(&subject.scene),
+        plan: plan.as_ref().map(PlanEntry::from),
         effects: observation.effects.clone(),
         checks: observation.checks.clone(),
         counts: observation.counts,

@@ -17,10 +17,10 @@ use crate::error::{Error, Location, Result};
 use crate::product::{Backplanes, ShownBands};
 use crate::scene::Scene;
 use crate::spectral::Band;
-use crate::study::{Check, Counts, Effect, MapAccount};
+use crate::study::{Bound, Check, Counts, Effect, MapAccount, Plan};
 
 /// Version of both formats.
-pub const FORMAT_VERSION: u32 = 1;
+pub const FORMAT_VERSION: u32 = 2;
 
 /// What a product is made of, and how good it is.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -39,7 +39,10 @@ pub struct ProductReport {
     /// Its bands, if one of them is not Gaussian or monochromatic, has not both sunlight and heat, or is cut.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub bands: Vec<BandEntry>,
-    /// What was modelled, and what was left out.
+    /// What decided by which models it was made; not there if a facet table did.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plan: Option<PlanEntry>,
+    /// What was modelled, and what was left out. Errors are relative to the radiance of this image.
     pub effects: Vec<Effect>,
     /// What was verified of this result.
     pub checks: Vec<Check>,
@@ -54,6 +57,34 @@ pub struct ProductReport {
     pub warnings: Vec<String>,
     /// The numbers of the cube (first, middle and last band, covered pixels) and of every backplane.
     pub statistics: Vec<Statistic>,
+}
+
+/// What was asked of a plan, and what it says of the whole.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PlanEntry {
+    /// `auto`, `thesis`, `full`, or a list of effects.
+    pub model: String,
+    /// The largest error of a pixel that was to be left.
+    pub tolerance: f64,
+    /// The sum of the bounds of effects that were dropped; null if one of them is not known. Open ones don't count.
+    pub dropped: Option<Bound>,
+    /// The sum of what is left of those that were kept; null if one of them is not known.
+    pub remaining: Option<Bound>,
+    /// Whether both together stay within the tolerance.
+    pub keeps_tolerance: bool,
+}
+
+impl From<&Plan> for PlanEntry {
+    fn from(plan: &Plan) -> Self {
+        PlanEntry {
+            model: plan.model.clone(),
+            tolerance: plan.tolerance,
+            dropped: plan.dropped,
+            remaining: plan.remaining,
+            keeps_tolerance: plan.keeps_tolerance(),
+        }
+    }
 }
 
 /// A file that a result depends on.

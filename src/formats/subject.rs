@@ -45,12 +45,16 @@ impl Subject {
         Ok(file.into())
     }
 
-    /// Reads a table of the facets of this scene.
+    /// Reads a table of the facets of this scene, which from then on is by the models that the table was solved by.
     ///
     /// # Errors
     /// Those of [`npz::read_table`]; [`Error::Invalid`] for a table of another scene.
-    pub fn read_table(&self, path: &Path) -> Result<FacetTable> {
-        let (table, header) = npz::read_table(path)?;
+    pub fn read_table(&mut self, path: &Path) -> Result<FacetTable> {
+        let (mut table, header) = npz::read_table(path)?;
+        match header.models {
+            Some(models) => self.scene = self.scene.by(models)?,
+            None => table.models = self.scene.models,
+        }
         if header.scene == study::table_id(&self.scene) {
             return Ok(table);
         }

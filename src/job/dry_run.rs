@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use crate::error::{Error, Result};
-use crate::formats::{Subject, machine, scene_toml};
+use crate::formats::{Subject, machine};
 use crate::progress::Watch;
-use crate::study::{self, DryRun};
+use crate::study::{self, DryRun, Plan, Request, Extremes};
 
 /// What can be said about a simulation before it is run.
 #[derive(Debug)]
@@ -27,12 +27,14 @@ pub struct Outlook {
 /// Reads a scene file and estimates what simulating it would take, with its warnings.
 ///
 /// # Errors
-/// Those of [`scene_toml::read`].
+/// Those of [`scene_toml::read`](crate::formats::scene_toml::read).
 pub fn dry_run(path: &Path, watch: Watch<'_>) -> Result<Outlook> {
-    let file = scene_toml::read(path, watch)?;
-    let simulable = file.simulable();
-    let subject = Subject::from(file);
-    let dry_run = study::dry_run(&subject.scene);
+    Ok(super::plan(path, &Request::default(), watch)?.0)
+}
+
+/// What simulating a scene would take; `simulable` says whether this version can.
+pub(super) fn outlook(subject: Subject, extremes: &Extremes, plan: &Plan, simulable: Result<()>) -> Outlook {
+    let dry_run = study::dry_run(&subject.scene, extremes, plan);
     let has_room = study::has_room(&subject.scene, false, machine::memory_bytes());
     let mut errors: Vec<Error> = [simulable, has_room].into_iter().filter_map(Result::err).collect();
     let error = match errors.len() {
@@ -53,5 +55,5 @@ pub fn dry_run(path: &Path, watch: Watch<'_>) -> Result<Outlook> {
     ];
     let told = subject.warnings.iter().chain(&dry_run.warnings).cloned();
     let warnings = told.chain(shortages.into_iter().flatten()).collect();
-    Ok(Outlook { subject, dry_run, free_memory_bytes, free_disk_bytes, warnings, error })
+    Outlook { subject, dry_run, free_memory_bytes, free_disk_bytes, warnings, error }
 }

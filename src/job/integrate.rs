@@ -10,7 +10,7 @@ use crate::formats::report_json::Run;
 use crate::geometry::Texels;
 use crate::integrate::{Choice, Wanted};
 use crate::progress::Watch;
-use crate::study::{Fill, MapOptions};
+use crate::study::{Fill, MapOptions, Extremes};
 use crate::{solve, study};
 
 /// Where the radiance of facets comes from.
@@ -48,10 +48,11 @@ pub fn integrate(
             given.ok_or_else(|| Error::invalid(Location::item("--table"), "give `--table`, `--radiance`, or both"))?;
         folder.admit(&subject, [&path], false)?;
         let wanted = Wanted { footprints, ..Wanted::default() };
+        let extremes = Extremes::new(&subject.scene);
         let mut product = folder.open(&subject.scene)?;
         let mut put = |slab| product.put(&slab, watch);
-        let observation = study::observe_by_slabs(&subject.scene, &table, wanted, &mut put, watch)?;
-        return product.finish(Product { subject, table, table_from: Some(path), observation, maps: None }, run, watch);
+        let observation = study::observe_by_slabs(&subject.scene, (&table, &extremes), wanted, &mut put, watch)?;
+        return product.finish(Product { subject, table, table_from: Some(path), observation, plan: None, maps: None }, run, watch);
     }
     let sum = radiance_map::open_sum(maps, &mut subject, watch)?;
     if let (Some((path, _)), Some(_)) = (&sum.table, &given) {
@@ -73,5 +74,5 @@ pub fn integrate(
     let mut put = |slab| product.put(&slab, watch);
     let (observation, maps) =
         study::observe_maps_by_slabs(&subject.scene, &table, sum.terms, &options, &mut put, watch)?;
-    product.finish(Product { subject, table, table_from, observation, maps: Some(maps) }, run, watch)
+    product.finish(Product { subject, table, table_from, observation, plan: None, maps: Some(maps) }, run, watch)
 }

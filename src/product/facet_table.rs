@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::physics::heat;
-use crate::scene::{DirectionField, Scene, Sky, Thermal};
+use crate::scene::{DirectionField, Models, Scene, Sky, Thermal};
 use crate::visibility::Seen;
 
 /// Two directions to a source are the same to within this, rad: other programs' tables are rounded.
@@ -54,6 +54,8 @@ pub struct FacetTable {
     pub temperature_lit_k: Vec<f64>,
     /// Temperature of the part in its shadow, K. Empty without thermal emission.
     pub temperature_shaded_k: Vec<f64>,
+    /// By which equations it was solved.
+    pub models: Models,
 }
 
 impl FacetTable {

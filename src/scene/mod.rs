@@ -124,6 +124,14 @@ impl Scene {
         Scene::new(Setup { exposure, ..self.0.clone() })
     }
 
+    /// The same by other equations.
+    ///
+    /// # Errors
+    /// As [`Scene::new`]: heat needs emissivities in the bands.
+    pub fn by(&self, models: Models) -> Result<Self> {
+        Scene::new(Setup { models, ..self.0.clone() })
+    }
+
     /// All parts, to be changed and checked again; the surface is copied only if others share it.
     pub fn into_parts(self) -> SceneParts {
         let Setup { body, sky, exposure, models } = self.0;

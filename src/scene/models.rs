@@ -1,7 +1,10 @@
 //! Which equations are used where there is a choice.
 
+use serde::{Deserialize, Serialize};
+
 /// The choice of models.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Models {
     /// How warm the surface is.
     pub thermal: Thermal,
@@ -10,7 +13,8 @@ pub struct Models {
 }
 
 /// How warm the surface is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Thermal {
     /// Each facet in equilibrium with what it absorbs, its lit and shaded parts separately.
     #[default]
@@ -22,11 +26,14 @@ pub enum Thermal {
 }
 
 /// How Mars-light is computed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum MarsModel {
     /// Lambert sphere near at hand: phase, tilt and horizon of each facet.
     #[default]
     NearField,
     /// Domagala (2020), equations (4) to (8) as printed.
     Thesis,
+    /// Mars sends no light; heat it does.
+    Off,
 }

@@ -1,9 +1,9 @@
 //! What can be said about a simulation before it is run: what it will take, and what its user should know.
 
 use super::cost::{self, Workload};
-use super::glimpse::Glimpse;
-use super::site::Site;
+use super::plan::Plan;
 use super::summary::{self, Summary};
+use super::extremes::Extremes;
 use super::warnings::{self, MarsInView, Sight};
 use crate::scene::Scene;
 
@@ -24,12 +24,11 @@ pub struct DryRun {
     pub warnings: Vec<String>,
 }
 
-/// Looks at a scene without simulating it.
-pub fn dry_run(scene: &Scene) -> DryRun {
-    let site = Site::new(&scene.body.mesh, scene.body.topology());
-    let glimpse = Glimpse::new(scene);
+/// Looks at a scene without simulating it, as it is planned.
+pub fn dry_run(scene: &Scene, extremes: &Extremes, plan: &Plan) -> DryRun {
+    let Extremes { site, glimpse, open_to_shadow, .. } = extremes;
     let camera = &scene.exposure.camera;
-    let summary = summary::summary(scene, &site);
+    let summary = summary::summary(scene, site);
     let sight = Sight {
         sees_mesh: glimpse.facets_in_frame > 0,
         back_share: glimpse.back_share(scene),
@@ -37,7 +36,6 @@ pub fn dry_run(scene: &Scene) -> DryRun {
         about: "about ",
     };
     let dark = (!glimpse.faces_sun).then(|| "nothing is lit: the Sun is below every facet".to_owned());
-    let open_to_shadow = site.open_to_shadow(&scene.body.mesh, scene.sky.sun.direction.vec());
     let workload = Workload {
         facets_in_frame: glimpse.facets_in_frame,
         filled: glimpse.filled(),
@@ -47,11 +45,11 @@ pub fn dry_run(scene: &Scene) -> DryRun {
         filled: workload.filled,
         memory_bytes: cost::memory_bytes(scene, false),
         product_bytes: cost::product_bytes(scene, 4),
-        cpu_s: cost::cpu_s(scene, &workload),
+        cpu_s: cost::cpu_s(scene, &workload) + plan.cost_s(),
         warnings: [
             scene.remarks(),
             warnings::of_sight(&sight, dark),
-            warnings::of_scene(scene, &site, open_to_shadow, true),
+            warnings::of_scene(scene, site, *open_to_shadow, true),
         ]
         .concat(),
         summary,

@@ -83,6 +83,11 @@ impl Glimpse {
         if backs > 0 { backs as f64 / seen.count() as f64 } else { 0.0 }
     }
 
+    /// The facet of each ray that meets one.
+    pub(super) fn facets(&self) -> impl Iterator<Item = usize> {
+        self.met.iter().filter(|met| **met != SKY).map(|met| met.facet)
+    }
+
     /// Pixels for each ray.
     pub(super) fn ray_px(&self, camera: &FrameCamera) -> f64 {
         f64::from(camera.samples) / f64::from(self.counts[0]) * f64::from(camera.lines) / f64::from(self.counts[1])

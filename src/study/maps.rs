@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::cost::has_room;
 use super::observation::{Observation, Put};
 use super::simulate::account_for;
+use super::extremes::Extremes;
 use super::warnings::enclosed;
 use super::{map_light, partly_sky};
 use crate::error::{Error, Location, Problem, Result, number};
@@ -221,7 +222,7 @@ pub fn observe_maps_by_slabs(
     };
     drop(on_scene);
     let uses_sun = options.add_solved || options.fill == Fill::Solved;
-    let (mut observation, mut slab) = account_for(scene, table, image, uses_sun, watch)?;
+    let (mut observation, mut slab) = account_for(scene, (table, &Extremes::new(scene)), image, uses_sun, watch)?;
     if !uses_sun {
         // What maps have in them and leave out is theirs to say.
         observation.effects.clear();

@@ -1,9 +1,9 @@
 //! From a scene to what a camera sees of it, with an account of how good it is.
 
 use super::cost::has_room;
-use super::effects::{Given, Reference, effects, mars_seen};
+use super::effects::{Given, effects, mars_seen};
 use super::observation::{Check, Counts, Observation, Put};
-use super::site::Site;
+use super::extremes::{Extremes, sunlit_places};
 use super::warnings;
 use crate::error::Result;
 use crate::geometry::polygon::area;
@@ -11,7 +11,7 @@ use crate::integrate::{self, Image, Wanted};
 use crate::physics::bounds;
 use crate::product::{FacetTable, Slab};
 use crate::progress::{Watch, tell};
-use crate::scene::{MarsModel, Scene};
+use crate::scene::{MarsModel, Scene, Sky};
 use crate::solve;
 use crate::visibility::Shown;
 
@@ -31,7 +31,8 @@ pub fn simulate(scene: &Scene, watch: Watch<'_>) -> Result<(FacetTable, Observat
 /// [`Error::Invalid`](crate::Error::Invalid) if the table is not of this scene, or memory cannot hold the image;
 /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
 pub fn observe(scene: &Scene, table: &FacetTable, wanted: Wanted<'_>, watch: Watch<'_>) -> Result<Observation> {
-    let make = |put: Put<'_>| Ok((observe_by_slabs(scene, table, wanted, put, watch)?, ()));
+    let extremes = Extremes::new(scene);
+    let make = |put: Put<'_>| Ok((observe_by_slabs(scene, (table, &extremes), wanted, put, watch)?, ()));
     Ok(Observation::held(scene, make)?.0)
 }
 
@@ -41,7 +42,7 @@ pub fn observe(scene: &Scene, table: &FacetTable, wanted: Wanted<'_>, watch: Wat
 /// As [`observe`], and what `put` says.
 pub fn observe_by_slabs(
     scene: &Scene,
-    table: &FacetTable,
+    (table, extremes): (&FacetTable, &Extremes),
     wanted: Wanted<'_>,
     put: Put<'_>,
     watch: Watch<'_>,
@@ -49,7 +50,7 @@ pub fn observe_by_slabs(
     table.fits(scene)?;
     has_room(scene, false, None)?;
     let image = integrate::integrate(scene, table, wanted, watch)?;
-    let (observation, slab) = account_for(scene, table, image, true, watch)?;
+    let (observation, slab) = account_for(scene, (table, extremes), image, true, watch)?;
     put(slab)?;
     Ok(observation)
 }
@@ -57,14 +58,14 @@ pub fn observe_by_slabs(
 /// An account of how good an image is, and its radiance.
 pub(super) fn account_for(
     scene: &Scene,
-    table: &FacetTable,
+    (table, extremes): (&FacetTable, &Extremes),
     image: Image,
     uses_sun: bool,
     watch: Watch<'_>,
 ) -> Result<(Observation<()>, Slab)> {
     tell(watch, "report", 0, 1)?;
-    let site = Site::new(&scene.body.mesh, scene.body.topology());
-    let given = Given::new(scene, &site, Reference::of(table, &image.backplanes));
+    let site = &extremes.site;
+    let given = Given::new(scene, extremes, &sunlit_places(scene, &image.backplanes));
     let shown = table.sunlit().map_or(&[][..], |sunlit| &sunlit.shown);
     let lit = |kind| shown.iter().filter(|l| **l == kind).count() as u64;
     let counts = Counts {
@@ -81,11 +82,11 @@ pub(super) fn account_for(
         effects: effects(&given),
         warnings: [
             scene.remarks(),
-            warnings::of_image((&given, table), &counts, &image, uses_sun),
-            warnings::of_scene(scene, &site, given.open_to_shadow, uses_sun),
+            warnings::of_image((scene, table), &counts, &image, uses_sun),
+            warnings::of_scene(scene, site, extremes.open_to_shadow, uses_sun),
         ]
         .concat(),
-        checks: checks(scene, table, &given, &image),
+        checks: checks(scene, table, extremes, &image),
         counts,
         cube: (),
         backplanes: image.backplanes,
@@ -96,7 +97,7 @@ pub(super) fn account_for(
 }
 
 /// What must hold whatever the scene.
-fn checks(scene: &Scene, table: &FacetTable, given: &Given, image: &Image) -> Vec<Check> {
+fn checks(scene: &Scene, table: &FacetTable, extremes: &Extremes, image: &Image) -> Vec<Check> {
     let check = |name: &str, value: f64, limit: f64| Check { name: name.to_owned(), value, limit };
     let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
     let Slab { weight, spectra, added, .. } = &image.slab;
@@ -116,9 +117,10 @@ fn checks(scene: &Scene, table: &FacetTable, given: &Given, image: &Image) -> Ve
         check("weights and spectra that are not finite", bad as f64, 0.0),
     ];
     if scene.sky.mars.is_some() && scene.models.mars_light == MarsModel::NearField {
-        let bound = bounds::mars_light(1.0, mars_seen(scene, given.site).0, 1.0);
+        let bound = bounds::mars_light(1.0, mars_seen(scene, extremes).0, 1.0);
+        let mars = table.of(Sky::MARS).map_or(0.0, |mars| largest(&mars.irradiance));
         let name = "largest irradiance by Mars, over that of sunlight at its zenith on all of Mars";
-        checks.push(check(name, given.reference.largest_mars_irradiance / bound, 1.0));
+        checks.push(check(name, mars / bound, 1.0));
     }
     checks
 }

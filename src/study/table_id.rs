@@ -29,6 +29,7 @@ pub fn table_id(scene: &Scene) -> String {
     let mars_model = mars.as_ref().map_or(0, |_| match mars_light {
         MarsModel::NearField => 1,
         MarsModel::Thesis => 2,
+        MarsModel::Off => 3,
     });
     let thermal = match thermal {
         Thermal::Equilibrium => 0,

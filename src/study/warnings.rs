@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::effects::{Given, by_mars};
+use super::effects::by_mars;
 use super::observation::Counts;
 use super::site::Site;
 use crate::geometry::angle_rad;
@@ -31,13 +31,13 @@ pub(super) struct Sight {
 /// Warnings that need the image. `uses_sun` says whether anything in it is sunlight of this scene: if not, where the Sun stands is of
 /// no interest.
 pub(super) fn of_image(
-    (given, table): (&Given, &FacetTable),
+    (scene, table): (&Scene, &FacetTable),
     counts: &Counts,
     image: &Image,
     uses_sun: bool,
 ) -> Vec<String> {
     let covered_px: f64 = image.backplanes.plane("COVERAGE").map_or(0.0, |p| p.values.iter().sum());
-    let camera = &given.scene.exposure.camera;
+    let camera = &scene.exposure.camera;
     let samples = camera.samples as usize;
     let ranges_m = image.backplanes.plane("RANGE").map_or(&[][..], |plane| &plane.values);
     let rays = ranges_m.iter().enumerate().map(|(i, range_m)| {
@@ -48,17 +48,17 @@ pub(super) fn of_image(
     let sight = Sight {
         sees_mesh: counts.visible_facets > 0,
         back_share: if covered_px > 0.0 { image.back_area_px / covered_px } else { 0.0 },
-        mars: MarsInView::new(given.scene, rays, 1.0),
+        mars: MarsInView::new(scene, rays, 1.0),
         about: "",
     };
     let sunlit = table.sunlit();
     let is_dark = uses_sun && sunlit.is_none_or(|sunlit| sunlit.shown.iter().all(|shown| *shown == Shown::Nothing));
     let beams = table.sources.iter().filter(|lighting| ![Sky::SUN, Sky::MARS].contains(&lighting.source.as_str()));
-    let has_beams = beams.flat_map(|lighting| &lighting.irradiance).any(|irradiance| *irradiance > 0.0);
+    let is_any = |values: &[f64]| values.iter().any(|value| *value > 0.0);
     let others = [
-        ("Mars-light", given.reference.largest_mars_irradiance > 0.0),
-        ("other beams", has_beams),
-        ("heat", given.reference.warmest_k > 0.0),
+        ("Mars-light", table.of(Sky::MARS).is_some_and(|mars| is_any(&mars.irradiance))),
+        ("other beams", beams.map(|lighting| &lighting.irradiance).any(|irradiance| is_any(irradiance))),
+        ("heat", is_any(&table.temperature_lit_k) || is_any(&table.temperature_shaded_k)),
     ];
     let others: Vec<&str> = others.into_iter().filter(|other| other.1).map(|other| other.0).collect();
     let rest = match others[..] {

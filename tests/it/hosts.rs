@@ -11,6 +11,7 @@ use mmxrt::formats::radiance_map::summands;
 use mmxrt::formats::report_json::{FORMAT_VERSION, Run};
 use mmxrt::job::{self, Radiance};
 use mmxrt::progress::{Gauge, Progress, unwatched};
+use mmxrt::study::Request;
 use mmxrt::{Error, landscape};
 
 use crate::cli::run as command;
@@ -117,7 +118,7 @@ fn a_host_polls_and_stops() {
             gauge.watch(progress)
         };
         let folder = ProductFolder::stage(&scratch.join("out"), false, ProductOptions::default())?;
-        let result = Subject::open(&scene, &watch).and_then(|subject| job::simulate(subject, folder, run, &watch));
+        let result = Subject::open(&scene, &watch).and_then(|subject| job::simulate(subject, &Request::default(), folder, run, &watch));
         is_over.store(true, Relaxed);
         result.map(drop)
     });

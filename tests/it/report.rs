@@ -6,7 +6,7 @@ use mmxrt::product::FacetTable;
 use mmxrt::progress::unwatched;
 use mmxrt::scene::{DirectionField, Mars, MarsModel, SceneParts, Thermal};
 use mmxrt::spectral::{Band, Light, Spectrum, solar_e490};
-use mmxrt::study::{Effect, Observation, simulate, table_id};
+use mmxrt::study::{Bound, Decision, Effect, Observation, simulate, table_id};
 use mmxrt::units::AU_M;
 
 use crate::scenes;
@@ -44,6 +44,11 @@ fn effect<'a>(observation: &'a Observation, name: &str) -> &'a Effect {
     observation.effects.iter().find(|e| e.name == name).unwrap_or_else(|| panic!("no effect {name:?}"))
 }
 
+/// The bound on a change of radiance, over the median sunlit radiance: in shadow errors are relative to 0.01 of that.
+fn of_median(observation: &Observation, name: &str) -> f64 {
+    0.01 * effect(observation, name).bound.unwrap().shadow
+}
+
 fn warned(observation: &Observation, words: &str) -> bool {
     observation.warnings.iter().any(|w| w.contains(words))
 }
@@ -71,22 +76,25 @@ fn largest_change(one: &Observation, other: &Observation) -> f64 {
 #[test]
 fn every_effect_says_what_it_is() {
     let observation = observed(&scene(hills(), sun(40.0, 10.0), nadir(1e4, 80.0, 24)));
-    assert_eq!(observation.effects.len(), 13);
+    assert_eq!(observation.effects.len(), 14);
     let mut bounded = 0;
     for effect in &observation.effects {
-        assert!(effect.note.len() > 20, "{effect:?}");
-        assert!(effect.bound.is_none_or(|b| b >= 0.0 && b.is_finite()), "{effect:?}");
+        assert!(effect.note.len() > 20 && effect.because.len() > 15, "{effect:?}");
+        assert!(effect.bound.is_none_or(|b| b.lit >= 0.0 && b.shadow >= b.lit && b.shadow.is_finite()), "{effect:?}");
         bounded += usize::from(effect.bound.is_some());
     }
-    // Not known: photometry, the instrument, and an eclipse by a Mars that is not in the scene.
+    // Not known: photometry, the instrument, an eclipse by a Mars that is not in the scene, and beaming of what has no temperature.
     assert_eq!(bounded, 10);
-    let modelled: Vec<&str> = observation.effects.iter().filter(|e| e.modelled).map(|e| e.name.as_str()).collect();
+    let kept = |observation: &Observation| -> Vec<String> {
+        let kept = observation.effects.iter().filter(|e| e.decision == Decision::Kept);
+        kept.map(|e| e.key.clone()).collect()
+    };
+    let modelled = kept(&observation);
     assert_eq!(modelled, ["sunlight"]);
     let mut all = scene(hills(), sun(40.0, 10.0), nadir(1e4, 80.0, 24));
     all.sky.mars = Some(mars([0.3, -0.1, 1.0]));
     all.models.thermal = Thermal::Equilibrium;
-    let modelled = observed(&all).effects.iter().filter(|e| e.modelled).count();
-    assert_eq!(modelled, 4);
+    assert_eq!(kept(&observed(&all)), ["sunlight", "mars-light", "heat", "mars-heat"]);
 }
 
 /// What an effect names is there to be found: a file or folder of modules, or an item in one.
@@ -96,7 +104,7 @@ fn every_effect_names_what_is_there() {
     let source = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let mut found = 0;
     for effect in &observation.effects {
-        assert!(!effect.modelled || (effect.equation.is_some() && effect.step.is_some()), "{effect:?}");
+        assert!(effect.decision != Decision::Kept || (effect.equation.is_some() && effect.step.is_some()), "{effect:?}");
         for path in effect.equation.iter().chain(&effect.step).flat_map(|paths| paths.split(", ")) {
             let place = |path: &str| source.join(path.replace("::", "/"));
             let is_module = place(path).is_dir() || place(path).with_extension("rs").is_file();
@@ -121,23 +129,23 @@ fn bounds_of_what_is_left_out_hold() {
     let mut with_mars = plain.clone();
     with_mars.sky.mars = Some(mars([-0.9, -0.15, 0.5]));
     let change = largest_change(&without, &observed(&with_mars));
-    let bound = effect(&without, "Mars-light").bound.unwrap();
+    let bound = of_median(&without, "Mars-light");
     assert!(change > 0.0 && change <= bound, "Mars-light: {change} {bound}");
 
     let mut warm = plain.clone();
     warm.models.thermal = Thermal::Equilibrium;
     let warm_seen = observed(&warm);
     let change = largest_change(&without, &warm_seen);
-    let bound = effect(&without, "thermal emission").bound.unwrap();
+    let bound = of_median(&without, "thermal emission");
     assert!(change > 1.0 && change <= bound, "thermal emission: {change} {bound}");
     // What was left out is also what a shadow that is no cooler than sunlit ground would send.
-    let bound = effect(&warm_seen, "thermal inertia").bound.unwrap();
+    let bound = of_median(&warm_seen, "thermal inertia");
     assert!(change <= bound, "thermal inertia: {change} {bound}");
 
     let mut heated = warm.clone();
     heated.sky.mars = with_mars.sky.mars.clone();
     let change = largest_change(&warm_seen, &observed(&heated));
-    let bound = effect(&warm_seen, "heat from Mars").bound.unwrap() + effect(&warm_seen, "Mars-light").bound.unwrap();
+    let bound = of_median(&warm_seen, "heat from Mars") + of_median(&warm_seen, "Mars-light");
     assert!(change > 0.0 && change <= bound, "heat: {change} {bound}");
 }
 
@@ -152,12 +160,14 @@ fn what_no_band_has_changes_nothing() {
     };
     let (sunlight, heat) = (with(Light::Sunlight), with(Light::Heat));
     for name in ["thermal emission", "thermal inertia", "heat from Mars"] {
-        assert_eq!((effect(&sunlight, name).bound, effect(&sunlight, name).modelled), (Some(0.0), false));
-        assert!(effect(&heat, name).bound.unwrap() > 0.0, "{name}");
+        assert_eq!(effect(&sunlight, name).bound, Some(Bound::NOTHING));
+        assert_eq!(effect(&sunlight, name).decision, Decision::Dropped);
+        assert!(of_median(&heat, name) > 0.0, "{name}");
     }
     for name in ["sunlight", "Mars-light"] {
-        assert_eq!((effect(&heat, name).bound, effect(&heat, name).modelled), (Some(0.0), false));
-        assert!(effect(&sunlight, name).bound.unwrap() > 0.0, "{name}");
+        assert_eq!(effect(&heat, name).bound, Some(Bound::NOTHING));
+        assert_eq!(effect(&heat, name).decision, Decision::Dropped);
+        assert!(of_median(&sunlight, name) > 0.0, "{name}");
     }
 }
 
@@ -174,7 +184,7 @@ fn the_bound_of_thermal_inertia_knows_that_noon_was_warmer() {
     let black = |t_k| mmxrt::physics::blackbody::radiance_w_m2_sr_um(3.6, t_k);
     let missing = 0.93 * (black(200.263) - black(equilibrium_k));
     let change = missing / median_sunlit(&dusk, 1);
-    let bound = effect(&dusk, "thermal inertia").bound.unwrap();
+    let bound = of_median(&dusk, "thermal inertia");
     assert!(change > 0.1 && change <= bound, "{change} {bound}");
 }
 
@@ -186,7 +196,7 @@ fn aberration_moves_shadows_by_no_more_than_its_bound() {
     let geometric = observed(&scene(ground.clone(), sun(70.0, 0.0), camera.clone()));
     let apparent = observed(&scene(ground, sun(70.0 + 9.5e-5_f64.to_degrees(), 0.0), camera));
     let change = largest_change(&geometric, &apparent);
-    let bound = effect(&geometric, "aberration and light time").bound.unwrap();
+    let bound = of_median(&geometric, "aberration and light time");
     assert!(change > 0.005 && change <= bound, "{change} {bound}");
 }
 
@@ -203,7 +213,7 @@ fn surroundings_that_glow_stay_below_the_bound_of_interreflection() {
     let sunlit =
         0.07 * solar_e490().at(3.6).unwrap() / 1.5237_f64.powi(2) * 10f64.to_radians().cos() / std::f64::consts::PI;
     let change = 0.07 * form_factor * walls / sunlit;
-    let bound = effect(&seen, "interreflection").bound.unwrap();
+    let bound = of_median(&seen, "interreflection");
     assert!(change > 0.02 && change <= bound, "{change} {bound}");
 }
 
@@ -228,12 +238,12 @@ fn the_suns_disc_changes_no_more_than_its_bound() {
     }
     let reference = median_sunlit(&point, 0);
     let change = point.cube.band(0).iter().zip(&mean).map(|(a, b)| (a - b).abs() / reference).fold(0.0, f64::max);
-    let bound = effect(&point, "the Sun's disc").bound.unwrap();
+    let bound = of_median(&point, "the Sun's disc");
     assert!(change > 0.01 && change <= bound, "{change} {bound}");
 
     // Flat ground along the rays: 6.476840338e-4 of the Sun at 1.523679 au (closed form of a disc cut by the horizon, 40 digits).
     let level = observed(&scene(plane(60.0, 0.0), sun(89.999, 0.0), nadir(1e4, 60.0, 8)));
-    let bound = effect(&level, "the Sun's disc").bound.unwrap();
+    let bound = of_median(&level, "the Sun's disc");
     let cos = 89.999f64.to_radians().cos();
     assert!((6.47e-4 - cos) / cos <= bound && bound < 7e-4 / cos, "{bound}");
 }
@@ -276,7 +286,7 @@ fn a_site_in_eclipse_says_so() {
         let expected = usize::from(!words.is_empty());
         assert_eq!(seen.warnings.iter().filter(|w| w.contains("eclipse") && w.contains(words)).count(), expected);
         // All the light of a facet that faces the Sun: that of the median one over its cosine, and what it emits.
-        let bound = effect(&seen, "eclipse by Mars").bound.unwrap();
+        let bound = of_median(&seen, "eclipse by Mars");
         assert!(if expected > 0 { bound > 1.0 / 30f64.to_radians().cos() } else { bound == 0.0 }, "{off_deg}: {bound}");
     }
 }
@@ -301,11 +311,11 @@ fn flaws_of_a_mesh_are_counted() {
 fn terrain_outside_a_site_may_shadow_it_under_a_low_sun() {
     let low = observed(&scene(hills(), sun(85.0, 10.0), nadir(1e4, 80.0, 8)));
     assert!(warned(&low, "might be shadowed by terrain outside"), "{:?}", low.warnings);
-    assert!(effect(&low, "terrain outside the mesh").bound.unwrap() > 1.0);
+    assert!(of_median(&low, "terrain outside the mesh") > 1.0);
     let high = observed(&scene(hills(), sun(1.0, 10.0), nadir(1e4, 80.0, 8)));
     assert!(effect(&high, "terrain outside the mesh").bound.is_some());
     let body = observed(&scene(sphere([0.0; 3], 10.0, 2), sun(85.0, 10.0), nadir(1000.0, 25.0, 8)));
-    assert_eq!(effect(&body, "terrain outside the mesh").bound, Some(0.0));
+    assert_eq!(effect(&body, "terrain outside the mesh").bound, Some(Bound::NOTHING));
 }
 
 #[test]

@@ -129,6 +129,7 @@ struct MarsPart {
 enum MarsModelName {
     NearField,
     Thesis,
+    Off,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -215,6 +216,7 @@ impl Sidecar {
                 model: match scene.models.mars_light {
                     MarsModel::NearField => MarsModelName::NearField,
                     MarsModel::Thesis => MarsModelName::Thesis,
+                    MarsModel::Off => MarsModelName::Off,
                 },
                 reflectance: Table::of(&mars.reflectance),
             }),
@@ -286,6 +288,7 @@ impl Sidecar {
         let mars_light = self.mars.as_ref().map_or_else(MarsModel::default, |mars| match mars.model {
             MarsModelName::NearField => MarsModel::NearField,
             MarsModelName::Thesis => MarsModel::Thesis,
+            MarsModelName::Off => MarsModel::Off,
         });
         Models { thermal, mars_light }
     }

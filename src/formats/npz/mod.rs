@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use self::write::{Column, Values, write};
 use crate::error::Result;
 use crate::product::Footprints;
+use crate::scene::Models;
 
 pub use self::archive::{ArrayInfo, Shaped, list, read_f64s};
 pub(super) use self::archive::{Member, beginning, members, text};
@@ -41,6 +42,9 @@ pub struct Header {
     /// Sun, and may have Mars.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sources: Vec<String>,
+    /// By which equations a facet table was solved; `None` in those of older versions, which were solved as their scene said.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub models: Option<Models>,
     /// Every array: its unit and meaning.
     pub fields: BTreeMap<String, Field>,
 }
@@ -74,5 +78,5 @@ pub fn write_footprints(path: &Path, footprints: &Footprints, scene: &str) -> Re
             Values::F64(&footprints.lit_fraction),
         ),
     ];
-    write(path, (FOOTPRINTS, FOOTPRINTS_VERSIONS), scene, &[], &columns)
+    write(path, (FOOTPRINTS, FOOTPRINTS_VERSIONS), scene, (&[], None), &columns)
 }

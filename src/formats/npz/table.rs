@@ -31,7 +31,7 @@ pub fn write_table(path: &Path, table: &FacetTable, scene: &str) -> Result<()> {
         }
     }
     let sources: Vec<String> = table.sources.iter().map(|lighting| lighting.source.clone()).collect();
-    write(path, (TABLE, TABLE_VERSIONS), scene, &sources, &columns)
+    write(path, (TABLE, TABLE_VERSIONS), scene, (&sources, Some(table.models)), &columns)
 }
 
 fn of_source(lighting: &Lighting) -> Vec<Column<'_>> {
@@ -113,7 +113,8 @@ pub fn read_table(path: &Path) -> Result<(FacetTable, Header)> {
             problems.push(Problem::new(file.at(name), "is missing"));
         }
     }
-    let table = FacetTable { sources, temperature_lit_k, temperature_shaded_k };
+    let models = header.models.unwrap_or_default();
+    let table = FacetTable { sources, temperature_lit_k, temperature_shaded_k, models };
     // If the Sun's cannot be used, that has been reported, and all others would be of another length.
     let is_comparable = table.facets() > 0 || problems.is_empty();
     let at = |item: String| Location::file(path).with_item(item);

@@ -10,6 +10,7 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 use super::{Field, Header};
 use crate::error::{Error, Result};
 use crate::formats::npy;
+use crate::scene::Models;
 use crate::visibility::Shown;
 
 /// An array about to be written.
@@ -46,7 +47,7 @@ pub(super) fn write(
     path: &Path,
     (format, versions): (&str, &[u32]),
     scene: &str,
-    sources: &[String],
+    (sources, models): (&[String], Option<Models>),
     columns: &[Column<'_>],
 ) -> Result<()> {
     let fields = columns
@@ -59,6 +60,7 @@ pub(super) fn write(
         mmxrt: env!("CARGO_PKG_VERSION").to_owned(),
         scene: scene.to_owned(),
         sources: sources.to_vec(),
+        models,
         fields,
     };
     let io = |e| Error::io(path, "writing", e);

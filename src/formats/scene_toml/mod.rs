@@ -599,6 +599,7 @@ impl TomlReader<'_> {
         match toml.model {
             Some(MarsModelToml::Thesis) => MarsModel::Thesis,
             Some(MarsModelToml::NearField) => MarsModel::NearField,
+            Some(MarsModelToml::Off) => MarsModel::Off,
             None => {
                 self.stated("mars.model", "near_field");
                 MarsModel::NearField

@@ -518,6 +518,8 @@ pub(crate) enum MarsModelToml {
     NearField,
     /// Domagala (2020), equations (4) to (8) as printed.
     Thesis,
+    /// Mars sends no light; heat it does.
+    Off,
 }
 
 /// How warm the surface is.

@@ -506,6 +506,7 @@ impl Writer<'_> {
         let model = match self.scene.models.mars_light {
             MarsModel::NearField => "near_field",
             MarsModel::Thesis => "thesis",
+            MarsModel::Off => "off",
         };
         if !self.is_left_out("mars.model", self.scene.models.mars_light == MarsModel::NearField) {
             let _ = writeln!(text, "model = \"{model}\"");

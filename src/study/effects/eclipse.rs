@@ -1,21 +1,37 @@
 //! Mars before the Sun.
 
-use super::{EffectKind, Finding, Given, left_out};
+use super::{Bound, EffectKind, Finding, Given};
 use crate::geometry::Direction;
 use crate::physics::sun::{self, Eclipse};
 use crate::scene::Setup;
 
-pub(super) const KIND: EffectKind =
-    EffectKind { name: "eclipse by Mars", equation: Some("physics::sun::eclipse"), step: None, light: None, find };
+pub(super) const KIND: EffectKind = EffectKind {
+    key: "eclipse",
+    name: "eclipse by Mars",
+    equation: Some("physics::sun::eclipse"),
+    step: None,
+    light: None,
+    switch: None,
+    find,
+};
 
 fn find(given: &Given) -> Finding {
-    let (bound, note) = match by_mars(given.scene) {
-        None => (None, "no Mars in the scene: not known"),
-        Some(Eclipse::None) => (Some(0.0), "Mars is not in front of the Sun"),
-        Some(Eclipse::Partial) => (given.all_light(), "Mars covers part of the Sun's disc: the site has less sunlight"),
-        Some(Eclipse::Total) => (given.all_light(), "Mars covers the Sun: the site has no sunlight"),
+    let found = |missing: Option<&str>, bound, because: &str| Finding {
+        missing: missing.map(str::to_owned),
+        bound,
+        note: "where Mars and the Sun are seen from the scene's origin".into(),
+        because: because.into(),
+        ..Finding::default()
     };
-    left_out(bound, note)
+    let all = || given.error_of_edges(1.0);
+    match by_mars(given.scene) {
+        None => found(Some("no Mars in the scene"), None, "not known without a Mars"),
+        Some(Eclipse::None) => found(None, Some(Bound::NOTHING), "Mars is not in front of the Sun"),
+        Some(Eclipse::Partial) => {
+            found(None, all(), "Mars covers part of the Sun's disc: the site has less sunlight")
+        }
+        Some(Eclipse::Total) => found(None, all(), "Mars covers the Sun: the site has no sunlight"),
+    }
 }
 
 /// Whether Mars covers the Sun; `None` without Mars.

@@ -1,138 +1,191 @@
-//! What bounds are made from: a body, a sky, an exposure, and what they are relative to.
+//! What bounds are made from: a scene, what its camera may see, and what an error is relative to.
 
+use super::Bound;
 use crate::physics::reflectance::Lambert;
-use crate::physics::{blackbody, bounds, heat, sun};
-use crate::product::{Backplanes, FacetTable};
-use crate::scene::{MARS_ALBEDO, Material, Setup, Sky};
+use crate::physics::{blackbody, heat};
+use crate::scene::{Material, Setup, Thermal};
 use crate::spectral::Light;
-use crate::study::site::Site;
+use crate::study::extremes::{Class, Place, Extremes};
 use crate::units::{MARS_RADIUS_M, PHOBOS_ORBIT_M};
 
-/// The properties of an image that bounds are relative to, taken from the image itself.
-#[derive(Debug, Clone, Copy, Default)]
-pub(in crate::study) struct Reference {
-    /// Median cosine of incidence of the sunlit pixels; `None` if nothing that is seen is lit.
-    pub(in crate::study) cos_incidence: Option<f64>,
-    /// The largest irradiance by Mars on a facet, over Mars' reflectance times the solar irradiance.
-    pub(in crate::study) largest_mars_irradiance: f64,
-    /// The warmest temperature of a facet, K; 0 without heat.
-    pub(in crate::study) warmest_k: f64,
-}
+/// The least radiance that an error is relative to, over the band's median sunlit radiance.
+pub(in crate::study) const FLOOR: f64 = 0.01;
 
-impl Reference {
-    /// Of an image and the table that it was made of.
-    pub(in crate::study) fn of(table: &FacetTable, backplanes: &Backplanes) -> Self {
-        let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
-        Reference {
-            cos_incidence: median_cos_incidence(backplanes),
-            largest_mars_irradiance: table.of(Sky::MARS).map_or(0.0, |mars| largest(&mars.irradiance)),
-            warmest_k: largest(&table.temperature_lit_k).max(largest(&table.temperature_shaded_k)),
-        }
-    }
-}
+/// Wavelengths that are closer, relative, are looked at once: spectra hardly change between them.
+const SPACING: f64 = 0.005;
 
 /// What the bounds are made from.
 pub(in crate::study) struct Given<'a> {
     pub(in crate::study) scene: &'a Setup,
-    pub(in crate::study) site: &'a Site,
-    pub(in crate::study) reference: Reference,
-    /// Share of the site that terrain outside it might shadow.
-    pub(in crate::study) open_to_shadow: f64,
-    /// The warmest that any facet gets in a day, K: in equilibrium with sunlight at normal incidence, and as much heat from
-    /// Mars as it can send; or the warmest of the reference.
+    pub(in crate::study) extremes: &'a Extremes,
+    /// The warmest that any facet gets in a day, K: in equilibrium with sunlight at normal incidence, as much heat from Mars as it can
+    /// send, and all that its surroundings can.
     pub(super) noon_k: f64,
-    pub(super) materials: Vec<&'a Material>,
-    /// Where spectra are looked at, um, and what light the band has: centres of the bands, and ends and corners of their tables in those
-    /// that are wide.
-    pub(super) bands_um: Vec<(f64, Light)>,
+    /// Materials that some facet has, with their places in the scene.
+    pub(super) materials: Vec<(usize, &'a Material)>,
+    /// Where spectra are looked at: centres of the bands, and ends and corners of their tables in those that are wide.
+    pub(super) wavelengths: Vec<Wavelength>,
+    /// The least radiance of sunlit facets of each wavelength, material and class, in this order.
+    least: Vec<f64>,
+}
+
+/// Where on a facet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Side {
+    /// Where the Sun lights it.
+    Sun,
+    /// Where it does not, whatever the facet's direction.
+    Shade,
+}
+
+impl Side {
+    /// The largest cosine of incidence there.
+    pub(super) fn most_cos_incidence(self, class: &Class) -> f64 {
+        if self == Side::Sun { class.most_cos_incidence } else { 0.0 }
+    }
+}
+
+/// A wavelength of a band.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Wavelength {
+    pub(super) um: f64,
+    pub(super) light: Light,
+    /// Sunlight that a white Lambert surface square to it reflects, W m-2 sr-1 um-1.
+    pub(super) white: f64,
+    /// Median radiance of what is sunlit; 0 if nothing is.
+    pub(super) median: f64,
 }
 
 impl<'a> Given<'a> {
-    pub(in crate::study) fn new(scene: &'a Setup, site: &'a Site, reference: Reference) -> Self {
+    /// `sunlit` are places of the image: of a extremes, or, once it is there, of the image itself.
+    pub(in crate::study) fn new(scene: &'a Setup, extremes: &'a Extremes, sunlit: &[Place]) -> Self {
+        let all = scene.body.materials.iter().enumerate();
         let mut used = vec![false; scene.body.materials.len()];
         scene.body.mesh.material.iter().for_each(|m| used[m.0 as usize] = true);
-        let materials: Vec<&Material> =
-            scene.body.materials.iter().zip(used).filter(|(_, used)| *used).map(|(m, _)| m).collect();
-        let total_w_m2 = scene.sky.sun.total_irradiance_w_m2();
-        let (q, _) = mars_seen(scene, site);
-        let at_noon_k = |m: &&Material| {
-            let absorbed_w_m2 = (1.0 - m.bond_albedo + q * q) * total_w_m2;
-            heat::equilibrium_temperature_k(absorbed_w_m2, m.emissivity_bolometric)
+        let materials: Vec<_> = all.filter(|(i, _)| used[*i]).collect();
+        let mut given = Given { scene, extremes, noon_k: 0.0, wavelengths: vec![], least: vec![], materials };
+        let noon_k = |(_, m): &(usize, &Material)| given.temperature_k(m, 1.0, given.most_from_mars() + given.most_around());
+        given.noon_k = given.materials.iter().map(noon_k).fold(0.0, f64::max);
+        let at = |(um, light)| {
+            let mut at = Wavelength { um, light, white: white_radiance(scene, um), median: 0.0 };
+            at.median = given.median(&at, sunlit);
+            at
         };
-        let noon_k = materials.iter().map(at_noon_k).fold(reference.warmest_k, f64::max);
-        Given {
-            scene,
-            site,
-            reference,
-            open_to_shadow: site.open_to_shadow(&scene.body.mesh, scene.sky.sun.direction.vec()),
-            noon_k,
-            bands_um: bands_um(scene, &materials),
-            materials,
+        given.wavelengths = wavelengths(scene, &given.materials).into_iter().map(at).collect();
+        let least = |(at, material, class): (&Wavelength, &Material, &Class)| {
+            given.sent(at, material, class.least_brightness, class.least_cos_incidence)
+        };
+        given.least = given.classes().map(least).collect();
+        given
+    }
+
+    /// In equilibrium with sunlight at this cosine of incidence, and more heat, as shares of sunlight at the zenith.
+    pub(super) fn temperature_k(&self, material: &Material, cos_incidence: f64, more: f64) -> f64 {
+        let absorbed = (1.0 - material.bond_albedo) * cos_incidence + more;
+        let absorbed_w_m2 = absorbed * self.scene.sky.sun.total_irradiance_w_m2();
+        heat::equilibrium_temperature_k(absorbed_w_m2, material.emissivity_bolometric)
+    }
+
+    /// A bound of the heat that Mars, or one over Phobos, sends a facet that faces it, absorbed light included; over sunlight at the zenith.
+    pub(super) fn most_from_mars(&self) -> f64 {
+        let (sin_radius, _) = mars_seen(self.scene, self.extremes);
+        sin_radius * sin_radius
+    }
+
+    /// What a facet's surroundings send it at most, heat and light; over sunlight at the zenith.
+    pub(super) fn most_around(&self) -> f64 {
+        // On average no more than a white surface under the Sun at its zenith.
+        self.form_factor()
+    }
+
+    /// A bound of the form factor of a facet's surroundings.
+    pub(super) fn form_factor(&self) -> f64 {
+        crate::physics::bounds::surroundings_form_factor(self.extremes.site.cos_steepest)
+    }
+
+    fn median(&self, at: &Wavelength, sunlit: &[Place]) -> f64 {
+        let of = |place: &Place| {
+            let material = &self.scene.body.materials[place.material];
+            self.sent(at, material, place.brightness, place.cos_incidence)
+        };
+        let mut radiances: Vec<f64> = sunlit.iter().map(of).filter(|l| *l > 0.0 && l.is_finite()).collect();
+        if radiances.is_empty() {
+            return 0.0;
         }
+        let middle = radiances.len() / 2;
+        *radiances.select_nth_unstable_by(middle, f64::total_cmp).1
     }
 
-    /// The most that a facet sends because of sunlight: reflected at normal incidence, and emitted when warmest; relative as all bounds.
-    pub(super) fn all_light(&self) -> Option<f64> {
-        let reflected = if self.lit_um().next().is_some() { 1.0 / self.reference.cos_incidence? } else { 0.0 };
-        Some(reflected + self.emitted(self.noon_k)?)
+    /// Radiance of what the Sun lights, W m-2 sr-1 um-1: reflected, and emitted in equilibrium with that alone.
+    pub(super) fn sent(&self, at: &Wavelength, material: &Material, brightness: f64, cos_incidence: f64) -> f64 {
+        let reflected = if at.light.is_lit() { reflectance(material, at.um) * at.white * brightness } else { 0.0 };
+        let is_warm = at.light.glows() && self.scene.models.thermal != Thermal::Thesis;
+        let emitted = match is_warm {
+            true => emission(material, at.um, self.temperature_k(material, cos_incidence, 0.0)),
+            false => 0.0,
+        };
+        reflected + emitted
     }
 
-    /// Where bands have sunlight, um.
-    pub(super) fn lit_um(&self) -> impl Iterator<Item = f64> {
-        self.bands_um.iter().filter(|(_, light)| light.is_lit()).map(|(um, _)| *um)
+    /// Each wavelength with the classes of each material.
+    fn classes(&self) -> impl Iterator<Item = (&Wavelength, &'a Material, &Class)> {
+        self.wavelengths.iter().flat_map(move |at| {
+            self.materials.iter().flat_map(move |(i, material)| {
+                self.extremes.facing[*i].classes().map(move |class| (at, *material, class))
+            })
+        })
+    }
+
+    /// The largest error of a pixel, of those that are sunlit for the most part and of the others, if the radiance of facets changes by so
+    /// much where the Sun lights them, and by so much where it does not: of wavelength, material and class of facets; W m-2 sr-1 um-1.
+    ///
+    /// `None` if it has no bound: nothing is sunlit.
+    pub(super) fn error(&self, change: impl Fn(&Wavelength, &Material, &Class, Side) -> f64) -> Option<Bound> {
+        let mut most = Bound::NOTHING;
+        // Not a number: a spectrum ends before the band does, and its part is left out.
+        let is_any = |change: &f64| *change > 0.0;
+        for ((at, material, class), least) in self.classes().zip(&self.least) {
+            let floor = FLOOR * at.median;
+            if let Some(change) = Some(change(at, material, class, Side::Shade)).filter(is_any) {
+                most.shadow = most.shadow.max(change / floor);
+            }
+            if class.most_cos_incidence > 0.0
+                && let Some(change) = Some(change(at, material, class, Side::Sun)).filter(is_any)
+            {
+                most.lit = most.lit.max(change / least.max(floor));
+            }
+        }
+        (most.lit.is_finite() && most.shadow.is_finite()).then_some(most)
+    }
+
+    /// The largest error if the light of facets that the Sun lights changes by this share: at the edges of shadows, in pixels that are sunlit for the
+    /// most part at most twice that.
+    pub(super) fn error_of_edges(&self, share: f64) -> Option<Bound> {
+        let share = share.min(1.0);
+        let of = |at: &Wavelength, material: &Material, class: &Class, _| {
+            share * self.sent(at, material, class.most_brightness, class.most_cos_incidence)
+        };
+        let shadow = self.error(of)?.shadow;
+        Some(Bound { lit: (2.0 * share).min(shadow), shadow })
     }
 
     /// Longest way, m, from what casts a shadow to where it falls.
     pub(super) fn longest_ray_m(&self) -> f64 {
-        self.site.longest_ray_m(self.site.up.map_or(0.0, |up| up.dot(self.scene.sky.sun.direction.vec())))
+        let towards_sun = self.scene.sky.sun.direction.vec();
+        self.extremes.site.longest_ray_m(self.extremes.site.up.map_or(0.0, |up| up.dot(towards_sun)))
     }
 
     /// Width of a pixel at the nearest point of the surface, square to the line of sight, m.
     pub(super) fn pixel_m(&self) -> f64 {
         let camera = &self.scene.exposure.camera;
-        self.site.distance_m(camera.centre_m()) * camera.mean_pitch()
-    }
-
-    pub(super) fn mars_light_bound(&self) -> Option<f64> {
-        let (q, _) = mars_seen(self.scene, self.site);
-        let albedo = match &self.scene.sky.mars {
-            Some(mars) => self.lit_um().filter_map(|um| mars.reflectance.at(um)).fold(0.0, f64::max),
-            None => MARS_ALBEDO,
-        };
-        self.reference.cos_incidence.map(|cos| bounds::mars_light(albedo, q, cos))
-    }
-
-    /// What a surface at a temperature emits, relative to the median sunlit radiance.
-    pub(super) fn emitted(&self, t_k: f64) -> Option<f64> {
-        self.largest(|um, m| emission(m, um, t_k))
-    }
-
-    /// As [`largest`](Given::largest), also over temperatures up to the warmest: warm surfaces emit most, but may change least.
-    pub(super) fn largest_up_to(&self, warmest_k: f64, radiance: impl Fn(f64, &Material, f64) -> f64) -> Option<f64> {
-        const STEPS: u32 = 16;
-        let at = |um, m: &Material, i| radiance(um, m, warmest_k * f64::from(i) / f64::from(STEPS));
-        self.largest(|um, m| (1..=STEPS).map(|i| at(um, m, i)).fold(0.0, f64::max))
-    }
-
-    /// The largest ratio, over bands with heat and materials, of a radiance (of wavelength, um, and material; W m-2 sr-1 um-1) to the
-    /// median sunlit radiance.
-    pub(super) fn largest(&self, radiance: impl Fn(f64, &Material) -> f64) -> Option<f64> {
-        let cos = self.reference.cos_incidence?;
-        let mut largest = 0.0_f64;
-        for (um, _) in self.bands_um.iter().copied().filter(|(_, light)| light.glows()) {
-            for material in &self.materials {
-                let ratio = radiance(um, material) / sunlit_radiance(self.scene, material, um, cos)?;
-                largest = largest.max(if ratio.is_nan() { 0.0 } else { ratio });
-            }
-        }
-        largest.is_finite().then_some(largest)
+        self.extremes.site.distance_m(camera.centre_m()) * camera.mean_pitch()
     }
 }
 
 /// Centres of all bands; of wide ones also the ends, and the corners between them of reflectances and emissivities; um, ascending.
-fn bands_um(scene: &Setup, materials: &[&Material]) -> Vec<(f64, Light)> {
-    let parameters = materials.iter().flat_map(|m| m.photometry.parameters()).map(|(_, spectrum)| spectrum);
-    let of_materials = materials.iter().flat_map(|m| [&m.reflectance, &m.emissivity]).chain(parameters);
+fn wavelengths(scene: &Setup, materials: &[(usize, &Material)]) -> Vec<(f64, Light)> {
+    let parameters = materials.iter().flat_map(|(_, m)| m.photometry.parameters()).map(|(_, spectrum)| spectrum);
+    let of_materials = materials.iter().flat_map(|(_, m)| [&m.reflectance, &m.emissivity]).chain(parameters);
     let mut corners_um: Vec<f64> = of_materials
         .chain(scene.sky.mars.iter().map(|m| &m.reflectance))
         .flat_map(|spectrum| spectrum.wavelength_um().iter().copied())
@@ -147,43 +200,37 @@ fn bands_um(scene: &Setup, materials: &[&Material]) -> Vec<(f64, Light)> {
         all_um.extend(inside.chain([lo, band.centre_um, hi]).map(|um| (um, band.light)));
     }
     all_um.sort_by(|a, b| a.0.total_cmp(&b.0));
-    all_um.dedup();
-    all_um
+    let (mut kept, mut last): (Vec<(f64, Light)>, _) = (vec![], all_um.last().copied());
+    for (um, light) in all_um {
+        let near = |of: &(f64, Light)| of.1 == light && um < (1.0 + SPACING) * of.0;
+        if !kept.iter().rev().take(2).any(near) {
+            kept.push((um, light));
+        }
+    }
+    last.take_if(|last| kept.last() == Some(last));
+    kept.extend(last);
+    kept
 }
 
 /// The largest sine of the angular radius of Mars, or of what it would be over Phobos, and whether the scene has a Mars.
-pub(in crate::study) fn mars_seen(scene: &Setup, site: &Site) -> (f64, bool) {
+pub(in crate::study) fn mars_seen(scene: &Setup, extremes: &Extremes) -> (f64, bool) {
     match &scene.sky.mars {
-        Some(mars) => ((mars.radius_m / site.distance_m(mars.centre_m)).min(1.0), true),
+        Some(mars) => ((mars.radius_m / extremes.site.distance_m(mars.centre_m)).min(1.0), true),
         None => (MARS_RADIUS_M / PHOBOS_ORBIT_M, false),
     }
 }
 
-/// Sunlight that a white Lambert surface square to it reflects, W m-2 sr-1 um-1.
-pub(super) fn white_radiance(scene: &Setup, um: f64) -> Option<f64> {
-    let normal = scene.sky.sun.irradiance_w_m2_um(um)?;
-    Some(Lambert { reflectance: 1.0 }.brdf() * normal)
+/// Sunlight that a white Lambert surface square to it reflects, W m-2 sr-1 um-1; not a number where its spectrum is not known.
+fn white_radiance(scene: &Setup, um: f64) -> f64 {
+    Lambert { reflectance: 1.0 }.brdf() * scene.sky.sun.irradiance_w_m2_um(um).unwrap_or(f64::NAN)
 }
 
-/// Sunlight that a material reflects at an incidence, W m-2 sr-1 um-1.
-fn sunlit_radiance(scene: &Setup, material: &Material, um: f64, cos_incidence: f64) -> Option<f64> {
-    Some(material.reflectance.at(um)? * sun::irradiance_on_facet(white_radiance(scene, um)?, cos_incidence))
+/// Hemispherical reflectance; not a number where it is not known.
+pub(super) fn reflectance(material: &Material, um: f64) -> f64 {
+    material.reflectance.at(um).unwrap_or(f64::NAN)
 }
 
 /// Thermal emission of a material, W m-2 sr-1 um-1.
 pub(super) fn emission(material: &Material, um: f64, t_k: f64) -> f64 {
     material.emissivity.at(um).unwrap_or(1.0) * blackbody::radiance_w_m2_sr_um(um, t_k)
-}
-
-/// Median over the pixels that are sunlit for the most part; over all that have any light if none are.
-fn median_cos_incidence(backplanes: &Backplanes) -> Option<f64> {
-    let (incidence, lit) = (backplanes.plane("LOCALINCIDENCE_MEAN")?, backplanes.plane("LIT_FRACTION")?);
-    let cosines = |least: f64| -> Vec<f64> {
-        let pixels = incidence.values.iter().zip(&lit.values);
-        let lit = pixels.filter(|(_, lit)| **lit > least).map(|(i, _)| i.to_radians().cos());
-        lit.filter(|cos| *cos > 0.0).collect()
-    };
-    let mut cosines = [0.5, 0.0].into_iter().map(cosines).find(|c| !c.is_empty())?;
-    let middle = cosines.len() / 2;
-    Some(*cosines.select_nth_unstable_by(middle, f64::total_cmp).1)
 }

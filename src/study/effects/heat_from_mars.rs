@@ -1,34 +1,45 @@
 //! What Mars warms.
 
 use super::given::{emission, mars_seen};
-use super::{EffectKind, Finding, Given, left_out, modelled};
-use crate::physics::heat;
+use super::{EffectKind, Finding, Given};
 use crate::scene::Thermal;
 use crate::spectral::Light;
 
 pub(super) const KIND: EffectKind = EffectKind {
+    key: "mars-heat",
     name: "heat from Mars",
     equation: Some("physics::mars::uniform_sphere_form_factor"),
     step: Some("solve::irradiance"),
     light: Some(Light::glows),
+    switch: None,
     find,
 };
 
 fn find(given: &Given) -> Finding {
-    let (q, has_mars) = mars_seen(given.scene, given.site);
-    let total_w_m2 = given.scene.sky.sun.total_irradiance_w_m2();
+    let (_, has_mars) = mars_seen(given.scene, given.extremes);
+    let around = given.most_around();
     // Reflected or emitted, Mars sends no more than sunlight at its zenith.
-    let bound = given.largest_up_to(given.noon_k, |um, m, t_k| {
-        let own_w_m2 = heat::emitted_w_m2(t_k, m.emissivity_bolometric);
-        let heated_k = heat::equilibrium_temperature_k(own_w_m2 + q * q * total_w_m2, m.emissivity_bolometric);
-        emission(m, um, heated_k) - emission(m, um, t_k)
+    let bound = given.error(|at, material, class, side| {
+        let of_mars = if has_mars { class.most_of_mars } else { given.most_from_mars() };
+        let cos_incidence = side.most_cos_incidence(class);
+        let warmed = |more: f64| emission(material, at.um, given.temperature_k(material, cos_incidence, more));
+        // What adds to a warmer facet changes more, at short wavelengths.
+        (warmed(of_mars + around) - warmed(around)).max(warmed(of_mars) - warmed(0.0))
     });
+    let because = "as much heat, on day and night side alike, as sunlight at its zenith would be".to_owned();
+    let found = |modelled, missing: Option<&str>, note: &str| Finding {
+        modelled,
+        missing: missing.map(str::to_owned),
+        bound,
+        remaining: None,
+        note: note.into(),
+        because,
+    };
     match given.scene.models.thermal {
-        Thermal::Equilibrium if has_mars => modelled(
-            bound,
-            "sunlight that Mars reflects, and its mean thermal exitance on day and night side alike; the bound is all of it",
-        ),
-        Thermal::Equilibrium => left_out(bound, "no Mars in the scene: the bound is that of a full Mars over Phobos"),
-        _ => left_out(bound, "the thermal model has no heat balance"),
+        Thermal::Equilibrium if has_mars => {
+            found(true, None, "sunlight that Mars reflects, and its mean thermal exitance on day and night side alike, which is an input")
+        }
+        Thermal::Equilibrium => found(false, Some("no Mars in the scene"), "the bound is that of a full Mars over Phobos"),
+        _ => found(false, None, "no heat balance"),
     }
 }

@@ -1,11 +1,18 @@
 //! What the instrument does to the light.
 
-use super::{EffectKind, left_out};
+use super::{EffectKind, Finding};
 
 pub(super) const KIND: EffectKind = EffectKind {
+    key: "instrument",
     name: "instrument",
     equation: None,
     step: None,
     light: None,
-    find: |_| left_out(None, "the cube is radiance at the aperture: no PSF, distortion, smear, stray light or noise"),
+    switch: None,
+    find: |_| Finding {
+        missing: Some("the cube is radiance at the aperture".into()),
+        note: "no PSF, distortion, smear, stray light or noise".into(),
+        because: "it is not part of a scene".into(),
+        ..Finding::default()
+    },
 };

@@ -1,41 +1,51 @@
 //! Light and heat between facets.
 
-use super::given::{emission, white_radiance};
-use super::{EffectKind, Finding, Given, left_out};
+use super::given::{emission, reflectance};
+use super::{Bound, EffectKind, Finding, Given};
 use crate::physics::bounds;
 use crate::scene::Material;
-use crate::spectral::Light;
 
 pub(super) const KIND: EffectKind = EffectKind {
+    key: "interreflection",
     name: "interreflection",
     equation: Some("physics::bounds::interreflection"),
     step: None,
     light: None,
+    switch: None,
     find,
 };
 
 fn find(given: &Given) -> Finding {
-    let form_factor = bounds::surroundings_form_factor(given.site.cos_steepest);
-    let bound = given.reference.cos_incidence.and_then(|cos| {
-        let at = |um, light: Light| {
-            let largest = |of: &dyn Fn(&Material) -> f64| given.materials.iter().map(|m| of(m)).fold(0.0, f64::max);
-            let reflectance = largest(&|m| m.reflectance.at(um).unwrap_or(0.0));
-            let heat = if light.glows() { largest(&|m| emission(m, um, given.noon_k)) } else { 0.0 };
-            let emitted = heat / white_radiance(given.scene, um)?;
-            let bounded = reflectance * form_factor < 1.0;
-            bounded.then(|| bounds::interreflection(reflectance, emitted, form_factor, cos))
-        };
-        given.bands_um.iter().try_fold(0.0, |most, (um, light)| Some(f64::max(most, at(*um, *light)?)))
-    });
-    let slopes = match given.site.up {
-        Some(_) => format!("slopes up to {:.0} deg", given.site.cos_steepest.acos().to_degrees()),
+    let form_factor = given.form_factor();
+    let most = |of: &dyn Fn(&Material) -> f64| given.materials.iter().map(|(_, m)| of(m)).fold(0.0, f64::max);
+    // One number a wavelength; by the material's own reflectance it is what a facet sends.
+    let of_light: Vec<(f64, f64)> = given
+        .wavelengths
+        .iter()
+        .map(|at| {
+            let brightest = most(&|m| reflectance(m, at.um));
+            let heat = if at.light.glows() { most(&|m| emission(m, at.um, given.noon_k)) } else { 0.0 };
+            (at.um, bounds::interreflection(brightest, heat / at.white, form_factor, 1.0))
+        })
+        .collect();
+    let at_um = |um: f64| of_light[of_light.partition_point(|(of, _)| *of < um).min(of_light.len() - 1)].1;
+    let bound = match form_factor == 0.0 {
+        true => Some(Bound::NOTHING),
+        false => given.error(|at, material, _, _| reflectance(material, at.um) * at.white * at_um(at.um)),
+    };
+    let slopes = match given.extremes.site.up {
+        Some(_) => format!("slopes up to {:.0} deg", given.extremes.site.cos_steepest.acos().to_degrees()),
         None => "a body may have any slope".to_owned(),
     };
-    let note = format!(
-        "the surroundings fill at most {:.0} % of a facet's view ({slopes}), all of them taken as lit at normal incidence and \
-         as warm as {:.1} K. On gentle ground the truth is 10 to 100 times less; in shadow it is often the only light",
-        100.0 * form_factor,
-        given.noon_k,
-    );
-    left_out(bound, note)
+    Finding {
+        missing: (form_factor > 0.0).then(|| "facets get no light from each other".to_owned()),
+        bound,
+        note: "in shadow it is often the only light".into(),
+        because: format!(
+            "the surroundings fill at most {:.0} % of a facet's view ({slopes}), all of them taken as lit at normal incidence and as warm as {:.1} K",
+            100.0 * form_factor,
+            given.noon_k,
+        ),
+        ..Finding::default()
+    }
 }

@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use super::{EffectKind, Finding, Given, left_out, mars_seen, modelled};
+use super::given::reflectance;
+use super::{Bound, EffectKind, Finding, Given, Switch, mars_seen};
 use crate::physics::mars::middle_above_horizon;
 use crate::physics::mars_light::MARS_LIGHT_ERROR;
 use crate::physics::reflectance::{Brdf, PhotometricAngles};
@@ -10,40 +11,81 @@ use crate::scene::{MARS_ALBEDO, MarsModel};
 use crate::spectral::Light;
 
 pub(super) const KIND: EffectKind = EffectKind {
+    key: "mars-light",
     name: "Mars-light",
     equation: Some("physics::mars_light::MarsLight"),
     step: Some("solve::irradiance"),
     light: Some(Light::is_lit),
+    switch: Some(Switch {
+        add: |models, stated, _, _| models.mars_light = stated.mars_light,
+        remove: |models| models.mars_light = MarsModel::Off,
+        cost_s: |given, _| FACET_S * given.scene.body.mesh.facets.len() as f64,
+    }),
     find,
 };
 
+/// CPU time that Mars-light takes for a facet, s.
+const FACET_S: f64 = 8e-8;
+
 fn find(given: &Given) -> Finding {
-    let bound = given.mars_light_bound();
+    let bound = bound(given);
+    let because = match &given.scene.sky.mars {
+        Some(_) => "a facet gets no more than all light of Mars that reaches a facet square to it, by the cosine of the part of its disc that is nearest to the \
+                    facet's normal".to_owned(),
+        None => format!("the light of a full Mars of albedo {MARS_ALBEDO} over Phobos"),
+    };
+    let found = |modelled, missing: Option<&str>, remaining, note: &str| Finding {
+        modelled,
+        missing: missing.map(str::to_owned),
+        bound,
+        remaining,
+        note: note.into(),
+        because,
+    };
     match given.scene.sky.mars.as_ref().map(|_| given.scene.models.mars_light) {
-        Some(MarsModel::NearField) => modelled(
-            bound.map(|b| b * (MARS_LIGHT_ERROR + spread(given))),
+        Some(MarsModel::NearField) => found(
+            true,
+            None,
+            bound.map(|bound| bound.times(MARS_LIGHT_ERROR + spread(given))),
             "a Lambert sphere in the near field, with phase, tilt and each facet's horizon; uniform and without an atmosphere: the albedo is an input. \
              Surfaces with a model reflect it as if it came from the middle of what of Mars is above their horizon",
         ),
-        Some(MarsModel::Thesis) => modelled(
-            bound.map(|b| 2.0 * b),
+        Some(MarsModel::Thesis) => found(
+            true,
+            None,
+            bound.map(|bound| bound.times(8.0)),
             "Domagala (2020), equations (4) to (8) as printed: no phase, no horizon; 2.4 times the light of a full Lambert sphere",
         ),
-        None => left_out(
-            bound,
-            format!(
-                "no Mars in the scene: the bound is that of a full Mars of albedo {MARS_ALBEDO} over Phobos. It is the main light in shadows that face Mars"
-            ),
-        ),
+        Some(MarsModel::Off) => found(false, None, None, "Mars reflects nothing"),
+        None => found(false, Some("no Mars in the scene"), None, "it is the main light in shadows that face Mars"),
     }
+}
+
+/// What Mars-light changes at most.
+pub(super) fn bound(given: &Given) -> Option<Bound> {
+    let mars = given.scene.sky.mars.as_ref();
+    if given.scene.models.mars_light == MarsModel::Thesis {
+        return given.error(|at, material, _, _| {
+            let albedo = mars.map_or(MARS_ALBEDO, |mars| mars.reflectance.at(at.um).unwrap_or(f64::NAN));
+            // Twice as much as all of Mars under the Sun at its zenith.
+            reflectance(material, at.um) * at.white * albedo * 2.0 * given.most_from_mars()
+        });
+    }
+    given.error(|at, material, class, _| {
+        let by_mars = match mars {
+            Some(mars) => mars.reflectance.at(at.um).unwrap_or(f64::NAN) * class.most_by_mars,
+            None => MARS_ALBEDO * given.most_from_mars(),
+        };
+        if at.light.is_lit() { reflectance(material, at.um) * at.white * by_mars } else { 0.0 }
+    })
 }
 
 /// By how much the light of all of a full Mars is reflected otherwise than if it came from one point: the most over a surface's models, and over
 /// heights of Mars and directions of view, relative; 0 for Lambert surfaces.
 fn spread(given: &Given) -> f64 {
-    let (sin_radius, _) = mars_seen(given.scene, given.site);
-    let Some(um) = given.lit_um().next() else { return 0.0 };
-    let models: Vec<Brdf> = given.materials.iter().filter_map(|material| material.photometry.brdf(um)).collect();
+    let (sin_radius, _) = mars_seen(given.scene, given.extremes);
+    let Some(um) = given.wavelengths.iter().find(|at| at.light.is_lit()).map(|at| at.um) else { return 0.0 };
+    let models: Vec<Brdf> = given.materials.iter().filter_map(|(_, material)| material.photometry.brdf(um)).collect();
     let direction = |zenith_deg: f64, azimuth_deg: f64| {
         let [zenith, azimuth] = [zenith_deg, azimuth_deg].map(f64::to_radians);
         DVec3::new(zenith.sin() * azimuth.cos(), zenith.sin() * azimuth.sin(), zenith.cos())

@@ -1,15 +1,28 @@
 //! Terrain between a facet and Mars.
 
-use super::{EffectKind, Finding, Given, left_out};
+use super::{EffectKind, Finding, Given};
 use crate::spectral::Light;
 
-pub(super) const KIND: EffectKind =
-    EffectKind { name: "shadows in Mars-light", equation: None, step: None, light: Some(Light::is_lit), find };
+pub(super) const KIND: EffectKind = EffectKind {
+    key: "mars-shadows",
+    name: "shadows in Mars-light",
+    equation: None,
+    step: None,
+    light: Some(Light::is_lit),
+    switch: None,
+    find,
+};
 
 fn find(given: &Given) -> Finding {
-    let bound = match &given.scene.sky.mars {
-        Some(_) if given.reference.largest_mars_irradiance == 0.0 => Some(0.0),
-        _ => given.mars_light_bound(),
+    let missing = match &given.scene.sky.mars {
+        Some(_) => "a facet's own horizon cuts Mars, other terrain does not",
+        None => "no Mars in the scene",
     };
-    left_out(bound, "a facet's own horizon cuts Mars, other terrain does not: up to all of the Mars-light")
+    Finding {
+        missing: Some(missing.into()),
+        bound: super::mars_light::bound(given),
+        note: "terrain may hide Mars".into(),
+        because: "all of the Mars-light".into(),
+        ..Finding::default()
+    }
 }

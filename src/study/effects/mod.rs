@@ -1,9 +1,11 @@
-//! The effects that shape the light, modelled or not, each in a file of its own with a bound on its influence.
+//! The effects that shape the light, modelled or not, each in a file of its own with a bound on its influence, made before anything is solved.
 //!
-//! Bounds are relative to the **median sunlit radiance**: sunlight reflected by the same material at the median incidence of
-//! the sunlit pixels, in the worst band and material. A pixel in shadow may change by more of its own radiance.
+//! A bound is of the **error of a pixel**: the change of its radiance, over that radiance or 0.01 (`given::FLOOR`) of the band's median sunlit
+//! radiance, whichever is more; the largest over bands and pixels, those that are sunlit for the most part and the others apart.
 
 mod aberration;
+mod beaming;
+mod bound;
 mod eclipse;
 mod given;
 mod heat_from_mars;
@@ -21,30 +23,35 @@ mod thermal_inertia;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::scene::Models;
 use crate::spectral::Light;
 
+pub use bound::Bound;
 pub(super) use eclipse::by_mars;
-pub(super) use given::{Given, Reference, mars_seen};
+pub(super) use given::{Given, mars_seen};
 
 /// All effects, in the order of the report.
-const ALL: [EffectKind; 13] = [
+pub(super) const ALL: [EffectKind; 14] = [
     sunlight::KIND,
     photometric_function::KIND,
+    solar_disc::KIND,
+    eclipse::KIND,
     mars_light::KIND,
     mars_light_shadows::KIND,
-    thermal_emission::KIND,
-    thermal_inertia::KIND,
-    heat_from_mars::KIND,
     interreflection::KIND,
-    solar_disc::KIND,
+    thermal_emission::KIND,
+    heat_from_mars::KIND,
+    thermal_inertia::KIND,
+    beaming::KIND,
     terrain_outside::KIND,
-    eclipse::KIND,
     aberration::KIND,
     instrument::KIND,
 ];
 
 /// Something that shapes the light.
 pub(super) struct EffectKind {
+    /// What it is called on the command line.
+    pub(super) key: &'static str,
     name: &'static str,
     /// Where its equation is, if there is one.
     equation: Option<&'static str>,
@@ -52,66 +59,117 @@ pub(super) struct EffectKind {
     step: Option<&'static str>,
     /// The light that it affects: it changes nothing in bands without that. `None`: all light.
     light: Option<fn(Light) -> bool>,
+    /// How the choice of models has it, if there is a choice.
+    pub(super) switch: Option<Switch>,
     find: fn(&Given) -> Finding,
 }
 
+/// Adds an effect to a choice of models, and takes it away.
+pub(super) struct Switch {
+    /// Adds it, as good as a share of the tolerance wants; of what a scene states, `stated` is the choice.
+    pub(super) add: fn(models: &mut Models, stated: &Models, given: &Given, tolerance: f64),
+    pub(super) remove: fn(&mut Models),
+    /// CPU time that it takes with these models, s.
+    pub(super) cost_s: fn(&Given, &Models) -> f64,
+}
+
 /// What is found of an effect.
-struct Finding {
+#[derive(Default)]
+pub(super) struct Finding {
+    /// Whether these models have it.
     modelled: bool,
-    bound: Option<f64>,
+    /// What lacks to model it, if anything does.
+    missing: Option<String>,
+    /// What leaving it out would change.
+    bound: Option<Bound>,
+    /// What the approximations of a modelled one may change.
+    remaining: Option<Bound>,
     note: String,
+    /// How the bound comes about.
+    because: String,
+}
+
+/// What becomes of an effect.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Decision {
+    /// It is in the result.
+    Kept,
+    /// It is left out.
+    Dropped,
+    /// It is left out because an input is missing, or nothing models it: its bound counts for nothing.
+    Open,
 }
 
 /// Something that shapes the light, modelled or left out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Effect {
+    /// What it is called on the command line.
+    pub key: String,
     /// Its name.
     pub name: String,
-    /// Whether it is in the result.
-    pub modelled: bool,
-    /// By at most this share of the median sunlit radiance would a sunlit pixel change with it (if left out) or without its
-    /// approximations (if modelled), in the worst band; null: not known.
-    pub bound: Option<f64>,
+    /// What becomes of it.
+    pub decision: Decision,
+    /// What leaving it out changes at most; null: not known.
+    pub bound: Option<Bound>,
+    /// What its approximations change at most, if it is kept; null: not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub remaining: Option<Bound>,
+    /// CPU time that it takes, or would take, s, on a machine of 2022; null: it takes none of its own, or nothing models it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cost_s: Option<f64>,
     /// Where its equation is in the library, if there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub equation: Option<String>,
     /// What in the library adds it to a result, if anything does.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub step: Option<String>,
-    /// How it is modelled, or why it is left out, and what the bound refers to.
+    /// How it is modelled, or why it is left out.
     pub note: String,
+    /// How its bound comes about.
+    pub because: String,
 }
 
-/// A bound as large as all the sunlight, or larger, distinguishes nothing.
-const USELESS: f64 = 1.0;
-
-/// All effects in a scene.
+/// All effects in a scene, by its models.
 pub(super) fn effects(given: &Given) -> Vec<Effect> {
     ALL.iter().map(|kind| kind.in_scene(given)).collect()
 }
 
 impl EffectKind {
-    fn in_scene(&self, given: &Given) -> Effect {
-        let is_in_no_band = |is: &fn(Light) -> bool| !given.bands_um.iter().any(|(_, light)| is(*light));
-        let Finding { modelled, bound, mut note } = match self.light.filter(is_in_no_band) {
+    pub(super) fn in_scene(&self, given: &Given) -> Effect {
+        let is_in_no_band = |is: &fn(Light) -> bool| !given.wavelengths.iter().any(|at| is(at.light));
+        let found = match self.light.filter(is_in_no_band) {
             // What is in none of the bands changes nothing.
-            Some(is) if is(Light::Heat) => left_out(Some(0.0), "no band has heat"),
-            Some(_) => left_out(Some(0.0), "no band has sunlight"),
+            Some(is) => Finding {
+                bound: Some(Bound::NOTHING),
+                note: format!("no band has {}", if is(Light::Heat) { "heat" } else { "sunlight" }),
+                because: "it changes nothing".into(),
+                ..Finding::default()
+            },
             None => (self.find)(given),
         };
-        if bound.is_some_and(|bound| bound >= USELESS) {
-            note = format!("not bounded usefully: {note}");
-        }
+        let decision = match (found.modelled, &self.switch, &found.missing) {
+            (true, ..) => Decision::Kept,
+            (false, _, None) if self.switch.is_some() || found.bound == Some(Bound::NOTHING) => Decision::Dropped,
+            _ => Decision::Open,
+        };
+        let note = match found.missing {
+            Some(missing) if !found.modelled => format!("{missing}; {}", found.note),
+            _ => found.note,
+        };
         let [equation, step] = [self.equation, self.step].map(|path| path.map(str::to_owned));
-        Effect { name: self.name.to_owned(), modelled, bound, equation, step, note }
+        Effect {
+            key: self.key.to_owned(),
+            name: self.name.to_owned(),
+            decision,
+            bound: found.bound,
+            remaining: found.remaining.filter(|_| decision == Decision::Kept),
+            cost_s: self.switch.as_ref().map(|switch| (switch.cost_s)(given, &given.scene.models)),
+            equation,
+            step,
+            note,
+            because: found.because,
+        }
     }
-}
-
-fn modelled(bound: Option<f64>, note: impl Into<String>) -> Finding {
-    Finding { modelled: true, bound, note: note.into() }
-}
-
-fn left_out(bound: Option<f64>, note: impl Into<String>) -> Finding {
-    Finding { modelled: false, bound, note: note.into() }
 }

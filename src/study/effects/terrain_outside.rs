@@ -1,23 +1,36 @@
 //! Shadows of terrain that the mesh does not hold.
 
-use super::{EffectKind, Finding, Given, left_out};
+use super::{Bound, EffectKind, Finding, Given};
 
-pub(super) const KIND: EffectKind =
-    EffectKind { name: "terrain outside the mesh", equation: None, step: None, light: None, find };
+pub(super) const KIND: EffectKind = EffectKind {
+    key: "terrain-outside",
+    name: "terrain outside the mesh",
+    equation: None,
+    step: None,
+    light: None,
+    switch: None,
+    find,
+};
 
 fn find(given: &Given) -> Finding {
-    let share = 100.0 * given.open_to_shadow;
-    let (bound, note) = match given.site.up {
-        None => (Some(0.0), "the mesh is a body: there is none".to_owned()),
-        Some(_) if share == 0.0 => {
-            (Some(0.0), "every ray to the Sun leaves the site above its highest point".to_owned())
-        }
-        Some(_) => (
-            given.all_light(),
-            format!(
+    let share = 100.0 * given.extremes.open_to_shadow;
+    let nothing = |note: &str| Finding {
+        bound: Some(Bound::NOTHING),
+        note: note.into(),
+        because: "there is nothing that could cast a shadow".into(),
+        ..Finding::default()
+    };
+    match given.extremes.site.up {
+        None => nothing("the mesh is a body: there is none"),
+        Some(_) if share == 0.0 => nothing("every ray to the Sun leaves the site above its highest point"),
+        Some(_) => Finding {
+            missing: Some("the mesh ends at its rim".into()),
+            bound: given.error_of_edges(1.0),
+            note: format!(
                 "from {share:.1} % of the site's area rays to the Sun leave it below its highest point: these might be in shadow"
             ),
-        ),
-    };
-    left_out(bound, note)
+            because: "all of the light of such a place".into(),
+            ..Finding::default()
+        },
+    }
 }

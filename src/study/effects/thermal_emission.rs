@@ -1,36 +1,59 @@
 //! What a surface emits at its temperature.
 
 use super::given::emission;
-use super::{EffectKind, Finding, Given, left_out, modelled};
+use super::{Bound, EffectKind, Finding, Given, Switch};
 use crate::scene::Thermal;
 use crate::solve::interpolation_error;
 use crate::spectral::Light;
 
 pub(super) const KIND: EffectKind = EffectKind {
+    key: "heat",
     name: "thermal emission",
     equation: Some("physics::heat::equilibrium_temperature_k, physics::blackbody"),
     step: Some("solve::irradiance, solve::emission"),
     light: Some(Light::glows),
+    switch: Some(Switch {
+        add: |models, stated, _, _| models.thermal = stated.thermal,
+        remove: |models| models.thermal = Thermal::Off,
+        cost_s: |given, _| FACET_S * given.scene.body.mesh.facets.len() as f64,
+    }),
     find,
 };
 
+/// CPU time that a facet's temperatures, and their part of the image, take, s.
+const FACET_S: f64 = 1.5e-7;
+
 fn find(given: &Given) -> Finding {
-    let (warmest_k, noon_k) = (given.reference.warmest_k, given.noon_k);
+    let bound = given.error(|at, material, class, side| {
+        let others = class.most_of_mars + given.most_around();
+        let t_k = given.temperature_k(material, side.most_cos_incidence(class), others);
+        emission(material, at.um, t_k)
+    });
+    let because = format!(
+        "the emission of each facet in equilibrium with sunlight, a Mars of {:.1} % and surroundings of {:.0} % of it; the warmest {:.1} K",
+        100.0 * given.most_from_mars(),
+        100.0 * given.most_around(),
+        given.noon_k
+    );
+    let found = |modelled, remaining, note: &str| Finding {
+        modelled,
+        bound,
+        remaining,
+        note: note.to_owned(),
+        because,
+        ..Finding::default()
+    };
     match given.scene.models.thermal {
-        Thermal::Off => left_out(
-            given.emitted(noon_k),
-            format!("off: the bound is the emission of a facet under the Sun at its zenith, {noon_k:.1} K"),
-        ),
-        Thermal::Thesis => modelled(
-            given.emitted(noon_k),
-            "Domagala (2020), equation (9): 150 to 330 K at any distance from the Sun; the bound is all of the emission",
-        ),
-        Thermal::Equilibrium => modelled(
-            given.largest_up_to(warmest_k, |um, m, t_k| interpolation_error(um, t_k).min(1.0) * emission(m, um, t_k)),
-            format!(
-                "each facet in equilibrium with what it absorbs, its lit and shaded parts separately; up to {warmest_k:.1} K. The bound is \
-                     of the interpolation in temperature; see thermal inertia for the rest"
-            ),
-        ),
+        Thermal::Off => found(false, None, "nothing is emitted"),
+        Thermal::Thesis => found(true, bound, "Domagala (2020), equation (9): 150 to 330 K at any distance from the Sun"),
+        Thermal::Equilibrium => {
+            let ends = [given.noon_k, 0.5 * given.noon_k];
+            let least_um = given.wavelengths.iter().filter(|at| at.light.glows()).map(|at| at.um);
+            let least_um = least_um.fold(f64::INFINITY, f64::min);
+            // Relative to the emission itself, which is large only where this is small.
+            let share = ends.map(|t_k| interpolation_error(least_um, t_k).min(1.0))[0];
+            let remaining = Bound { lit: share, shadow: share };
+            found(true, Some(remaining), "each facet in equilibrium with what it absorbs, its lit and shaded parts separately")
+        }
     }
 }

@@ -237,6 +237,7 @@ pub(super) fn on_facet_from_mars(mars: &Mars, model: MarsModel, normal: DVec3, t
             let distance_m = mars.centre_m.length();
             mars::thesis_irradiance(1.0, 1.0, mars.radius_m / distance_m, normal.dot(mars.centre_m) / distance_m)
         }
+        MarsModel::Off => 0.0,
     }
 }
 

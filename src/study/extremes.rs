@@ -1,0 +1,311 @@
+//! What a scene's geometry allows: the facets that a camera may see, in classes of sunlit radiance, with the extremes of each.
+//! Bounds of effects are made from these, before anything is solved.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::glimpse::Glimpse;
+use super::site::Site;
+use crate::geometry::angle_rad;
+use crate::physics::mars::{irradiance_vector, middle_above_horizon, uniform_sphere_form_factor};
+use crate::physics::reflectance::{Brdf, Lambert, PhotometricAngles};
+use crate::product::Backplanes;
+use crate::scene::{Mars, Scene, Setup};
+
+/// Facets are processed this many at a time.
+const CHUNK: usize = 16_384;
+/// Leading bits of a number that make its class: sign, exponent, and three of the mantissa, so that a class spans an eighth of an octave.
+const CLASS_SHIFT: u32 = 49;
+/// Classes of numbers from 2^-10 to 2^3; what is less has one of its own, together with what the Sun does not reach.
+const CLASSES: usize = 13 * 8 + 1;
+/// The least number that has a class.
+const LEAST: f64 = 1.0 / 1024.0;
+/// Sunlit places that stand for all of an image.
+const PLACES: usize = 4096;
+
+/// What a camera may see of a scene, whatever shadows it.
+pub struct Extremes {
+    pub(super) site: Site,
+    pub(super) glimpse: Glimpse,
+    /// Of each material, its facets that face the camera.
+    pub(super) facing: Vec<Facing>,
+    /// Share of the site that terrain outside it might shadow.
+    pub(super) open_to_shadow: f64,
+    /// Where the image is sunlit, as far as rays tell: what hides the Sun is not known.
+    pub(super) sunlit: Vec<Place>,
+}
+
+/// A place in the image that faces the Sun.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Place {
+    pub(super) material: usize,
+    /// Its radiance in sunlight over that of a Lambert surface of the same hemispherical reflectance under a Sun at the zenith.
+    pub(super) brightness: f64,
+    pub(super) cos_incidence: f64,
+}
+
+/// Facets of one material that face the camera, by their brightness in sunlight.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Facing(Vec<Class>);
+
+/// Facets that are about as bright in sunlight.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Class {
+    pub(super) facets: u64,
+    /// The least brightness in it; 0 for what the Sun hardly reaches, or not at all.
+    pub(super) least_brightness: f64,
+    /// The largest in it.
+    pub(super) most_brightness: f64,
+    /// The largest cosine of incidence.
+    pub(super) most_cos_incidence: f64,
+    /// The smallest cosine of incidence.
+    pub(super) least_cos_incidence: f64,
+    /// A bound of how bright a Mars of reflectance 1 makes them; as brightness in sunlight.
+    pub(super) most_by_mars: f64,
+    /// The largest form factor of Mars.
+    pub(super) most_of_mars: f64,
+}
+
+const NONE: Class = Class {
+    facets: 0,
+    least_brightness: 0.0,
+    most_brightness: 0.0,
+    least_cos_incidence: 1.0,
+    most_cos_incidence: 0.0,
+    most_by_mars: 0.0,
+    most_of_mars: 0.0,
+};
+
+impl Class {
+    fn join(&mut self, other: &Class) {
+        self.facets += other.facets;
+        self.least_brightness = other.least_brightness;
+        self.most_brightness = self.most_brightness.max(other.most_brightness);
+        self.least_cos_incidence = self.least_cos_incidence.min(other.least_cos_incidence);
+        self.most_cos_incidence = self.most_cos_incidence.max(other.most_cos_incidence);
+        self.most_by_mars = self.most_by_mars.max(other.most_by_mars);
+        self.most_of_mars = self.most_of_mars.max(other.most_of_mars);
+    }
+}
+
+impl Facing {
+    fn none() -> Self {
+        Facing(vec![NONE; CLASSES])
+    }
+
+    /// Classes that have facets.
+    pub(super) fn classes(&self) -> impl Iterator<Item = &Class> {
+        self.0.iter().filter(|class| class.facets > 0)
+    }
+
+    fn add(&mut self, sight: &Sight) {
+        let (class, least_brightness) = class_of(sight.brightness);
+        self.0[class].join(&Class {
+            facets: 1,
+            least_brightness,
+            most_brightness: sight.brightness,
+            least_cos_incidence: sight.cos_incidence,
+            most_cos_incidence: sight.cos_incidence,
+            most_by_mars: sight.by_mars,
+            most_of_mars: sight.of_mars,
+        });
+    }
+
+    fn join(&mut self, other: &Facing) {
+        self.0.iter_mut().zip(&other.0).filter(|(_, other)| other.facets > 0).for_each(|(class, other)| class.join(other));
+    }
+}
+
+/// The class of a brightness, and the least number in it.
+fn class_of(brightness: f64) -> (usize, f64) {
+    if brightness.is_nan() || brightness < LEAST {
+        return (0, 0.0);
+    }
+    let first = LEAST.to_bits() >> CLASS_SHIFT;
+    let place = ((brightness.to_bits() >> CLASS_SHIFT) - first).min(CLASSES as u64 - 2);
+    (place as usize + 1, f64::from_bits((first + place) << CLASS_SHIFT))
+}
+
+/// A material's reflectance by direction where spectra are in the middle of what bands show.
+struct Look {
+    /// `None`: Lambert.
+    model: Option<(Brdf, f64)>,
+}
+
+impl Look {
+    fn of(scene: &Setup) -> Vec<Look> {
+        let bands = scene.exposure.bands.iter().filter(|band| band.light.is_lit());
+        let um: Vec<f64> = bands.map(|band| band.centre_um).collect();
+        let middle_um = um.get(um.len() / 2).copied();
+        let model = |material: &crate::scene::Material| {
+            let um = middle_um?;
+            let hemispherical = material.reflectance.at(um).filter(|value| *value > 0.0)?;
+            Some((material.photometry.brdf(um)?, Lambert { reflectance: hemispherical }.brdf()))
+        };
+        scene.body.materials.iter().map(|material| Look { model: model(material) }).collect()
+    }
+
+    /// f over that of a Lambert surface of the same hemispherical reflectance.
+    fn gain(&self, angles: impl FnOnce() -> PhotometricAngles) -> f64 {
+        self.model.as_ref().map_or(1.0, |(brdf, lambert)| brdf.eval(&angles()) / lambert)
+    }
+}
+
+impl Extremes {
+    /// Looks at all facets once; of what hides what it knows the few rays of a glimpse.
+    pub fn new(scene: &Scene) -> Self {
+        let site = Site::new(&scene.body.mesh, scene.body.topology());
+        let glimpse = Glimpse::new(scene);
+        let (looks, mars) = (Look::of(scene), MarsBound::of(scene));
+        let mesh = &scene.body.mesh;
+        let none = || vec![Facing::none(); scene.body.materials.len()];
+        let of_chunk = |chunk: usize| {
+            let mut facing = none();
+            for facet in chunk * CHUNK..mesh.facets.len().min((chunk + 1) * CHUNK) {
+                let material = mesh.material[facet].0 as usize;
+                if let Some(sight) = sight(scene, &mars, facet, &looks[material]) {
+                    facing[material].add(&sight);
+                }
+            }
+            facing
+        };
+        let join = |mut all: Vec<Facing>, part: Vec<Facing>| {
+            all.iter_mut().zip(&part).for_each(|(all, part)| all.join(part));
+            all
+        };
+        let facing = (0..mesh.facets.len().div_ceil(CHUNK)).into_par_iter().map(of_chunk).reduce(none, join);
+        let place = |facet: usize| {
+            let material = mesh.material[facet].0 as usize;
+            let Sight { brightness, cos_incidence, .. } = sight(scene, &mars, facet, &looks[material])?;
+            (brightness > 0.0).then_some(Place { material, brightness, cos_incidence })
+        };
+        Extremes {
+            open_to_shadow: site.open_to_shadow(mesh, scene.sky.sun.direction.vec()),
+            sunlit: glimpse.facets().filter_map(place).collect(),
+            site,
+            glimpse,
+            facing,
+        }
+    }
+}
+
+/// How bright sunlight and Mars make a facet that faces the camera.
+struct Sight {
+    brightness: f64,
+    cos_incidence: f64,
+    by_mars: f64,
+    of_mars: f64,
+}
+
+fn sight(scene: &Setup, mars: &Option<MarsBound>, facet: usize, look: &Look) -> Option<Sight> {
+    let facet = scene.body.mesh.facet(facet);
+    let (cross_m2, centroid_m) = (facet.cross_m2(), facet.centroid_m());
+    let to_eye = scene.exposure.camera.centre_m() - centroid_m;
+    // The same plane has the same side to the eye everywhere on it.
+    if cross_m2.dot(to_eye) <= 0.0 {
+        return None;
+    }
+    let (normal, to_eye) = (cross_m2.normalize_or_zero(), to_eye.normalize_or_zero());
+    let gain = |to_source: DVec3| look.gain(|| PhotometricAngles::of_directions(normal, to_source, to_eye));
+    let to_sun = scene.sky.sun.direction.vec();
+    let cos_incidence = normal.dot(to_sun).max(0.0);
+    let brightness = if cos_incidence > 0.0 { cos_incidence * gain(to_sun) } else { 0.0 };
+    let (by_mars, of_mars) = mars.as_ref().map_or((0.0, 0.0), |mars| {
+        let (most, of_mars) = mars.at(centroid_m, normal);
+        let towards =
+            || middle_above_horizon(normal, mars.centre_m - centroid_m, mars.radius_m).normalize_or_zero();
+        (if most > 0.0 { most * gain(towards()) } else { 0.0 }, of_mars)
+    });
+    Some(Sight { brightness, cos_incidence, by_mars, of_mars })
+}
+
+/// Bounds of Mars-light, cheaper than itself.
+struct MarsBound {
+    centre_m: DVec3,
+    radius_m: f64,
+    /// The most that all of Mars sends, over its reflectance and sunlight: radiance summed over directions, times pi.
+    scalar: f64,
+    /// The largest cosine of the Sun's incidence on what of Mars is in view.
+    most_cos: f64,
+}
+
+impl MarsBound {
+    fn of(scene: &Setup) -> Option<Self> {
+        let Mars { centre_m, radius_m, .. } = *scene.sky.mars.as_ref()?;
+        let (low_m, high_m) = scene.body.bounds_m()?;
+        // Where Mars is nearest, and anywhere in the box, the phase angle is the middle's but for the box's size as Mars sees it.
+        let middle_m = 0.5 * (low_m + high_m);
+        let (to_centre_m, reach_m) = (centre_m - middle_m, 0.5 * (high_m - low_m).length());
+        let nearest_m = (to_centre_m.length() - reach_m).max(1.000_001 * radius_m);
+        let sin_radius = radius_m / nearest_m;
+        let off_rad = reach_m / nearest_m;
+        // From Mars: between the Sun and the scene.
+        let phase_rad = angle_rad(scene.sky.sun.direction.vec(), -to_centre_m);
+        let least_phase_rad = (phase_rad - off_rad).max(0.0);
+        let in_view_rad = (least_phase_rad - sin_radius.acos()).max(0.0);
+        let (away, sunward) = irradiance_vector(sin_radius, least_phase_rad.cos());
+        // A facet that faces Mars gets every direction's light by a cosine that is at least the rim's.
+        let facing = away - sunward * least_phase_rad.cos();
+        let rim = (1.0 - sin_radius * sin_radius).max(0.0).sqrt();
+        Some(MarsBound { centre_m, radius_m, scalar: facing / rim, most_cos: in_view_rad.cos().max(0.0) })
+    }
+
+    /// A bound of E / (reflectance x sunlight), and the form factor.
+    fn at(&self, p_m: DVec3, normal: DVec3) -> (f64, f64) {
+        let to_mars_m = self.centre_m - p_m;
+        let distance_m = to_mars_m.length();
+        let (sin_radius, cos_tilt) = ((self.radius_m / distance_m).min(1.0), normal.dot(to_mars_m) / distance_m);
+        let form_factor = uniform_sphere_form_factor(sin_radius, cos_tilt);
+        if form_factor <= 0.0 {
+            return (0.0, 0.0);
+        }
+        // Of the disc's directions the one nearest to the normal: the cosine of tilt less the disc's radius.
+        let cos_radius = (1.0 - sin_radius * sin_radius).max(0.0).sqrt();
+        let nearest = match cos_tilt >= cos_radius {
+            true => 1.0,
+            false => (cos_tilt * cos_radius + (1.0 - cos_tilt * cos_tilt).max(0.0).sqrt() * sin_radius).max(0.0),
+        };
+        ((form_factor * self.most_cos).min(self.scalar * nearest), form_factor)
+    }
+}
+
+/// Places that are sunlit for the most part, of an image; those with any light if none are.
+pub(super) fn sunlit_places(scene: &Setup, backplanes: &Backplanes) -> Vec<Place> {
+    let plane = |name: &str| backplanes.plane(name).map_or(&[][..], |plane| &plane.values);
+    let (incidence, emission) = (plane("LOCALINCIDENCE_MEAN"), plane("LOCALEMISSION_MEAN"));
+    let (phase, lit, material) = (plane("PHASE"), plane("LIT_FRACTION"), plane("MATERIAL"));
+    let looks = Look::of(scene);
+    let to_sun = scene.sky.sun.direction.vec();
+    let phase_rad = angle_rad(scene.exposure.camera.centre_m(), to_sun);
+    let place = |i: usize| {
+        let material = crate::geometry::whole(material[i]);
+        let [cos_incidence, cos_emission] = [incidence, emission].map(|plane| plane[i].to_radians().cos());
+        // The centre ray may miss what the rest of the pixel sees.
+        let phase_rad = if phase[i].is_nan() { phase_rad } else { phase[i].to_radians() };
+        let angles = || PhotometricAngles::of_cosines(cos_incidence, cos_emission, phase_rad.cos());
+        let brightness = cos_incidence * looks.get(material)?.gain(angles);
+        (brightness > 0.0).then_some(Place { material, brightness, cos_incidence })
+    };
+    let lit_more = |least: f64| -> Vec<usize> { (0..lit.len()).filter(|i| lit[*i] > least).collect() };
+    let found = [0.5, 0.0].into_iter().map(lit_more).find(|found| !found.is_empty()).unwrap_or_default();
+    let step = found.len().div_ceil(PLACES).max(1);
+    found.into_iter().step_by(step).filter_map(place).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn classes_are_an_eighth_of_an_octave() {
+        assert_eq!(class_of(0.0), (0, 0.0));
+        assert_eq!(class_of(f64::NAN), (0, 0.0));
+        assert_eq!(class_of(LEAST), (1, LEAST));
+        // 1 is 10 octaves up; 1.124 is still in its class, 1.125 in the next.
+        assert_eq!(class_of(1.0), (81, 1.0));
+        assert_eq!(class_of(1.124), (81, 1.0));
+        assert_eq!(class_of(1.125), (82, 1.125));
+        assert_eq!(class_of(1e9), (CLASSES - 1, 7.5));
+        assert_eq!(class_of(f64::INFINITY).0, CLASSES - 1);
+    }
+}

@@ -1,0 +1,201 @@
+//! Which effects a simulation models, and which it leaves out: no more than its tolerance wants.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::effects::{ALL, Bound, Decision, Effect, EffectKind, Given, Switch, effects};
+use super::extremes::Extremes;
+use crate::error::{Error, Location, Result};
+use crate::scene::{MarsModel, Models, Scene, Setup, Thermal};
+
+/// The tolerance unless another one is asked for.
+pub const TOLERANCE: f64 = 1e-3;
+
+/// Which effects are wanted.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum Choice {
+    /// Those that the tolerance needs.
+    #[default]
+    Auto,
+    /// What Domagala (2020) has: a point Sun, Mars by equations (4) to (8), temperatures by equation (9).
+    Thesis,
+    /// All that the scene can feed.
+    Full,
+    /// These, by their keys.
+    Only(Vec<String>),
+}
+
+/// What is wanted of a plan.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Request {
+    /// Which effects.
+    pub choice: Choice,
+    /// The largest error of a pixel that all effects left out, and the approximations of the others, may add up to.
+    pub tolerance: f64,
+    /// Whether the result, a facet table, may serve other cameras and bands than the scene's: `auto` then drops nothing but what changes nothing
+    /// anywhere.
+    pub for_any_bands: bool,
+}
+
+impl Default for Request {
+    fn default() -> Self {
+        Request { choice: Choice::Auto, tolerance: TOLERANCE, for_any_bands: false }
+    }
+}
+
+impl Choice {
+    /// From `auto`, `thesis`, `full`, or keys of effects, joined by commas.
+    ///
+    /// # Errors
+    /// A sentence that says which there are.
+    pub fn parse(text: &str) -> std::result::Result<Self, String> {
+        let mut keys: Vec<String> = Vec::new();
+        match text.trim() {
+            "auto" => return Ok(Choice::Auto),
+            "thesis" => return Ok(Choice::Thesis),
+            "full" => return Ok(Choice::Full),
+            _ => {}
+        }
+        for key in text.split(',').map(str::trim) {
+            let of_key = |kind: &&EffectKind| kind.switch.is_some() || kind.key == SUNLIGHT;
+            let Some(kind) = ALL.iter().filter(of_key).find(|kind| kind.key == key) else {
+                let known: Vec<&str> = ALL.iter().filter(of_key).map(|kind| kind.key).collect();
+                return Err(format!(
+                    "{key:?} is not a model: give auto, thesis, full, or some of {}, joined by commas",
+                    known.join(", ")
+                ));
+            };
+            if !keys.iter().any(|k| k == kind.key) {
+                keys.push(kind.key.to_owned());
+            }
+        }
+        Ok(Choice::Only(keys))
+    }
+}
+
+impl std::fmt::Display for Choice {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Choice::Auto => f.write_str("auto"),
+            Choice::Thesis => f.write_str("thesis"),
+            Choice::Full => f.write_str("full"),
+            Choice::Only(keys) => f.write_str(&keys.join(",")),
+        }
+    }
+}
+
+/// Sunlight is always there: a list may name it.
+const SUNLIGHT: &str = "sunlight";
+
+/// Which effects are modelled, and why.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Plan {
+    /// What was asked for: `auto`, `thesis`, `full`, or a list.
+    pub model: String,
+    /// The tolerance, relative, as bounds are.
+    pub tolerance: f64,
+    /// The sum of the bounds of effects that are dropped; null if one of them is not known. Open ones don't count.
+    pub dropped: Option<Bound>,
+    /// The sum of what is left of those that are kept; null if one of them is not known.
+    pub remaining: Option<Bound>,
+    /// Each effect. Bounds are of before the image was made.
+    pub effects: Vec<Effect>,
+}
+
+impl Plan {
+    /// CPU time that its effects take, s, on a machine of 2022.
+    pub fn cost_s(&self) -> f64 {
+        let kept = self.effects.iter().filter(|effect| effect.decision == Decision::Kept);
+        kept.filter_map(|effect| effect.cost_s).sum()
+    }
+
+    /// Whether what is dropped, and what remains of what is kept, stays within the tolerance.
+    pub fn keeps_tolerance(&self) -> bool {
+        let both = self.dropped.zip(self.remaining).map(|(dropped, remaining)| dropped.and(&remaining));
+        both.is_some_and(|both| both.most() <= self.tolerance)
+    }
+}
+
+/// Decides by which models a scene is simulated.
+///
+/// Effects whose inputs are missing are left open. Of the others, `auto` drops as many as may change half the tolerance together, the ones with the
+/// smallest bounds first, and keeps the rest, each as good as its share of the other half wants.
+///
+/// # Errors
+/// [`Error::Invalid`] for a tolerance that is none.
+pub fn plan(scene: &Scene, extremes: &Extremes, request: &Request) -> Result<(Models, Plan)> {
+    let Request { choice, tolerance, for_any_bands } = request;
+    if !(*tolerance > 0.0 && tolerance.is_finite()) {
+        return Err(Error::invalid(Location::item("--tolerance"), format!("{tolerance} is not a number above 0")));
+    }
+    let models = match choice {
+        Choice::Thesis => thesis(),
+        Choice::Full => chosen(scene, extremes, *tolerance, |_, _| true),
+        Choice::Only(keys) => chosen(scene, extremes, *tolerance, |kind, _| keys.iter().any(|key| key == kind.key)),
+        Choice::Auto if *for_any_bands => chosen(scene, extremes, *tolerance, |_, _| true),
+        Choice::Auto => {
+            let all = chosen(scene, extremes, *tolerance, |_, _| true);
+            let dropped = least_that_fit(scene, extremes, &all, 0.5 * tolerance);
+            chosen(scene, extremes, *tolerance, |kind, _| !dropped.contains(&kind.key))
+        }
+    };
+    Ok((models, account(scene, extremes, models, request)))
+}
+
+/// The plan that these models are.
+fn account(scene: &Scene, extremes: &Extremes, models: Models, request: &Request) -> Plan {
+    let setup = Setup { models, ..Setup::clone(scene) };
+    let effects = effects(&Given::new(&setup, extremes, &extremes.sunlit));
+    let sum = |decision: Decision, of: &dyn Fn(&Effect) -> Option<Bound>| {
+        let parts = effects.iter().filter(|effect| effect.decision == decision);
+        parts.map(of).try_fold(Bound::NOTHING, |sum, part| Some(sum.and(&part?)))
+    };
+    Plan {
+        model: request.choice.to_string(),
+        tolerance: request.tolerance,
+        dropped: sum(Decision::Dropped, &|effect| effect.bound),
+        remaining: sum(Decision::Kept, &|effect| Some(effect.remaining.unwrap_or(Bound::NOTHING))),
+        effects,
+    }
+}
+
+/// What the thesis has.
+fn thesis() -> Models {
+    Models { thermal: Thermal::Thesis, mars_light: MarsModel::Thesis }
+}
+
+/// Models with the effects that are wanted of those that there are.
+fn chosen(
+    scene: &Scene,
+    extremes: &Extremes,
+    tolerance: f64,
+    wants: impl Fn(&EffectKind, &Switch) -> bool,
+) -> Models {
+    let given = Given::new(scene, extremes, &extremes.sunlit);
+    let switches = || ALL.iter().filter_map(|kind| Some((kind, kind.switch.as_ref()?)));
+    let wanted: Vec<_> = switches().filter(|(kind, switch)| wants(kind, switch)).collect();
+    let share = 0.5 * tolerance / wanted.len().max(1) as f64;
+    let mut models = scene.models;
+    switches().for_each(|(_, switch)| (switch.remove)(&mut models));
+    wanted.into_iter().for_each(|(_, switch)| (switch.add)(&mut models, &scene.models, &given, share));
+    models
+}
+
+/// Keys of the effects that may be dropped: together they change no more than this.
+fn least_that_fit(scene: &Scene, extremes: &Extremes, all: &Models, most: f64) -> Vec<&'static str> {
+    let setup = Setup { models: *all, ..Setup::clone(scene) };
+    let given = Given::new(&setup, extremes, &extremes.sunlit);
+    let bound = |kind: &'static EffectKind| {
+        kind.switch.as_ref()?;
+        Some((kind.key, kind.in_scene(&given).bound?.most()))
+    };
+    let mut bounds: Vec<(&str, f64)> = ALL.iter().filter_map(bound).collect();
+    bounds.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let mut sum = 0.0;
+    let fits = |(_, bound): &(&str, f64)| {
+        sum += bound;
+        sum <= most
+    };
+    bounds.into_iter().take_while(fits).map(|(key, _)| key).collect()
+}
