@@ -396,6 +396,7 @@ fn report(path: &Path) -> Result<Facts> {
         ("image", value["image"].clone()),
         ("counts", value["counts"].clone()),
         ("effects", value["effects"].clone()),
+        ("surfaces", value["surfaces"].clone()),
         ("checks", value["checks"].clone()),
         ("defaults", json!(report.defaults)),
         ("warnings", json!(report.warnings)),

@@ -284,6 +284,7 @@ fn report(product: &Product, cube: &ShownBands, coverage: &[f64]) -> ProductRepo
         },
         bands: BandEntry::of(&subject.scene),
         effects: observation.effects.clone(),
+        surfaces: observation.surfaces.clone(),
         checks: observation.checks.clone(),
         counts: observation.counts,
         maps: maps.clone(),

@@ -17,7 +17,7 @@ use crate::error::{Error, Location, Result};
 use crate::product::{Backplanes, ShownBands};
 use crate::scene::Scene;
 use crate::spectral::Band;
-use crate::study::{Check, Counts, Effect, MapAccount};
+use crate::study::{Check, Counts, Effect, MapAccount, SurfaceEntry};
 
 /// Version of both formats.
 pub const FORMAT_VERSION: u32 = 1;
@@ -41,6 +41,9 @@ pub struct ProductReport {
     pub bands: Vec<BandEntry>,
     /// What was modelled, and what was left out.
     pub effects: Vec<Effect>,
+    /// How its materials reflect, at the wavelength of the middle band with sunlight.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub surfaces: Vec<SurfaceEntry>,
     /// What was verified of this result.
     pub checks: Vec<Check>,
     /// What the mesh is like.

@@ -11,6 +11,7 @@ mod partly_sky;
 mod simulate;
 mod site;
 mod summary;
+mod surfaces;
 mod table_id;
 pub mod validate;
 mod warnings;
@@ -22,4 +23,5 @@ pub use maps::{Fill, MapAccount, MapEntry, MapOptions, RegistrationEntry, observ
 pub use observation::{Check, Counts, Observation, Put};
 pub use simulate::{observe, observe_by_slabs, simulate};
 pub use summary::Summary;
+pub use surfaces::{FactorEntry, NumberEntry, PresetEntry, REFERENCE_DEG, SurfaceEntry};
 pub use table_id::table_id;

@@ -4,6 +4,7 @@ use super::cost::has_room;
 use super::effects::{Given, Reference, effects, mars_seen};
 use super::observation::{Check, Counts, Observation, Put};
 use super::site::Site;
+use super::surfaces::surfaces;
 use super::warnings;
 use crate::error::Result;
 use crate::geometry::polygon::area;
@@ -87,6 +88,7 @@ pub(super) fn account_for(
         .concat(),
         checks: checks(scene, table, &given, &image),
         counts,
+        surfaces: if uses_sun { surfaces(scene, &site) } else { vec![] },
         cube: (),
         backplanes: image.backplanes,
         footprints: image.footprints,
