@@ -9,6 +9,7 @@ mod landscape;
 mod product;
 mod simulate;
 mod solve;
+mod surface;
 mod validate;
 
 use std::io::IsTerminal;

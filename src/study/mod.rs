@@ -23,5 +23,8 @@ pub use maps::{Fill, MapAccount, MapEntry, MapOptions, RegistrationEntry, observ
 pub use observation::{Check, Counts, Observation, Put};
 pub use simulate::{observe, observe_by_slabs, simulate};
 pub use summary::Summary;
-pub use surfaces::{FactorEntry, NumberEntry, PresetEntry, REFERENCE_DEG, SurfaceEntry};
+pub use surfaces::{
+    FactorEntry, NumberEntry, PhaseCurve, PresetEntry, REFERENCE_DEG, SurfaceEntry, surface_of_material,
+    surface_of_preset,
+};
 pub use table_id::table_id;

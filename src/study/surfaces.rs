@@ -1,14 +1,18 @@
 //! How surfaces reflect, in a few numbers: factors at reference angles, albedos, where the numbers come from, what the uncertain ones are worth.
 
 use glam::DVec3;
+use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::site::Site;
 use crate::geometry::angle_rad;
 use crate::physics::reflectance::albedo::Measure;
-use crate::physics::reflectance::{Brdf, KnownNumber, Lambert, Parameter, PhotometricAngles};
-use crate::scene::{Material, Model, Setup};
+use crate::physics::reflectance::{
+    Brdf, KnownNumber, Lambert, Parameter, PhotometricAngles, Preset, kirchhoff_emissivity,
+};
+use crate::scene::{Material, Model, Photometry, Scene, Setup};
+use crate::spectral::Spectrum;
 
 /// Angles at which surfaces are compared: incidence, emission, azimuth of the view from the light's, deg. Seen along the beam; from the zenith; from
 /// aside.
@@ -71,7 +75,7 @@ pub struct PresetEntry {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NumberEntry {
-    /// Its key in a scene file, below the model's.
+    /// Its key in a scene file, below the model's; "albedo": the model's own, at the wavelength.
     pub key: String,
     /// What it is in this scene.
     pub value: f64,
@@ -81,19 +85,14 @@ pub struct NumberEntry {
     pub source: String,
     /// One standard deviation; 0 where none is known.
     pub sigma: f64,
-    /// The change of the radiance by that, relative, with the same normal reflectance.
+    /// The change of the radiance by that, relative; but for that of the albedo with the same normal reflectance.
     pub worth: f64,
 }
 
 impl SurfaceEntry {
     /// Of a material at a wavelength, um; `None` where its reflectance is not known. `measure`, with its words, is what uncertainties are of.
     pub fn of(material: &Material, um: f64, (at, measure): (&str, &Measure)) -> Option<Self> {
-        let lambert = |reflectance| Brdf::Lambert(Lambert { reflectance });
-        let hemispherical_albedo = material.reflectance.at(um)?;
-        let brdf = match material.photometry.key() {
-            Some(_) => material.photometry.brdf(um)?,
-            None => lambert(hemispherical_albedo),
-        };
+        let (hemispherical_albedo, brdf) = (material.reflectance.at(um)?, brdf(material, um)?);
         let factor = |[incidence_deg, emission_deg, azimuth_deg]: [f64; 3]| {
             let [i, e, azimuth] = [incidence_deg, emission_deg, azimuth_deg].map(f64::to_radians);
             let angles = PhotometricAngles::of_angles(i, e, azimuth);
@@ -114,38 +113,53 @@ impl SurfaceEntry {
     }
 }
 
+/// A material's surface at a wavelength, um; `None` where it is not known.
+fn brdf(material: &Material, um: f64) -> Option<Brdf> {
+    match material.photometry.key() {
+        Some(_) => material.photometry.brdf(um),
+        None => Some(Brdf::Lambert(Lambert { reflectance: material.reflectance.at(um)? })),
+    }
+}
+
 fn preset(model: &Model, um: f64, at: &str, measure: &Measure) -> Option<PresetEntry> {
-    let preset = model.preset?;
-    let (known, worth) = (preset.known(), preset.worth(&model.shape, model.albedo.at(um)?, um, measure));
-    let number = |(parameter, of_preset): &(Parameter, KnownNumber)| {
-        let found = worth.iter().find(|(p, number, _)| (p, number) == (parameter, of_preset));
-        let value = parameter.of(&model.shape)?;
+    let (preset, albedo) = (model.preset?, model.albedo.at(um)?);
+    let known = preset.known();
+    let worth = preset.worth(&model.shape, albedo, um, measure);
+    let entry = |key: &str, value: f64, of_preset: &KnownNumber, worth: f64| {
         let KnownNumber { sigma, is_published, source, .. } = *of_preset;
         let is_given = !of_preset.is(value);
-        // What is uncertain elsewhere only is of no interest here.
-        if found.is_none() && of_preset.certain_um.is_some() {
-            return None;
-        }
         let (origin, source) = match (is_given, is_published) {
             (true, _) => ("given", format!("the preset has {}", of_preset.value)),
             (false, true) => ("published", source.to_owned()),
             (false, false) => ("assumed", source.to_owned()),
         };
-        Some(NumberEntry {
-            key: parameter.key().to_owned(),
+        NumberEntry {
+            key: key.to_owned(),
             value: if is_given { value } else { of_preset.value },
             origin: origin.to_owned(),
             source,
             sigma: if is_given { 0.0 } else { sigma },
-            worth: found.map_or(0.0, |(.., worth)| *worth),
-        })
+            worth: if is_given { 0.0 } else { worth },
+        }
     };
+    let number = |(parameter, of_preset): &(Parameter, KnownNumber)| {
+        let found = worth.iter().find(|(p, number, _)| (p, number) == (parameter, of_preset));
+        // What is uncertain elsewhere only is of no interest here.
+        let is_elsewhere = found.is_none() && of_preset.certain_um.is_some();
+        let worth = found.map_or(0.0, |(.., worth)| *worth);
+        (!is_elsewhere).then_some(entry(parameter.key(), parameter.of(&model.shape)?, of_preset, worth))
+    };
+    let off = Measure::of(measure, &model.shape.brdf((albedo + known.albedo.sigma).min(model.shape.most())));
+    let of_albedo = (off / measure.of(&model.shape.brdf(albedo)) - 1.0).abs();
+    let numbers: Vec<NumberEntry> = std::iter::once(entry("albedo", albedo, &known.albedo, of_albedo))
+        .chain(known.numbers.iter().filter_map(number))
+        .collect();
     Some(PresetEntry {
         name: preset.name().to_owned(),
-        numbers: known.numbers.iter().filter_map(number).collect(),
+        uncertainty: numbers.iter().map(|number| number.worth * number.worth).sum::<f64>().sqrt(),
+        numbers,
         assumed: known.assumed.to_owned(),
         at: at.to_owned(),
-        uncertainty: worth.iter().map(|(.., worth)| worth * worth).sum::<f64>().sqrt(),
     })
 }
 
@@ -174,3 +188,93 @@ fn angles(scene: &Setup, site: &Site) -> (String, Measure) {
 
 /// Beyond this, 175 deg, a sphere is as uncertain as here.
 const MOST_PHASE_RAD: f64 = 3.05;
+
+/// Disc-integrated brightness of spheres by the phase angle, over that of a white Lambert disc: the geometric albedo times the phase function.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct PhaseCurve {
+    /// Phase angles, deg.
+    pub phase_deg: Vec<f64>,
+    /// Names and values: the surface at each wavelength, and Lambert's surface of the first one's geometric albedo.
+    pub columns: Vec<(String, Vec<f64>)>,
+}
+
+impl PhaseCurve {
+    fn new(surfaces: &[(String, Brdf)]) -> Self {
+        // Every degree, and closer where surges peak.
+        let phase_deg: Vec<f64> = (0..20).map(|k| 0.1 * f64::from(k)).chain((2..=170).map(f64::from)).collect();
+        let geometric = surfaces.first().map_or(0.0, |(_, brdf)| Measure::Geometric.of(brdf));
+        let white = Brdf::Lambert(Lambert { reflectance: 1.5 * geometric });
+        let lambert = ("Lambert".to_owned(), white);
+        let at = |brdf: &Brdf, deg: f64| match deg {
+            0.0 => Measure::Geometric.of(brdf),
+            deg => Measure::SphereAtPhase { phase_rad: deg.to_radians() }.of(brdf),
+        };
+        let column = |(name, brdf): &(String, Brdf)| {
+            (name.clone(), phase_deg.par_iter().map(|deg| at(brdf, *deg)).collect::<Vec<f64>>())
+        };
+        let columns = surfaces.iter().chain([&lambert]).map(column).collect();
+        PhaseCurve { phase_deg, columns }
+    }
+}
+
+/// A scene's material at wavelengths, um, without any at those of the first, middle and last band with sunlight; and its phase curve.
+///
+/// # Errors
+/// The wavelength at which it is not known.
+pub fn surface_of_material(
+    scene: &Scene,
+    material: &Material,
+    um: &[f64],
+) -> Result<(Vec<SurfaceEntry>, PhaseCurve), f64> {
+    let mut um = um.to_vec();
+    if um.is_empty() {
+        let lit: Vec<f64> =
+            scene.exposure.bands.iter().filter(|band| band.light.is_lit()).map(|band| band.centre_um).collect();
+        um = [0, lit.len() / 2, lit.len().saturating_sub(1)].into_iter().filter_map(|i| lit.get(i).copied()).collect();
+        um.dedup();
+    }
+    let (at, measure) = angles(scene, &Site::new(&scene.body.mesh, scene.body.topology()));
+    of_each(material, &um, (&at, &measure))
+}
+
+/// A preset at its wavelength, and its phase curve; uncertainties are for (30, 0, 0) deg.
+pub fn surface_of_preset(preset: Preset) -> (Vec<SurfaceEntry>, PhaseCurve) {
+    let known = preset.known();
+    let albedo = Spectrum::constant(known.albedo.value);
+    let (photometry, reflectance) = match known.shape {
+        Some(shape) => {
+            let model = Model { shape, albedo, preset: Some(preset) };
+            let hemispherical = model.hemispherical();
+            (Photometry::Model(Box::new(model)), hemispherical)
+        }
+        None => (Photometry::Lambert, albedo),
+    };
+    let bond_albedo = reflectance.value()[0];
+    let material = Material {
+        name: preset.name().to_owned(),
+        emissivity: reflectance.map(kirchhoff_emissivity),
+        reflectance,
+        photometry,
+        bond_albedo,
+        emissivity_bolometric: 1.0 - bond_albedo,
+        mixture: vec![],
+    };
+    let measure = Measure::ReflectanceFactor(PhotometricAngles::of_angles(30f64.to_radians(), 0.0, 0.0));
+    // A constant is known everywhere.
+    let um = known.wavelength_um.unwrap_or(MIDDLE_UM);
+    of_each(&material, &[um], ("incidence 30, emission 0, phase 30.0 deg", &measure)).unwrap_or_default()
+}
+
+/// Of what is the same at all wavelengths.
+const MIDDLE_UM: f64 = 1.0;
+
+fn of_each(material: &Material, um: &[f64], at: (&str, &Measure)) -> Result<(Vec<SurfaceEntry>, PhaseCurve), f64> {
+    let of = |um: &f64| {
+        let entry = SurfaceEntry::of(material, *um, at).ok_or(*um)?;
+        // Digits that tell bands apart.
+        let shown_um = (um * 1e4).round() / 1e4;
+        Ok((entry, (format!("at {shown_um} um"), brdf(material, *um).ok_or(*um)?)))
+    };
+    let (entries, surfaces): (Vec<_>, Vec<_>) = um.iter().map(of).collect::<Result<Vec<_>, f64>>()?.into_iter().unzip();
+    Ok((entries, PhaseCurve::new(&surfaces)))
+}

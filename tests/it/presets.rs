@@ -221,3 +221,43 @@ fn the_report_says_where_numbers_come_from_and_what_they_are_worth() {
     let Photometry::Model(model) = &scene_of(&folder).body.materials[0].photometry else { panic!() };
     assert_eq!(model.preset, Some(Preset::PhobosAssumed));
 }
+
+#[test]
+fn a_surface_is_inspected_and_its_phase_curve_drawn() {
+    let folder = folder("reflectance = 0.1\nmeasured = \"normal\"\nminnaert = { exponent = 0.6 }");
+    let scene = folder.argument("scene.toml");
+    let (svg, csv) = (folder.argument("curve.svg"), folder.argument("curve.csv"));
+    let told =
+        ["inspect", &scene, "--material", "default", "--um", "0.8", "--um", "2", "--picture", &svg, "--csv", &csv];
+    let (code, out, err) = run(&[&["--json"], &told[..]].concat());
+    assert_eq!(code, 0, "{err}");
+    let surfaces: Value = serde_json::from_str(&out).unwrap();
+    let surface = &surfaces["surfaces"][1];
+    assert_eq!((surface["wavelength_um"].as_f64(), surface["model"].as_str()), (Some(2.0), Some("minnaert")));
+    // A (cos i cos e)^(k - 1) at 60 and 40 deg, computed independently for A = 0.07.
+    let factor = surface["reflectance_factors"][2]["value"].as_f64().unwrap();
+    assert!((factor / (PI * 0.032_708_345_679_563_704 / 0.07 * 0.1) - 1.0).abs() < 1e-12, "{factor}");
+    // 2 A / (2 k + 1), but for the limb; the phase of 60 and 40 deg at 90 deg azimuth.
+    assert!((surface["geometric_albedo"].as_f64().unwrap() / (0.2 / 2.2) - 1.0).abs() < 1e-4);
+    let phase = surface["reflectance_factors"][2]["phase_deg"].as_f64().unwrap();
+    assert!((phase - (0.5 * 40f64.to_radians().cos()).acos().to_degrees()).abs() < 1e-9);
+    let drawn = std::fs::read_to_string(&svg).unwrap();
+    assert!(drawn.contains("phase angle, deg") && drawn.contains("Lambert"), "{drawn}");
+    let table = std::fs::read_to_string(&csv).unwrap();
+    let rows: Vec<Vec<f64>> =
+        table.lines().skip(2).map(|row| row.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
+    assert!(rows.len() > 150 && rows[0][0] == 0.0 && (rows[0][1] / rows[0][3] - 1.0).abs() < 1e-9);
+    // Lambert at 90 deg: 1 / pi of its full phase.
+    let at_90 = rows.iter().find(|row| row[0] == 90.0).unwrap();
+    assert!((at_90[3] / rows[0][3] * PI - 1.0).abs() < 1e-9);
+
+    let (code, out, err) = run(&["inspect", "phobos_assumed"]);
+    assert_eq!(code, 0, "{err}");
+    for told in ["geometric albedo: 0.0680", "hemispherical albedo: 0.0227", "published", "Fornasier", "assumed"] {
+        assert!(out.contains(told), "{told}: {out}");
+    }
+    let (code, _, err) = run(&["inspect", &scene, "--material", "gold"]);
+    assert!(code == 1 && err.contains("has no material \"gold\"") && err.contains("default"), "{err}");
+    let (code, _, err) = run(&["inspect", &scene, "--material", "default", "--picture", &folder.argument("x.png")]);
+    assert!(code == 1 && err.contains("ends in .svg"), "{err}");
+}
