@@ -118,7 +118,7 @@ pub(super) fn size(bytes: u64) -> String {
     machine::size(bytes, 1)
 }
 
-fn short(value: f64) -> String {
+pub(super) fn short(value: f64) -> String {
     rounded(value, 4)
 }
 

@@ -10,26 +10,34 @@ use mmxrt::formats::mtl::{self, ObjMaterial};
 use mmxrt::formats::report_json::{self, FORMAT_VERSION, ProductReport, Run};
 use mmxrt::formats::spectrum_csv::{self, Quantity};
 use mmxrt::formats::{envi, exr_cube, gltf, npz, obj, pixel, product_folder, radiance_map, recipe_toml, registry};
-use mmxrt::job::{self, SpectrumSheet, Survey};
+use mmxrt::job::{self, CurveSheet, SurfaceFacts, Survey};
+use mmxrt::physics::reflectance::Preset;
 use mmxrt::spectral::{Extend, SunTotal, solar_e490};
 use mmxrt::{Error, Location, Problem, Result};
 use serde_json::{Value, json};
 
 use super::Outcome;
 use super::console::Console;
+use super::surface::Written;
 
 #[derive(clap::Args)]
 #[command(group(clap::ArgGroup::new("written").args(["csv", "picture"]).multiple(true)))]
 pub(crate) struct Arguments {
-    /// A product folder, image (ENVI, ILWIS, OpenEXR, NumPy, PNG, CSV), .npz, .json report, scene, recipe, spectrum (.csv), .obj, .mtl, .gltf, .glb, DART simulation, output or optical database, .sli or .txt; or `e490`, the built-in spectrum of the Sun
+    /// A product folder, image (ENVI, ILWIS, OpenEXR, NumPy, PNG, CSV), .npz, .json report, scene, recipe, spectrum (.csv), .obj, .mtl, .gltf, .glb, DART simulation, output or optical database, .sli or .txt; or `e490`, the built-in spectrum of the Sun, or the name of a surface: phobos_assumed, deimos_assumed, moon, mars, thesis
     file: PathBuf,
     /// Show the spectrum and planes of this pixel of a product folder, counted from 0
     #[arg(long, value_name = "SAMPLE,LINE", value_parser = pixel)]
     pixel: Option<(usize, usize)>,
-    /// Write the spectrum of the pixel, or of the Sun, as a table
+    /// How this material of a scene reflects; a preset is named in place of a file
+    #[arg(long, value_name = "NAME", conflicts_with = "pixel")]
+    material: Option<String>,
+    /// A wavelength, um, of the material; may be repeated. Default: first, middle and last band
+    #[arg(long, value_name = "UM", requires = "material")]
+    um: Vec<f64>,
+    /// Write the spectrum of the pixel, or of the Sun, or the phase curve of the material, as a table
     #[arg(long, value_name = "OUT.csv")]
     csv: Option<PathBuf>,
-    /// Write a picture of an image (.png: grey, or three bands in colour), or of the spectrum of a pixel or of the Sun (.svg)
+    /// Write a picture of an image (.png: grey, or three bands in colour), or of the spectrum of a pixel or of the Sun, or the phase curve of a material (.svg)
     #[arg(long, value_name = "OUT")]
     picture: Option<PathBuf>,
     /// The band to show, counted from 1; given three times, those for red, green and blue
@@ -55,6 +63,17 @@ type Facts = Vec<(&'static str, Value)>;
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let path = &arguments.file;
     super::settle_input(path, console)?;
+    let preset = path.to_str().filter(|_| !path.exists()).and_then(Preset::of_name);
+    let written =
+        Written { csv: arguments.csv.as_deref(), svg: arguments.picture.as_deref(), replace: arguments.force };
+    match (&arguments.material, preset) {
+        (Some(name), _) => {
+            let facts = SurfaceFacts::of_material(path, name, &arguments.um, &|progress| console.watch(progress))?;
+            return super::surface::run(&facts, written, console);
+        }
+        (None, Some(preset)) => return super::surface::run(&SurfaceFacts::of_preset(preset), written, console),
+        (None, None) => {}
+    }
     if arguments.pixel.is_some() || (path == Path::new(BUILT_IN_SUN) && !path.exists()) {
         return spectrum_of(arguments, console);
     }
@@ -105,7 +124,7 @@ fn spectrum_of(arguments: &Arguments, console: &Console) -> Result<Outcome> {
             if found.has_names() {
                 json["band"] = json!(found.names);
             }
-            let sheet = SpectrumSheet::of_pixel(path, &found);
+            let sheet = CurveSheet::of_pixel(path, &found);
             (json, sheet)
         }
         None => {
@@ -116,7 +135,7 @@ fn spectrum_of(arguments: &Arguments, console: &Console) -> Result<Outcome> {
                 "kind": "the Sun, ASTM E490-00a (2000), at 1 au", "points": um.len(), "total_w_m2": total,
                 "wavelength_um": um, "irradiance_w_m2_um": irradiance,
             });
-            (json, SpectrumSheet::of_sun())
+            (json, CurveSheet::of_sun())
         }
     };
     for target in arguments.csv.iter().chain(&arguments.picture) {
@@ -391,7 +410,20 @@ fn report(path: &Path) -> Result<Facts> {
     if value["format_version"].as_u64().is_none_or(|version| version >= u64::from(FORMAT_VERSION)) {
         report_json::read::<ProductReport>(path)?;
     }
-    let all = ["mmxrt", "scene", "inputs", "image", "plan", "counts", "effects", "checks", "defaults", "warnings", "statistics"];
+    let all = [
+        "mmxrt",
+        "scene",
+        "inputs",
+        "image",
+        "plan",
+        "counts",
+        "effects",
+        "surfaces",
+        "checks",
+        "defaults",
+        "warnings",
+        "statistics",
+    ];
     let there = all.into_iter().filter(|name| value.get(name).is_some());
     Ok([("kind", json!("report"))].into_iter().chain(there.map(|name| (name, value[name].clone()))).collect())
 }

@@ -10,6 +10,7 @@ mod plan;
 mod product;
 mod simulate;
 mod solve;
+mod surface;
 mod validate;
 
 use std::io::IsTerminal;

@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
+use mmxrt::Result;
 use mmxrt::job::{self, Outlook};
 use mmxrt::study::{Bound, Choice, Decision, Effect, Plan, Request, TOLERANCE, WITHIN};
-use mmxrt::Result;
 use serde_json::json;
 
 use super::Outcome;
@@ -64,7 +64,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
 fn text(outlook: &Outlook, plan: &Plan, explain: bool) -> String {
     let mut lines = vec![
         format!("model: {}, tolerance {}", plan.model, plan.tolerance),
-        "errors of a pixel, over its radiance or 0.01 of the median sunlit radiance; CPU time on a machine of 2022".to_owned(),
+        "errors of a pixel, over its radiance or 0.01 of the median sunlit radiance; CPU time on a machine of 2022"
+            .to_owned(),
         format!("{:<26} {:<8} {:>10} {:>10} {:>8}", "effect", "", "sunlit", "in shadow", "CPU s"),
     ];
     for effect in &plan.effects {
@@ -73,7 +74,11 @@ fn text(outlook: &Outlook, plan: &Plan, explain: bool) -> String {
             lines.push(format!("    {}", effect.note));
             lines.push(format!("    bound: {}", effect.because));
             if let Some(remaining) = effect.remaining {
-                lines.push(format!("    left of it: {} sunlit, {} in shadow", short(remaining.lit), short(remaining.shadow)));
+                lines.push(format!(
+                    "    left of it: {} sunlit, {} in shadow",
+                    short(remaining.lit),
+                    short(remaining.shadow)
+                ));
             }
         }
     }
@@ -127,8 +132,12 @@ fn totals(plan: &Plan) -> Vec<String> {
 /// The plan in a line: what is kept, dropped and open.
 pub(super) fn in_short(plan: &Plan) -> String {
     let of = |decision: Decision| {
-        let keys: Vec<&str> =
-            plan.effects.iter().filter(|effect| effect.decision == decision).map(|effect| effect.key.as_str()).collect();
+        let keys: Vec<&str> = plan
+            .effects
+            .iter()
+            .filter(|effect| effect.decision == decision)
+            .map(|effect| effect.key.as_str())
+            .collect();
         if keys.is_empty() { String::new() } else { format!("; {}: {}", word(decision), keys.join(", ")) }
     };
     let parts: String = [Decision::Kept, Decision::Dropped, Decision::Open].map(of).concat();

@@ -287,6 +287,7 @@ fn report(product: &Product, cube: &ShownBands, coverage: &[f64]) -> ProductRepo
         bands: BandEntry::of(&subject.scene),
         plan: plan.as_ref().map(PlanEntry::from),
         effects: observation.effects.clone(),
+        surfaces: observation.surfaces.clone(),
         checks: observation.checks.clone(),
         counts: observation.counts,
         maps: maps.clone(),

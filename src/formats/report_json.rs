@@ -17,7 +17,7 @@ use crate::error::{Error, Location, Result};
 use crate::product::{Backplanes, ShownBands};
 use crate::scene::Scene;
 use crate::spectral::Band;
-use crate::study::{Bound, Check, Counts, Effect, MapAccount, Plan};
+use crate::study::{Bound, Check, Counts, Effect, MapAccount, Plan, SurfaceEntry};
 
 /// Version of both formats.
 pub const FORMAT_VERSION: u32 = 2;
@@ -44,6 +44,9 @@ pub struct ProductReport {
     pub plan: Option<PlanEntry>,
     /// What was modelled, and what was left out. Errors are relative to the radiance of this image.
     pub effects: Vec<Effect>,
+    /// How its materials reflect, at the wavelength of the middle band with sunlight.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub surfaces: Vec<SurfaceEntry>,
     /// What was verified of this result.
     pub checks: Vec<Check>,
     /// What the mesh is like.

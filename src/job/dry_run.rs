@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use crate::error::{Error, Result};
-use crate::formats::{Subject, machine};
+use crate::formats::{Subject, machine, scene_toml};
 use crate::progress::Watch;
-use crate::study::{self, DryRun, Plan, Request, Extremes};
+use crate::study::{self, DryRun, Extremes, Plan, Request};
 
 /// What can be said about a simulation before it is run.
 #[derive(Debug)]
@@ -29,11 +29,23 @@ pub struct Outlook {
 /// # Errors
 /// Those of [`scene_toml::read`](crate::formats::scene_toml::read).
 pub fn dry_run(path: &Path, watch: Watch<'_>) -> Result<Outlook> {
-    Ok(super::plan(path, &Request::default(), watch)?.0)
+    Ok(plan(path, &Request::default(), watch)?.0)
+}
+
+/// As [`dry_run`], for a scene that is simulated as it is requested; and by which models that would be.
+///
+/// # Errors
+/// Those of [`scene_toml::read`](crate::formats::scene_toml::read) and of [`study::plan`].
+pub fn plan(path: &Path, request: &Request, watch: Watch<'_>) -> Result<(Outlook, Plan)> {
+    let file = scene_toml::read(path, watch)?;
+    let simulable = file.simulable();
+    let mut subject = Subject::from(file);
+    let (extremes, plan) = super::plan::decide(&mut subject.scene, request, watch)?;
+    Ok((outlook(subject, &extremes, &plan, simulable), plan))
 }
 
 /// What simulating a scene would take; `simulable` says whether this version can.
-pub(super) fn outlook(subject: Subject, extremes: &Extremes, plan: &Plan, simulable: Result<()>) -> Outlook {
+fn outlook(subject: Subject, extremes: &Extremes, plan: &Plan, simulable: Result<()>) -> Outlook {
     let dry_run = study::dry_run(&subject.scene, extremes, plan);
     let has_room = study::has_room(&subject.scene, false, machine::memory_bytes());
     let mut errors: Vec<Error> = [simulable, has_room].into_iter().filter_map(Result::err).collect();

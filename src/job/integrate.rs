@@ -10,7 +10,7 @@ use crate::formats::report_json::Run;
 use crate::geometry::Texels;
 use crate::integrate::{Choice, Wanted};
 use crate::progress::Watch;
-use crate::study::{Fill, MapOptions, Extremes};
+use crate::study::{Extremes, Fill, MapOptions};
 use crate::{solve, study};
 
 /// Where the radiance of facets comes from.
@@ -52,7 +52,11 @@ pub fn integrate(
         let mut product = folder.open(&subject.scene)?;
         let mut put = |slab| product.put(&slab, watch);
         let observation = study::observe_by_slabs(&subject.scene, (&table, &extremes), wanted, &mut put, watch)?;
-        return product.finish(Product { subject, table, table_from: Some(path), observation, plan: None, maps: None }, run, watch);
+        return product.finish(
+            Product { subject, table, table_from: Some(path), observation, plan: None, maps: None },
+            run,
+            watch,
+        );
     }
     let sum = radiance_map::open_sum(maps, &mut subject, watch)?;
     if let (Some((path, _)), Some(_)) = (&sum.table, &given) {

@@ -2,6 +2,7 @@
 //!
 //! A job touches no file but through [`formats`](crate::formats), prints nothing, and reads no clock: it returns what it has to report.
 
+mod curve_sheet;
 mod dry_run;
 mod image_survey;
 mod integrate;
@@ -9,13 +10,13 @@ mod landscape;
 mod plan;
 mod simulate;
 mod solve;
-mod spectrum_sheet;
+mod surface;
 
-pub use dry_run::{Outlook, dry_run};
+pub use curve_sheet::CurveSheet;
+pub use dry_run::{Outlook, dry_run, plan};
 pub use image_survey::{Picture, Survey, survey};
 pub use integrate::{Radiance, integrate};
 pub use landscape::LandscapeFiles;
-pub use plan::plan;
 pub use simulate::simulate;
 pub use solve::{solve, stage_table};
-pub use spectrum_sheet::SpectrumSheet;
+pub use surface::SurfaceFacts;

@@ -1,24 +1,9 @@
-//! What a simulation would model, and by what, before it is done.
+//! By which models a scene is simulated.
 
-use super::dry_run::{Outlook, outlook};
 use crate::error::Result;
-use crate::formats::{Subject, scene_toml};
 use crate::progress::{Watch, tell};
 use crate::scene::Scene;
-use crate::study::{self, Plan, Request, Extremes};
-use std::path::Path;
-
-/// Reads a scene file, and decides by which models it would be simulated.
-///
-/// # Errors
-/// Those of [`scene_toml::read`] and of [`study::plan`].
-pub fn plan(path: &Path, request: &Request, watch: Watch<'_>) -> Result<(Outlook, Plan)> {
-    let file = scene_toml::read(path, watch)?;
-    let simulable = file.simulable();
-    let mut subject = Subject::from(file);
-    let (extremes, plan) = decide(&mut subject.scene, request, watch)?;
-    Ok((outlook(subject, &extremes, &plan, simulable), plan))
-}
+use crate::study::{self, Extremes, Plan, Request};
 
 /// Decides by which models a scene is simulated, and gives it these.
 pub(super) fn decide(scene: &mut Scene, request: &Request, watch: Watch<'_>) -> Result<(Extremes, Plan)> {

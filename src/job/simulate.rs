@@ -6,8 +6,8 @@ use crate::formats::product_folder::{Product, ProductFolder, Written};
 use crate::formats::report_json::Run;
 use crate::integrate::Wanted;
 use crate::progress::Watch;
-use crate::study::{self, Request};
 use crate::solve;
+use crate::study::{self, Request};
 
 /// Simulates a scene, by the models that are requested, and writes the product; `run` is asked at the end what `run.json` is to say.
 ///

@@ -33,7 +33,7 @@
 //! | Hapke's at all wavelengths from a few w; its bound | [`reflectance::hapke::AlbedoNodes`], [`reflectance::hapke::interpolation_error`] | Chebyshev | no error above the bound |
 //! | w from a reflectance | [`reflectance::hapke::Inverse`] | Dowell & Jarratt (1971) | a known w is found again |
 //! | reflectance by tables (13) to (15) | [`reflectance::Table`] | Domagala (2020) | by hand |
-//! | surfaces of Phobos, Deimos, the Moon and Mars | [`reflectance::presets`] | told with each | the geometric albedo of Phobos |
+//! | surfaces of Phobos, Deimos, the Moon and Mars; what their uncertain numbers are worth | [`reflectance::Preset`] | told with each | the geometric albedo of Phobos; single scattering |
 //! | albedos, phase integral, emissivity by direction | [`reflectance::albedo`] | Hapke (2012); Kirchhoff | white surfaces; 1 - sqrt(1 - w) H |
 //! | sRGB to linear light and back | [`srgb::linear_from_hex`], [`srgb::hex_from_linear`] | IEC 61966-2-1 | mid grey; the straight part |
 //!

@@ -7,7 +7,8 @@ use crate::error::number;
 use crate::physics::reflectance::albedo::Measure;
 use crate::physics::reflectance::hapke::{HFormula, NoAlbedo, Parameters, Surge};
 use crate::physics::reflectance::{
-    Albedos, Brdf, DirectionalAlbedos, Partition, PhaseCurve, PhaseFunction, PhotometricAngles, Separated, Shape,
+    Albedos, Brdf, DirectionalAlbedos, Partition, PhaseCurve, PhaseFunction, PhotometricAngles, Preset, Separated,
+    Shape,
 };
 use crate::spectral::{Band, Spectrum};
 
@@ -32,6 +33,8 @@ pub struct Model {
     pub shape: Shape,
     /// Its albedo: single-scattering, normal, or RPV's amplitude.
     pub albedo: Spectrum,
+    /// The surface by name that its numbers are from, if they are, all or some of them.
+    pub preset: Option<Preset>,
 }
 
 /// Parameters of Hapke's model as SOILSPECT has it (Jacquemoud, Baret & Hanocq 1992), all dimensionless.
@@ -101,7 +104,7 @@ impl Model {
     /// [`NoAlbedo`] at the first value that no albedo gives.
     pub fn measured(shape: Shape, reflectance: &Spectrum, measure: &Measure) -> Result<Self, NoAlbedo> {
         let albedos = Albedos::new(&shape, measure, reflectance.range().1);
-        Ok(Model { shape, albedo: reflectance.try_map(|value| albedos.of(value))? })
+        Ok(Model { shape, albedo: reflectance.try_map(|value| albedos.of(value))?, preset: None })
     }
 
     /// As products of what angles and what wavelengths give, to a relative tolerance.
@@ -239,14 +242,7 @@ impl Photometry {
     pub fn key(&self) -> Option<&'static str> {
         match self {
             Photometry::Lambert => None,
-            Photometry::Model(model) => Some(match model.shape {
-                Shape::LommelSeeliger(_) => "lommel_seeliger",
-                Shape::LunarLambert(..) => "lunar_lambert",
-                Shape::Minnaert(_) => "minnaert",
-                Shape::Akimov(_) => "akimov",
-                Shape::Hapke(_) => "hapke",
-                Shape::Rpv { .. } => "rpv",
-            }),
+            Photometry::Model(model) => Some(model.shape.key()),
             Photometry::Hapke(_) => Some("hapke"),
             Photometry::Rpv(_) => Some("rpv"),
         }
@@ -272,8 +268,10 @@ impl Photometry {
         match self {
             Photometry::Lambert => None,
             Photometry::Model(model) => Some(model.as_ref().clone()),
-            Photometry::Hapke(hapke) => Some(Model { shape: hapke.shape(constant)?, albedo: hapke.w.clone() }),
-            Photometry::Rpv(rpv) => Some(Model { shape: rpv.shape(constant)?, albedo: rpv.rho0.clone() }),
+            Photometry::Hapke(hapke) => {
+                Some(Model { shape: hapke.shape(constant)?, albedo: hapke.w.clone(), preset: None })
+            }
+            Photometry::Rpv(rpv) => Some(Model { shape: rpv.shape(constant)?, albedo: rpv.rho0.clone(), preset: None }),
         }
     }
 

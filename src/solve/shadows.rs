@@ -27,7 +27,12 @@ pub fn lit(scene: &Scene, watch: Watch<'_>) -> Result<FacetTable> {
     };
     let sources = scene.sky.sources().into_iter().map(lighting).collect::<Result<_>>()?;
     let temperature = || vec![0.0; if scene.models.thermal == Thermal::Off { 0 } else { facets }];
-    Ok(FacetTable { sources, temperature_lit_k: temperature(), temperature_shaded_k: temperature(), models: scene.models })
+    Ok(FacetTable {
+        sources,
+        temperature_lit_k: temperature(),
+        temperature_shaded_k: temperature(),
+        models: scene.models,
+    })
 }
 
 /// What of each facet a source sees.

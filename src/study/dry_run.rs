@@ -1,9 +1,9 @@
 //! What can be said about a simulation before it is run: what it will take, and what its user should know.
 
 use super::cost::{self, Workload};
+use super::extremes::Extremes;
 use super::plan::Plan;
 use super::summary::{self, Summary};
-use super::extremes::Extremes;
 use super::warnings::{self, MarsInView, Sight};
 use crate::scene::Scene;
 

@@ -112,7 +112,11 @@ impl Facing {
     }
 
     fn join(&mut self, other: &Facing) {
-        self.0.iter_mut().zip(&other.0).filter(|(_, other)| other.facets > 0).for_each(|(class, other)| class.join(other));
+        self.0
+            .iter_mut()
+            .zip(&other.0)
+            .filter(|(_, other)| other.facets > 0)
+            .for_each(|(class, other)| class.join(other));
     }
 }
 
@@ -212,8 +216,7 @@ fn sight(scene: &Setup, mars: &Option<MarsBound>, facet: usize, look: &Look) -> 
     let brightness = if cos_incidence > 0.0 { cos_incidence * gain(to_sun) } else { 0.0 };
     let (by_mars, of_mars) = mars.as_ref().map_or((0.0, 0.0), |mars| {
         let (most, of_mars) = mars.at(centroid_m, normal);
-        let towards =
-            || middle_above_horizon(normal, mars.centre_m - centroid_m, mars.radius_m).normalize_or_zero();
+        let towards = || middle_above_horizon(normal, mars.centre_m - centroid_m, mars.radius_m).normalize_or_zero();
         (if most > 0.0 { most * gain(towards()) } else { 0.0 }, of_mars)
     });
     Some(Sight { brightness, cos_incidence, by_mars, of_mars })

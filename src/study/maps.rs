@@ -4,9 +4,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::cost::has_room;
+use super::extremes::Extremes;
 use super::observation::{Observation, Put};
 use super::simulate::account_for;
-use super::extremes::Extremes;
 use super::warnings::enclosed;
 use super::{map_light, partly_sky};
 use crate::error::{Error, Location, Problem, Result, number};

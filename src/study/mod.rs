@@ -3,6 +3,7 @@
 mod cost;
 mod dry_run;
 mod effects;
+mod extremes;
 mod glimpse;
 mod map_light;
 mod maps;
@@ -12,7 +13,8 @@ mod plan;
 mod simulate;
 mod site;
 mod summary;
-mod extremes;
+
+mod surfaces;
 mod table_id;
 pub mod validate;
 mod warnings;
@@ -20,10 +22,14 @@ mod warnings;
 pub use cost::{WITHIN, has_room, memory_bytes, product_bytes};
 pub use dry_run::{DryRun, dry_run};
 pub use effects::{Bound, Decision, Effect};
+pub use extremes::Extremes;
 pub use maps::{Fill, MapAccount, MapEntry, MapOptions, RegistrationEntry, observe_maps, observe_maps_by_slabs};
 pub use observation::{Check, Counts, Observation, Put};
 pub use plan::{Choice, Plan, Request, TOLERANCE, plan};
 pub use simulate::{observe, observe_by_slabs, simulate};
 pub use summary::Summary;
-pub use extremes::Extremes;
+pub use surfaces::{
+    FactorEntry, NumberEntry, PhaseCurve, PresetEntry, REFERENCE_DEG, SurfaceEntry, surface_of_material,
+    surface_of_preset,
+};
 pub use table_id::table_id;

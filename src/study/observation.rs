@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::effects::Effect;
+use super::surfaces::SurfaceEntry;
 use crate::error::Result;
 use crate::product::{Backplanes, Cube, CubeAxes, Footprints, Slab};
 use crate::scene::Scene;
@@ -23,6 +24,8 @@ pub struct Observation<C = Cube> {
     pub checks: Vec<Check>,
     /// What the mesh is like.
     pub counts: Counts,
+    /// How its materials reflect.
+    pub surfaces: Vec<SurfaceEntry>,
     /// What a reader of the result should know, as sentences.
     pub warnings: Vec<String>,
 }
@@ -42,9 +45,9 @@ impl Observation<()> {
             Ok(())
         };
         let (made, more) = make(&mut put)?;
-        let Observation { cube: (), backplanes, footprints, effects, checks, counts, warnings } = made;
+        let Observation { cube: (), backplanes, footprints, effects, checks, counts, surfaces, warnings } = made;
         let cube = Cube::new(CubeAxes::of(&scene.exposure), slabs)?;
-        Ok((Observation { cube, backplanes, footprints, effects, checks, counts, warnings }, more))
+        Ok((Observation { cube, backplanes, footprints, effects, checks, counts, surfaces, warnings }, more))
     }
 }
 

@@ -166,12 +166,7 @@ fn thesis() -> Models {
 }
 
 /// Models with the effects that are wanted of those that there are.
-fn chosen(
-    scene: &Scene,
-    extremes: &Extremes,
-    tolerance: f64,
-    wants: impl Fn(&EffectKind, &Switch) -> bool,
-) -> Models {
+fn chosen(scene: &Scene, extremes: &Extremes, tolerance: f64, wants: impl Fn(&EffectKind, &Switch) -> bool) -> Models {
     let given = Given::new(scene, extremes, &extremes.sunlit);
     let switches = || ALL.iter().filter_map(|kind| Some((kind, kind.switch.as_ref()?)));
     let wanted: Vec<_> = switches().filter(|(kind, switch)| wants(kind, switch)).collect();

@@ -2,8 +2,9 @@
 
 use super::cost::has_room;
 use super::effects::{Given, effects, mars_seen};
-use super::observation::{Check, Counts, Observation, Put};
 use super::extremes::{Extremes, sunlit_places};
+use super::observation::{Check, Counts, Observation, Put};
+use super::surfaces::surfaces;
 use super::warnings;
 use crate::error::Result;
 use crate::geometry::polygon::area;
@@ -88,6 +89,7 @@ pub(super) fn account_for(
         .concat(),
         checks: checks(scene, table, extremes, &image),
         counts,
+        surfaces: if uses_sun { surfaces(scene, &site) } else { vec![] },
         cube: (),
         backplanes: image.backplanes,
         footprints: image.footprints,

@@ -118,7 +118,8 @@ fn a_host_polls_and_stops() {
             gauge.watch(progress)
         };
         let folder = ProductFolder::stage(&scratch.join("out"), false, ProductOptions::default())?;
-        let result = Subject::open(&scene, &watch).and_then(|subject| job::simulate(subject, &Request::default(), folder, run, &watch));
+        let result = Subject::open(&scene, &watch)
+            .and_then(|subject| job::simulate(subject, &Request::default(), folder, run, &watch));
         is_over.store(true, Relaxed);
         result.map(drop)
     });

@@ -58,6 +58,8 @@ mod partly_sky;
 mod photometry_files;
 mod photometry_heat;
 mod photometry_image;
+mod plans;
+mod presets;
 mod products;
 mod raster;
 mod raster_convert;

@@ -21,7 +21,7 @@ fn warm(shape: Shape, albedo: &Spectrum, [incidence, emission]: [f64; 2], bands_
     let view = camera([1000.0 * sin + 0.3, 0.1, 1000.0 * cos], [0.3, 0.1, 0.0], [0.1, 0.9, 0.2], 1, 1e-6);
     let (sin, cos) = incidence.to_radians().sin_cos();
     edited(&scene(plane(50.0, 0.0), view, [0.0, sin, cos]), |parts| {
-        let model = Model { shape, albedo: albedo.clone() };
+        let model = Model { shape, albedo: albedo.clone(), preset: None };
         let material = &mut parts.surface.materials[0];
         material.reflectance = model.hemispherical();
         material.emissivity = material.reflectance.map(|r| 1.0 - r);

@@ -34,7 +34,7 @@ fn phobos(h: HFormula) -> Shape {
 /// The scene with a model for its material.
 fn of_model(scene: &Scene, shape: Shape, albedo: Spectrum) -> Scene {
     edited(scene, |parts| {
-        let model = Model { shape, albedo };
+        let model = Model { shape, albedo, preset: None };
         let material = &mut parts.surface.materials[0];
         material.reflectance = model.hemispherical();
         material.emissivity = material.reflectance.map(|r| 1.0 - r);

@@ -371,7 +371,12 @@ fn facet_tables_come_back_bit_for_bit() {
     let scratch = Scratch::new();
     let path = scratch.join("table.npz");
     let sun = table().sources.remove(0);
-    let bare = FacetTable { sources: vec![sun], temperature_lit_k: vec![], temperature_shaded_k: vec![], ..FacetTable::default() };
+    let bare = FacetTable {
+        sources: vec![sun],
+        temperature_lit_k: vec![],
+        temperature_shaded_k: vec![],
+        ..FacetTable::default()
+    };
     for table in [table(), bare] {
         npz::write_table(&path, &table, "a scene \u{3bb}").unwrap();
         let (read, header) = npz::read_table(&path).unwrap();

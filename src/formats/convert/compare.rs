@@ -245,8 +245,9 @@ impl Lines {
         match (photometry, &b.photometry) {
             (Photometry::Lambert, Photometry::Lambert) => {}
             (Photometry::Model(a), Photometry::Model(b)) => {
-                let Model { shape, albedo } = a.as_ref();
+                let Model { shape, albedo, preset } = a.as_ref();
                 self.debugged(&format!("{at} photometry"), shape, &b.shape);
+                self.debugged(&format!("{at} preset"), preset, &b.preset);
                 self.spectra(&format!("{at} albedo"), albedo, &b.albedo);
             }
             (Photometry::Hapke(a), Photometry::Hapke(b)) => {

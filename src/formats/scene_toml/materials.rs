@@ -6,7 +6,7 @@ use crate::error::number;
 use crate::formats::mtl::ObjMaterial;
 use crate::geometry::MaterialId;
 use crate::physics::reflectance::albedo::Measure;
-use crate::physics::reflectance::{PhotometricAngles, Shape, kirchhoff_emissivity};
+use crate::physics::reflectance::{PhotometricAngles, Preset, Shape, kirchhoff_emissivity};
 use crate::physics::srgb::{hex_from_linear, linear_from_hex};
 use crate::scene::{Hapke, Material, Model, Photometry, Rpv, model_problems};
 use crate::spectral::{Extend, Spectrum, solar_mean, sunlight_share};
@@ -15,7 +15,9 @@ use super::super::located::member;
 use super::super::photometry_csv;
 use super::super::spectrum_csv::Quantity;
 use super::super::spelling;
-use super::types::{ExtendToml, HapkeToml, MaterialToml, MeasuredAtToml, MeasuredNameToml, MeasuredToml, RpvToml};
+use super::types::{
+    ExtendToml, HapkeToml, MaterialToml, MeasuredAtToml, MeasuredNameToml, MeasuredToml, PresetToml, RpvToml,
+};
 use super::{ROUNDED, TomlReader};
 
 /// The sum of numbers of three digits may exceed 1 by this much.
@@ -90,22 +92,31 @@ impl TomlReader<'_> {
             let message = format!("{name:?} is not a colour");
             self.helped(&item, message, "a colour is # and six hexadecimal digits, sRGB");
         }
-        if entry.reflectance.is_some() == entry.mixture.is_some() {
+        let (reflectance, mixture) = (entry.reflectance.is_some(), entry.mixture.is_some());
+        // A preset has a reflectance of its own.
+        if reflectance == mixture && (reflectance || entry.preset.is_none()) {
             self.problem(&item, "give either `reflectance` or `mixture`");
         }
         let models = entry.models();
         if let [first, second, ..] = models[..] {
             self.problem(&item, format!("give either `{first}` or `{second}`: a surface has one model"));
         }
+        let preset = entry.preset.map(PresetToml::preset);
+        if let (Some(preset), None) = (preset, &entry.mixture) {
+            self.model_of_preset(&item, entry, preset, &models);
+        }
+        let is_lambert = models.is_empty() && preset.is_none_or(|preset| preset.known().shape.is_none());
         let Some(mixture) = &entry.mixture else {
-            if let (Some(_), []) = (&entry.measured, &models[..]) {
+            if entry.measured.is_some() && is_lambert {
                 let message =
                     "says nothing of a Lambert surface, which has one reflectance: leave it out, or give a model";
                 self.problem(&member(&item, "measured"), message);
             }
             return vec![];
         };
-        for key in models.iter().chain(entry.measured.iter().map(|_| &"measured")) {
+        let more = [("measured", entry.measured.is_some()), ("preset", preset.is_some())];
+        let more = more.iter().filter(|(_, is_given)| *is_given).map(|(key, _)| key);
+        for key in models.iter().chain(more) {
             self.problem(&member(&item, key), "a mixture has no parameters of its own: they are those of its parts");
         }
         // From 0.0: the sum of nothing is -0.
@@ -141,6 +152,35 @@ impl TomlReader<'_> {
         parts
     }
 
+    /// Says what of an entry does not fit its preset.
+    fn model_of_preset(&mut self, item: &str, entry: &MaterialToml, preset: Preset, models: &[&str]) {
+        let own = preset.known().shape.map(|shape| shape.key());
+        for key in models.iter().filter(|key| Some(**key) != own) {
+            let its = own.map_or("Lambert's surface".to_owned(), |own| format!("a `{own}` surface"));
+            self.problem(&member(item, key), format!("the preset `{}` is {its}, not a `{key}` one", preset.name()));
+        }
+        if own == Some("hapke") && entry.hapke.as_ref().and_then(HapkeToml::file).is_some() {
+            let message =
+                "a table has all numbers, so that none is the preset's: leave out `preset`, or give single numbers";
+            self.problem(&member(item, "hapke"), message);
+        }
+        if entry.measured.is_some() && own.is_some() && entry.reflectance.is_none() {
+            let message = "says nothing without a `reflectance`: the albedo is the preset's own";
+            self.problem(&member(item, "measured"), message);
+        }
+    }
+
+    /// The albedo of a preset, where no reflectance is given.
+    fn albedo_of_preset(&mut self, item: &str, preset: Preset) -> Spectrum {
+        let known = preset.known();
+        let at =
+            known.wavelength_um.map_or(String::new(), |um| format!(", known at {um} um and taken for all wavelengths"));
+        let what = if known.shape.is_some() { "the albedo" } else { "the reflectance" };
+        let value = known.albedo.value;
+        self.stated(&member(item, "reflectance"), format!("{value}: {what} of the preset `{}`{at}", preset.name()));
+        Spectrum::constant(value)
+    }
+
     fn material(
         &mut self,
         i: usize,
@@ -169,6 +209,9 @@ impl TomlReader<'_> {
         let reflectance = match &entry.reflectance {
             Some(values) => {
                 self.fraction_spectrum(&member(&item, "reflectance"), values, Quantity::Reflectance, extend)
+            }
+            None if let (Some(preset), []) = (entry.preset, &mixed[..]) => {
+                Some(self.albedo_of_preset(&item, preset.preset()))
             }
             None => {
                 let parts: Vec<(f64, &Spectrum)> = mixed.iter().map(|(share, m)| (*share, &m.reflectance)).collect();
@@ -258,10 +301,17 @@ impl TomlReader<'_> {
                 let columns = self.parameters(&member(item, "rpv"), name, Rpv::NAMES, extend)?;
                 Some(Photometry::Rpv(Box::new(columns.into())))
             }
-            _ => match entry.shape() {
-                None => Some(Photometry::Lambert),
-                Some((key, shape)) => self.model(item, key, shape, entry.measured.as_ref(), reflectance),
-            },
+            _ => {
+                let base = entry.preset.and_then(|preset| preset.preset().known().shape);
+                for key in entry.missing(base.as_ref()) {
+                    let at = key.split('.').fold(member(item, "hapke"), |at, name| member(&at, name));
+                    self.problem(&at, "is not given, and there is no preset that has it");
+                }
+                match entry.shape(base.as_ref()) {
+                    None => Some(Photometry::Lambert),
+                    Some((key, shape)) => self.model(item, key, shape, entry, reflectance),
+                }
+            }
         }
     }
 
@@ -271,7 +321,7 @@ impl TomlReader<'_> {
         item: &str,
         key: &str,
         shape: Shape,
-        measured: Option<&MeasuredToml>,
+        entry: &MaterialToml,
         reflectance: Option<&Spectrum>,
     ) -> Option<Photometry> {
         let wrong = model_problems(&shape);
@@ -280,7 +330,9 @@ impl TomlReader<'_> {
             self.problem(&at, message);
         }
         let at = member(item, "measured");
-        let measure = match measured {
+        let measure = match &entry.measured {
+            // The albedo of a preset is one.
+            None if entry.reflectance.is_none() => Some(None),
             None => {
                 self.stated(&at, "hemispherical");
                 Some(Some(Measure::Spherical))
@@ -295,10 +347,11 @@ impl TomlReader<'_> {
         let (measure, reflectance) = (measure?, reflectance.filter(|_| wrong.is_empty())?);
         let model = match measure {
             Some(measure) => Model::measured(shape, reflectance, &measure),
-            None => Ok(Model { shape, albedo: reflectance.clone() }),
+            None => Ok(Model { shape, albedo: reflectance.clone(), preset: None }),
         };
+        let preset = entry.preset.map(PresetToml::preset);
         match model {
-            Ok(model) => Some(Photometry::Model(Box::new(model))),
+            Ok(model) => Some(Photometry::Model(Box::new(Model { preset, ..model }))),
             Err(error) => {
                 self.problem(&member(item, "reflectance"), error.to_string());
                 None

@@ -1,11 +1,11 @@
 //! Reflectance models as a scene file has them.
 
 use crate::physics::reflectance::hapke::{HFormula, Parameters, Roughness, Surge};
-use crate::physics::reflectance::{Partition, PhaseCurve, PhaseFunction, Shape};
+use crate::physics::reflectance::{Partition, PhaseCurve, PhaseFunction, Preset, Shape};
 
 use super::super::number::exact;
 use super::types::{
-    HFormulaToml, HapkeNumbersToml, HapkeToml, MaterialToml, PhaseCurveToml, RpvToml, ShareToml, SurgeToml,
+    HFormulaToml, HapkeNumbersToml, HapkeToml, MaterialToml, PhaseCurveToml, PresetToml, RpvToml, ShareToml, SurgeToml,
 };
 
 impl HapkeToml {
@@ -19,6 +19,19 @@ impl RpvToml {
     /// Path of the table.
     pub(super) fn file(&self) -> Option<&str> {
         if let RpvToml::File(name) = self { Some(name) } else { None }
+    }
+}
+
+impl PresetToml {
+    /// What it names.
+    pub(super) fn preset(self) -> Preset {
+        match self {
+            PresetToml::PhobosAssumed => Preset::PhobosAssumed,
+            PresetToml::DeimosAssumed => Preset::DeimosAssumed,
+            PresetToml::Moon => Preset::Moon,
+            PresetToml::Mars => Preset::Mars,
+            PresetToml::Thesis => Preset::Thesis,
+        }
     }
 }
 
@@ -36,10 +49,13 @@ impl MaterialToml {
         all.into_iter().filter(|(_, given)| *given).map(|(key, _)| key).collect()
     }
 
-    /// The first model by numbers, with its key.
-    pub(super) fn shape(&self) -> Option<(&'static str, Shape)> {
+    /// The first model by numbers, with its key; what it does not say is that of `base`, the model of a preset.
+    pub(super) fn shape(&self, base: Option<&Shape>) -> Option<(&'static str, Shape)> {
         if let Some(model) = &self.lommel_seeliger {
-            return Some(("lommel_seeliger", Shape::LommelSeeliger(phase_function(model.b, model.c))));
+            return Some((
+                "lommel_seeliger",
+                Shape::LommelSeeliger(phase_function(model.b, model.c, PhaseFunction::Isotropic)),
+            ));
         }
         if let Some(model) = &self.lunar_lambert {
             let partition = match &model.share {
@@ -56,17 +72,41 @@ impl MaterialToml {
             return Some(("akimov", Shape::Akimov(phase_curve(model.phase.as_ref()))));
         }
         if let Some(HapkeToml::Given(model)) = &self.hapke {
-            return Some(("hapke", Shape::Hapke(hapke(model))));
+            let base = if let Some(Shape::Hapke(base)) = base { base } else { &Parameters::PLAIN };
+            return Some(("hapke", Shape::Hapke(hapke(model, base))));
         }
         if let Some(RpvToml::Given(model)) = &self.rpv {
             return Some(("rpv", Shape::Rpv { exponent: model.k, asymmetry: model.g, hot_spot: model.h }));
         }
-        None
+        base.map(|base| (base.key(), *base))
+    }
+
+    /// The numbers of surges that are given in half, and that no preset has.
+    pub(super) fn missing(&self, base: Option<&Shape>) -> Vec<&'static str> {
+        let Some(HapkeToml::Given(model)) = &self.hapke else { return vec![] };
+        let base = if let Some(Shape::Hapke(base)) = base { base } else { &Parameters::PLAIN };
+        let mut missing = Vec::new();
+        for (keys, given, of_base) in [
+            (["shadow_hiding.amplitude", "shadow_hiding.width"], &model.shadow_hiding, base.shadow_hiding),
+            (["coherent.amplitude", "coherent.width"], &model.coherent, base.coherent),
+        ] {
+            if let Some(surge) = given.as_ref().filter(|_| of_base == Surge::NONE) {
+                let is_missing = [surge.amplitude.is_none(), surge.width.is_none()];
+                missing
+                    .extend(keys.into_iter().zip(is_missing).filter(|(_, is_missing)| *is_missing).map(|(key, _)| key));
+            }
+        }
+        missing
     }
 }
 
-fn phase_function(b: Option<f64>, c: Option<f64>) -> PhaseFunction {
-    match (b, c) {
+fn phase_function(b: Option<f64>, c: Option<f64>, base: PhaseFunction) -> PhaseFunction {
+    let of_base = match base {
+        PhaseFunction::HenyeyGreenstein { b } => (Some(b), None),
+        PhaseFunction::TwoTerms { b, c } => (Some(b), Some(c)),
+        PhaseFunction::Isotropic | PhaseFunction::Legendre { .. } => (None, None),
+    };
+    match (b.or(of_base.0), c.or(of_base.1)) {
         (None, None) => PhaseFunction::Isotropic,
         (Some(b), None) => PhaseFunction::HenyeyGreenstein { b },
         (b, Some(c)) => PhaseFunction::TwoTerms { b: b.unwrap_or(0.0), c },
@@ -78,30 +118,50 @@ fn phase_curve(curve: Option<&PhaseCurveToml>) -> PhaseCurve {
     PhaseCurve { beta: of(|c| c.beta), gamma: of(|c| c.gamma), delta: of(|c| c.delta) }
 }
 
-fn hapke(model: &HapkeNumbersToml) -> Parameters {
-    let surge = |surge: Option<&SurgeToml>| match surge {
-        Some(&SurgeToml { amplitude, width }) => Surge { amplitude, width },
-        None => Surge::NONE,
+fn hapke(model: &HapkeNumbersToml, base: &Parameters) -> Parameters {
+    let surge = |surge: Option<&SurgeToml>, base: Surge| match surge {
+        Some(&SurgeToml { amplitude, width }) => {
+            Surge { amplitude: amplitude.unwrap_or(base.amplitude), width: width.unwrap_or(base.width) }
+        }
+        None => base,
     };
     Parameters {
-        phase: phase_function(model.b, model.c),
-        shadow_hiding: surge(model.shadow_hiding.as_ref()),
-        coherent: surge(model.coherent.as_ref()),
+        phase: phase_function(model.b, model.c, base.phase),
+        shadow_hiding: surge(model.shadow_hiding.as_ref(), base.shadow_hiding),
+        coherent: surge(model.coherent.as_ref(), base.coherent),
         roughness: match model.mean_slope_deg {
             Some(mean_slope_deg) => Roughness::of_mean_slope(mean_slope_deg.to_radians()),
-            None => Roughness::SMOOTH,
+            None => base.roughness,
         },
-        porosity_factor: model.porosity_factor.unwrap_or(1.0),
+        porosity_factor: model.porosity_factor.unwrap_or(base.porosity_factor),
         h: match model.h {
-            None | Some(HFormulaToml::Exact) => HFormula::Exact,
+            None => base.h,
+            Some(HFormulaToml::Exact) => HFormula::Exact,
             Some(HFormulaToml::Hapke1981) => HFormula::Hapke1981,
             Some(HFormulaToml::Hapke2002) => HFormula::Hapke2002,
         },
     }
 }
 
-/// A model's parameters as an inline table.
-pub(super) fn text(shape: &Shape) -> String {
+/// The preset to name beside a model, with its own model, if its numbers can be replaced by those of the model.
+pub(super) fn base(shape: &Shape, preset: Option<Preset>) -> (Option<Preset>, Option<Shape>) {
+    let base = preset.and_then(|preset| preset.known().shape);
+    let is_replaceable = match (shape, &base) {
+        (Shape::Hapke(own), Some(Shape::Hapke(base))) => {
+            matches!(
+                (own.phase, base.phase),
+                (PhaseFunction::HenyeyGreenstein { .. }, PhaseFunction::HenyeyGreenstein { .. })
+                    | (PhaseFunction::TwoTerms { .. }, _)
+            )
+        }
+        (Shape::Minnaert(_), Some(Shape::Minnaert(_))) => true,
+        _ => false,
+    };
+    if is_replaceable { (preset, base) } else { (None, None) }
+}
+
+/// A model's parameters as an inline table; of Hapke's those that are not `base`'s, the ones of a preset or else the plain ones.
+pub(super) fn text(shape: &Shape, base: Option<&Shape>) -> String {
     let keys = match *shape {
         Shape::LommelSeeliger(phase) => phase_keys(&phase),
         Shape::LunarLambert(curve, partition) => {
@@ -116,7 +176,10 @@ pub(super) fn text(shape: &Shape) -> String {
         }
         Shape::Minnaert(exponent) => vec![format!("exponent = {exponent:?}")],
         Shape::Akimov(curve) => curve_keys(&curve),
-        Shape::Hapke(parameters) => hapke_keys(&parameters),
+        Shape::Hapke(parameters) => {
+            let base = if let Some(Shape::Hapke(base)) = base { base } else { &Parameters::PLAIN };
+            hapke_keys(&parameters, base)
+        }
         Shape::Rpv { exponent, asymmetry, hot_spot } => {
             vec![format!("k = {exponent:?}"), format!("g = {asymmetry:?}"), format!("h = {hot_spot:?}")]
         }
@@ -141,26 +204,32 @@ fn curve_keys(curve: &PhaseCurve) -> Vec<String> {
     }
 }
 
-fn hapke_keys(parameters: &Parameters) -> Vec<String> {
-    let mut keys = phase_keys(&parameters.phase);
-    for (key, surge) in [("shadow_hiding", parameters.shadow_hiding), ("coherent", parameters.coherent)] {
-        if surge != Surge::NONE {
+fn hapke_keys(parameters: &Parameters, base: &Parameters) -> Vec<String> {
+    let mut keys = if parameters.phase == base.phase { vec![] } else { phase_keys(&parameters.phase) };
+    for (key, surge, of_base) in [
+        ("shadow_hiding", parameters.shadow_hiding, base.shadow_hiding),
+        ("coherent", parameters.coherent, base.coherent),
+    ] {
+        if surge != of_base {
             keys.push(format!("{key} = {{ amplitude = {:?}, width = {:?} }}", surge.amplitude, surge.width));
         }
     }
-    if parameters.roughness != Roughness::SMOOTH {
+    if parameters.roughness != base.roughness {
         let slope_deg = parameters.roughness.mean_slope_rad().to_degrees();
         let is_other =
             |deg: f64| f64::from(u8::from(Roughness::of_mean_slope(deg.to_radians()) != parameters.roughness));
         keys.push(format!("mean_slope_deg = {:?}", exact(slope_deg, is_other, 0.0)));
     }
-    if parameters.porosity_factor != 1.0 {
+    if parameters.porosity_factor != base.porosity_factor {
         keys.push(format!("porosity_factor = {:?}", parameters.porosity_factor));
     }
-    match parameters.h {
-        HFormula::Exact => {}
-        HFormula::Hapke1981 => keys.push("h = \"hapke1981\"".into()),
-        HFormula::Hapke2002 => keys.push("h = \"hapke2002\"".into()),
+    if parameters.h != base.h {
+        let name = match parameters.h {
+            HFormula::Exact => "exact",
+            HFormula::Hapke1981 => "hapke1981",
+            HFormula::Hapke2002 => "hapke2002",
+        };
+        keys.push(format!("h = {name:?}"));
     }
     keys
 }

@@ -108,8 +108,10 @@ pub(crate) struct GivenPose {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct MaterialToml {
-    /// Reflectance, 0 to 1: a number, or the path of a CSV table. The surface is Lambert unless one of the models below is given.
+    /// Reflectance, 0 to 1: a number, or the path of a CSV table. The surface is Lambert unless one of the models below, or a preset, is given.
     pub(crate) reflectance: Option<Values>,
+    /// A surface by name: its model and numbers, of which those given below replace single ones, and without a `reflectance` its albedo.
+    pub(crate) preset: Option<PresetToml>,
     /// How the reflectance was measured; a model has the albedo that gives it. Default "hemispherical".
     pub(crate) measured: Option<MeasuredToml>,
     /// Lommel and Seeliger's model of dark particles; its albedo is that of single scattering.
@@ -136,6 +138,22 @@ pub(crate) struct MaterialToml {
     pub(crate) emissivity_bolometric: Option<f64>,
     /// Variation of reflectance inside facets. Heat does not see it.
     pub(crate) texture: Option<TextureToml>,
+}
+
+/// Surfaces with a name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum PresetToml {
+    /// Phobos in green light: Hapke's model, w, B0 and h of Fornasier et al. (2024), b and mean slope assumed.
+    PhobosAssumed,
+    /// Deimos in green light: Hapke's model, w, B0 and h of Wargnier et al. (2025), b and mean slope assumed.
+    DeimosAssumed,
+    /// The Moon in red light: Hapke's model, typical numbers.
+    Moon,
+    /// Mars in red light: Minnaert's model, assumed.
+    Mars,
+    /// Phobos as Domagala (2020) has it: Lambert's surface, 0.07.
+    Thesis,
 }
 
 /// How a reflectance was measured.
@@ -282,10 +300,10 @@ pub(crate) struct HapkeNumbersToml {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SurgeToml {
-    /// Height B0, from 0.
-    pub(crate) amplitude: f64,
-    /// Width h, above 0.
-    pub(crate) width: f64,
+    /// Height B0, from 0. May be left out where a preset has one.
+    pub(crate) amplitude: Option<f64>,
+    /// Width h, above 0. May be left out where a preset has one.
+    pub(crate) width: Option<f64>,
 }
 
 /// H functions.

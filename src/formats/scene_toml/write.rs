@@ -23,7 +23,7 @@ use crate::formats::{obj, photometry_csv, response_csv};
 use crate::geometry::FrameCamera;
 use crate::physics::srgb::linear_from_hex;
 use crate::report::{Fate, Report};
-use crate::scene::{MARS_ALBEDO, MarsModel, Material, Scene, Thermal};
+use crate::scene::{MARS_ALBEDO, MarsModel, Material, Model, Scene, Thermal};
 use crate::spectral::{Band, Extend, Response, Spectrum, SunTotal, solar_e490, solar_mean};
 use crate::units::{AU_M, MARS_RADIUS_M};
 
@@ -311,8 +311,11 @@ impl Writer<'_> {
                 let reflectance = model.map_or(&material.reflectance, |model| &model.albedo);
                 let values = self.values(&file("reflectance"), "reflectance", reflectance)?;
                 _ = writeln!(text, "reflectance = {values}");
-                if let (Some(model), Some(key)) = (model, material.photometry.key()) {
-                    _ = writeln!(text, "measured = \"albedo\"\n{key} = {}", shapes::text(&model.shape));
+                if let Some(Model { shape, preset, .. }) = model {
+                    let (preset, base) = shapes::base(shape, *preset);
+                    preset.inspect(|preset| _ = writeln!(text, "preset = {:?}", preset.name()));
+                    let (key, numbers) = (shape.key(), shapes::text(shape, base.as_ref()));
+                    _ = writeln!(text, "measured = \"albedo\"\n{key} = {numbers}");
                 }
                 tables.extend(Some(reflectance).filter(|s| constant(s).is_none()));
             }

@@ -48,6 +48,18 @@ impl Shape {
         }
     }
 
+    /// The model's name, as a scene file has it.
+    pub fn key(&self) -> &'static str {
+        match self {
+            Shape::LommelSeeliger(_) => "lommel_seeliger",
+            Shape::LunarLambert(..) => "lunar_lambert",
+            Shape::Minnaert(_) => "minnaert",
+            Shape::Akimov(_) => "akimov",
+            Shape::Hapke(_) => "hapke",
+            Shape::Rpv { .. } => "rpv",
+        }
+    }
+
     /// The largest albedo there is.
     pub fn most(&self) -> f64 {
         if matches!(self, Shape::LommelSeeliger(_) | Shape::Hapke(_)) { 1.0 } else { f64::INFINITY }

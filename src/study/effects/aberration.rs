@@ -18,10 +18,10 @@ pub(super) const KIND: EffectKind = EffectKind {
 fn find(given: &Given) -> Finding {
     let (ray_m, pixel_m) = (given.longest_ray_m(), given.pixel_m());
     // Of irradiance; and of shadows' edges. Emission follows irradiance by a power that makes it 2 at most, up to 20 um.
-    let share = 2.0 * ABERRATION_RAD * (1.0 + ray_m / pixel_m);
+    let width_px = 2.0 * ABERRATION_RAD * (1.0 + ray_m / pixel_m);
     Finding {
         missing: Some("directions and distances are taken as given".into()),
-        bound: given.error_of_edges(share),
+        bound: given.error_of_edges(width_px),
         note: "apparent ones of one instant need nothing more".into(),
         because: format!(
             "geometric directions are off by up to 1e-4 rad, a sixtieth of the Sun's disc: the edges of shadows, at most {ray_m:.0} m from \

@@ -23,13 +23,11 @@ fn find(given: &Given) -> Finding {
         because: because.into(),
         ..Finding::default()
     };
-    let all = || given.error_of_edges(1.0);
+    let all = || given.error_of_all();
     match by_mars(given.scene) {
         None => found(Some("no Mars in the scene"), None, "not known without a Mars"),
         Some(Eclipse::None) => found(None, Some(Bound::NOTHING), "Mars is not in front of the Sun"),
-        Some(Eclipse::Partial) => {
-            found(None, all(), "Mars covers part of the Sun's disc: the site has less sunlight")
-        }
+        Some(Eclipse::Partial) => found(None, all(), "Mars covers part of the Sun's disc: the site has less sunlight"),
         Some(Eclipse::Total) => found(None, all(), "Mars covers the Sun: the site has no sunlight"),
     }
 }

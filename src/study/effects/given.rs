@@ -5,7 +5,7 @@ use crate::physics::reflectance::Lambert;
 use crate::physics::{blackbody, heat};
 use crate::scene::{Material, Setup, Thermal};
 use crate::spectral::Light;
-use crate::study::extremes::{Class, Place, Extremes};
+use crate::study::extremes::{Class, Extremes, Place};
 use crate::units::{MARS_RADIUS_M, PHOBOS_ORBIT_M};
 
 /// The least radiance that an error is relative to, over the band's median sunlit radiance.
@@ -64,7 +64,8 @@ impl<'a> Given<'a> {
         scene.body.mesh.material.iter().for_each(|m| used[m.0 as usize] = true);
         let materials: Vec<_> = all.filter(|(i, _)| used[*i]).collect();
         let mut given = Given { scene, extremes, noon_k: 0.0, wavelengths: vec![], least: vec![], materials };
-        let noon_k = |(_, m): &(usize, &Material)| given.temperature_k(m, 1.0, given.most_from_mars() + given.most_around());
+        let noon_k =
+            |(_, m): &(usize, &Material)| given.temperature_k(m, 1.0, given.most_from_mars() + given.most_around());
         given.noon_k = given.materials.iter().map(noon_k).fold(0.0, f64::max);
         let at = |(um, light)| {
             let mut at = Wavelength { um, light, white: white_radiance(scene, um), median: 0.0 };
@@ -158,15 +159,19 @@ impl<'a> Given<'a> {
         (most.lit.is_finite() && most.shadow.is_finite()).then_some(most)
     }
 
-    /// The largest error if the light of facets that the Sun lights changes by this share: at the edges of shadows, in pixels that are sunlit for the
-    /// most part at most twice that.
-    pub(super) fn error_of_edges(&self, share: f64) -> Option<Bound> {
-        let share = share.min(1.0);
-        let of = |at: &Wavelength, material: &Material, class: &Class, _| {
-            share * self.sent(at, material, class.most_brightness, class.most_cos_incidence)
-        };
-        let shadow = self.error(of)?.shadow;
-        Some(Bound { lit: (2.0 * share).min(shadow), shadow })
+    /// The largest error if edges of shadows move by this many pixels, square to the light: on a slope they move farther, by 1 / cos i.
+    pub(super) fn error_of_edges(&self, width_px: f64) -> Option<Bound> {
+        self.error(|at, material, class, side| {
+            let share = (width_px / class.least_cos_incidence).min(1.0);
+            let change = share * self.sent(at, material, class.most_brightness, class.most_cos_incidence);
+            // Half of such a pixel, or more, is lit all the same.
+            if side == Side::Sun { 2.0 * change } else { change }
+        })
+    }
+
+    /// The error if any light may be missing.
+    pub(super) fn error_of_all(&self) -> Option<Bound> {
+        self.error_of_edges(f64::INFINITY)
     }
 
     /// Longest way, m, from what casts a shadow to where it falls.

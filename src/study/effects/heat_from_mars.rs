@@ -36,10 +36,14 @@ fn find(given: &Given) -> Finding {
         because,
     };
     match given.scene.models.thermal {
-        Thermal::Equilibrium if has_mars => {
-            found(true, None, "sunlight that Mars reflects, and its mean thermal exitance on day and night side alike, which is an input")
+        Thermal::Equilibrium if has_mars => found(
+            true,
+            None,
+            "sunlight that Mars reflects, and its mean thermal exitance on day and night side alike, which is an input",
+        ),
+        Thermal::Equilibrium => {
+            found(false, Some("no Mars in the scene"), "the bound is that of a full Mars over Phobos")
         }
-        Thermal::Equilibrium => found(false, Some("no Mars in the scene"), "the bound is that of a full Mars over Phobos"),
         _ => found(false, None, "no heat balance"),
     }
 }

@@ -56,7 +56,7 @@ fn find(given: &Given) -> Finding {
             bound.map(|bound| bound.times(8.0)),
             "Domagala (2020), equations (4) to (8) as printed: no phase, no horizon; 2.4 times the light of a full Lambert sphere",
         ),
-        Some(MarsModel::Off) => found(false, None, None, "Mars reflects nothing"),
+        Some(MarsModel::Off) => found(false, None, None, "off: Mars reflects no light"),
         None => found(false, Some("no Mars in the scene"), None, "it is the main light in shadows that face Mars"),
     }
 }

@@ -18,8 +18,10 @@ fn find(given: &Given) -> Finding {
     let camera_m = given.scene.exposure.camera.centre_m();
     let phase_deg = angle_rad(camera_m, given.scene.sky.sun.direction.vec()).to_degrees();
     let materials = given.materials.iter().map(|(_, material)| material);
-    let lambert: Vec<&str> =
-        materials.filter(|material| material.photometry.key().is_none()).map(|material| material.name.as_str()).collect();
+    let lambert: Vec<&str> = materials
+        .filter(|material| material.photometry.key().is_none())
+        .map(|material| material.name.as_str())
+        .collect();
     if lambert.is_empty() {
         return Finding {
             modelled: true,

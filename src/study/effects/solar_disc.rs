@@ -29,7 +29,9 @@ fn find(given: &Given) -> Finding {
         missing: Some("the Sun is a point".into()),
         bound: edge.zip(slope).map(|(edge, slope)| edge.and(&slope)),
         note: "only pixels that a shadow's edge crosses change, and slopes along the rays".into(),
-        because: format!("with the edge's cause at most {ray_m:.0} m away, penumbrae are up to {wide_px:.2} pixels wide, square to the light"),
+        because: format!(
+            "with the edge's cause at most {ray_m:.0} m away, penumbrae are up to {wide_px:.2} pixels wide, square to the light"
+        ),
         ..Finding::default()
     }
 }

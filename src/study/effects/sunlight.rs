@@ -19,7 +19,7 @@ pub(super) const KIND: EffectKind = EffectKind {
 fn find(given: &Given) -> Finding {
     Finding {
         modelled: true,
-        bound: given.error_of_edges(1.0),
+        bound: given.error_of_all(),
         remaining: Some(Bound { lit: ROUNDING, shadow: ROUNDING }),
         note: "exact shadows and areas of plane facets. The spectrum is an input: E490 is uncertain by 1 to 3 % below 2 um, 3 to 5 % above 2.5 um"
             .into(),

@@ -44,8 +44,10 @@ fn find(given: &Given) -> Finding {
         ..Finding::default()
     };
     match given.scene.models.thermal {
-        Thermal::Off => found(false, None, "nothing is emitted"),
-        Thermal::Thesis => found(true, bound, "Domagala (2020), equation (9): 150 to 330 K at any distance from the Sun"),
+        Thermal::Off => found(false, None, "off: nothing emits heat"),
+        Thermal::Thesis => {
+            found(true, bound, "Domagala (2020), equation (9): 150 to 330 K at any distance from the Sun")
+        }
         Thermal::Equilibrium => {
             let ends = [given.noon_k, 0.5 * given.noon_k];
             let least_um = given.wavelengths.iter().filter(|at| at.light.glows()).map(|at| at.um);
@@ -53,7 +55,11 @@ fn find(given: &Given) -> Finding {
             // Relative to the emission itself, which is large only where this is small.
             let share = ends.map(|t_k| interpolation_error(least_um, t_k).min(1.0))[0];
             let remaining = Bound { lit: share, shadow: share };
-            found(true, Some(remaining), "each facet in equilibrium with what it absorbs, its lit and shaded parts separately")
+            found(
+                true,
+                Some(remaining),
+                "each facet in equilibrium with what it absorbs, its lit and shaded parts separately",
+            )
         }
     }
 }

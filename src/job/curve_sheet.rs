@@ -1,4 +1,4 @@
-//! A spectrum to look at, of a pixel or of the Sun: as a table and as a drawing.
+//! Curves to look at, as a table and as a drawing: the spectrum of a pixel or of the Sun, the phase curve of a surface.
 
 use std::path::{Path, PathBuf};
 
@@ -7,13 +7,14 @@ use crate::formats::folder::Staged;
 use crate::formats::pixel::PixelValues;
 use crate::formats::{product_folder, spectrum_svg};
 use crate::spectral::solar_e490;
+use crate::study::PhaseCurve;
 
 /// Of the Sun's spectrum what lies beyond, um, is too dim to be seen in a drawing.
 const DRAWN_TO_UM: f64 = 4.0;
 
-/// A spectrum as a table and as a drawing.
+/// Curves as a table and as a drawing.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct SpectrumSheet {
+pub struct CurveSheet {
     /// The table, as CSV.
     pub csv: String,
     /// The drawing, as SVG.
@@ -22,13 +23,13 @@ pub struct SpectrumSheet {
     folder: Option<PathBuf>,
 }
 
-impl SpectrumSheet {
+impl CurveSheet {
     /// Of a pixel of this product folder.
     pub fn of_pixel(folder: &Path, pixel: &PixelValues) -> Self {
         let title = format!("{}, sample {}, line {}", folder.display(), pixel.sample, pixel.line);
         let (um, curves) = pixel.curves();
         let svg = spectrum_svg::draw(&title, "um", "radiance, W m-2 sr-1 um-1", &um, &curves);
-        SpectrumSheet { csv: pixel.csv(), svg, folder: Some(folder.to_owned()) }
+        CurveSheet { csv: pixel.csv(), svg, folder: Some(folder.to_owned()) }
     }
 
     /// Of the built-in spectrum of the Sun.
@@ -39,7 +40,31 @@ impl SpectrumSheet {
         let shown = um.partition_point(|um| *um <= DRAWN_TO_UM);
         let curves = [("E490", irradiance[..shown].to_vec())];
         let svg = spectrum_svg::draw("The Sun at 1 au, ASTM E490-00a", "um", "W m-2 um-1", &um[..shown], &curves);
-        SpectrumSheet { csv, svg, folder: None }
+        CurveSheet { csv, svg, folder: None }
+    }
+
+    /// Of a surface: brightness of a sphere of it over phase angles.
+    pub fn of_surface(name: &str, curve: &PhaseCurve) -> Self {
+        let mut csv =
+            format!("# disc-integrated brightness of a sphere of {name} over that of a white Lambert disc\nphase_deg");
+        curve.columns.iter().for_each(|(name, _)| csv.push_str(&format!(",{}", name.replace(' ', "_"))));
+        csv.push('\n');
+        for (i, phase_deg) in curve.phase_deg.iter().enumerate() {
+            csv.push_str(&phase_deg.to_string());
+            curve.columns.iter().for_each(|(_, values)| csv.push_str(&format!(",{}", values[i])));
+            csv.push('\n');
+        }
+        let curves: Vec<(&str, Vec<f64>)> =
+            curve.columns.iter().map(|(name, values)| (name.as_str(), values.clone())).collect();
+        let title = format!("A sphere of {name}");
+        let svg = spectrum_svg::draw(
+            &title,
+            "phase angle, deg",
+            "geometric albedo x phase function",
+            &curve.phase_deg,
+            &curves,
+        );
+        CurveSheet { csv, svg, folder: None }
     }
 
     /// Writes the table, the drawing, or both.
@@ -49,7 +74,7 @@ impl SpectrumSheet {
     /// [`Staged::file`]; [`Error::Io`].
     pub fn write(&self, csv: Option<&Path>, svg: Option<&Path>, replace: bool) -> Result<()> {
         if let Some(svg) = svg.filter(|path| path.extension().is_none_or(|e| e != "svg")) {
-            let message = "a spectrum is drawn as SVG: give it a name that ends in .svg";
+            let message = "curves are drawn as SVG: give it a name that ends in .svg";
             return Err(Error::invalid(Location::file(svg), message));
         }
         let inputs: Vec<PathBuf> = match &self.folder {

@@ -1,0 +1,175 @@
+//! A plan drops no more than its tolerance allows: bounds hold on random scenes, and are worth something.
+
+use glam::DVec3;
+use mmxrt::physics::reflectance::Preset;
+use mmxrt::physics::reflectance::albedo::Measure;
+use mmxrt::progress::unwatched;
+use mmxrt::scene::{Model, Photometry, Scene, SceneParts, Thermal};
+use mmxrt::spectral::{Band, Extend, Spectrum, solar_e490};
+use mmxrt::study::{self, Choice, Decision, Effect, Extremes, Observation, Plan, Request};
+use mmxrt::units::AU_M;
+
+use crate::scenes::{self, lambert};
+use crate::shapes::*;
+
+/// A site of two materials: relief, sometimes with a boulder, under a random Sun and Mars, in random bands.
+fn random_scene(seed: u64) -> SceneParts {
+    let mut random = Random(seed);
+    let mut uniform = |from: f64, to: f64| from + (to - from) * random.share();
+    let steep = uniform(0.0, 0.6);
+    let waves: Vec<[f64; 4]> =
+        (0..5).map(|_| [uniform(-0.4, 0.4), uniform(-0.4, 0.4), uniform(0.0, 6.3), uniform(0.0, 1.0)]).collect();
+    let height = |x: f64, y: f64| -> f64 {
+        let wave = |[a, b, phase, amplitude]: &[f64; 4]| amplitude * (a * x + b * y + phase).sin() / a.hypot(*b);
+        steep * waves.iter().map(wave).sum::<f64>() / 5.0
+    };
+    let ground = grid(50.0, 26, height);
+    let mesh = match uniform(0.0, 1.0) < 0.4 {
+        true => joined(&[ground, of_material(sphere([5.0, -3.0, height(5.0, -3.0)], uniform(2.0, 9.0), 8), 1)]),
+        false => ground,
+    };
+    let towards = sun(uniform(0.0, 88.0), uniform(0.0, 360.0));
+    let (from, at) = ([uniform(-6e3, 6e3), uniform(-6e3, 6e3), 1e4], [0.0, 0.0, 0.0]);
+    let camera = camera(from, at, [0.0, 1.0, 0.0], 24, 90.0 / 24.0 / 1e4);
+    let mut parts = scenes::parts(mesh, camera, towards);
+    let spectrum = |low: f64, high: f64| Spectrum::new(vec![0.5, 5.0], vec![low, high], Extend::Error).unwrap();
+    let reflectances = [0, 1].map(|_| spectrum(uniform(0.03, 0.3), uniform(0.03, 0.3)));
+    parts.surface.materials =
+        vec![lambert(0, "ground", reflectances[0].clone()), lambert(1, "rock", reflectances[1].clone())];
+    if uniform(0.0, 1.0) < 0.3 {
+        let reflectance = spectrum(0.02, 0.04);
+        let model = Model::measured(Preset::PhobosAssumed.known().shape.unwrap(), &reflectance, &Measure::Spherical);
+        parts.surface.materials[0].photometry = Photometry::Model(Box::new(model.unwrap()));
+        parts.surface.materials[0].reflectance = reflectance;
+    }
+    let sun = &mut parts.sky.sun;
+    (sun.distance_m, sun.irradiance_1au, sun.total_irradiance_1au_w_m2) =
+        (uniform(1.38, 1.67) * AU_M, solar_e490().clone(), 1366.1);
+    if uniform(0.0, 1.0) < 0.8 {
+        let towards = direction([uniform(-1.0, 1.0), uniform(-1.0, 1.0), uniform(-0.5, 1.0)]);
+        parts.sky.mars = Some(scenes::mars(9_376_000.0 * towards.vec()));
+    }
+    let sets: [&[f64]; 7] = [&[1.0], &[1.0, 1.5], &[1.7], &[2.0], &[2.4], &[1.0, 3.0], &[3.6]];
+    let bands = sets[(uniform(0.0, 7.0) as usize).min(6)];
+    parts.exposure.bands = bands.iter().map(|um| Band::new(*um, None)).collect();
+    parts.models.thermal = Thermal::Equilibrium;
+    parts
+}
+
+fn planned(scene: &Scene, choice: Choice, tolerance: f64) -> (Scene, Plan) {
+    let extremes = Extremes::new(scene);
+    let request = Request { choice, tolerance, ..Request::default() };
+    let (models, plan) = study::plan(scene, &extremes, &request).unwrap();
+    (scene.by(models).unwrap(), plan)
+}
+
+fn seen(scene: &Scene) -> Observation {
+    study::simulate(scene, &unwatched).unwrap().1
+}
+
+/// Errors of pixels relative to a truth: the largest over bands, of pixels lit for the most part, and of the others.
+fn errors(truth: &Observation, other: &Observation) -> [Vec<f64>; 2] {
+    let lit = &truth.backplanes.plane("LIT_FRACTION").unwrap().values;
+    let mut errors = vec![0.0_f64; lit.len()];
+    for band in 0..truth.cube.axes.bands.len() {
+        let (truth, other) = (truth.cube.band(band), other.cube.band(band));
+        let mut sunlit: Vec<f64> = truth.iter().zip(lit).filter(|(_, lit)| **lit > 0.5).map(|(l, _)| *l).collect();
+        sunlit.sort_by(f64::total_cmp);
+        let floor = 0.01 * sunlit[sunlit.len() / 2];
+        let pixels = errors.iter_mut().zip(truth.iter().zip(&other));
+        pixels.for_each(|(error, (truth, other))| *error = error.max((truth - other).abs() / truth.max(floor)));
+    }
+    let of =
+        |is_lit: bool| errors.iter().zip(lit).filter(|(_, lit)| (**lit > 0.5) == is_lit).map(|(e, _)| *e).collect();
+    [of(true), of(false)]
+}
+
+fn most(errors: &[f64]) -> f64 {
+    errors.iter().copied().fold(0.0, f64::max)
+}
+
+fn effect<'p>(plan: &'p Plan, key: &str) -> &'p Effect {
+    plan.effects.iter().find(|effect| effect.key == key).unwrap()
+}
+
+/// Effects that can be taken out of `full`.
+fn switches(plan: &Plan) -> Vec<String> {
+    let can = |effect: &&Effect| effect.cost_s.is_some() && effect.decision == Decision::Kept;
+    plan.effects.iter().filter(can).map(|effect| effect.key.clone()).collect()
+}
+
+#[test]
+fn bounds_hold_on_random_scenes_and_the_plan_keeps_its_tolerance() {
+    let (mut scenes, mut dropped, mut looseness) = (0, 0, Vec::new());
+    for seed in 0..60 {
+        let scene = random_scene(seed).check().unwrap();
+        let (full, plan_of_full) = planned(&scene, Choice::Full, 1e-3);
+        let truth = seen(&full);
+        let lit = &truth.backplanes.plane("LIT_FRACTION").unwrap().values;
+        if lit.iter().filter(|lit| **lit > 0.5).count() < 30 {
+            continue;
+        }
+        scenes += 1;
+        // Without each effect by itself.
+        let keys = switches(&plan_of_full);
+        for key in &keys {
+            let others = keys.iter().filter(|other| *other != key).cloned().collect();
+            let (without, _) = planned(&scene, Choice::Only(others), 1e-3);
+            let [in_sun, in_shade] = errors(&truth, &seen(&without)).map(|errors| most(&errors));
+            let bound = effect(&plan_of_full, key).bound.unwrap();
+            assert!(in_sun <= bound.lit, "{seed} {key}: {in_sun} {bound:?}");
+            assert!(in_shade <= bound.shadow, "{seed} {key}: {in_shade} {bound:?}");
+            let change = in_sun.max(in_shade);
+            if change > 1e-9 {
+                looseness.push((bound.most() / change, seed, key.clone()));
+            }
+        }
+        for tolerance in [1e-3, 3e-2] {
+            let (auto, plan) = planned(&scene, Choice::Auto, tolerance);
+            let error = errors(&truth, &seen(&auto)).map(|errors| most(&errors));
+            assert!(error.iter().all(|error| *error <= tolerance), "{seed}: {error:?} {tolerance}");
+            assert!(plan.dropped.is_some_and(|dropped| dropped.most() <= tolerance), "{seed}: {plan:?}");
+            dropped += switches(&plan_of_full).len() - switches(&plan).len();
+        }
+    }
+    looseness.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let median = looseness[looseness.len() / 2].0;
+    println!("{scenes} scenes, {dropped} dropped, median {median}; {:?}", &looseness[looseness.len() - 12..]);
+    assert!(scenes >= 50 && dropped >= 10, "{scenes} {dropped}");
+    assert!(median <= 10.0, "{median}");
+}
+
+#[test]
+fn a_plan_leaves_out_what_cannot_matter() {
+    // Heat at 1 um: at 330 K, 1e-9 of sunlight. Mars below the horizon of a plain.
+    let mut parts = scenes::parts(plane(60.0, 0.0), nadir(1e4, 80.0, 8), sun(40.0, 10.0));
+    parts.sky.mars = Some(scenes::mars(DVec3::new(0.0, 0.0, -9_376_000.0)));
+    parts.models.thermal = Thermal::Equilibrium;
+    let scene = parts.check().unwrap();
+    let (auto, plan) = planned(&scene, Choice::Auto, 1e-3);
+    assert_eq!(auto.models.thermal, Thermal::Off);
+    assert_eq!(effect(&plan, "heat").decision, Decision::Dropped);
+    assert_eq!(effect(&plan, "mars-light").bound.unwrap().most(), 0.0);
+    assert!(plan.keeps_tolerance() && plan.dropped.unwrap().most() < 1e-3);
+    // All of it, if that is wanted.
+    let (full, plan) = planned(&scene, Choice::Full, 1e-3);
+    assert_eq!(full.models.thermal, Thermal::Equilibrium);
+    assert_eq!(effect(&plan, "heat").decision, Decision::Kept);
+    // A choice that the scene has made itself stands.
+    let mut parts = scene.into_parts();
+    parts.models.thermal = Thermal::Off;
+    let (full, plan) = planned(&parts.check().unwrap(), Choice::Full, 1e-3);
+    assert_eq!(full.models.thermal, Thermal::Off);
+    assert_eq!(effect(&plan, "heat").decision, Decision::Dropped);
+}
+
+#[test]
+fn choices_are_named_by_their_keys() {
+    assert_eq!(Choice::parse("auto"), Ok(Choice::Auto));
+    assert_eq!(Choice::parse("sunlight, heat,heat"), Ok(Choice::Only(vec!["sunlight".into(), "heat".into()])));
+    let wrong = Choice::parse("heat,warmth").unwrap_err();
+    assert!(wrong.contains("\"warmth\"") && wrong.contains("mars-light"), "{wrong}");
+    assert!(Choice::parse("").is_err());
+    // What is only accounted for is no choice.
+    assert!(Choice::parse("instrument").is_err());
+}
