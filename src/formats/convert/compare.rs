@@ -263,7 +263,19 @@ impl Lines {
                     self.spectra(&format!("{at}.{name}"), a, b);
                 }
             }
-            (Photometry::Lambert | Photometry::Model(_) | Photometry::Hapke(_) | Photometry::Rpv(_), _) => {
+            (Photometry::Table(a), Photometry::Table(b)) => {
+                self.debugged(&format!("{at} table"), &a.tables(), &b.tables());
+                self.spectra(&format!("{at}.table"), a.albedo(), b.albedo());
+                self.spectra(&format!("{at}.factor"), a.factor(), b.factor());
+            }
+            (
+                Photometry::Lambert
+                | Photometry::Model(_)
+                | Photometry::Hapke(_)
+                | Photometry::Rpv(_)
+                | Photometry::Table(_),
+                _,
+            ) => {
                 let shown = |p: &Photometry| p.key().unwrap_or("lambert");
                 self.words(&format!("{at} photometry"), shown(photometry), shown(&b.photometry));
             }

@@ -108,7 +108,7 @@ pub(crate) struct GivenPose {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct MaterialToml {
-    /// Reflectance, 0 to 1: a number, or the path of a CSV table. The surface is Lambert unless one of the models below, or a preset, is given.
+    /// Reflectance, 0 to 1: a number, or the path of a CSV table. The surface is Lambert unless one of the models below, a preset or a table is given.
     pub(crate) reflectance: Option<Values>,
     /// A surface by name: its model and numbers, of which those given below replace single ones, and without a `reflectance` its albedo.
     pub(crate) preset: Option<PresetToml>,
@@ -126,6 +126,9 @@ pub(crate) struct MaterialToml {
     pub(crate) hapke: Option<HapkeToml>,
     /// The model of Rahman, Pinty and Verstraete, whose albedo is its amplitude rho0; or the path of a CSV table of `rho0`, `k`, `g`, `h`.
     pub(crate) rpv: Option<RpvToml>,
+    /// Path of a CSV table of reflectance factors by `incidence_deg`, and where they count `emission_deg`, `azimuth_deg` and `wavelength_um`. A `reflectance`,
+    /// measured as it says, sets its level; left out, the factors are as they stand.
+    pub(crate) table: Option<String>,
     /// Shares of other entries, which add up to 1.
     pub(crate) mixture: Option<BTreeMap<String, f64>>,
     /// Values of tables beyond their ends: unknown ("error", the default), or their last value ("hold").
