@@ -26,7 +26,7 @@ pub use body::{Body, Surface};
 pub use exposure::Exposure;
 pub(crate) use exposure::LEAST_PITCH;
 pub use material::Material;
-pub use models::{MarsModel, Models, Thermal};
+pub use models::{MarsModel, Models, SunModel, Thermal};
 pub(crate) use photometry::TOLERANCE;
 pub use photometry::{Hapke, Model, Photometry, Rpv, problems as model_problems};
 pub use sky::{Beam, MARS_ALBEDO, Mars, Sky, Sun};

@@ -1,5 +1,7 @@
 //! Which equations are used where there is a choice.
 
+use crate::physics::sun_disc::DiscRule;
+
 /// The choice of models.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Models {
@@ -7,6 +9,18 @@ pub struct Models {
     pub thermal: Thermal,
     /// How Mars lights it.
     pub mars_light: MarsModel,
+    /// What the Sun is.
+    pub sun: SunModel,
+}
+
+/// What the Sun is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum SunModel {
+    /// A point: shadows have sharp edges.
+    #[default]
+    Point,
+    /// A disc, for which these points stand: shadows have penumbrae.
+    Disc(DiscRule),
 }
 
 /// How warm the surface is.

@@ -4,6 +4,7 @@
 mod emission;
 mod irradiance;
 mod shadows;
+mod sun_points;
 
 use crate::error::Result;
 use crate::product::FacetTable;
@@ -12,6 +13,7 @@ use crate::scene::Scene;
 
 pub use emission::{Emission, Fragment, ImagePart, Modulation, interpolation_error};
 pub use shadows::lit;
+pub use sun_points::sun_model;
 
 /// Irradiance, lit polygons and temperature of every facet.
 ///

@@ -511,6 +511,12 @@ pub(crate) struct SunToml {
     /// Total irradiance at 1 au that the spectrum is scaled to, with what is added beyond its ends, W m-2. Default: the spectrum as it is; beyond its
     /// ends E490, scaled to join it, if it may be the Sun's (0.5 to 2 times E490), else nothing.
     pub(crate) total_irradiance_w_m2: Option<f64>,
+    /// How much darker its limb is than its middle, u in 1 - u (1 - cos(emission)): some 0.6 in the visible, 0.2 at 3 um. Default 0: a
+    /// uniform disc. It matters with `points`.
+    pub(crate) limb_darkening: Option<f64>,
+    /// Number of points that stand for its disc, with the penumbrae that these cast: 3, 4, 7, 12, 19, 21 or 37. Default 1, a point Sun: shadows
+    /// have sharp edges.
+    pub(crate) points: Option<u32>,
 }
 
 /// Mars as an extended second source.

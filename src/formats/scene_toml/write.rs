@@ -23,7 +23,7 @@ use crate::formats::{obj, photometry_csv, reflectance_csv, response_csv};
 use crate::geometry::FrameCamera;
 use crate::physics::srgb::linear_from_hex;
 use crate::report::{Fate, Report};
-use crate::scene::{MARS_ALBEDO, MarsModel, Material, Model, Photometry, Scene, Thermal};
+use crate::scene::{MARS_ALBEDO, MarsModel, Material, Model, Photometry, Scene, SunModel, Thermal};
 use crate::spectral::{Band, Extend, Response, Spectrum, SunTotal, solar_e490, solar_mean};
 use crate::units::{AU_M, MARS_RADIUS_M};
 
@@ -444,6 +444,12 @@ impl Writer<'_> {
         let frame = if self.options.axes == Axes::Site { "frame = \"site\"\n" } else { "" };
         let mut text =
             format!("\n{}[sun]\n{frame}direction = {direction}\ndistance_au = {au:?}\n", self.comment("sun"));
+        if sun.limb_darkening != 0.0 {
+            let _ = writeln!(text, "limb_darkening = {:?}", sun.limb_darkening);
+        }
+        if let SunModel::Disc(rule) = self.scene.models.sun {
+            let _ = writeln!(text, "points = {}", rule.count());
+        }
         let e490 = solar_e490();
         if sun.irradiance_1au == *e490 {
             if !self.is_left_out("sun.spectrum", true) {

@@ -1,12 +1,13 @@
 //! Penumbrae: the Sun is no point.
 
-use super::{EffectKind, Finding, Given, left_out};
+use super::{EffectKind, Finding, Given, left_out, modelled};
 use crate::physics::{bounds, sun};
+use crate::scene::SunModel;
 
 pub(super) const KIND: EffectKind = EffectKind {
     name: "the Sun's disc",
     equation: Some("physics::bounds::penumbra_width_m"),
-    step: None,
+    step: Some("solve::lit, solve::irradiance"),
     light: None,
     find,
 };
@@ -20,6 +21,15 @@ fn find(given: &Given) -> Finding {
         "the Sun is a point. Only pixels that a shadow's edge crosses change, and slopes along the rays: with the edge's cause at \
          most {ray_m:.0} m away, penumbrae are up to {wide_px:.2} pixels wide, square to the light"
     );
+    if let SunModel::Disc(rule) = given.scene.models.sun {
+        let edge = bounds::shadow_edge(rule.edge_error(), given.scene.sky.sun.sin_radius(), ray_m, pixel_m, 1.0);
+        let note = format!(
+            "{} points stand for the disc, and facets cut it by their own horizon exactly. The bound is that of a pixel which one straight shadow edge \
+             crosses, its cause at most {ray_m:.0} m away",
+            rule.count()
+        );
+        return modelled(given.all_light().map(|all| edge * all), note);
+    }
     let edge = given.all_light().map(|all| wide_px.min(1.0) * all);
     let slope = given.reference.cos_incidence.map(|cos| bounds::terminator(sun_rad) / cos);
     left_out(edge.zip(slope).map(|(edge, slope)| edge + slope), note)
