@@ -51,6 +51,7 @@ fn main() -> Result<()> {
                 distance_m: 1.52 * AU_M,
                 irradiance_1au: solar_e490().clone(),
                 total_irradiance_1au_w_m2: TSI_1AU_W_M2,
+                limb_darkening: 0.0,
             },
             mars: None,
             beams: vec![],

@@ -114,6 +114,7 @@ fn scene(camera: FrameCamera) -> Result<Scene> {
                 distance_m: AU_M,
                 irradiance_1au: Spectrum::constant(700.0),
                 total_irradiance_1au_w_m2: 1361.0,
+                limb_darkening: 0.0,
             },
             mars: None,
             beams: vec![],

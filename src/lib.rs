@@ -41,6 +41,7 @@
 //!     distance_m: 1.5 * AU_M,
 //!     irradiance_1au: Spectrum::constant(700.0),
 //!     total_irradiance_1au_w_m2: 1361.0,
+//!     limb_darkening: 0.0,
 //! };
 //! let scene = SceneParts {
 //!     surface: Surface { origin_m: DVec3::new(0.0, 0.0, 11_000.0), mesh, materials: vec![grey], textures: vec![] },

@@ -163,6 +163,7 @@ impl ColouredMesh {
                     distance_m: AU_M,
                     irradiance_1au: e490.clone(),
                     total_irradiance_1au_w_m2: e490_w_m2,
+                    limb_darkening: 0.0,
                 },
                 mars: None,
                 beams: vec![],

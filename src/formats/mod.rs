@@ -31,6 +31,7 @@ pub mod quicklook;
 pub mod radiance_map;
 pub mod raster;
 pub mod recipe_toml;
+pub mod reflectance_csv;
 pub mod registry;
 pub mod report_json;
 pub mod response_csv;

@@ -70,7 +70,7 @@ pub struct PlanEntry {
     pub model: String,
     /// The largest error of a pixel that was to be left.
     pub tolerance: f64,
-    /// The sum of the bounds of effects that were dropped; null if one of them is not known. Open ones don't count.
+    /// The sum of the bounds of effects that were dropped; null if one of them is not known. Open ones don't count, nor what has a tolerance of its own.
     pub dropped: Option<Bound>,
     /// The sum of what is left of those that were kept; null if one of them is not known.
     pub remaining: Option<Bound>,

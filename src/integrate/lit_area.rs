@@ -1,4 +1,5 @@
-//! The part of what a pixel sees of a facet that a source lights: polygons carried from the source's view into the image.
+//! The part of what a pixel sees of a facet that a source lights: polygons carried from the source's view into the image. Where only
+//! some of a wide source lights it, an area counts by the share of the light that it has.
 
 use super::parts::{Parts, Polygons, Window};
 use crate::geometry::polygon::{Point, Rect, area, area_and_moment, clip_to_rect};
@@ -10,6 +11,7 @@ use crate::visibility::{Seen, Shown};
 pub(super) struct LitArea<'a> {
     drawing: &'a Drawing<'a>,
     sunlit: &'a Seen,
+    polygons: &'a Polygons<'a>,
     parts: Parts<'a>,
     clipped: Vec<Point>,
     spare: Vec<Point>,
@@ -18,7 +20,7 @@ pub(super) struct LitArea<'a> {
 impl<'a> LitArea<'a> {
     /// `polygons` are those of `sunlit`.
     pub(super) fn new(drawing: &'a Drawing<'a>, sunlit: &'a Seen, polygons: &'a Polygons<'a>) -> Self {
-        LitArea { drawing, sunlit, parts: Parts::new(drawing, polygons), clipped: vec![], spare: vec![] }
+        LitArea { drawing, sunlit, polygons, parts: Parts::new(drawing, polygons), clipped: vec![], spare: vec![] }
     }
 
     pub(super) fn new_line(&mut self, row: u32) {
@@ -42,9 +44,11 @@ impl<'a> LitArea<'a> {
             Shown::Whole => seen,
             Shown::Part => {
                 let mut lit = ImagePart::default();
-                self.parts.each(facet, window, |_, common| {
+                let polygons = self.polygons;
+                self.parts.each(facet, window, |i, common| {
                     let (area, moment) = area_and_moment(common);
-                    lit.add(&ImagePart { area: area.max(0.0), moment });
+                    let share = polygons.share(i);
+                    lit.add(&ImagePart { area: share * area.max(0.0), moment: moment.map(|m| share * m) });
                 });
                 ImagePart { area: lit.area.min(seen.area), ..lit }
             }
@@ -52,8 +56,8 @@ impl<'a> LitArea<'a> {
     }
 
     fn of_part(&mut self, facet: u32, window: &Window) -> f64 {
-        let mut lit = 0.0;
-        self.parts.each(facet, window, |_, common| lit += area(common).max(0.0));
+        let (mut lit, polygons) = (0.0, self.polygons);
+        self.parts.each(facet, window, |i, common| lit += polygons.share(i) * area(common).max(0.0));
         lit
     }
 
@@ -62,9 +66,10 @@ impl<'a> LitArea<'a> {
         self.sunlit.shown[facet as usize]
     }
 
-    /// Calls `put` with each lit part that `window` shows of a facet that is lit in part.
-    pub(super) fn each(&mut self, facet: u32, window: &Window, mut put: impl FnMut(&[Point])) {
-        self.parts.each(facet, window, |_, common| put(common));
+    /// Calls `put` with each lit part that `window` shows of a facet that is lit in part, and the share of the light that it has.
+    pub(super) fn each(&mut self, facet: u32, window: &Window, mut put: impl FnMut(f64, &[Point])) {
+        let polygons = self.polygons;
+        self.parts.each(facet, window, |i, common| put(polygons.share(i), common));
     }
 
     /// Area of what is drawn of a facet in the neighbourhood of an image point, hidden or not, and the lit part of it.
@@ -76,7 +81,8 @@ impl<'a> LitArea<'a> {
             drawn += area(&self.clipped);
         }
         let window = Window::Rect { rect: &rect, outline: &rect.corners() };
-        self.parts.each(facet, &window, |_, common| lit += area(common));
+        let polygons = self.polygons;
+        self.parts.each(facet, &window, |i, common| lit += polygons.share(i) * area(common));
         (drawn, lit)
     }
 }

@@ -64,6 +64,8 @@ pub(super) struct Polygons<'a> {
     facet: &'a [u32],
     start: &'a [usize],
     uv: &'a [Point],
+    /// Of each polygon, if they are of several eyes.
+    share: &'a [f64],
 }
 
 /// Facets whose polygons are looked up together: most have none, so that a place for each would cost more memory than all polygons.
@@ -72,7 +74,8 @@ const BLOCK: usize = 32;
 impl<'a> Polygons<'a> {
     /// What is lit, or seen.
     pub(super) fn of_seen(seen: &'a Seen) -> Self {
-        Self::new(seen.shown.len(), &seen.polygon_facet, &seen.polygon_start, &seen.uv)
+        let polygons = Self::new(seen.shown.len(), &seen.polygon_facet, &seen.polygon_start, &seen.uv);
+        Polygons { share: &seen.polygon_share, ..polygons }
     }
 
     /// Texels on `facets` facets.
@@ -87,7 +90,7 @@ impl<'a> Polygons<'a> {
             at += facet[at..].iter().take_while(|f| (**f as usize) < block * BLOCK).count();
             first.push(at);
         }
-        Polygons { first, facet, start, uv }
+        Polygons { first, facet, start, uv, share: &[] }
     }
 
     fn of(&self, facet: u32) -> std::ops::Range<usize> {
@@ -99,6 +102,12 @@ impl<'a> Polygons<'a> {
 
     fn uv(&self, i: usize) -> &'a [Point] {
         &self.uv[self.start[i]..self.start[i + 1]]
+    }
+
+    /// The share that a polygon's eye has in what several see together; 1 of a single eye.
+    #[inline]
+    pub(super) fn share(&self, i: usize) -> f64 {
+        self.share.get(i).copied().unwrap_or(1.0)
     }
 }
 

@@ -190,8 +190,9 @@ impl<'a> Pixel<'a> {
         self.lights[light].state(facet)
     }
 
-    /// Calls `put` with each part that `window` shows of a facet that such a source lights in part, counter-clockwise in the image.
-    pub(super) fn lit_parts(&mut self, light: usize, facet: u32, window: &Window, put: impl FnMut(&[Point])) {
+    /// Calls `put` with each part that `window` shows of a facet that such a source lights in part, counter-clockwise in the image, and the
+    /// share of the source's light that it has.
+    pub(super) fn lit_parts(&mut self, light: usize, facet: u32, window: &Window, put: impl FnMut(f64, &[Point])) {
         self.lights[light].each(facet, window, put);
     }
 

@@ -4,6 +4,12 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use super::mars::uniform_sphere_form_factor;
+use crate::geometry::Direction;
+
 /// Share of a disc's light that is visible beyond a straight edge; `x` is the distance of its centre from the edge, -1 (hidden) to 1 (visible).
 ///
 /// 1/2 + (x sqrt(1 - x^2) + asin x) / pi of a uniform disc. With limb darkening 1 - u (1 - sqrt(1 - r^2)) a chord at y gives
@@ -14,6 +20,51 @@ pub fn share_beyond_edge(x: f64, limb_darkening: f64) -> f64 {
     // (1 + x)^2 (2 - x) / 3 is the integral of 1 - y^2, without cancellation at -1.
     let darkened = FRAC_PI_2 * (1.0 + x) * (1.0 + x) * (2.0 - x) / 3.0;
     ((1.0 - u) * uniform + u * darkened) / (PI * (1.0 - u / 3.0))
+}
+
+/// Irradiance by the Sun's disc on a facet whose own horizon cuts it, over that normal to the beam: the sine of elevation where all of the
+/// disc is up, and 0 where none is; `sin_radius` is the sine of its angular radius.
+///
+/// A uniform disc is a sphere of uniform radiance: at the horizon it gives 2 s / (3 pi). What limb darkening leaves, sqrt(1 - r^2) of it, gives
+/// sin_radius (1 + x)^3 (3 - x) / 16 with x = sin(elevation) / sin_radius: the integral of its [`share_beyond_edge`]. Limits of that: the horizon
+/// is straight across the disc, so 3 parts in 1e6 for a radius of 3 mrad.
+pub fn irradiance_on_facet(sin_elevation: f64, sin_radius: f64, limb_darkening: f64) -> f64 {
+    if sin_elevation >= sin_radius {
+        return sin_elevation;
+    }
+    let (x, u) = ((sin_elevation / sin_radius).max(-1.0), limb_darkening);
+    let uniform = uniform_sphere_form_factor(sin_radius, sin_elevation) / (sin_radius * sin_radius);
+    let darkened = sin_radius * (1.0 + x).powi(3) * (3.0 - x) / 16.0;
+    (((1.0 - u) * uniform + 2.0 / 3.0 * u * darkened) / (1.0 - u / 3.0)).max(0.0)
+}
+
+/// A point that stands for a part of the Sun's disc.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SubSun {
+    /// Towards it, of such a length that its component towards the middle of the disc is 1: then the sum of shares times these is
+    /// the direction of the middle, and facets above whose horizon all of the disc is have the irradiance of a point Sun.
+    pub towards: DVec3,
+    /// Its share of the Sun's irradiance.
+    pub share: f64,
+}
+
+impl SubSun {
+    /// Its irradiance on a facet, over that of the whole Sun normal to the beam; `normal` is the facet's, of unit length.
+    #[inline]
+    pub fn irradiance_on_facet(&self, normal: DVec3) -> f64 {
+        self.share * normal.dot(self.towards).max(0.0)
+    }
+}
+
+/// The points of a rule on a Sun in this direction: `sin_radius` is the sine of its angular radius.
+pub fn sub_suns(middle: Direction, sin_radius: f64, limb_darkening: f64, rule: DiscRule) -> Vec<SubSun> {
+    let (u, (h, v)) = (middle.vec(), middle.frame());
+    let sub_sun = |[x, y, share]: [f64; 3]| {
+        let (x, y) = (sin_radius * x, sin_radius * y);
+        let cos = (1.0 - x * x - y * y).max(0.0).sqrt();
+        SubSun { towards: u + (x * h + y * v) / cos, share }
+    };
+    rule.darkened_points(limb_darkening).into_iter().map(sub_sun).collect()
 }
 
 /// Share of a uniform disc that is visible beside another disc of this radius, whose centre is at this distance.
@@ -38,7 +89,7 @@ pub fn share_beside_disc(radius: f64, distance: f64) -> f64 {
 }
 
 /// Quadrature rules on the disc: points and their shares of its light.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum DiscRule {
     /// The centre.
     G1,
@@ -70,6 +121,26 @@ impl DiscRule {
         DiscRule::G21,
         DiscRule::E37,
     ];
+
+    /// The rule of the fewest points, more than one, whose error is within a tolerance; the most exact one if none is.
+    pub fn fewest(error: impl Fn(DiscRule) -> f64, tolerance: f64) -> DiscRule {
+        let enough = DiscRule::ALL.into_iter().filter(|rule| *rule != DiscRule::G1 && error(*rule) <= tolerance);
+        enough.min_by_key(|rule| rule.count()).unwrap_or(DiscRule::E37)
+    }
+
+    /// Number of points.
+    pub fn count(self) -> usize {
+        match self {
+            DiscRule::G1 => 1,
+            DiscRule::G3 => 3,
+            DiscRule::G4 => 4,
+            DiscRule::G7 => 7,
+            DiscRule::G12 => 12,
+            DiscRule::E19 => 19,
+            DiscRule::G21 => 21,
+            DiscRule::E37 => 37,
+        }
+    }
 
     /// \[x, y, share\] of each point; shares sum to 1.
     ///
@@ -168,6 +239,44 @@ mod tests {
     }
 
     #[test]
+    fn over_a_flat_horizon() {
+        // Elevation in radii, over the irradiance at normal incidence, at 1.523679 au: computed independently as F(s, theta) / sin^2 s.
+        let s = crate::units::SUN_RADIUS_M / (1.523_679 * crate::units::AU_M);
+        for (radii, expected) in [
+            (-1.0, 0.0),
+            (-0.5, 0.000_122_335_022_110_294_4),
+            (0.0, 0.000_647_684_033_820_351_6),
+            (1.0, 0.003_052_130_574_065_901),
+            (3.0, 0.009_156_277_993_695_54),
+        ] {
+            let sin_elevation = (radii * s.asin()).sin();
+            assert!((irradiance_on_facet(sin_elevation, s, 0.0) - expected).abs() < 1e-11, "{radii}");
+        }
+        // The integral of the share beyond an edge, by the midpoint rule.
+        for u in [0.0, 0.3, 1.0] {
+            for x in [-1.0, -0.9, -0.3, 0.2, 0.99, 1.0] {
+                let n = 4000;
+                let step = (x + 1.0) / f64::from(n);
+                let at = |i: i32| share_beyond_edge(-1.0 + step * (f64::from(i) + 0.5), u);
+                let expected = s * step * (0..n).map(at).sum::<f64>();
+                assert!((irradiance_on_facet(x * s, s, u) - expected).abs() < 5e-6 * s, "{u} {x}");
+            }
+        }
+        assert_eq!(irradiance_on_facet(-0.1, s, 0.5), 0.0);
+    }
+
+    #[test]
+    fn a_disc_that_is_up_is_a_point() {
+        let middle = Direction::new(DVec3::new(0.3, -0.5, 0.8)).unwrap();
+        for rule in DiscRule::ALL {
+            let sum = sub_suns(middle, 3e-3, 0.4, rule).iter().map(|sub| sub.share * sub.towards).sum::<DVec3>();
+            assert!((sum - middle.vec()).length() < 1e-15, "{rule:?}");
+            let farthest = |sub: &SubSun| Direction::new(sub.towards).unwrap().angle_rad(middle);
+            assert!(sub_suns(middle, 3e-3, 0.4, rule).iter().all(|sub| farthest(sub) <= 3e-3));
+        }
+    }
+
+    #[test]
     fn behind_a_disc() {
         // (radius, distance, share), computed independently.
         for (radius, distance, expected) in [
@@ -203,7 +312,7 @@ mod tests {
                 }
             }
         }
-        assert_eq!(DiscRule::ALL.map(|rule| rule.points().len()), [1, 3, 4, 7, 12, 19, 21, 37]);
+        assert_eq!(DiscRule::ALL.map(|rule| rule.points().len()), DiscRule::ALL.map(DiscRule::count));
     }
 
     #[test]

@@ -7,6 +7,7 @@ mod exposure;
 mod material;
 mod models;
 mod photometry;
+mod tabulated;
 mod sky;
 mod source;
 mod texture;
@@ -25,11 +26,12 @@ pub use body::{Body, Surface};
 pub use exposure::Exposure;
 pub(crate) use exposure::LEAST_PITCH;
 pub use material::Material;
-pub use models::{MarsModel, Models, Thermal};
+pub use models::{MarsModel, Models, SunModel, Thermal};
 pub(crate) use photometry::TOLERANCE;
 pub use photometry::{Hapke, Model, Photometry, Rpv, problems as model_problems};
 pub use sky::{Beam, MARS_ALBEDO, Mars, Sky, Sun};
 pub use source::{DirectionField, Incoming, Source, SourceKind};
+pub use tabulated::Tabulated;
 pub use texture::{Texture, TextureKind};
 
 /// Everything that makes up a scene, as plain, unchecked values.

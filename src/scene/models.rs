@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::physics::sun_disc::DiscRule;
+
 /// The choice of models.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(default)]
@@ -10,6 +12,19 @@ pub struct Models {
     pub thermal: Thermal,
     /// How Mars lights it.
     pub mars_light: MarsModel,
+    /// What the Sun is.
+    pub sun: SunModel,
+}
+
+/// What the Sun is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SunModel {
+    /// A point: shadows have sharp edges.
+    #[default]
+    Point,
+    /// A disc, for which these points stand: shadows have penumbrae.
+    Disc(DiscRule),
 }
 
 /// How warm the surface is.

@@ -3,6 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::coverage::uncovered;
+use super::tabulated::Tabulated;
 use crate::error::number;
 use crate::physics::reflectance::albedo::Measure;
 use crate::physics::reflectance::hapke::{HFormula, NoAlbedo, Parameters, Surge};
@@ -24,6 +25,8 @@ pub enum Photometry {
     Hapke(Box<Hapke>),
     /// That of Rahman, Pinty and Verstraete by tables.
     Rpv(Box<Rpv>),
+    /// Reflectance factors as they were measured.
+    Table(Box<Tabulated>),
 }
 
 /// A model whose parameters are the same at all wavelengths, except for its albedo.
@@ -245,6 +248,7 @@ impl Photometry {
             Photometry::Model(model) => Some(model.shape.key()),
             Photometry::Hapke(_) => Some("hapke"),
             Photometry::Rpv(_) => Some("rpv"),
+            Photometry::Table(_) => Some("table"),
         }
     }
 
@@ -258,7 +262,7 @@ impl Photometry {
         match self {
             Photometry::Lambert => true,
             Photometry::Model(model) => !matches!(model.shape, Shape::Hapke(_)),
-            Photometry::Hapke(_) | Photometry::Rpv(_) => false,
+            Photometry::Hapke(_) | Photometry::Rpv(_) | Photometry::Table(_) => false,
         }
     }
 
@@ -266,7 +270,7 @@ impl Photometry {
     pub fn to_model(&self) -> Option<Model> {
         let constant = |s: &Spectrum| s.value().iter().all(|v| *v == s.value()[0]).then(|| s.value()[0]);
         match self {
-            Photometry::Lambert => None,
+            Photometry::Lambert | Photometry::Table(_) => None,
             Photometry::Model(model) => Some(model.as_ref().clone()),
             Photometry::Hapke(hapke) => {
                 Some(Model { shape: hapke.shape(constant)?, albedo: hapke.w.clone(), preset: None })
@@ -282,6 +286,7 @@ impl Photometry {
             Photometry::Model(model) => (model.shape, &model.albedo),
             Photometry::Hapke(hapke) => (hapke.shape(|s| s.at(um))?, &hapke.w),
             Photometry::Rpv(rpv) => (rpv.shape(|s| s.at(um))?, &rpv.rho0),
+            Photometry::Table(table) => return table.brdf(um),
         };
         Some(shape.brdf(albedo.at(um)?))
     }
@@ -294,6 +299,7 @@ impl Photometry {
                 Hapke::NAMES.into_iter().zip([&p.w, &p.c1, &p.c2, &p.c3, &p.c4, &p.h1, &p.h2]).collect()
             }
             Photometry::Rpv(p) => Rpv::NAMES.into_iter().zip([&p.rho0, &p.k, &p.g, &p.h]).collect(),
+            Photometry::Table(table) => vec![("table", table.albedo()), ("factor", table.factor())],
         }
     }
 
@@ -311,7 +317,7 @@ impl Photometry {
         for (name, spectrum) in self.parameters() {
             let (low, high) = match name {
                 "w" => (0.0, 1.0),
-                "h1" | "h2" | "rho0" | "k" => (0.0, f64::INFINITY),
+                "h1" | "h2" | "rho0" | "k" | "factor" => (0.0, f64::INFINITY),
                 "g" => (-1.0, 1.0),
                 _ => continue,
             };

@@ -5,7 +5,9 @@ use glam::DVec3;
 use crate::error::{Location, Problem};
 use crate::geometry::Direction;
 use crate::physics::sun;
+use crate::physics::sun_disc::{self, DiscRule, SubSun};
 use crate::spectral::Spectrum;
+use crate::units::SUN_RADIUS_M;
 
 /// What lights a body at an instant.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,6 +44,8 @@ pub struct Sun {
     pub irradiance_1au: Spectrum,
     /// Total irradiance at 1 au, for the heat balance, W m-2.
     pub total_irradiance_1au_w_m2: f64,
+    /// How much darker its limb is than its middle, u in 1 - u (1 - cos(emission)): 0 to 1, 0 for a uniform disc.
+    pub limb_darkening: f64,
 }
 
 /// Lambert reflectance of Mars where nothing else is said.
@@ -100,12 +104,25 @@ impl Sun {
         sun::irradiance_at(self.total_irradiance_1au_w_m2, self.distance_m)
     }
 
+    /// Sine of the angular radius of its disc.
+    pub fn sin_radius(&self) -> f64 {
+        (SUN_RADIUS_M / self.distance_m).min(1.0)
+    }
+
+    /// The points that stand for its disc.
+    pub fn sub_suns(&self, rule: DiscRule) -> Vec<SubSun> {
+        sun_disc::sub_suns(self.direction, self.sin_radius(), self.limb_darkening, rule)
+    }
+
     fn check(&self, problem: &mut impl FnMut(&str, String)) {
         if !(self.distance_m > 0.0 && self.distance_m.is_finite()) {
             problem("sun", format!("distance {} m is not a positive length", self.distance_m));
         }
         if let Some(v) = self.irradiance_1au.value().iter().find(|v| **v < 0.0) {
             problem("sun.spectrum", format!("irradiance {v} is negative"));
+        }
+        if !(0.0..=1.0).contains(&self.limb_darkening) {
+            problem("sun.limb_darkening", format!("{} is outside 0 to 1", self.limb_darkening));
         }
     }
 }

@@ -6,9 +6,9 @@ use rayon::prelude::*;
 use crate::geometry::{Vectors, index_u32};
 use crate::physics::mars_light::MarsLight;
 use crate::physics::reflectance::DirectionalAlbedos;
-use crate::physics::{heat, mars, sun};
+use crate::physics::{heat, mars, sun, sun_disc};
 use crate::product::{FacetTable, Sees};
-use crate::scene::{Mars, MarsModel, Material, Scene, Source, SourceKind, Thermal};
+use crate::scene::{Mars, MarsModel, Material, Scene, Sky, Source, SourceKind, SunModel, Thermal};
 use crate::visibility::Shown;
 
 /// Facets that are looked at together: what is found of them stays at hand.
@@ -71,6 +71,12 @@ enum Prepared<'a> {
         towards: DVec3,
         total_w_m2: f64,
     },
+    /// The Sun as a disc: towards its middle.
+    Disc {
+        towards: DVec3,
+        sin_radius: f64,
+        limb_darkening: f64,
+    },
     Sphere {
         mars: &'a Mars,
         light: Box<MarsLight>,
@@ -81,6 +87,14 @@ enum Prepared<'a> {
 impl<'a> Prepared<'a> {
     fn new(scene: &Scene, source: &Source<'a>) -> Self {
         match source.kind {
+            SourceKind::Beam(_) if source.name == Sky::SUN && scene.models.sun != SunModel::Point => {
+                let sun = &scene.sky.sun;
+                Prepared::Disc {
+                    towards: sun.direction.vec(),
+                    sin_radius: sun.sin_radius(),
+                    limb_darkening: sun.limb_darkening,
+                }
+            }
             SourceKind::Beam(total_w_m2) => Prepared::Beam { towards: source.field.towards(DVec3::ZERO), total_w_m2 },
             SourceKind::Sphere(mars) => {
                 let (low_m, high_m) = scene.body.bounds_m().unwrap_or_default();
@@ -134,6 +148,14 @@ impl Chunk<'_> {
                                 *sum += total_w_m2 * irradiance * share(sees, f);
                             }
                         }
+                    }
+                }
+                Prepared::Disc { towards, sin_radius, limb_darkening } => {
+                    for ((irradiance, normal), f) in column.iter_mut().zip(normals.iter()).zip(chunk.clone()) {
+                        let is_dark = matches!(sees, Sees::Polygons(seen) if seen.shown[f] == Shown::Nothing);
+                        let of_disc =
+                            || sun_disc::irradiance_on_facet(normal.dot(*towards), *sin_radius, *limb_darkening);
+                        *irradiance = if is_dark { 0.0 } else { of_disc() };
                     }
                 }
                 Prepared::Sphere { mars, light, model } => {

@@ -11,6 +11,7 @@ use crate::physics::mars::{irradiance_vector, middle_above_horizon, uniform_sphe
 use crate::physics::reflectance::{Brdf, Lambert, PhotometricAngles};
 use crate::product::Backplanes;
 use crate::scene::{Mars, Scene, Setup};
+use crate::visibility::longest_throw_m;
 
 /// Facets are processed this many at a time.
 const CHUNK: usize = 16_384;
@@ -31,6 +32,8 @@ pub struct Extremes {
     pub(super) facing: Vec<Facing>,
     /// Share of the site that terrain outside it might shadow.
     pub(super) open_to_shadow: f64,
+    /// The farthest that a shadow is thrown, m, if that was looked for.
+    pub(super) throw_m: Option<f64>,
     /// Where the image is sunlit, as far as rays tell: what hides the Sun is not known.
     pub(super) sunlit: Vec<Place>,
 }
@@ -185,11 +188,21 @@ impl Extremes {
         };
         Extremes {
             open_to_shadow: site.open_to_shadow(mesh, scene.sky.sun.direction.vec()),
+            throw_m: None,
             sunlit: glimpse.facets().filter_map(place).collect(),
             site,
             glimpse,
             facing,
         }
+    }
+}
+
+impl Extremes {
+    /// With the farthest that a shadow is thrown: the mesh is drawn once more, as the Sun sees it.
+    #[must_use]
+    pub fn with_throw(self, scene: &Scene) -> Self {
+        let (mesh, topology) = (&scene.body.mesh, scene.body.topology());
+        Extremes { throw_m: Some(longest_throw_m(mesh, topology, scene.sky.sun.direction)), ..self }
     }
 }
 

@@ -21,7 +21,7 @@ mod warnings;
 
 pub use cost::{WITHIN, has_room, memory_bytes, product_bytes};
 pub use dry_run::{DryRun, dry_run};
-pub use effects::{Bound, Decision, Effect};
+pub use effects::{Bound, Decision, Effect, OwnTolerance};
 pub use extremes::Extremes;
 pub use maps::{Fill, MapAccount, MapEntry, MapOptions, RegistrationEntry, observe_maps, observe_maps_by_slabs};
 pub use observation::{Check, Counts, Observation, Put};

@@ -95,7 +95,7 @@ pub struct Plan {
     pub model: String,
     /// The tolerance, relative, as bounds are.
     pub tolerance: f64,
-    /// The sum of the bounds of effects that are dropped; null if one of them is not known. Open ones don't count.
+    /// The sum of the bounds of effects that are dropped; null if one of them is not known. Open ones don't count, nor what has a tolerance of its own.
     pub dropped: Option<Bound>,
     /// The sum of what is left of those that are kept; null if one of them is not known.
     pub remaining: Option<Bound>,
@@ -148,7 +148,7 @@ fn account(scene: &Scene, extremes: &Extremes, models: Models, request: &Request
     let setup = Setup { models, ..Setup::clone(scene) };
     let effects = effects(&Given::new(&setup, extremes, &extremes.sunlit));
     let sum = |decision: Decision, of: &dyn Fn(&Effect) -> Option<Bound>| {
-        let parts = effects.iter().filter(|effect| effect.decision == decision);
+        let parts = effects.iter().filter(|effect| effect.decision == decision && effect.own.is_none());
         parts.map(of).try_fold(Bound::NOTHING, |sum, part| Some(sum.and(&part?)))
     };
     Plan {
@@ -162,7 +162,7 @@ fn account(scene: &Scene, extremes: &Extremes, models: Models, request: &Request
 
 /// What the thesis has.
 fn thesis() -> Models {
-    Models { thermal: Thermal::Thesis, mars_light: MarsModel::Thesis }
+    Models { thermal: Thermal::Thesis, mars_light: MarsModel::Thesis, ..Models::default() }
 }
 
 /// Models with the effects that are wanted of those that there are.
@@ -170,10 +170,15 @@ fn chosen(scene: &Scene, extremes: &Extremes, tolerance: f64, wants: impl Fn(&Ef
     let given = Given::new(scene, extremes, &extremes.sunlit);
     let switches = || ALL.iter().filter_map(|kind| Some((kind, kind.switch.as_ref()?)));
     let wanted: Vec<_> = switches().filter(|(kind, switch)| wants(kind, switch)).collect();
-    let share = 0.5 * tolerance / wanted.len().max(1) as f64;
+    // What has a tolerance of its own has half of it for itself.
+    let sharing = wanted.iter().filter(|(_, switch)| switch.own.is_none()).count();
+    let share_of =
+        |switch: &Switch| if switch.own.is_some() { 0.5 * tolerance } else { 0.5 * tolerance / sharing as f64 };
     let mut models = scene.models;
     switches().for_each(|(_, switch)| (switch.remove)(&mut models));
-    wanted.into_iter().for_each(|(_, switch)| (switch.add)(&mut models, &scene.models, &given, share));
+    wanted.into_iter().for_each(|(_, switch)| {
+        (switch.add)(&mut models, &scene.models, &given, share_of(switch));
+    });
     models
 }
 
@@ -181,8 +186,18 @@ fn chosen(scene: &Scene, extremes: &Extremes, tolerance: f64, wants: impl Fn(&Ef
 fn least_that_fit(scene: &Scene, extremes: &Extremes, all: &Models, most: f64) -> Vec<&'static str> {
     let setup = Setup { models: *all, ..Setup::clone(scene) };
     let given = Given::new(&setup, extremes, &extremes.sunlit);
+    let without = |switch: &Switch| {
+        let mut models = *all;
+        (switch.remove)(&mut models);
+        models
+    };
+    let fits_itself = |kind: &'static EffectKind| {
+        let switch = kind.switch.as_ref()?;
+        ((switch.own?)(&given, &without(switch)).left <= most).then_some(kind.key)
+    };
+    let mut dropped: Vec<&str> = ALL.iter().filter_map(fits_itself).collect();
     let bound = |kind: &'static EffectKind| {
-        kind.switch.as_ref()?;
+        kind.switch.as_ref().filter(|switch| switch.own.is_none())?;
         Some((kind.key, kind.in_scene(&given).bound?.most()))
     };
     let mut bounds: Vec<(&str, f64)> = ALL.iter().filter_map(bound).collect();
@@ -192,5 +207,6 @@ fn least_that_fit(scene: &Scene, extremes: &Extremes, all: &Models, most: f64) -
         sum += bound;
         sum <= most
     };
-    bounds.into_iter().take_while(fits).map(|(key, _)| key).collect()
+    dropped.extend(bounds.into_iter().take_while(fits).map(|(key, _)| key));
+    dropped
 }

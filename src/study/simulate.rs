@@ -7,7 +7,6 @@ use super::observation::{Check, Counts, Observation, Put};
 use super::surfaces::surfaces;
 use super::warnings;
 use crate::error::Result;
-use crate::geometry::polygon::area;
 use crate::integrate::{self, Image, Wanted};
 use crate::physics::bounds;
 use crate::product::{FacetTable, Slab};
@@ -145,11 +144,11 @@ fn largest_lit_excess(scene: &Scene, table: &FacetTable) -> f64 {
     };
     // Polygons are in the order of their facets.
     let (mut facet, mut sum, mut most) = (None, 0.0, 0.0_f64);
-    for (of, bounds) in sunlit.polygon_facet.iter().zip(sunlit.polygon_start.windows(2)) {
+    for (i, of) in sunlit.polygon_facet.iter().enumerate() {
         if facet != Some(of) {
             (facet, sum) = (Some(of), 0.0);
         }
-        sum += 2.0 * area(&sunlit.uv[bounds[0]..bounds[1]]).abs();
+        sum += sunlit.filled(i);
         if sum > 1.0 {
             most = most.max(excess(*of, sum));
         }

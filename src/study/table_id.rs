@@ -3,7 +3,7 @@
 use blake3::Hasher;
 use glam::DVec3;
 
-use crate::scene::{MarsModel, Models, Scene, Setup, Sky, Surface, Thermal};
+use crate::scene::{MarsModel, Models, Scene, Setup, Sky, SunModel, Surface, Thermal};
 
 /// A name for everything that [`solve`](crate::solve::solve) reads of a scene: BLAKE3 of the resolved values, 64 hexadecimal digits.
 ///
@@ -11,7 +11,12 @@ use crate::scene::{MarsModel, Models, Scene, Setup, Sky, Surface, Thermal};
 pub fn table_id(scene: &Scene) -> String {
     let mut hasher = Hasher::new();
     let mut put = |values: &[f64]| values.iter().for_each(|v| _ = hasher.update(&v.to_le_bytes()));
-    let Setup { body, sky: Sky { sun, mars, beams }, exposure: _, models: Models { thermal, mars_light } } = &**scene;
+    let Setup {
+        body,
+        sky: Sky { sun, mars, beams },
+        exposure: _,
+        models: Models { thermal, mars_light, sun: sun_model },
+    } = &**scene;
     let Surface { origin_m, mesh, materials, textures: _ } = &**body;
     put(&origin_m.to_array());
     put(&sun.direction.vec().to_array());
@@ -38,6 +43,11 @@ pub fn table_id(scene: &Scene) -> String {
     };
     for number in [mars_model, thermal, materials.len(), mesh.vertices_m.len(), mesh.facets.len()] {
         hasher.update(&(number as u64).to_le_bytes());
+    }
+    if let SunModel::Disc(rule) = sun_model {
+        hasher.update(b"disc");
+        hasher.update(&(rule.count() as u64).to_le_bytes());
+        hasher.update(&sun.limb_darkening.to_le_bytes());
     }
     for beam in beams {
         hasher.update(beam.name.as_bytes());

@@ -188,7 +188,7 @@ fn make_contenders(drawing: &Drawing, candidates: &[Candidate], list: &[u32], co
 }
 
 /// Whether one of a triangle's sides that are open may cross a cell.
-fn open_edge_crosses(drawing: &Drawing, triangle: u32, rect: &Rect) -> bool {
+pub(super) fn open_edge_crosses(drawing: &Drawing, triangle: u32, rect: &Rect) -> bool {
     let open = drawing.open_sides(triangle);
     open != 0 && open_side_crosses(open, &drawing.outline(triangle), rect)
 }

@@ -14,6 +14,8 @@ mod layers;
 mod on_facet;
 mod partition;
 mod seen;
+mod seen_together;
+mod throw;
 mod topology;
 mod visit;
 
@@ -23,5 +25,6 @@ pub use covered::covered;
 pub use drawing::{Drawing, Grid, Side, View};
 pub use on_facet::OnFacet;
 pub use seen::{Seen, Shown};
+pub use throw::longest_throw_m;
 pub use topology::{Enclosure, NONE, Topology};
 pub use visit::Visit;

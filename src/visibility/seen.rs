@@ -32,6 +32,7 @@ pub enum Shown {
 
 /// What an eye sees of every facet, as convex polygons that do not overlap: of the Sun, what it lights.
 ///
+/// Of several eyes [together](Seen::together), the polygons of each, which overlap those of others; each has its eye's share.
 /// Polygon vertices are (u, v) on the facet: point = a + u (b - a) + v (c - a).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Seen {
@@ -43,14 +44,26 @@ pub struct Seen {
     pub polygon_start: Vec<usize>,
     /// Vertices of the polygons.
     pub uv: Vec<[f64; 2]>,
+    /// Of several eyes together, the share of each polygon's eye: at any point of a facet they sum to at most 1. Empty for one eye.
+    pub polygon_share: Vec<f64>,
 }
 
 impl Seen {
     /// The polygons of a facet that is seen in part.
     pub fn polygons(&self, facet: u32) -> impl ExactSizeIterator<Item = &[[f64; 2]]> {
+        self.numbers(facet).map(|i| &self.uv[self.polygon_start[i]..self.polygon_start[i + 1]])
+    }
+
+    /// Where the polygons of a facet are.
+    fn numbers(&self, facet: u32) -> std::ops::Range<usize> {
         let first = self.polygon_facet.partition_point(|f| *f < facet);
-        let last = first + self.polygon_facet[first..].partition_point(|f| *f == facet);
-        (first..last).map(|i| &self.uv[self.polygon_start[i]..self.polygon_start[i + 1]])
+        first..first + self.polygon_facet[first..].partition_point(|f| *f == facet)
+    }
+
+    /// The share of a polygon: 1 for one eye.
+    #[inline]
+    pub fn share(&self, polygon: usize) -> f64 {
+        self.polygon_share.get(polygon).copied().unwrap_or(1.0)
     }
 
     /// Share of a facet's area that is seen.
@@ -58,19 +71,25 @@ impl Seen {
         match self.shown[facet as usize] {
             Shown::Nothing => 0.0,
             Shown::Whole => 1.0,
-            Shown::Part => self.polygons(facet).map(|p| 2.0 * area(p).abs()).sum(),
+            Shown::Part => self.numbers(facet).map(|i| self.filled(i)).sum(),
         }
+    }
+
+    /// How much of its facet a polygon fills, times its share.
+    pub fn filled(&self, polygon: usize) -> f64 {
+        let uv = &self.uv[self.polygon_start[polygon]..self.polygon_start[polygon + 1]];
+        2.0 * area(uv).abs() * self.share(polygon)
     }
 
     /// The first facet whose polygons fill more than `most` of its area, overlaps counted twice, and what they fill.
     pub fn overfull(&self, most: f64) -> Option<(u32, f64)> {
         // Polygons are in the order of their facets.
         let (mut facet, mut sum) = (None, 0.0);
-        for (of, bounds) in self.polygon_facet.iter().zip(self.polygon_start.windows(2)) {
+        for (i, of) in self.polygon_facet.iter().enumerate() {
             if facet != Some(*of) {
                 (facet, sum) = (Some(*of), 0.0);
             }
-            sum += 2.0 * area(&self.uv[bounds[0]..bounds[1]]).abs();
+            sum += self.filled(i);
             if sum > most {
                 return Some((*of, sum));
             }
@@ -94,6 +113,9 @@ impl Seen {
         }
         if self.polygon_facet.windows(2).any(|w| w[0] > w[1]) {
             return Err("polygons are not in the order of their facets".into());
+        }
+        if !self.polygon_share.is_empty() && self.polygon_share.len() != self.polygon_facet.len() {
+            return Err(format!("{} polygons, but {} shares", self.polygon_facet.len(), self.polygon_share.len()));
         }
         match self.polygon_facet.iter().find(|f| self.shown.get(**f as usize) != Some(&Shown::Part)) {
             Some(f) => Err(format!("facet {f} has polygons, but is not seen in part")),

@@ -2,8 +2,9 @@
 
 use mmxrt::formats::convert::{Content, differences};
 use mmxrt::formats::scene_toml;
+use mmxrt::physics::sun_disc::DiscRule;
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{Photometry, Scene};
+use mmxrt::scene::{Photometry, Scene, SunModel};
 use serde_json::Value;
 
 use crate::cli::{mmxrt, run};
@@ -24,6 +25,8 @@ bowl = { reflectance = 0.1, emissivity = 0.8, rpv = "rpv.csv" }
 position_m = [3.992e10, 2.1812e11, 1.1501e10]
 spectrum = "sun.csv"
 total_irradiance_w_m2 = 1361.0
+limb_darkening = 0.35
+points = 7
 [mars]
 position_m = [9.376e6, 0.0, 1.0]
 albedo = "mars.csv"
@@ -92,6 +95,10 @@ fn a_scene_that_is_written_reads_back_the_same() {
     assert_eq!(a.exposure.camera.world_from_sensor, b.exposure.camera.world_from_sensor);
     assert_eq!(a.exposure.camera.pitch, b.exposure.camera.pitch);
     assert_eq!((a.sky.sun.direction, a.sky.sun.distance_m), (b.sky.sun.direction, b.sky.sun.distance_m));
+    assert_eq!(
+        (a.models.sun, b.models.sun, b.sky.sun.limb_darkening),
+        (SunModel::Disc(DiscRule::G7), a.models.sun, 0.35)
+    );
     let bands: Vec<_> = b.exposure.bands.iter().map(|b| b.fwhm_um).collect();
     assert_eq!(bands, [None, Some(0.01), Some(0.02)]);
     let Photometry::Hapke(hapke) = &b.body.materials[3].photometry else { panic!() };

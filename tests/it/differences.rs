@@ -4,7 +4,8 @@ use glam::{DMat3, DVec3};
 
 use mmxrt::formats::convert::{Content, differences};
 use mmxrt::geometry::{Direction, MaterialId, Texels};
-use mmxrt::scene::{Hapke, MarsModel, Photometry, Rpv, Scene, SceneParts, TextureKind, Thermal};
+use mmxrt::physics::sun_disc::DiscRule;
+use mmxrt::scene::{Hapke, MarsModel, Photometry, Rpv, Scene, SceneParts, SunModel, TextureKind, Thermal};
 use mmxrt::spectral::{Extend, Spectrum};
 
 use crate::cli::run;
@@ -115,6 +116,8 @@ fn every_part_of_a_scene_is_compared() {
         ("sun.distance_m", &|s| s.sky.sun.distance_m *= 1.01),
         ("sun.spectrum", &|s| s.sky.sun.irradiance_1au = constant(700.0)),
         ("sun.total_irradiance_w_m2", &|s| s.sky.sun.total_irradiance_1au_w_m2 += 1.0),
+        ("sun.limb_darkening", &|s| s.sky.sun.limb_darkening = 0.5),
+        ("sun.points", &|s| s.models.sun = SunModel::Disc(DiscRule::G3)),
         ("mars: ", &|s| s.sky.mars = None),
         ("mars.position_m", &|s| s.sky.mars.as_mut().unwrap().centre_m.x += 1.0),
         ("mars.radius_m", &|s| s.sky.mars.as_mut().unwrap().radius_m += 1.0),

@@ -351,6 +351,7 @@ fn a_table_that_was_tampered_with_is_told_at_its_place_and_makes_no_product() {
             polygon_facet: vec![f as u32; triangles.len()],
             polygon_start: (0..=triangles.len()).map(|i| 3 * i).collect(),
             uv: triangles.concat(),
+            polygon_share: vec![],
         });
     }
     const WHOLE: [[f64; 2]; 3] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];

@@ -77,6 +77,7 @@ mod slabs;
 mod subset;
 mod spectra;
 mod spectra_from_the_wild;
+mod sun_disc;
 mod textures;
 mod told;
 mod truth;

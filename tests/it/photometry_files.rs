@@ -181,3 +181,103 @@ fn all_that_is_wrong_is_told_at_its_place() {
         assert!(told.contains(message), "{message}: {told}");
     }
 }
+
+/// The three cases of tables, with the value at incidence 30, emission 45, azimuth 60 deg, by hand: linear in each angle.
+const TABLES: [(&str, f64); 4] = [
+    ("incidence_deg,reflectance_factor\n0,0.1\n60,0.3\n", 0.2),
+    ("incidence_deg,emission_deg,reflectance_factor\n0,0,0.1\n0,60,0.2\n60,0,0.2\n60,60,0.4\n", 0.2625),
+    (
+        "incidence_deg,emission_deg,azimuth_deg,reflectance_factor\n0,0,0,0.1\n0,90,0,0.1\n60,0,0,0.2\n60,90,0,0.2\n\
+         0,0,180,0.4\n0,90,180,0.4\n60,0,180,0.5\n60,90,180,0.5\n",
+        0.25,
+    ),
+    ("wavelength_um,incidence_deg,reflectance_factor\n0.5,0,0.1\n0.5,60,0.3\n1.5,0,0.2\n1.5,60,0.4\n", 0.25),
+];
+
+#[test]
+fn tables_are_as_they_stand_or_at_the_level_of_a_spectrum() {
+    let angles = PhotometricAngles::of_angles(PI / 6.0, PI / 4.0, PI / 3.0);
+    let factor =
+        |scene: &Scene, um: f64| scene.body.materials[0].photometry.brdf(um).unwrap().reflectance_factor(&angles);
+    let phase_deg = angles.phase_rad().to_degrees();
+    let at = format!("measured = {{ incidence_deg = 30, emission_deg = 45, phase_deg = {phase_deg} }}");
+    for (table, expected) in TABLES {
+        let with = |more: &str| {
+            let folder = folder(&format!("table = \"table.csv\"\n{more}"));
+            folder.write("table.csv", table);
+            folder
+        };
+        let scene = scene_of(&with(""));
+        assert!((factor(&scene, 1.0) / expected - 1.0).abs() < 1e-14, "{table}");
+        let brdf = scene.body.materials[0].photometry.brdf(1.0).unwrap();
+        let hemispherical = scene.body.materials[0].reflectance.at(1.0).unwrap();
+        assert!((hemispherical / Measure::Spherical.of(&brdf) - 1.0).abs() < 1e-12);
+        let halved = scene_of(&with("reflectance = 0.5\nmeasured = \"albedo\""));
+        assert!((factor(&halved, 1.0) / (0.5 * expected) - 1.0).abs() < 1e-14, "{table}");
+        // The spectrum is 0.03 at 0.9 and 0.06 at 1.4 um.
+        let scene = scene_of(&with(&format!("reflectance = \"grey.csv\"\n{at}")));
+        for (um, reflectance) in [(0.9, 0.03), (1.4, 0.06)] {
+            assert!((factor(&scene, um) / reflectance - 1.0).abs() < 1e-12, "{table}");
+        }
+        for more in
+            ["", "reflectance = 0.5\nmeasured = \"albedo\"", "reflectance = \"grey.csv\"\nmeasured = \"normal\""]
+        {
+            let folder = with(more);
+            let (code, out, err) =
+                run(&["convert", &folder.argument("scene.toml"), &folder.argument("again/scene.toml")]);
+            assert!(code == 0 && !out.contains("Dropped"), "{out}{err}");
+            let again = scene_toml::read(&folder.join("again/scene.toml"), &unwatched).unwrap().scene;
+            let scene = scene_of(&folder);
+            assert_eq!(scene.body.materials, again.body.materials, "{table} {more}");
+            let content = |scene: Scene| Content::Scene(Box::new(scene), Vec::new());
+            assert_eq!(differences(&content(scene), &content(again)), [""; 0]);
+        }
+    }
+}
+
+#[test]
+fn a_table_in_the_image_has_its_factor_at_the_angles_of_each_pixel() {
+    for (table, expected) in TABLES {
+        let folder = folder("table = \"table.csv\"");
+        folder.write("table.csv", table);
+        // Light from 30 deg, view from 45 deg, 60 deg aside; pixels of a few metres from 100 km.
+        let (s, c) = (0.5 * 3f64.sqrt() * 0.5_f64.sqrt(), 0.5_f64.sqrt());
+        let (x, y) = (1e5 * 0.5 * 0.5_f64.sqrt(), 1e5 * s);
+        let z = 11_000.0 + 1e5 * c;
+        folder.edit("scene.toml", "direction = [0, 0, 1]", "direction = [0.5, 0, 0.8660254037844386]");
+        folder.edit("scene.toml", "position_m = [0, 0, 12000]", &format!("position_m = [{x}, {y}, {z}]"));
+        folder.edit("scene.toml", "fov_deg = 0.45836379150820084", "fov_deg = 0.0001");
+        let scene = scene_of(&folder);
+        let cube = study::simulate(&scene, &unwatched).unwrap().1.cube;
+        let e = scene.sky.sun.irradiance_w_m2_um(1.0).unwrap() * (PI / 6.0).cos();
+        let got = cube.band(0)[0] * PI / e;
+        assert!((got / expected - 1.0).abs() < 1e-5, "{table}: {got} {expected}");
+    }
+}
+
+#[test]
+fn what_is_told_of_tables() {
+    let told = |table: &str, more: &str| {
+        let folder = folder(&format!("table = \"table.csv\"\n{more}"));
+        folder.write("table.csv", table);
+        match scene_toml::read(&folder.join("scene.toml"), &unwatched) {
+            Ok(file) => file.notes.join("\n"),
+            Err(error) => error.to_string(),
+        }
+    };
+    let bright = "incidence_deg,reflectance_factor\n0,0.2\n80,1.3\n";
+    let said = told(bright, "");
+    assert!(said.contains("reflects 1.300 of the light from 80.0 deg: more than arrives"), "{said}");
+    assert!(said.contains("light and view may not change places"), "{said}");
+    for (more, message) in [
+        ("measured = \"normal\"", "measured: says nothing without a `reflectance`: the table"),
+        ("akimov = {}", "give either `akimov` or `table`"),
+    ] {
+        let said = told(TABLES[0].0, more);
+        assert!(said.contains(message), "{message}: {said}");
+    }
+    let said = told("incidence_deg,reflectance_factor\n0,0\n80,0\n", "reflectance = 0.1");
+    assert!(said.contains("reflectance: cannot set the level of the table"), "{said}");
+    let said = told("incidence_deg,reflectance_factor\n0,0.1\n0,0.2\n", "");
+    assert!(said.contains("table.csv:3: the same angles and wavelength as in line 2"), "{said}");
+}

@@ -36,7 +36,7 @@ fn random_scene(seed: u64) -> SceneParts {
     let reflectances = [0, 1].map(|_| spectrum(uniform(0.03, 0.3), uniform(0.03, 0.3)));
     parts.surface.materials =
         vec![lambert(0, "ground", reflectances[0].clone()), lambert(1, "rock", reflectances[1].clone())];
-    if uniform(0.0, 1.0) < 0.3 {
+    if uniform(0.0, 1.0) < 0.1 {
         let reflectance = spectrum(0.02, 0.04);
         let model = Model::measured(Preset::PhobosAssumed.known().shape.unwrap(), &reflectance, &Measure::Spherical);
         parts.surface.materials[0].photometry = Photometry::Model(Box::new(model.unwrap()));
@@ -57,7 +57,7 @@ fn random_scene(seed: u64) -> SceneParts {
 }
 
 fn planned(scene: &Scene, choice: Choice, tolerance: f64) -> (Scene, Plan) {
-    let extremes = Extremes::new(scene);
+    let extremes = Extremes::new(scene).with_throw(scene);
     let request = Request { choice, tolerance, ..Request::default() };
     let (models, plan) = study::plan(scene, &extremes, &request).unwrap();
     (scene.by(models).unwrap(), plan)
@@ -67,7 +67,7 @@ fn seen(scene: &Scene) -> Observation {
     study::simulate(scene, &unwatched).unwrap().1
 }
 
-/// Errors of pixels relative to a truth: the largest over bands, of pixels lit for the most part, and of the others.
+/// Errors of pixels relative to a truth: the largest over bands, of pixels that show nothing but sunlit ground, and of the others.
 fn errors(truth: &Observation, other: &Observation) -> [Vec<f64>; 2] {
     let lit = &truth.backplanes.plane("LIT_FRACTION").unwrap().values;
     let mut errors = vec![0.0_f64; lit.len()];
@@ -79,8 +79,8 @@ fn errors(truth: &Observation, other: &Observation) -> [Vec<f64>; 2] {
         let pixels = errors.iter_mut().zip(truth.iter().zip(&other));
         pixels.for_each(|(error, (truth, other))| *error = error.max((truth - other).abs() / truth.max(floor)));
     }
-    let of =
-        |is_lit: bool| errors.iter().zip(lit).filter(|(_, lit)| (**lit > 0.5) == is_lit).map(|(e, _)| *e).collect();
+    let is_whole = |pixel: usize| lit[pixel] > 1.0 - 1e-9;
+    let of = |is_lit: bool| (0..errors.len()).filter(|i| is_whole(*i) == is_lit).map(|i| errors[i]).collect();
     [of(true), of(false)]
 }
 

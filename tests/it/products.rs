@@ -330,6 +330,7 @@ fn table() -> FacetTable {
         polygon_facet: vec![2, 2, 3],
         polygon_start: vec![0, 3, 7, 10],
         uv: (0..10).map(|i| [f64::from(i) / 9.0, -0.0]).collect(),
+        polygon_share: vec![],
     };
     let lighting = |source: &str, field, irradiance: [f64; 4], sees| Lighting {
         source: source.into(),

@@ -106,6 +106,7 @@ pub(crate) fn parts(mesh: Mesh, camera: FrameCamera, towards_sun: Direction) -> 
                 distance_m: 1.5 * AU_M,
                 irradiance_1au: Spectrum::constant(700.0),
                 total_irradiance_1au_w_m2: 1361.0,
+                limb_darkening: 0.0,
             },
             mars: None,
             beams: vec![],

@@ -180,7 +180,12 @@ impl Lines {
     }
 
     fn scenes(&mut self, a: &Scene, b: &Scene) {
-        let Setup { body, sky: Sky { sun, mars, beams }, exposure, models: Models { thermal, mars_light } } = &**a;
+        let Setup {
+            body,
+            sky: Sky { sun, mars, beams },
+            exposure,
+            models: Models { thermal, mars_light, sun: sun_model },
+        } = &**a;
         let Surface { origin_m, mesh, materials, textures } = &**body;
         self.places("origin_m", *origin_m, b.body.origin_m);
         let names = |scene: &Scene| scene.body.materials.iter().map(|m| m.name.clone()).collect::<Vec<_>>();
@@ -215,6 +220,7 @@ impl Lines {
             lines.numbers(&format!("{at}.total_irradiance_w_m2"), *total_irradiance_w_m2, b.total_irradiance_w_m2);
         });
         self.debugged("thermal.model", thermal, &b.models.thermal);
+        self.debugged("sun.points", sun_model, &b.models.sun);
         self.exposures(exposure, &b.exposure);
     }
 
@@ -263,7 +269,19 @@ impl Lines {
                     self.spectra(&format!("{at}.{name}"), a, b);
                 }
             }
-            (Photometry::Lambert | Photometry::Model(_) | Photometry::Hapke(_) | Photometry::Rpv(_), _) => {
+            (Photometry::Table(a), Photometry::Table(b)) => {
+                self.debugged(&format!("{at} table"), &a.tables(), &b.tables());
+                self.spectra(&format!("{at}.table"), a.albedo(), b.albedo());
+                self.spectra(&format!("{at}.factor"), a.factor(), b.factor());
+            }
+            (
+                Photometry::Lambert
+                | Photometry::Model(_)
+                | Photometry::Hapke(_)
+                | Photometry::Rpv(_)
+                | Photometry::Table(_),
+                _,
+            ) => {
                 let shown = |p: &Photometry| p.key().unwrap_or("lambert");
                 self.words(&format!("{at} photometry"), shown(photometry), shown(&b.photometry));
             }
@@ -317,11 +335,12 @@ impl Lines {
     }
 
     fn suns(&mut self, a: &Sun, b: &Sun) {
-        let Sun { direction, distance_m, irradiance_1au, total_irradiance_1au_w_m2 } = a;
+        let Sun { direction, distance_m, irradiance_1au, total_irradiance_1au_w_m2, limb_darkening } = a;
         self.directions("sun.direction", direction.vec(), b.direction.vec());
         self.numbers("sun.distance_m", *distance_m, b.distance_m);
         self.spectra("sun.spectrum", irradiance_1au, &b.irradiance_1au);
         self.numbers("sun.total_irradiance_w_m2", *total_irradiance_1au_w_m2, b.total_irradiance_1au_w_m2);
+        self.numbers("sun.limb_darkening", *limb_darkening, b.limb_darkening);
     }
 
     fn exposures(&mut self, a: &Exposure, b: &Exposure) {

@@ -664,7 +664,7 @@ fn libraries(scene: &Scene, report: &mut Report) -> Vec<SpectralLibrary> {
         let at = || Location::item(format!("materials.{:?}", material.name));
         let columns = match &material.photometry {
             Photometry::Lambert => vec![("reflectance", &material.reflectance)],
-            Photometry::Model(_) => {
+            Photometry::Model(_) | Photometry::Table(_) => {
                 let message = "its hemispherical reflectance: how that depends on directions is not a spectrum";
                 report.note(Fate::Approximated, at(), message);
                 vec![("reflectance", &material.reflectance)]

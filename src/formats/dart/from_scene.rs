@@ -9,7 +9,7 @@ use crate::error::{Error, Location, Result};
 use crate::geometry::{Direction, FrameCamera, Mesh, index_u32, whole};
 use crate::physics::sun;
 use crate::report::{Fate, Report};
-use crate::scene::{Mars, Scene, Setup, Thermal};
+use crate::scene::{Mars, Photometry, Scene, Setup, Thermal};
 use crate::spectral::{Band, Response, SpectralLibrary};
 
 use super::frame;
@@ -399,7 +399,7 @@ impl Site<'_> {
             .body
             .materials
             .iter()
-            .filter(|m| m.photometry.model().is_some())
+            .filter(|m| matches!(m.photometry, Photometry::Model(_) | Photometry::Table(_)))
             .filter_map(|m| Some((m, m.photometry.key()?)))
         {
             let at = Location::item(format!("materials.{:?}.{key}", material.name));

@@ -13,7 +13,8 @@ use crate::error::{Error, Location, Result};
 use crate::formats::input::{self, InputFile};
 use crate::formats::scene_toml::types::{LightToml, ShapeToml};
 use crate::geometry::{Direction, Mesh, index_u32};
-use crate::scene::{Hapke, Mars, MarsModel, Material, Models, Photometry, Rpv, Scene, Sun, Thermal};
+use crate::physics::sun_disc::DiscRule;
+use crate::scene::{Hapke, Mars, MarsModel, Material, Models, Photometry, Rpv, Scene, Sun, SunModel, Thermal};
 use crate::spectral::{Band, Extend, Light, Response, Spectrum, solar_e490};
 
 use super::frame;
@@ -101,7 +102,16 @@ struct SunPart {
     below_horizon: Option<[f64; 3]>,
     distance_m: f64,
     total_irradiance_1au_w_m2: f64,
+    #[serde(default, skip_serializing_if = "is_zero")]
+    limb_darkening: f64,
+    /// How many stand for its disc.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    points: Option<usize>,
     irradiance_1au: SunSpectrum,
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -206,6 +216,11 @@ impl Sidecar {
                     .then(|| sun.direction.vec().to_array()),
                 distance_m: sun.distance_m,
                 total_irradiance_1au_w_m2: sun.total_irradiance_1au_w_m2,
+                limb_darkening: sun.limb_darkening,
+                points: match scene.models.sun {
+                    SunModel::Point => None,
+                    SunModel::Disc(rule) => Some(rule.count()),
+                },
                 irradiance_1au: spectrum,
             },
             mars: scene.sky.mars.as_ref().map(|mars| MarsPart {
@@ -264,8 +279,8 @@ impl Sidecar {
             SunSpectrum::Named(name) => (name == "e490").then(|| solar_e490().clone())?,
             SunSpectrum::Table(table) => table.spectrum()?,
         };
-        let SunPart { distance_m, total_irradiance_1au_w_m2, .. } = self.sun;
-        Some(Sun { direction, distance_m, irradiance_1au, total_irradiance_1au_w_m2 })
+        let SunPart { distance_m, total_irradiance_1au_w_m2, limb_darkening, .. } = self.sun;
+        Some(Sun { direction, distance_m, irradiance_1au, total_irradiance_1au_w_m2, limb_darkening })
     }
 
     pub(super) fn mars(&self) -> Option<Mars> {
@@ -290,7 +305,9 @@ impl Sidecar {
             MarsModelName::Thesis => MarsModel::Thesis,
             MarsModelName::Off => MarsModel::Off,
         });
-        Models { thermal, mars_light }
+        let rule = |points| DiscRule::ALL.into_iter().find(|rule| rule.count() == points);
+        let sun = self.sun.points.and_then(rule).map_or(SunModel::Point, SunModel::Disc);
+        Models { thermal, mars_light, sun }
     }
 
     /// The camera's axes right, down, ahead as columns; `None` if they are no axes.

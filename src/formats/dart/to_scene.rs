@@ -213,8 +213,13 @@ impl SceneBuilder<'_> {
         }
         let e490 = solar_e490();
         let total = e490.integral(e490.coverage_um().0, e490.coverage_um().1).unwrap_or(crate::units::TSI_1AU_W_M2);
-        let at_1_au =
-            Sun { direction, distance_m: AU_M, irradiance_1au: e490.clone(), total_irradiance_1au_w_m2: total };
+        let at_1_au = Sun {
+            direction,
+            distance_m: AU_M,
+            irradiance_1au: e490.clone(),
+            total_irradiance_1au_w_m2: total,
+            limb_darkening: 0.0,
+        };
         let item = Location::item("sun");
         if !is_given {
             let message = "DART does not say how far the Sun is: taken to be 1 au, with the spectrum ASTM E490-00a";

@@ -166,6 +166,7 @@ fn tetrahedron(target: TargetVersion) -> Result<(Package, [Face; 4])> {
                 distance_m: AU_M,
                 irradiance_1au: Spectrum::constant(CHECK_IRRADIANCE),
                 total_irradiance_1au_w_m2: 1361.0,
+                limb_darkening: 0.0,
             },
             mars: None,
             beams: vec![],

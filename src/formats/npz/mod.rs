@@ -23,9 +23,10 @@ pub use self::table::{read_table, write_table};
 /// What the header of a facet table says it is.
 pub const TABLE: &str = "mmxrt facet table";
 const FOOTPRINTS: &str = "mmxrt footprints";
-/// Versions of either format that are read; the last is written.
-const TABLE_VERSIONS: &[u32] = &[1, 2];
-const FOOTPRINTS_VERSIONS: &[u32] = &[1];
+/// Versions of facet tables that are read.
+const TABLE_VERSIONS: &[u32] = &[1, 2, 3];
+/// The version of footprints that is written.
+const FOOTPRINTS_VERSION: u32 = 1;
 
 /// What the member `header` says.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -78,5 +79,5 @@ pub fn write_footprints(path: &Path, footprints: &Footprints, scene: &str) -> Re
             Values::F64(&footprints.lit_fraction),
         ),
     ];
-    write(path, (FOOTPRINTS, FOOTPRINTS_VERSIONS), scene, (&[], None), &columns)
+    write(path, (FOOTPRINTS, FOOTPRINTS_VERSION), scene, (&[], None), &columns)
 }

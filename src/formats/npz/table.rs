@@ -1,7 +1,8 @@
 //! Facet tables: written and read back bit for bit.
 //!
 //! Version 2 names its sources in the header, and has the arrays of each under its name: `sun_direction`, `sun_irradiance`,
-//! `mars_position_m` ... Version 1 has the Sun and Mars alone, and of Mars the direction.
+//! `mars_position_m` ... Version 1 has the Sun and Mars alone, and of Mars the direction. Version 3 has the shares of lit polygons that
+//! overlap, of a Sun that is a disc; a table without them is written as version 2.
 
 use std::path::Path;
 
@@ -14,6 +15,9 @@ use crate::error::{Error, Location, Problem, Result, number};
 use crate::product::{FacetTable, Lighting, Sees};
 use crate::scene::{DirectionField, Sky};
 use crate::visibility::{Seen, Shown};
+
+/// The first version with shares of polygons.
+const SHARES_SINCE: u32 = 3;
 
 /// Writes a facet table. `scene` says which scene it belongs to; it comes back from [`read_table`].
 ///
@@ -31,7 +35,10 @@ pub fn write_table(path: &Path, table: &FacetTable, scene: &str) -> Result<()> {
         }
     }
     let sources: Vec<String> = table.sources.iter().map(|lighting| lighting.source.clone()).collect();
-    write(path, (TABLE, TABLE_VERSIONS), scene, (&sources, Some(table.models)), &columns)
+    let has_shares = table.sources.iter().filter_map(Lighting::seen).any(|seen| !seen.polygon_share.is_empty());
+    // A program that knows no shares can read what has none.
+    let version = if has_shares { SHARES_SINCE } else { SHARES_SINCE - 1 };
+    write(path, (TABLE, version), scene, (&sources, Some(table.models)), &columns)
 }
 
 fn of_source(lighting: &Lighting) -> Vec<Column<'_>> {
@@ -70,6 +77,10 @@ fn of_source(lighting: &Lighting) -> Vec<Column<'_>> {
             put("polygon_start", "1", meaning.into(), Values::Ends(&seen.polygon_start));
             let meaning = "vertices (u, v) of the lit polygons: the point a + u (b - a) + v (c - a) of the facet";
             put("polygon_uv", "1", meaning.into(), Values::Uv(&seen.uv));
+            if !seen.polygon_share.is_empty() {
+                let meaning = "share of the source's light on the facet that each lit polygon has; polygons overlap, and shares add up";
+                put("polygon_share", "1", meaning.into(), Values::F64(&seen.polygon_share));
+            }
         }
     }
     columns
@@ -141,6 +152,7 @@ fn read_source(file: &mut Npz, source: &str, problems: &mut Vec<Problem>) -> Res
             polygon_facet: file.u32s(&named("polygon_facet"), problems)?,
             polygon_start: file.ends(&named("polygon_start"), problems)?,
             uv: uv.chunks_exact(2).map(|p| [p[0], p[1]]).collect(),
+            polygon_share: file.f64s(&named("polygon_share"), 1, false, problems)?,
         })
     } else {
         Sees::All
@@ -224,6 +236,10 @@ fn check_polygons(source: &str, seen: &Seen, problem: &mut impl FnMut(String, St
         let [u, v] = seen.uv[i];
         let message = format!("{} {} is not a point of the facet", number(u), number(v));
         problem(format!("{source}_polygon_uv[{i}]"), message);
+    }
+    if let Some(i) = seen.polygon_share.iter().position(|share| !(0.0..=1.0 + ROUNDING).contains(share)) {
+        let message = format!("{} is not a share: 0 to 1", number(seen.polygon_share[i]));
+        problem(format!("{source}_polygon_share[{i}]"), message);
     }
     if let Err(message) = seen.validate() {
         problem(format!("{source}_polygon_start"), message);

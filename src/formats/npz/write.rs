@@ -42,10 +42,10 @@ pub(super) enum Values<'a> {
     Vector([f64; 3]),
 }
 
-/// Writes columns, and a header before them; `format` is its name and its versions, of which the last is written.
+/// Writes columns, and a header before them, which says this name and version of a format.
 pub(super) fn write(
     path: &Path,
-    (format, versions): (&str, &[u32]),
+    (format, format_version): (&str, u32),
     scene: &str,
     (sources, models): (&[String], Option<Models>),
     columns: &[Column<'_>],
@@ -56,7 +56,7 @@ pub(super) fn write(
         .collect();
     let header = Header {
         format: format.to_owned(),
-        format_version: versions.last().copied().unwrap_or(1),
+        format_version,
         mmxrt: env!("CARGO_PKG_VERSION").to_owned(),
         scene: scene.to_owned(),
         sources: sources.to_vec(),

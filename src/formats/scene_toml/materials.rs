@@ -8,13 +8,13 @@ use crate::geometry::MaterialId;
 use crate::physics::reflectance::albedo::Measure;
 use crate::physics::reflectance::{PhotometricAngles, Preset, Shape, kirchhoff_emissivity};
 use crate::physics::srgb::{hex_from_linear, linear_from_hex};
-use crate::scene::{Hapke, Material, Model, Photometry, Rpv, model_problems};
+use crate::scene::{Hapke, Material, Model, Photometry, Rpv, Tabulated, model_problems};
 use crate::spectral::{Extend, Spectrum, solar_mean, sunlight_share};
 
 use super::super::located::member;
-use super::super::photometry_csv;
 use super::super::spectrum_csv::Quantity;
 use super::super::spelling;
+use super::super::{photometry_csv, reflectance_csv};
 use super::types::{
     ExtendToml, HapkeToml, MaterialToml, MeasuredAtToml, MeasuredNameToml, MeasuredToml, PresetToml, RpvToml,
 };
@@ -31,6 +31,8 @@ const LEAST_EMISSIVITY: f64 = 1e-3;
 const COLOUR_STEP: f64 = 1.0 / 255.0;
 /// A table that covers less of sunlight does not determine a Bond albedo; 0.4 to 2.5 um cover 0.89 of it.
 const LEAST_SUNLIGHT: f64 = 0.8;
+/// A table that reflects more than this of what arrives is reported: albedos of tables are good to a thousandth.
+const MOST_REFLECTED: f64 = 1.002;
 /// A facet's material is a number of 16 bits.
 const MOST_ENTRIES: usize = 1 << 16;
 /// Entry for faces without a material.
@@ -93,8 +95,8 @@ impl TomlReader<'_> {
             self.helped(&item, message, "a colour is # and six hexadecimal digits, sRGB");
         }
         let (reflectance, mixture) = (entry.reflectance.is_some(), entry.mixture.is_some());
-        // A preset has a reflectance of its own.
-        if reflectance == mixture && (reflectance || entry.preset.is_none()) {
+        // A preset and a table have reflectances of their own.
+        if reflectance == mixture && (reflectance || (entry.preset.is_none() && entry.table.is_none())) {
             self.problem(&item, "give either `reflectance` or `mixture`");
         }
         let models = entry.models();
@@ -104,6 +106,10 @@ impl TomlReader<'_> {
         let preset = entry.preset.map(PresetToml::preset);
         if let (Some(preset), None) = (preset, &entry.mixture) {
             self.model_of_preset(&item, entry, preset, &models);
+        }
+        if let (Some(_), Some(_), None) = (&entry.measured, &entry.table, &entry.reflectance) {
+            let message = "says nothing without a `reflectance`: the table's factors are as they stand";
+            self.problem(&member(&item, "measured"), message);
         }
         let is_lambert = models.is_empty() && preset.is_none_or(|preset| preset.known().shape.is_none());
         let Some(mixture) = &entry.mixture else {
@@ -213,6 +219,8 @@ impl TomlReader<'_> {
             None if let (Some(preset), []) = (entry.preset, &mixed[..]) => {
                 Some(self.albedo_of_preset(&item, preset.preset()))
             }
+            // Its table has one.
+            None if entry.table.is_some() && mixed.is_empty() => None,
             None => {
                 let parts: Vec<(f64, &Spectrum)> = mixed.iter().map(|(share, m)| (*share, &m.reflectance)).collect();
                 let mixture = Spectrum::mixture(&parts);
@@ -223,9 +231,10 @@ impl TomlReader<'_> {
             }
         };
         let photometry = self.photometry(&item, entry, reflectance.as_ref(), extend);
-        let reflectance = match photometry.as_ref().and_then(Photometry::model) {
-            Some(model) => Some(model.hemispherical()),
-            None => reflectance,
+        let reflectance = match &photometry {
+            Some(Photometry::Model(model)) => Some(model.hemispherical()),
+            Some(Photometry::Table(table)) => table.hemispherical(),
+            _ => reflectance,
         };
         let emissivity = match &entry.emissivity {
             Some(values) => self.fraction_spectrum(&member(&item, "emissivity"), values, Quantity::Emissivity, extend),
@@ -292,6 +301,9 @@ impl TomlReader<'_> {
         if let (Some(_), Some(_)) = (&entry.measured, tables.into_iter().flatten().next()) {
             self.problem(&member(item, "measured"), "says nothing of a model by a table, which has its own albedo");
         }
+        if let Some(name) = &entry.table {
+            return self.table(item, name, entry, reflectance, extend).map(|table| Photometry::Table(Box::new(table)));
+        }
         match tables {
             [Some(name), _] => {
                 let columns = self.parameters(&member(item, "hapke"), name, Hapke::NAMES, extend)?;
@@ -315,6 +327,76 @@ impl TomlReader<'_> {
         }
     }
 
+    /// Reflectance factors as they were measured, at the level that a reflectance has.
+    fn table(
+        &mut self,
+        item: &str,
+        name: &str,
+        entry: &MaterialToml,
+        reflectance: Option<&Spectrum>,
+        extend: Extend,
+    ) -> Option<Tabulated> {
+        let at = member(item, "table");
+        let read = reflectance_csv::read(&self.path(name), extend);
+        let (table, input) = self.taken(&at, read)?;
+        if !self.inputs.contains(&input) {
+            self.inputs.push(input);
+        }
+        let table = match (reflectance, &entry.reflectance) {
+            (None, None) => table,
+            (None, Some(_)) => return None,
+            (Some(reflectance), _) => match self.measure(item, entry)? {
+                None => table.times(reflectance.clone()),
+                Some(measure) => {
+                    let found = table.measured(reflectance, &measure);
+                    if found.is_none() {
+                        let message =
+                            "cannot set the level of the table: that is black there, or known at other wavelengths";
+                        self.problem(&member(item, "reflectance"), message);
+                    }
+                    found?
+                }
+            },
+        };
+        if table.hemispherical().is_none() {
+            self.problem(&at, "is known at no wavelength at which the reflectance is");
+        }
+        let (share, angle_rad, um) = table.brightest();
+        if share > MOST_REFLECTED {
+            let place = if table.tables().len() > 1 { format!(" at {um} um") } else { String::new() };
+            self.note(
+                &at,
+                format!(
+                    "reflects {share:.3} of the light from {:.1} deg{place}: more than arrives",
+                    angle_rad.to_degrees()
+                ),
+            );
+        }
+        if !table.is_reciprocal() {
+            self.note(&at, "light and view may not change places in it, so its emissivity is taken to be the same in all directions");
+        }
+        Some(table)
+    }
+
+    /// How the reflectance was measured: `None` within if it is the model's own albedo.
+    fn measure(&mut self, item: &str, entry: &MaterialToml) -> Option<Option<Measure>> {
+        let at = member(item, "measured");
+        match &entry.measured {
+            // The albedo of a preset is one.
+            None if entry.reflectance.is_none() => Some(None),
+            None => {
+                self.stated(&at, "hemispherical");
+                Some(Some(Measure::Spherical))
+            }
+            Some(MeasuredToml::Named(MeasuredNameToml::Hemispherical)) => Some(Some(Measure::Spherical)),
+            Some(MeasuredToml::Named(MeasuredNameToml::Normal)) => {
+                Some(Some(Measure::ReflectanceFactor(PhotometricAngles::ZENITH)))
+            }
+            Some(MeasuredToml::Named(MeasuredNameToml::Albedo)) => Some(None),
+            Some(MeasuredToml::At(angles)) => self.measured_at(&at, angles).map(Some),
+        }
+    }
+
     /// A model by numbers, whose albedo gives the reflectance that was measured.
     fn model(
         &mut self,
@@ -329,21 +411,7 @@ impl TomlReader<'_> {
             let at = parameter.split('.').fold(member(item, key), |at, name| member(&at, name));
             self.problem(&at, message);
         }
-        let at = member(item, "measured");
-        let measure = match &entry.measured {
-            // The albedo of a preset is one.
-            None if entry.reflectance.is_none() => Some(None),
-            None => {
-                self.stated(&at, "hemispherical");
-                Some(Some(Measure::Spherical))
-            }
-            Some(MeasuredToml::Named(MeasuredNameToml::Hemispherical)) => Some(Some(Measure::Spherical)),
-            Some(MeasuredToml::Named(MeasuredNameToml::Normal)) => {
-                Some(Some(Measure::ReflectanceFactor(PhotometricAngles::ZENITH)))
-            }
-            Some(MeasuredToml::Named(MeasuredNameToml::Albedo)) => Some(None),
-            Some(MeasuredToml::At(angles)) => self.measured_at(&at, angles).map(Some),
-        };
+        let measure = self.measure(item, entry);
         let (measure, reflectance) = (measure?, reflectance.filter(|_| wrong.is_empty())?);
         let model = match measure {
             Some(measure) => Model::measured(shape, reflectance, &measure),

@@ -22,9 +22,10 @@ use glam::DVec3;
 
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::{Direction, Pose};
+use crate::physics::sun_disc::DiscRule;
 use crate::progress::{Progress, Watch};
 use crate::scene::{
-    FARTHEST_M, MARS_ALBEDO, Mars, MarsModel, Models, Scene, SceneParts, Sky, Sun, Surface, Texture, Thermal,
+    FARTHEST_M, MARS_ALBEDO, Mars, MarsModel, Models, Scene, SceneParts, Sky, Sun, SunModel, Surface, Texture, Thermal,
 };
 use crate::spectral::{Extend, Spectrum, SunTotal, solar_e490};
 use crate::units::{AU_M, MARS_RADIUS_M, SUN_RADIUS_M, TSI_1AU_W_M2};
@@ -231,6 +232,7 @@ impl TomlReader<'_> {
         let mars = toml.mars.as_ref().map(|mars| self.mars(mars));
         let mars_light = toml.mars.as_ref().map(|mars| self.mars_light(mars)).unwrap_or_default();
         let thermal = self.thermal(toml.thermal.as_ref());
+        let sun_model = self.sun_model(&toml.sun);
         let pose = self.camera_pose(toml.observer.as_ref(), by_angles.camera);
         let exposure = self.exposure(&toml.sensor, pose, mesh.as_ref());
         if let (Some(mesh), Some(exposure)) = (&mesh, &exposure) {
@@ -248,7 +250,7 @@ impl TomlReader<'_> {
                 beams: vec![],
             },
             exposure: exposure?,
-            models: Models { thermal, mars_light },
+            models: Models { thermal, mars_light, sun: sun_model },
         })
     }
 
@@ -478,7 +480,22 @@ impl TomlReader<'_> {
         });
         let (spectrum, total) = self.sun_spectrum(toml)?;
         let (direction, distance_m) = place?;
-        Some(Sun { direction, distance_m, irradiance_1au: spectrum, total_irradiance_1au_w_m2: total })
+        let limb_darkening = toml.limb_darkening.unwrap_or(0.0);
+        Some(Sun { direction, distance_m, irradiance_1au: spectrum, total_irradiance_1au_w_m2: total, limb_darkening })
+    }
+
+    fn sun_model(&mut self, toml: &SunToml) -> SunModel {
+        match toml.points {
+            None | Some(1) => SunModel::Point,
+            Some(points) => match DiscRule::ALL.into_iter().find(|rule| rule.count() == points as usize) {
+                Some(rule) => SunModel::Disc(rule),
+                None => {
+                    let counts: Vec<String> = DiscRule::ALL.iter().map(|rule| rule.count().to_string()).collect();
+                    self.problem("sun.points", format!("{points} is not one of {}", counts.join(", ")));
+                    SunModel::Point
+                }
+            },
+        }
     }
 
     /// The spectrum at 1 au and its total, W m-2.

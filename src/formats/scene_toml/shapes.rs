@@ -45,6 +45,7 @@ impl MaterialToml {
             ("akimov", self.akimov.is_some()),
             ("hapke", self.hapke.is_some()),
             ("rpv", self.rpv.is_some()),
+            ("table", self.table.is_some()),
         ];
         all.into_iter().filter(|(_, given)| *given).map(|(key, _)| key).collect()
     }

@@ -108,7 +108,7 @@ pub(crate) struct GivenPose {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct MaterialToml {
-    /// Reflectance, 0 to 1: a number, or the path of a CSV table. The surface is Lambert unless one of the models below, or a preset, is given.
+    /// Reflectance, 0 to 1: a number, or the path of a CSV table. The surface is Lambert unless one of the models below, a preset or a table is given.
     pub(crate) reflectance: Option<Values>,
     /// A surface by name: its model and numbers, of which those given below replace single ones, and without a `reflectance` its albedo.
     pub(crate) preset: Option<PresetToml>,
@@ -126,6 +126,9 @@ pub(crate) struct MaterialToml {
     pub(crate) hapke: Option<HapkeToml>,
     /// The model of Rahman, Pinty and Verstraete, whose albedo is its amplitude rho0; or the path of a CSV table of `rho0`, `k`, `g`, `h`.
     pub(crate) rpv: Option<RpvToml>,
+    /// Path of a CSV table of reflectance factors by `incidence_deg`, and where they count `emission_deg`, `azimuth_deg` and `wavelength_um`. A `reflectance`,
+    /// measured as it says, sets its level; left out, the factors are as they stand.
+    pub(crate) table: Option<String>,
     /// Shares of other entries, which add up to 1.
     pub(crate) mixture: Option<BTreeMap<String, f64>>,
     /// Values of tables beyond their ends: unknown ("error", the default), or their last value ("hold").
@@ -508,6 +511,12 @@ pub(crate) struct SunToml {
     /// Total irradiance at 1 au that the spectrum is scaled to, with what is added beyond its ends, W m-2. Default: the spectrum as it is; beyond its
     /// ends E490, scaled to join it, if it may be the Sun's (0.5 to 2 times E490), else nothing.
     pub(crate) total_irradiance_w_m2: Option<f64>,
+    /// How much darker its limb is than its middle, u in 1 - u (1 - cos(emission)): some 0.6 in the visible, 0.2 at 3 um. Default 0: a
+    /// uniform disc. It matters with `points`.
+    pub(crate) limb_darkening: Option<f64>,
+    /// Number of points that stand for its disc, with the penumbrae that these cast: 3, 4, 7, 12, 19, 21 or 37. Default 1, a point Sun: shadows
+    /// have sharp edges.
+    pub(crate) points: Option<u32>,
 }
 
 /// Mars as an extended second source.

@@ -19,11 +19,11 @@ use crate::formats::folder::Staged;
 use crate::formats::located::LONGEST_NAME;
 use crate::formats::mtl::{self, ObjMaterial};
 use crate::formats::number::exact;
-use crate::formats::{obj, photometry_csv, response_csv};
+use crate::formats::{obj, photometry_csv, reflectance_csv, response_csv};
 use crate::geometry::FrameCamera;
 use crate::physics::srgb::linear_from_hex;
 use crate::report::{Fate, Report};
-use crate::scene::{MARS_ALBEDO, MarsModel, Material, Model, Scene, Thermal};
+use crate::scene::{MARS_ALBEDO, MarsModel, Material, Model, Photometry, Scene, SunModel, Thermal};
 use crate::spectral::{Band, Extend, Response, Spectrum, SunTotal, solar_e490, solar_mean};
 use crate::units::{AU_M, MARS_RADIUS_M};
 
@@ -308,16 +308,30 @@ impl Writer<'_> {
             Some(shares) => _ = writeln!(text, "mixture = {{ {shares} }}"),
             None => {
                 let model = material.photometry.model();
-                let reflectance = model.map_or(&material.reflectance, |model| &model.albedo);
-                let values = self.values(&file("reflectance"), "reflectance", reflectance)?;
-                _ = writeln!(text, "reflectance = {values}");
+                let reflectance = match &material.photometry {
+                    Photometry::Model(model) => Some(&model.albedo),
+                    Photometry::Table(table) => Some(table.factor()).filter(|factor| constant(factor) != Some(1.0)),
+                    _ => Some(&material.reflectance),
+                };
+                if let Some(reflectance) = reflectance {
+                    let values = self.values(&file("reflectance"), "reflectance", reflectance)?;
+                    _ = writeln!(text, "reflectance = {values}");
+                    tables.extend(Some(reflectance).filter(|s| constant(s).is_none()));
+                }
+                if let Photometry::Table(table) = &material.photometry {
+                    if reflectance.is_some() {
+                        text.push_str("measured = \"albedo\"\n");
+                    }
+                    let name = self.file(&file("table"), "csv", |out| reflectance_csv::write(out, table))?;
+                    _ = writeln!(text, "table = {}", quoted(&name));
+                    tables.extend(Some(table.albedo()).filter(|_| table.tables().len() > 1));
+                }
                 if let Some(Model { shape, preset, .. }) = model {
                     let (preset, base) = shapes::base(shape, *preset);
                     preset.inspect(|preset| _ = writeln!(text, "preset = {:?}", preset.name()));
                     let (key, numbers) = (shape.key(), shapes::text(shape, base.as_ref()));
                     _ = writeln!(text, "measured = \"albedo\"\n{key} = {numbers}");
                 }
-                tables.extend(Some(reflectance).filter(|s| constant(s).is_none()));
             }
         }
         let is_usual = self.usual_emissivity(i, material).as_ref() == Some(&material.emissivity);
@@ -328,7 +342,8 @@ impl Writer<'_> {
             let _ = writeln!(text, "emissivity = {values}");
             tables.extend(Some(&material.emissivity).filter(|s| constant(s).is_none()));
         }
-        if let Some(key) = material.photometry.key().filter(|_| material.photometry.model().is_none()) {
+        let has_columns = matches!(material.photometry, Photometry::Hapke(_) | Photometry::Rpv(_));
+        if let Some(key) = material.photometry.key().filter(|_| has_columns) {
             let columns = self.columns(&item, material);
             let named: Vec<(&str, &Spectrum)> = columns.iter().map(|(name, column)| (*name, column)).collect();
             let table = self.file(&file(key), "csv", |out| photometry_csv::write(out, &named))?;
@@ -429,6 +444,12 @@ impl Writer<'_> {
         let frame = if self.options.axes == Axes::Site { "frame = \"site\"\n" } else { "" };
         let mut text =
             format!("\n{}[sun]\n{frame}direction = {direction}\ndistance_au = {au:?}\n", self.comment("sun"));
+        if sun.limb_darkening != 0.0 {
+            let _ = writeln!(text, "limb_darkening = {:?}", sun.limb_darkening);
+        }
+        if let SunModel::Disc(rule) = self.scene.models.sun {
+            let _ = writeln!(text, "points = {}", rule.count());
+        }
         let e490 = solar_e490();
         if sun.irradiance_1au == *e490 {
             if !self.is_left_out("sun.spectrum", true) {

@@ -156,8 +156,8 @@ impl<'a> Lookup<'a> {
                         self.lit[light].texels.extend_from_slice(&self.seen.texels[before.0..]);
                         self.lit[light].area += self.seen.area - before.1;
                     }
-                    Shown::Part => pixel.lit_parts(light, entry.facet, &Window::Piece(&piece), |part| {
-                        self.lay(entry.facet, part, sign, Some(light));
+                    Shown::Part => pixel.lit_parts(light, entry.facet, &Window::Piece(&piece), |share, part| {
+                        self.lay(entry.facet, part, sign * share, Some(light));
                     }),
                 }
             }

@@ -121,7 +121,7 @@ fn lit_area(pixel: &mut Pixel, light: usize, facet: u32, part: &[Point]) -> f64 
         Shown::Whole => area(part),
         Shown::Part => {
             let mut lit = 0.0;
-            pixel.lit_parts(light, facet, &Window::Piece(part), |part| lit += area(part));
+            pixel.lit_parts(light, facet, &Window::Piece(part), |share, part| lit += share * area(part));
             lit
         }
     }

@@ -27,6 +27,11 @@ impl Axis {
         (!angles_rad.is_empty() && rises && angles_rad.iter().all(|a| a.is_finite())).then_some(Axis(angles_rad))
     }
 
+    /// The angles, rad.
+    pub fn angles_rad(&self) -> &[f64] {
+        &self.0
+    }
+
     /// How many angles it has.
     pub fn count(&self) -> usize {
         self.0.len()
@@ -64,6 +69,45 @@ impl Table {
             azimuth,
             reflectance_factor,
         })
+    }
+
+    /// Its angles of incidence.
+    pub fn incidence(&self) -> &Axis {
+        &self.incidence
+    }
+
+    /// Its angles of emission.
+    pub fn emission(&self) -> &Axis {
+        &self.emission
+    }
+
+    /// Its azimuths.
+    pub fn azimuth(&self) -> &Axis {
+        &self.azimuth
+    }
+
+    /// Its reflectance factors, \[incidence, emission, azimuth\].
+    pub fn factors(&self) -> &[f64] {
+        &self.reflectance_factor
+    }
+
+    /// Whether it has the angles of another one.
+    pub fn has_axes_of(&self, other: &Table) -> bool {
+        self.incidence == other.incidence && self.emission == other.emission && self.azimuth == other.azimuth
+    }
+
+    /// The sum of this one and another, which has the same angles, each times its share.
+    #[must_use]
+    pub fn mixed(&self, share: f64, other: &Table, other_share: f64) -> Table {
+        let pairs = self.reflectance_factor.iter().zip(&other.reflectance_factor);
+        let reflectance_factor = pairs.map(|(a, b)| share * a + other_share * b).collect();
+        Table { reflectance_factor, ..self.clone() }
+    }
+
+    /// The same with all factors multiplied.
+    #[must_use]
+    pub fn scaled(&self, by: f64) -> Table {
+        Table { reflectance_factor: self.reflectance_factor.iter().map(|factor| by * factor).collect(), ..self.clone() }
     }
 
     /// The BRDF, 1/sr.

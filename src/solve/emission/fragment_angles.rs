@@ -4,7 +4,8 @@ use super::light::{Fragment, SourceLight};
 use crate::geometry::{FrameCamera, Mesh};
 use crate::physics::mars::middle_above_horizon;
 use crate::physics::reflectance::PhotometricAngles;
-use crate::scene::{DirectionField, Scene};
+use crate::scene::{DirectionField, Scene, SunModel};
+use crate::units::SUN_RADIUS_M;
 
 /// Who looks at what.
 #[derive(Debug, Clone, Copy)]
@@ -13,12 +14,15 @@ pub(super) struct FragmentAngles<'a> {
     mesh: &'a Mesh,
     /// Of Mars, the source in the near field, m.
     radius_m: f64,
+    /// Of the Sun, the first source, if it is a disc: its distance, m.
+    disc_distance_m: Option<f64>,
 }
 
 impl<'a> FragmentAngles<'a> {
     pub(super) fn of(scene: &'a Scene) -> Self {
         let radius_m = scene.sky.mars.as_ref().map_or(0.0, |mars| mars.radius_m);
-        FragmentAngles { camera: &scene.exposure.camera, mesh: &scene.body.mesh, radius_m }
+        let disc_distance_m = (scene.models.sun != SunModel::Point).then_some(scene.sky.sun.distance_m);
+        FragmentAngles { camera: &scene.exposure.camera, mesh: &scene.body.mesh, radius_m, disc_distance_m }
     }
 
     /// Cosine of emission at the centroid of all that is seen of a fragment.
@@ -28,7 +32,7 @@ impl<'a> FragmentAngles<'a> {
         normal.dot(-self.camera.ray(x_px, y_px).normalize_or_zero())
     }
 
-    /// The angles at the centroid of what a source lights of a fragment; of a source in the near field, to the
+    /// The angles at the centroid of what a source lights of a fragment; of a source in the near field, and of the Sun's disc, to the
     /// middle of what of it is above the facet's horizon.
     pub(super) fn angles(&self, fragment: &Fragment, light: &SourceLight) -> PhotometricAngles {
         let facet = self.mesh.facet(fragment.facet as usize);
@@ -36,7 +40,10 @@ impl<'a> FragmentAngles<'a> {
         let ray = self.camera.ray(x_px, y_px);
         let normal = facet.cross_m2().normalize_or_zero();
         let to_source = match light.field {
-            DirectionField::Afar(direction) => direction.vec(),
+            DirectionField::Afar(direction) => match self.disc_distance_m.filter(|_| light.is_first) {
+                None => direction.vec(),
+                Some(distance_m) => middle_above_horizon(normal, distance_m * direction.vec(), SUN_RADIUS_M),
+            },
             DirectionField::Near(_) => {
                 let eye_m = self.camera.centre_m();
                 let towards = light.field.towards(eye_m + facet.met_by(eye_m, ray) * ray);

@@ -69,6 +69,8 @@ pub struct Modulation<'a> {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SourceLight<'a> {
     pub(super) field: DirectionField,
+    /// Whether it is the Sun.
+    pub(super) is_first: bool,
     irradiance: &'a [f64],
     reach: Reach<'a>,
 }
@@ -85,7 +87,7 @@ impl<'a> SourceLight<'a> {
     /// One for each source.
     pub(super) fn list(sources: &'a [Lighting]) -> Vec<Self> {
         let mut parts = 0;
-        let light = |lighting: &'a Lighting| {
+        let light = |(i, lighting): (usize, &'a Lighting)| {
             let reach = match &lighting.sees {
                 Sees::All => Reach::All,
                 Sees::Shares(shares) => Reach::Shares(shares),
@@ -94,9 +96,9 @@ impl<'a> SourceLight<'a> {
                     Reach::Part(parts - 1)
                 }
             };
-            SourceLight { field: lighting.field, irradiance: &lighting.irradiance, reach }
+            SourceLight { field: lighting.field, is_first: i == 0, irradiance: &lighting.irradiance, reach }
         };
-        sources.iter().map(light).collect()
+        sources.iter().enumerate().map(light).collect()
     }
 
     /// Irradiance on a facet, where it is lit.

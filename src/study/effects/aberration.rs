@@ -16,7 +16,7 @@ pub(super) const KIND: EffectKind = EffectKind {
 };
 
 fn find(given: &Given) -> Finding {
-    let (ray_m, pixel_m) = (given.longest_ray_m(), given.pixel_m());
+    let (ray_m, pixel_m) = (given.throw_m(), given.pixel_m());
     // Of irradiance; and of shadows' edges. Emission follows irradiance by a power that makes it 2 at most, up to 20 um.
     let width_px = 2.0 * ABERRATION_RAD * (1.0 + ray_m / pixel_m);
     Finding {

@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Bound {
-    /// Of pixels that are sunlit for the most part.
+    /// Of pixels that show nothing but sunlit ground.
     pub lit: f64,
-    /// Of the others: in shadow, or turned away from the Sun.
+    /// Of the others: something in them is in shadow, or turned away from the Sun.
     pub shadow: f64,
 }
 

@@ -5,6 +5,7 @@ use crate::physics::reflectance::Lambert;
 use crate::physics::{blackbody, heat};
 use crate::scene::{Material, Setup, Thermal};
 use crate::spectral::Light;
+use crate::study::cost;
 use crate::study::extremes::{Class, Extremes, Place};
 use crate::units::{MARS_RADIUS_M, PHOBOS_ORBIT_M};
 
@@ -27,6 +28,7 @@ pub(in crate::study) struct Given<'a> {
     pub(super) wavelengths: Vec<Wavelength>,
     /// The least radiance of sunlit facets of each wavelength, material and class, in this order.
     least: Vec<f64>,
+    median_brightness: f64,
 }
 
 /// Where on a facet.
@@ -63,7 +65,15 @@ impl<'a> Given<'a> {
         let mut used = vec![false; scene.body.materials.len()];
         scene.body.mesh.material.iter().for_each(|m| used[m.0 as usize] = true);
         let materials: Vec<_> = all.filter(|(i, _)| used[*i]).collect();
-        let mut given = Given { scene, extremes, noon_k: 0.0, wavelengths: vec![], least: vec![], materials };
+        let mut given = Given {
+            scene,
+            extremes,
+            noon_k: 0.0,
+            wavelengths: vec![],
+            least: vec![],
+            materials,
+            median_brightness: median(sunlit.iter().map(|place| place.brightness)).unwrap_or(1.0),
+        };
         let noon_k =
             |(_, m): &(usize, &Material)| given.temperature_k(m, 1.0, given.most_from_mars() + given.most_around());
         given.noon_k = given.materials.iter().map(noon_k).fold(0.0, f64::max);
@@ -109,12 +119,7 @@ impl<'a> Given<'a> {
             let material = &self.scene.body.materials[place.material];
             self.sent(at, material, place.brightness, place.cos_incidence)
         };
-        let mut radiances: Vec<f64> = sunlit.iter().map(of).filter(|l| *l > 0.0 && l.is_finite()).collect();
-        if radiances.is_empty() {
-            return 0.0;
-        }
-        let middle = radiances.len() / 2;
-        *radiances.select_nth_unstable_by(middle, f64::total_cmp).1
+        median(sunlit.iter().map(of)).unwrap_or(0.0)
     }
 
     /// Radiance of what the Sun lights, W m-2 sr-1 um-1: reflected, and emitted in equilibrium with that alone.
@@ -137,7 +142,7 @@ impl<'a> Given<'a> {
         })
     }
 
-    /// The largest error of a pixel, of those that are sunlit for the most part and of the others, if the radiance of facets changes by so
+    /// The largest error of a pixel, of those that show nothing but sunlit ground and of the others, if the radiance of facets changes by so
     /// much where the Sun lights them, and by so much where it does not: of wavelength, material and class of facets; W m-2 sr-1 um-1.
     ///
     /// `None` if it has no bound: nothing is sunlit.
@@ -161,11 +166,9 @@ impl<'a> Given<'a> {
 
     /// The largest error if edges of shadows move by this many pixels, square to the light: on a slope they move farther, by 1 / cos i.
     pub(super) fn error_of_edges(&self, width_px: f64) -> Option<Bound> {
-        self.error(|at, material, class, side| {
+        self.error(|at, material, class, _| {
             let share = (width_px / class.least_cos_incidence).min(1.0);
-            let change = share * self.sent(at, material, class.most_brightness, class.most_cos_incidence);
-            // Half of such a pixel, or more, is lit all the same.
-            if side == Side::Sun { 2.0 * change } else { change }
+            share * self.sent(at, material, class.most_brightness, class.most_cos_incidence)
         })
     }
 
@@ -174,10 +177,21 @@ impl<'a> Given<'a> {
         self.error_of_edges(f64::INFINITY)
     }
 
-    /// Longest way, m, from what casts a shadow to where it falls.
-    pub(super) fn longest_ray_m(&self) -> f64 {
+    /// Longest way, m, from the edge that casts a shadow to where it falls.
+    pub(super) fn throw_m(&self) -> f64 {
         let towards_sun = self.scene.sky.sun.direction.vec();
-        self.extremes.site.longest_ray_m(self.extremes.site.up.map_or(0.0, |up| up.dot(towards_sun)))
+        let site = &self.extremes.site;
+        self.extremes.throw_m.unwrap_or_else(|| site.longest_ray_m(site.up.map_or(0.0, |up| up.dot(towards_sun))))
+    }
+
+    /// Median brightness in sunlight of what is sunlit, over that of a Lambert surface under a Sun at the zenith; 1 if nothing is.
+    pub(super) fn median_brightness(&self) -> f64 {
+        self.median_brightness
+    }
+
+    /// CPU time, s, to find the shadows of one more Sun.
+    pub(super) fn shadows_s(&self) -> f64 {
+        cost::shadows_s(self.scene)
     }
 
     /// Width of a pixel at the nearest point of the surface, square to the line of sight, m.
@@ -238,4 +252,11 @@ pub(super) fn reflectance(material: &Material, um: f64) -> f64 {
 /// Thermal emission of a material, W m-2 sr-1 um-1.
 pub(super) fn emission(material: &Material, um: f64, t_k: f64) -> f64 {
     material.emissivity.at(um).unwrap_or(1.0) * blackbody::radiance_w_m2_sr_um(um, t_k)
+}
+
+/// Of numbers above 0; `None` without any.
+fn median(numbers: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut numbers: Vec<f64> = numbers.filter(|x| *x > 0.0 && x.is_finite()).collect();
+    let middle = numbers.len() / 2;
+    (!numbers.is_empty()).then(|| *numbers.select_nth_unstable_by(middle, f64::total_cmp).1)
 }

@@ -44,6 +44,6 @@ fn find(given: &Given) -> Finding {
         Thermal::Equilibrium => {
             found(false, Some("no Mars in the scene"), "the bound is that of a full Mars over Phobos")
         }
-        _ => found(false, None, "no heat balance"),
+        _ => found(false, Some("no heat balance"), "it comes with thermal emission, in equilibrium"),
     }
 }

@@ -20,6 +20,7 @@ pub(super) const KIND: EffectKind = EffectKind {
         add: |models, stated, _, _| models.mars_light = stated.mars_light,
         remove: |models| models.mars_light = MarsModel::Off,
         cost_s: |given, _| FACET_S * given.scene.body.mesh.facets.len() as f64,
+        own: None,
     }),
     find,
 };

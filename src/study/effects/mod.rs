@@ -1,7 +1,7 @@
 //! The effects that shape the light, modelled or not, each in a file of its own with a bound on its influence, made before anything is solved.
 //!
 //! A bound is of the **error of a pixel**: the change of its radiance, over that radiance or 0.01 (`given::FLOOR`) of the band's median sunlit
-//! radiance, whichever is more; the largest over bands and pixels, those that are sunlit for the most part and the others apart.
+//! radiance, whichever is more; the largest over bands and pixels, those that show nothing but sunlit ground and the others apart.
 
 mod aberration;
 mod beaming;
@@ -71,6 +71,18 @@ pub(super) struct Switch {
     pub(super) remove: fn(&mut Models),
     /// CPU time that it takes with these models, s.
     pub(super) cost_s: fn(&Given, &Models) -> f64,
+    /// What is left with these models, where that has a tolerance of its own.
+    pub(super) own: Option<fn(&Given, &Models) -> OwnTolerance>,
+}
+
+/// An error that is not summed with the others: its tolerance is of another kind.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OwnTolerance {
+    /// Where, and relative to what.
+    pub of: String,
+    /// The most that is left.
+    pub left: f64,
 }
 
 /// What is found of an effect.
@@ -116,6 +128,9 @@ pub struct Effect {
     /// What its approximations change at most, if it is kept; null: not known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub remaining: Option<Bound>,
+    /// The error that is left of it where that has a tolerance of its own, and is not summed with the others.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub own: Option<OwnTolerance>,
     /// CPU time that it takes, or would take, s, on a machine of 2022; null: it takes none of its own, or nothing models it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cost_s: Option<f64>,
@@ -165,6 +180,7 @@ impl EffectKind {
             decision,
             bound: found.bound,
             remaining: found.remaining.filter(|_| decision == Decision::Kept),
+            own: self.switch.as_ref().and_then(|switch| Some((switch.own?)(given, &given.scene.models))),
             cost_s: self.switch.as_ref().map(|switch| (switch.cost_s)(given, &given.scene.models)),
             equation,
             step,

@@ -1,36 +1,92 @@
 //! Penumbrae: the Sun is no point.
 
 use super::given::reflectance;
-use super::{EffectKind, Finding, Given};
+use super::{EffectKind, Finding, Given, OwnTolerance, Switch};
+use crate::physics::sun_disc::DiscRule;
 use crate::physics::{bounds, sun};
+use crate::scene::SunModel;
 
 pub(super) const KIND: EffectKind = EffectKind {
     key: "sun-disc",
     name: "the Sun's disc",
-    equation: Some("physics::bounds::penumbra_width_m"),
-    step: None,
+    equation: Some("physics::sun_disc"),
+    step: Some("solve::lit, solve::irradiance"),
     light: None,
-    switch: None,
+    switch: Some(Switch {
+        add: |models, stated, given, tolerance| {
+            // As many points as the scene states, or as the tolerance takes.
+            let rule = DiscRule::fewest(|rule| edge(given, rule), tolerance);
+            models.sun = if stated.sun == SunModel::Point { SunModel::Disc(rule) } else { stated.sun };
+        },
+        remove: |models| models.sun = SunModel::Point,
+        cost_s: |given, models| match models.sun {
+            SunModel::Point => 0.0,
+            // The first of them takes the place of the point.
+            SunModel::Disc(rule) => given.shadows_s() * (rule.count() - 1) as f64,
+        },
+        own: Some(|given, models| OwnTolerance {
+            of: "at the edges of shadows, over the median sunlit radiance".into(),
+            left: match models.sun {
+                SunModel::Point => edge(given, DiscRule::G1) + along_the_rays(given),
+                SunModel::Disc(rule) => edge(given, rule),
+            },
+        }),
+    }),
     find,
 };
 
+/// The largest error of a pixel at the edge of a shadow, over the median sunlit radiance.
+fn edge(given: &Given, rule: DiscRule) -> f64 {
+    let sun = &given.scene.sky.sun;
+    bounds::shadow_edge(
+        rule.edge_error(),
+        sun.sin_radius(),
+        given.throw_m(),
+        given.pixel_m(),
+        given.median_brightness(),
+    )
+}
+
+/// Of ground along the rays, to which a point Sun gives nothing, if there is any.
+fn along_the_rays(given: &Given) -> f64 {
+    let sun_rad = sun::angular_radius_rad(given.scene.sky.sun.distance_m);
+    let is_there = given
+        .extremes
+        .facing
+        .iter()
+        .flat_map(|facing| facing.classes())
+        .any(|class| class.least_cos_incidence <= sun_rad);
+    if is_there { bounds::terminator(sun_rad) / given.median_brightness() } else { 0.0 }
+}
+
 fn find(given: &Given) -> Finding {
-    let (ray_m, pixel_m) = (given.longest_ray_m(), given.pixel_m());
+    let (throw_m, pixel_m) = (given.throw_m(), given.pixel_m());
     let sun_rad = sun::angular_radius_rad(given.scene.sky.sun.distance_m);
     // Square to the rays. On a slope the penumbra is wider by 1 / cos i, and as much less bright.
-    let wide_px = bounds::penumbra_width_m(ray_m, sun_rad, 1.0) / pixel_m;
+    let wide_px = bounds::penumbra_width_m(throw_m, sun_rad, 1.0) / pixel_m;
     let edge = given.error_of_edges(wide_px);
     // A facet along the rays.
     let slope = given.error(|at, material, class, _| match class.least_cos_incidence <= sun_rad {
         true => reflectance(material, at.um) * at.white * bounds::terminator(sun_rad),
         false => 0.0,
     });
+    let note = match given.scene.models.sun {
+        SunModel::Point => {
+            "the Sun is a point: only pixels that a shadow's edge crosses change, and slopes along the rays".into()
+        }
+        SunModel::Disc(rule) => format!(
+            "{} points stand for the disc, and facets cut it by their own horizon exactly; a pixel that is almost dark has an error that is larger than the \
+             edge's, relative to itself",
+            rule.count()
+        ),
+    };
     Finding {
-        missing: Some("the Sun is a point".into()),
+        modelled: given.scene.models.sun != SunModel::Point,
         bound: edge.zip(slope).map(|(edge, slope)| edge.and(&slope)),
-        note: "only pixels that a shadow's edge crosses change, and slopes along the rays".into(),
+        note,
         because: format!(
-            "with the edge's cause at most {ray_m:.0} m away, penumbrae are up to {wide_px:.2} pixels wide, square to the light"
+            "with the edge's cause at most {throw_m:.0} m away, penumbrae are up to {wide_px:.2} pixels wide, square to the light; behind a straight \
+             edge an error is sqrt(2) c s d / (p cos i)"
         ),
         ..Finding::default()
     }

@@ -16,6 +16,7 @@ pub(super) const KIND: EffectKind = EffectKind {
         add: |models, stated, _, _| models.thermal = stated.thermal,
         remove: |models| models.thermal = Thermal::Off,
         cost_s: |given, _| FACET_S * given.scene.body.mesh.facets.len() as f64,
+        own: None,
     }),
     find,
 };

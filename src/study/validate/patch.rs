@@ -125,6 +125,7 @@ impl Patch {
                     distance_m: self.sun_distance_m,
                     irradiance_1au: Spectrum::constant(self.irradiance_1au),
                     total_irradiance_1au_w_m2: self.total_irradiance_1au_w_m2,
+                    limb_darkening: 0.0,
                 },
                 mars,
                 beams: vec![],

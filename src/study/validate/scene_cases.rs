@@ -60,6 +60,7 @@ fn flat_plane() -> Result<Row> {
         distance_m: towards_m.length(),
         irradiance_1au: solar_e490().clone(),
         total_irradiance_1au_w_m2: 1366.1,
+        limb_darkening: 0.0,
     };
     let camera = camera(SPACECRAFT_M - TARGET_M, 8, 1e-3)?;
     let cube = look(mesh(&corners_m, &[[0, 1, 2], [0, 2, 3]]), 0.07, sun, camera)?;
@@ -82,6 +83,7 @@ fn lambert_sphere(phase_deg: f64) -> Result<Row> {
         distance_m: AU_M,
         irradiance_1au: Spectrum::constant(PI),
         total_irradiance_1au_w_m2: 1366.1,
+        limb_darkening: 0.0,
     };
     let pixel_m = 2.2 * radius_m / f64::from(PIXELS);
     let camera = camera(distance_m * DVec3::Z, PIXELS, pixel_m / distance_m)?;

@@ -533,8 +533,7 @@ impl Oracle<'_> {
             "flat_horizon_sun_irradiance_ratio" => {
                 let sun_rad = sun_rad()?;
                 let elevation_rad = self.input("elevation_in_sun_radii")? * sun_rad;
-                let form_factor = mars::uniform_sphere_form_factor(sun_rad.sin(), elevation_rad.sin());
-                reference(form_factor / sun_rad.sin().powi(2))
+                reference(sun_disc::irradiance_on_facet(elevation_rad.sin(), sun_rad.sin(), 0.0))
             }
             _ => return None,
         })

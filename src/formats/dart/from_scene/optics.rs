@@ -110,7 +110,9 @@ pub(super) fn unique_names(scene: &Setup) -> Vec<(String, String)> {
 /// The list that a material stands in, and what its table holds.
 pub(in super::super) fn spectra(material: &Material) -> (OpticalKind, Vec<&Spectrum>) {
     let kind = match material.photometry {
-        Photometry::Lambert | Photometry::Model(_) => return (OpticalKind::Lambertian, vec![&material.reflectance]),
+        Photometry::Lambert | Photometry::Model(_) | Photometry::Table(_) => {
+            return (OpticalKind::Lambertian, vec![&material.reflectance]);
+        }
         Photometry::Hapke(_) => OpticalKind::Hapke,
         Photometry::Rpv(_) => OpticalKind::Rpv,
     };
