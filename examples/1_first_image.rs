@@ -29,6 +29,7 @@ fn main() -> Result<()> {
             reflectance,
             bond_albedo: 0.08,
             emissivity_bolometric: 0.95,
+            thermal_inertia: 0.0,
             mixture: vec![(i, 1.0)],
         })
         .collect();
@@ -55,6 +56,7 @@ fn main() -> Result<()> {
             },
             mars: None,
             beams: vec![],
+            rotation: None,
         },
         models: Models { thermal: Thermal::Equilibrium, ..Models::default() },
         exposure: Exposure {

@@ -93,6 +93,7 @@ fn scene(camera: FrameCamera) -> Result<Scene> {
         emissivity: Spectrum::constant(0.93),
         bond_albedo: 0.07,
         emissivity_bolometric: 0.95,
+        thermal_inertia: 0.0,
         mixture: vec![(0, 1.0)],
     };
     SceneParts {
@@ -118,6 +119,7 @@ fn scene(camera: FrameCamera) -> Result<Scene> {
             },
             mars: None,
             beams: vec![],
+            rotation: None,
         },
         exposure: Exposure { instrument: "walker".into(), camera, bands: vec![Band::new(1.0, None)] },
         models: Models { thermal: Thermal::Off, ..Models::default() },

@@ -31,6 +31,7 @@
 //!     emissivity: Spectrum::constant(0.93),
 //!     bond_albedo: 0.07,
 //!     emissivity_bolometric: 0.95,
+//!     thermal_inertia: 0.0,
 //!     mixture: vec![(0, 1.0)],
 //! };
 //! // 4 x 4 pixels of 0.5 m from 1 km above: right is +x, down is -y.
@@ -45,7 +46,7 @@
 //! };
 //! let scene = SceneParts {
 //!     surface: Surface { origin_m: DVec3::new(0.0, 0.0, 11_000.0), mesh, materials: vec![grey], textures: vec![] },
-//!     sky: Sky { sun, mars: None, beams: vec![] },
+//!     sky: Sky { sun, mars: None, beams: vec![], rotation: None },
 //!     models: Models { thermal: Thermal::Off, ..Models::default() },
 //!     exposure: Exposure {
 //!         instrument: "tour".into(),

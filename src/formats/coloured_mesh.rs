@@ -120,6 +120,7 @@ impl ColouredMesh {
                     emissivity: Spectrum::constant(kirchhoff_emissivity(reflectance)),
                     bond_albedo: reflectance,
                     emissivity_bolometric: EMISSIVITY_BOLOMETRIC,
+                    thermal_inertia: 0.0,
                     mixture: vec![(i, 1.0)],
                 }
             })
@@ -167,6 +168,7 @@ impl ColouredMesh {
                 },
                 mars: None,
                 beams: vec![],
+                rotation: None,
             },
             exposure: Exposure {
                 instrument: SENSOR_NAME.into(),

@@ -64,38 +64,57 @@ impl Ground {
     /// days do instead of hundreds.
     /// Source: Spencer, Lebofsky & Sykes (1989) for the equations. Limits: no heat from the deep; fewer than 3 times are equilibrium.
     pub fn periodic_temperature_k(&self, absorbed_w_m2: &[f64]) -> Vec<f64> {
+        let one: Vec<[f64; 1]> = absorbed_w_m2.iter().map(|&q| [q]).collect();
+        self.periodic_temperatures_k(&one).into_iter().map(|[t_k]| t_k).collect()
+    }
+
+    /// The same of N places at once, as fast as a processor computes so many numbers together.
+    pub fn periodic_temperatures_k<const N: usize>(&self, absorbed_w_m2: &[[f64; N]]) -> Vec<[f64; N]> {
         let steps = absorbed_w_m2.len();
         let eps = self.emissivity_bolometric;
-        let equilibrium = || absorbed_w_m2.iter().map(|&q| equilibrium_temperature_k(q, eps)).collect::<Vec<_>>();
+        let equilibrium = |q: &[f64; N]| q.map(|q| equilibrium_temperature_k(q, eps));
         let conductance = self.thermal_inertia * (2.0 * PI / self.period_s).sqrt();
         if steps < 3 || conductance <= 0.0 {
-            return equilibrium();
+            return absorbed_w_m2.iter().map(equilibrium).collect();
         }
         let layers = Layers::new(2.0 * PI / steps as f64);
-        let mean_w_m2 = absorbed_w_m2.iter().sum::<f64>() / steps as f64;
-        let start_k = equilibrium_temperature_k(mean_w_m2, eps);
+        let each = |of: &dyn Fn(usize) -> f64| -> [f64; N] { std::array::from_fn(of) };
+        let mean_w_m2 = each(&|n| absorbed_w_m2.iter().map(|q| q[n]).sum::<f64>() / steps as f64);
+        let start_k = equilibrium(&mean_w_m2);
         let mut now = vec![start_k; layers.count()];
         let mut before = now.clone();
+        let mut next = now.clone();
+        let mut mean = now.clone();
         let mut day = vec![start_k; steps];
+        let radiated = emitted_w_m2(1.0, eps) / conductance;
         for _ in 0..MOST_DAYS {
-            let mut mean = vec![0.0; layers.count()];
+            mean.fill([0.0; N]);
             let mut moved = 0.0_f64;
-            for (last, &absorbed) in day.iter_mut().zip(absorbed_w_m2) {
-                let next = layers.step(&now, &before, absorbed / conductance, emitted_w_m2(1.0, eps) / conductance);
-                before = std::mem::replace(&mut now, next);
-                moved = moved.max((now[0] - *last).abs());
+            for (last, absorbed) in day.iter_mut().zip(absorbed_w_m2) {
+                layers.step((&now, &before), &mut next, &absorbed.map(|q| q / conductance), radiated);
+                std::mem::swap(&mut before, &mut now);
+                std::mem::swap(&mut now, &mut next);
+                moved = (0..N).fold(moved, |moved, n| moved.max((now[0][n] - last[n]).abs()));
                 *last = now[0];
-                mean.iter_mut().zip(&now).for_each(|(sum, t)| *sum += t / steps as f64);
+                for (sum, t) in mean.iter_mut().zip(&now) {
+                    for n in 0..N {
+                        sum[n] += t[n] / steps as f64;
+                    }
+                }
             }
             if moved < SETTLED_K {
                 break;
             }
-            let emitted = day.iter().map(|&t| emitted_w_m2(t, eps)).sum::<f64>() / steps as f64;
-            let warmer_k = if emitted > 0.0 { 0.25 * (mean_w_m2 / emitted - 1.0) * mean[0] } else { 0.0 };
-            for (k, of_depth) in mean.iter().enumerate() {
-                let set_k = mean[0] - of_depth + warmer_k;
-                now[k] += set_k;
-                before[k] += set_k;
+            let warmer_k = each(&|n| {
+                let emitted = day.iter().map(|t| emitted_w_m2(t[n], eps)).sum::<f64>() / steps as f64;
+                if emitted > 0.0 { 0.25 * (mean_w_m2[n] / emitted - 1.0) * mean[0][n] } else { 0.0 }
+            });
+            for k in (0..layers.count()).rev() {
+                for n in 0..N {
+                    let set_k = mean[0][n] - mean[k][n] + warmer_k[n];
+                    now[k][n] += set_k;
+                    before[k][n] += set_k;
+                }
             }
         }
         day
@@ -136,17 +155,34 @@ impl Layers {
     }
 
     /// Temperatures after a step, from those of the two times before it. Absorbed flux, and `radiated` T^4, in units of the conductance.
-    fn step(&self, now: &[f64], before: &[f64], absorbed: f64, radiated: f64) -> Vec<f64> {
+    fn step<const N: usize>(
+        &self,
+        (now, before): (&[[f64; N]], &[[f64; N]]),
+        next: &mut [[f64; N]],
+        absorbed: &[f64; N],
+        radiated: f64,
+    ) {
         let count = self.count();
-        let mut right: Vec<f64> = (0..count).map(|k| self.volume[k] * (4.0 * now[k] - before[k]) / 3.0).collect();
-        for k in (1..count).rev() {
-            right[k - 1] += self.up[k] / self.pivot[k] * right[k];
+        // First the right sides, from below upwards; then temperatures, downwards.
+        let mut below = [0.0; N];
+        for k in (0..count).rev() {
+            let (volume, up) = (self.volume[k], self.up[k] / self.pivot[k]);
+            for n in 0..N {
+                let right = volume * (4.0 * now[k][n] - before[k][n]) / 3.0 + below[n];
+                next[k][n] = right;
+                below[n] = up * right;
+            }
         }
-        let mut t = vec![surface_temperature_k(self.pivot[0], radiated, right[0] + absorbed, now[0])];
+        for n in 0..N {
+            let right = next[0][n] + absorbed[n];
+            next[0][n] = surface_temperature_k(self.pivot[0], radiated, right, now[0][n]);
+        }
         for k in 1..count {
-            t.push((right[k] + self.up[k] * t[k - 1]) / self.pivot[k]);
+            let (up, pivot, above) = (self.up[k], self.pivot[k], next[k - 1]);
+            for n in 0..N {
+                next[k][n] = (next[k][n] + up * above[n]) / pivot;
+            }
         }
-        t
     }
 }
 

@@ -22,6 +22,8 @@ pub struct Material {
     pub bond_albedo: f64,
     /// Emissivity over all wavelengths, for the heat balance.
     pub emissivity_bolometric: f64,
+    /// Thermal inertia of the ground below, J m-2 K-1 s-1/2; 0 if it stores no heat, or none is known.
+    pub thermal_inertia: f64,
     /// Share of each dictionary entry: (index into the dictionary, fraction). One entry, fraction 1, unless a mixture.
     pub mixture: Vec<(usize, f64)>,
 }
@@ -71,6 +73,10 @@ impl Material {
         if !(self.emissivity_bolometric > 0.0 && self.emissivity_bolometric <= 1.0) {
             let message = format!("{} is not more than 0 and at most 1", self.emissivity_bolometric);
             problem(&format!("{item}.emissivity_bolometric"), message);
+        }
+        if !(self.thermal_inertia >= 0.0 && self.thermal_inertia.is_finite()) {
+            let message = format!("{} is not a number of at least 0", self.thermal_inertia);
+            problem(&format!("{item}.thermal_inertia"), message);
         }
     }
 }

@@ -29,7 +29,7 @@ pub use material::Material;
 pub use models::{MarsModel, Models, SunModel, Thermal};
 pub(crate) use photometry::TOLERANCE;
 pub use photometry::{Hapke, Model, Photometry, Rpv, problems as model_problems};
-pub use sky::{Beam, MARS_ALBEDO, Mars, Sky, Sun};
+pub use sky::{Beam, MARS_ALBEDO, Mars, Rotation, Sky, Sun};
 pub use source::{DirectionField, Incoming, Source, SourceKind};
 pub use tabulated::Tabulated;
 pub use texture::{Texture, TextureKind};
@@ -165,6 +165,15 @@ fn together(surface: &Surface, sky: &Sky, exposure: &Exposure, models: Models) -
     {
         problem("mars.albedo", message);
     }
+    if let Some(steps) = models.conduction {
+        if sky.rotation.is_none() {
+            let message = "heat is conducted from one time of day to another, and nothing says how long a day is: give `period_s`";
+            problem("thermal.model", message.into());
+        }
+        if !STEPS.contains(&steps) {
+            problem("thermal.steps", format!("{steps} is not from {} to {}", STEPS.start(), STEPS.end()));
+        }
+    }
     for beam in &sky.beams {
         if let Some(message) = uncovered("irradiance", &beam.irradiance, bands, is_lit) {
             problem(&format!("{}.irradiance", beam.item()), message);
@@ -244,6 +253,11 @@ impl Setup {
         Ok(())
     }
 }
+
+/// Steps of a day where a scene does not say how many: good to 0.3 K, at sunset.
+pub const STEPS_OF_A_DAY: u32 = 96;
+/// Steps in which a day may be divided.
+pub const STEPS: std::ops::RangeInclusive<u32> = 3..=10_000;
 
 /// Nothing in a scene may be farther away, m (100 light years): products of lengths stay far from overflow.
 pub const FARTHEST_M: f64 = 1e18;

@@ -14,6 +14,8 @@ pub struct Models {
     pub mars_light: MarsModel,
     /// What the Sun is.
     pub sun: SunModel,
+    /// Steps of a day in which heat is conducted into the ground and back, in equilibrium otherwise; `None`: no heat is stored.
+    pub conduction: Option<u32>,
 }
 
 /// What the Sun is.

@@ -1,6 +1,8 @@
 //! What lights and warms the surface at an instant.
 
-use glam::DVec3;
+use std::f64::consts::PI;
+
+use glam::{DQuat, DVec3};
 
 use crate::error::{Location, Problem};
 use crate::geometry::Direction;
@@ -18,6 +20,17 @@ pub struct Sky {
     pub mars: Option<Mars>,
     /// Further sources at infinity.
     pub beams: Vec<Beam>,
+    /// How the body turns under it, if that is known.
+    pub rotation: Option<Rotation>,
+}
+
+/// How a body turns under its sky: at a constant rate, Mars where it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rotation {
+    /// Axis in the body-fixed frame: the body turns about it by the right hand.
+    pub axis: Direction,
+    /// From noon to noon, s.
+    pub period_s: f64,
 }
 
 /// Parallel light besides the Sun's: of a lamp, another star, or a part of the Sun's disc.
@@ -73,6 +86,17 @@ impl Sky {
         [&self.sun.irradiance_1au].into_iter().chain(self.mars.iter().map(|mars| &mars.reflectance)).chain(beams)
     }
 
+    /// As it was some time ago, if the body turns: the Sun stood elsewhere.
+    #[must_use]
+    pub fn ago(&self, time_s: f64) -> Sky {
+        let mut sky = self.clone();
+        if let Some(Rotation { axis, period_s }) = self.rotation {
+            let turn = DQuat::from_axis_angle(axis.vec(), 2.0 * PI * time_s / period_s);
+            sky.sun.direction = Direction::new(turn * self.sun.direction.vec()).unwrap_or(self.sun.direction);
+        }
+        sky
+    }
+
     /// What is wrong with it, whatever it lights.
     pub(super) fn problems(&self) -> Vec<Problem> {
         let mut problems = Vec::new();
@@ -80,6 +104,11 @@ impl Sky {
         self.sun.check(&mut problem);
         if let Some(mars) = &self.mars {
             mars.check(&mut problem);
+        }
+        if let Some(Rotation { period_s, .. }) = self.rotation
+            && !(period_s > 0.0 && period_s.is_finite())
+        {
+            problem("thermal.period_s", format!("{period_s} s is not a positive time"));
         }
         for (i, beam) in self.beams.iter().enumerate() {
             beam.check(&mut problem);

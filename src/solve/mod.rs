@@ -1,6 +1,7 @@
 //! Scene to facet table: what each source sends to each facet, which part of it the source sees, how warm it is. No radiance,
 //! except to answer the image's question: what does a facet send [towards an observer](Emission)?
 
+mod conduction;
 mod emission;
 mod irradiance;
 mod shadows;
@@ -8,7 +9,7 @@ mod shadows;
 use crate::error::Result;
 use crate::product::FacetTable;
 use crate::progress::{Watch, tell};
-use crate::scene::Scene;
+use crate::scene::{Scene, Thermal};
 
 pub use emission::{Emission, Fragment, ImagePart, Modulation, interpolation_error};
 pub use shadows::lit;
@@ -23,5 +24,9 @@ pub fn solve(scene: &Scene, watch: Watch<'_>) -> Result<FacetTable> {
     tell(watch, "irradiance", 0, 1)?;
     irradiance::fill(scene, &mut table);
     tell(watch, "irradiance", 1, 1)?;
+    let day = scene.models.conduction.zip(scene.sky.rotation);
+    if let Some(day) = day.filter(|_| scene.models.thermal == Thermal::Equilibrium) {
+        conduction::fill(scene, &mut table, day, watch)?;
+    }
     Ok(table)
 }

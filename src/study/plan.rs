@@ -147,9 +147,15 @@ pub fn plan(scene: &Scene, extremes: &Extremes, request: &Request) -> Result<(Mo
 fn account(scene: &Scene, extremes: &Extremes, models: Models, request: &Request) -> Plan {
     let setup = Setup { models, ..Setup::clone(scene) };
     let effects = effects(&Given::new(&setup, extremes, &extremes.sunlit));
+    // What has a tolerance of its own is no part of the sums: what is left of it, and, if that decides, all of it.
+    let is_apart = |kind: &EffectKind, decision: Decision| match &kind.switch {
+        Some(switch) => switch.own.is_some() && (decision == Decision::Kept || switch.drops_by_own),
+        None => false,
+    };
     let sum = |decision: Decision, of: &dyn Fn(&Effect) -> Option<Bound>| {
-        let parts = effects.iter().filter(|effect| effect.decision == decision && effect.own.is_none());
-        parts.map(of).try_fold(Bound::NOTHING, |sum, part| Some(sum.and(&part?)))
+        let parts =
+            ALL.iter().zip(&effects).filter(|(kind, effect)| effect.decision == decision && !is_apart(kind, decision));
+        parts.map(|(_, effect)| of(effect)).try_fold(Bound::NOTHING, |sum, part| Some(sum.and(&part?)))
     };
     Plan {
         model: request.choice.to_string(),
@@ -193,11 +199,12 @@ fn least_that_fit(scene: &Scene, extremes: &Extremes, all: &Models, most: f64) -
     };
     let fits_itself = |kind: &'static EffectKind| {
         let switch = kind.switch.as_ref()?;
-        ((switch.own?)(&given, &without(switch)).left <= most).then_some(kind.key)
+        let left = (switch.own.filter(|_| switch.drops_by_own)?)(&given, &without(switch)).left;
+        (left <= most).then_some(kind.key)
     };
     let mut dropped: Vec<&str> = ALL.iter().filter_map(fits_itself).collect();
     let bound = |kind: &'static EffectKind| {
-        kind.switch.as_ref().filter(|switch| switch.own.is_none())?;
+        kind.switch.as_ref().filter(|switch| !switch.drops_by_own)?;
         Some((kind.key, kind.in_scene(&given).bound?.most()))
     };
     let mut bounds: Vec<(&str, f64)> = ALL.iter().filter_map(bound).collect();

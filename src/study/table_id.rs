@@ -3,7 +3,7 @@
 use blake3::Hasher;
 use glam::DVec3;
 
-use crate::scene::{MarsModel, Models, Scene, Setup, Sky, SunModel, Surface, Thermal};
+use crate::scene::{MarsModel, Models, Rotation, Scene, Setup, Sky, SunModel, Surface, Thermal};
 
 /// A name for everything that [`solve`](crate::solve::solve) reads of a scene: BLAKE3 of the resolved values, 64 hexadecimal digits.
 ///
@@ -13,9 +13,9 @@ pub fn table_id(scene: &Scene) -> String {
     let mut put = |values: &[f64]| values.iter().for_each(|v| _ = hasher.update(&v.to_le_bytes()));
     let Setup {
         body,
-        sky: Sky { sun, mars, beams },
+        sky: Sky { sun, mars, beams, rotation },
         exposure: _,
-        models: Models { thermal, mars_light, sun: sun_model },
+        models: Models { thermal, mars_light, sun: sun_model, conduction },
     } = &**scene;
     let Surface { origin_m, mesh, materials, textures: _ } = &**body;
     put(&origin_m.to_array());
@@ -48,6 +48,13 @@ pub fn table_id(scene: &Scene) -> String {
         hasher.update(b"disc");
         hasher.update(&(rule.count() as u64).to_le_bytes());
         hasher.update(&sun.limb_darkening.to_le_bytes());
+    }
+    if let (Some(steps), Some(Rotation { axis, period_s })) = (conduction, rotation) {
+        hasher.update(b"conduction");
+        hasher.update(&steps.to_le_bytes());
+        let [x, y, z] = axis.vec().to_array();
+        let inertias = materials.iter().map(|material| material.thermal_inertia);
+        [x, y, z, *period_s].into_iter().chain(inertias).for_each(|v| _ = hasher.update(&v.to_le_bytes()));
     }
     for beam in beams {
         hasher.update(beam.name.as_bytes());

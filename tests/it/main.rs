@@ -17,6 +17,7 @@ mod cameras;
 mod centres;
 mod cli;
 mod clipping;
+mod conduction;
 mod convert;
 #[cfg(feature = "sqlite")]
 mod dart_database;

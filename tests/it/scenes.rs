@@ -77,6 +77,7 @@ pub(crate) fn lambert(entry: usize, name: &str, reflectance: Spectrum) -> Materi
         photometry: Photometry::Lambert,
         bond_albedo: 0.07,
         emissivity_bolometric: 0.95,
+        thermal_inertia: 0.0,
         mixture: vec![(entry, 1.0)],
     }
 }
@@ -110,6 +111,7 @@ pub(crate) fn parts(mesh: Mesh, camera: FrameCamera, towards_sun: Direction) -> 
             },
             mars: None,
             beams: vec![],
+            rotation: None,
         },
         exposure: Exposure { instrument: "test".into(), camera, bands: vec![Band::new(1.0, None)] },
         models: Models { thermal: Thermal::Off, ..Models::default() },

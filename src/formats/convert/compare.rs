@@ -13,7 +13,8 @@ use crate::formats::mesh_file::ColouredMesh;
 use crate::formats::mtl::ObjMaterial;
 use crate::geometry::{FrameCamera, MaterialId, Mesh, Pose};
 use crate::scene::{
-    Beam, Exposure, Hapke, Mars, Material, Model, Models, Photometry, Rpv, Scene, Setup, Sky, Sun, Surface, Texture,
+    Beam, Exposure, Hapke, Mars, Material, Model, Models, Photometry, Rotation, Rpv, Scene, Setup, Sky, Sun, Surface,
+    Texture,
 };
 use crate::spectral::{Band, Column, Extend, SpectralLibrary, Spectrum};
 
@@ -182,9 +183,9 @@ impl Lines {
     fn scenes(&mut self, a: &Scene, b: &Scene) {
         let Setup {
             body,
-            sky: Sky { sun, mars, beams },
+            sky: Sky { sun, mars, beams, rotation },
             exposure,
-            models: Models { thermal, mars_light, sun: sun_model },
+            models: Models { thermal, mars_light, sun: sun_model, conduction },
         } = &**a;
         let Surface { origin_m, mesh, materials, textures } = &**body;
         self.places("origin_m", *origin_m, b.body.origin_m);
@@ -220,12 +221,33 @@ impl Lines {
             lines.numbers(&format!("{at}.total_irradiance_w_m2"), *total_irradiance_w_m2, b.total_irradiance_w_m2);
         });
         self.debugged("thermal.model", thermal, &b.models.thermal);
+        self.debugged("thermal.steps", conduction, &b.models.conduction);
+        match (rotation, &b.sky.rotation) {
+            (Some(Rotation { axis, period_s }), Some(other)) => {
+                self.directions("thermal.axis", axis.vec(), other.axis.vec());
+                self.numbers("thermal.period_s", *period_s, other.period_s);
+            }
+            (None, None) => {}
+            (a, _) => {
+                self.push("thermal.period_s", if a.is_some() { "is there" } else { "is not" }, "the other way round")
+            }
+        }
         self.debugged("sun.points", sun_model, &b.models.sun);
         self.exposures(exposure, &b.exposure);
     }
 
     fn materials(&mut self, at: &str, (a, all_a): (&Material, &[Material]), (b, all_b): (&Material, &[Material])) {
-        let Material { name: _, reflectance, photometry, emissivity, bond_albedo, emissivity_bolometric, mixture } = a;
+        let Material {
+            name: _,
+            reflectance,
+            photometry,
+            emissivity,
+            bond_albedo,
+            emissivity_bolometric,
+            thermal_inertia,
+            mixture,
+        } = a;
+        self.numbers(&format!("{at}.thermal_inertia"), *thermal_inertia, b.thermal_inertia);
         self.spectra(&format!("{at}.reflectance"), reflectance, &b.reflectance);
         self.spectra(&format!("{at}.emissivity"), emissivity, &b.emissivity);
         self.numbers(&format!("{at}.bond_albedo"), *bond_albedo, b.bond_albedo);

@@ -307,7 +307,7 @@ impl Sidecar {
         });
         let rule = |points| DiscRule::ALL.into_iter().find(|rule| rule.count() == points);
         let sun = self.sun.points.and_then(rule).map_or(SunModel::Point, SunModel::Disc);
-        Models { thermal, mars_light, sun }
+        Models { thermal, mars_light, sun, ..Models::default() }
     }
 
     /// The camera's axes right, down, ahead as columns; `None` if they are no axes.
@@ -361,6 +361,7 @@ impl Sidecar {
             reflectance,
             bond_albedo: part.bond_albedo,
             emissivity_bolometric: part.emissivity_bolometric,
+            thermal_inertia: 0.0,
             mixture: part.mixture.clone(),
         })
     }

@@ -123,7 +123,7 @@ impl SceneBuilder<'_> {
         let exposure = Exposure { instrument: name, camera, bands };
         let scene = Setup {
             body: Body::new(Surface { origin_m: place.origin_m, mesh, materials, textures: vec![] })?,
-            sky: Sky { sun, mars: None, beams: vec![] },
+            sky: Sky { sun, mars: None, beams: vec![], rotation: None },
             exposure,
             models: Models { thermal: Thermal::Off, ..Models::default() },
         };
@@ -680,6 +680,7 @@ fn material(property: &OpticalProperty, table: Vec<Spectrum>) -> Material {
         emissivity: reflectance.map(|r| 1.0 - r),
         bond_albedo: solar_mean(&reflectance).unwrap_or(0.0),
         emissivity_bolometric: EMISSIVITY_BOLOMETRIC,
+        thermal_inertia: 0.0,
         mixture: Vec::new(),
         reflectance,
         photometry,

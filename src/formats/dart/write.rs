@@ -143,6 +143,7 @@ fn tetrahedron(target: TargetVersion) -> Result<(Package, [Face; 4])> {
         photometry: Photometry::Lambert,
         bond_albedo: *reflectance,
         emissivity_bolometric: 0.95,
+        thermal_inertia: 0.0,
         mixture: vec![(i, 1.0)],
     };
     let (sin, cos) = 30f64.to_radians().sin_cos();
@@ -170,6 +171,7 @@ fn tetrahedron(target: TargetVersion) -> Result<(Package, [Face; 4])> {
             },
             mars: None,
             beams: vec![],
+            rotation: None,
         },
         exposure: Exposure {
             instrument: "check".into(),

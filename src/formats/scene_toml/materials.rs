@@ -271,6 +271,8 @@ impl TomlReader<'_> {
             emissivity: emissivity?,
             bond_albedo: bond_albedo?,
             emissivity_bolometric: emissivity_bolometric?,
+            // That of the whole scene, if it has none of its own, comes later.
+            thermal_inertia: 0.0,
             mixture: if mixed.is_empty() { vec![(i, 1.0)] } else { shares(&mixed) },
         })
     }

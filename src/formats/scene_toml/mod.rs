@@ -25,7 +25,8 @@ use crate::geometry::{Direction, Pose};
 use crate::physics::sun_disc::DiscRule;
 use crate::progress::{Progress, Watch};
 use crate::scene::{
-    FARTHEST_M, MARS_ALBEDO, Mars, MarsModel, Models, Scene, SceneParts, Sky, Sun, SunModel, Surface, Texture, Thermal,
+    FARTHEST_M, MARS_ALBEDO, Mars, MarsModel, Models, Rotation, STEPS_OF_A_DAY, Scene, SceneParts, Sky, Sun, SunModel,
+    Surface, Texture, Thermal,
 };
 use crate::spectral::{Extend, Spectrum, SunTotal, solar_e490};
 use crate::units::{AU_M, MARS_RADIUS_M, SUN_RADIUS_M, TSI_1AU_W_M2};
@@ -226,12 +227,18 @@ impl<'a> TomlReader<'a> {
 impl TomlReader<'_> {
     fn scene(&mut self, toml: &SceneToml) -> Option<SceneParts> {
         let mut dictionary = self.dictionary(&toml.materials);
+        let inertia = toml.thermal.as_ref().and_then(|thermal| thermal.inertia).unwrap_or(0.0);
+        for (name, material) in dictionary.names.iter().zip(dictionary.materials.iter_mut().flatten()) {
+            let own = toml.materials.get(name).and_then(|entry| entry.thermal_inertia);
+            material.thermal_inertia = own.unwrap_or(inertia);
+        }
         let mesh = self.meshes(&toml.mesh, &mut dictionary);
         let by_angles = toml.geometry.as_ref().map(|geometry| self.by_angles(geometry)).unwrap_or_default();
         let sun = self.sun(&toml.sun, by_angles.sun);
         let mars = toml.mars.as_ref().map(|mars| self.mars(mars));
         let mars_light = toml.mars.as_ref().map(|mars| self.mars_light(mars)).unwrap_or_default();
         let thermal = self.thermal(toml.thermal.as_ref());
+        let (rotation, conduction) = self.day(toml.thermal.as_ref());
         let sun_model = self.sun_model(&toml.sun);
         let pose = self.camera_pose(toml.observer.as_ref(), by_angles.camera);
         let exposure = self.exposure(&toml.sensor, pose, mesh.as_ref());
@@ -248,9 +255,10 @@ impl TomlReader<'_> {
                     None => None,
                 },
                 beams: vec![],
+                rotation,
             },
             exposure: exposure?,
-            models: Models { thermal, mars_light, sun: sun_model },
+            models: Models { thermal, mars_light, sun: sun_model, conduction },
         })
     }
 
@@ -624,9 +632,38 @@ impl TomlReader<'_> {
         }
     }
 
+    /// How the body turns, and in how many steps of a day heat is conducted, if the scene says that it is.
+    fn day(&mut self, toml: Option<&ThermalToml>) -> (Option<Rotation>, Option<u32>) {
+        let Some(toml) = toml else { return (None, None) };
+        let conducts = toml.model == Some(ThermalModelToml::Conduction);
+        let axis = match toml.axis {
+            Some(axis) => Direction::new(DVec3::from_array(axis)),
+            None => Some(Direction::Z),
+        };
+        if axis.is_none() {
+            self.problem("thermal.axis", "has no length");
+        }
+        if toml.period_s.is_none() {
+            let needing =
+                [("axis", toml.axis.is_some()), ("inertia", toml.inertia.is_some()), ("steps", toml.steps.is_some())];
+            for (key, _) in needing.into_iter().filter(|(_, is_given)| *is_given) {
+                self.note(&format!("thermal.{key}"), "counts for nothing without `period_s`, the length of a day");
+            }
+            if conducts {
+                self.helped(
+                    "thermal.model",
+                    "heat is conducted over a day, and nothing says how long that is",
+                    "give `period_s`: 27553.84 on Phobos",
+                );
+            }
+        }
+        let rotation = axis.zip(toml.period_s).map(|(axis, period_s)| Rotation { axis, period_s });
+        (rotation, (conducts && rotation.is_some()).then(|| toml.steps.unwrap_or(STEPS_OF_A_DAY)))
+    }
+
     fn thermal(&mut self, toml: Option<&ThermalToml>) -> Thermal {
         match toml.and_then(|t| t.model) {
-            Some(ThermalModelToml::Equilibrium) => Thermal::Equilibrium,
+            Some(ThermalModelToml::Equilibrium | ThermalModelToml::Conduction) => Thermal::Equilibrium,
             Some(ThermalModelToml::Thesis) => Thermal::Thesis,
             Some(ThermalModelToml::Off) => Thermal::Off,
             None => {

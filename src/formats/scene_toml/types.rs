@@ -139,6 +139,9 @@ pub(crate) struct MaterialToml {
     pub(crate) bond_albedo: Option<f64>,
     /// Emissivity over all wavelengths, for the heat balance. Default 0.95.
     pub(crate) emissivity_bolometric: Option<f64>,
+    /// Thermal inertia of the ground, J m-2 K-1 s-1/2; Phobos' is some 20 to 100. Default: that of `thermal`.
+    #[schemars(range(min = 0))]
+    pub(crate) thermal_inertia: Option<f64>,
     /// Variation of reflectance inside facets. Heat does not see it.
     pub(crate) texture: Option<TextureToml>,
 }
@@ -553,8 +556,19 @@ pub(crate) enum MarsModelToml {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ThermalToml {
-    /// Which model. Default "equilibrium".
+    /// Which model. Default "equilibrium"; heat is conducted, too, where a tolerance needs it and `period_s` and `inertia` are given.
     pub(crate) model: Option<ThermalModelToml>,
+    /// Thermal inertia of all materials that don't state theirs, J m-2 K-1 s-1/2. Default: heat is not stored.
+    #[schemars(range(min = 0))]
+    pub(crate) inertia: Option<f64>,
+    /// From noon to noon, s: 27553.84 on Phobos.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub(crate) period_s: Option<f64>,
+    /// Axis about which the body turns, by the right hand, in the body-fixed frame. Default z.
+    pub(crate) axis: Option<[f64; 3]>,
+    /// Steps of a day, if `model` is "conduction". Default 96.
+    #[schemars(range(min = 3, max = 10000))]
+    pub(crate) steps: Option<u32>,
 }
 
 /// How temperature is computed.
@@ -563,6 +577,8 @@ pub(crate) struct ThermalToml {
 pub(crate) enum ThermalModelToml {
     /// Each facet in equilibrium with what it absorbs.
     Equilibrium,
+    /// Heat is conducted into the ground and back, over a day that repeats.
+    Conduction,
     /// Domagala (2020), equation (9).
     Thesis,
     /// No thermal emission.

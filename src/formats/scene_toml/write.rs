@@ -23,7 +23,7 @@ use crate::formats::{obj, photometry_csv, reflectance_csv, response_csv};
 use crate::geometry::FrameCamera;
 use crate::physics::srgb::linear_from_hex;
 use crate::report::{Fate, Report};
-use crate::scene::{MARS_ALBEDO, MarsModel, Material, Model, Photometry, Scene, SunModel, Thermal};
+use crate::scene::{MARS_ALBEDO, MarsModel, Material, Model, Photometry, Rotation, Scene, SunModel, Thermal};
 use crate::spectral::{Band, Extend, Response, Spectrum, SunTotal, solar_e490, solar_mean};
 use crate::units::{AU_M, MARS_RADIUS_M};
 
@@ -246,14 +246,7 @@ impl Writer<'_> {
         }
         text += &self.sun()?;
         text += &self.mars()?;
-        let model = match scene.models.thermal {
-            Thermal::Equilibrium => "equilibrium",
-            Thermal::Thesis => "thesis",
-            Thermal::Off => "off",
-        };
-        if !self.is_left_out("thermal.model", scene.models.thermal == Thermal::Equilibrium) {
-            let _ = writeln!(text, "\n[thermal]\nmodel = \"{model}\"");
-        }
+        text += &self.thermal();
         let pose = &scene.exposure.camera.world_from_sensor;
         let _ = match is_site {
             true => writeln!(
@@ -366,7 +359,32 @@ impl Writer<'_> {
         if !self.is_left_out(&key("emissivity_bolometric"), is(bolometric, usual.map(|(_, bolometric)| bolometric))) {
             let _ = writeln!(text, "emissivity_bolometric = {bolometric:?}");
         }
+        if material.thermal_inertia != 0.0 {
+            let _ = writeln!(text, "thermal_inertia = {:?}", material.thermal_inertia);
+        }
         Ok(text)
+    }
+
+    /// How warm the surface is, and how it got there.
+    fn thermal(&self) -> String {
+        let scene = self.scene;
+        let model = match scene.models.thermal {
+            Thermal::Equilibrium if scene.models.conduction.is_some() => "conduction",
+            Thermal::Equilibrium => "equilibrium",
+            Thermal::Thesis => "thesis",
+            Thermal::Off => "off",
+        };
+        let mut text = String::new();
+        if !self.is_left_out("thermal.model", model == "equilibrium") {
+            let _ = writeln!(text, "model = \"{model}\"");
+        }
+        if let Some(steps) = scene.models.conduction {
+            let _ = writeln!(text, "steps = {steps}");
+        }
+        if let Some(Rotation { axis, period_s }) = scene.sky.rotation {
+            let _ = writeln!(text, "period_s = {period_s:?}\naxis = {}", list(axis.vec()));
+        }
+        if text.is_empty() { text } else { format!("\n[thermal]\n{text}") }
     }
 
     /// Bond albedo and bolometric emissivity of a material that does not state them.

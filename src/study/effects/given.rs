@@ -83,10 +83,13 @@ impl<'a> Given<'a> {
             at
         };
         given.wavelengths = wavelengths(scene, &given.materials).into_iter().map(at).collect();
-        let least = |(at, material, class): (&Wavelength, &Material, &Class)| {
-            given.sent(at, material, class.least_brightness, class.least_cos_incidence)
+        let least = |at: &Wavelength| -> Vec<f64> {
+            let of = |(material, class): (&Material, &Class)| {
+                given.sent(at, material, class.least_brightness, class.least_cos_incidence)
+            };
+            given.classes().map(of).collect()
         };
-        given.least = given.classes().map(least).collect();
+        given.least = given.wavelengths.iter().flat_map(least).collect();
         given
     }
 
@@ -133,13 +136,12 @@ impl<'a> Given<'a> {
         reflected + emitted
     }
 
-    /// Each wavelength with the classes of each material.
-    fn classes(&self) -> impl Iterator<Item = (&Wavelength, &'a Material, &Class)> {
-        self.wavelengths.iter().flat_map(move |at| {
-            self.materials.iter().flat_map(move |(i, material)| {
-                self.extremes.facing[*i].classes().map(move |class| (at, *material, class))
-            })
-        })
+    /// The classes of each material.
+    fn classes(&self) -> impl Iterator<Item = (&'a Material, &'a Class)> {
+        let extremes = self.extremes;
+        self.materials
+            .iter()
+            .flat_map(move |(i, material)| extremes.facing[*i].classes().map(move |class| (*material, class)))
     }
 
     /// The largest error of a pixel, of those that show nothing but sunlit ground and of the others, if the radiance of facets changes by so
@@ -148,18 +150,22 @@ impl<'a> Given<'a> {
     /// `None` if it has no bound: nothing is sunlit.
     pub(super) fn error(&self, change: impl Fn(&Wavelength, &Material, &Class, Side) -> f64) -> Option<Bound> {
         let mut most = Bound::NOTHING;
-        // Not a number: a spectrum ends before the band does, and its part is left out.
-        let is_any = |change: &f64| *change > 0.0;
-        for ((at, material, class), least) in self.classes().zip(&self.least) {
+        let mut least = self.least.iter();
+        for at in &self.wavelengths {
             let floor = FLOOR * at.median;
-            if let Some(change) = Some(change(at, material, class, Side::Shade)).filter(is_any) {
-                most.shadow = most.shadow.max(change / floor);
+            // Of what is brighter than the floor relative to itself, else to the floor; in one pixel both may be.
+            let (mut bright, mut dim, mut shade) = (0.0_f64, 0.0_f64, 0.0_f64);
+            for ((material, class), least) in self.classes().zip(&mut least) {
+                // A maximum passes over what is not a number: a spectrum ends before the band does, and its part is left out.
+                shade = shade.max(change(at, material, class, Side::Shade) / floor);
+                if class.most_cos_incidence > 0.0 {
+                    let change = change(at, material, class, Side::Sun);
+                    let part = if *least >= floor { &mut bright } else { &mut dim };
+                    *part = part.max(change / least.max(floor));
+                }
             }
-            if class.most_cos_incidence > 0.0
-                && let Some(change) = Some(change(at, material, class, Side::Sun)).filter(is_any)
-            {
-                most.lit = most.lit.max(change / least.max(floor));
-            }
+            most.lit = most.lit.max(bright + dim);
+            most.shadow = most.shadow.max(bright + dim + shade);
         }
         (most.lit.is_finite() && most.shadow.is_finite()).then_some(most)
     }

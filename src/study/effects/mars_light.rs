@@ -21,6 +21,7 @@ pub(super) const KIND: EffectKind = EffectKind {
         remove: |models| models.mars_light = MarsModel::Off,
         cost_s: |given, _| FACET_S * given.scene.body.mesh.facets.len() as f64,
         own: None,
+        drops_by_own: false,
     }),
     find,
 };

@@ -73,6 +73,8 @@ pub(super) struct Switch {
     pub(super) cost_s: fn(&Given, &Models) -> f64,
     /// What is left with these models, where that has a tolerance of its own.
     pub(super) own: Option<fn(&Given, &Models) -> OwnTolerance>,
+    /// Whether that decides if it is dropped, too, instead of its bound.
+    pub(super) drops_by_own: bool,
 }
 
 /// An error that is not summed with the others: its tolerance is of another kind.

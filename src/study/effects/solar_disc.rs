@@ -31,6 +31,7 @@ pub(super) const KIND: EffectKind = EffectKind {
                 SunModel::Disc(rule) => edge(given, rule),
             },
         }),
+        drops_by_own: true,
     }),
     find,
 };

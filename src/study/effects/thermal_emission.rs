@@ -17,6 +17,7 @@ pub(super) const KIND: EffectKind = EffectKind {
         remove: |models| models.thermal = Thermal::Off,
         cost_s: |given, _| FACET_S * given.scene.body.mesh.facets.len() as f64,
         own: None,
+        drops_by_own: false,
     }),
     find,
 };

@@ -115,6 +115,7 @@ impl Patch {
                     emissivity: Spectrum::constant(self.emissivity),
                     bond_albedo: self.bond_albedo,
                     emissivity_bolometric: self.emissivity_bolometric,
+                    thermal_inertia: 0.0,
                     mixture: vec![(0, 1.0)],
                 }],
                 textures: vec![],
@@ -129,6 +130,7 @@ impl Patch {
                 },
                 mars,
                 beams: vec![],
+                rotation: None,
             },
             exposure: Exposure {
                 instrument: "frame camera".to_owned(),

@@ -135,12 +135,13 @@ fn look(mesh: Mesh, reflectance: f64, sun: Sun, camera: FrameCamera) -> Result<V
         emissivity: Spectrum::constant(1.0 - reflectance),
         bond_albedo: reflectance,
         emissivity_bolometric: 0.95,
+        thermal_inertia: 0.0,
         mixture: vec![(0, 1.0)],
     };
     let bands = vec![Band::new(1.0, None)];
     let parts = SceneParts {
         surface: Surface { origin_m: TARGET_M, mesh, materials: vec![material], textures: vec![] },
-        sky: Sky { sun, mars: None, beams: vec![] },
+        sky: Sky { sun, mars: None, beams: vec![], rotation: None },
         exposure: Exposure { instrument: "frame camera".to_owned(), camera, bands },
         models: Models { thermal: Thermal::Off, ..Models::default() },
     };
