@@ -8,6 +8,7 @@ mod map_light;
 mod maps;
 mod observation;
 mod partly_sky;
+mod resolved_slopes;
 mod simulate;
 mod site;
 mod summary;
