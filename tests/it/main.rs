@@ -55,6 +55,7 @@ mod mosaics;
 mod oracles;
 mod old_tables;
 mod partly_sky;
+mod photometry_attack;
 mod photometry_files;
 mod photometry_heat;
 mod photometry_image;
