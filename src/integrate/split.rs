@@ -47,9 +47,9 @@ pub(super) fn each(pixel: &mut Pixel, index: usize, parts: u32, mut put: impl Fn
                     match pixel.lit_of(light, facet) {
                         Shown::Nothing => {}
                         Shown::Whole => lit.add(&part.signed(sign)),
-                        Shown::Part => pixel.lit_parts(light, facet, &Window::Piece(&clipped), |common| {
+                        Shown::Part => pixel.lit_parts(light, facet, &Window::Piece(&clipped), |share, common| {
                             let (area, moment) = area_and_moment(common);
-                            lit.add(&ImagePart { area: area.max(0.0), moment }.signed(sign));
+                            lit.add(&ImagePart { area: area.max(0.0), moment }.signed(sign * share));
                         }),
                     }
                 }
