@@ -41,7 +41,7 @@ pub fn footprints(mesh: &Mesh, topology: &Topology, sunlit: &Seen, camera: &Fram
     let start = || Pixel::new(&drawing, vec![LitArea::new(&drawing, sunlit, &polygons)]);
     let look = |pixel: &mut Pixel, line: &mut Line, ()| {
         let mut footprints = Footprints::default();
-        line.each(pixel, |pixel| gather(pixel, &mut footprints))?;
+        line.each(pixel, |_| false, |pixel| gather(pixel, &mut footprints))?;
         Ok(footprints)
     };
     let parts = vec![(); camera.lines as usize];

@@ -12,6 +12,7 @@ mod maps;
 mod parts;
 mod pieces;
 mod pixel;
+mod split;
 mod sweep;
 mod textures;
 mod weights;
@@ -118,7 +119,8 @@ pub fn integrate(scene: &Scene, table: &FacetTable, wanted: Wanted<'_>, watch: W
         if let Some(map_texels) = map_texels {
             gathered.maps = map_texels.new_line(row);
         }
-        line.each(pixel, |pixel| {
+        let varies = |pixel: &Pixel| pixel.wants_moments && weights::varies(&emission, pixel);
+        line.each(pixel, varies, |pixel| {
             census.gather(pixel, &mut gathered.census);
             pixel.sort_pieces();
             if let Some(map_texels) = map_texels {

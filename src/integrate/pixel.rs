@@ -390,9 +390,13 @@ mod tests {
         };
         let lines = sweep(&drawing, vec![(); 2], ("image", &unwatched), start, |pixel, line, ()| {
             let mut found = Vec::new();
-            line.each(pixel, |pixel| {
-                found.push(pixel.entries.iter().map(|e| (*e, pixel.lit_part(e, 1))).collect::<Vec<_>>());
-            })?;
+            line.each(
+                pixel,
+                |_| false,
+                |pixel| {
+                    found.push(pixel.entries.iter().map(|e| (*e, pixel.lit_part(e, 1))).collect::<Vec<_>>());
+                },
+            )?;
             Ok(found)
         });
         lines.unwrap().concat()

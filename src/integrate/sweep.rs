@@ -21,15 +21,26 @@ pub(super) struct Line<'l, 's> {
 }
 
 impl Line<'_, '_> {
-    /// Looks through each pixel, and hands it on.
+    /// Looks through each pixel, again for its pieces if those are needed, and hands it on.
     ///
     /// # Errors
     /// [`Error::Interrupted`](crate::Error::Interrupted) if the sweep is asked to stop.
-    pub(super) fn each(&mut self, pixel: &mut Pixel, mut gather: impl FnMut(&mut Pixel)) -> Result<()> {
+    pub(super) fn each(
+        &mut self,
+        pixel: &mut Pixel,
+        needs_pieces: impl Fn(&Pixel) -> bool,
+        mut gather: impl FnMut(&mut Pixel),
+    ) -> Result<()> {
         pixel.new_line(self.row);
         for sample in 0..self.samples {
             pixel.look(self.coverage, [sample, self.line], self.scratch)?;
+            let are_kept = pixel.pieces.are_kept;
+            if !are_kept && needs_pieces(pixel) {
+                pixel.pieces.are_kept = true;
+                pixel.look(self.coverage, [sample, self.line], self.scratch)?;
+            }
             gather(pixel);
+            pixel.pieces.are_kept = are_kept;
         }
         Ok(())
     }

@@ -1,8 +1,10 @@
 //! Weights of spectra: what each pixel's facets send.
 
 use super::pixel::{Entry, Pixel};
+use super::split;
 use super::textures::Textures;
 use crate::geometry::index_u32;
+use crate::geometry::polygon::Rect;
 use crate::product::{Added, Slab};
 use crate::scene::Scene;
 use crate::solve::{Emission, Fragment, ImagePart};
@@ -52,6 +54,19 @@ impl<'a> Weights<'a> {
                 }
             };
             let fragment = Fragment { facet: entry.facet, shown: entry.shown, lit };
+            if pixel.pieces.are_kept && pixel.wants_moments {
+                let Rect { min, max } = split::bounds(pixel, index);
+                let extent = (0.5 * ((max[0] - min[0]).powi(2) + (max[1] - min[1]).powi(2))).sqrt();
+                let parts = self.emission.parts(&fragment, extent);
+                if parts > 1 {
+                    let (emission, sums) = (self.emission, &mut self.sums);
+                    split::each(pixel, index, parts, |shown, lit| {
+                        let fragment = Fragment { facet: entry.facet, shown: *shown, lit };
+                        emission.send(&fragment, None, |row, weight| sums.add(row, weight));
+                    });
+                    continue;
+                }
+            }
             let material = self.scene.body.mesh.material[entry.facet as usize].0 as usize;
             let texture = self.textures.look(pixel, index, material);
             let sums = &mut self.sums;
@@ -74,6 +89,15 @@ impl<'a> Weights<'a> {
             line.weight.push(weight);
         });
     }
+}
+
+/// Whether something that a pixel shows is to be split.
+pub(super) fn varies(emission: &Emission, pixel: &Pixel) -> bool {
+    let is_split = |entry: &Entry| {
+        let fragment = Fragment { facet: entry.facet, shown: entry.shown, lit: std::slice::from_ref(&entry.lit) };
+        entry.front && emission.parts(&fragment, 1.0) > 1
+    };
+    pixel.entries.iter().any(is_split)
 }
 
 /// Sums of a pixel, by row.

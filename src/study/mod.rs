@@ -10,6 +10,7 @@ mod maps;
 mod observation;
 mod partly_sky;
 mod plan;
+mod resolved_slopes;
 mod simulate;
 mod site;
 mod summary;

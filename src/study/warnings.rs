@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::effects::by_mars;
 use super::observation::Counts;
+use super::resolved_slopes;
 use super::site::Site;
 use crate::geometry::angle_rad;
 use crate::integrate::Image;
@@ -113,6 +114,9 @@ pub(super) fn of_scene(scene: &Scene, site: &Site, open_to_shadow: f64, uses_sun
             "{:.1} % of the site might be shadowed by terrain outside it: from there, rays to the Sun leave the site below its highest point",
             100.0 * open_to_shadow
         ));
+    }
+    if uses_sun {
+        all.extend(resolved_slopes::warnings(scene));
     }
     if scene.body.topology().coincident_facets > 0 {
         let lie = if scene.body.topology().coincident_facets == 1 { "lies" } else { "lie" };

@@ -56,6 +56,7 @@ mod mosaics;
 mod oracles;
 mod old_tables;
 mod partly_sky;
+mod photometry_attack;
 mod photometry_files;
 mod photometry_heat;
 mod photometry_image;

@@ -1,5 +1,7 @@
 //! At which angles a fragment is lit and seen.
 
+use glam::DVec3;
+
 use super::light::{Fragment, SourceLight};
 use crate::geometry::{FrameCamera, Mesh};
 use crate::physics::mars::middle_above_horizon;
@@ -27,9 +29,21 @@ impl<'a> FragmentAngles<'a> {
 
     /// Cosine of emission at the centroid of all that is seen of a fragment.
     pub(super) fn cos_emission(&self, fragment: &Fragment) -> f64 {
+        self.view(fragment).0
+    }
+
+    /// Cosine of emission there, and the direction to the viewer.
+    pub(super) fn view(&self, fragment: &Fragment) -> (f64, DVec3) {
         let [x_px, y_px] = fragment.shown.centroid_px().unwrap_or_default();
         let normal = self.mesh.facet(fragment.facet as usize).cross_m2().normalize_or_zero();
-        normal.dot(-self.camera.ray(x_px, y_px).normalize_or_zero())
+        let to_viewer = -self.camera.ray(x_px, y_px).normalize_or_zero();
+        (normal.dot(to_viewer), to_viewer)
+    }
+
+    /// The angle that a pixel's diagonal takes at most, rad.
+    pub(super) fn pixel_rad(&self) -> f64 {
+        let [across, down] = self.camera.pitch;
+        (across * across + down * down).sqrt().min(std::f64::consts::PI)
     }
 
     /// The angles at the centroid of what a source lights of a fragment; of a source in the near field, and of the Sun's disc, to the

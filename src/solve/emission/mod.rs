@@ -9,11 +9,12 @@ mod heat;
 mod light;
 mod modelled;
 mod temperature_grid;
+mod variation;
 mod fragment_angles;
 
 use crate::geometry::index_u32;
 use crate::product::FacetTable;
-use crate::scene::{Incoming, Material, Scene, Source, Texture};
+use crate::scene::{DirectionField, Incoming, Material, Scene, Source, Texture};
 use crate::spectral::{Band, Spectrum};
 
 use by_band::{ByBand, Sample};
@@ -22,6 +23,7 @@ use fragment_angles::FragmentAngles;
 use heat::Heat;
 use light::SourceLight;
 use modelled::Modelled;
+use variation::Variation;
 
 pub use light::{Fragment, ImagePart, Modulation};
 pub use temperature_grid::interpolation_error;
@@ -50,6 +52,8 @@ pub struct Emission<'a> {
     rows: usize,
     first_thermal_row: usize,
     of_material: Vec<OfMaterial>,
+    /// Of each material; `None`: the same in all directions.
+    variations: Vec<Option<Variation>>,
     heat: Option<usize>,
 }
 
@@ -70,9 +74,21 @@ impl<'a> Emission<'a> {
         for (i, texture) in scene.body.textures.iter().enumerate() {
             of_material[texture.material.0 as usize].textured = Some(materials.len() + i);
         }
-        let (angles, families) = (FragmentAngles::of(scene), vec![]);
-        let mut emission =
-            Emission { scene, angles, lights, families, rows: 0, first_thermal_row: 0, of_material, heat: None };
+        let variation = |material: &Material| {
+            let varies = material.photometry.key().is_some();
+            varies.then(|| Variation::of(material.photometry.to_model().map(|model| model.shape).as_ref()))
+        };
+        let mut emission = Emission {
+            scene,
+            angles: FragmentAngles::of(scene),
+            lights,
+            families: vec![],
+            rows: 0,
+            first_thermal_row: 0,
+            of_material,
+            variations: materials.iter().map(variation).collect(),
+            heat: None,
+        };
         for material in materials {
             emission.push(emission.reflecting(material, None));
         }
@@ -124,6 +140,31 @@ impl<'a> Emission<'a> {
     /// Whether weights depend on where in a pixel a fragment is lit.
     pub(crate) fn wants_moments(&self) -> bool {
         self.families.iter().any(|(_, family)| matches!(family, Family::Modelled(_) | Family::ByBand(_)))
+    }
+
+    /// Into how many parts along each side what a pixel shows of a facet is to be split: its angles are those of the middle. `extent` is the size
+    /// of what is shown, pixels of the diagonal.
+    pub(crate) fn parts(&self, fragment: &Fragment, extent: f64) -> u32 {
+        let facet = fragment.facet as usize;
+        let OfMaterial { plain, textured } = self.of_material[self.scene.body.mesh.material[facet].0 as usize];
+        // What a texture is over each part would have to be found, too.
+        let Some(variation) = self.variations[plain].filter(|_| textured.is_none()) else { return 1 };
+        let angle_rad = self.angles.pixel_rad() * extent.min(1.0);
+        let (cos_emission, to_viewer) = self.angles.view(fragment);
+        let parts = |light: &SourceLight| match light.field {
+            _ if light.irradiance(fragment.facet) <= 0.0 => 1.0,
+            // Its irradiance is the cosine.
+            DirectionField::Afar(towards) => {
+                let cos_phase = towards.vec().dot(to_viewer);
+                variation.parts(light.irradiance(fragment.facet), cos_emission, cos_phase, angle_rad)
+            }
+            DirectionField::Near(_) => {
+                let cos_phase = light.field.towards(self.scene.body.mesh.facet(facet).centroid_m()).dot(to_viewer);
+                variation.parts(0.0, cos_emission, cos_phase, angle_rad)
+            }
+        };
+        let most = self.lights.iter().map(parts).fold(1.0, f64::max);
+        index_u32(crate::geometry::whole(most))
     }
 
     fn push(&mut self, family: Family<'a>) {

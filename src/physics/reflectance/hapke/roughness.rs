@@ -32,6 +32,17 @@ impl Roughness {
         Roughness { tan, chi: 1.0 / (1.0 + PI * tan * tan).sqrt() }
     }
 
+    /// Of a surface whose slopes have this mean of their tangents, over its level area: tan theta-bar = (2 / pi) of it.
+    pub fn of_tangents(mean_tangent: f64) -> Self {
+        Self::of_mean_slope((2.0 / PI * mean_tangent).atan())
+    }
+
+    /// What is left of it without the slopes of another one, which are independent of the rest: tangents add up by squares.
+    #[must_use]
+    pub fn without(&self, other: &Roughness) -> Self {
+        Self::of_mean_slope((self.tan * self.tan - other.tan * other.tan).max(0.0).sqrt().atan())
+    }
+
     /// The mean slope, rad.
     pub fn mean_slope_rad(&self) -> f64 {
         self.tan.atan()
@@ -105,6 +116,15 @@ mod tests {
             let got = seen.shading * angles.cos_incidence() * (mu0e + mue) / mu0e;
             assert!((got / s - 1.0).abs() < 1e-12, "{got} {s}");
         }
+    }
+
+    #[test]
+    fn slopes_add_up_by_squares_of_tangents() {
+        let of = |tan: f64| Roughness::of_mean_slope(tan.atan());
+        assert!((of(0.5).without(&of(0.3)).mean_slope_rad() - 0.4f64.atan()).abs() < 1e-15);
+        assert_eq!(of(0.3).without(&of(0.5)), Roughness::SMOOTH);
+        // Slopes of 45 deg everywhere.
+        assert!((Roughness::of_tangents(1.0).mean_slope_rad() - (2.0 / PI).atan()).abs() < 1e-15);
     }
 
     #[test]
