@@ -43,7 +43,7 @@ fn tolerance(text: &str) -> std::result::Result<f64, String> {
 
 impl RequestArguments {
     pub(super) fn request(&self) -> Request {
-        Request { choice: self.model.clone(), tolerance: self.tolerance, for_any_bands: false }
+        Request { choice: self.model.clone(), tolerance: self.tolerance }
     }
 }
 

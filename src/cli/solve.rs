@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use mmxrt::formats::Subject;
-use mmxrt::study::Request;
 use mmxrt::{Result, job};
 
 use super::console::Console;
@@ -32,8 +31,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let mut subject = Subject::open(&arguments.scene, &watch)?;
     product::say_defaults(&subject, console);
     subject.warnings.iter().for_each(|warning| console.note(&format!("warning: {warning}")));
-    let request = Request { for_any_bands: true, ..arguments.request.request() };
-    let table = job::solve(&mut subject, &request, staged, &watch)?;
+    let table = job::solve(&mut subject, &arguments.request.request(), staged, &watch)?;
     let (path, facets) = (arguments.output.display().to_string(), table.facets());
     let defaults: Vec<String> = subject.defaults.iter().map(ToString::to_string).collect();
     let json =

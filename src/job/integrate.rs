@@ -51,7 +51,8 @@ pub fn integrate(
         let extremes = Extremes::new(&subject.scene).with_throw(&subject.scene);
         let mut product = folder.open(&subject.scene)?;
         let mut put = |slab| product.put(&slab, watch);
-        let observation = study::observe_by_slabs(&subject.scene, (&table, &extremes), wanted, &mut put, watch)?;
+        let mut observation = study::observe_by_slabs(&subject.scene, (&table, &extremes), wanted, &mut put, watch)?;
+        observation.warnings.extend(study::left_out_of_table(&observation.effects));
         return product.finish(
             Product { subject, table, table_from: Some(path), observation, plan: None, maps: None },
             run,

@@ -32,14 +32,11 @@ pub struct Request {
     pub choice: Choice,
     /// The largest error of a pixel that all effects left out, and the approximations of the others, may add up to.
     pub tolerance: f64,
-    /// Whether the result, a facet table, may serve other cameras and bands than the scene's: `auto` then drops nothing but what changes nothing
-    /// anywhere.
-    pub for_any_bands: bool,
 }
 
 impl Default for Request {
     fn default() -> Self {
-        Request { choice: Choice::Auto, tolerance: TOLERANCE, for_any_bands: false }
+        Request { choice: Choice::Auto, tolerance: TOLERANCE }
     }
 }
 
@@ -117,6 +114,22 @@ impl Plan {
     }
 }
 
+/// A sentence if a facet table was solved without something that matters in these bands.
+pub fn left_out_of_table(effects: &[Effect]) -> Option<String> {
+    let matters = |effect: &&Effect| {
+        effect.decision == Decision::Dropped
+            && effect.own.is_none()
+            && effect.bound.is_none_or(|bound| bound.most() > TOLERANCE)
+    };
+    let keys: Vec<&str> = effects.iter().filter(matters).map(|effect| effect.key.as_str()).collect();
+    (!keys.is_empty()).then(|| {
+        format!(
+            "the table was solved without {}, which may change a pixel by more than {TOLERANCE} in these bands: `mmxrt solve --model full` has all",
+            keys.join(", ")
+        )
+    })
+}
+
 /// Decides by which models a scene is simulated.
 ///
 /// Effects whose inputs are missing are left open. Of the others, `auto` drops as many as may change half the tolerance together, the ones with the
@@ -125,7 +138,7 @@ impl Plan {
 /// # Errors
 /// [`Error::Invalid`] for a tolerance that is none.
 pub fn plan(scene: &Scene, extremes: &Extremes, request: &Request) -> Result<(Models, Plan)> {
-    let Request { choice, tolerance, for_any_bands } = request;
+    let Request { choice, tolerance } = request;
     if !(*tolerance > 0.0 && tolerance.is_finite()) {
         return Err(Error::invalid(Location::item("--tolerance"), format!("{tolerance} is not a number above 0")));
     }
@@ -133,7 +146,6 @@ pub fn plan(scene: &Scene, extremes: &Extremes, request: &Request) -> Result<(Mo
         Choice::Thesis => thesis(),
         Choice::Full => chosen(scene, extremes, *tolerance, |_, _| true),
         Choice::Only(keys) => chosen(scene, extremes, *tolerance, |kind, _| keys.iter().any(|key| key == kind.key)),
-        Choice::Auto if *for_any_bands => chosen(scene, extremes, *tolerance, |_, _| true),
         Choice::Auto => {
             let all = chosen(scene, extremes, *tolerance, |_, _| true);
             let dropped = least_that_fit(scene, extremes, &all, 0.5 * tolerance);
