@@ -49,7 +49,7 @@ pub fn integrate(
         folder.admit(&subject, [&path], false)?;
         let wanted = Wanted { footprints, ..Wanted::default() };
         let mut product = folder.open(&subject.scene)?;
-        let mut put = |slab| product.put(&slab, watch);
+        let mut put = |slab| product.put(slab, watch);
         let observation = study::observe_by_slabs(&subject.scene, &table, wanted, &mut put, watch)?;
         return product.finish(Product { subject, table, table_from: Some(path), observation, maps: None }, run, watch);
     }
@@ -70,7 +70,7 @@ pub fn integrate(
     };
     let options = MapOptions { choice: *choice, texels: *texels, fill: *fill, add_solved, footprints };
     let mut product = folder.open(&subject.scene)?;
-    let mut put = |slab| product.put(&slab, watch);
+    let mut put = |slab| product.put(slab, watch);
     let (observation, maps) =
         study::observe_maps_by_slabs(&subject.scene, &table, sum.terms, &options, &mut put, watch)?;
     product.finish(Product { subject, table, table_from, observation, maps: Some(maps) }, run, watch)

@@ -24,7 +24,7 @@ pub fn simulate(
     let wanted = Wanted { footprints: folder.options().footprints, ..Wanted::default() };
     let table = solve::solve(&subject.scene, watch)?;
     let mut product = folder.open(&subject.scene)?;
-    let mut put = |slab| product.put(&slab, watch);
+    let mut put = |slab| product.put(slab, watch);
     let observation = study::observe_by_slabs(&subject.scene, &table, wanted, &mut put, watch)?;
     product.finish(Product { subject, table, table_from: None, observation, maps: None }, run, watch)
 }

@@ -60,6 +60,7 @@ mod photometry_files;
 mod photometry_heat;
 mod photometry_image;
 mod presets;
+mod quantities;
 mod products;
 mod raster;
 mod raster_convert;
