@@ -8,6 +8,7 @@ use mmxrt::formats::Subject;
 use mmxrt::formats::envi::{Interleave, Precision};
 use mmxrt::formats::product_folder::{ProductFolder, ProductOptions, Written};
 use mmxrt::formats::report_json::ImageEntry;
+use mmxrt::product::Quantity;
 
 use super::console::Console;
 
@@ -28,6 +29,9 @@ pub(crate) struct ProductArguments {
     /// Precision of the cube's numbers
     #[arg(long, value_enum, default_value = "f32")]
     dtype: PrecisionName,
+    /// What the numbers of the cube are
+    #[arg(long, value_enum, default_value = "radiance")]
+    quantity: QuantityName,
     /// Also write the cube as spectral OpenEXR
     #[arg(long)]
     exr: bool,
@@ -44,6 +48,21 @@ enum InterleaveName {
     Bil,
     /// Line, sample, band
     Bip,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+#[value(rename_all = "snake_case")]
+enum QuantityName {
+    /// Mean spectral radiance over each band, W m-2 sr-1 um-1
+    Radiance,
+    /// Radiance in each band: that times its width, W m-2 sr-1
+    BandRadiance,
+    /// I/F: pi times radiance over sunlight normal to its beam
+    RadianceFactor,
+    /// Pi times radiance over sunlight on level ground at the origin
+    ReflectanceFactor,
+    /// Temperature of the black body of the same radiance in the band, K
+    BrightnessTemperature,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -67,8 +86,15 @@ impl ProductArguments {
             PrecisionName::F32 => Precision::F32,
             PrecisionName::F64 => Precision::F64,
         };
-        let options =
-            ProductOptions { interleave, precision, exr: self.exr, footprints: self.footprints, table, split };
+        let quantity = match self.quantity {
+            QuantityName::Radiance => Quantity::Radiance,
+            QuantityName::BandRadiance => Quantity::BandRadiance,
+            QuantityName::RadianceFactor => Quantity::RadianceFactor,
+            QuantityName::ReflectanceFactor => Quantity::ReflectanceFactor,
+            QuantityName::BrightnessTemperature => Quantity::BrightnessTemperature,
+        };
+        let (exr, footprints) = (self.exr, self.footprints);
+        let options = ProductOptions { interleave, precision, exr, footprints, table, split, quantity };
         ProductFolder::stage(&self.output, self.force, options)
     }
 

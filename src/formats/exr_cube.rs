@@ -13,7 +13,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Location, Problem, Result};
-use crate::product::{Cube, CubeAxes, Filling, Slab};
+use crate::product::{Cube, CubeAxes, Filling, Quantity, Slab};
 use crate::progress::Watch;
 use crate::spectral::Band;
 
@@ -44,7 +44,7 @@ impl ExrCube {
     /// [`Error::Invalid`] if two bands would have the same channel name or the image is larger than OpenEXR can hold;
     /// [`Error::Io`].
     pub fn create(path: &Path, axes: &CubeAxes, description: &str) -> Result<Self> {
-        let CubeAxes { samples, lines, bands } = axes;
+        let CubeAxes { samples, lines, bands, quantity } = axes;
         let names: Vec<String> = bands.iter().map(channel_name).collect();
         let mut order: Vec<usize> = (0..names.len()).collect();
         order.sort_by(|a, b| names[*a].cmp(&names[*b]));
@@ -61,7 +61,7 @@ impl ExrCube {
         let about = About {
             description,
             spectral: true,
-            unit: Some("W.m^-2.sr^-1.um^-1"),
+            unit: Some(exr_unit(*quantity)),
             widths: widths(order.iter().map(|band| bands[*band].fwhm_um)),
             names: band_names(order.iter().map(|band| bands[*band].name.as_str())),
         };
@@ -120,6 +120,15 @@ pub fn write(path: &Path, cube: &Cube, description: &str, watch: Watch<'_>) -> R
     let mut file = ExrCube::create(path, &cube.axes, description)?;
     cube.slabs().iter().try_for_each(|slab| file.put(slab, watch))?;
     file.end()
+}
+
+/// A quantity's unit as OpenEXR files have it.
+fn exr_unit(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::Radiance => "W.m^-2.sr^-1.um^-1",
+        Quantity::BandRadiance => "W.m^-2.sr^-1",
+        Quantity::RadianceFactor | Quantity::ReflectanceFactor | Quantity::BrightnessTemperature => quantity.unit(),
+    }
 }
 
 /// How the numbers of a file lie behind its [`head`]: rows, columns and channels.

@@ -6,9 +6,10 @@ use std::path::Path;
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::formats::number::single;
 use crate::geometry::whole;
+use crate::product::Quantity;
 
 use super::number::DataType;
-use super::registry;
+use super::{envi, registry};
 
 /// What a product says of one pixel.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,6 +48,11 @@ pub fn read(folder: &Path, sample: usize, line: usize) -> Result<PixelValues> {
             None => "a pixel is looked at in a folder that `simulate` or `integrate` made".to_owned(),
         };
         return Err(Error::Invalid(vec![Problem::new(at, "is not the folder of a product").with_help(help)]));
+    }
+    let unit = envi::read_header(&envi::pair(&cube)?.0)?.field("data units").unwrap_or_default().to_owned();
+    if !unit.is_empty() && unit != Quantity::Radiance.unit() {
+        let message = format!("its numbers are in {unit:?}: a pixel's spectrum is shown of radiance");
+        return Err(Error::invalid(Location::file(&cube), message));
     }
     let radiance = spectrum(&cube, sample, line)?;
     let is_single = radiance.iter().any(|band| band.is_single);

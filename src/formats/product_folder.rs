@@ -8,7 +8,7 @@ use super::report_json::{self, BandEntry, ImageEntry, Input, PlanEntry, ProductR
 use super::subject::Subject;
 use super::{exr_cube, machine, npz, quicklook};
 use crate::error::{Error, Location, Problem, Result};
-use crate::product::{CubeAxes, FacetTable, ShownBands, Slab};
+use crate::product::{Conversion, CubeAxes, FacetTable, Quantity, ShownBands, Slab};
 use crate::progress::{Watch, tell};
 use crate::scene::Scene;
 use crate::spectral::Band;
@@ -29,6 +29,8 @@ pub struct ProductOptions {
     pub table: bool,
     /// The thermal part of the cube as well: not of what maps send.
     pub split: bool,
+    /// What the numbers of the cube are.
+    pub quantity: Quantity,
 }
 
 impl Default for ProductOptions {
@@ -41,6 +43,7 @@ impl Default for ProductOptions {
             footprints: false,
             table: false,
             split: false,
+            quantity: Quantity::Radiance,
         }
     }
 }
@@ -72,6 +75,7 @@ pub struct ProductFolder {
 /// A product folder that takes the slabs of its cube as they are made, and then all else.
 #[derive(Debug)]
 pub struct OpenProduct {
+    conversion: Conversion,
     cube: envi::EnviCube,
     thermal: Option<envi::EnviCube>,
     exr: Option<exr_cube::ExrCube>,
@@ -116,7 +120,13 @@ impl ProductFolder {
         more_inputs: impl IntoIterator<Item = &'a PathBuf>,
         has_maps: bool,
     ) -> Result<()> {
-        let ProductOptions { precision, exr, split, table, .. } = self.options;
+        let ProductOptions { precision, exr, split, table, quantity, .. } = self.options;
+        if split && quantity == Quantity::BrightnessTemperature {
+            let message =
+                "temperatures of parts of the light do not add up: leave out the thermal part, or take radiance";
+            return Err(Error::invalid(Location::item("options"), message));
+        }
+        Conversion::new(quantity, &subject.scene)?;
         if has_maps && (split || table) {
             let message = "neither a facet table nor a thermal part belongs to what maps send";
             return Err(Error::invalid(Location::item("options"), message));
@@ -139,20 +149,23 @@ impl ProductFolder {
     pub fn open(self, scene: &Scene) -> Result<OpenProduct> {
         let named = |e| self.staged.named(e);
         let file = |name: &str| self.staged.path().join(name);
-        let ProductOptions { interleave, precision, exr, split, .. } = self.options;
-        let axes = CubeAxes::of(&scene.exposure);
+        let ProductOptions { interleave, precision, exr, split, quantity, .. } = self.options;
+        let conversion = Conversion::new(quantity, scene)?;
+        let axes = CubeAxes { quantity, ..CubeAxes::of(&scene.exposure) };
         let create = |name: &str, title: &str| {
             let title = titled(title, scene);
             envi::EnviCube::create(&file(name), axes.clone(), interleave, precision, &title).map_err(named)
         };
-        let cube = create("cube.img", "Radiance")?;
-        let thermal = split.then(|| create("thermal.img", "Thermal part of the radiance")).transpose()?;
-        let create = || exr_cube::ExrCube::create(&file("cube.exr"), &axes, &titled("Radiance", scene)).map_err(named);
+        let cube = create("cube.img", quantity.title())?;
+        let thermal =
+            split.then(|| create("thermal.img", &format!("Thermal part of: {}", quantity.title()))).transpose()?;
+        let create =
+            || exr_cube::ExrCube::create(&file("cube.exr"), &axes, &titled(quantity.title(), scene)).map_err(named);
         let exr = exr.then(create).transpose()?;
         let mut bands = report_json::bands_of_statistics(&axes.bands);
         bands.push(quicklook::grey_band(&axes.bands));
         bands.extend(quicklook::colour_bands(&axes.bands));
-        Ok(OpenProduct { cube, thermal, exr, shown: ShownBands::new(axes, bands), folder: self })
+        Ok(OpenProduct { conversion, cube, thermal, exr, shown: ShownBands::new(axes, bands), folder: self })
     }
 }
 
@@ -161,15 +174,15 @@ impl OpenProduct {
     ///
     /// # Errors
     /// Those of [`envi::EnviCube::put`].
-    pub fn put(&mut self, slab: &Slab, watch: Watch<'_>) -> Result<()> {
-        let OpenProduct { folder, cube, thermal, exr, shown } = self;
-        let mut put = || {
-            shown.take(slab)?;
-            cube.put(slab, watch)?;
+    pub fn put(&mut self, slab: Slab, watch: Watch<'_>) -> Result<()> {
+        let OpenProduct { conversion, folder, cube, thermal, exr, shown } = self;
+        let put = |slab: Slab| {
+            shown.take(&slab)?;
+            cube.put(&slab, watch)?;
             thermal.as_mut().map_or(Ok(()), |file| file.put(&slab.thermal(), watch))?;
-            exr.as_mut().map_or(Ok(()), |file| file.put(slab, watch))
+            exr.as_mut().map_or(Ok(()), |file| file.put(&slab, watch))
         };
-        put().map_err(|e| folder.staged.named(e))
+        conversion.slabs(slab, put).map_err(|e| folder.staged.named(e))
     }
 
     /// Writes all else and gives the folder its name. A product of which a check does not hold, or whose cube slabs have not filled,
@@ -181,7 +194,7 @@ impl OpenProduct {
     /// [`Error::Invalid`] with the checks that do not hold; [`Error::Io`]; [`Error::Interrupted`] if `watch` asks to stop.
     pub fn finish(self, product: Product, run: impl FnOnce() -> Run, watch: Watch<'_>) -> Result<Written> {
         verify(&product.observation.checks, product.table_from.as_deref())?;
-        let OpenProduct { folder: ProductFolder { staged, options }, cube, thermal, exr, shown } = self;
+        let OpenProduct { folder: ProductFolder { staged, options }, cube, thermal, exr, shown, .. } = self;
         let write = || {
             cube.end()?;
             thermal.map_or(Ok(()), envi::EnviCube::end)?;
@@ -268,7 +281,7 @@ fn verify(checks: &[Check], table: Option<&Path>) -> Result<()> {
 /// What is said of a product.
 fn report(product: &Product, cube: &ShownBands, coverage: &[f64]) -> ProductReport {
     let Product { subject, observation, plan, maps, .. } = product;
-    let CubeAxes { samples, lines, bands } = &cube.axes;
+    let CubeAxes { samples, lines, bands, quantity } = &cube.axes;
     let band_um = |band: Option<&Band>| band.map_or(0.0, |b| b.centre_um);
     ProductReport {
         format_version: report_json::FORMAT_VERSION,
@@ -279,6 +292,8 @@ fn report(product: &Product, cube: &ShownBands, coverage: &[f64]) -> ProductRepo
             samples: *samples as u64,
             lines: *lines as u64,
             bands: bands.len() as u64,
+            quantity: quantity.name().to_owned(),
+            unit: quantity.unit().to_owned(),
             first_band_um: band_um(bands.first()),
             last_band_um: band_um(bands.last()),
             quicklook_band: quicklook::grey_band(bands) as u64 + 1,

@@ -117,7 +117,8 @@ pub fn read_info(path: &Path) -> Result<(u32, u32, bool)> {
 /// The bytes of a band, and what they mean.
 fn channel(cube: &ShownBands, band: usize, coverage: &[f64]) -> (Vec<u8>, String) {
     let um = cube.axes.bands[band].centre_um;
-    stretched(cube.band(band), coverage, &format!("{um} um"), " W m-2 sr-1 um-1")
+    let unit = format!(" {}", cube.axes.quantity.unit());
+    stretched(cube.band(band), coverage, &format!("{um} um"), &unit)
 }
 
 fn stretched(values: &[f64], coverage: &[f64], label: &str, unit: &str) -> (Vec<u8>, String) {

@@ -118,6 +118,12 @@ pub struct ImageEntry {
     pub lines: u64,
     /// Bands.
     pub bands: u64,
+    /// What its numbers are: "radiance" if nothing is said.
+    #[serde(default)]
+    pub quantity: String,
+    /// Their unit.
+    #[serde(default)]
+    pub unit: String,
     /// Centre of the first band, um.
     pub first_band_um: f64,
     /// Centre of the last band, um.
@@ -244,8 +250,9 @@ pub fn statistics(cube: &ShownBands, coverage: &[f64], backplanes: &Backplanes) 
     let of_band = |band: usize| {
         let Band { name, centre_um, .. } = &cube.axes.bands[band];
         let called = if name.is_empty() { String::new() } else { format!(" ({name})") };
-        let name = format!("radiance at {centre_um} um{called}");
-        Statistic::of(name, "W m-2 sr-1 um-1", &covered(band))
+        let quantity = cube.axes.quantity;
+        let name = format!("{} at {centre_um} um{called}", quantity.name());
+        Statistic::of(name, quantity.unit(), &covered(band))
     };
     let of_planes = backplanes.planes.iter().map(|p| Statistic::of(&p.name, &p.unit, &p.values));
     bands_of_statistics(&cube.axes.bands).into_iter().map(of_band).chain(of_planes).collect()

@@ -50,7 +50,7 @@ pub fn integrate(
         let wanted = Wanted { footprints, ..Wanted::default() };
         let extremes = Extremes::new(&subject.scene).with_throw(&subject.scene);
         let mut product = folder.open(&subject.scene)?;
-        let mut put = |slab| product.put(&slab, watch);
+        let mut put = |slab| product.put(slab, watch);
         let mut observation = study::observe_by_slabs(&subject.scene, (&table, &extremes), wanted, &mut put, watch)?;
         observation.warnings.extend(study::left_out_of_table(&observation.effects));
         return product.finish(
@@ -76,7 +76,7 @@ pub fn integrate(
     };
     let options = MapOptions { choice: *choice, texels: *texels, fill: *fill, add_solved, footprints };
     let mut product = folder.open(&subject.scene)?;
-    let mut put = |slab| product.put(&slab, watch);
+    let mut put = |slab| product.put(slab, watch);
     let (observation, maps) =
         study::observe_maps_by_slabs(&subject.scene, &table, sum.terms, &options, &mut put, watch)?;
     product.finish(Product { subject, table, table_from, observation, plan: None, maps: Some(maps) }, run, watch)

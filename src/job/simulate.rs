@@ -27,7 +27,7 @@ pub fn simulate(
     let (extremes, plan) = super::plan::decide(&mut subject.scene, request, watch)?;
     let table = solve::solve(&subject.scene, watch)?;
     let mut product = folder.open(&subject.scene)?;
-    let mut put = |slab| product.put(&slab, watch);
+    let mut put = |slab| product.put(slab, watch);
     let observation = study::observe_by_slabs(&subject.scene, (&table, &extremes), wanted, &mut put, watch)?;
     product.finish(Product { subject, table, table_from: None, observation, plan: Some(plan), maps: None }, run, watch)
 }

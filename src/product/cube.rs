@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use ndarray::Array3;
 
-use super::{Added, Filling};
+use super::{Added, Filling, Quantity};
 use crate::error::{Error, Result};
 use crate::scene::Exposure;
 use crate::spectral::Band;
@@ -46,13 +46,15 @@ pub struct CubeAxes {
     pub lines: usize,
     /// The bands.
     pub bands: Vec<Band>,
+    /// What its numbers are.
+    pub quantity: Quantity,
 }
 
 impl CubeAxes {
-    /// Of the cube of an exposure.
+    /// Of the cube of an exposure: radiance.
     pub fn of(exposure: &Exposure) -> Self {
         let (samples, lines) = (exposure.camera.samples as usize, exposure.camera.lines as usize);
-        CubeAxes { samples, lines, bands: exposure.bands.clone() }
+        CubeAxes { samples, lines, bands: exposure.bands.clone(), quantity: Quantity::Radiance }
     }
 }
 
@@ -138,7 +140,7 @@ impl Cube {
 
     /// The whole cube as [line, sample, band], W m-2 sr-1 um-1.
     pub fn to_array(&self) -> Array3<f64> {
-        let CubeAxes { samples, lines, bands } = &self.axes;
+        let CubeAxes { samples, lines, bands, .. } = &self.axes;
         let mut array = Array3::zeros((*lines, *samples, bands.len()));
         if let Some(values) = array.as_slice_mut() {
             for (pixel, radiance) in values.chunks_exact_mut(bands.len()).enumerate() {
@@ -299,7 +301,7 @@ mod tests {
             first_thermal_row: 1,
             added: Added::default(),
         };
-        Cube::new(CubeAxes { samples: 2, lines: 1, bands }, vec![slab]).unwrap()
+        Cube::new(CubeAxes { samples: 2, lines: 1, bands, quantity: Quantity::Radiance }, vec![slab]).unwrap()
     }
 
     #[test]

@@ -51,6 +51,6 @@ pub enum MarsModel {
     NearField,
     /// Domagala (2020), equations (4) to (8) as printed.
     Thesis,
-    /// Mars sends no light; heat it does.
+    /// Mars sends no light that is seen; it still warms.
     Off,
 }

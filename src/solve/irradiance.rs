@@ -159,7 +159,9 @@ impl Chunk<'_> {
                     }
                 }
                 Prepared::Sphere { mars, light, model } => {
-                    if *model == MarsModel::NearField {
+                    // What it sends warms, whether or not it is to be seen.
+                    let warms = scene.models.thermal == Thermal::Equilibrium;
+                    if *model == MarsModel::NearField || (*model == MarsModel::Off && warms) {
                         light.irradiances(centroids_m, normals, column);
                     }
                     let vectors = centroids_m.iter().zip(normals.iter());
@@ -176,6 +178,9 @@ impl Chunk<'_> {
                         // Sunlight that Mars reflects is taken to be of the Sun's colour.
                         *reflected += mars.bond_albedo * *irradiance * sun_w_m2;
                         *heat += mars.thermal_exitance_w_m2 * mars::uniform_sphere_form_factor(sin_radius, cos_tilt);
+                    }
+                    if *model == MarsModel::Off {
+                        column.fill(0.0);
                     }
                 }
             }

@@ -55,7 +55,7 @@ pub(super) struct Facing(Vec<Class>);
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Class {
     pub(super) facets: u64,
-    /// The least brightness in it; 0 for what the Sun hardly reaches, or not at all.
+    /// The least brightness in it.
     pub(super) least_brightness: f64,
     /// The largest in it.
     pub(super) most_brightness: f64,
@@ -71,7 +71,7 @@ pub(super) struct Class {
 
 const NONE: Class = Class {
     facets: 0,
-    least_brightness: 0.0,
+    least_brightness: f64::INFINITY,
     most_brightness: 0.0,
     least_cos_incidence: 1.0,
     most_cos_incidence: 0.0,
@@ -82,7 +82,7 @@ const NONE: Class = Class {
 impl Class {
     fn join(&mut self, other: &Class) {
         self.facets += other.facets;
-        self.least_brightness = other.least_brightness;
+        self.least_brightness = self.least_brightness.min(other.least_brightness);
         self.most_brightness = self.most_brightness.max(other.most_brightness);
         self.least_cos_incidence = self.least_cos_incidence.min(other.least_cos_incidence);
         self.most_cos_incidence = self.most_cos_incidence.max(other.most_cos_incidence);
@@ -102,10 +102,9 @@ impl Facing {
     }
 
     fn add(&mut self, sight: &Sight) {
-        let (class, least_brightness) = class_of(sight.brightness);
-        self.0[class].join(&Class {
+        self.0[class_of(sight.brightness)].join(&Class {
             facets: 1,
-            least_brightness,
+            least_brightness: sight.brightness,
             most_brightness: sight.brightness,
             least_cos_incidence: sight.cos_incidence,
             most_cos_incidence: sight.cos_incidence,
@@ -123,14 +122,13 @@ impl Facing {
     }
 }
 
-/// The class of a brightness, and the least number in it.
-fn class_of(brightness: f64) -> (usize, f64) {
+/// The class of a brightness: 0 for what the Sun hardly reaches, or not at all.
+fn class_of(brightness: f64) -> usize {
     if brightness.is_nan() || brightness < LEAST {
-        return (0, 0.0);
+        return 0;
     }
-    let first = LEAST.to_bits() >> CLASS_SHIFT;
-    let place = ((brightness.to_bits() >> CLASS_SHIFT) - first).min(CLASSES as u64 - 2);
-    (place as usize + 1, f64::from_bits((first + place) << CLASS_SHIFT))
+    let place = (brightness.to_bits() >> CLASS_SHIFT) - (LEAST.to_bits() >> CLASS_SHIFT);
+    place.min(CLASSES as u64 - 2) as usize + 1
 }
 
 /// A material's reflectance by direction where spectra are in the middle of what bands show.
@@ -314,14 +312,9 @@ mod tests {
 
     #[test]
     fn classes_are_an_eighth_of_an_octave() {
-        assert_eq!(class_of(0.0), (0, 0.0));
-        assert_eq!(class_of(f64::NAN), (0, 0.0));
-        assert_eq!(class_of(LEAST), (1, LEAST));
+        assert_eq!([0.0, f64::NAN, LEAST].map(class_of), [0, 0, 1]);
         // 1 is 10 octaves up; 1.124 is still in its class, 1.125 in the next.
-        assert_eq!(class_of(1.0), (81, 1.0));
-        assert_eq!(class_of(1.124), (81, 1.0));
-        assert_eq!(class_of(1.125), (82, 1.125));
-        assert_eq!(class_of(1e9), (CLASSES - 1, 7.5));
-        assert_eq!(class_of(f64::INFINITY).0, CLASSES - 1);
+        assert_eq!([1.0, 1.124, 1.125].map(class_of), [81, 81, 82]);
+        assert_eq!([1e9, f64::INFINITY].map(class_of), [CLASSES - 1; 2]);
     }
 }

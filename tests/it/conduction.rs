@@ -98,7 +98,7 @@ fn a_fresh_shadow_is_warm() {
         let expected_k = explicit_k(absorbed, 50.0, after_noon_deg / 360.0);
         // Equilibrium would be 0 K.
         assert!(expected_k > 180.0, "{expected_k}");
-        assert!((t_k[0] - expected_k).abs() < 1.0 && t_k[0] == t_k[1], "{x} {after_noon_deg}: {} {expected_k}", t_k[0]);
+        assert!((t_k[0] - expected_k).abs() < 1.0, "{x} {after_noon_deg}: {} {expected_k}", t_k[0]);
         seen += 1;
     }
     assert_eq!(seen, 4);

@@ -62,6 +62,7 @@ mod photometry_heat;
 mod photometry_image;
 mod plans;
 mod presets;
+mod quantities;
 mod products;
 mod raster;
 mod raster_convert;

@@ -10,7 +10,7 @@ use mmxrt::formats::envi::{self, Interleave, Precision};
 use mmxrt::formats::{exr_cube, npz, quicklook, report_json};
 use mmxrt::geometry::Direction;
 use mmxrt::product::{
-    Added, Backplanes, Cube, CubeAxes, FacetTable, Footprints, Lighting, Plane, Sees, ShownBands, Slab,
+    Added, Backplanes, Cube, CubeAxes, FacetTable, Footprints, Lighting, Plane, Quantity, Sees, ShownBands, Slab,
 };
 use mmxrt::progress::unwatched;
 use mmxrt::scene::DirectionField;
@@ -30,7 +30,7 @@ fn small_cube() -> Cube {
         added: Added::default(),
     };
     let bands = vec![Band::new(0.95, None), Band::new(3.6, None)];
-    Cube::new(CubeAxes { samples: 2, lines: 2, bands }, vec![slab]).unwrap()
+    Cube::new(CubeAxes { samples: 2, lines: 2, bands, quantity: Quantity::Radiance }, vec![slab]).unwrap()
 }
 
 /// A cube of several rows a pixel, of numbers without a pattern.
@@ -48,7 +48,7 @@ fn random_cube(samples: usize, lines: usize, bands: usize, rows: usize, rows_per
         added: Added::default(),
     };
     let bands = (0..bands).map(|i| Band::new(0.95 + 0.01 * i as f64, Some(0.01))).collect();
-    Cube::new(CubeAxes { samples, lines, bands }, vec![slab]).unwrap()
+    Cube::new(CubeAxes { samples, lines, bands, quantity: Quantity::Radiance }, vec![slab]).unwrap()
 }
 
 /// All bands of a cube.
@@ -258,6 +258,8 @@ fn a_full_disk_is_an_error_that_names_the_file() {
         planes: vec![Plane { name: "X".into(), unit: "m".into(), values: vec![1.0] }],
     };
     let image = report_json::ImageEntry {
+        quantity: "radiance".into(),
+        unit: "W m-2 sr-1 um-1".into(),
         samples: 1,
         lines: 1,
         bands: 1,

@@ -138,9 +138,10 @@ fn bounds_of_what_is_left_out_hold() {
     let mut warm = plain.clone();
     warm.models.thermal = Thermal::Equilibrium;
     let warm_seen = observed(&warm);
-    let change = largest_change(&without, &warm_seen);
+    // Relative to what there is, heat included.
+    let change = largest_change(&warm_seen, &without);
     let bound = of_median(&without, "thermal emission");
-    assert!(change > 1.0 && change <= bound, "thermal emission: {change} {bound}");
+    assert!(change > 0.5 && change <= bound, "thermal emission: {change} {bound}");
     // What was left out is also what a shadow that is no cooler than sunlit ground would send.
     let bound = of_median(&warm_seen, "thermal inertia");
     assert!(change <= bound, "thermal inertia: {change} {bound}");
@@ -290,7 +291,7 @@ fn a_site_in_eclipse_says_so() {
         assert_eq!(seen.warnings.iter().filter(|w| w.contains("eclipse") && w.contains(words)).count(), expected);
         // All the light of the plane.
         let bound = of_median(&seen, "eclipse by Mars");
-        assert!(if expected > 0 { (1.0..1.000_001).contains(&bound) } else { bound == 0.0 }, "{off_deg}: {bound}");
+        assert!(if expected > 0 { (1.0..1.02).contains(&bound) } else { bound == 0.0 }, "{off_deg}: {bound}");
     }
 }
 

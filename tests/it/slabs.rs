@@ -4,7 +4,7 @@ use mmxrt::Error;
 use mmxrt::formats::envi::{self, Interleave, Precision};
 use mmxrt::formats::exr_cube;
 use mmxrt::geometry::Direction;
-use mmxrt::product::{Added, Cube, CubeAxes, Filling, ShownBands, Slab};
+use mmxrt::product::{Added, Cube, CubeAxes, Filling, Quantity, ShownBands, Slab};
 use mmxrt::progress::unwatched;
 use mmxrt::scene::{Exposure, Scene, Sky, Sun, Thermal};
 use mmxrt::spectral::Band;
@@ -27,7 +27,8 @@ fn site() -> Scene {
 
 /// Axes of bands at 1, 2, 3 ... um.
 fn axes(samples: usize, lines: usize, bands: usize) -> CubeAxes {
-    CubeAxes { samples, lines, bands: (0..bands).map(|i| Band::new(1.0 + i as f64, None)).collect() }
+    let bands = (0..bands).map(|i| Band::new(1.0 + i as f64, None)).collect();
+    CubeAxes { samples, lines, bands, quantity: Quantity::Radiance }
 }
 
 fn added(start: &[usize], values: usize) -> Added {

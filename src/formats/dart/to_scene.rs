@@ -18,7 +18,7 @@ use crate::geometry::{Direction, FrameCamera, Mesh, Pose};
 use crate::progress::Watch;
 use crate::report::{Fate, Report};
 use crate::scene::{
-    Body, Exposure, Hapke, Material, Models, Photometry, Rpv, Scene, Setup, Sky, Sun, Surface, Thermal,
+    Body, Exposure, Hapke, Material, Models, Photometry, Rpv, Scene, Setup, Sky, Sun, SunModel, Surface, Thermal,
 };
 use crate::spectral::{ALL_UM, Band, Extend, Light, MOST_BEYOND, SpectralLibrary, Spectrum, solar_e490, solar_mean};
 use crate::units::AU_M;
@@ -125,7 +125,11 @@ impl SceneBuilder<'_> {
             body: Body::new(Surface { origin_m: place.origin_m, mesh, materials, textures: vec![] })?,
             sky: Sky { sun, mars: None, beams: vec![], rotation: None },
             exposure,
-            models: Models { thermal: Thermal::Off, ..Models::default() },
+            models: Models {
+                thermal: Thermal::Off,
+                sun: self.sidecar.as_ref().map_or(SunModel::Point, |sidecar| sidecar.models().sun),
+                ..Models::default()
+            },
         };
         let scene = self.with_mars(scene, &place);
         Scene::new(self.with_thermal(scene))

@@ -131,10 +131,10 @@ impl EnviCube {
     /// [`Error::Invalid`] if slabs have not filled it; [`Error::Io`].
     pub fn end(self) -> Result<()> {
         self.filling.end()?;
-        let CubeAxes { samples, lines, bands } = &self.axes;
+        let CubeAxes { samples, lines, bands, quantity } = &self.axes;
         let size = [*samples, *lines, bands.len()];
         let mut text = HeaderText::of_image(Some(&self.description), size, self.precision.data_type(), self.interleave);
-        text.field("data units", "W m-2 sr-1 um-1");
+        text.field("data units", quantity.unit());
         text.bands(bands.iter().map(|band| (Some(band.centre_um), band.fwhm_um, band.name.as_str())));
         if bands.len() >= 3 {
             text.list("default bands", quicklook::colour_bands(bands).map(|b| (b + 1).to_string()).into_iter());

@@ -17,12 +17,11 @@ pub(super) const KIND: EffectKind = EffectKind {
 
 fn find(given: &Given) -> Finding {
     let (_, has_mars) = mars_seen(given.scene, given.extremes);
-    let around = given.most_around();
     // Reflected or emitted, Mars sends no more than sunlight at its zenith.
     let bound = given.error(|at, material, class, side| {
         let of_mars = if has_mars { class.most_of_mars } else { given.most_from_mars() };
-        let cos_incidence = side.most_cos_incidence(class);
-        let warmed = |more: f64| emission(material, at.um, given.temperature_k(material, cos_incidence, more));
+        let (around, cos_incidence) = (given.most_around(), side.most_cos_incidence(class));
+        let warmed = |heat: f64| emission(material, at.um, given.temperature_k(material, cos_incidence, heat));
         // What adds to a warmer facet changes more, at short wavelengths.
         (warmed(of_mars + around) - warmed(around)).max(warmed(of_mars) - warmed(0.0))
     });
