@@ -1,5 +1,6 @@
 //! Studies: work that spans several layers. Takes values and callbacks, does not access the disk.
 
+pub mod chart;
 mod cost;
 mod dry_run;
 mod effects;
@@ -11,6 +12,7 @@ mod partly_sky;
 mod resolved_slopes;
 mod simulate;
 mod site;
+pub mod stability;
 mod summary;
 mod surfaces;
 mod table_id;
