@@ -152,6 +152,17 @@ impl Console {
         }
     }
 
+    /// CPU time of this process so far, s, of all its threads; where the system does not tell it, wall time.
+    pub(crate) fn cpu_s(&self) -> f64 {
+        #[cfg(any(target_os = "linux", target_vendor = "apple"))]
+        {
+            let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+            time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
+        }
+        #[cfg(not(any(target_os = "linux", target_vendor = "apple")))]
+        self.began.elapsed().as_secs_f64()
+    }
+
     /// Whether to report everything.
     pub(crate) fn is_verbose(&self) -> bool {
         self.verbose

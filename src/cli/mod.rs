@@ -1,5 +1,6 @@
 //! The command line: parses, calls the library, writes. Nothing is computed here.
 
+mod chart;
 mod console;
 mod convert;
 mod dry_run;
@@ -69,6 +70,8 @@ enum Command {
     Convert(convert::Arguments),
     /// Show what a file holds; for a scene also what simulating it would take, and its warnings
     Inspect(inspect::Arguments),
+    /// Compare ways to make the image of a scene: error against CPU time
+    Chart(chart::Arguments),
     /// Run the closed-form test cases and print the results
     Validate(validate::Arguments),
 }
@@ -130,6 +133,7 @@ fn dispatch(command: Command, console: &Console) -> mmxrt::Result<Outcome> {
         Command::Landscape(arguments) => landscape::run(&arguments, console),
         Command::Convert(arguments) => convert::run(&arguments, console),
         Command::Inspect(arguments) => inspect::run(&arguments, console),
+        Command::Chart(arguments) => chart::run(&arguments, console),
         Command::Validate(arguments) => validate::run(&arguments, console),
     }
 }

@@ -1,9 +1,11 @@
 //! Files: one format, one module. Only here and in the command line is the disk touched.
 
+pub mod chart;
 pub mod convert;
 pub mod dart;
 pub mod envi;
 pub mod exr_cube;
+pub mod drawing;
 mod file_name;
 pub mod folder;
 mod flat;
@@ -26,6 +28,7 @@ pub mod obj;
 pub mod photometry_csv;
 pub mod pixel;
 mod picture;
+pub mod ply;
 pub mod product_folder;
 pub mod quicklook;
 pub mod radiance_map;

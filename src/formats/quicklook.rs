@@ -5,7 +5,7 @@
 //! contrast. The text `Description` in the file gives the radiances that are black and white, and the power.
 
 use std::fs::File;
-use std::io::{BufReader, BufWriter};
+use std::io::{BufReader, BufWriter, Write};
 use std::path::Path;
 
 use super::input;
@@ -175,22 +175,48 @@ impl Stretch {
 }
 
 fn write(path: &Path, size: [usize; 2], colour: png::ColorType, pixels: &[u8], text: &str) -> Result<()> {
-    let failed = |e: png::EncodingError| match e {
+    let file = File::create(path).map_err(|e| Error::io(path, "writing", e))?;
+    encode(BufWriter::new(file), size, colour, pixels, text, png::Compression::Fast).map_err(|e| match e {
         png::EncodingError::IoError(e) => Error::io(path, "writing", e),
         other => Error::invalid(Location::file(path), other.to_string()),
+    })
+}
+
+/// Pixels of 8 bits as a PNG file in memory; empty for an image that PNG cannot hold. `size` is columns and rows.
+pub(super) fn png_bytes(size: [usize; 2], colour: png::ColorType, pixels: &[u8]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    match encode(&mut bytes, size, colour, pixels, "", png::Compression::Balanced) {
+        Ok(()) => bytes,
+        Err(_) => vec![],
+    }
+}
+
+/// An image as grey, stretched as another one would be: the two can be compared by eye.
+pub(super) fn grey_as(values: &[f64], as_of: &[f64], coverage: &[f64]) -> Vec<u8> {
+    Stretch::of(as_of, coverage).map_or_else(|| vec![0; values.len()], |stretch| stretch.bytes(values, coverage))
+}
+
+fn encode(
+    out: impl Write,
+    size: [usize; 2],
+    colour: png::ColorType,
+    pixels: &[u8],
+    text: &str,
+    compression: png::Compression,
+) -> std::result::Result<(), png::EncodingError> {
+    let side = |pixels: usize| {
+        u32::try_from(pixels).map_err(|_| png::EncodingError::IoError(std::io::ErrorKind::FileTooLarge.into()))
     };
-    let (Ok(width), Ok(height)) = (u32::try_from(size[0]), u32::try_from(size[1])) else {
-        return Err(Error::invalid(Location::file(path), "the image is too large for PNG"));
-    };
-    let file = File::create(path).map_err(|e| Error::io(path, "writing", e))?;
-    let mut encoder = png::Encoder::new(BufWriter::new(file), width, height);
+    let mut encoder = png::Encoder::new(out, side(size[0])?, side(size[1])?);
     encoder.set_color(colour);
     encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_compression(png::Compression::Fast);
-    encoder.add_text_chunk("Description".to_owned(), text.to_owned()).map_err(failed)?;
-    let mut writer = encoder.write_header().map_err(failed)?;
-    writer.write_image_data(pixels).map_err(failed)?;
-    writer.finish().map_err(failed)
+    encoder.set_compression(compression);
+    if !text.is_empty() {
+        encoder.add_text_chunk("Description".to_owned(), text.to_owned())?;
+    }
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(pixels)?;
+    writer.finish()
 }
 
 #[cfg(test)]

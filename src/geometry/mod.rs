@@ -3,6 +3,7 @@
 pub mod cell;
 pub mod coplanar;
 mod camera;
+mod cluster;
 mod direction;
 mod groups;
 mod index;

@@ -12,6 +12,7 @@ mod maps;
 mod parts;
 mod pieces;
 mod pixel;
+mod radiance;
 mod split;
 mod sweep;
 mod textures;
@@ -34,6 +35,7 @@ use weights::{WeightLine, Weights};
 pub use backplanes::plane_count;
 pub use footprints::footprints;
 pub use maps::{Choice, MapImage, MapView, Maps, Unknown, meets, texels_seen};
+pub use radiance::radiance;
 
 /// What a camera sees.
 #[derive(Debug, Clone, PartialEq)]

@@ -37,10 +37,11 @@
 //! | reflectance by tables (13) to (15) | [`reflectance::Table`] | Domagala (2020) | by hand |
 //! | surfaces of Phobos, Deimos, the Moon and Mars; what their uncertain numbers are worth | [`reflectance::Preset`] | told with each | the geometric albedo of Phobos; single scattering |
 //! | albedos, phase integral, emissivity by direction | [`reflectance::albedo`] | Hapke (2012); Kirchhoff | white surfaces; 1 - sqrt(1 - w) H |
+//! | (17) to (19), (22): the scene as a camera at the Sun sees it | [`thesis_projection::SunCamera`] | Domagala (2020) | round trip; where it breaks |
 //! | sRGB to linear light and back | [`srgb::linear_from_hex`], [`srgb::hex_from_linear`] | IEC 61966-2-1 | mid grey; the straight part |
 //!
 //! Elsewhere, because they are geometry or sums: (11) to (13) in `solve::Emission`, (16) in `spectral::Band::in_band_w_m2_sr`,
-//! (17) to (19) in `geometry::FrameCamera`.
+//! (17) to (19) of the sensor in `geometry::FrameCamera`.
 
 pub mod blackbody;
 pub mod bounds;
@@ -54,5 +55,6 @@ pub mod reflectance;
 pub mod srgb;
 pub mod sun;
 pub mod sun_disc;
+pub mod thesis_projection;
 
 pub(crate) use quadrature::GaussLegendre;

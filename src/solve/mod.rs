@@ -10,6 +10,7 @@ use crate::error::Result;
 use crate::product::FacetTable;
 use crate::progress::{Watch, tell};
 use crate::scene::{Scene, Thermal};
+use crate::visibility::Seen;
 
 pub use emission::{Emission, Fragment, ImagePart, Modulation, interpolation_error};
 pub use shadows::lit;
@@ -20,7 +21,18 @@ pub use shadows::lit;
 /// [`Error::Unsupported`](crate::Error::Unsupported), as [`Setup::simulable`](crate::scene::Setup::simulable) says;
 /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
 pub fn solve(scene: &Scene, watch: Watch<'_>) -> Result<FacetTable> {
-    let mut table = lit(scene, watch)?;
+    filled(scene, lit(scene, watch)?, watch)
+}
+
+/// The same with what the Sun sees of each facet as it is given, by coarser means than exact ones.
+///
+/// # Errors
+/// As [`solve`].
+pub fn solve_sunlit(scene: &Scene, sunlit: Seen, watch: Watch<'_>) -> Result<FacetTable> {
+    filled(scene, shadows::lit_as(scene, Some(sunlit), watch)?, watch)
+}
+
+fn filled(scene: &Scene, mut table: FacetTable, watch: Watch<'_>) -> Result<FacetTable> {
     tell(watch, "irradiance", 0, 1)?;
     irradiance::fill(scene, &mut table);
     tell(watch, "irradiance", 1, 1)?;

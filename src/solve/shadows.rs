@@ -16,18 +16,25 @@ use crate::visibility::Seen;
 /// # Errors
 /// As [`solve`](super::solve).
 pub fn lit(scene: &Scene, watch: Watch<'_>) -> Result<FacetTable> {
+    lit_as(scene, None, watch)
+}
+
+/// The same; what the Sun sees of each facet is found, unless it is given.
+pub(super) fn lit_as(scene: &Scene, sunlit: Option<Seen>, watch: Watch<'_>) -> Result<FacetTable> {
     scene.simulable()?;
-    scene.body.topology_watched(watch)?;
+    if sunlit.is_none() {
+        scene.body.topology_watched(watch)?;
+    }
+    let mut sunlit = sunlit;
     let facets = scene.body.mesh.facets.len();
-    let lighting = |source: Source| {
-        Ok(Lighting {
-            source: source.name.to_owned(),
-            field: source.field,
-            irradiance: vec![0.0; facets],
-            sees: sees(scene, &source, watch)?,
-        })
+    let mut lighting = |source: Source| {
+        let sees = match sunlit.take_if(|_| source.name == Sky::SUN) {
+            Some(sunlit) => Sees::Polygons(sunlit),
+            None => sees(scene, &source, watch)?,
+        };
+        Ok(Lighting { source: source.name.to_owned(), field: source.field, irradiance: vec![0.0; facets], sees })
     };
-    let sources = scene.sky.sources().into_iter().map(lighting).collect::<Result<_>>()?;
+    let sources = scene.sky.sources().into_iter().map(&mut lighting).collect::<Result<_>>()?;
     let temperature = || vec![0.0; if scene.models.thermal == Thermal::Off { 0 } else { facets }];
     Ok(FacetTable {
         sources,

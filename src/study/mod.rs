@@ -1,5 +1,6 @@
 //! Studies: work that spans several layers. Takes values and callbacks, does not access the disk.
 
+pub mod chart;
 mod cost;
 mod dry_run;
 mod effects;
@@ -13,6 +14,7 @@ mod plan;
 mod resolved_slopes;
 mod simulate;
 mod site;
+pub mod stability;
 mod summary;
 
 mod surfaces;

@@ -1,0 +1,47 @@
+//! The radiance of an image alone: what it costs without backplanes.
+
+use super::detector::draw;
+use super::lit_area::LitArea;
+use super::parts::Polygons;
+use super::pixel::Pixel;
+use super::sweep::{Line, sweep};
+use super::weights::{self, WeightLine, Weights};
+use crate::error::Result;
+use crate::product::{FacetTable, Slab};
+use crate::progress::Watch;
+use crate::scene::Scene;
+use crate::solve::Emission;
+
+/// The slab of [`integrate`](super::integrate), and nothing else.
+///
+/// # Errors
+/// As [`integrate`](super::integrate).
+pub fn radiance(scene: &Scene, table: &FacetTable, watch: Watch<'_>) -> Result<Slab> {
+    scene.simulable()?;
+    table.fits(scene)?;
+    let (camera, mesh) = (&scene.exposure.camera, &scene.body.mesh);
+    let drawing = draw(mesh, scene.body.topology_watched(watch)?, scene.body.bounds_m(), camera);
+    let lit: Vec<_> = table.sources.iter().filter_map(|lighting| lighting.seen()).collect();
+    let polygons: Vec<Polygons> = lit.iter().map(|seen| Polygons::of_seen(seen)).collect();
+    let emission = Emission::new(scene, table);
+    let start = || {
+        let lights = lit.iter().zip(&polygons).map(|(seen, polygons)| LitArea::new(&drawing, seen, polygons));
+        let mut pixel = Pixel::new(&drawing, lights.collect());
+        pixel.wants_moments = emission.wants_moments();
+        pixel.pieces.are_kept = !scene.body.textures.is_empty();
+        (pixel, Weights::new(scene, &drawing, &emission))
+    };
+    let look = |(pixel, weights): &mut (Pixel, Weights), line: &mut Line, ()| {
+        let mut gathered = WeightLine::default();
+        weights.new_line(line.row);
+        let varies = |pixel: &Pixel| pixel.wants_moments && weights::varies(&emission, pixel);
+        line.each(pixel, varies, |pixel| {
+            pixel.sort_pieces();
+            weights.gather(pixel);
+            weights.end(&mut gathered);
+        })?;
+        Ok(gathered)
+    };
+    let lines = sweep(&drawing, vec![(); camera.lines as usize], ("image", watch), start, look)?;
+    Ok(weights::slab(scene, &emission, lines))
+}

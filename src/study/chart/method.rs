@@ -1,0 +1,257 @@
+//! Ways to make an image of a scene: each is a value that says what it is, and runs.
+
+use rayon::prelude::*;
+
+use super::rays::RayTree;
+use super::shading::{Shading, Share};
+use super::{models, sampled};
+use crate::error::Result;
+use crate::integrate;
+use crate::physics::sun_disc::DiscRule;
+use crate::product::FacetTable;
+use crate::progress::Watch;
+use crate::scene::{Body, Scene, Setup, SunModel};
+use crate::solve::{self, ImagePart};
+
+/// What methods of a kind vary.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Family {
+    /// Nothing: all effects, exactly.
+    Full,
+    /// How pixels are filled.
+    Image,
+    /// How shadows are found.
+    Shadows,
+    /// Which effects are computed.
+    Models,
+    /// How many facets the mesh has.
+    Facets,
+    /// Another program.
+    Other,
+}
+
+impl Family {
+    /// What is varied, in a few words.
+    pub fn title(self) -> &'static str {
+        match self {
+            Family::Full => "full exact",
+            Family::Image => "image by rays",
+            Family::Shadows => "shadows otherwise",
+            Family::Models => "fewer models",
+            Family::Facets => "coarser mesh",
+            Family::Other => "other programs",
+        }
+    }
+}
+
+/// How shadows are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shadows {
+    /// Not at all: what faces the Sun is lit.
+    Absent,
+    /// One ray from each facet's centroid: a facet is lit or dark all over.
+    Centroid,
+    /// The share of each facet that is sunlit, spread evenly over it.
+    Share,
+    /// The parts of each facet that a point Sun sees, exactly.
+    Pieces,
+    /// The same of each of some points that stand for the Sun's disc.
+    Disc(DiscRule),
+}
+
+/// A way to make an image.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Method {
+    /// Exact areas, shadows of the Sun's disc by many points, all models.
+    Full,
+    /// As many rays in each pixel, and from where each ends one to the Sun.
+    Rays(u32),
+    /// Exact areas, coarser shadows.
+    Shadows(Shadows),
+    /// Exact geometry, fewer or other models.
+    Models(models::Choice),
+    /// Exact on a mesh whose vertices are merged in cubes of so many mean edges.
+    Facets(f64),
+}
+
+/// Radiance of every pixel, [band][pixel], W m-2 sr-1 um-1.
+pub type Bands = Vec<Vec<f64>>;
+
+impl Method {
+    /// All that are compared, each family from coarse to fine.
+    pub fn all() -> Vec<Method> {
+        let rays = [1, 4, 16, 64, 256, 1024].map(Method::Rays);
+        let disc = [DiscRule::G3, DiscRule::G7].map(Shadows::Disc);
+        let shadows = [&[Shadows::Absent, Shadows::Centroid, Shadows::Share, Shadows::Pieces], &disc[..]].concat();
+        let shadows: Vec<Method> = shadows.into_iter().map(Method::Shadows).collect();
+        let facets = [8.0, 4.0, 2.0].map(Method::Facets);
+        let models = models::Choice::all().map(Method::Models);
+        [&[Method::Full][..], &rays, &shadows, &models, &facets].concat()
+    }
+
+    /// What it varies.
+    pub fn family(&self) -> Family {
+        match self {
+            Method::Full => Family::Full,
+            Method::Rays(_) => Family::Image,
+            Method::Shadows(_) => Family::Shadows,
+            Method::Models(_) => Family::Models,
+            Method::Facets(_) => Family::Facets,
+        }
+    }
+
+    /// A short name.
+    pub fn name(&self) -> String {
+        match self {
+            Method::Full => "full exact".into(),
+            Method::Rays(1) => "1 ray a pixel".into(),
+            Method::Rays(rays) => format!("{rays} rays"),
+            Method::Shadows(Shadows::Absent) => "no shadows".into(),
+            Method::Shadows(Shadows::Centroid) => "one shadow ray a facet".into(),
+            Method::Shadows(Shadows::Share) => "sunlit share of facets".into(),
+            Method::Shadows(Shadows::Pieces) => "exact shadows of a point Sun".into(),
+            Method::Shadows(Shadows::Disc(rule)) => format!("Sun's disc by {} points", rule.count()),
+            Method::Models(choice) => choice.name().into(),
+            Method::Facets(edges) => format!("mesh {edges} x coarser"),
+        }
+    }
+
+    /// What it does, in a sentence.
+    pub fn account(&self) -> String {
+        match self {
+            Method::Full => "Areas of facets in pixels are exact, those in sunlight of each of 37 points of the Sun's disc, and every effect that \
+                             the scene states is modelled. All others are compared with it."
+                .into(),
+            Method::Rays(rays) => format!(
+                "Point sampling: {rays} {} through each pixel, evenly spread, and from where each ends a ray to a point of the Sun's disc.",
+                if *rays == 1 { "ray" } else { "rays" }
+            ),
+            Method::Shadows(Shadows::Absent) => "Exact areas in pixels; every facet that faces the Sun is lit.".into(),
+            Method::Shadows(Shadows::Centroid) => {
+                "Exact areas in pixels; a facet is lit or dark all over, by one ray from its centroid to the Sun.".into()
+            }
+            Method::Shadows(Shadows::Share) => {
+                "Exact areas in pixels; the sunlit share of each facet is exact, but spread evenly over the facet.".into()
+            }
+            Method::Shadows(Shadows::Pieces) => {
+                "Exact areas in pixels, and exactly what of each facet a point Sun sees: shadows have sharp edges.".into()
+            }
+            Method::Shadows(Shadows::Disc(rule)) => {
+                format!("Exact areas in pixels, and exactly what of each facet each of {} points of the Sun's disc sees.", rule.count())
+            }
+            Method::Models(choice) => choice.account().into(),
+            Method::Facets(edges) => format!(
+                "Everything exact, on a coarser mesh: vertices in one cube of {edges} mean edge lengths are merged (Rossignac and Borrel 1993). The \
+                 time to make the mesh is not counted."
+            ),
+        }
+    }
+
+    /// The models by which it computes.
+    pub fn model(&self) -> &'static str {
+        match self {
+            Method::Models(choice) => choice.model(),
+            _ => "full",
+        }
+    }
+
+    /// What a run starts from: nothing has been computed for it yet but the scene.
+    ///
+    /// # Errors
+    /// Those of [`Scene::new`].
+    pub fn prepared(&self, scene: &Scene) -> Result<Scene> {
+        let Setup { body, sky, exposure, models } = (**scene).clone();
+        let mut surface = (*body).clone();
+        if let Method::Facets(edges) = self {
+            surface.mesh = surface.mesh.clustered(edges * mean_edge_m(&body));
+        }
+        let setup = Setup { body: Body::new(surface)?, sky, exposure, models };
+        let mut setup = match self {
+            Method::Models(choice) => choice.of(setup),
+            _ => models::full(setup),
+        };
+        match self {
+            Method::Shadows(Shadows::Disc(rule)) => setup.models.sun = SunModel::Disc(*rule),
+            Method::Shadows(_) => setup.models.sun = SunModel::Point,
+            _ => {}
+        }
+        Scene::new(setup)
+    }
+
+    /// Makes the image of a scene that it has [prepared](Method::prepared).
+    ///
+    /// # Errors
+    /// Those of [`solve`](solve::solve) and [`radiance`](integrate::radiance).
+    pub fn image(&self, scene: &Scene, watch: Watch<'_>) -> Result<Bands> {
+        let table = match self {
+            Method::Rays(rays) => return sampled::image(scene, *rays, watch),
+            Method::Shadows(Shadows::Share) => return by_share(scene, watch),
+            Method::Shadows(Shadows::Absent) => solve::solve_sunlit(scene, sampled::facing_the_sun(scene), watch)?,
+            Method::Shadows(Shadows::Centroid) => {
+                let sunlit = sampled::lit_at_centroid(scene, &RayTree::new(&scene.body.mesh));
+                solve::solve_sunlit(scene, sunlit, watch)?
+            }
+            Method::Full
+            | Method::Models(_)
+            | Method::Facets(_)
+            | Method::Shadows(Shadows::Pieces | Shadows::Disc(_)) => solve::solve(scene, watch)?,
+        };
+        exact_image(scene, &table, watch)
+    }
+}
+
+/// The image by exact areas.
+fn exact_image(scene: &Scene, table: &FacetTable, watch: Watch<'_>) -> Result<Bands> {
+    let slab = integrate::radiance(scene, table, watch)?;
+    let pixels = slab.row_start.len() - 1;
+    let mut radiance = vec![vec![0.0; pixels]; slab.bands.len()];
+    slab.expand(0..pixels, 0..slab.bands.len(), |pixel, first, values| {
+        values.iter().enumerate().for_each(|(k, value)| radiance[first + k][pixel] = *value);
+    });
+    Ok(radiance)
+}
+
+/// The image where each facet is lit by its sunlit share, anywhere on it.
+fn by_share(scene: &Scene, watch: Watch<'_>) -> Result<Bands> {
+    let table = solve::solve(scene, watch)?;
+    let lights: Vec<_> = table.sources.iter().filter_map(|lighting| lighting.seen()).collect();
+    let facets = crate::geometry::index_u32(scene.body.mesh.facets.len());
+    let of = |light: &&crate::visibility::Seen| -> Vec<f64> {
+        (0..facets).into_par_iter().map(|f| light.fraction(f)).collect()
+    };
+    let lit_share: Vec<Vec<f64>> = lights.iter().map(of).collect();
+    let Some(sunlit) = table.sunlit() else { return exact_image(scene, &table, watch) };
+    let camera = &scene.exposure.camera;
+    let footprints = integrate::footprints(&scene.body.mesh, scene.body.topology(), sunlit, camera);
+    let shading = Shading::new(scene, &table);
+    let samples = camera.samples as usize;
+    let of_pixel = |pixel: usize| {
+        // Footprints have no centroids: angles are those at the pixel's centre.
+        let [x, y] = [pixel % samples, pixel / samples].map(|i| i as f64 + 0.5);
+        let faces = |facet: u32| {
+            let facet = scene.body.mesh.facet(facet as usize);
+            facet.cross_m2().dot(camera.centre_m() - facet.corners_m[0]) > 0.0
+        };
+        let part = |area: f64| ImagePart { area, moment: [x * area, y * area] };
+        let share = |(facet, area, _): (u32, f64, f64)| Share {
+            facet,
+            shown: part(area),
+            lit: lit_share.iter().map(|shares| part(area * shares[facet as usize])).collect(),
+        };
+        let shares: Vec<Share> = footprints.pixel(pixel).filter(|(facet, ..)| faces(*facet)).map(share).collect();
+        shading.pixel(&shares)
+    };
+    let pixels: Vec<Vec<f64>> = (0..samples * camera.lines as usize).into_par_iter().map(of_pixel).collect();
+    Ok((0..scene.exposure.bands.len()).map(|band| pixels.iter().map(|p| p[band]).collect()).collect())
+}
+
+/// Mean length of the edges of a mesh, m.
+fn mean_edge_m(body: &Body) -> f64 {
+    let mesh = &body.mesh;
+    let of = |facet: usize| {
+        let [a, b, c] = mesh.facet(facet).corners_m;
+        (a.distance(b) + b.distance(c) + c.distance(a)) / 3.0
+    };
+    let (sum_m, count) = mesh.spread(10_000).fold((0.0, 0.0), |(sum, n), facet| (sum + of(facet), n + 1.0));
+    sum_m / count
+}

@@ -1,0 +1,311 @@
+//! Where a ray first meets a mesh: a tree of boxes (surface area heuristic with bins; Wald 2007), double precision, both sides of facets.
+//!
+//! It serves the comparison alone: what the product computes is exact and casts no rays.
+
+use glam::DVec3;
+
+use crate::geometry::{Mesh, index_u32, whole};
+
+/// Leaves hold at most this many facets.
+const LEAF: usize = 4;
+/// Where a box may be divided along an axis.
+const BINS: usize = 16;
+/// More boxes are never open at once: a tree deeper than this ends in larger leaves.
+const DEEPEST: usize = 60;
+
+/// A tree of boxes over the facets of a mesh.
+#[derive(Debug)]
+pub struct RayTree {
+    nodes: Vec<Node>,
+    triangles: Vec<Triangle>,
+    /// What coordinates are rounded by, with room to spare, m: a ray from a facet does not meet its neighbours nearer than this.
+    rounding_m: f64,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Node {
+    low: [f32; 3],
+    high: [f32; 3],
+    /// Of a leaf its first triangle, else the second child; the first one follows it.
+    at: u32,
+    /// Triangles of a leaf; 0: it has children.
+    count: u16,
+    axis: u16,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Triangle {
+    a: DVec3,
+    ab: DVec3,
+    ac: DVec3,
+    facet: u32,
+}
+
+/// Where a ray meets a facet.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// The facet.
+    pub facet: u32,
+    /// Distance, in lengths of the ray's direction.
+    pub t: f64,
+    /// Whether it is the facet's outer side.
+    pub front: bool,
+}
+
+impl RayTree {
+    /// Over all facets that have an area.
+    pub fn new(mesh: &Mesh) -> Self {
+        let (low_m, high_m) = mesh.bounds_m().unwrap_or_default();
+        let rounding_m = 1e-13 * low_m.abs().max(high_m.abs()).max_element();
+        let mut items: Vec<Item> = (0..mesh.facets.len())
+            .filter_map(|f| {
+                let [a, b, c] = mesh.facet(f).corners_m;
+                let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+                let has_area = mesh.facet(f).cross_m2() != DVec3::ZERO;
+                has_area.then_some(Item { low, high, middle: 0.5 * (low + high), facet: index_u32(f) })
+            })
+            .collect();
+        let mut tree =
+            RayTree { nodes: Vec::with_capacity(items.len()), triangles: Vec::with_capacity(items.len()), rounding_m };
+        if !items.is_empty() {
+            tree.build(mesh, &mut items, 0);
+        }
+        tree
+    }
+
+    fn build(&mut self, mesh: &Mesh, items: &mut [Item], depth: usize) {
+        let (low, high) = bounds(items);
+        let at = self.nodes.len();
+        let node = Node {
+            low: low.to_array().map(below),
+            high: high.to_array().map(above),
+            at: index_u32(self.triangles.len()),
+            count: 0,
+            axis: 0,
+        };
+        self.nodes.push(node);
+        let divided = if items.len() <= LEAF || depth >= DEEPEST { None } else { divide(items) };
+        let Some((axis, middle)) = divided else {
+            // A list that is longer than 65535 is of facets in one place: it is cut all the same.
+            self.leaf(mesh, items, at, depth);
+            return;
+        };
+        let (first, second) = items.split_at_mut(middle);
+        self.build(mesh, first, depth + 1);
+        self.nodes[at].at = index_u32(self.nodes.len());
+        self.nodes[at].axis = axis;
+        self.build(mesh, second, depth + 1);
+    }
+
+    fn leaf(&mut self, mesh: &Mesh, items: &mut [Item], at: usize, depth: usize) {
+        if let Ok(count) = u16::try_from(items.len()) {
+            self.nodes[at].count = count;
+            self.triangles.extend(items.iter().map(|item| {
+                let [a, b, c] = mesh.facet(item.facet as usize).corners_m;
+                Triangle { a, ab: b - a, ac: c - a, facet: item.facet }
+            }));
+            return;
+        }
+        let (first, second) = items.split_at_mut(items.len() / 2);
+        self.build(mesh, first, depth + 1);
+        self.nodes[at].at = index_u32(self.nodes.len());
+        self.build(mesh, second, depth + 1);
+    }
+
+    /// The nearest facet that a ray meets.
+    pub fn nearest(&self, from_m: DVec3, ray: DVec3) -> Option<Hit> {
+        let mut nearest: Option<Hit> = None;
+        self.walk(from_m, ray, f64::INFINITY, |triangle, most| {
+            let (t, front) = triangle.met_by(from_m, ray, most)?;
+            nearest = Some(Hit { facet: triangle.facet, t, front });
+            Some(t)
+        });
+        nearest
+    }
+
+    /// Whether a ray of unit length, to rounding, from a point of `facet` meets another facet.
+    pub fn is_hidden(&self, facet: u32, from_m: DVec3, ray: DVec3) -> bool {
+        let mut hidden = false;
+        self.walk(from_m, ray, f64::INFINITY, |triangle, most| {
+            if triangle.facet == facet {
+                return None;
+            }
+            let (t, _) = triangle.met_by(from_m, ray, most)?;
+            if t <= self.rounding_m {
+                return None;
+            }
+            hidden = true;
+            // Nothing is nearer than this: the walk ends.
+            Some(f64::NEG_INFINITY)
+        });
+        hidden
+    }
+
+    /// Calls `meet` with each triangle whose box the ray meets nearer than `most`, near boxes first; it returns what `most` is from then on.
+    #[inline]
+    fn walk(&self, from_m: DVec3, ray: DVec3, mut most: f64, mut meet: impl FnMut(&Triangle, f64) -> Option<f64>) {
+        if self.nodes.is_empty() {
+            return;
+        }
+        let inverse = 1.0 / ray;
+        let mut open = [0u32; 2 * DEEPEST];
+        let mut count = 0;
+        let mut at = 0usize;
+        loop {
+            let node = &self.nodes[at];
+            if node.is_met(from_m, inverse, most) {
+                if node.count == 0 {
+                    let (near, far) = if ray[node.axis as usize] < 0.0 {
+                        (node.at, index_u32(at) + 1)
+                    } else {
+                        (index_u32(at) + 1, node.at)
+                    };
+                    open[count] = far;
+                    count += 1;
+                    at = near as usize;
+                    continue;
+                }
+                let first = node.at as usize;
+                for triangle in &self.triangles[first..first + node.count as usize] {
+                    if let Some(nearer) = meet(triangle, most) {
+                        most = nearer;
+                    }
+                }
+                if most == f64::NEG_INFINITY {
+                    return;
+                }
+            }
+            if count == 0 {
+                return;
+            }
+            count -= 1;
+            at = open[count] as usize;
+        }
+    }
+}
+
+impl Node {
+    #[inline]
+    fn is_met(&self, from: DVec3, inverse: DVec3, most: f64) -> bool {
+        let low = DVec3::from_array(self.low.map(f64::from));
+        let high = DVec3::from_array(self.high.map(f64::from));
+        let (p, q) = ((low - from) * inverse, (high - from) * inverse);
+        let near = p.min(q).max_element().max(0.0);
+        // A ray in a box's wall has 0 times infinity there; `min` and `max` take the other number.
+        let far = p.max(q).min_element() * (1.0 + 4.0 * f64::EPSILON);
+        near <= far && near <= most
+    }
+}
+
+impl Triangle {
+    /// Where a ray meets it nearer than `most`, and whether from outside: Moeller and Trumbore (1997).
+    #[inline]
+    fn met_by(&self, from: DVec3, ray: DVec3, most: f64) -> Option<(f64, bool)> {
+        let p = ray.cross(self.ac);
+        let det = self.ab.dot(p);
+        let inverse = 1.0 / det;
+        let away = from - self.a;
+        let u = away.dot(p) * inverse;
+        if !(0.0..=1.0).contains(&u) {
+            return None;
+        }
+        let q = away.cross(self.ab);
+        let v = ray.dot(q) * inverse;
+        if !(v >= 0.0 && u + v <= 1.0) {
+            return None;
+        }
+        let t = self.ac.dot(q) * inverse;
+        (t > 0.0 && t < most).then_some((t, det > 0.0))
+    }
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Item {
+    low: DVec3,
+    high: DVec3,
+    middle: DVec3,
+    facet: u32,
+}
+
+fn bounds(items: &[Item]) -> (DVec3, DVec3) {
+    let all =
+        |of: fn(&Item) -> DVec3, by: fn(DVec3, DVec3) -> DVec3| items.iter().map(of).reduce(by).unwrap_or_default();
+    (all(|item| item.low, DVec3::min), all(|item| item.high, DVec3::max))
+}
+
+/// Sorts items into two groups, and returns the axis along which they are divided and the first item of the second group.
+fn divide(items: &mut [Item]) -> Option<(u16, usize)> {
+    let middles = |by: fn(DVec3, DVec3) -> DVec3| items.iter().map(|item| item.middle).reduce(by).unwrap_or_default();
+    let (low, high) = (middles(DVec3::min), middles(DVec3::max));
+    let mut best: Option<(f64, usize, usize)> = None;
+    for axis in 0..3 {
+        let width = high[axis] - low[axis];
+        if width.is_nan() || width <= 0.0 {
+            continue;
+        }
+        let mut bins = [(f64::INFINITY * DVec3::ONE, f64::NEG_INFINITY * DVec3::ONE, 0usize); BINS];
+        for item in items.iter() {
+            let bin = &mut bins[bin_of(item.middle[axis], low[axis], width)];
+            *bin = (bin.0.min(item.low), bin.1.max(item.high), bin.2 + 1);
+        }
+        // From the last bin on, the area of what lies behind each border, and the number of items there.
+        let mut behind = [(0.0, 0usize); BINS];
+        let mut sum = (f64::INFINITY * DVec3::ONE, f64::NEG_INFINITY * DVec3::ONE, 0);
+        for i in (1..BINS).rev() {
+            sum = (sum.0.min(bins[i].0), sum.1.max(bins[i].1), sum.2 + bins[i].2);
+            behind[i] = (surface(sum.0, sum.1), sum.2);
+        }
+        let mut sum = (f64::INFINITY * DVec3::ONE, f64::NEG_INFINITY * DVec3::ONE, 0);
+        for i in 1..BINS {
+            sum = (sum.0.min(bins[i - 1].0), sum.1.max(bins[i - 1].1), sum.2 + bins[i - 1].2);
+            if sum.2 == 0 || behind[i].1 == 0 {
+                continue;
+            }
+            let cost = surface(sum.0, sum.1) * sum.2 as f64 + behind[i].0 * behind[i].1 as f64;
+            if best.is_none_or(|(least, _, _)| cost < least) {
+                best = Some((cost, axis, i));
+            }
+        }
+    }
+    let (_, axis, border) = best?;
+    let width = high[axis] - low[axis];
+    let mut first = 0;
+    for i in 0..items.len() {
+        if bin_of(items[i].middle[axis], low[axis], width) < border {
+            items.swap(first, i);
+            first += 1;
+        }
+    }
+    Some((
+        if axis == 0 {
+            0
+        } else if axis == 1 {
+            1
+        } else {
+            2
+        },
+        first,
+    ))
+}
+
+fn bin_of(x: f64, low: f64, width: f64) -> usize {
+    whole((x - low) / width * BINS as f64).min(BINS - 1)
+}
+
+/// Half the surface of a box; 0 of none.
+fn surface(low: DVec3, high: DVec3) -> f64 {
+    let size = (high - low).max(DVec3::ZERO);
+    size.x * size.y + size.y * size.z + size.z * size.x
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "rounded down on purpose")]
+fn below(x: f64) -> f32 {
+    let near = x as f32;
+    if f64::from(near) > x { near.next_down() } else { near }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "rounded up on purpose")]
+fn above(x: f64) -> f32 {
+    let near = x as f32;
+    if f64::from(near) < x { near.next_up() } else { near }
+}
