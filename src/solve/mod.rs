@@ -1,8 +1,10 @@
 //! Scene to facet table: what each source sends to each facet, which part of it the source sees, how warm it is. No radiance,
 //! except to answer the image's question: what does a facet send [towards an observer](Emission)?
 
+mod eclipse;
 mod emission;
 mod irradiance;
+mod mars_shadows;
 mod shadows;
 mod sun_points;
 
@@ -13,6 +15,7 @@ use crate::scene::Scene;
 use crate::visibility::Seen;
 
 pub use emission::{Emission, Fragment, ImagePart, Modulation, interpolation_error};
+pub use mars_shadows::mars_parts;
 pub use shadows::lit;
 pub use sun_points::sun_model;
 

@@ -15,7 +15,7 @@ pub fn table_id(scene: &Scene) -> String {
         body,
         sky: Sky { sun, mars, beams },
         exposure: _,
-        models: Models { thermal, mars_light, sun: sun_model },
+        models: Models { thermal, mars_light, sun: sun_model, eclipses, mars_shadows, mars_heat },
     } = &**scene;
     let Surface { origin_m, mesh, materials, textures: _ } = &**body;
     put(&origin_m.to_array());
@@ -46,6 +46,17 @@ pub fn table_id(scene: &Scene) -> String {
     if let SunModel::Disc(rule) = sun_model {
         hasher.update(b"disc");
         hasher.update(&(rule.count() as u64).to_le_bytes());
+        hasher.update(&sun.limb_darkening.to_le_bytes());
+    }
+    if let Some(rule) = mars_shadows {
+        hasher.update(b"mars_shadows");
+        hasher.update(&(rule.count() as u64).to_le_bytes());
+    }
+    if *mars_heat {
+        hasher.update(b"mars_heat");
+    }
+    if *eclipses {
+        hasher.update(b"eclipses");
         hasher.update(&sun.limb_darkening.to_le_bytes());
     }
     for beam in beams {

@@ -7,7 +7,8 @@ use crate::scene::{MarsModel, Models, Setup, SunModel, Thermal};
 pub(super) fn full(setup: Setup) -> Setup {
     // A scene without heat may lack what heat needs.
     let thermal = if setup.models.thermal == Thermal::Off { Thermal::Off } else { Thermal::Equilibrium };
-    let models = Models { thermal, mars_light: MarsModel::NearField, sun: SunModel::Disc(DiscRule::E37) };
+    let models =
+        Models { thermal, mars_light: MarsModel::NearField, sun: SunModel::Disc(DiscRule::E37), ..Models::default() };
     Setup { models, ..setup }
 }
 
