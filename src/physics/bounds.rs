@@ -2,7 +2,7 @@
 //!
 //! Each is a change of radiance relative to sunlight reflected at incidence i by the same surface.
 
-use std::f64::consts::SQRT_2;
+use std::f64::consts::{PI, SQRT_2};
 
 /// Mars-light over sunlight: rho_M q^2 / cos i, q the sine of Mars' angular radius.
 ///
@@ -10,6 +10,19 @@ use std::f64::consts::SQRT_2;
 /// Limits: a Lambert Mars; 1.2 to 1.5 times the light of a full one, and far above that of a waning one.
 pub fn mars_light(mars_reflectance: f64, sin_angular_radius: f64, cos_incidence: f64) -> f64 {
     mars_reflectance * sin_angular_radius * sin_angular_radius / cos_incidence
+}
+
+/// Mars' own heat over sunlight, as light on the surface: pi L q^2 / (E_S cos i), L the radiance of its day side, E_S the Sun's irradiance normal to the
+/// beam at the same wavelength, q the sine of Mars' angular radius.
+///
+/// All of Mars as warm as its day side, above a facet that faces it. Limits: surfaces that reflect both alike.
+pub fn mars_heat(
+    radiance_w_m2_sr_um: f64,
+    irradiance_w_m2_um: f64,
+    sin_angular_radius: f64,
+    cos_incidence: f64,
+) -> f64 {
+    PI * radiance_w_m2_sr_um * sin_angular_radius * sin_angular_radius / (irradiance_w_m2_um * cos_incidence)
 }
 
 /// Light by way of the surroundings over direct sunlight, all bounces: (rho + m) F / ((1 - rho F) cos i).
@@ -62,6 +75,15 @@ mod tests {
         // rho 0.25, R 3389.5 km, D 9389 km: 0.03258161496; a full Lambert sphere near at hand, D 9376 km: 0.0271.
         assert!((mars_light(0.25, 3389.5 / 9389.0, 1.0) - 0.032_581_614_96).abs() < 1e-11);
         assert!(mars_light(0.25, 3389.5 / 9376.0, 1.0) > 0.25 * 0.108_426_08);
+    }
+
+    #[test]
+    fn heat_of_mars_over_its_reflected_sunlight() {
+        // At 3.6 um 270 K emit 0.16 of what an albedo of 0.25 reflects of a Sun at the zenith.
+        let sun = 6.3;
+        let of_heat = mars_heat(crate::physics::blackbody::radiance_w_m2_sr_um(3.6, 270.0), sun, 0.36, 1.0);
+        let of_light = mars_light(0.25, 0.36, 1.0);
+        assert!((of_heat / of_light / 0.16 - 1.0).abs() < 0.15, "{}", of_heat / of_light);
     }
 
     #[test]

@@ -19,12 +19,13 @@
 //! | form factors of rectangles, strips, discs and polygons | [`form_factor`] | Howell, catalogue; Lambert | a closed cube; oracles `formfactor` |
 //! | sphere of uniform radiance over a tilted facet | [`mars::uniform_sphere_form_factor`] | Naraghi (1988); Howell, catalogue | oracles `plane_to_sphere_F` |
 //! | Lambert sphere lit by the Sun, near at hand | [`mars::irradiance`], [`mars::irradiance_vector`] | integral over the visible cap | oracles `marsshine` |
+//! | parts of its lit disc, which terrain may hide | [`mars_points::lit_points`] | Lambert's law | [`mars::irradiance`] of tilted facets |
 //! | the same, fast, for the facets of one scene | [`mars_light::MarsLight`] | E'' + E = great-circle integral | against [`mars::irradiance`] |
 //! | (4), (6), (7), (8) | [`mars::thesis_irradiance`] | Domagala (2020), as printed | 0.06516322993 |
 //! | bounds of Mars-light, interreflection, penumbra, the Sun at the horizon | [`bounds::mars_light`], [`bounds::interreflection`], [`bounds::surroundings_form_factor`], [`bounds::penumbra_width_m`], [`bounds::terminator`] | set up here | full Mars; Ingersoll's bowl; flat ground; straight edge; flat horizon |
 //! | what a point Sun, or points of its disc, miss at a shadow's edge | [`bounds::shadow_edge`] | set up here | a sharp edge |
 //! | irradiance by the Sun's disc at a facet's horizon, and by its points | [`sun_disc::irradiance_on_facet`], [`sun_disc::SubSun`] | integral of the visible share | oracles `penumbra`; a disc that is up is a point |
-//! | share of the Sun's disc beyond an edge, beside a disc | [`sun_disc::share_beyond_edge`], [`sun_disc::share_beside_disc`] | integrals | oracles `penumbra` |
+//! | share of the Sun's disc beyond an edge, beside a disc | [`sun_disc::share_beyond_edge`], [`sun_disc::share_beside_disc`], [`sun_disc::share_beside_sphere`] | integrals | oracles `penumbra` |
 //! | points that stand for the Sun's disc, and what they are off by behind an edge | [`sun_disc::DiscRule`] | Stroud (1971) | polynomials; all edges |
 //! | eclipse | [`sun::eclipse`] | two discs | oracles `eclipse_by_mars_central_duration` |
 //! | radiance of a reflectance factor, of a Lambert surface's exitance | [`reflectance::radiance_of_reflectance_factor`], [`reflectance::lambert_radiance`] | Nicodemus et al. (1977); Lambert | white surface; integral over the hemisphere |
@@ -50,6 +51,7 @@ pub mod form_factor;
 pub mod heat;
 pub mod mars;
 pub mod mars_light;
+pub mod mars_points;
 mod quadrature;
 pub mod reflectance;
 pub mod srgb;

@@ -86,7 +86,7 @@ impl FacetTable {
         let mut problem = |item: String, message: String, help: &str| {
             problems.push(Problem::new(Location::item(item), message).with_help(help));
         };
-        let sources = scene.sky.sources();
+        let sources = scene.sources();
         let facets = scene.body.mesh.facets.len();
         let mut has = |item: String, count: usize, wanted: usize| {
             if count != wanted {

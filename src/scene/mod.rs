@@ -29,7 +29,7 @@ pub use material::Material;
 pub use models::{MarsModel, Models, SunModel, Thermal};
 pub(crate) use photometry::TOLERANCE;
 pub use photometry::{Hapke, Model, Photometry, Rpv, problems as model_problems};
-pub use sky::{Beam, MARS_ALBEDO, Mars, Rotation, Sky, Sun};
+pub use sky::{Beam, MARS_ALBEDO, MARS_DAY_NIGHT_K, Mars, Rotation, Sky, Sun};
 pub use source::{DirectionField, Incoming, Source, SourceKind};
 pub use tabulated::Tabulated;
 pub use texture::{Texture, TextureKind};

@@ -14,6 +14,12 @@ pub struct Models {
     pub mars_light: MarsModel,
     /// What the Sun is.
     pub sun: SunModel,
+    /// Whether bodies of the sky hide the Sun.
+    pub eclipses: bool,
+    /// The parts of Mars' disc that terrain may hide; `None`: only a facet's own horizon does.
+    pub mars_shadows: Option<DiscRule>,
+    /// Whether Mars' own heat lights the surface, in bands that hold heat and sunlight.
+    pub mars_heat: bool,
     /// Steps of a day in which heat is conducted into the ground and back, in equilibrium otherwise; `None`: no heat is stored.
     pub conduction: Option<u32>,
 }

@@ -64,6 +64,9 @@ pub struct Sun {
 /// Lambert reflectance of Mars where nothing else is said.
 pub const MARS_ALBEDO: f64 = 0.25;
 
+/// Brightness temperatures of the day and night side of Mars where nothing else is said, K.
+pub const MARS_DAY_NIGHT_K: [f64; 2] = [270.0, 200.0];
+
 /// Mars as an extended second source.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mars {
@@ -77,6 +80,8 @@ pub struct Mars {
     pub bond_albedo: f64,
     /// Mean thermal exitance of Mars, for the heat balance, W m-2.
     pub thermal_exitance_w_m2: f64,
+    /// Brightness temperature of its day and of its night side, for what it emits in bands, K.
+    pub day_night_k: [f64; 2],
 }
 
 impl Sky {
@@ -112,7 +117,7 @@ impl Sky {
         }
         for (i, beam) in self.beams.iter().enumerate() {
             beam.check(&mut problem);
-            if [Sky::SUN, Sky::MARS].contains(&beam.name.as_str())
+            if [Sky::SUN, Sky::MARS, Sky::MARS_HEAT].contains(&beam.name.as_str())
                 || self.beams[..i].iter().any(|other| other.name == beam.name)
             {
                 problem(&beam.item(), "another source has this name".into());
@@ -180,6 +185,11 @@ impl Beam {
 impl Mars {
     fn check(&self, problem: &mut impl FnMut(&str, String)) {
         super::near_enough("mars.position_m", self.centre_m, problem);
+        for (name, t_k) in ["mars.day_k", "mars.night_k"].iter().zip(self.day_night_k) {
+            if !(0.0..=1e4).contains(&t_k) {
+                problem(name, format!("{t_k} K is not a temperature of a planet"));
+            }
+        }
         if !(self.radius_m > 0.0 && self.radius_m.is_finite()) {
             problem("mars.radius_m", format!("{} is not a positive length", self.radius_m));
         } else if self.centre_m.length() <= self.radius_m {

@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 
-use super::{Beam, Mars, Sky};
+use super::{Beam, Mars, Setup, Sky};
 use crate::geometry::Direction;
+use crate::physics::mars_points::day_share;
 use crate::spectral::Spectrum;
 
 /// From where a source's light comes.
@@ -42,6 +43,8 @@ pub enum Incoming<'a> {
     Reflected(&'a Spectrum),
     /// Its own irradiance on a plane normal to the beam, W m-2 um-1.
     Own(&'a Spectrum),
+    /// What black bodies of these temperatures, K, send to a plane that sees nothing else, by their shares.
+    Heat([(f64, f64); 2]),
 }
 
 /// What a source is.
@@ -51,6 +54,8 @@ pub enum SourceKind<'a> {
     Beam(f64),
     /// A sphere in the near field, lit by the Sun; a facet's own horizon cuts it, other terrain does not.
     Sphere(&'a Mars),
+    /// The same sphere by its own heat: of uniform radiance.
+    Glow(&'a Mars),
 }
 
 /// A source of light.
@@ -66,13 +71,38 @@ pub struct Source<'a> {
     pub kind: SourceKind<'a>,
 }
 
+impl Setup {
+    /// All sources that are computed; the Sun is the first.
+    pub fn sources(&self) -> Vec<Source<'_>> {
+        let mut all = self.sky.sources();
+        if let Some(mars) = self.sky.mars.as_ref().filter(|_| self.models.mars_heat) {
+            let day = day_share(mars.centre_m, mars.radius_m, self.sky.sun.direction);
+            let [day_k, night_k] = mars.day_night_k;
+            all.push(Source {
+                name: Sky::MARS_HEAT,
+                field: DirectionField::Near(mars.centre_m),
+                incoming: Incoming::Heat([(day, day_k), (1.0 - day, night_k)]),
+                kind: SourceKind::Glow(mars),
+            });
+        }
+        all
+    }
+}
+
 impl Sky {
     /// Name of the Sun in the list.
     pub const SUN: &'static str = "sun";
     /// Name of Mars in the list.
     pub const MARS: &'static str = "mars";
+    /// Name of the heat of Mars in the list.
+    pub const MARS_HEAT: &'static str = "mars-heat";
 
-    /// All sources; the Sun is the first.
+    /// Bodies that may hide the Sun: centre, local, m, and radius, m.
+    pub fn spheres(&self) -> impl Iterator<Item = (DVec3, f64)> {
+        self.mars.iter().map(|mars| (mars.centre_m, mars.radius_m))
+    }
+
+    /// All sources but the heat of Mars; the Sun is the first.
     pub fn sources<'s>(&'s self) -> Vec<Source<'s>> {
         let sun = Source {
             name: Sky::SUN,

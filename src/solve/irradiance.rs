@@ -11,12 +11,14 @@ use crate::product::{FacetTable, Sees};
 use crate::scene::{Mars, MarsModel, Material, Scene, Sky, Source, SourceKind, SunModel, Thermal};
 use crate::visibility::Shown;
 
+use super::eclipse::Eclipse;
+
 /// Facets that are looked at together: what is found of them stays at hand.
 const CHUNK: usize = 1024;
 
 /// Fills in irradiances and temperatures.
 pub(super) fn fill(scene: &Scene, table: &mut FacetTable) {
-    let sky = scene.sky.sources();
+    let sky = scene.sources();
     let sources: Vec<Prepared> = sky.iter().map(|source| Prepared::new(scene, source)).collect();
     let mut chunks: Vec<Chunk> = (0..table.facets().div_ceil(CHUNK))
         .map(|i| Chunk { first: i * CHUNK, irradiance: vec![], lit_k: &mut [], shaded_k: &mut [] })
@@ -36,9 +38,18 @@ pub(super) fn fill(scene: &Scene, table: &mut FacetTable) {
         .iter_mut()
         .zip(temperatures)
         .for_each(|(chunk, (lit, shaded))| (chunk.lit_k, chunk.shaded_k) = (lit, shaded));
-    chunks
-        .into_par_iter()
-        .for_each_init(Work::default, |work, chunk| chunk.fill(scene, &sources, &sees, &albedos, work));
+    let eclipse = Eclipse::of(scene);
+    let shared = Shared { scene, sources: &sources, sees: &sees, albedos: &albedos, eclipse: eclipse.as_ref() };
+    chunks.into_par_iter().for_each_init(Work::default, |work, chunk| chunk.fill(&shared, work));
+}
+
+/// What all chunks need.
+struct Shared<'a> {
+    scene: &'a Scene,
+    sources: &'a [Prepared<'a>],
+    sees: &'a [&'a Sees],
+    albedos: &'a [Option<(DirectionalAlbedos, f64)>],
+    eclipse: Option<&'a Eclipse<'a>>,
 }
 
 /// Some facets that follow one another in the mesh.
@@ -77,6 +88,7 @@ enum Prepared<'a> {
         sin_radius: f64,
         limb_darkening: f64,
     },
+    Glow(&'a Mars),
     Sphere {
         mars: &'a Mars,
         light: Box<MarsLight>,
@@ -96,6 +108,7 @@ impl<'a> Prepared<'a> {
                 }
             }
             SourceKind::Beam(total_w_m2) => Prepared::Beam { towards: source.field.towards(DVec3::ZERO), total_w_m2 },
+            SourceKind::Glow(mars) => Prepared::Glow(mars),
             SourceKind::Sphere(mars) => {
                 let (low_m, high_m) = scene.body.bounds_m().unwrap_or_default();
                 let light = MarsLight::new(mars.centre_m, mars.radius_m, scene.sky.sun.direction, low_m, high_m);
@@ -106,14 +119,8 @@ impl<'a> Prepared<'a> {
 }
 
 impl Chunk<'_> {
-    fn fill(
-        mut self,
-        scene: &Scene,
-        sources: &[Prepared],
-        sees: &[&Sees],
-        albedos: &[Option<(DirectionalAlbedos, f64)>],
-        work: &mut Work,
-    ) {
+    fn fill(mut self, shared: &Shared, work: &mut Work) {
+        let Shared { scene, sources, sees, albedos, eclipse } = *shared;
         let Work { centroids_m, normals, reflected_w_m2, heat_w_m2, absorptance, sun_absorptance, emissivity } = work;
         let mesh = &scene.body.mesh;
         let chunk = self.first..self.first + self.irradiance.first().map_or(0, |column| column.len());
@@ -158,6 +165,16 @@ impl Chunk<'_> {
                         *irradiance = if is_dark { 0.0 } else { of_disc() };
                     }
                 }
+                Prepared::Glow(mars) => {
+                    for ((irradiance, centroid_m), normal) in
+                        column.iter_mut().zip(centroids_m.iter()).zip(normals.iter())
+                    {
+                        let to_mars_m = mars.centre_m - centroid_m;
+                        let distance_m = to_mars_m.length();
+                        let (sin_radius, cos_tilt) = (mars.radius_m / distance_m, normal.dot(to_mars_m) / distance_m);
+                        *irradiance = mars::uniform_sphere_form_factor(sin_radius, cos_tilt).max(0.0);
+                    }
+                }
                 Prepared::Sphere { mars, light, model } => {
                     // What it sends warms, whether or not it is to be seen.
                     let warms = scene.models.thermal == Thermal::Equilibrium;
@@ -166,8 +183,8 @@ impl Chunk<'_> {
                     }
                     let vectors = centroids_m.iter().zip(normals.iter());
                     let sums = reflected_w_m2.iter_mut().zip(heat_w_m2.iter_mut());
-                    for (((centroid_m, normal), irradiance), (reflected, heat)) in
-                        vectors.zip(column.iter_mut()).zip(sums)
+                    for ((((centroid_m, normal), irradiance), (reflected, heat)), f) in
+                        vectors.zip(column.iter_mut()).zip(sums).zip(chunk.clone())
                     {
                         let to_mars_m = mars.centre_m - centroid_m;
                         let distance_m = to_mars_m.length();
@@ -175,14 +192,21 @@ impl Chunk<'_> {
                         if *model == MarsModel::Thesis {
                             *irradiance = mars::thesis_irradiance(1.0, 1.0, sin_radius, cos_tilt);
                         }
-                        // Sunlight that Mars reflects is taken to be of the Sun's colour.
-                        *reflected += mars.bond_albedo * *irradiance * sun_w_m2;
-                        *heat += mars.thermal_exitance_w_m2 * mars::uniform_sphere_form_factor(sin_radius, cos_tilt);
+                        // Sunlight that Mars reflects is taken to be of the Sun's colour, and terrain to hide as much of its heat.
+                        let share = share(sees, f);
+                        let form_factor = mars::uniform_sphere_form_factor(sin_radius, cos_tilt);
+                        *reflected += mars.bond_albedo * *irradiance * sun_w_m2 * share;
+                        *heat += mars.thermal_exitance_w_m2 * form_factor * share;
                     }
                     if *model == MarsModel::Off {
                         column.fill(0.0);
                     }
                 }
+            }
+        }
+        if let (Some(eclipse), Some(sunlight)) = (eclipse, self.irradiance.first_mut()) {
+            for (irradiance, centroid_m) in sunlight.iter_mut().zip(centroids_m.iter()) {
+                *irradiance *= eclipse.share(centroid_m);
             }
         }
         let Some(sunlight) = self.irradiance.first() else { return };

@@ -2,8 +2,10 @@
 //! except to answer the image's question: what does a facet send [towards an observer](Emission)?
 
 mod conduction;
+mod eclipse;
 mod emission;
 mod irradiance;
+mod mars_shadows;
 mod shadows;
 
 use crate::error::Result;
@@ -13,6 +15,7 @@ use crate::scene::{Scene, Thermal};
 use crate::visibility::Seen;
 
 pub use emission::{Emission, Fragment, ImagePart, Modulation, interpolation_error};
+pub use mars_shadows::mars_parts;
 pub use shadows::lit;
 
 /// Irradiance, lit polygons and temperature of every facet.

@@ -2,7 +2,8 @@
 
 use crate::error::{Error, Location, Problem, Result};
 use crate::integrate::plane_count;
-use crate::scene::{Scene, Setup, Texture, Thermal};
+use crate::physics::sun_disc::DiscRule;
+use crate::scene::{Scene, Setup, SunModel, Texture, Thermal};
 use crate::solve::Emission;
 
 /// A process without facets and pixels holds this, bytes.
@@ -28,6 +29,10 @@ mod seconds {
     /// More of that for each unit of the tangent of the Sun's incidence on the mean surface, up to [`MOST_TANGENT`]: facets hide one another.
     pub(super) const FACET_TANGENT: f64 = 1.2e-7;
     pub(super) const MOST_TANGENT: f64 = 12.0;
+    /// To find what a further point of the Sun's or of Mars' disc sees of it, and to look for that in the image; more of it by the tangent as above.
+    /// Measured with the landscape of `benches/`, 2e5 facets, 2026-11-29, on a busy machine: 0.18 s a point at 60 deg, 0.37 s at 85 deg.
+    pub(super) const PASS: f64 = 7.0e-7;
+    pub(super) const PASS_TANGENT: f64 = 1.0e-7;
     /// To look through it, and to find its planes and write them.
     pub(super) const PIXEL: f64 = 1.6e-6;
     /// Pieces that pixels and facets cut each other into along their edges: proportional to the root of facets x pixels.
@@ -56,21 +61,34 @@ pub(super) fn cpu_s(scene: &Scene, workload: &Workload) -> f64 {
     let tangent = workload.mean_incidence_deg.map_or(1.0, |deg| deg.to_radians().tan().abs());
     let facet_s = seconds::FACET + seconds::FACET_TANGENT * tangent.min(seconds::MOST_TANGENT);
     let texels: usize = scene.body.textures.iter().map(|t| t.values.len()).sum();
+    let passes = match scene.models.sun {
+        SunModel::Point => 0,
+        SunModel::Disc(rule) => rule.count() - 1,
+    };
+    // How high Mars stands is not looked at.
+    let mars_passes = scene.sky.mars.as_ref().and(scene.models.mars_shadows).map_or(0, DiscRule::count);
     seconds::PROCESS
         + facet_s * facets
+        + passes as f64 * pass_s(scene.body.mesh.facets.len(), tangent)
+        + mars_passes as f64 * pass_s(scene.body.mesh.facets.len(), 1.0)
         + seconds::PIXEL * pixels
         + seconds::CROSSING * (workload.facets_in_frame as f64 * workload.filled * pixels).sqrt()
         + seconds::NUMBER * pixels * scene.exposure.bands.len() as f64
         + seconds::TEXEL * texels as f64
 }
 
-/// CPU time, s, to find the shadows of one Sun: of the landscape of `benches/` with 2e5 and 2e6 facets at 24, 60 and 85 deg.
+/// CPU time, s, to find the shadows of one more Sun.
 pub(super) fn shadows_s(scene: &Setup) -> f64 {
     let towards = scene.sky.sun.direction.vec();
     let sum_m2: glam::DVec3 = scene.body.mesh.spread(1024).map(|f| scene.body.mesh.facet(f).cross_m2()).sum();
     let cos = sum_m2.normalize_or_zero().dot(towards).abs();
-    let tangent = if cos > 0.0 { (1.0 / (cos * cos) - 1.0).max(0.0).sqrt().min(seconds::MOST_TANGENT) } else { 1.0 };
-    scene.body.mesh.facets.len() as f64 * (1.6e-7 + 1.0e-7 * tangent)
+    let tangent = if cos > 0.0 { (1.0 / (cos * cos) - 1.0).max(0.0).sqrt() } else { 1.0 };
+    pass_s(scene.body.mesh.facets.len(), tangent)
+}
+
+/// About the CPU time, s, that finding what one more point of a disc sees takes: the tangent is that of its incidence on the mean surface.
+pub(super) fn pass_s(facets: usize, tangent: f64) -> f64 {
+    facets as f64 * (seconds::PASS + seconds::PASS_TANGENT * tangent.min(seconds::MOST_TANGENT))
 }
 
 fn pixels(scene: &Scene) -> u64 {

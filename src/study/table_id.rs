@@ -15,7 +15,7 @@ pub fn table_id(scene: &Scene) -> String {
         body,
         sky: Sky { sun, mars, beams, rotation },
         exposure: _,
-        models: Models { thermal, mars_light, sun: sun_model, conduction },
+        models: Models { thermal, mars_light, sun: sun_model, eclipses, mars_shadows, mars_heat, conduction },
     } = &**scene;
     let Surface { origin_m, mesh, materials, textures: _ } = &**body;
     put(&origin_m.to_array());
@@ -55,6 +55,17 @@ pub fn table_id(scene: &Scene) -> String {
         let [x, y, z] = axis.vec().to_array();
         let inertias = materials.iter().map(|material| material.thermal_inertia);
         [x, y, z, *period_s].into_iter().chain(inertias).for_each(|v| _ = hasher.update(&v.to_le_bytes()));
+    }
+    if let Some(rule) = mars_shadows {
+        hasher.update(b"mars_shadows");
+        hasher.update(&(rule.count() as u64).to_le_bytes());
+    }
+    if *mars_heat {
+        hasher.update(b"mars_heat");
+    }
+    if *eclipses {
+        hasher.update(b"eclipses");
+        hasher.update(&sun.limb_darkening.to_le_bytes());
     }
     for beam in beams {
         hasher.update(beam.name.as_bytes());

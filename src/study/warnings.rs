@@ -54,7 +54,10 @@ pub(super) fn of_image(
     };
     let sunlit = table.sunlit();
     let is_dark = uses_sun && sunlit.is_none_or(|sunlit| sunlit.shown.iter().all(|shown| *shown == Shown::Nothing));
-    let beams = table.sources.iter().filter(|lighting| ![Sky::SUN, Sky::MARS].contains(&lighting.source.as_str()));
+    let beams = table
+        .sources
+        .iter()
+        .filter(|lighting| ![Sky::SUN, Sky::MARS, Sky::MARS_HEAT].contains(&lighting.source.as_str()));
     let is_any = |values: &[f64]| values.iter().any(|value| *value > 0.0);
     let others = [
         ("Mars-light", table.of(Sky::MARS).is_some_and(|mars| is_any(&mars.irradiance))),
@@ -98,6 +101,10 @@ pub(super) fn of_scene(scene: &Scene, site: &Site, open_to_shadow: f64, uses_sun
         scene.body.topology().enclosure(&scene.body.mesh, scene.exposure.camera.centre_m()),
     ));
     match by_mars(scene).filter(|_| uses_sun) {
+        Some(Eclipse::Total) if scene.models.eclipses => all.push("the site is in eclipse: Mars covers the Sun".into()),
+        Some(Eclipse::Partial) if scene.models.eclipses => {
+            all.push("the site is in partial eclipse: Mars covers part of the Sun's disc".into());
+        }
         Some(Eclipse::Total) => {
             all.push("the site is in eclipse: Mars covers the Sun, but the image is lit as if it did not".into())
         }

@@ -179,17 +179,86 @@ fn a_beam_changes_nothing_of_the_suns() {
     assert_eq!((distance_m, Direction::new(DVec3::new(1.0, 0.2, 0.4)).unwrap()), (1.5 * AU_M, alone.sky.sun.direction));
 }
 
-/// Files that have no place for a beam say so.
+/// DART's files have no place for a beam, and say so; a scene file has.
 #[test]
 fn a_beam_that_is_not_carried_is_told() {
     let lamp = edited(&crate::dart_write::tetrahedron(), |parts| {
-        parts.sky.beams = vec![beam("lamp", [0.0, 1.0, 1.0], Spectrum::constant(1.0))];
+        let table = Spectrum::new(vec![0.3, 1.0, 4.0], vec![1.5, 0.1, 0.7], mmxrt::spectral::Extend::Error).unwrap();
+        let with_table = Beam { total_irradiance_w_m2: 1.25, ..beam("lamp-2", [1.0, 0.0, 0.3], table) };
+        parts.sky.beams = vec![beam("lamp", [0.0, 1.0, 1.0], Spectrum::constant(1.0)), with_table];
     });
     let (_, of_dart) = mmxrt::formats::dart::from_scene(&lamp, &Default::default()).unwrap();
+    let told = of_dart.notes.iter().filter(|note| note.at.item.as_deref() == Some("beams.\"lamp\""));
+    assert!(told.count() == 1 && of_dart.has_losses(), "{:#?}", of_dart.notes);
     let scratch = crate::scratch::Scratch::new();
-    let (_staged, written) = mmxrt::formats::scene_toml::write(&lamp, &scratch.join("scene.toml"), false).unwrap();
-    for report in [of_dart, written] {
-        let told = report.notes.iter().filter(|note| note.at.item.as_deref() == Some("beams.\"lamp\""));
-        assert!(told.count() == 1 && report.has_losses(), "{:#?}", report.notes);
+    let path = scratch.join("scene.toml");
+    let (staged, written) = mmxrt::formats::scene_toml::write(&lamp, &path, false).unwrap();
+    assert!(written.notes.iter().all(|note| !format!("{note:?}").contains("lamp")), "{:#?}", written.notes);
+    staged.commit().unwrap();
+    let back = mmxrt::formats::scene_toml::read(&path, &unwatched).unwrap().scene;
+    assert_eq!(back.sky.beams, lamp.sky.beams);
+}
+
+fn of_text(lights: &str) -> Result<Scene, Error> {
+    let scratch = crate::scratch::Scratch::new();
+    scratch.write("square.obj", crate::scenes::SQUARE_OBJ);
+    scratch.write("lamp.csv", "wavelength_um,irradiance_w_m2_um\n0.5,2\n1.5,6\n2.5,2\n");
+    let text = format!(
+        "mmxrt_scene = 1\norigin_m = [0.0, 0.0, 11000.0]\n[[mesh]]\nobj = \"square.obj\"\n[materials]\ndefault = {{ reflectance = 0.07 }}\n\
+         [thermal]\nmodel = \"off\"\n[observer]\nposition_m = [0.0, 0.0, 12000.0]\ntarget_m = [0.0, 0.0, 11000.0]\nup = [0.0, 1.0, 0.0]\n\
+         [sensor]\nsamples = 2\nlines = 2\nifov_mrad = 1.0\nbands = {{ centres_um = [1.0, 1.5], fwhm_um = [0.0, 0.0] }}\n{lights}"
+    );
+    let path = scratch.write("scene.toml", text);
+    Ok(mmxrt::formats::scene_toml::read(&path, &unwatched)?.scene)
+}
+
+/// A plane of reflectance 0.07 under lamps of stated irradiance: 0.07 / pi times its cosine.
+#[test]
+fn lamps_and_a_sun_of_stated_irradiance() {
+    let unit = "[sun]\ndirection = [0.0, 0.6, 0.8]\nirradiance = 1.0\n";
+    for (lights, expected) in [
+        (unit.to_owned(), [0.8, 0.8]),
+        // Whatever the distance.
+        (format!("{unit}distance_au = 1.7\n"), [0.8, 0.8]),
+        ("[sun]\ndirection = [0.0, 0.6, 0.8]\nirradiance = \"lamp.csv\"\n".to_owned(), [3.2, 4.8]),
+        (
+            format!(
+                "{unit}[[lamps]]\nname = \"a\"\ndirection = [3.0, 0.0, 4.0]\nirradiance = 10.0\n\
+                     [[lamps]]\nname = \"b\"\ndirection = [0.0, 0.0, 1.0]\nirradiance = \"lamp.csv\"\n"
+            ),
+            [0.8 + 8.0 + 4.0, 0.8 + 8.0 + 6.0],
+        ),
+    ] {
+        let scene = of_text(&lights).unwrap_or_else(|e| panic!("{lights}: {e}"));
+        for (band, expected) in cube(&scene).iter().zip(expected) {
+            let l = 0.07 / std::f64::consts::PI * expected;
+            assert!(band.iter().all(|got| (got / l - 1.0).abs() < 1e-14), "{lights}: {band:?} {l}");
+        }
+    }
+    // Totals: of a table its integral, 2 * 4 W m-2; of a number nothing, unless they are stated.
+    let lit = "[sun]\ndirection = [0.0, 0.6, 0.8]\nirradiance = \"lamp.csv\"\n[[lamps]]\nname = \"a\"\ndirection = [0.0, 0.0, 1.0]\nirradiance = 1.0\n";
+    let scene = of_text(lit).unwrap();
+    assert!(
+        (scene.sky.sun.total_irradiance_w_m2() - 8.0).abs() < 1e-12 && scene.sky.beams[0].total_irradiance_w_m2 == 0.0
+    );
+    let stated = of_text(&format!("{lit}total_irradiance_w_m2 = 77.0\n")).unwrap();
+    assert_eq!(stated.sky.beams[0].total_irradiance_w_m2, 77.0);
+    for (lights, told) in [
+        ("[sun]\ndirection = [0.0, 0.6, 0.8]\nirradiance = -1.0\n", "sun.irradiance: -1 is not a number of at least 0"),
+        (
+            "[sun]\ndirection = [0.0, 0.6, 0.8]\nirradiance = 1.0\nspectrum = \"e490\"\n",
+            "sun.spectrum: `irradiance` says",
+        ),
+        (
+            &format!("{unit}[[lamps]]\nname = \"a\"\ndirection = [0.0, 0.0, 0.0]\nirradiance = 1.0\n"),
+            "lamps[0].direction: has no length",
+        ),
+        (
+            &format!("{unit}[[lamps]]\nname = \"sun\"\ndirection = [0.0, 0.0, 1.0]\nirradiance = 1.0\n"),
+            "another source has this name",
+        ),
+    ] {
+        let error = of_text(lights).unwrap_err().to_string();
+        assert!(error.contains(told), "{lights}: {error}");
     }
 }

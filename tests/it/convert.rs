@@ -31,6 +31,10 @@ points = 7
 position_m = [9.376e6, 0.0, 1.0]
 albedo = "mars.csv"
 model = "thesis"
+eclipse = true
+points = 12
+day_k = 265.5
+heat = true
 [thermal]
 model = "thesis"
 [observer]
@@ -95,6 +99,8 @@ fn a_scene_that_is_written_reads_back_the_same() {
     assert_eq!(a.exposure.camera.world_from_sensor, b.exposure.camera.world_from_sensor);
     assert_eq!(a.exposure.camera.pitch, b.exposure.camera.pitch);
     assert_eq!((a.sky.sun.direction, a.sky.sun.distance_m), (b.sky.sun.direction, b.sky.sun.distance_m));
+    assert_eq!(a.models, b.models);
+    assert!(a.models.eclipses && a.models.mars_heat && a.models.mars_shadows == Some(DiscRule::G12));
     assert_eq!(
         (a.models.sun, b.models.sun, b.sky.sun.limb_darkening),
         (SunModel::Disc(DiscRule::G7), a.models.sun, 0.35)

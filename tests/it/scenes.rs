@@ -89,6 +89,7 @@ pub(crate) fn mars(centre_m: DVec3) -> Mars {
         reflectance: Spectrum::constant(0.25),
         bond_albedo: 0.25,
         thermal_exitance_w_m2: 110.0,
+        day_night_k: [270.0, 200.0],
     }
 }
 

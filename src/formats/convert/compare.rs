@@ -185,7 +185,7 @@ impl Lines {
             body,
             sky: Sky { sun, mars, beams, rotation },
             exposure,
-            models: Models { thermal, mars_light, sun: sun_model, conduction },
+            models: Models { thermal, mars_light, sun: sun_model, eclipses, mars_shadows, mars_heat, conduction },
         } = &**a;
         let Surface { origin_m, mesh, materials, textures } = &**body;
         self.places("origin_m", *origin_m, b.body.origin_m);
@@ -233,6 +233,9 @@ impl Lines {
             }
         }
         self.debugged("sun.points", sun_model, &b.models.sun);
+        self.debugged("mars.eclipse", eclipses, &b.models.eclipses);
+        self.debugged("mars.points", mars_shadows, &b.models.mars_shadows);
+        self.debugged("mars.heat", mars_heat, &b.models.mars_heat);
         self.exposures(exposure, &b.exposure);
     }
 
@@ -421,12 +424,15 @@ impl Lines {
     }
 
     fn mars(&mut self, a: &Mars, b: &Mars) {
-        let Mars { centre_m, radius_m, reflectance, bond_albedo, thermal_exitance_w_m2 } = a;
+        let Mars { centre_m, radius_m, reflectance, bond_albedo, thermal_exitance_w_m2, day_night_k } = a;
         self.places("mars.position_m", *centre_m, b.centre_m);
         self.numbers("mars.radius_m", *radius_m, b.radius_m);
         self.spectra("mars.albedo", reflectance, &b.reflectance);
         self.numbers("mars.bond_albedo", *bond_albedo, b.bond_albedo);
         self.numbers("mars.thermal_exitance_w_m2", *thermal_exitance_w_m2, b.thermal_exitance_w_m2);
+        for ((name, a), b) in ["mars.day_k", "mars.night_k"].iter().zip(day_night_k).zip(b.day_night_k) {
+            self.numbers(name, *a, b);
+        }
     }
 
     /// What flies over a scene: the Sun and cameras of a sequence's simulations.

@@ -14,7 +14,9 @@ use crate::formats::input::{self, InputFile};
 use crate::formats::scene_toml::types::{LightToml, ShapeToml};
 use crate::geometry::{Direction, Mesh, index_u32};
 use crate::physics::sun_disc::DiscRule;
-use crate::scene::{Hapke, Mars, MarsModel, Material, Models, Photometry, Rpv, Scene, Sun, SunModel, Thermal};
+use crate::scene::{
+    Hapke, MARS_DAY_NIGHT_K, Mars, MarsModel, Material, Models, Photometry, Rpv, Scene, Sun, SunModel, Thermal,
+};
 use crate::spectral::{Band, Extend, Light, Response, Spectrum, solar_e490};
 
 use super::frame;
@@ -110,6 +112,14 @@ struct SunPart {
     irradiance_1au: SunSpectrum,
 }
 
+fn usual_day_night_k() -> [f64; 2] {
+    MARS_DAY_NIGHT_K
+}
+
+fn is_usual_day_night_k(value: &[f64; 2]) -> bool {
+    *value == MARS_DAY_NIGHT_K
+}
+
 fn is_zero(value: &f64) -> bool {
     *value == 0.0
 }
@@ -131,6 +141,17 @@ struct MarsPart {
     bond_albedo: f64,
     thermal_exitance_w_m2: f64,
     model: MarsModelName,
+    /// Whether it hides the Sun.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    eclipse: bool,
+    /// How many stand for its lit disc.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    points: Option<usize>,
+    /// Whether its heat lights the surface.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    heat: bool,
+    #[serde(default = "usual_day_night_k", skip_serializing_if = "is_usual_day_night_k")]
+    day_night_k: [f64; 2],
     reflectance: Table,
 }
 
@@ -233,6 +254,10 @@ impl Sidecar {
                     MarsModel::Thesis => MarsModelName::Thesis,
                     MarsModel::Off => MarsModelName::Off,
                 },
+                eclipse: scene.models.eclipses,
+                points: scene.models.mars_shadows.map(DiscRule::count),
+                heat: scene.models.mars_heat,
+                day_night_k: mars.day_night_k,
                 reflectance: Table::of(&mars.reflectance),
             }),
             materials: scene.body.materials.iter().map(material_part).collect(),
@@ -291,6 +316,7 @@ impl Sidecar {
             reflectance: mars.reflectance.spectrum()?,
             bond_albedo: mars.bond_albedo,
             thermal_exitance_w_m2: mars.thermal_exitance_w_m2,
+            day_night_k: mars.day_night_k,
         })
     }
 
@@ -305,9 +331,11 @@ impl Sidecar {
             MarsModelName::Thesis => MarsModel::Thesis,
             MarsModelName::Off => MarsModel::Off,
         });
-        let rule = |points| DiscRule::ALL.into_iter().find(|rule| rule.count() == points);
-        let sun = self.sun.points.and_then(rule).map_or(SunModel::Point, SunModel::Disc);
-        Models { thermal, mars_light, sun, ..Models::default() }
+        let sun = self.sun.points.and_then(DiscRule::of_count).map_or(SunModel::Point, SunModel::Disc);
+        let mars_shadows = self.mars.as_ref().and_then(|mars| DiscRule::of_count(mars.points?));
+        let eclipses = self.mars.as_ref().is_some_and(|mars| mars.eclipse);
+        let mars_heat = self.mars.as_ref().is_some_and(|mars| mars.heat);
+        Models { thermal, mars_light, sun, eclipses, mars_shadows, mars_heat, ..Models::default() }
     }
 
     /// The camera's axes right, down, ahead as columns; `None` if they are no axes.

@@ -607,7 +607,8 @@ impl SceneBuilder<'_> {
     fn with_thermal(&mut self, mut scene: Setup) -> Setup {
         let simulation = self.simulation;
         if let Some(sidecar) = &self.sidecar {
-            scene.models.thermal = sidecar.models().thermal;
+            // How Mars lights the scene is told by its own files.
+            scene.models = Models { mars_light: scene.models.mars_light, ..sidecar.models() };
             let functions = thermal_functions(&scene);
             let modes = intervals(&scene, &functions);
             let is_same = functions.len() == simulation.thermal.len()

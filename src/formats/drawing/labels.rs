@@ -5,11 +5,17 @@ use super::{Anchor, Colour, Drawing, text_width};
 /// Boxes that are taken: left, top, right, bottom.
 type Rect = [f64; 4];
 
+/// What a label's place costs: a share of it over another label or outside, a share over marks and lines, and each step away from its mark.
+const OVER_LABEL: f64 = 40.0;
+const ACROSS: f64 = 4.0;
+const FARTHER: f64 = 0.06;
+
 /// Places labels in a part of a drawing.
 #[derive(Debug, Clone)]
 pub struct Labels {
     inside: Rect,
-    taken: Vec<Rect>,
+    /// With how much an overlap counts.
+    taken: Vec<(Rect, f64)>,
     size: f64,
 }
 
@@ -19,9 +25,9 @@ impl Labels {
         Labels { inside, taken: vec![], size }
     }
 
-    /// Keeps a box free of labels.
+    /// Keeps a box free of labels, as far as there is room near by.
     pub fn keep_free(&mut self, rect: Rect) {
-        self.taken.push(rect);
+        self.taken.push((rect, ACROSS));
     }
 
     /// Writes a label beside a point; from one that is farther away a thin line leads to it.
@@ -47,7 +53,7 @@ impl Labels {
                     Anchor::End => at_x - width,
                 };
                 let rect = [left, at_y - 0.5 * height, left + width, at_y + 0.5 * height];
-                let cost = self.cost(&rect) + 0.02 * f64::from(ring);
+                let cost = self.cost(&rect) + FARTHER * f64::from(ring);
                 if best.as_ref().is_none_or(|(least, ..)| cost < *least - 1e-9) {
                     best = Some((cost, rect, anchor));
                 }
@@ -66,7 +72,7 @@ impl Labels {
         };
         // The baseline: letters reach some 0.74 of their size above it.
         drawing.text([at_x, bottom - 0.16 * self.size], anchor, self.size, colour, said);
-        self.taken.push([left - 3.0, top - 1.0, right + 3.0, bottom + 1.0]);
+        self.taken.push(([left - 3.0, top - 1.0, right + 3.0, bottom + 1.0], OVER_LABEL));
     }
 
     /// How badly a box lies: overlaps weigh most, as shares of it.
@@ -74,8 +80,8 @@ impl Labels {
         let area = |r: &Rect| (r[2] - r[0]).max(0.0) * (r[3] - r[1]).max(0.0);
         let common = |a: &Rect, b: &Rect| area(&[a[0].max(b[0]), a[1].max(b[1]), a[2].min(b[2]), a[3].min(b[3])]);
         let outside = area(rect) - common(rect, &self.inside);
-        let overlaps: f64 = self.taken.iter().map(|taken| common(rect, taken)).sum();
-        (10.0 * outside + 4.0 * overlaps) / area(rect).max(1.0)
+        let overlaps: f64 = self.taken.iter().map(|(taken, weight)| weight * common(rect, taken)).sum();
+        (OVER_LABEL * outside + overlaps) / area(rect).max(1.0)
     }
 }
 
@@ -91,7 +97,7 @@ mod tests {
         for i in 0..12 {
             labels.place(&mut drawing, [200.0, 150.0], [0; 3], &format!("method number {i}"));
         }
-        let boxes: Vec<Rect> = labels.taken.clone();
+        let boxes: Vec<Rect> = labels.taken.iter().map(|taken| taken.0).collect();
         assert_eq!(boxes.len(), 12);
         for (i, a) in boxes.iter().enumerate() {
             assert!(a[0] >= -3.0 && a[2] <= 403.0 && a[1] >= -1.0 && a[3] <= 301.0, "{a:?}");

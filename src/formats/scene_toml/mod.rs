@@ -7,6 +7,7 @@ mod angles;
 mod atlas;
 mod attitude;
 pub(super) mod format;
+mod lamps;
 mod lens;
 mod materials;
 mod mesh;
@@ -25,8 +26,8 @@ use crate::geometry::{Direction, Pose};
 use crate::physics::sun_disc::DiscRule;
 use crate::progress::{Progress, Watch};
 use crate::scene::{
-    FARTHEST_M, MARS_ALBEDO, Mars, MarsModel, Models, Rotation, STEPS_OF_A_DAY, Scene, SceneParts, Sky, Sun, SunModel,
-    Surface, Texture, Thermal,
+    FARTHEST_M, MARS_ALBEDO, MARS_DAY_NIGHT_K, Mars, MarsModel, Models, Rotation, STEPS_OF_A_DAY, Scene, SceneParts,
+    Sky, Sun, SunModel, Surface, Texture, Thermal,
 };
 use crate::spectral::{Extend, Spectrum, SunTotal, solar_e490};
 use crate::units::{AU_M, MARS_RADIUS_M, SUN_RADIUS_M, TSI_1AU_W_M2};
@@ -239,7 +240,11 @@ impl TomlReader<'_> {
         let mars_light = toml.mars.as_ref().map(|mars| self.mars_light(mars)).unwrap_or_default();
         let thermal = self.thermal(toml.thermal.as_ref());
         let (rotation, conduction) = self.day(toml.thermal.as_ref());
+        let beams = self.lamps(&toml.lamps);
         let sun_model = self.sun_model(&toml.sun);
+        let eclipses = toml.mars.as_ref().and_then(|mars| mars.eclipse).unwrap_or(false);
+        let mars_heat = toml.mars.as_ref().and_then(|mars| mars.heat).unwrap_or(false);
+        let mars_shadows = self.rule("mars.points", toml.mars.as_ref().and_then(|mars| mars.points));
         let pose = self.camera_pose(toml.observer.as_ref(), by_angles.camera);
         let exposure = self.exposure(&toml.sensor, pose, mesh.as_ref());
         if let (Some(mesh), Some(exposure)) = (&mesh, &exposure) {
@@ -254,11 +259,11 @@ impl TomlReader<'_> {
                     Some(mars) => Some(mars?),
                     None => None,
                 },
-                beams: vec![],
+                beams,
                 rotation,
             },
             exposure: exposure?,
-            models: Models { thermal, mars_light, sun: sun_model, conduction },
+            models: Models { thermal, mars_light, sun: sun_model, eclipses, mars_shadows, mars_heat, conduction },
         })
     }
 
@@ -417,8 +422,10 @@ impl TomlReader<'_> {
             Some(Frame::Site) => Some(self.body_from_site("sun.frame", "the frame of a site")?),
             _ => None,
         };
+        // How far a lamp in the Sun's stead is does not matter.
+        let of_lamp = toml.irradiance.as_ref().filter(|_| toml.position_m.is_none()).map(|_| 1.0);
         // A direction, if there is one, and a distance, m.
-        let place = match (toml.position_m, toml.direction, toml.distance_au) {
+        let place = match (toml.position_m, toml.direction, toml.distance_au.or(of_lamp)) {
             (None, None, Some(distance_au)) if by_angles.is_some() => {
                 by_angles.flatten().map(|d| (Some(d), distance_au * AU_M))
             }
@@ -486,24 +493,39 @@ impl TomlReader<'_> {
             }
             Some((direction?, distance_m))
         });
-        let (spectrum, total) = self.sun_spectrum(toml)?;
+        let (spectrum, total) = match &toml.irradiance {
+            None => self.sun_spectrum(toml)?,
+            Some(_) if toml.spectrum.is_some() => {
+                self.problem("sun.spectrum", "`irradiance` says how bright the Sun is: leave one of them out");
+                return None;
+            }
+            Some(values) => {
+                let (at_scene, total) = self.stated_irradiance("sun", values, toml.total_irradiance_w_m2)?;
+                let at_1_au = (place?.1 / AU_M).powi(2);
+                (at_scene.map(|v| v * at_1_au), total * at_1_au)
+            }
+        };
         let (direction, distance_m) = place?;
         let limb_darkening = toml.limb_darkening.unwrap_or(0.0);
         Some(Sun { direction, distance_m, irradiance_1au: spectrum, total_irradiance_1au_w_m2: total, limb_darkening })
     }
 
     fn sun_model(&mut self, toml: &SunToml) -> SunModel {
-        match toml.points {
-            None | Some(1) => SunModel::Point,
-            Some(points) => match DiscRule::ALL.into_iter().find(|rule| rule.count() == points as usize) {
-                Some(rule) => SunModel::Disc(rule),
-                None => {
-                    let counts: Vec<String> = DiscRule::ALL.iter().map(|rule| rule.count().to_string()).collect();
-                    self.problem("sun.points", format!("{points} is not one of {}", counts.join(", ")));
-                    SunModel::Point
-                }
-            },
+        match self.rule("sun.points", toml.points) {
+            None | Some(DiscRule::G1) => SunModel::Point,
+            Some(rule) => SunModel::Disc(rule),
         }
+    }
+
+    /// The points that stand for a disc; `None` if the file does not say how many.
+    fn rule(&mut self, item: &str, points: Option<u32>) -> Option<DiscRule> {
+        let points = points?;
+        let rule = DiscRule::of_count(points as usize);
+        if rule.is_none() {
+            let counts: Vec<String> = DiscRule::ALL.iter().map(|rule| rule.count().to_string()).collect();
+            self.problem(item, format!("{points} is not one of {}", counts.join(", ")));
+        }
+        rule
     }
 
     /// The spectrum at 1 au and its total, W m-2.
@@ -617,6 +639,7 @@ impl TomlReader<'_> {
             reflectance: reflectance?,
             bond_albedo: bond_albedo?,
             thermal_exitance_w_m2: thermal_exitance_w_m2?,
+            day_night_k: [toml.day_k.unwrap_or(MARS_DAY_NIGHT_K[0]), toml.night_k.unwrap_or(MARS_DAY_NIGHT_K[1])],
         })
     }
 

@@ -29,6 +29,9 @@ pub(crate) struct SceneToml {
     pub(crate) sun: SunToml,
     /// Mars as a second source; leave it out for none.
     pub(crate) mars: Option<MarsToml>,
+    /// Further sources at infinity, each with its own shadows.
+    #[serde(default)]
+    pub(crate) lamps: Vec<LampToml>,
     /// How warm the surface is.
     pub(crate) thermal: Option<ThermalToml>,
     /// Sun, camera or both by angles above a target, instead of their positions.
@@ -509,10 +512,14 @@ pub(crate) struct SunToml {
     pub(crate) direction: Option<[f64; 3]>,
     /// From `origin_m` to the Sun, au.
     pub(crate) distance_au: Option<f64>,
+    /// Irradiance at the scene, whatever the distance (1 au if there is none), instead of a spectrum: of a lamp in the Sun's stead, W m-2 um-1, a
+    /// number (1: unit irradiance) or the path of a CSV table.
+    pub(crate) irradiance: Option<Values>,
     /// Irradiance at 1 au: "e490" (ASTM E490-00a, built in, the default) or the path of a CSV table.
     pub(crate) spectrum: Option<String>,
     /// Total irradiance at 1 au that the spectrum is scaled to, with what is added beyond its ends, W m-2. Default: the spectrum as it is; beyond its
-    /// ends E490, scaled to join it, if it may be the Sun's (0.5 to 2 times E490), else nothing.
+    /// ends E490, scaled to join it, if it may be the Sun's (0.5 to 2 times E490), else nothing. With `irradiance` it is that at the scene, and scales
+    /// nothing; default: the integral of its table, 0 of a number.
     pub(crate) total_irradiance_w_m2: Option<f64>,
     /// How much darker its limb is than its middle, u in 1 - u (1 - cos(emission)): some 0.6 in the visible, 0.2 at 3 um. Default 0: a
     /// uniform disc. It matters with `points`.
@@ -520,6 +527,22 @@ pub(crate) struct SunToml {
     /// Number of points that stand for its disc, with the penumbrae that these cast: 3, 4, 7, 12, 19, 21 or 37. Default 1, a point Sun: shadows
     /// have sharp edges.
     pub(crate) points: Option<u32>,
+}
+
+/// Parallel light of a stated irradiance.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LampToml {
+    /// What it is called: letters, digits, `-` and `_`.
+    pub(crate) name: String,
+    /// What `direction` is given in. Default "body".
+    pub(crate) frame: Option<Frame>,
+    /// Towards it; any length.
+    pub(crate) direction: [f64; 3],
+    /// Irradiance at the scene on a plane normal to its light, W m-2 um-1: a number, or the path of a CSV table.
+    pub(crate) irradiance: Values,
+    /// Total of that, for the heat balance, W m-2. Default: the integral of a table; 0 of a number.
+    pub(crate) total_irradiance_w_m2: Option<f64>,
 }
 
 /// Mars as an extended second source.
@@ -536,8 +559,20 @@ pub(crate) struct MarsToml {
     pub(crate) bond_albedo: Option<f64>,
     /// Mean thermal exitance, for the heat balance, W m-2. Default 110.
     pub(crate) thermal_exitance_w_m2: Option<f64>,
+    /// Brightness temperature of its day side, K. Default 270. It matters with `heat`.
+    pub(crate) day_k: Option<f64>,
+    /// The same of its night side. Default 200.
+    pub(crate) night_k: Option<f64>,
+    /// Whether its own heat lights the surface too, in bands that hold heat and sunlight. Default false: next to its reflected light it matters
+    /// beyond 3 um.
+    pub(crate) heat: Option<bool>,
     /// Which equations. Default "near_field".
     pub(crate) model: Option<MarsModelToml>,
+    /// Whether it hides the Sun where it stands before it. Default false: the site stays lit, with a warning.
+    pub(crate) eclipse: Option<bool>,
+    /// Number of parts of its disc that terrain may hide: 1, 3, 4, 7, 12, 19, 21 or 37. Default: none, only a facet's own horizon hides some
+    /// of it.
+    pub(crate) points: Option<u32>,
 }
 
 /// How Mars-light is computed.

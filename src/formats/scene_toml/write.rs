@@ -23,7 +23,9 @@ use crate::formats::{obj, photometry_csv, reflectance_csv, response_csv};
 use crate::geometry::FrameCamera;
 use crate::physics::srgb::linear_from_hex;
 use crate::report::{Fate, Report};
-use crate::scene::{MARS_ALBEDO, MarsModel, Material, Model, Photometry, Rotation, Scene, SunModel, Thermal};
+use crate::scene::{
+    MARS_ALBEDO, MARS_DAY_NIGHT_K, MarsModel, Material, Model, Photometry, Rotation, Scene, SunModel, Thermal,
+};
 use crate::spectral::{Band, Extend, Response, Spectrum, SunTotal, solar_e490, solar_mean};
 use crate::units::{AU_M, MARS_RADIUS_M};
 
@@ -246,6 +248,7 @@ impl Writer<'_> {
         }
         text += &self.sun()?;
         text += &self.mars()?;
+        text += &self.lamps()?;
         text += &self.thermal();
         let pose = &scene.exposure.camera.world_from_sensor;
         let _ = match is_site {
@@ -449,13 +452,6 @@ impl Writer<'_> {
     }
 
     fn sun(&mut self) -> Result<String> {
-        for beam in &self.scene.sky.beams {
-            self.report.note(
-                Fate::Dropped,
-                Location::item(format!("beams.{:?}", beam.name)),
-                "a scene file has the Sun and Mars alone",
-            );
-        }
         let sun = &self.scene.sky.sun;
         let au = exact(sun.distance_m / AU_M, |au| au * AU_M, sun.distance_m);
         let direction = list(sun.direction.vec());
@@ -552,6 +548,46 @@ impl Writer<'_> {
         };
         if !self.is_left_out("mars.model", self.scene.models.mars_light == MarsModel::NearField) {
             let _ = writeln!(text, "model = \"{model}\"");
+        }
+        for (key, value, usual) in
+            [("day_k", mars.day_night_k[0], MARS_DAY_NIGHT_K[0]), ("night_k", mars.day_night_k[1], MARS_DAY_NIGHT_K[1])]
+        {
+            if value != usual {
+                let _ = writeln!(text, "{key} = {value:?}");
+            }
+        }
+        if self.scene.models.mars_heat {
+            text.push_str("heat = true\n");
+        }
+        if self.scene.models.eclipses {
+            text.push_str("eclipse = true\n");
+        }
+        if let Some(rule) = self.scene.models.mars_shadows {
+            let _ = writeln!(text, "points = {}", rule.count());
+        }
+        Ok(text)
+    }
+
+    fn lamps(&mut self) -> Result<String> {
+        let mut text = String::new();
+        for beam in &self.scene.sky.beams {
+            let item = format!("lamps.{:?}.irradiance", beam.name);
+            let irradiance = match constant(&beam.irradiance) {
+                Some(value) => format!("{value:?}"),
+                None => {
+                    let table = self.known(&beam.irradiance, &item);
+                    let column = [("irradiance_w_m2_um", &table)];
+                    let name = format!(".{}", beam.name);
+                    quoted(&self.file(&name, "csv", |out| photometry_csv::write(out, &column))?)
+                }
+            };
+            let (name, direction) = (quoted(&beam.name), list(beam.direction.vec()));
+            let frame = if self.options.axes == Axes::Site { "frame = \"site\"\n" } else { "" };
+            let total = beam.total_irradiance_w_m2;
+            let _ = writeln!(
+                text,
+                "\n[[lamps]]\nname = {name}\n{frame}direction = {direction}\nirradiance = {irradiance}\ntotal_irradiance_w_m2 = {total:?}"
+            );
         }
         Ok(text)
     }

@@ -12,7 +12,10 @@ mod temperature_grid;
 mod variation;
 mod fragment_angles;
 
+use std::f64::consts::PI;
+
 use crate::geometry::index_u32;
+use crate::physics::blackbody;
 use crate::product::FacetTable;
 use crate::scene::{DirectionField, Incoming, Material, Scene, Source, Texture};
 use crate::spectral::{Band, Spectrum};
@@ -124,14 +127,14 @@ impl<'a> Emission<'a> {
 
     /// A material's surface, and the light on it, at the wavelengths of each band.
     fn samples(&self, material: &Material) -> Vec<Vec<Sample>> {
-        let sources = self.scene.sky.sources();
-        let sample = |(um, weight): (f64, f64)| {
-            let incoming = |source: &Source| self.incoming(source, um).iter().product::<f64>() * weight;
+        let sources = self.scene.sources();
+        let sample = |band: &Band, (um, weight): (f64, f64)| {
+            let incoming = |source: &Source| self.incoming(source, band, um).iter().product::<f64>() * weight;
             let brdf = material.photometry.brdf(um)?;
             Some(Sample { um, brdf, incoming: sources.iter().map(incoming).collect() })
         };
         let of_band = |band: &Band| match band.light.is_lit() {
-            true => self.quadrature(band).into_iter().filter_map(sample).collect(),
+            true => self.quadrature(band).into_iter().filter_map(|at| sample(band, at)).collect(),
             false => vec![],
         };
         self.scene.exposure.bands.iter().map(of_band).collect()
@@ -259,10 +262,10 @@ impl<'a> Emission<'a> {
     pub fn spectra(&self) -> Vec<f64> {
         let bands = &self.scene.exposure.bands;
         let mut spectra = vec![0.0; self.rows * bands.len()];
-        let sources = self.scene.sky.sources();
+        let sources = self.scene.sources();
         for (b, band) in bands.iter().enumerate().filter(|(_, band)| band.light.is_lit()) {
             for (um, weight) in self.quadrature(band) {
-                let incoming: Vec<[f64; 2]> = sources.iter().map(|source| self.incoming(source, um)).collect();
+                let incoming: Vec<[f64; 2]> = sources.iter().map(|source| self.incoming(source, band, um)).collect();
                 for (first, family) in &self.families {
                     let add = |row: usize, value: f64| spectra[(first + row) * bands.len() + b] += value;
                     match family {
@@ -285,12 +288,17 @@ impl<'a> Emission<'a> {
     }
 
     /// Irradiance normal to a source's beam, W m-2 um-1, as a product of a light and of what happens to it on the way.
-    fn incoming(&self, source: &Source, um: f64) -> [f64; 2] {
+    fn incoming(&self, source: &Source, band: &Band, um: f64) -> [f64; 2] {
         let sunlight = || self.scene.sky.sun.irradiance_w_m2_um(um).unwrap_or(f64::NAN);
         match source.incoming {
             Incoming::Sunlight => [sunlight(), 1.0],
             Incoming::Reflected(reflectance) => [sunlight(), at(reflectance, um)],
             Incoming::Own(irradiance) => [at(irradiance, um), 1.0],
+            Incoming::Heat(parts) if band.light.glows() => {
+                let of_part = |(share, t_k): (f64, f64)| share * PI * blackbody::radiance_w_m2_sr_um(um, t_k);
+                [parts.map(of_part).iter().sum(), 1.0]
+            }
+            Incoming::Heat(_) => [0.0, 1.0],
         }
     }
 

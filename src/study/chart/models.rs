@@ -3,11 +3,12 @@
 use crate::physics::sun_disc::DiscRule;
 use crate::scene::{MarsModel, Models, Setup, SunModel, Thermal};
 
-/// Everything that the scene states and this program models.
+/// Everything that the scene asks for, and at least heat, Mars near at hand, and the Sun as a disc.
 pub(super) fn full(setup: Setup) -> Setup {
     // A scene without heat may lack what heat needs.
     let thermal = if setup.models.thermal == Thermal::Off { Thermal::Off } else { Thermal::Equilibrium };
-    let models = Models { thermal, mars_light: MarsModel::NearField, sun: SunModel::Disc(DiscRule::E37) };
+    let models =
+        Models { thermal, mars_light: MarsModel::NearField, sun: SunModel::Disc(DiscRule::E37), ..setup.models };
     Setup { models, ..setup }
 }
 

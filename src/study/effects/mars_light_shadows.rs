@@ -1,27 +1,47 @@
 //! Terrain between a facet and Mars.
 
-use super::{EffectKind, Finding, Given};
+use super::{EffectKind, Finding, Given, OwnTolerance, Switch};
+use crate::physics::sun_disc::DiscRule;
+use crate::scene::MarsModel;
 use crate::spectral::Light;
 
 pub(super) const KIND: EffectKind = EffectKind {
     key: "mars-shadows",
     name: "shadows in Mars-light",
-    equation: None,
-    step: None,
+    equation: Some("physics::mars_points"),
+    step: Some("solve::mars_shadows"),
     light: Some(Light::is_lit),
-    switch: None,
+    switch: Some(Switch {
+        add: |models, stated, given, _| {
+            let rule = stated.mars_shadows.unwrap_or(ENOUGH);
+            models.mars_shadows = given.scene.sky.mars.as_ref().map(|_| rule);
+        },
+        remove: |models| models.mars_shadows = None,
+        cost_s: |given, models| models.mars_shadows.map_or(0.0, |rule| given.shadows_s() * rule.count() as f64),
+        own: Some(|_, models| OwnTolerance {
+            of: "of the Mars-light of a facet that a straight horizon crosses".into(),
+            left: models.mars_shadows.map_or(1.0, DiscRule::share_error),
+        }),
+        drops_by_own: false,
+    }),
     find,
 };
 
+/// Parts of Mars that are good to 1 % of all Mars-light where Mars stands high.
+const ENOUGH: DiscRule = DiscRule::G7;
+
 fn find(given: &Given) -> Finding {
-    let missing = match &given.scene.sky.mars {
-        Some(_) => "a facet's own horizon cuts Mars, other terrain does not",
-        None => "no Mars in the scene",
-    };
+    let (mars, models) = (&given.scene.sky.mars, given.scene.models);
     Finding {
-        missing: Some(missing.into()),
+        modelled: mars.is_some() && models.mars_shadows.is_some() && models.mars_light != MarsModel::Off,
+        missing: mars.is_none().then(|| "no Mars in the scene".into()),
         bound: super::mars_light::bound(given),
-        note: "terrain may hide Mars".into(),
+        note: match models.mars_shadows {
+            Some(rule) => {
+                format!("each facet has the share of Mars-light that terrain leaves, of {} parts of Mars", rule.count())
+            }
+            None => "a facet's own horizon cuts Mars, other terrain does not".into(),
+        },
         because: "all of the Mars-light".into(),
         ..Finding::default()
     }

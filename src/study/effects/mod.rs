@@ -8,6 +8,7 @@ mod beaming;
 mod bound;
 mod eclipse;
 mod given;
+mod glow_of_mars;
 mod heat_from_mars;
 mod instrument;
 mod interreflection;
@@ -31,13 +32,14 @@ pub(super) use eclipse::by_mars;
 pub(super) use given::{Given, mars_seen};
 
 /// All effects, in the order of the report.
-pub(super) const ALL: [EffectKind; 14] = [
+pub(super) const ALL: [EffectKind; 15] = [
     sunlight::KIND,
     photometric_function::KIND,
     solar_disc::KIND,
     eclipse::KIND,
     mars_light::KIND,
     mars_light_shadows::KIND,
+    glow_of_mars::KIND,
     interreflection::KIND,
     thermal_emission::KIND,
     heat_from_mars::KIND,

@@ -27,7 +27,7 @@ pub(super) const KIND: EffectKind = EffectKind {
         own: Some(|given, models| OwnTolerance {
             of: "at the edges of shadows, over the median sunlit radiance".into(),
             left: match models.sun {
-                SunModel::Point => edge(given, DiscRule::G1) + along_the_rays(given),
+                SunModel::Point => edge(given, DiscRule::G1),
                 SunModel::Disc(rule) => edge(given, rule),
             },
         }),
@@ -36,28 +36,11 @@ pub(super) const KIND: EffectKind = EffectKind {
     find,
 };
 
-/// The largest error of a pixel at the edge of a shadow, over the median sunlit radiance.
+/// The largest error of a pixel at the edge of a shadow, or along the rays, over the median sunlit radiance.
 fn edge(given: &Given, rule: DiscRule) -> f64 {
-    let sun = &given.scene.sky.sun;
-    bounds::shadow_edge(
-        rule.edge_error(),
-        sun.sin_radius(),
-        given.throw_m(),
-        given.pixel_m(),
-        given.median_brightness(),
-    )
-}
-
-/// Of ground along the rays, to which a point Sun gives nothing, if there is any.
-fn along_the_rays(given: &Given) -> f64 {
-    let sun_rad = sun::angular_radius_rad(given.scene.sky.sun.distance_m);
-    let is_there = given
-        .extremes
-        .facing
-        .iter()
-        .flat_map(|facing| facing.classes())
-        .any(|class| class.least_cos_incidence <= sun_rad);
-    if is_there { bounds::terminator(sun_rad) / given.median_brightness() } else { 0.0 }
+    let (sin_radius, brightness) = (given.scene.sky.sun.sin_radius(), given.median_brightness());
+    bounds::shadow_edge(rule.edge_error(), sin_radius, given.throw_m(), given.pixel_m(), brightness)
+        + rule.limb_error() * sin_radius / brightness
 }
 
 fn find(given: &Given) -> Finding {

@@ -136,6 +136,7 @@ pub(super) fn scene(mesh: Mesh, reflectances: &[f64], sun: Direction, camera: Fr
         emissivity: Spectrum::constant(1.0 - reflectance),
         bond_albedo: *reflectance,
         emissivity_bolometric: 0.95,
+        thermal_inertia: 0.0,
         mixture: vec![(i, 1.0)],
     };
     SceneParts {
@@ -155,6 +156,7 @@ pub(super) fn scene(mesh: Mesh, reflectances: &[f64], sun: Direction, camera: Fr
             },
             mars: None,
             beams: vec![],
+            rotation: None,
         },
         exposure: Exposure { instrument: "stability".into(), camera, bands: vec![Band::new(1.0, None)] },
         models: Models { thermal: Thermal::Off, ..Models::default() },

@@ -103,6 +103,7 @@ impl Patch {
             reflectance: Spectrum::constant(1.0),
             bond_albedo: 1.0,
             thermal_exitance_w_m2: 0.0,
+            day_night_k: crate::scene::MARS_DAY_NIGHT_K,
         });
         let parts = SceneParts {
             surface: Surface {

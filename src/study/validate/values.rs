@@ -511,7 +511,7 @@ impl Oracle<'_> {
             }
             "two_disc_visible_fraction" => {
                 let (sun, other, apart) = (self.input("r_sun")?, self.input("r_occ")?, self.input("d")?);
-                reference(sun_disc::share_beside_disc(other / sun, apart / sun))
+                reference(sun_disc::share_beside_disc(other / sun, apart / sun, self.input("u").unwrap_or(0.0)))
             }
             "edge_shadow_width" => {
                 let sun_rad = sun_rad()?;
