@@ -245,7 +245,7 @@ impl Chunk<'_> {
 }
 
 /// Share of a facet that a source sees.
-fn share(sees: &Sees, facet: usize) -> f64 {
+pub(super) fn share(sees: &Sees, facet: usize) -> f64 {
     match sees {
         Sees::All => 1.0,
         Sees::Shares(shares) => shares[facet],

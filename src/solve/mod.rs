@@ -3,6 +3,7 @@
 
 mod eclipse;
 mod emission;
+mod exchange;
 mod irradiance;
 mod mars_shadows;
 mod shadows;
@@ -40,5 +41,8 @@ fn filled(scene: &Scene, mut table: FacetTable, watch: Watch<'_>) -> Result<Face
     tell(watch, "irradiance", 0, 1)?;
     irradiance::fill(scene, &mut table);
     tell(watch, "irradiance", 1, 1)?;
+    if let Some(of) = scene.models.exchange {
+        exchange::add(scene, &mut table, of, watch)?;
+    }
     Ok(table)
 }

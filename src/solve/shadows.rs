@@ -47,7 +47,7 @@ pub(super) fn lit_as(scene: &Scene, sunlit: Option<Seen>, watch: Watch<'_>) -> R
         sources.push(Lighting { source: source.name.to_owned(), field: source.field, irradiance, sees });
     }
     let temperature = || vec![0.0; if scene.models.thermal == Thermal::Off { 0 } else { facets }];
-    Ok(FacetTable { sources, temperature_lit_k: temperature(), temperature_shaded_k: temperature() })
+    Ok(FacetTable { sources, temperature_lit_k: temperature(), temperature_shaded_k: temperature(), reflected: vec![] })
 }
 
 /// What of each facet a source sees.

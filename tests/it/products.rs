@@ -365,6 +365,7 @@ fn table() -> FacetTable {
         ],
         temperature_lit_k: vec![300.1, 0.0, 1.0, 2.0],
         temperature_shaded_k: vec![100.1, 0.0, 1.0, 2.0],
+        reflected: vec![],
     }
 }
 
@@ -373,7 +374,8 @@ fn facet_tables_come_back_bit_for_bit() {
     let scratch = Scratch::new();
     let path = scratch.join("table.npz");
     let sun = table().sources.remove(0);
-    let bare = FacetTable { sources: vec![sun], temperature_lit_k: vec![], temperature_shaded_k: vec![] };
+    let bare =
+        FacetTable { sources: vec![sun], temperature_lit_k: vec![], temperature_shaded_k: vec![], reflected: vec![] };
     for table in [table(), bare] {
         npz::write_table(&path, &table, "a scene \u{3bb}").unwrap();
         let (read, header) = npz::read_table(&path).unwrap();

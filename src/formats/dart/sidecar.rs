@@ -332,7 +332,7 @@ impl Sidecar {
         let mars_shadows = self.mars.as_ref().and_then(|mars| DiscRule::of_count(mars.points?));
         let eclipses = self.mars.as_ref().is_some_and(|mars| mars.eclipse);
         let mars_heat = self.mars.as_ref().is_some_and(|mars| mars.heat);
-        Models { thermal, mars_light, sun, eclipses, mars_shadows, mars_heat }
+        Models { thermal, mars_light, sun, eclipses, mars_shadows, mars_heat, ..Models::default() }
     }
 
     /// The camera's axes right, down, ahead as columns; `None` if they are no axes.

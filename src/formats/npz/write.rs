@@ -7,7 +7,7 @@ use std::path::Path;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-use super::{Field, Header};
+use super::{Field, Header, ReflectedBy};
 use crate::error::{Error, Result};
 use crate::formats::npy;
 use crate::visibility::Shown;
@@ -46,7 +46,7 @@ pub(super) fn write(
     path: &Path,
     (format, format_version): (&str, u32),
     scene: &str,
-    sources: &[String],
+    (sources, reflected): (&[String], Vec<ReflectedBy>),
     columns: &[Column<'_>],
 ) -> Result<()> {
     let fields = columns
@@ -59,6 +59,7 @@ pub(super) fn write(
         mmxrt: env!("CARGO_PKG_VERSION").to_owned(),
         scene: scene.to_owned(),
         sources: sources.to_vec(),
+        reflected,
         fields,
     };
     let io = |e| Error::io(path, "writing", e);

@@ -256,7 +256,15 @@ impl TomlReader<'_> {
                 beams,
             },
             exposure: exposure?,
-            models: Models { thermal, mars_light, sun: sun_model, eclipses, mars_shadows, mars_heat },
+            models: Models {
+                thermal,
+                mars_light,
+                sun: sun_model,
+                eclipses,
+                mars_shadows,
+                mars_heat,
+                ..Models::default()
+            },
         })
     }
 
