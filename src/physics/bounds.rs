@@ -33,6 +33,14 @@ pub fn interreflection(reflectance: f64, emitted: f64, form_factor: f64, cos_inc
     (reflectance + emitted) * form_factor / ((1.0 - reflectance * form_factor) * cos_incidence)
 }
 
+/// Light that is reflected more than n times between surfaces, over direct sunlight: (rho F)^(n + 1) / (1 - rho F).
+///
+/// Of what surfaces of a radiosity of at most rho E send, no more than F arrives; so each bounce is at most rho F of the one before. Limits: F < 1 / rho.
+pub fn further_bounces(reflectance: f64, form_factor: f64, bounces: u32) -> f64 {
+    let ratio = reflectance * form_factor;
+    ratio.powf(f64::from(bounces) + 1.0) / (1.0 - ratio)
+}
+
 /// Form factor of the surroundings of a facet of a height field whose slopes nowhere exceed b: 1 - cos^3 b.
 ///
 /// From no point does such a surface rise above an elevation of b. What is above it is a cone of sky of half angle
@@ -96,6 +104,15 @@ mod tests {
         assert!(interreflection(0.07, 0.93, 0.137_931, 0.5) * direct > 2.463_524 + 37.966_42);
         let f = surroundings_form_factor(43.6_f64.to_radians().cos());
         assert!(f > 0.137_931 && f < 1.0, "{f}");
+    }
+
+    #[test]
+    fn bounces_that_are_left_out() {
+        // In a furnace F is 1, and all bounces together are rho / (1 - rho); after 20 of them at 0.5 less than 1e-6 is left.
+        assert!((further_bounces(0.5, 1.0, 0) - 1.0).abs() < 1e-15);
+        assert!((further_bounces(0.95, 1.0, 0) - 19.0).abs() < 1e-12);
+        assert!((further_bounces(0.5, 1.0, 20) - 0.5_f64.powi(20)).abs() < 1e-18);
+        assert_eq!(further_bounces(0.07, 0.0, 1), 0.0);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! What reaches each facet, and how warm it is. Not radiance: that depends on the observer.
 
+use super::Reflected;
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::physics::heat;
 use crate::scene::{DirectionField, Models, Scene, Sky, Thermal};
@@ -54,6 +55,8 @@ pub struct FacetTable {
     pub temperature_lit_k: Vec<f64>,
     /// Temperature of the part in its shadow, K. Empty without thermal emission.
     pub temperature_shaded_k: Vec<f64>,
+    /// Light that facets send each other, of each colour; none if it is left out.
+    pub reflected: Vec<Reflected>,
     /// By which equations it was solved.
     pub models: Models,
 }
@@ -149,12 +152,19 @@ impl FacetTable {
                 problem(format!("{}_direction", source.name), message, AGAIN);
             }
         }
+        for (i, Reflected { source, by, irradiance }) in self.reflected.iter().enumerate() {
+            let is_known = *source < sources.len() && by.iter().all(|m| (m.0 as usize) < scene.body.materials.len());
+            if !is_known || irradiance.len() != facets {
+                let message = "light between facets is of other sources, materials or facets".into();
+                problem(format!("reflected[{i}]"), message, OF_ANOTHER);
+            }
+        }
         if problems.is_empty() { Ok(()) } else { Err(Error::Invalid(problems)) }
     }
 }
 
 /// No facet is warmer, K: one that faces the Sun, with a Mars that sends it as much light again, and all its heat, and every beam.
-fn warmest_k(scene: &Scene) -> f64 {
+pub(crate) fn warmest_k(scene: &Scene) -> f64 {
     let sun_w_m2 = scene.sky.sun.total_irradiance_w_m2();
     let mars_w_m2 = scene.sky.mars.as_ref().map_or(0.0, |mars| mars.thermal_exitance_w_m2);
     let beams_w_m2: f64 = scene.sky.beams.iter().map(|beam| beam.total_irradiance_w_m2).sum();

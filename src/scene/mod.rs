@@ -26,7 +26,7 @@ pub use body::{Body, Surface};
 pub use exposure::Exposure;
 pub(crate) use exposure::LEAST_PITCH;
 pub use material::Material;
-pub use models::{MarsModel, Models, SunModel, Thermal};
+pub use models::{Exchange, MarsModel, Models, SunModel, Thermal};
 pub(crate) use photometry::TOLERANCE;
 pub use photometry::{Hapke, Model, Photometry, Rpv, problems as model_problems};
 pub use sky::{Beam, MARS_ALBEDO, MARS_DAY_NIGHT_K, Mars, Rotation, Sky, Sun};

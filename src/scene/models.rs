@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::geometry::whole_u32;
 use crate::physics::sun_disc::DiscRule;
 
 /// The choice of models.
@@ -22,6 +23,8 @@ pub struct Models {
     pub mars_heat: bool,
     /// Steps of a day in which heat is conducted into the ground and back, in equilibrium otherwise; `None`: no heat is stored.
     pub conduction: Option<u32>,
+    /// How facets light and warm each other; `None`: they do not.
+    pub exchange: Option<Exchange>,
 }
 
 /// What the Sun is.
@@ -33,6 +36,52 @@ pub enum SunModel {
     Point,
     /// A disc, for which these points stand: shadows have penumbrae.
     Disc(DiscRule),
+}
+
+/// How light and heat between facets are computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Exchange {
+    /// How often light is reflected on its way, at most: fewer times if what is left is nothing.
+    pub bounces: u32,
+    /// Directions along which facets look at each other.
+    pub directions: u32,
+    /// Lines that meet a facet, in all directions together, on average.
+    pub lines_per_facet: u32,
+}
+
+/// More would make up for directions that are missing no longer; with fewer, directions are found that have no lines.
+const LINES_PER_DIRECTION: u32 = 8;
+/// Fewer directions than this leave gaps.
+const LEAST_DIRECTIONS: u32 = 32;
+
+impl Exchange {
+    /// What receives light between facets to within this share of it, root mean square over shadowed pixels that show a few facets each.
+    ///
+    /// Not a bound: measured on a site of 2e5 facets, where 256 directions gave 0.03; the error falls with the number of lines to the power 2/3.
+    pub fn to_within(tolerance: f64, bounces: u32) -> Self {
+        let directions = whole_u32((256.0 * (0.03 / tolerance).powf(1.5)).clamp(64.0, 16384.0));
+        Exchange { bounces, directions, lines_per_facet: LINES_PER_DIRECTION * directions }
+    }
+
+    /// CPU s of one bounce, about: 2.4e-8 for a facet and direction, 3.5e-9 for a line.
+    pub fn bounce_s(self, facets: usize) -> f64 {
+        facets as f64 * (2.4e-8 * f64::from(self.directions) + 3.5e-9 * f64::from(self.lines_per_facet))
+    }
+
+    /// What is enough for this share of all light, which may be off by more of itself.
+    #[must_use]
+    pub fn for_share(self, share: f64) -> Self {
+        let least = f64::from(LEAST_DIRECTIONS.min(self.directions)) / f64::from(self.directions.max(1));
+        let fewer = |number: u32| whole_u32((f64::from(number) * share.clamp(least, 1.0)).ceil());
+        Exchange { directions: fewer(self.directions), lines_per_facet: fewer(self.lines_per_facet), ..self }
+    }
+}
+
+impl Default for Exchange {
+    /// Two bounces, to about 3 %.
+    fn default() -> Self {
+        Exchange::to_within(0.03, 2)
+    }
 }
 
 /// How warm the surface is.

@@ -25,7 +25,9 @@ pub(super) fn fill(
 ) -> Result<()> {
     const STAGE: &str = "a day's sunlight";
     let facets = scene.body.mesh.facets.len();
-    let models = Models { conduction: None, ..scene.models };
+    // Of other times light between facets need not be as good.
+    let exchange = scene.models.exchange.map(|of| of.for_share(0.125));
+    let models = Models { conduction: None, exchange, ..scene.models };
     // [step, facet]; seven digits are more than the steps are good for.
     let mut absorbed_w_m2: Vec<f32> = Vec::with_capacity(facets * steps as usize);
     for step in 1..steps {

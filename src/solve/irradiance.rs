@@ -23,7 +23,7 @@ pub(super) fn fill(scene: &Scene, table: &mut FacetTable) {
     let mut chunks: Vec<Chunk> = (0..table.facets().div_ceil(CHUNK))
         .map(|i| Chunk { first: i * CHUNK, irradiance: vec![], lit_k: &mut [], shaded_k: &mut [] })
         .collect();
-    // In equilibrium a surface with a model absorbs sunlight by its incidence.
+    // In equilibrium a surface with a model absorbs light by its incidence.
     let is_warm = scene.models.thermal == Thermal::Equilibrium;
     let albedo = |material: &Material| material.photometry.model().filter(|_| is_warm)?.absorbing(material.bond_albedo);
     let albedos: Vec<_> = scene.body.materials.iter().map(albedo).collect();
@@ -67,7 +67,8 @@ struct Chunk<'a> {
 struct Work {
     centroids_m: Vectors,
     normals: Vectors,
-    /// Sunlight that other bodies reflect, as irradiance, and their own heat, W m-2, each before it is absorbed.
+    /// Sunlight that other bodies reflect, as irradiance, of surfaces with a model times what they absorb of it over what they absorb on average; and
+    /// other bodies' own heat; W m-2, each before it is absorbed.
     reflected_w_m2: Vec<f64>,
     heat_w_m2: Vec<f64>,
     absorptance: Vec<f64>,
@@ -132,6 +133,20 @@ impl Chunk<'_> {
             sums.resize(chunk.len(), 0.0);
         }
         let sun_w_m2 = scene.sky.sun.total_irradiance_w_m2();
+        // Of light at this cosine of incidence a facet absorbs so many times what 1 - its Bond albedo is.
+        let has_models = albedos.iter().any(Option::is_some);
+        let absorbed_more = |f: usize, cos_incidence: f64| {
+            let material = mesh.material[f].0 as usize;
+            let plain = 1.0 - scene.body.materials[material].bond_albedo;
+            match &albedos[material] {
+                Some((table, factor)) if plain > 0.0 => {
+                    let mut absorbed = plain;
+                    table.weights(cos_incidence, |_, weight| absorbed = (1.0 - factor * weight).max(0.0));
+                    absorbed / plain
+                }
+                _ => 1.0,
+            }
+        };
         for (i, ((source, sees), column)) in sources.iter().zip(sees).zip(&mut self.irradiance).enumerate() {
             match source {
                 Prepared::Beam { towards, total_w_m2 } => {
@@ -152,7 +167,8 @@ impl Chunk<'_> {
                     if i > 0 {
                         for ((sum, irradiance), f) in reflected_w_m2.iter_mut().zip(column.iter()).zip(chunk.clone()) {
                             if *irradiance > 0.0 {
-                                *sum += total_w_m2 * irradiance * share(sees, f);
+                                let more = if has_models { absorbed_more(f, *irradiance) } else { 1.0 };
+                                *sum += more * (total_w_m2 * irradiance * share(sees, f));
                             }
                         }
                     }
@@ -195,7 +211,13 @@ impl Chunk<'_> {
                         // Sunlight that Mars reflects is taken to be of the Sun's colour, and terrain to hide as much of its heat.
                         let share = share(sees, f);
                         let form_factor = mars::uniform_sphere_form_factor(sin_radius, cos_tilt);
-                        *reflected += mars.bond_albedo * *irradiance * sun_w_m2 * share;
+                        let more = if has_models && *irradiance > 0.0 {
+                            let middle = mars::middle_above_horizon(normal, to_mars_m, mars.radius_m);
+                            absorbed_more(f, normal.dot(middle.normalize_or_zero()))
+                        } else {
+                            1.0
+                        };
+                        *reflected += more * (mars.bond_albedo * *irradiance * sun_w_m2 * share);
                         *heat += mars.thermal_exitance_w_m2 * form_factor * share;
                     }
                     if *model == MarsModel::Off {

@@ -4,6 +4,7 @@
 mod conduction;
 mod eclipse;
 mod emission;
+mod exchange;
 mod irradiance;
 mod mars_shadows;
 mod shadows;
@@ -39,6 +40,9 @@ fn filled(scene: &Scene, mut table: FacetTable, watch: Watch<'_>) -> Result<Face
     tell(watch, "irradiance", 0, 1)?;
     irradiance::fill(scene, &mut table);
     tell(watch, "irradiance", 1, 1)?;
+    if let Some(of) = scene.models.exchange {
+        exchange::add(scene, &mut table, of, watch)?;
+    }
     let day = scene.models.conduction.zip(scene.sky.rotation);
     if let Some(day) = day.filter(|_| scene.models.thermal == Thermal::Equilibrium) {
         conduction::fill(scene, &mut table, day, watch)?;

@@ -51,6 +51,7 @@ pub(super) fn lit_as(scene: &Scene, sunlit: Option<Seen>, watch: Watch<'_>) -> R
         sources,
         temperature_lit_k: temperature(),
         temperature_shaded_k: temperature(),
+        reflected: vec![],
         models: scene.models,
     })
 }

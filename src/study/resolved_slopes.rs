@@ -16,34 +16,40 @@ const SAMPLE: usize = 1 << 16;
 
 /// A sentence for each material whose roughness the mesh resolves in part.
 pub(super) fn warnings(scene: &Setup) -> Vec<String> {
-    let told = |(i, material): (usize, &Material)| {
-        let Shape::Hapke(Parameters { roughness, .. }) = material.photometry.model()?.shape else { return None };
+    let roughness = |material: &Material| match material.photometry.model()?.shape {
+        Shape::Hapke(Parameters { roughness, .. }) => Some(roughness).filter(|of| *of != Roughness::SMOOTH),
+        _ => None,
+    };
+    let rough: Vec<(&str, Roughness)> =
+        scene.body.materials.iter().filter_map(|m| Some((m.name.as_str(), roughness(m)?))).collect();
+    if rough.is_empty() {
+        return vec![];
+    }
+    let Some(of_mesh) = mean_slope(&scene.body.mesh, FITTED_BELOW_M) else { return vec![] };
+    let mesh_deg = of_mesh.mean_slope_rad().to_degrees();
+    let told = |(name, roughness): (&str, Roughness)| {
         let theta_deg = roughness.mean_slope_rad().to_degrees();
-        let of_mesh = mean_slope(&scene.body.mesh, i, FITTED_BELOW_M).filter(|_| theta_deg > 0.0)?;
-        let mesh_deg = of_mesh.mean_slope_rad().to_degrees();
         let rest_deg = roughness.without(&of_mesh).mean_slope_rad().to_degrees();
-        let (name, key) = (&material.name, Parameter::MeanSlopeDeg.key());
+        let key = Parameter::MeanSlopeDeg.key();
         (mesh_deg > NOTEWORTHY * theta_deg).then(|| {
             format!(
-                "slopes count twice: the facets of {name} have a mean slope of {mesh_deg:.1} deg at lengths below {FITTED_BELOW_M} m, and its `{key}` of \
-                 {theta_deg:.1} comes on top: if it was fitted to images with such pixels, {rest_deg:.1} is what facets do not show"
+                "slopes count twice: facets have a mean slope of {mesh_deg:.1} deg at lengths below {FITTED_BELOW_M} m, and the `{key}` of {name}, \
+                 {theta_deg:.1}, comes on top: if it was fitted to images with such pixels, {rest_deg:.1} is what facets do not show"
             )
         })
     };
-    scene.body.materials.iter().enumerate().filter_map(told).collect()
+    rough.into_iter().filter_map(told).collect()
 }
 
-/// The mean slope of a material's facets against their surroundings: the mean surface in cubes of this size, m. `None` without facets.
-fn mean_slope(mesh: &Mesh, material: usize, size_m: f64) -> Option<Roughness> {
+/// The mean slope of facets against their surroundings: the mean surface in cubes of this size, m. `None` without facets.
+fn mean_slope(mesh: &Mesh, size_m: f64) -> Option<Roughness> {
     let every = (mesh.facets.len() / SAMPLE).max(1) as u64;
     let mut facets: Vec<(u64, u32)> = Vec::new();
     for (f, index) in (0..mesh.facets.len()).zip(0_u32..) {
-        if usize::from(mesh.material[f].0) == material {
-            let cell = mix((mesh.facet(f).centroid_m() / size_m).floor());
-            // All facets of a cube, or none.
-            if cell.is_multiple_of(every) {
-                facets.push((cell, index));
-            }
+        let cell = mix((mesh.facet(f).centroid_m() / size_m).floor());
+        // All facets of a cube, or none.
+        if cell.is_multiple_of(every) {
+            facets.push((cell, index));
         }
     }
     facets.sort_unstable();
@@ -104,13 +110,13 @@ mod tests {
     fn strips_up_and_down_have_their_slope() {
         for rise_deg in [0.0, 30.0] {
             // tan theta-bar = (2 / pi) tan 20 deg; cubes at the ends may have one strip more up than down.
-            let found = mean_slope(&corrugated(20.0, rise_deg), 0, 100.0).unwrap().mean_slope_rad();
+            let found = mean_slope(&corrugated(20.0, rise_deg), 100.0).unwrap().mean_slope_rad();
             let expected = (2.0 / std::f64::consts::PI * 20f64.to_radians().tan()).atan();
             assert!((found / expected - 1.0).abs() < 0.02, "{rise_deg}: {found} {expected}");
         }
         // A plane is level with its surroundings, however it lies, and cubes smaller than its strips see no slopes.
-        assert!(mean_slope(&corrugated(0.0, 30.0), 0, 100.0).unwrap().mean_slope_rad() < 1e-6);
-        assert!(mean_slope(&corrugated(20.0, 0.0), 0, 0.1).unwrap().mean_slope_rad() < 1e-6);
-        assert!(mean_slope(&corrugated(20.0, 0.0), 1, 100.0).is_none());
+        assert!(mean_slope(&corrugated(0.0, 30.0), 100.0).unwrap().mean_slope_rad() < 1e-6);
+        assert!(mean_slope(&corrugated(20.0, 0.0), 0.1).unwrap().mean_slope_rad() < 1e-6);
+        assert!(mean_slope(&Mesh::default(), 100.0).is_none());
     }
 }

@@ -3,7 +3,7 @@
 use blake3::Hasher;
 use glam::DVec3;
 
-use crate::scene::{MarsModel, Models, Rotation, Scene, Setup, Sky, SunModel, Surface, Thermal};
+use crate::scene::{Exchange, MarsModel, Models, Rotation, Scene, Setup, Sky, SunModel, Surface, Thermal};
 
 /// A name for everything that [`solve`](crate::solve::solve) reads of a scene: BLAKE3 of the resolved values, 64 hexadecimal digits.
 ///
@@ -15,7 +15,7 @@ pub fn table_id(scene: &Scene) -> String {
         body,
         sky: Sky { sun, mars, beams, rotation },
         exposure: _,
-        models: Models { thermal, mars_light, sun: sun_model, eclipses, mars_shadows, mars_heat, conduction },
+        models: Models { thermal, mars_light, sun: sun_model, eclipses, mars_shadows, mars_heat, conduction, exchange },
     } = &**scene;
     let Surface { origin_m, mesh, materials, textures: _ } = &**body;
     put(&origin_m.to_array());
@@ -66,6 +66,10 @@ pub fn table_id(scene: &Scene) -> String {
     if *eclipses {
         hasher.update(b"eclipses");
         hasher.update(&sun.limb_darkening.to_le_bytes());
+    }
+    if let Some(Exchange { bounces, directions, lines_per_facet }) = exchange {
+        hasher.update(b"exchange");
+        [bounces, directions, lines_per_facet].iter().for_each(|n| _ = hasher.update(&n.to_le_bytes()));
     }
     for beam in beams {
         hasher.update(beam.name.as_bytes());

@@ -7,6 +7,23 @@ use crate::geometry::{Mesh, index_u32};
 /// Facets lie in one plane within this, times the magnitude of coordinates: closer than some view can tell, so that no view shall.
 pub(super) const SAME_PLANE: f64 = 512.0 * f64::EPSILON;
 
+/// What decides between facets in one place that show the same side: material, then the sorted corners. Not the index, which a user may
+/// shuffle, until nothing else is left.
+pub(super) type Rank = (u16, [[u64; 3]; 3], u32);
+
+/// A facet's; the lower wins.
+pub(super) fn rank(mesh: &Mesh, facet: u32) -> Rank {
+    let mut corners = mesh.facet(facet as usize).corners_m.map(|p| p.to_array().map(ordered_bits));
+    corners.sort_unstable();
+    (mesh.material[facet as usize].0, corners, facet)
+}
+
+/// A key whose order is that of the numbers.
+fn ordered_bits(x: f64) -> u64 {
+    let bits = (x + 0.0).to_bits();
+    if bits >> 63 == 1 { !bits } else { bits | 1 << 63 }
+}
+
 /// Whether two facets that run along an edge the same way lie on one another, in one plane with the same side out. Otherwise one of them is
 /// turned over.
 pub(super) fn lies_on(mesh: &Mesh, [f, g]: [u32; 2]) -> bool {

@@ -8,7 +8,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use robust::{Coord, Coord3D, orient2d, orient3d};
 
-use super::coincident::SAME_PLANE;
+use super::coincident::{Rank, SAME_PLANE, rank};
 use super::topology::{NONE, Topology};
 use crate::geometry::polygon::{Point, Rect, area};
 use crate::geometry::{Camera, Direction, Facet, FrameCamera, Mesh, ParallelCamera, index_u32, whole_u32};
@@ -507,12 +507,9 @@ impl<'a> Drawing<'a> {
         self.rank(facet) < self.rank(other)
     }
 
-    /// What decides ties: an outer side before an inner one, then material, then the sorted corners. Not the index, which a user
-    /// may shuffle.
-    pub(super) fn rank(&self, facet: u32) -> (bool, u16, [[u64; 3]; 3], u32) {
-        let mut corners = self.mesh.facet(facet as usize).corners_m.map(|p| p.to_array().map(ordered_bits));
-        corners.sort_unstable();
-        (self.side(facet) != Side::Front, self.mesh.material[facet as usize].0, corners, facet)
+    /// What decides ties: an outer side before an inner one, then [`rank`].
+    pub(super) fn rank(&self, facet: u32) -> (bool, Rank) {
+        (self.side(facet) != Side::Front, rank(self.mesh, facet))
     }
 
     /// `hides_inner`: of each facet, whether its inner side cannot be seen from here. Gives how far the drawing reaches.
@@ -800,12 +797,6 @@ fn lies(facet: &Facet, of: &Facet, rounding: f64) -> Lies {
         (false, false) => Lies::Within,
         (true, true) => Lies::Across,
     }
-}
-
-/// A key whose order is that of the numbers.
-fn ordered_bits(x: f64) -> u64 {
-    let bits = (x + 0.0).to_bits();
-    if bits >> 63 == 1 { !bits } else { bits | 1 << 63 }
 }
 
 /// Unit vectors across `towards`: h along the longer extent of the mesh as seen from there, v along the shorter; h x v = -towards.

@@ -5,12 +5,15 @@
 //! is settled or resolved by [`Coverage`].
 
 mod bins;
+mod blocks;
+mod bundles;
 mod candidate;
 mod coincident;
 mod coverage;
 mod covered;
 mod drawing;
 mod layers;
+mod meetings;
 mod on_facet;
 mod partition;
 mod seen;
@@ -20,9 +23,11 @@ mod topology;
 mod visit;
 
 pub use bins::for_each_cell_of as cells_of;
+pub use bundles::Bundles;
 pub use coverage::{Coverage, Scratch};
 pub use covered::covered;
 pub use drawing::{Drawing, Grid, Side, View};
+pub use meetings::{Frame, Meeting, Scratch as LineScratch};
 pub use on_facet::OnFacet;
 pub use seen::{Seen, Shown};
 pub use throw::longest_throw_m;

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::{Coverage, Drawing, Grid, OnFacet, Scratch, Side, Topology, View, Visit, cells_of};
 use crate::error::Result;
-use crate::geometry::polygon::{Point, Rect, area, clip_to_rect};
+use crate::geometry::polygon::{Point, Rect, area, clip_to_rect, side};
 use crate::geometry::{Direction, GroupSizes, Groups, Mesh, index_u32, whole_u32};
 use crate::progress::{Pulse, Watch, tell};
 
@@ -72,6 +72,24 @@ impl Seen {
             Shown::Nothing => 0.0,
             Shown::Whole => 1.0,
             Shown::Part => self.numbers(facet).map(|i| self.filled(i)).sum(),
+        }
+    }
+
+    /// Whether a point of a facet is seen; of several eyes, the share of those that see it. On a border it is as on either side.
+    pub fn share_at(&self, facet: u32, uv: Point) -> f64 {
+        match self.shown[facet as usize] {
+            Shown::Nothing => 0.0,
+            Shown::Whole => 1.0,
+            Shown::Part => {
+                let holds = |i: &usize| {
+                    // Convex; either way around, for tables of other programs.
+                    let polygon = &self.uv[self.polygon_start[*i]..self.polygon_start[*i + 1]];
+                    let next = polygon.iter().cycle().skip(1);
+                    let sides = || polygon.iter().zip(next.clone()).map(|(a, b)| side(*a, *b, uv));
+                    sides().all(|side| side >= 0.0) || sides().all(|side| side <= 0.0)
+                };
+                self.numbers(facet).filter(holds).map(|i| self.share(i)).sum::<f64>().min(1.0)
+            }
         }
     }
 

@@ -38,6 +38,7 @@ mod dry_run;
 mod eclipse;
 mod envi_headers;
 mod exact;
+mod exchange;
 mod flat_plane;
 mod gltf;
 mod gltf_extensions;

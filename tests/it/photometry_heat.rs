@@ -5,11 +5,11 @@ use mmxrt::physics::reflectance::albedo::Measure;
 use mmxrt::physics::reflectance::hapke::{Parameters, Roughness, Surge};
 use mmxrt::physics::reflectance::{PhaseFunction, Shape};
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{Model, Photometry, Scene, Thermal};
+use mmxrt::scene::{Beam, Mars, Model, Photometry, Scene, Thermal};
 use mmxrt::spectral::{Band, Extend, Light, Spectrum};
 use mmxrt::study;
 
-use crate::scenes::{edited, scene};
+use crate::scenes::{edited, mars, scene};
 use crate::shapes::*;
 
 const DARK: Shape = Shape::LommelSeeliger(PhaseFunction::Isotropic);
@@ -52,6 +52,35 @@ fn sunlight_is_absorbed_by_incidence() {
         let absorbed = (1.0 - dark_albedo(0.8, mu0)) * 1361.0 / 2.25 * mu0;
         close(table.temperature_lit_k[0], (absorbed / (0.95 * STEFAN_BOLTZMANN)).powf(0.25), 1e-6);
     }
+}
+
+#[test]
+fn other_light_is_absorbed_by_its_incidence_too() {
+    // The Sun is below the horizon, and there is no heat from Mars.
+    let night = warm(DARK, &Spectrum::constant(0.8), [120.0, 20.0], &[10.0]);
+    let (sin, cos) = 70f64.to_radians().sin_cos();
+    let beam = edited(&night, |parts| {
+        parts.sky.beams = vec![Beam {
+            name: "second".into(),
+            direction: direction([sin, 0.0, cos]),
+            irradiance: Spectrum::constant(1.0),
+            total_irradiance_w_m2: 300.0,
+        }];
+    });
+    let t_k = |scene: &Scene| study::simulate(scene, &unwatched).unwrap().0.temperature_shaded_k[0];
+    let absorbed = (1.0 - dark_albedo(0.8, cos)) * 300.0 * cos;
+    close(t_k(&beam), (absorbed / (0.95 * STEFAN_BOLTZMANN)).powf(0.25), 1e-6);
+    // Mars, all of it above the horizon, 50 deg from the zenith.
+    let (sin, cos) = 50f64.to_radians().sin_cos();
+    let by_mars = |scene: &Scene| {
+        t_k(&edited(scene, |parts| {
+            let centre_m = 9.4e6 * glam::DVec3::new(sin, 0.0, cos);
+            parts.sky.mars = Some(Mars { thermal_exitance_w_m2: 0.0, ..mars(centre_m) });
+        }))
+    };
+    let lambert = edited(&night, |parts| parts.surface.materials[0].photometry = Photometry::Lambert);
+    let expected = (1.0 - dark_albedo(0.8, cos)) / (1.0 - night.body.materials[0].bond_albedo);
+    close((by_mars(&night) / by_mars(&lambert)).powi(4), expected, 1e-6);
 }
 
 #[test]

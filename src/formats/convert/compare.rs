@@ -185,7 +185,8 @@ impl Lines {
             body,
             sky: Sky { sun, mars, beams, rotation },
             exposure,
-            models: Models { thermal, mars_light, sun: sun_model, eclipses, mars_shadows, mars_heat, conduction },
+            models:
+                Models { thermal, mars_light, sun: sun_model, eclipses, mars_shadows, mars_heat, conduction, exchange },
         } = &**a;
         let Surface { origin_m, mesh, materials, textures } = &**body;
         self.places("origin_m", *origin_m, b.body.origin_m);
@@ -236,6 +237,7 @@ impl Lines {
         self.debugged("mars.eclipse", eclipses, &b.models.eclipses);
         self.debugged("mars.points", mars_shadows, &b.models.mars_shadows);
         self.debugged("mars.heat", mars_heat, &b.models.mars_heat);
+        self.debugged("light between facets", exchange, &b.models.exchange);
         self.exposures(exposure, &b.exposure);
     }
 

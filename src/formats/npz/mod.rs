@@ -46,8 +46,23 @@ pub struct Header {
     /// By which equations a facet table was solved; `None` in those of older versions, which were solved as their scene said.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub models: Option<Models>,
+    /// Of a facet table the light that facets send each other: what its arrays are called, the place of its source, and the materials that have
+    /// reflected it. None before version 3.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub reflected: Vec<ReflectedBy>,
     /// Every array: its unit and meaning.
     pub fields: BTreeMap<String, Field>,
+}
+
+/// Light of a source that materials have reflected.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ReflectedBy {
+    /// Name of the array of irradiances.
+    pub array: String,
+    /// The source, by its place in the list.
+    pub source: usize,
+    /// The materials, by their place in the scene's list, ascending; one that reflected it twice is there twice.
+    pub by: Vec<u16>,
 }
 
 /// What an array holds.
@@ -79,5 +94,5 @@ pub fn write_footprints(path: &Path, footprints: &Footprints, scene: &str) -> Re
             Values::F64(&footprints.lit_fraction),
         ),
     ];
-    write(path, (FOOTPRINTS, FOOTPRINTS_VERSION), scene, (&[], None), &columns)
+    write(path, (FOOTPRINTS, FOOTPRINTS_VERSION), scene, (&[], None, vec![]), &columns)
 }

@@ -2,7 +2,7 @@
 //!
 //! Version 2 names its sources in the header, and has the arrays of each under its name: `sun_direction`, `sun_irradiance`,
 //! `mars_position_m` ... Version 1 has the Sun and Mars alone, and of Mars the direction. Version 3 has the shares of lit polygons that
-//! overlap, of a Sun that is a disc; a table without them is written as version 2.
+//! overlap, of a Sun that is a disc, and the light that facets send each other, `reflected_0` ...; a table without either is written as version 2.
 
 use std::path::Path;
 
@@ -10,14 +10,15 @@ use glam::DVec3;
 
 use super::archive::Npz;
 use super::write::{Column, Values, write};
-use super::{Header, TABLE, TABLE_VERSIONS};
+use super::{Header, ReflectedBy, TABLE, TABLE_VERSIONS};
 use crate::error::{Error, Location, Problem, Result, number};
-use crate::product::{FacetTable, Lighting, Sees};
+use crate::geometry::MaterialId;
+use crate::product::{FacetTable, Lighting, Reflected, Sees};
 use crate::scene::{DirectionField, Sky};
 use crate::visibility::{Seen, Shown};
 
-/// The first version with shares of polygons.
-const SHARES_SINCE: u32 = 3;
+/// The first version with shares of polygons, and with light that facets send each other.
+const EXTENDED_SINCE: u32 = 3;
 
 /// Writes a facet table. `scene` says which scene it belongs to; it comes back from [`read_table`].
 ///
@@ -35,10 +36,22 @@ pub fn write_table(path: &Path, table: &FacetTable, scene: &str) -> Result<()> {
         }
     }
     let sources: Vec<String> = table.sources.iter().map(|lighting| lighting.source.clone()).collect();
+    let named = |i: usize| format!("reflected_{i}");
+    let mut reflected = Vec::new();
+    for (i, Reflected { source, by, irradiance }) in table.reflected.iter().enumerate() {
+        let name = sources.get(*source).map_or("", String::as_str);
+        let materials = by.iter().map(|m| m.0.to_string()).collect::<Vec<_>>().join(", ");
+        let meaning = format!(
+            "irradiance on each facet by light of {name} that materials {materials} have reflected, if they reflected everything; as \
+             {name}_irradiance"
+        );
+        columns.push(Column::new(named(i), "1", meaning, Values::F64(irradiance)));
+        reflected.push(ReflectedBy { array: named(i), source: *source, by: by.iter().map(|m| m.0).collect() });
+    }
     let has_shares = table.sources.iter().filter_map(Lighting::seen).any(|seen| !seen.polygon_share.is_empty());
-    // A program that knows no shares can read what has none.
-    let version = if has_shares { SHARES_SINCE } else { SHARES_SINCE - 1 };
-    write(path, (TABLE, version), scene, (&sources, Some(table.models)), &columns)
+    // A program that knows neither can read what has none.
+    let version = if has_shares || !reflected.is_empty() { EXTENDED_SINCE } else { EXTENDED_SINCE - 1 };
+    write(path, (TABLE, version), scene, (&sources, Some(table.models), reflected), &columns)
 }
 
 fn of_source(lighting: &Lighting) -> Vec<Column<'_>> {
@@ -117,6 +130,14 @@ pub fn read_table(path: &Path) -> Result<(FacetTable, Header)> {
     }
     let temperature_lit_k = file.f64s("temperature_lit_k", 1, false, &mut problems)?;
     let temperature_shaded_k = file.f64s("temperature_shaded_k", 1, false, &mut problems)?;
+    let mut reflected = Vec::new();
+    for ReflectedBy { array, source, by } in &header.reflected {
+        let irradiance = file.f64s(array, 1, true, &mut problems)?;
+        if *source >= sources.len() {
+            problems.push(Problem::new(file.at(array), format!("is of source {source} of {}", sources.len())));
+        }
+        reflected.push(Reflected { source: *source, by: by.iter().map(|m| MaterialId(*m)).collect(), irradiance });
+    }
     // What may be there or not is there if the header says so.
     let is_told = |name: &str, problems: &[Problem]| problems.iter().any(|p| p.at.item.as_deref() == Some(name));
     for name in header.fields.keys().filter(|name| !file.has(name)) {
@@ -125,7 +146,7 @@ pub fn read_table(path: &Path) -> Result<(FacetTable, Header)> {
         }
     }
     let models = header.models.unwrap_or_default();
-    let table = FacetTable { sources, temperature_lit_k, temperature_shaded_k, models };
+    let table = FacetTable { sources, temperature_lit_k, temperature_shaded_k, reflected, models };
     // If the Sun's cannot be used, that has been reported, and all others would be of another length.
     let is_comparable = table.facets() > 0 || problems.is_empty();
     let at = |item: String| Location::file(path).with_item(item);
@@ -202,6 +223,15 @@ fn check(table: &FacetTable, is_comparable: bool, mut problem: impl FnMut(String
     for (name, values) in heat {
         if is_comparable && values.len() != facets && !values.is_empty() {
             problem(name.into(), format!("has {} values, but sun_irradiance has {facets}", values.len()));
+        }
+    }
+    for (i, reflected) in table.reflected.iter().enumerate() {
+        let (name, values) = (format!("reflected_{i}"), &reflected.irradiance);
+        if is_comparable && values.len() != facets {
+            problem(name.clone(), format!("has {} values, but sun_irradiance has {facets}", values.len()));
+        }
+        if let Some(i) = values.iter().position(|v| !(*v >= 0.0 && v.is_finite())) {
+            problem(format!("{name}[{i}]"), format!("{} is not a number of at least 0", number(values[i])));
         }
     }
     if table.temperature_lit_k.len() != table.temperature_shaded_k.len() {

@@ -7,7 +7,7 @@ use std::path::Path;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-use super::{Field, Header};
+use super::{Field, Header, ReflectedBy};
 use crate::error::{Error, Result};
 use crate::formats::npy;
 use crate::scene::Models;
@@ -47,7 +47,7 @@ pub(super) fn write(
     path: &Path,
     (format, format_version): (&str, u32),
     scene: &str,
-    (sources, models): (&[String], Option<Models>),
+    (sources, models, reflected): (&[String], Option<Models>, Vec<ReflectedBy>),
     columns: &[Column<'_>],
 ) -> Result<()> {
     let fields = columns
@@ -61,6 +61,7 @@ pub(super) fn write(
         scene: scene.to_owned(),
         sources: sources.to_vec(),
         models,
+        reflected,
         fields,
     };
     let io = |e| Error::io(path, "writing", e);

@@ -263,7 +263,16 @@ impl TomlReader<'_> {
                 rotation,
             },
             exposure: exposure?,
-            models: Models { thermal, mars_light, sun: sun_model, eclipses, mars_shadows, mars_heat, conduction },
+            models: Models {
+                thermal,
+                mars_light,
+                sun: sun_model,
+                eclipses,
+                mars_shadows,
+                mars_heat,
+                conduction,
+                exchange: None,
+            },
         })
     }
 

@@ -1,7 +1,7 @@
 //! A reflectance model of which more than the albedo depends on wavelength: a row for each band, of a texture for each of its layers.
 
-use super::light::{Modulation, SourceLight};
-use crate::physics::reflectance::{Brdf, PhotometricAngles};
+use super::light::{Angles, Modulation, SourceLight};
+use crate::physics::reflectance::{Brdf, lambert_radiance};
 use crate::scene::Texture;
 
 #[derive(Debug)]
@@ -16,6 +16,8 @@ pub(super) struct ByBand<'a> {
 pub(super) struct Sample {
     pub(super) um: f64,
     pub(super) brdf: Brdf,
+    /// What is reflected of light from everywhere.
+    pub(super) reflectance: f64,
     /// Irradiance of each source normal to its beam, times the wavelength's weight in the band.
     pub(super) incoming: Vec<f64>,
 }
@@ -48,7 +50,7 @@ impl<'a> ByBand<'a> {
         facet: u32,
         lights: &[SourceLight],
         amount: impl Fn(&SourceLight) -> f64,
-        angles: impl Fn(&SourceLight) -> PhotometricAngles,
+        angles: impl Fn(&SourceLight) -> Angles,
         texture: &Modulation,
         mut add: impl FnMut(usize, f64),
     ) {
@@ -60,7 +62,11 @@ impl<'a> ByBand<'a> {
             let angles = angles(light);
             for (band, samples) in self.samples.iter().enumerate() {
                 for sample in samples {
-                    let sent = weight * sample.brdf.eval(&angles) * sample.incoming[i];
+                    let reflected = match angles {
+                        Angles::Of(angles) => sample.brdf.eval(&angles),
+                        Angles::Diffuse { .. } => lambert_radiance(sample.reflectance),
+                    };
+                    let sent = weight * reflected * sample.incoming[i];
                     match self.texture {
                         None => add(band, sent),
                         Some(of) => of.shares(sample.um).into_iter().enumerate().for_each(|(layer, share)| {

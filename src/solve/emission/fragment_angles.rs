@@ -48,21 +48,21 @@ impl<'a> FragmentAngles<'a> {
 
     /// The angles at the centroid of what a source lights of a fragment; of a source in the near field, and of the Sun's disc, to the
     /// middle of what of it is above the facet's horizon.
-    pub(super) fn angles(&self, fragment: &Fragment, light: &SourceLight) -> PhotometricAngles {
+    pub(super) fn angles(&self, fragment: &Fragment, light: &SourceLight, field: DirectionField) -> PhotometricAngles {
         let facet = self.mesh.facet(fragment.facet as usize);
         let [x_px, y_px] = light.centroid_px(fragment);
         let ray = self.camera.ray(x_px, y_px);
         let normal = facet.cross_m2().normalize_or_zero();
-        let to_source = match light.field {
+        let to_source = match field {
             DirectionField::Afar(direction) => match self.disc_distance_m.filter(|_| light.is_first) {
                 None => direction.vec(),
                 Some(distance_m) => middle_above_horizon(normal, distance_m * direction.vec(), SUN_RADIUS_M),
             },
             DirectionField::Near(_) => {
                 let eye_m = self.camera.centre_m();
-                let towards = light.field.towards(eye_m + facet.met_by(eye_m, ray) * ray);
+                let towards = field.towards(eye_m + facet.met_by(eye_m, ray) * ray);
                 // Where a facet is edge-on, rays meet it anywhere.
-                let towards = if towards.is_finite() { towards } else { light.field.towards(facet.centroid_m()) };
+                let towards = if towards.is_finite() { towards } else { field.towards(facet.centroid_m()) };
                 middle_above_horizon(normal, towards, self.radius_m)
             }
         };

@@ -1,5 +1,6 @@
 //! How much of what is seen of a facet each source lights.
 
+use crate::physics::reflectance::PhotometricAngles;
 use crate::product::{Lighting, Sees};
 use crate::scene::DirectionField;
 
@@ -65,10 +66,23 @@ pub struct Modulation<'a> {
     pub lit_means: &'a [f64],
 }
 
+/// From where a fragment is lit and seen.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Angles {
+    /// At these angles.
+    Of(PhotometricAngles),
+    /// From everywhere.
+    Diffuse {
+        /// Cosine of emission.
+        cos_emission: f64,
+    },
+}
+
 /// A source's irradiance, and what of a fragment has it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SourceLight<'a> {
-    pub(super) field: DirectionField,
+    /// `None`: its light comes from everywhere.
+    pub(super) field: Option<DirectionField>,
     /// Whether it is the Sun.
     pub(super) is_first: bool,
     irradiance: &'a [f64],
@@ -96,9 +110,14 @@ impl<'a> SourceLight<'a> {
                     Reach::Part(parts - 1)
                 }
             };
-            SourceLight { field: lighting.field, is_first: i == 0, irradiance: &lighting.irradiance, reach }
+            SourceLight { field: Some(lighting.field), is_first: i == 0, irradiance: &lighting.irradiance, reach }
         };
         sources.iter().enumerate().map(light).collect()
+    }
+
+    /// Light from everywhere, on all of each facet.
+    pub(super) fn diffuse(irradiance: &'a [f64]) -> Self {
+        SourceLight { field: None, is_first: false, irradiance, reach: Reach::All }
     }
 
     /// Irradiance on a facet, where it is lit.

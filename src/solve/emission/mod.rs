@@ -3,6 +3,7 @@
 //! Radiance = sum over rows of weight x spectrum. Rows belong to families: a material's reflectance under each incoming spectrum, the
 //! same under a texture, and heat. Each knows its rows, their spectra, and its weights for what is seen of a facet.
 
+mod between;
 mod by_band;
 mod constant;
 mod heat;
@@ -20,11 +21,12 @@ use crate::product::FacetTable;
 use crate::scene::{DirectionField, Incoming, Material, Scene, Source, Texture};
 use crate::spectral::{Band, Spectrum};
 
+use between::Between;
 use by_band::{ByBand, Sample};
 use constant::Constant;
 use fragment_angles::FragmentAngles;
 use heat::Heat;
-use light::SourceLight;
+use light::{Angles, SourceLight};
 use modelled::Modelled;
 use variation::Variation;
 
@@ -58,6 +60,7 @@ pub struct Emission<'a> {
     /// Of each material; `None`: the same in all directions.
     variations: Vec<Option<Variation>>,
     heat: Option<usize>,
+    between: Between<'a>,
 }
 
 /// The families of a material, by their place in the list.
@@ -70,7 +73,7 @@ struct OfMaterial {
 impl<'a> Emission<'a> {
     /// For the facets of a scene and the table solved for them, which fits the scene.
     pub fn new(scene: &'a Scene, table: &'a FacetTable) -> Self {
-        let lights = SourceLight::list(&table.sources);
+        let lights = between::lights(table);
         let materials = &scene.body.materials;
         let mut of_material: Vec<OfMaterial> =
             (0..materials.len()).map(|plain| OfMaterial { plain, textured: None }).collect();
@@ -91,6 +94,7 @@ impl<'a> Emission<'a> {
             of_material,
             variations: materials.iter().map(variation).collect(),
             heat: None,
+            between: Between::new(scene, table),
         };
         for material in materials {
             emission.push(emission.reflecting(material, None));
@@ -127,11 +131,16 @@ impl<'a> Emission<'a> {
 
     /// A material's surface, and the light on it, at the wavelengths of each band.
     fn samples(&self, material: &Material) -> Vec<Vec<Sample>> {
-        let sources = self.scene.sources();
         let sample = |band: &Band, (um, weight): (f64, f64)| {
-            let incoming = |source: &Source| self.incoming(source, band, um).iter().product::<f64>() * weight;
+            let incoming = |[light, on_the_way]: [f64; 2]| light * on_the_way * weight;
             let brdf = material.photometry.brdf(um)?;
-            Some(Sample { um, brdf, incoming: sources.iter().map(incoming).collect() })
+            let reflectance = at(&material.reflectance, um);
+            Some(Sample {
+                um,
+                brdf,
+                reflectance,
+                incoming: self.all_incoming(band, um).into_iter().map(incoming).collect(),
+            })
         };
         let of_band = |band: &Band| match band.light.is_lit() {
             true => self.quadrature(band).into_iter().filter_map(|at| sample(band, at)).collect(),
@@ -157,12 +166,14 @@ impl<'a> Emission<'a> {
         let parts = |light: &SourceLight| match light.field {
             _ if light.irradiance(fragment.facet) <= 0.0 => 1.0,
             // Its irradiance is the cosine.
-            DirectionField::Afar(towards) => {
+            Some(DirectionField::Afar(towards)) => {
                 let cos_phase = towards.vec().dot(to_viewer);
                 variation.parts(light.irradiance(fragment.facet), cos_emission, cos_phase, angle_rad)
             }
-            DirectionField::Near(_) => {
-                let cos_phase = light.field.towards(self.scene.body.mesh.facet(facet).centroid_m()).dot(to_viewer);
+            // What goes into a direction of light from everywhere varies little with it.
+            None => 1.0,
+            Some(field @ DirectionField::Near(_)) => {
+                let cos_phase = field.towards(self.scene.body.mesh.facet(facet).centroid_m()).dot(to_viewer);
                 variation.parts(0.0, cos_emission, cos_phase, angle_rad)
             }
         };
@@ -248,7 +259,10 @@ impl<'a> Emission<'a> {
         fragment: &Fragment,
         add: &mut dyn FnMut(usize, f64),
     ) {
-        let angles = |light: &SourceLight| self.angles.angles(fragment, light);
+        let angles = |light: &SourceLight| match light.field {
+            Some(field) => Angles::Of(self.angles.angles(fragment, light, field)),
+            None => Angles::Diffuse { cos_emission: self.angles.cos_emission(fragment) },
+        };
         match family {
             Family::Modelled(modelled) => {
                 modelled.weights(fragment.facet, &self.lights, amount, angles, texture, add);
@@ -262,10 +276,9 @@ impl<'a> Emission<'a> {
     pub fn spectra(&self) -> Vec<f64> {
         let bands = &self.scene.exposure.bands;
         let mut spectra = vec![0.0; self.rows * bands.len()];
-        let sources = self.scene.sources();
         for (b, band) in bands.iter().enumerate().filter(|(_, band)| band.light.is_lit()) {
             for (um, weight) in self.quadrature(band) {
-                let incoming: Vec<[f64; 2]> = sources.iter().map(|source| self.incoming(source, band, um)).collect();
+                let incoming = self.all_incoming(band, um);
                 for (first, family) in &self.families {
                     let add = |row: usize, value: f64| spectra[(first + row) * bands.len() + b] += value;
                     match family {
@@ -285,6 +298,14 @@ impl<'a> Emission<'a> {
             heat.spectra(bands, &mut spectra[first * bands.len()..]);
         }
         spectra
+    }
+
+    /// Of each source, and then of what facets send each other.
+    fn all_incoming(&self, band: &Band, um: f64) -> Vec<[f64; 2]> {
+        let sources: Vec<[f64; 2]> =
+            self.scene.sources().iter().map(|source| self.incoming(source, band, um)).collect();
+        let between: Vec<[f64; 2]> = self.between.incoming(um, &sources).collect();
+        [sources, between].concat()
     }
 
     /// Irradiance normal to a source's beam, W m-2 um-1, as a product of a light and of what happens to it on the way.

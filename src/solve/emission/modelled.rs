@@ -1,10 +1,13 @@
 //! A reflectance model whose albedo alone is a spectrum: a row for each product of what angles and what wavelengths give, under each
 //! incoming spectrum, of a texture for each of its layers.
 
+use std::sync::OnceLock;
+
 use super::at;
-use super::light::{Modulation, SourceLight};
+use super::light::{Angles, Modulation, SourceLight};
 use crate::physics::reflectance::albedo::Measure;
-use crate::physics::reflectance::{PhotometricAngles, Separated};
+use crate::physics::reflectance::lambert_radiance;
+use crate::physics::reflectance::{DirectionalAlbedos, Separated};
 use crate::scene::{Model, TOLERANCE, Texture, TextureKind};
 use crate::spectral::Spectrum;
 
@@ -12,6 +15,8 @@ use crate::spectral::Spectrum;
 pub(super) struct Modelled<'a> {
     albedo: Spectrum,
     separated: Separated,
+    /// Found when light comes from everywhere.
+    albedos: OnceLock<DirectionalAlbedos>,
     texture: Option<&'a Texture>,
     /// Each product's row where a texture says that the hemispherical reflectance is 1, instead of an albedo's.
     white: Option<Vec<f64>>,
@@ -24,7 +29,7 @@ impl<'a> Modelled<'a> {
         // One product: other models have no such texture.
         let white =
             replaces.then(|| separated.measured(&Measure::Spherical).into_iter().map(f64::recip).collect::<Vec<_>>());
-        Modelled { albedo: model.albedo, separated, texture, white }
+        Modelled { albedo: model.albedo, separated, albedos: OnceLock::new(), texture, white }
     }
 
     fn layers(&self) -> usize {
@@ -61,19 +66,32 @@ impl<'a> Modelled<'a> {
         facet: u32,
         lights: &[SourceLight],
         amount: impl Fn(&SourceLight) -> f64,
-        angles: impl Fn(&SourceLight) -> PhotometricAngles,
+        angles: impl Fn(&SourceLight) -> Angles,
         texture: &Modulation,
         mut add: impl FnMut(usize, f64),
     ) {
         for (i, light) in lights.iter().enumerate() {
             let weight = amount(light).max(0.0) * light.irradiance(facet);
             if weight > 0.0 {
-                self.separated.weights(&angles(light), |term, of_term| {
+                let put = |term: usize, of_term: f64| {
                     for layer in 0..self.layers() {
                         let mean = if self.texture.is_some() { light.mean(texture, layer) } else { 1.0 };
                         add((term * self.layers() + layer) * lights.len() + i, weight * of_term * mean);
                     }
-                });
+                };
+                self.reflect(angles(light), put);
+            }
+        }
+    }
+
+    /// Weights of the products: times their rows, the sum is the radiance for an irradiance of 1.
+    fn reflect(&self, angles: Angles, mut put: impl FnMut(usize, f64)) {
+        match angles {
+            Angles::Of(angles) => self.separated.weights(&angles, put),
+            // By reciprocity, what goes into this direction of light from everywhere is what goes everywhere of light from it.
+            Angles::Diffuse { cos_emission } => {
+                let albedos = self.albedos.get_or_init(|| DirectionalAlbedos::new(&self.separated));
+                albedos.weights(cos_emission, |term, albedo| put(term, lambert_radiance(albedo)));
             }
         }
     }

@@ -1,0 +1,312 @@
+//! Light and heat that facets send to each other.
+//!
+//! All of it by the same lines ([`Bundles`]): what a source's light becomes on its way, colour by colour, so that spectra are multiplied in
+//! afterwards; and the heat of neighbours, with what of their light a facet absorbs. Each bounce carries what the one before has brought.
+
+mod colours;
+mod pass;
+
+use rayon::prelude::*;
+
+use self::colours::{Bounce, Colours};
+use self::pass::{Lit, pass};
+use super::irradiance::share;
+use crate::error::Result;
+use crate::geometry::{MaterialId, Mesh};
+use crate::physics::heat;
+use crate::physics::reflectance::DirectionalAlbedos;
+use crate::product::{FacetTable, Lighting, Reflected, Sees, warmest_k};
+use crate::progress::Watch;
+use crate::scene::{DirectionField, Exchange, Material, Scene, SourceKind, Thermal};
+use crate::visibility::{Bundles, Frame, Meeting, Shown};
+
+/// So many colours of light are told apart, each a number for every facet.
+const MOST_COLOURS: usize = 24;
+/// What would send less than this share of what the first bounce did is left out.
+const FAINT: f64 = 1e-6;
+
+/// Adds to a table what facets send each other, and warms them by it.
+///
+/// # Errors
+/// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
+pub(super) fn add(scene: &Scene, table: &mut FacetTable, exchange: Exchange, watch: Watch<'_>) -> Result<()> {
+    let mesh = &scene.body.mesh;
+    let areas_m2: Vec<f64> = (0..mesh.facets.len()).into_par_iter().map(|f| mesh.facet(f).area_m2()).collect();
+    let grey = scene.body.materials.iter().map(|material| material.bond_albedo).collect();
+    let colours = Colours::new(table.sources.len(), grey, MOST_COLOURS, exchange.bounces);
+    let is_warm = scene.models.thermal == Thermal::Equilibrium;
+    let watts = Watts::new(scene);
+
+    // What reaches each facet, of each colour, by bounces; and W m-2 of heat and light that warm it.
+    let mut levels: Vec<Vec<f64>> = vec![vec![]; colours.told_apart() + 1];
+    let mut absorbed_w_m2 = vec![0.0; if is_warm { mesh.facets.len() } else { 0 }];
+    let direct = Direct::new(scene, table, is_warm);
+    let first_w = direct.total_w(&watts, &areas_m2);
+    let mut before = Received { rows: vec![], columns: 0 };
+    for n in 1..=exchange.bounces as usize {
+        let bounce = colours.bounce(n);
+        let columns = bounce.after + usize::from(is_warm);
+        let rows = if n == 1 {
+            let bundles = Bundles::new(mesh, exchange.directions, exchange.lines_per_facet);
+            let give = |row: &mut [f64], from: u32, lit: Lit, lines: f64| direct.give(&bounce, row, from, lit, lines);
+            let lit = |frame: &Frame, meeting: &Meeting, which: usize| lit(mesh, table, frame, meeting, which);
+            pass(&bundles, &areas_m2, columns, lit, give, watch)?
+        } else {
+            let sent = before.to_be_sent(&colours, n, &watts, mesh, is_warm);
+            let share = sent.total_w(&colours, n, &watts, &areas_m2, mesh) / first_w;
+            if share.is_nan() || share <= FAINT {
+                break;
+            }
+            let Exchange { directions, lines_per_facet, .. } = exchange.for_share(share);
+            let bundles = Bundles::new(mesh, directions, lines_per_facet);
+            let give = |row: &mut [f64], from: u32, _: Lit, lines: f64| sent.give(mesh, &bounce, row, from, lines);
+            pass(&bundles, &areas_m2, columns, |_, _, _| Lit::default(), give, watch)?
+        };
+        before = Received { rows, columns };
+        before.add_to(&mut levels[n.min(colours.told_apart())], bounce.after);
+        if is_warm {
+            before.warm(&mut absorbed_w_m2, &colours, n, &watts, mesh);
+        }
+    }
+    drop(before);
+    table.reflected = columns(&colours, levels, mesh.facets.len());
+    if is_warm {
+        warm(scene, table, &absorbed_w_m2);
+    }
+    Ok(())
+}
+
+/// What of each source's light a facet of a meeting has there.
+fn lit(mesh: &Mesh, table: &FacetTable, frame: &Frame, meeting: &Meeting, which: usize) -> Lit {
+    let facet = meeting.facets[which];
+    let mut uv = None;
+    let share = |lighting: &Lighting| {
+        lighting.seen().map_or(1.0, |seen| match seen.shown[facet as usize] {
+            Shown::Nothing => 0.0,
+            Shown::Whole => 1.0,
+            Shown::Part => {
+                seen.share_at(facet, *uv.get_or_insert_with(|| frame.uv(&mesh.facet(facet as usize), meeting.at)))
+            }
+        })
+    };
+    Lit::new(table.sources.iter().map(share))
+}
+
+/// Total irradiance of the sources' light, W m-2, where its geometric one is 1; and the share of it that surfaces reflect.
+struct Watts {
+    sources_w_m2: Vec<f64>,
+    albedo: Vec<f64>,
+    emissivity: Vec<f64>,
+}
+
+impl Watts {
+    fn new(scene: &Scene) -> Self {
+        let sun_w_m2 = scene.sky.sun.total_irradiance_w_m2();
+        let of = |kind| match kind {
+            SourceKind::Beam(total_w_m2) => total_w_m2,
+            // Sunlight that Mars reflects is taken to be of the Sun's colour.
+            SourceKind::Sphere(mars) => mars.bond_albedo * sun_w_m2,
+            // What a facet absorbs of that is known already.
+            SourceKind::Glow(_) => 0.0,
+        };
+        let materials = &scene.body.materials;
+        Watts {
+            sources_w_m2: scene.sources().iter().map(|source| of(source.kind)).collect(),
+            albedo: materials.iter().map(|m| m.bond_albedo).collect(),
+            emissivity: materials.iter().map(|m| m.emissivity_bolometric).collect(),
+        }
+    }
+
+    /// Of each colour after a bounce.
+    fn of(&self, colours: &Colours, bounce: usize) -> Vec<f64> {
+        let reflected = |by: &[MaterialId]| by.iter().map(|m| self.albedo[m.0 as usize]).product::<f64>();
+        colours.after(bounce).iter().map(|c| self.sources_w_m2[c.source] * reflected(&c.by)).collect()
+    }
+}
+
+/// What facets send of what sources send them, and of their own heat.
+struct Direct<'a> {
+    scene: &'a Scene,
+    sources: Vec<&'a Lighting>,
+    /// Of each material with a model, its albedo by incidence, and by what that is multiplied for a mean of 1.
+    albedos: Vec<Option<(DirectionalAlbedos, f64)>>,
+    /// Where the Sun sees a facet, and in its shadow, K; none without heat.
+    temperatures_k: Option<[&'a [f64]; 2]>,
+}
+
+impl<'a> Direct<'a> {
+    fn new(scene: &'a Scene, table: &'a FacetTable, is_warm: bool) -> Self {
+        let albedo = |material: &Material| {
+            let (albedos, factor) = material.photometry.model()?.absorbing(material.bond_albedo)?;
+            (material.bond_albedo > 0.0).then_some((albedos, factor / material.bond_albedo))
+        };
+        Direct {
+            scene,
+            sources: table.sources.iter().collect(),
+            albedos: scene.body.materials.iter().map(albedo).collect(),
+            temperatures_k: is_warm.then_some([&table.temperature_lit_k, &table.temperature_shaded_k]),
+        }
+    }
+
+    fn give(&self, bounce: &Bounce, row: &mut [f64], from: u32, lit: Lit, lines: f64) {
+        let facet = from as usize;
+        let material = self.scene.body.mesh.material[facet].0 as usize;
+        for (s, lighting) in self.sources.iter().enumerate() {
+            let lit = match &lighting.sees {
+                Sees::Polygons(_) => lit.by(s).unwrap_or_else(|| share(&lighting.sees, facet)),
+                sees => share(sees, facet),
+            };
+            let irradiance = lighting.irradiance[facet];
+            if lit > 0.0 && irradiance > 0.0 {
+                let (colour, factor) = bounce.becomes[material * bounce.before + s];
+                row[colour] += lines * factor * lit * irradiance * self.of_mean_albedo(material, lighting, irradiance);
+            }
+        }
+        if let Some(temperatures_k) = self.temperatures_k {
+            let emissivity = self.scene.body.materials[material].emissivity_bolometric;
+            let sunlit = lit.by(0).unwrap_or(0.0);
+            for (part, t_k) in [(sunlit, temperatures_k[0]), (1.0 - sunlit, temperatures_k[1])] {
+                if part > 0.0 {
+                    row[bounce.after] += lines * part * heat::emitted_w_m2(t_k[facet], emissivity);
+                }
+            }
+        }
+    }
+
+    /// All of it, W: of light and heat alike.
+    fn total_w(&self, watts: &Watts, areas_m2: &[f64]) -> f64 {
+        let materials = &self.scene.body.materials;
+        let of = |f: usize| {
+            let material = self.scene.body.mesh.material[f].0 as usize;
+            let lit = self.sources.iter().map(|lighting| share(&lighting.sees, f));
+            let arriving: f64 = (self.sources.iter().zip(&watts.sources_w_m2))
+                .zip(lit)
+                .map(|((lighting, w_m2), lit)| lit * lighting.irradiance[f] * w_m2)
+                .sum();
+            let heat = self.temperatures_k.map_or(0.0, |[lit_k, shaded_k]| {
+                let lit = self.sources.first().map_or(0.0, |sun| share(&sun.sees, f));
+                let emitted = |t_k| heat::emitted_w_m2(t_k, materials[material].emissivity_bolometric);
+                lit * emitted(lit_k[f]) + (1.0 - lit) * emitted(shaded_k[f])
+            });
+            areas_m2[f] * (watts.albedo[material] * arriving + heat)
+        };
+        (0..areas_m2.len()).map(of).sum()
+    }
+
+    /// What a surface reflects of light at its incidence, over what it reflects of light from everywhere.
+    fn of_mean_albedo(&self, material: usize, lighting: &Lighting, irradiance: f64) -> f64 {
+        let mut of_mean = 1.0;
+        if let (Some((albedos, factor)), DirectionField::Afar(_)) = (&self.albedos[material], lighting.field) {
+            albedos.weights(irradiance, |_, weight| of_mean = factor * weight);
+        }
+        of_mean
+    }
+}
+
+/// What a bounce has brought: [facet, colour], and then W m-2 of heat, if there is any.
+struct Received {
+    rows: Vec<f64>,
+    columns: usize,
+}
+
+/// The same, to be sent on.
+struct Sent<'a> {
+    received: &'a Received,
+    /// W m-2 of heat that each facet sends on, if there is any: what it receives, and what it absorbs of light.
+    heat_w_m2: Vec<f64>,
+}
+
+impl Received {
+    /// What the facets send on at bounce `n`.
+    fn to_be_sent(&self, colours: &Colours, n: usize, watts: &Watts, mesh: &Mesh, is_warm: bool) -> Sent<'_> {
+        let of_colour = watts.of(colours, n - 1);
+        let heat = |(row, material): (&[f64], &MaterialId)| {
+            (1.0 - watts.albedo[material.0 as usize]) * light_w_m2(row, &of_colour) + row[of_colour.len()]
+        };
+        let rows = || self.rows.par_chunks(self.columns).zip(&mesh.material);
+        Sent { received: self, heat_w_m2: if is_warm { rows().map(heat).collect() } else { vec![] } }
+    }
+
+    /// Adds the light to that of earlier bounces of the same colours.
+    fn add_to(&self, level: &mut Vec<f64>, colours: usize) {
+        let facets = self.rows.len() / self.columns;
+        level.resize(facets * colours, 0.0);
+        for (sums, row) in level.chunks_exact_mut(colours).zip(self.rows.chunks_exact(self.columns)) {
+            sums.iter_mut().zip(row).for_each(|(sum, x)| *sum += x);
+        }
+    }
+
+    /// Adds what each facet absorbs, W m-2.
+    fn warm(&self, absorbed_w_m2: &mut [f64], colours: &Colours, n: usize, watts: &Watts, mesh: &Mesh) {
+        let of_colour = watts.of(colours, n);
+        let rows = self.rows.par_chunks(self.columns).zip(&mesh.material);
+        absorbed_w_m2.par_iter_mut().zip(rows).for_each(|(sum, (row, material))| {
+            let m = material.0 as usize;
+            *sum += (1.0 - watts.albedo[m]) * light_w_m2(row, &of_colour) + watts.emissivity[m] * row[of_colour.len()];
+        });
+    }
+}
+
+/// Light of all colours, W m-2.
+fn light_w_m2(row: &[f64], of_colour: &[f64]) -> f64 {
+    row.iter().zip(of_colour).map(|(x, w_m2)| x * w_m2).sum()
+}
+
+impl Sent<'_> {
+    /// Power sent at bounce `n`, W: of light and heat alike.
+    fn total_w(&self, colours: &Colours, n: usize, watts: &Watts, areas_m2: &[f64], mesh: &Mesh) -> f64 {
+        let of_colour = watts.of(colours, n - 1);
+        let of = |f: usize| {
+            let row = &self.received.rows[f * self.received.columns..];
+            let reflected = watts.albedo[mesh.material[f].0 as usize] * light_w_m2(row, &of_colour);
+            areas_m2[f] * (reflected + self.heat_w_m2.get(f).unwrap_or(&0.0))
+        };
+        (0..areas_m2.len()).map(of).sum()
+    }
+
+    fn give(&self, mesh: &Mesh, bounce: &Bounce, row: &mut [f64], from: u32, lines: f64) {
+        let (facet, columns) = (from as usize, self.received.columns);
+        let received = &self.received.rows[facet * columns..(facet + 1) * columns];
+        let material = mesh.material[facet].0 as usize;
+        let becomes = &bounce.becomes[material * bounce.before..(material + 1) * bounce.before];
+        for ((colour, factor), x) in becomes.iter().zip(received) {
+            row[*colour] += lines * factor * x;
+        }
+        if let Some(heat_w_m2) = self.heat_w_m2.get(facet) {
+            row[bounce.after] += lines * heat_w_m2;
+        }
+    }
+}
+
+/// The light of all bounces, a column for each colour that there is any of.
+fn columns(colours: &Colours, levels: Vec<Vec<f64>>, facets: usize) -> Vec<Reflected> {
+    let mut all = Vec::new();
+    for (n, level) in levels.into_iter().enumerate() {
+        let of_level = colours.after(n);
+        if level.is_empty() {
+            continue;
+        }
+        for (c, colour) in of_level.iter().enumerate() {
+            let irradiance: Vec<f64> = (0..facets).map(|f| level[f * of_level.len() + c]).collect();
+            if irradiance.iter().any(|x| *x > 0.0) {
+                all.push(Reflected { source: colour.source, by: colour.by.clone(), irradiance });
+            }
+        }
+    }
+    all
+}
+
+/// The temperatures of facets that absorb so much more, W m-2.
+fn warm(scene: &Scene, table: &mut FacetTable, absorbed_w_m2: &[f64]) {
+    // Of the smallest facets few lines decide.
+    let most_k = warmest_k(scene);
+    let facets = scene.body.mesh.material.par_iter().zip(absorbed_w_m2);
+    let states = table.temperature_lit_k.par_iter_mut().zip(&mut table.temperature_shaded_k);
+    states.zip(facets).for_each(|((lit_k, shaded_k), (material, more_w_m2))| {
+        let emissivity = scene.body.materials[material.0 as usize].emissivity_bolometric;
+        for t_k in [lit_k, shaded_k] {
+            let all_w_m2 = heat::emitted_w_m2(*t_k, emissivity) + more_w_m2;
+            *t_k = heat::equilibrium_temperature_k(all_w_m2, emissivity).min(most_k);
+        }
+    });
+}

@@ -1,0 +1,96 @@
+//! Facets in blocks that lie close together: what a block cannot do, none of its facets can.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::geometry::{Mesh, index_u32, whole};
+
+/// Facets in a block.
+const SIZE: usize = 32;
+/// What rounding may take from a block's bounds.
+const ROUNDING: f64 = 1e-9;
+
+/// A few facets, and where they lie and face.
+#[derive(Debug, Clone)]
+pub(super) struct Block {
+    /// Sphere around all of them: its centre and radius, m.
+    pub(super) centre_m: DVec3,
+    pub(super) radius_m: f64,
+    /// All normals are within an angle of this direction; its sine, above 1 where that is no bound.
+    axis: DVec3,
+    sin_spread: f64,
+    /// Where its facets are among [`Blocks::facets`].
+    first: usize,
+    end: usize,
+}
+
+impl Block {
+    /// Whether one of its facets may face away from a direction.
+    pub(super) fn may_face_away(&self, towards: DVec3) -> bool {
+        self.axis.dot(towards) < self.sin_spread
+    }
+
+    /// Whether one of its facets may face a direction.
+    pub(super) fn may_face(&self, towards: DVec3) -> bool {
+        -self.axis.dot(towards) < self.sin_spread
+    }
+}
+
+/// All facets with an area, block by block.
+#[derive(Debug)]
+pub(super) struct Blocks {
+    /// Each with its corners.
+    facets: Vec<(u32, [u32; 3])>,
+    pub(super) blocks: Vec<Block>,
+}
+
+impl Blocks {
+    /// Sorts the facets of a mesh along Morton's curve, and cuts the curve into blocks.
+    pub(super) fn new(mesh: &Mesh, low_m: DVec3, high_m: DVec3) -> Self {
+        // A cube, so that blocks are as wide as they are high.
+        let scale = f64::from(1 << 21) / (high_m - low_m).max_element().max(f64::MIN_POSITIVE);
+        let mut places: Vec<(u64, u32)> = (0..mesh.facets.len())
+            .into_par_iter()
+            .filter(|f| mesh.facet(*f).cross_m2() != DVec3::ZERO)
+            .map(|f| {
+                let at = ((mesh.facet(f).centroid_m() - low_m) * scale).to_array().map(|x| spread(whole(x)));
+                (at[0] | at[1] << 1 | at[2] << 2, index_u32(f))
+            })
+            .collect();
+        places.par_sort_unstable();
+        let facets: Vec<_> = places.into_iter().map(|(_, facet)| (facet, mesh.facets[facet as usize])).collect();
+        let blocks = (0..facets.len().div_ceil(SIZE))
+            .into_par_iter()
+            .map(|b| block(mesh, &facets, b * SIZE..((b + 1) * SIZE).min(facets.len())))
+            .collect();
+        Blocks { facets, blocks }
+    }
+
+    /// Facets and their corners.
+    pub(super) fn facets(&self, block: &Block) -> &[(u32, [u32; 3])] {
+        &self.facets[block.first..block.end]
+    }
+}
+
+/// The lowest 21 bits of a number, two places between them.
+fn spread(x: usize) -> u64 {
+    let mut x = (x as u64).min((1 << 21) - 1);
+    x = (x | x << 32) & 0x001f_0000_0000_ffff;
+    x = (x | x << 16) & 0x001f_0000_ff00_00ff;
+    x = (x | x << 8) & 0x100f_00f0_0f00_f00f;
+    x = (x | x << 4) & 0x10c3_0c30_c30c_30c3;
+    (x | x << 2) & 0x1249_2492_4924_9249
+}
+
+fn block(mesh: &Mesh, facets: &[(u32, [u32; 3])], range: std::ops::Range<usize>) -> Block {
+    let of = || facets[range.clone()].iter().map(|(f, _)| mesh.facet(*f as usize));
+    let corners = || of().flat_map(|facet| facet.corners_m);
+    let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let (low_m, high_m) = corners().fold(none, |(low, high), p| (low.min(p), high.max(p)));
+    let centre_m = 0.5 * (low_m + high_m);
+    let radius_m = corners().map(|p| p.distance(centre_m)).fold(0.0, f64::max) * (1.0 + ROUNDING);
+    let axis = of().map(|facet| facet.normal()).sum::<DVec3>().normalize_or_zero();
+    let cos = of().map(|facet| facet.normal().dot(axis)).fold(1.0, f64::min);
+    let sin_spread = if cos > 0.0 { (1.0 - cos * cos).max(0.0).sqrt() + ROUNDING } else { 2.0 };
+    Block { centre_m, radius_m, axis, sin_spread, first: range.start, end: range.end }
+}
