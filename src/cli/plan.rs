@@ -66,7 +66,7 @@ fn text(outlook: &Outlook, plan: &Plan, explain: bool) -> String {
         format!("model: {}, tolerance {}", plan.model, plan.tolerance),
         "errors of a pixel, over its radiance or 0.01 of the median sunlit radiance; CPU time on a machine of 2022"
             .to_owned(),
-        format!("{:<26} {:<8} {:>10} {:>10} {:>8}", "effect", "", "sunlit", "in shadow", "CPU s"),
+        format!("{:<46} {:<8} {:>10} {:>10} {:>8}", "effect", "", "sunlit", "in shadow", "CPU s"),
     ];
     for effect in &plan.effects {
         lines.push(row(effect));
@@ -83,6 +83,9 @@ fn text(outlook: &Outlook, plan: &Plan, explain: bool) -> String {
         }
     }
     lines.extend(totals(plan));
+    let kept = plan.effects.iter().filter(|effect| effect.decision == Decision::Kept);
+    let own = kept.filter_map(|effect| Some((effect, effect.own.as_ref()?)));
+    lines.extend(own.map(|(effect, own)| format!("by itself, {}: {} {}", effect.key, short(own.left), own.of)));
     lines.push(format!(
         "expects about {} CPU s (within a factor of {WITHIN}), {} of memory, {} of disk",
         rounded(outlook.dry_run.cpu_s, 2),
@@ -100,7 +103,7 @@ fn row(effect: &Effect) -> String {
     let cost = effect.cost_s.map_or(String::new(), |s| rounded(s, 2));
     let name = format!("{} ({})", effect.name, effect.key);
     let name = if effect.key == effect.name { effect.name.clone() } else { name };
-    format!("{:<40} {:<8} {:>10} {:>10} {:>8}", name, word(effect.decision), of(|b| b.lit), of(|b| b.shadow), cost)
+    format!("{:<46} {:<8} {:>10} {:>10} {:>8}", name, word(effect.decision), of(|b| b.lit), of(|b| b.shadow), cost)
 }
 
 pub(super) fn word(decision: Decision) -> &'static str {

@@ -128,7 +128,7 @@ fn class_of(brightness: f64) -> usize {
         return 0;
     }
     let place = (brightness.to_bits() >> CLASS_SHIFT) - (LEAST.to_bits() >> CLASS_SHIFT);
-    place.min(CLASSES as u64 - 2) as usize + 1
+    usize::try_from(place).unwrap_or(usize::MAX).min(CLASSES - 2) + 1
 }
 
 /// A material's reflectance by direction where spectra are in the middle of what bands show.

@@ -88,7 +88,7 @@ pub(super) fn account_for(
         .concat(),
         checks: checks(scene, table, extremes, &image),
         counts,
-        surfaces: if uses_sun { surfaces(scene, &site) } else { vec![] },
+        surfaces: if uses_sun { surfaces(scene, site) } else { vec![] },
         cube: (),
         backplanes: image.backplanes,
         footprints: image.footprints,

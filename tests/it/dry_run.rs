@@ -176,7 +176,7 @@ fn more_work_is_expected_to_take_longer_and_more() {
     let more = [
         ("facets", SITE.replace("facets = 1000", "facets = 10000"), true),
         ("pixels", SITE.replace("= 16\n", "= 64\n"), true),
-        ("bands", SITE.replace("[1.0]", "[1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6]"), true),
+        ("bands", SITE.replace("[1.0]", "[1.0, 1.5, 2.0, 2.5, 3.0, 3.3, 3.6]"), true),
         ("grazing light", SITE.replace("[0.0, 1.0, 0.5]", "[0.0, 0.1, 1.0]"), false),
     ];
     for (what, text, takes_memory) in more {

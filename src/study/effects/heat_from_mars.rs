@@ -1,7 +1,7 @@
 //! What Mars warms.
 
 use super::given::{emission, mars_seen};
-use super::{EffectKind, Finding, Given};
+use super::{Bound, EffectKind, Finding, Given};
 use crate::scene::Thermal;
 use crate::spectral::Light;
 
@@ -17,14 +17,7 @@ pub(super) const KIND: EffectKind = EffectKind {
 
 fn find(given: &Given) -> Finding {
     let (_, has_mars) = mars_seen(given.scene, given.extremes);
-    // Reflected or emitted, Mars sends no more than sunlight at its zenith.
-    let bound = given.error(|at, material, class, side| {
-        let of_mars = if has_mars { class.most_of_mars } else { given.most_from_mars() };
-        let (around, cos_incidence) = (given.most_around(), side.most_cos_incidence(class));
-        let warmed = |heat: f64| emission(material, at.um, given.temperature_k(material, cos_incidence, heat));
-        // What adds to a warmer facet changes more, at short wavelengths.
-        (warmed(of_mars + around) - warmed(around)).max(warmed(of_mars) - warmed(0.0))
-    });
+    let bound = bound(given);
     let because = "as much heat, on day and night side alike, as sunlight at its zenith would be".to_owned();
     let found = |modelled, missing: Option<&str>, note: &str| Finding {
         modelled,
@@ -45,4 +38,23 @@ fn find(given: &Given) -> Finding {
         }
         _ => found(false, Some("no heat balance"), "it comes with thermal emission, in equilibrium"),
     }
+}
+
+/// What warmth from Mars changes at most.
+pub(super) fn bound(given: &Given) -> Option<Bound> {
+    if given.scene.models.thermal != Thermal::Equilibrium {
+        return Some(Bound::NOTHING);
+    }
+    let (_, has_mars) = mars_seen(given.scene, given.extremes);
+    // Reflected or emitted, Mars sends no more than sunlight at its zenith.
+    given.error(|at, material, class, side| {
+        if !at.light.glows() {
+            return 0.0;
+        }
+        let of_mars = if has_mars { class.most_of_mars } else { given.most_from_mars() };
+        let (around, cos_incidence) = (given.most_around(), side.most_cos_incidence(class));
+        let warmed = |heat: f64| emission(material, at.um, given.temperature_k(material, cos_incidence, heat));
+        // What adds to a warmer facet changes more, at short wavelengths.
+        (warmed(of_mars + around) - warmed(around)).max(warmed(of_mars) - warmed(0.0))
+    })
 }

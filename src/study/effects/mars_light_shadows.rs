@@ -1,16 +1,14 @@
 //! Terrain between a facet and Mars.
 
-use super::{EffectKind, Finding, Given, OwnTolerance, Switch};
+use super::{Bound, EffectKind, Finding, Given, OwnTolerance, Switch};
 use crate::physics::sun_disc::DiscRule;
-use crate::scene::MarsModel;
-use crate::spectral::Light;
 
 pub(super) const KIND: EffectKind = EffectKind {
     key: "mars-shadows",
     name: "shadows in Mars-light",
     equation: Some("physics::mars_points"),
     step: Some("solve::mars_shadows"),
-    light: Some(Light::is_lit),
+    light: None,
     switch: Some(Switch {
         add: |models, stated, given, _| {
             let rule = stated.mars_shadows.unwrap_or(ENOUGH);
@@ -33,16 +31,23 @@ const ENOUGH: DiscRule = DiscRule::G7;
 fn find(given: &Given) -> Finding {
     let (mars, models) = (&given.scene.sky.mars, given.scene.models);
     Finding {
-        modelled: mars.is_some() && models.mars_shadows.is_some() && models.mars_light != MarsModel::Off,
+        modelled: mars.is_some() && models.mars_shadows.is_some(),
         missing: mars.is_none().then(|| "no Mars in the scene".into()),
-        bound: super::mars_light::bound(given),
+        bound: of_all(given),
         note: match models.mars_shadows {
             Some(rule) => {
                 format!("each facet has the share of Mars-light that terrain leaves, of {} parts of Mars", rule.count())
             }
             None => "a facet's own horizon cuts Mars, other terrain does not".into(),
         },
-        because: "all of the Mars-light".into(),
+        because: "all of the light and heat of Mars".into(),
         ..Finding::default()
     }
+}
+
+/// All that Mars does: what hides its light hides its heat, too.
+fn of_all(given: &Given) -> Option<Bound> {
+    let parts =
+        [super::mars_light::bound(given), super::heat_from_mars::bound(given), super::glow_of_mars::bound(given)];
+    parts.into_iter().try_fold(Bound::NOTHING, |sum, part| Some(sum.and(&part?)))
 }
