@@ -74,7 +74,7 @@ pub enum Method {
     Facets(f64),
 }
 
-/// Radiance of every pixel, [band][pixel], W m-2 sr-1 um-1.
+/// Radiance of every pixel, `[band, pixel]`, W m-2 sr-1 um-1.
 pub type Bands = Vec<Vec<f64>>;
 
 impl Method {

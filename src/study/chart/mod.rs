@@ -71,7 +71,7 @@ pub struct Entry {
     pub cpu_s: f64,
     /// How often it was run.
     pub runs: u32,
-    /// Radiance, [band][pixel], W m-2 sr-1 um-1; another program's may have the first band alone.
+    /// Radiance, `[band, pixel]`, W m-2 sr-1 um-1; another program's may have the first band alone.
     pub image: Bands,
     /// What it is off by, band by band.
     pub errors: Vec<BandErrors>,
@@ -97,7 +97,7 @@ impl Chart {
 ///
 /// # Errors
 /// Those of [`solve`](solve::solve) and [`integrate`](integrate::integrate);
-/// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
+/// [`Error::Interrupted`] if `watch` asks to stop.
 pub fn chart(name: &str, scene: &Scene, clock: Clock<'_>, watch: Watch<'_>) -> Result<Chart> {
     let exposure = Exposure { bands: bands(scene), ..scene.exposure.clone() };
     let scene = &scene.seen_by(exposure)?;
