@@ -28,6 +28,8 @@ const PLACES: usize = 4096;
 pub struct Extremes {
     pub(super) site: Site,
     pub(super) glimpse: Glimpse,
+    /// Whether some facet has each material.
+    pub(super) is_used: Vec<bool>,
     /// Of each material, its facets that face the camera.
     pub(super) facing: Vec<Facing>,
     /// Share of the site that terrain outside it might shadow.
@@ -179,6 +181,8 @@ impl Extremes {
             all
         };
         let facing = (0..mesh.facets.len().div_ceil(CHUNK)).into_par_iter().map(of_chunk).reduce(none, join);
+        let mut is_used = vec![false; scene.body.materials.len()];
+        mesh.material.iter().for_each(|material| is_used[material.0 as usize] = true);
         let place = |facet: usize| {
             let material = mesh.material[facet].0 as usize;
             let Sight { brightness, cos_incidence, .. } = sight(scene, &mars, facet, &looks[material])?;
@@ -190,12 +194,11 @@ impl Extremes {
             sunlit: glimpse.facets().filter_map(place).collect(),
             site,
             glimpse,
+            is_used,
             facing,
         }
     }
-}
 
-impl Extremes {
     /// With the farthest that a shadow is thrown: the mesh is drawn once more, as the Sun sees it.
     #[must_use]
     pub fn with_throw(self, scene: &Scene) -> Self {
@@ -220,13 +223,15 @@ fn sight(scene: &Setup, mars: &Option<MarsBound>, facet: usize, look: &Look) -> 
     if cross_m2.dot(to_eye) <= 0.0 {
         return None;
     }
-    let (normal, to_eye) = (cross_m2.normalize_or_zero(), to_eye.normalize_or_zero());
-    let gain = |to_source: DVec3| look.gain(|| PhotometricAngles::of_directions(normal, to_source, to_eye));
+    let normal = cross_m2.normalize_or_zero();
+    let gain = |to_source: DVec3| {
+        look.gain(|| PhotometricAngles::of_directions(normal, to_source, to_eye.normalize_or_zero()))
+    };
     let to_sun = scene.sky.sun.direction.vec();
     let cos_incidence = normal.dot(to_sun).max(0.0);
     let brightness = if cos_incidence > 0.0 { cos_incidence * gain(to_sun) } else { 0.0 };
     let (by_mars, of_mars) = mars.as_ref().map_or((0.0, 0.0), |mars| {
-        let (most, of_mars) = mars.at(centroid_m, normal);
+        let (most, of_mars) = mars.at(normal);
         let towards = || middle_above_horizon(normal, mars.centre_m - centroid_m, mars.radius_m).normalize_or_zero();
         (if most > 0.0 { most * gain(towards()) } else { 0.0 }, of_mars)
     });
@@ -237,6 +242,11 @@ fn sight(scene: &Setup, mars: &Option<MarsBound>, facet: usize, look: &Look) -> 
 struct MarsBound {
     centre_m: DVec3,
     radius_m: f64,
+    /// Towards its centre from the middle of the scene, and cosine and sine of the angle that it is off from elsewhere.
+    towards: DVec3,
+    off: (f64, f64),
+    /// Sine and cosine of its angular radius where it is nearest.
+    radius: (f64, f64),
     /// The most that all of Mars sends, over its reflectance and sunlight: radiance summed over directions, times pi.
     scalar: f64,
     /// The largest cosine of the Sun's incidence on what of Mars is in view.
@@ -261,26 +271,38 @@ impl MarsBound {
         // A facet that faces Mars gets every direction's light by a cosine that is at least the rim's.
         let facing = away - sunward * least_phase_rad.cos();
         let rim = (1.0 - sin_radius * sin_radius).max(0.0).sqrt();
-        Some(MarsBound { centre_m, radius_m, scalar: facing / rim, most_cos: in_view_rad.cos().max(0.0) })
+        Some(MarsBound {
+            centre_m,
+            radius_m,
+            towards: to_centre_m.normalize_or_zero(),
+            off: (off_rad.cos(), off_rad.sin()),
+            radius: (sin_radius, rim),
+            scalar: facing / rim,
+            most_cos: in_view_rad.cos().max(0.0),
+        })
     }
 
-    /// A bound of E / (reflectance x sunlight), and the form factor.
-    fn at(&self, p_m: DVec3, normal: DVec3) -> (f64, f64) {
-        let to_mars_m = self.centre_m - p_m;
-        let distance_m = to_mars_m.length();
-        let (sin_radius, cos_tilt) = ((self.radius_m / distance_m).min(1.0), normal.dot(to_mars_m) / distance_m);
+    /// Bounds of E / (reflectance x sunlight), and of the form factor, of a facet anywhere in the scene.
+    fn at(&self, normal: DVec3) -> (f64, f64) {
+        let (sin_radius, cos_radius) = self.radius;
+        // The least tilt there may be; then that of the part of the disc that is nearest to the normal.
+        let (cos_tilt, sin_tilt) = nearer(with_sine(normal.dot(self.towards)), self.off);
         let form_factor = uniform_sphere_form_factor(sin_radius, cos_tilt);
         if form_factor <= 0.0 {
             return (0.0, 0.0);
         }
-        // Of the disc's directions the one nearest to the normal: the cosine of tilt less the disc's radius.
-        let cos_radius = (1.0 - sin_radius * sin_radius).max(0.0).sqrt();
-        let nearest = match cos_tilt >= cos_radius {
-            true => 1.0,
-            false => (cos_tilt * cos_radius + (1.0 - cos_tilt * cos_tilt).max(0.0).sqrt() * sin_radius).max(0.0),
-        };
-        ((form_factor * self.most_cos).min(self.scalar * nearest), form_factor)
+        let (nearest, _) = nearer((cos_tilt, sin_tilt), (cos_radius, sin_radius));
+        ((form_factor * self.most_cos).min(self.scalar * nearest.max(0.0)), form_factor)
     }
+}
+
+fn with_sine(cos: f64) -> (f64, f64) {
+    (cos, (1.0 - cos * cos).max(0.0).sqrt())
+}
+
+/// Cosine and sine of an angle less another one, or of 0 if that is larger.
+fn nearer((cos, sin): (f64, f64), (cos_by, sin_by): (f64, f64)) -> (f64, f64) {
+    if cos >= cos_by { (1.0, 0.0) } else { (cos * cos_by + sin * sin_by, sin * cos_by - cos * sin_by) }
 }
 
 /// Places that are sunlit for the most part, of an image; those with any light if none are.

@@ -61,10 +61,7 @@ pub(super) struct Wavelength {
 impl<'a> Given<'a> {
     /// `sunlit` are places of the image: of a extremes, or, once it is there, of the image itself.
     pub(in crate::study) fn new(scene: &'a Setup, extremes: &'a Extremes, sunlit: &[Place]) -> Self {
-        let all = scene.body.materials.iter().enumerate();
-        let mut used = vec![false; scene.body.materials.len()];
-        scene.body.mesh.material.iter().for_each(|m| used[m.0 as usize] = true);
-        let materials: Vec<_> = all.filter(|(i, _)| used[*i]).collect();
+        let materials: Vec<_> = scene.body.materials.iter().enumerate().filter(|(i, _)| extremes.is_used[*i]).collect();
         let mut given = Given {
             scene,
             extremes,
