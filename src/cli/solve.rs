@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
+use mmxrt::Result;
 use mmxrt::formats::Subject;
-use mmxrt::{Result, job};
+use mmxrt::job::{self, TableFiles, Towards};
 
 use super::console::Console;
 use super::plan::RequestArguments;
@@ -18,7 +19,11 @@ pub(crate) struct Arguments {
     /// The table to write
     #[arg(long, short, value_name = "TABLE.npz")]
     output: PathBuf,
-    /// Replace an existing table
+    /// Also write what each facet sends towards an observer in each band, to TABLE_radiance.npz: `camera`, the scene's own; `at:X,Y,Z`, a place in the
+    /// body-fixed frame, m; or `towards:X,Y,Z`, a direction in it
+    #[arg(long, value_name = "OBSERVER", allow_hyphen_values = true)]
+    radiance: Option<Towards>,
+    /// Replace existing files
     #[arg(long)]
     force: bool,
 }
@@ -27,15 +32,18 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let watch = |progress| console.watch(progress);
     super::settle(&arguments.output, console)?;
     super::settle_input(&arguments.scene, console)?;
-    let staged = job::stage_table(&arguments.output, arguments.force)?;
+    let files = TableFiles::stage(&arguments.output, arguments.radiance, arguments.force)?;
     let mut subject = Subject::open(&arguments.scene, &watch)?;
     product::say_defaults(&subject, console);
     subject.warnings.iter().for_each(|warning| console.note(&format!("warning: {warning}")));
-    let table = job::solve(&mut subject, &arguments.request.request(), staged, &watch)?;
+    let table = job::solve(&mut subject, &arguments.request.request(), files, &watch)?;
     let (path, facets) = (arguments.output.display().to_string(), table.facets());
     let defaults: Vec<String> = subject.defaults.iter().map(ToString::to_string).collect();
-    let json =
-        serde_json::json!({ "table": path, "facets": facets, "defaults": defaults, "warnings": subject.warnings });
-    console.done(&format!("{path}: {facets} facets"), &json);
+    let radiance = arguments.radiance.map(|_| job::radiance_path(&arguments.output).display().to_string());
+    let json = serde_json::json!({
+        "table": path, "radiance": radiance, "facets": facets, "defaults": defaults, "warnings": subject.warnings,
+    });
+    let also = radiance.map_or_else(String::new, |radiance| format!(", and their radiance in {radiance}"));
+    console.done(&format!("{path}: {facets} facets{also}"), &json);
     Ok(Outcome::Done)
 }

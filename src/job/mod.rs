@@ -20,5 +20,5 @@ pub use image_survey::{Picture, Survey, survey};
 pub use integrate::{Radiance, integrate};
 pub use landscape::LandscapeFiles;
 pub use simulate::simulate;
-pub use solve::{solve, stage_table};
+pub use solve::{TableFiles, Towards, radiance_path, solve};
 pub use surface::SurfaceFacts;

@@ -5,6 +5,7 @@ mod conduction;
 mod eclipse;
 mod emission;
 mod exchange;
+mod facet_radiance;
 mod irradiance;
 mod mars_shadows;
 mod shadows;
@@ -15,7 +16,8 @@ use crate::progress::{Watch, tell};
 use crate::scene::{Scene, Thermal};
 use crate::visibility::Seen;
 
-pub use emission::{Emission, Fragment, ImagePart, Modulation, interpolation_error};
+pub use emission::{Emission, Fragment, ImagePart, Modulation, Observer, interpolation_error};
+pub use facet_radiance::FacetRadiance;
 pub use mars_shadows::mars_parts;
 pub use shadows::lit;
 

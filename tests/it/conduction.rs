@@ -11,11 +11,11 @@ use mmxrt::{Error, solve};
 use crate::scenes::parts;
 use crate::shapes::*;
 
-const DAY_S: f64 = 27_553.843_872;
-const SIGMA: f64 = 5.670_374_419e-8;
+pub(crate) const DAY_S: f64 = 27_553.843_872;
+pub(crate) const SIGMA: f64 = 5.670_374_419e-8;
 
 /// Level ground on the equator, which turns eastwards, towards +x, under a Sun in the plane of the equator; A 0.03, eps 0.95, 1.523679 au.
-fn ground(mesh: Mesh, sun_deg_after_noon: f64, thermal_inertia: f64, steps: u32) -> SceneParts {
+pub(crate) fn ground(mesh: Mesh, sun_deg_after_noon: f64, thermal_inertia: f64, steps: u32) -> SceneParts {
     let after_noon = sun_deg_after_noon.to_radians();
     let towards = direction([-after_noon.sin(), 0.0, after_noon.cos()]);
     let mut parts = parts(mesh, nadir(1000.0, 10.0, 4), towards);
@@ -29,7 +29,7 @@ fn ground(mesh: Mesh, sun_deg_after_noon: f64, thermal_inertia: f64, steps: u32)
     parts
 }
 
-fn temperatures_k(scene: &Scene) -> Vec<f64> {
+pub(crate) fn temperatures_k(scene: &Scene) -> Vec<f64> {
     let table = solve::solve(scene, &unwatched).unwrap();
     assert_eq!(table.temperature_lit_k, table.temperature_shaded_k);
     table.temperature_lit_k

@@ -13,7 +13,7 @@ use crate::scenes::{self, lambert};
 use crate::shapes::*;
 
 /// A site of two materials: relief, sometimes with a boulder, under a random Sun and Mars, in random bands.
-fn random_scene(seed: u64) -> SceneParts {
+pub(crate) fn random_scene(seed: u64) -> SceneParts {
     let mut random = Random(seed);
     let mut uniform = |from: f64, to: f64| from + (to - from) * random.share();
     let steep = uniform(0.0, 0.6);
@@ -57,7 +57,7 @@ fn random_scene(seed: u64) -> SceneParts {
 }
 
 /// With light between facets, which takes by far the longest, where it is wanted.
-fn planned(scene: &Scene, choice: Choice, tolerance: f64, exchanges: bool) -> (Scene, Plan) {
+pub(crate) fn planned(scene: &Scene, choice: Choice, tolerance: f64, exchanges: bool) -> (Scene, Plan) {
     let extremes = Extremes::new(scene).with_throw(scene);
     let request = Request { choice, tolerance };
     let (models, plan) = study::plan(scene, &extremes, &request).unwrap();
@@ -65,7 +65,7 @@ fn planned(scene: &Scene, choice: Choice, tolerance: f64, exchanges: bool) -> (S
     (scene.by(models).unwrap(), plan)
 }
 
-fn seen(scene: &Scene) -> Observation {
+pub(crate) fn seen(scene: &Scene) -> Observation {
     study::simulate(scene, &unwatched).unwrap().1
 }
 
@@ -90,7 +90,7 @@ fn most(errors: &[f64]) -> f64 {
     errors.iter().copied().fold(0.0, f64::max)
 }
 
-fn effect<'p>(plan: &'p Plan, key: &str) -> &'p Effect {
+pub(crate) fn effect<'p>(plan: &'p Plan, key: &str) -> &'p Effect {
     plan.effects.iter().find(|effect| effect.key == key).unwrap()
 }
 

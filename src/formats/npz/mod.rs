@@ -1,8 +1,9 @@
-//! `.npz`: NumPy arrays in a zip file, stored. Facet tables are written and read back bit for bit; footprints are written.
+//! `.npz`: NumPy arrays in a zip file, stored. Facet tables are written and read back bit for bit; footprints and radiance of facets are written.
 //!
 //! The member `header` is a text of JSON (`str(np.load(f)["header"])`): format, versions, scene, and what each array holds.
 
 mod archive;
+mod radiance;
 mod table;
 mod write;
 
@@ -18,6 +19,8 @@ use crate::scene::Models;
 
 pub use self::archive::{ArrayInfo, Shaped, list, read_f64s};
 pub(super) use self::archive::{Member, beginning, members, text};
+pub(in crate::formats) use self::radiance::RADIANCE;
+pub use self::radiance::{RadianceOfFacets, write_facet_radiance};
 pub use self::table::{read_table, write_table};
 
 /// What the header of a facet table says it is.
@@ -31,7 +34,7 @@ const FOOTPRINTS_VERSION: u32 = 1;
 /// What the member `header` says.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Header {
-    /// What the file holds: `mmxrt facet table` or `mmxrt footprints`.
+    /// What the file holds: `mmxrt facet table`, `mmxrt footprints` or `mmxrt facet radiance`.
     pub format: String,
     /// Version of that format.
     pub format_version: u32,

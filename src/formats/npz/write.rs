@@ -2,6 +2,7 @@
 
 use std::fs::File;
 use std::io::{BufWriter, Seek, SeekFrom, Write};
+use std::ops::Range;
 use std::path::Path;
 
 use zip::write::SimpleFileOptions;
@@ -40,7 +41,12 @@ pub(super) enum Values<'a> {
     Shown(&'a [Shown]),
     Uv(&'a [[f64; 2]]),
     Vector([f64; 3]),
+    /// So many lines of so many columns, made as they are written.
+    Lines([usize; 2], &'a dyn Fn(Range<usize>) -> Vec<f64>),
 }
+
+/// Numbers of [`Values::Lines`] that are made at a time.
+const MADE: usize = 1 << 20;
 
 /// Writes columns, and a header before them, which says this name and version of a format.
 pub(super) fn write(
@@ -173,6 +179,7 @@ impl Column<'_> {
             Values::Shown(v) => ("|u1", format!("({},)", v.len()), v.len()),
             Values::Uv(v) => ("<f8", format!("({}, 2)", v.len()), 16 * v.len()),
             Values::Vector(_) => ("<f8", "(3,)".to_owned(), 24),
+            Values::Lines([lines, columns], _) => ("<f8", format!("({lines}, {columns})"), 8 * lines * columns),
         };
         start(zip, &self.name, descr, &shape, bytes)?;
         match &self.values {
@@ -183,6 +190,12 @@ impl Column<'_> {
             Values::Shown(v) => pieces(zip, v, |x| [*x as u8]),
             Values::Uv(v) => pieces(zip, v.as_flattened(), |x| x.to_le_bytes()),
             Values::Vector(v) => pieces(zip, v, |x| x.to_le_bytes()),
+            Values::Lines([lines, columns], make) => {
+                let at_once = (MADE / columns.max(&1)).max(1);
+                (0..*lines)
+                    .step_by(at_once)
+                    .try_for_each(|from| pieces(zip, &make(from..(from + at_once).min(*lines)), |x| x.to_le_bytes()))
+            }
         }
     }
 }

@@ -12,7 +12,7 @@ use crate::product::{Placement, RadianceMap, SkyShare};
 use crate::spectral::Band;
 
 /// Name of the array or columns.
-pub(super) const RADIANCE: &str = "radiance_w_m2_sr_um";
+pub(super) const RADIANCE: &str = npz::RADIANCE;
 /// No table is longer, bytes.
 const LIMIT: u64 = 16 << 30;
 

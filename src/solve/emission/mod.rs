@@ -30,6 +30,7 @@ use light::{Angles, SourceLight};
 use modelled::Modelled;
 use variation::Variation;
 
+pub use fragment_angles::Observer;
 pub use light::{Fragment, ImagePart, Modulation};
 pub use temperature_grid::interpolation_error;
 
@@ -108,6 +109,12 @@ impl<'a> Emission<'a> {
             emission.push(Family::Heat(heat));
         }
         emission
+    }
+
+    /// The same, for whole facets that another observer sees than the scene's camera.
+    #[must_use]
+    pub(super) fn seen_by(self, observer: Observer) -> Self {
+        Emission { angles: self.angles.seen_by(observer), ..self }
     }
 
     /// The reflectance of a material, plain or under a texture.
