@@ -33,6 +33,14 @@ pub fn interreflection(reflectance: f64, emitted: f64, form_factor: f64, cos_inc
     (reflectance + emitted) * form_factor / ((1.0 - reflectance * form_factor) * cos_incidence)
 }
 
+/// Radiance that arrives of what the surroundings emit, by way of others too, averaged over all directions with their cosines: L F / (1 - rho F).
+///
+/// L is the most that one emits, rho the most that one reflects, F the surroundings' form factor. What a facet reflects of it is rho times that.
+/// Limits: F < 1 / rho.
+pub fn neighbours_heat(emitted: f64, reflectance: f64, form_factor: f64) -> f64 {
+    emitted * form_factor / (1.0 - reflectance * form_factor)
+}
+
 /// Light that is reflected more than n times between surfaces, over direct sunlight: (rho F)^(n + 1) / (1 - rho F).
 ///
 /// Of what surfaces of a radiosity of at most rho E send, no more than F arrives; so each bounce is at most rho F of the one before. Limits: F < 1 / rho.
@@ -104,6 +112,13 @@ mod tests {
         assert!(interreflection(0.07, 0.93, 0.137_931, 0.5) * direct > 2.463_524 + 37.966_42);
         let f = surroundings_form_factor(43.6_f64.to_radians().cos());
         assert!(f > 0.137_931 && f < 1.0, "{f}");
+    }
+
+    #[test]
+    fn heat_in_a_furnace_is_black() {
+        // Walls of reflectance rho emit 1 - rho of a black body; all around, with what they reflect, they send what it does.
+        assert!((neighbours_heat(0.3, 0.7, 1.0) - 1.0).abs() < 1e-15);
+        assert_eq!(neighbours_heat(0.9, 0.1, 0.0), 0.0);
     }
 
     #[test]

@@ -169,10 +169,11 @@ pub(crate) fn warmest_k(scene: &Scene) -> f64 {
     let mars_w_m2 = scene.sky.mars.as_ref().map_or(0.0, |mars| mars.thermal_exitance_w_m2);
     let beams_w_m2: f64 = scene.sky.beams.iter().map(|beam| beam.total_irradiance_w_m2).sum();
     let emissivity = scene.body.materials.iter().map(|m| m.emissivity_bolometric).fold(1.0, f64::min);
-    match scene.models.thermal {
+    let warmest_k = match scene.models.thermal {
         Thermal::Equilibrium => heat::equilibrium_temperature_k(2.0 * sun_w_m2 + mars_w_m2 + beams_w_m2, emissivity),
         // Tables of our own have rounding too.
         Thermal::Thesis => heat::thesis_temperature_k(1.0 + 1e-9),
         Thermal::Off => f64::INFINITY,
-    }
+    };
+    warmest_k.max(scene.models.floor_k)
 }

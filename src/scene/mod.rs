@@ -165,6 +165,9 @@ fn together(surface: &Surface, sky: &Sky, exposure: &Exposure, models: Models) -
     {
         problem("mars.albedo", message);
     }
+    if !(0.0..=1e4).contains(&models.floor_k) {
+        problem("thermal.floor_k", format!("{} K is not the temperature of ground", models.floor_k));
+    }
     if let Some(steps) = models.conduction {
         if sky.rotation.is_none() {
             let message = "heat is conducted from one time of day to another, and nothing says how long a day is: give `period_s`";

@@ -6,7 +6,7 @@ use crate::geometry::whole_u32;
 use crate::physics::sun_disc::DiscRule;
 
 /// The choice of models.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Models {
     /// How warm the surface is.
@@ -25,6 +25,8 @@ pub struct Models {
     pub conduction: Option<u32>,
     /// How facets light and warm each other; `None`: they do not.
     pub exchange: Option<Exchange>,
+    /// No part of a facet is colder, K, whatever it receives: heat from below, or from its sides. 0 is no floor.
+    pub floor_k: f64,
 }
 
 /// What the Sun is.

@@ -27,7 +27,7 @@ pub(super) fn fill(
     let facets = scene.body.mesh.facets.len();
     // Of other times light between facets need not be as good.
     let exchange = scene.models.exchange.map(|of| of.for_share(0.125));
-    let models = Models { conduction: None, exchange, ..scene.models };
+    let models = Models { conduction: None, exchange, floor_k: 0.0, ..scene.models };
     // [step, facet]; seven digits are more than the steps are good for.
     let mut absorbed_w_m2: Vec<f32> = Vec::with_capacity(facets * steps as usize);
     for step in 1..steps {

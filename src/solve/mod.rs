@@ -49,5 +49,10 @@ fn filled(scene: &Scene, mut table: FacetTable, watch: Watch<'_>) -> Result<Face
     if let Some(day) = day.filter(|_| scene.models.thermal == Thermal::Equilibrium) {
         conduction::fill(scene, &mut table, day, watch)?;
     }
+    // The last of all: what keeps a floor up is not what facets send each other, or store.
+    if scene.models.floor_k > 0.0 {
+        let temperatures_k = table.temperature_lit_k.iter_mut().chain(&mut table.temperature_shaded_k);
+        temperatures_k.for_each(|t_k| *t_k = t_k.max(scene.models.floor_k));
+    }
     Ok(table)
 }

@@ -15,7 +15,8 @@ pub fn table_id(scene: &Scene) -> String {
         body,
         sky: Sky { sun, mars, beams, rotation },
         exposure: _,
-        models: Models { thermal, mars_light, sun: sun_model, eclipses, mars_shadows, mars_heat, conduction, exchange },
+        models:
+            Models { thermal, mars_light, sun: sun_model, eclipses, mars_shadows, mars_heat, conduction, exchange, floor_k },
     } = &**scene;
     let Surface { origin_m, mesh, materials, textures: _ } = &**body;
     put(&origin_m.to_array());
@@ -70,6 +71,10 @@ pub fn table_id(scene: &Scene) -> String {
     if let Some(Exchange { bounces, directions, lines_per_facet }) = exchange {
         hasher.update(b"exchange");
         [bounces, directions, lines_per_facet].iter().for_each(|n| _ = hasher.update(&n.to_le_bytes()));
+    }
+    if *floor_k > 0.0 {
+        hasher.update(b"floor");
+        hasher.update(&floor_k.to_le_bytes());
     }
     for beam in beams {
         hasher.update(beam.name.as_bytes());

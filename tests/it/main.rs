@@ -41,6 +41,7 @@ mod exact;
 mod exchange;
 mod facet_radiance;
 mod flat_plane;
+mod floor;
 mod gltf;
 mod gltf_extensions;
 mod hazards;

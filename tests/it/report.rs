@@ -76,7 +76,7 @@ fn largest_change(one: &Observation, other: &Observation) -> f64 {
 #[test]
 fn every_effect_says_what_it_is() {
     let observation = observed(&scene(hills(), sun(40.0, 10.0), nadir(1e4, 80.0, 24)));
-    assert_eq!(observation.effects.len(), 15);
+    assert_eq!(observation.effects.len(), 16);
     let mut bounded = 0;
     for effect in &observation.effects {
         assert!(effect.note.len() > 20 && effect.because.len() > 15, "{effect:?}");
@@ -84,7 +84,7 @@ fn every_effect_says_what_it_is() {
         bounded += usize::from(effect.bound.is_some());
     }
     // Not known: photometry, the instrument, an eclipse by a Mars that is not in the scene, and beaming of what has no temperature.
-    assert_eq!(bounded, 11);
+    assert_eq!(bounded, 12);
     let kept = |observation: &Observation| -> Vec<String> {
         let kept = observation.effects.iter().filter(|e| e.decision == Decision::Kept);
         kept.map(|e| e.key.clone()).collect()

@@ -186,7 +186,17 @@ impl Lines {
             sky: Sky { sun, mars, beams, rotation },
             exposure,
             models:
-                Models { thermal, mars_light, sun: sun_model, eclipses, mars_shadows, mars_heat, conduction, exchange },
+                Models {
+                    thermal,
+                    mars_light,
+                    sun: sun_model,
+                    eclipses,
+                    mars_shadows,
+                    mars_heat,
+                    conduction,
+                    exchange,
+                    floor_k,
+                },
         } = &**a;
         let Surface { origin_m, mesh, materials, textures } = &**body;
         self.places("origin_m", *origin_m, b.body.origin_m);
@@ -223,6 +233,7 @@ impl Lines {
         });
         self.debugged("thermal.model", thermal, &b.models.thermal);
         self.debugged("thermal.steps", conduction, &b.models.conduction);
+        self.numbers("thermal.floor_k", *floor_k, b.models.floor_k);
         match (rotation, &b.sky.rotation) {
             (Some(Rotation { axis, period_s }), Some(other)) => {
                 self.directions("thermal.axis", axis.vec(), other.axis.vec());

@@ -272,6 +272,7 @@ impl TomlReader<'_> {
                 mars_heat,
                 conduction,
                 exchange: None,
+                floor_k: toml.thermal.as_ref().and_then(|thermal| thermal.floor_k).unwrap_or(0.0),
             },
         })
     }

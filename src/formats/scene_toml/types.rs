@@ -604,6 +604,9 @@ pub(crate) struct ThermalToml {
     /// Steps of a day, if `model` is "conduction". Default 96.
     #[schemars(range(min = 3, max = 10000))]
     pub(crate) steps: Option<u32>,
+    /// No part of a facet is colder, K, whatever it receives: what heat from below, or from its sides, keeps up in shadow. Default: no floor.
+    #[schemars(range(min = 0, max = 10000))]
+    pub(crate) floor_k: Option<f64>,
 }
 
 /// How temperature is computed.

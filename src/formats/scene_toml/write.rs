@@ -384,6 +384,9 @@ impl Writer<'_> {
         if let Some(steps) = scene.models.conduction {
             let _ = writeln!(text, "steps = {steps}");
         }
+        if scene.models.floor_k != 0.0 {
+            let _ = writeln!(text, "floor_k = {:?}", scene.models.floor_k);
+        }
         if let Some(Rotation { axis, period_s }) = scene.sky.rotation {
             let _ = writeln!(text, "period_s = {period_s:?}\naxis = {}", list(axis.vec()));
         }

@@ -90,11 +90,11 @@ impl<'a> Given<'a> {
         given
     }
 
-    /// In equilibrium with sunlight at this cosine of incidence, and more heat, as shares of sunlight at the zenith.
+    /// In equilibrium with sunlight at this cosine of incidence, and more heat, as shares of sunlight at the zenith; no colder than the floor.
     pub(super) fn temperature_k(&self, material: &Material, cos_incidence: f64, more: f64) -> f64 {
         let absorbed = (1.0 - material.bond_albedo) * cos_incidence + more;
         let absorbed_w_m2 = absorbed * self.scene.sky.sun.total_irradiance_w_m2();
-        heat::equilibrium_temperature_k(absorbed_w_m2, material.emissivity_bolometric)
+        heat::equilibrium_temperature_k(absorbed_w_m2, material.emissivity_bolometric).max(self.scene.models.floor_k)
     }
 
     /// A bound of the heat that Mars, or one over Phobos, sends a facet that faces it, absorbed light included; over sunlight at the zenith.

@@ -9,6 +9,7 @@ mod bound;
 mod eclipse;
 mod given;
 mod glow_of_mars;
+mod glow_of_neighbours;
 mod heat_from_mars;
 mod instrument;
 mod interreflection;
@@ -32,7 +33,7 @@ pub(super) use eclipse::by_mars;
 pub(super) use given::{Given, mars_seen};
 
 /// All effects, in the order of the report.
-pub(super) const ALL: [EffectKind; 15] = [
+pub(super) const ALL: [EffectKind; 16] = [
     sunlight::KIND,
     photometric_function::KIND,
     solar_disc::KIND,
@@ -41,6 +42,7 @@ pub(super) const ALL: [EffectKind; 15] = [
     mars_light_shadows::KIND,
     glow_of_mars::KIND,
     interreflection::KIND,
+    glow_of_neighbours::KIND,
     thermal_emission::KIND,
     heat_from_mars::KIND,
     thermal_inertia::KIND,
