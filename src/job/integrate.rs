@@ -48,7 +48,7 @@ pub fn integrate(
             given.ok_or_else(|| Error::invalid(Location::item("--table"), "give `--table`, `--radiance`, or both"))?;
         folder.admit(&subject, [&path], false)?;
         let wanted = Wanted { footprints, ..Wanted::default() };
-        let extremes = Extremes::new(&subject.scene).with_throw(&subject.scene);
+        let extremes = Extremes::with_shadows(&subject.scene, watch)?;
         let mut product = folder.open(&subject.scene)?;
         let mut put = |slab| product.put(slab, watch);
         let mut observation = study::observe_by_slabs(&subject.scene, (&table, &extremes), wanted, &mut put, watch)?;

@@ -9,10 +9,10 @@ use crate::study::{self, Choice, Extremes, Plan, Request};
 pub(super) fn decide(scene: &mut Scene, request: &Request, watch: Watch<'_>) -> Result<(Extremes, Plan)> {
     scene.body.topology_watched(watch)?;
     tell(watch, "plan", 0, 1)?;
-    let mut extremes = Extremes::new(scene);
-    if matches!(request.choice, Choice::Auto | Choice::Full) {
-        extremes = extremes.with_throw(scene);
-    }
+    let extremes = match request.choice {
+        Choice::Auto | Choice::Full => Extremes::with_shadows(scene, watch)?,
+        Choice::Thesis | Choice::Only(_) => Extremes::new(scene),
+    };
     let (models, plan) = study::plan(scene, &extremes, request)?;
     *scene = scene.by(models)?;
     tell(watch, "plan", 1, 1)?;

@@ -1,17 +1,22 @@
 //! What a scene's geometry allows: the facets that a camera may see, in classes of sunlit radiance, with the extremes of each.
 //! Bounds of effects are made from these, before anything is solved.
 
+use std::f64::consts::FRAC_PI_2;
+
 use glam::DVec3;
 use rayon::prelude::*;
 
 use super::glimpse::Glimpse;
 use super::site::Site;
-use crate::geometry::angle_rad;
+use crate::error::Result;
+use crate::geometry::{Direction, Mesh, angle_rad};
+use crate::physics::bounds::surroundings_form_factor;
 use crate::physics::mars::{irradiance_vector, middle_above_horizon, uniform_sphere_form_factor};
 use crate::physics::reflectance::{Brdf, Lambert, PhotometricAngles};
 use crate::product::Backplanes;
+use crate::progress::Watch;
 use crate::scene::{Mars, Scene, Setup};
-use crate::visibility::longest_throw_m;
+use crate::visibility::{Penumbra, Seen, Shown, highest_horizons};
 
 /// Facets are processed this many at a time.
 const CHUNK: usize = 16_384;
@@ -24,7 +29,7 @@ const LEAST: f64 = 1.0 / 1024.0;
 /// Sunlit places that stand for all of an image.
 const PLACES: usize = 4096;
 
-/// What a camera may see of a scene, whatever shadows it.
+/// What a camera may see of a scene: of what hides what little is known, or, if that was looked for, where the Sun shines, and how high horizons are.
 pub struct Extremes {
     pub(super) site: Site,
     pub(super) glimpse: Glimpse,
@@ -49,9 +54,18 @@ pub(super) struct Place {
     pub(super) cos_incidence: f64,
 }
 
-/// Facets of one material that face the camera, by their brightness in sunlight.
+/// Facets of one material that face the camera.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Facing(Vec<Class>);
+pub(super) struct Facing {
+    /// Those that the Sun may shine on.
+    pub(super) lit: Classes,
+    /// Those that it may not shine on, or with a part of its disc only, somewhere.
+    pub(super) shaded: Classes,
+}
+
+/// Facets by their brightness in sunlight, as if nothing hid the Sun.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Classes(Vec<Class>);
 
 /// Facets that are about as bright in sunlight.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,6 +83,10 @@ pub(super) struct Class {
     pub(super) most_by_mars: f64,
     /// The largest form factor of Mars.
     pub(super) most_of_mars: f64,
+    /// The same two of those from which other terrain may hide some of Mars.
+    pub(super) most_hidden: [f64; 2],
+    /// A bound of the form factor of the surroundings.
+    pub(super) most_around: f64,
 }
 
 const NONE: Class = Class {
@@ -79,6 +97,8 @@ const NONE: Class = Class {
     most_cos_incidence: 0.0,
     most_by_mars: 0.0,
     most_of_mars: 0.0,
+    most_hidden: [0.0; 2],
+    most_around: 0.0,
 };
 
 impl Class {
@@ -90,20 +110,30 @@ impl Class {
         self.most_cos_incidence = self.most_cos_incidence.max(other.most_cos_incidence);
         self.most_by_mars = self.most_by_mars.max(other.most_by_mars);
         self.most_of_mars = self.most_of_mars.max(other.most_of_mars);
+        self.most_hidden = [0, 1].map(|k| self.most_hidden[k].max(other.most_hidden[k]));
+        self.most_around = self.most_around.max(other.most_around);
     }
 }
 
 impl Facing {
     fn none() -> Self {
-        Facing(vec![NONE; CLASSES])
+        Facing { lit: Classes(vec![NONE; CLASSES]), shaded: Classes(vec![NONE; CLASSES]) }
     }
 
+    fn join(&mut self, other: &Facing) {
+        self.lit.join(&other.lit);
+        self.shaded.join(&other.shaded);
+    }
+}
+
+impl Classes {
     /// Classes that have facets.
-    pub(super) fn classes(&self) -> impl Iterator<Item = &Class> {
+    pub(super) fn iter(&self) -> impl Iterator<Item = &Class> {
         self.0.iter().filter(|class| class.facets > 0)
     }
 
-    fn add(&mut self, sight: &Sight) {
+    fn add(&mut self, sight: &Sight, shelter: &Shelter) {
+        let by_mars = [sight.by_mars, sight.of_mars];
         self.0[class_of(sight.brightness)].join(&Class {
             facets: 1,
             least_brightness: sight.brightness,
@@ -112,10 +142,12 @@ impl Facing {
             most_cos_incidence: sight.cos_incidence,
             most_by_mars: sight.by_mars,
             most_of_mars: sight.of_mars,
+            most_hidden: if shelter.may_hide_mars { by_mars } else { [0.0; 2] },
+            most_around: shelter.around,
         });
     }
 
-    fn join(&mut self, other: &Facing) {
+    fn join(&mut self, other: &Classes) {
         self.0
             .iter_mut()
             .zip(&other.0)
@@ -161,9 +193,22 @@ impl Look {
 impl Extremes {
     /// Looks at all facets once; of what hides what it knows the few rays of a glimpse.
     pub fn new(scene: &Scene) -> Self {
+        Self::by_shelter(scene, &Shelters::UNKNOWN)
+    }
+
+    /// Finds out where the Sun shines, how far shadows are thrown, and how high horizons are: the mesh is drawn as seen from the Sun, twice, and from above.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
+    pub fn with_shadows(scene: &Scene, watch: Watch<'_>) -> Result<Self> {
+        Ok(Self::by_shelter(scene, &Shelters::of(scene, watch)?))
+    }
+
+    fn by_shelter(scene: &Scene, shelters: &Shelters) -> Self {
         let site = Site::new(&scene.body.mesh, scene.body.topology());
         let glimpse = Glimpse::new(scene);
         let (looks, mars) = (Look::of(scene), MarsBound::of(scene));
+        let least_tangent_of_mars = least_tangent(&site, mars.as_ref());
         let mesh = &scene.body.mesh;
         let none = || vec![Facing::none(); scene.body.materials.len()];
         let of_chunk = |chunk: usize| {
@@ -171,7 +216,13 @@ impl Extremes {
             for facet in chunk * CHUNK..mesh.facets.len().min((chunk + 1) * CHUNK) {
                 let material = mesh.material[facet].0 as usize;
                 if let Some(sight) = sight(scene, &mars, facet, &looks[material]) {
-                    facing[material].add(&sight);
+                    let shelter = shelters.shelter(mesh, &site, facet, least_tangent_of_mars);
+                    if sight.cos_incidence > 0.0 && shelter.may_be_lit {
+                        facing[material].lit.add(&sight, &shelter);
+                    }
+                    if shelter.may_be_dark {
+                        facing[material].shaded.add(&sight, &shelter);
+                    }
                 }
             }
             facing
@@ -190,7 +241,7 @@ impl Extremes {
         };
         Extremes {
             open_to_shadow: site.open_to_shadow(mesh, scene.sky.sun.direction.vec()),
-            throw_m: None,
+            throw_m: shelters.penumbra.as_ref().map(|penumbra| penumbra.throw_m),
             sunlit: glimpse.facets().filter_map(place).collect(),
             site,
             glimpse,
@@ -198,13 +249,74 @@ impl Extremes {
             facing,
         }
     }
+}
 
-    /// With the farthest that a shadow is thrown: the mesh is drawn once more, as the Sun sees it.
-    #[must_use]
-    pub fn with_throw(self, scene: &Scene) -> Self {
-        let (mesh, topology) = (&scene.body.mesh, scene.body.topology());
-        Extremes { throw_m: Some(longest_throw_m(mesh, topology, scene.sky.sun.direction)), ..self }
+/// What hides what.
+struct Shelters {
+    /// What the Sun's middle sees.
+    sunlit: Option<Seen>,
+    penumbra: Option<Penumbra>,
+    /// Tangents of the horizon's elevation: of a site's facets.
+    horizons: Option<Vec<f64>>,
+}
+
+/// What is known of a facet's.
+struct Shelter {
+    may_be_lit: bool,
+    may_be_dark: bool,
+    may_hide_mars: bool,
+    /// A bound of the form factor of the surroundings.
+    around: f64,
+}
+
+impl Shelters {
+    const UNKNOWN: Shelters = Shelters { sunlit: None, penumbra: None, horizons: None };
+
+    fn of(scene: &Scene, watch: Watch<'_>) -> Result<Self> {
+        let (mesh, topology, sun) = (&scene.body.mesh, scene.body.topology(), &scene.sky.sun);
+        let up = Site::new(mesh, topology).up.and_then(Direction::new);
+        Ok(Shelters {
+            sunlit: Some(Seen::from_afar(mesh, topology, sun.direction, "plan", watch)?),
+            penumbra: Some(Penumbra::of(mesh, topology, sun.direction, sun.sin_radius())),
+            horizons: up.map(|up| highest_horizons(mesh, topology, up, watch)).transpose()?,
+        })
     }
+
+    fn shelter(&self, mesh: &Mesh, site: &Site, facet: usize, least_tangent_of_mars: f64) -> Shelter {
+        let shown = self.sunlit.as_ref().map(|sunlit| sunlit.shown[facet]);
+        let is_reached = self.penumbra.as_ref().is_none_or(|penumbra| penumbra.reached[facet]);
+        let horizon = self.horizons.as_ref().map_or(f64::INFINITY, |tangents| tangents[facet]);
+        let around = match site.up {
+            Some(up) => {
+                let cross_m2 = mesh.facet(facet).cross_m2();
+                let cos_slope = cross_m2.dot(up) / cross_m2.length();
+                // Whichever of the two knows more.
+                sky_below(horizon, cos_slope).min(surroundings_form_factor(site.cos_steepest))
+            }
+            None => 1.0,
+        };
+        Shelter {
+            may_be_lit: shown != Some(Shown::Nothing) || is_reached,
+            may_be_dark: shown != Some(Shown::Whole) || is_reached,
+            may_hide_mars: horizon >= least_tangent_of_mars,
+            around,
+        }
+    }
+}
+
+/// Tangent of the elevation of Mars' lower limb, from where it is lowest; negative infinity if there is no up.
+fn least_tangent(site: &Site, mars: Option<&MarsBound>) -> f64 {
+    let (Some(up), Some(mars)) = (site.up, mars) else { return f64::NEG_INFINITY };
+    let zenith_rad = angle_rad(up, mars.towards) + mars.off.1.atan2(mars.off.0) + mars.radius.0.asin();
+    if zenith_rad < FRAC_PI_2 { 1.0 / zenith_rad.tan() } else { f64::NEG_INFINITY }
+}
+
+/// Form factor of all that is below an elevation of this tangent, to a facet of such a slope.
+fn sky_below(tangent: f64, cos_slope: f64) -> f64 {
+    // The sine of the half angle of the cone of sky is the cosine of the elevation.
+    let sin_sky = 1.0 / tangent.hypot(1.0);
+    let sky = if sin_sky < 1.0 { uniform_sphere_form_factor(sin_sky, cos_slope) } else { 0.5 * (1.0 + cos_slope) };
+    (1.0 - sky).clamp(0.0, 1.0)
 }
 
 /// How bright sunlight and Mars make a facet that faces the camera.

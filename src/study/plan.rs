@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::effects::{ALL, Bound, Decision, Effect, EffectKind, Given, Switch, effects};
 use super::extremes::Extremes;
 use crate::error::{Error, Location, Result};
-use crate::scene::{MarsModel, Models, Scene, Setup, Thermal};
+use crate::scene::{MarsModel, Models, Scene, Thermal};
 
 /// The tolerance unless another one is asked for.
 pub const TOLERANCE: f64 = 1e-3;
@@ -142,23 +142,23 @@ pub fn plan(scene: &Scene, extremes: &Extremes, request: &Request) -> Result<(Mo
     if !(*tolerance > 0.0 && tolerance.is_finite()) {
         return Err(Error::invalid(Location::item("--tolerance"), format!("{tolerance} is not a number above 0")));
     }
+    let given = Given::new(scene, extremes, &extremes.sunlit);
     let models = match choice {
         Choice::Thesis => thesis(),
-        Choice::Full => chosen(scene, extremes, *tolerance, |_, _| true),
-        Choice::Only(keys) => chosen(scene, extremes, *tolerance, |kind, _| keys.iter().any(|key| key == kind.key)),
+        Choice::Full => chosen(&given, *tolerance, |_, _| true),
+        Choice::Only(keys) => chosen(&given, *tolerance, |kind, _| keys.iter().any(|key| key == kind.key)),
         Choice::Auto => {
-            let all = chosen(scene, extremes, *tolerance, |_, _| true);
-            let dropped = least_that_fit(scene, extremes, &all, 0.5 * tolerance);
-            chosen(scene, extremes, *tolerance, |kind, _| !dropped.contains(&kind.key))
+            let all = given.by(chosen(&given, *tolerance, |_, _| true));
+            let dropped = least_that_fit(&all, 0.5 * tolerance);
+            chosen(&given, *tolerance, |kind, _| !dropped.contains(&kind.key))
         }
     };
-    Ok((models, account(scene, extremes, models, request)))
+    Ok((models, account(&given.by(models), request)))
 }
 
 /// The plan that these models are.
-fn account(scene: &Scene, extremes: &Extremes, models: Models, request: &Request) -> Plan {
-    let setup = Setup { models, ..Setup::clone(scene) };
-    let effects = effects(&Given::new(&setup, extremes, &extremes.sunlit));
+fn account(given: &Given, request: &Request) -> Plan {
+    let effects = effects(given);
     // What has a tolerance of its own is no part of the sums: what is left of it, and, if that decides, all of it.
     let is_apart = |kind: &EffectKind, decision: Decision| match &kind.switch {
         Some(switch) => switch.own.is_some() && (decision == Decision::Kept || switch.drops_by_own),
@@ -184,40 +184,38 @@ fn thesis() -> Models {
 }
 
 /// Models with the effects that are wanted of those that there are.
-fn chosen(scene: &Scene, extremes: &Extremes, tolerance: f64, wants: impl Fn(&EffectKind, &Switch) -> bool) -> Models {
-    let given = Given::new(scene, extremes, &extremes.sunlit);
+fn chosen(given: &Given, tolerance: f64, wants: impl Fn(&EffectKind, &Switch) -> bool) -> Models {
     let switches = || ALL.iter().filter_map(|kind| Some((kind, kind.switch.as_ref()?)));
     let wanted: Vec<_> = switches().filter(|(kind, switch)| wants(kind, switch)).collect();
     // What has a tolerance of its own has half of it for itself.
     let sharing = wanted.iter().filter(|(_, switch)| switch.own.is_none()).count();
     let share_of =
         |switch: &Switch| if switch.own.is_some() { 0.5 * tolerance } else { 0.5 * tolerance / sharing as f64 };
-    let mut models = scene.models;
+    let stated = &given.scene.models;
+    let mut models = *stated;
     switches().for_each(|(_, switch)| (switch.remove)(&mut models));
     wanted.into_iter().for_each(|(_, switch)| {
-        (switch.add)(&mut models, &scene.models, &given, share_of(switch));
+        (switch.add)(&mut models, stated, given, share_of(switch));
     });
     models
 }
 
 /// Keys of the effects that may be dropped: together they change no more than this.
-fn least_that_fit(scene: &Scene, extremes: &Extremes, all: &Models, most: f64) -> Vec<&'static str> {
-    let setup = Setup { models: *all, ..Setup::clone(scene) };
-    let given = Given::new(&setup, extremes, &extremes.sunlit);
+fn least_that_fit(all: &Given, most: f64) -> Vec<&'static str> {
     let without = |switch: &Switch| {
-        let mut models = *all;
+        let mut models = all.models;
         (switch.remove)(&mut models);
         models
     };
     let fits_itself = |kind: &'static EffectKind| {
         let switch = kind.switch.as_ref()?;
-        let left = (switch.own.filter(|_| switch.drops_by_own)?)(&given, &without(switch)).left;
+        let left = (switch.own.filter(|_| switch.drops_by_own)?)(all, &without(switch)).left;
         (left <= most).then_some(kind.key)
     };
     let mut dropped: Vec<&str> = ALL.iter().filter_map(fits_itself).collect();
     let bound = |kind: &'static EffectKind| {
         kind.switch.as_ref().filter(|switch| !switch.drops_by_own)?;
-        Some((kind.key, kind.in_scene(&given).bound?.most()))
+        Some((kind.key, kind.in_scene(all).bound?.most()))
     };
     let mut bounds: Vec<(&str, f64)> = ALL.iter().filter_map(bound).collect();
     bounds.sort_by(|a, b| a.1.total_cmp(&b.1));

@@ -3,8 +3,8 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::geometry::polygon::{Point, side};
-use crate::geometry::{Direction, Facet, Mesh};
+use crate::geometry::polygon::side;
+use crate::geometry::{Direction, Facet, Mesh, hull};
 use crate::visibility::Topology;
 
 /// Shares of area are taken over this many facets.
@@ -139,28 +139,6 @@ impl Extent {
     }
 }
 
-/// Convex hull, counter-clockwise: Andrew's monotone chains.
-fn hull(mut points: Vec<Point>) -> Vec<Point> {
-    points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
-    let chain = |points: &mut dyn Iterator<Item = &Point>| {
-        let mut chain: Vec<Point> = Vec::new();
-        for p in points {
-            while let [.., a, b] = chain[..]
-                && side(a, b, *p) <= 0.0
-            {
-                chain.pop();
-            }
-            chain.push(*p);
-        }
-        // The end is the other chain's beginning.
-        chain.pop();
-        chain
-    };
-    let mut all = chain(&mut points.iter());
-    all.extend(chain(&mut points.iter().rev()));
-    all
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -215,13 +193,6 @@ mod tests {
         let roof = sheet(20, 0.0, |x, _| -x.abs());
         let site = Site::new(&roof, &Topology::new(&roof));
         assert!((site.cos_steepest - 0.5f64.sqrt()).abs() < 1e-12);
-    }
-
-    #[test]
-    fn the_hull_of_points_has_their_extreme_ones() {
-        let points = vec![[0.0, 0.0], [1.0, 1.0], [2.0, 0.0], [1.0, 0.0], [2.0, 2.0], [0.0, 2.0], [0.0, 0.0]];
-        assert_eq!(hull(points), [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]);
-        assert!(hull(vec![[1.0, 2.0]]).is_empty() && hull(vec![]).is_empty());
     }
 
     #[test]

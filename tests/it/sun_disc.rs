@@ -333,7 +333,7 @@ fn points_are_chosen_by_a_tolerance() {
     for tolerance in [1.0, 1e-2, 3e-3, 1e-9] {
         // Edges have half of it.
         let request = Request { tolerance: 2.0 * tolerance, ..Request::default() };
-        let (models, plan) = study::plan(&site, &Extremes::new(&site).with_throw(&site), &request).unwrap();
+        let (models, plan) = study::plan(&site, &Extremes::with_shadows(&site, &unwatched).unwrap(), &request).unwrap();
         let bound = plan.effects.iter().find(|effect| effect.key == "sun-disc").and_then(|effect| effect.own.clone());
         let bound = bound.unwrap().left;
         counts.push(match models.sun {

@@ -26,7 +26,7 @@ fn find(given: &Given) -> Finding {
     });
     Finding {
         missing: Some("facets are smooth".into()),
-        bound: if given.scene.models.thermal == Thermal::Off { None } else { bound },
+        bound: if given.models.thermal == Thermal::Off { None } else { bound },
         note: "shadows too small for the mesh are cold, and what faces the Sun is warmer than the mean".into(),
         because: format!(
             "temperatures of sunlit ground higher by {:.1} %, as asteroids show it (eta = {ETA}); looking away from the Sun it is the other way round",

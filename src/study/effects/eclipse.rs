@@ -26,7 +26,7 @@ const ROUNDING: f64 = 1e-3;
 
 fn find(given: &Given) -> Finding {
     let found = |missing: Option<&str>, bound, because: &str| Finding {
-        modelled: given.scene.models.eclipses && given.scene.sky.mars.is_some(),
+        modelled: given.models.eclipses && given.scene.sky.mars.is_some(),
         missing: missing.map(str::to_owned),
         bound,
         remaining: match by_mars(given.scene) {

@@ -3,7 +3,7 @@
 use super::Bound;
 use crate::physics::reflectance::Lambert;
 use crate::physics::{blackbody, heat};
-use crate::scene::{Material, Setup, Thermal};
+use crate::scene::{Material, Models, Setup, Thermal};
 use crate::spectral::Light;
 use crate::study::cost;
 use crate::study::extremes::{Class, Extremes, Place};
@@ -16,8 +16,11 @@ pub(in crate::study) const FLOOR: f64 = 0.01;
 const SPACING: f64 = 0.005;
 
 /// What the bounds are made from.
+#[derive(Clone)]
 pub(in crate::study) struct Given<'a> {
+    /// What it is, and what it states; which of that is computed, `models` say.
     pub(in crate::study) scene: &'a Setup,
+    pub(in crate::study) models: Models,
     pub(in crate::study) extremes: &'a Extremes,
     /// The warmest that any facet gets in a day, K: in equilibrium with sunlight at normal incidence, as much heat from Mars as it can
     /// send, and all that its surroundings can.
@@ -26,7 +29,8 @@ pub(in crate::study) struct Given<'a> {
     pub(super) materials: Vec<(usize, &'a Material)>,
     /// Where spectra are looked at: centres of the bands, and ends and corners of their tables in those that are wide.
     pub(super) wavelengths: Vec<Wavelength>,
-    /// The least radiance of sunlit facets of each wavelength, material and class, in this order.
+    /// A bound, from below, of the radiance of facets in sunlight, of each wavelength, material and class, in this order: what is modelled beside sunlight and heat
+    /// adds.
     least: Vec<f64>,
     median_brightness: f64,
 }
@@ -64,6 +68,7 @@ impl<'a> Given<'a> {
         let materials: Vec<_> = scene.body.materials.iter().enumerate().filter(|(i, _)| extremes.is_used[*i]).collect();
         let mut given = Given {
             scene,
+            models: scene.models,
             extremes,
             noon_k: 0.0,
             wavelengths: vec![],
@@ -74,20 +79,48 @@ impl<'a> Given<'a> {
         let noon_k =
             |(_, m): &(usize, &Material)| given.temperature_k(m, 1.0, given.most_from_mars() + given.most_around());
         given.noon_k = given.materials.iter().map(noon_k).fold(0.0, f64::max);
+        let places: Vec<_> = sunlit
+            .iter()
+            .map(|place| {
+                let material = &scene.body.materials[place.material];
+                (material, place.brightness, given.temperature_k(material, place.cos_incidence, 0.0))
+            })
+            .collect();
         let at = |(um, light)| {
             let mut at = Wavelength { um, light, white: white_radiance(scene, um), median: 0.0 };
-            at.median = given.median(&at, sunlit);
+            let sent = places.iter().map(|(material, brightness, t_k)| given.sent_at(&at, material, *brightness, *t_k));
+            at.median = median(sent).unwrap_or(0.0);
             at
         };
         given.wavelengths = wavelengths(scene, &given.materials).into_iter().map(at).collect();
-        let least = |at: &Wavelength| -> Vec<f64> {
-            let of = |(material, class): (&Material, &Class)| {
-                given.sent(at, material, class.least_brightness, class.least_cos_incidence)
-            };
-            given.classes().map(of).collect()
-        };
-        given.least = given.wavelengths.iter().flat_map(least).collect();
+        given.least = given.least();
         given
+    }
+
+    /// The same by other models.
+    pub(in crate::study) fn by(&self, models: Models) -> Self {
+        let mut given = Given { models, ..self.clone() };
+        given.least = given.least();
+        given
+    }
+
+    fn least(&self) -> Vec<f64> {
+        // What conducts may be colder than in equilibrium.
+        let is_warm = self.models.conduction.is_none();
+        let classes: Vec<_> = self
+            .lit()
+            .map(|(material, class)| {
+                let t_k = if is_warm { self.temperature_k(material, class.least_cos_incidence, 0.0) } else { 0.0 };
+                (material, class.least_brightness, t_k)
+            })
+            .collect();
+        let of = |at: &Wavelength| {
+            classes
+                .iter()
+                .map(|(material, brightness, t_k)| self.sent_at(at, material, *brightness, *t_k))
+                .collect::<Vec<_>>()
+        };
+        self.wavelengths.iter().flat_map(of).collect()
     }
 
     /// In equilibrium with sunlight at this cosine of incidence, and more heat, as shares of sunlight at the zenith; no colder than the floor.
@@ -103,63 +136,75 @@ impl<'a> Given<'a> {
         sin_radius * sin_radius
     }
 
-    /// What a facet's surroundings send it at most, heat and light; over sunlight at the zenith.
+    /// What the surroundings of any facet send it at most, heat and light, over sunlight at the zenith: on average no more than a white surface under the Sun
+    /// at its zenith. A bound of their form factor, that is.
     pub(super) fn most_around(&self) -> f64 {
-        // On average no more than a white surface under the Sun at its zenith.
-        self.form_factor()
-    }
-
-    /// A bound of the form factor of a facet's surroundings.
-    pub(super) fn form_factor(&self) -> f64 {
         crate::physics::bounds::surroundings_form_factor(self.extremes.site.cos_steepest)
-    }
-
-    fn median(&self, at: &Wavelength, sunlit: &[Place]) -> f64 {
-        let of = |place: &Place| {
-            let material = &self.scene.body.materials[place.material];
-            self.sent(at, material, place.brightness, place.cos_incidence)
-        };
-        median(sunlit.iter().map(of)).unwrap_or(0.0)
     }
 
     /// Radiance of what the Sun lights, W m-2 sr-1 um-1: reflected, and emitted in equilibrium with that alone.
     pub(super) fn sent(&self, at: &Wavelength, material: &Material, brightness: f64, cos_incidence: f64) -> f64 {
-        let reflected = if at.light.is_lit() { reflectance(material, at.um) * at.white * brightness } else { 0.0 };
-        let is_warm = at.light.glows() && self.scene.models.thermal != Thermal::Thesis;
-        let emitted = match is_warm {
-            true => emission(material, at.um, self.temperature_k(material, cos_incidence, 0.0)),
-            false => 0.0,
-        };
-        reflected + emitted
+        self.sent_at(at, material, brightness, self.temperature_k(material, cos_incidence, 0.0))
     }
 
-    /// The classes of each material.
-    fn classes(&self) -> impl Iterator<Item = (&'a Material, &'a Class)> {
-        let extremes = self.extremes;
+    /// The same at a temperature, K.
+    fn sent_at(&self, at: &Wavelength, material: &Material, brightness: f64, t_k: f64) -> f64 {
+        let reflected = if at.light.is_lit() { reflectance(material, at.um) * at.white * brightness } else { 0.0 };
+        let emits = [self.scene.models.thermal, self.models.thermal] == [Thermal::Equilibrium; 2];
+        let is_warm = at.light.glows() && emits;
+        reflected + if is_warm { emission(material, at.um, t_k) } else { 0.0 }
+    }
+
+    /// The classes of each material that the Sun may shine on.
+    fn lit(&self) -> impl Iterator<Item = (&'a Material, &'a Class)> {
+        let facing = &self.extremes.facing;
+        self.materials.iter().flat_map(move |(i, material)| facing[*i].lit.iter().map(move |class| (*material, class)))
+    }
+
+    /// Those of which a part may be in shadow.
+    fn shaded(&self) -> impl Iterator<Item = (&'a Material, &'a Class)> {
+        let facing = &self.extremes.facing;
         self.materials
             .iter()
-            .flat_map(move |(i, material)| extremes.facing[*i].classes().map(move |class| (*material, class)))
+            .flat_map(move |(i, material)| facing[*i].shaded.iter().map(move |class| (*material, class)))
     }
 
-    /// The largest error of a pixel, of those that show nothing but sunlit ground and of the others, if the radiance of facets changes by so
+    /// The largest error of a pixel, of those that show nothing but sunlit ground and of the others, if the radiance of facets is wrong by so
     /// much where the Sun lights them, and by so much where it does not: of wavelength, material and class of facets; W m-2 sr-1 um-1.
     ///
     /// `None` if it has no bound: nothing is sunlit.
     pub(super) fn error(&self, change: impl Fn(&Wavelength, &Material, &Class, Side) -> f64) -> Option<Bound> {
+        self.largest(change, |_| 0.0)
+    }
+
+    /// As [`Given::error`], of light that is left out: a pixel has at least that light, so that no more than all of its radiance is missing.
+    pub(super) fn error_without(&self, light: impl Fn(&Wavelength, &Material, &Class, Side) -> f64) -> Option<Bound> {
+        let bound = self.largest(light, |light| light)?;
+        Some(Bound { lit: bound.lit.min(1.0), shadow: bound.shadow.min(1.0) })
+    }
+
+    /// `more` is what a change says of the least radiance.
+    fn largest(
+        &self,
+        change: impl Fn(&Wavelength, &Material, &Class, Side) -> f64,
+        more: impl Fn(f64) -> f64,
+    ) -> Option<Bound> {
         let mut most = Bound::NOTHING;
         let mut least = self.least.iter();
         for at in &self.wavelengths {
             let floor = FLOOR * at.median;
-            // Of what is brighter than the floor relative to itself, else to the floor; in one pixel both may be.
+            // Of what is brighter than the floor relative to itself, else to the floor; in one pixel both may be. A maximum passes over what is not a
+            // number: a spectrum ends before the band does, and its part is left out.
             let (mut bright, mut dim, mut shade) = (0.0_f64, 0.0_f64, 0.0_f64);
-            for ((material, class), least) in self.classes().zip(&mut least) {
-                // A maximum passes over what is not a number: a spectrum ends before the band does, and its part is left out.
-                shade = shade.max(change(at, material, class, Side::Shade) / floor);
-                if class.most_cos_incidence > 0.0 {
-                    let change = change(at, material, class, Side::Sun);
-                    let part = if *least >= floor { &mut bright } else { &mut dim };
-                    *part = part.max(change / least.max(floor));
-                }
+            for ((material, class), least) in self.lit().zip(&mut least) {
+                let change = change(at, material, class, Side::Sun);
+                let least = least + more(change);
+                let part = if least >= floor { &mut bright } else { &mut dim };
+                *part = part.max(change / least.max(floor));
+            }
+            for (material, class) in self.shaded() {
+                let change = change(at, material, class, Side::Shade);
+                shade = shade.max(change / more(change).max(floor));
             }
             most.lit = most.lit.max(bright + dim);
             most.shadow = most.shadow.max(bright + dim + shade);
@@ -177,7 +222,9 @@ impl<'a> Given<'a> {
 
     /// The error if any light may be missing.
     pub(super) fn error_of_all(&self) -> Option<Bound> {
-        self.error_of_edges(f64::INFINITY)
+        self.error_without(|at, material, class, _| {
+            self.sent(at, material, class.most_brightness, class.most_cos_incidence)
+        })
     }
 
     /// Longest way, m, from the edge that casts a shadow to where it falls.

@@ -1,9 +1,9 @@
 //! What Mars emits, reflected by the surface.
 
-use super::given::reflectance;
+use super::given::{Wavelength, reflectance};
 use super::{Bound, EffectKind, Finding, Given, Switch};
 use crate::physics::blackbody;
-use crate::scene::MARS_DAY_NIGHT_K;
+use crate::scene::{MARS_DAY_NIGHT_K, Material};
 use crate::spectral::Light;
 
 pub(super) const KIND: EffectKind = EffectKind {
@@ -31,7 +31,7 @@ fn find(given: &Given) -> Finding {
     let mars = given.scene.sky.mars.as_ref();
     let [day_k, night_k] = mars.map_or(MARS_DAY_NIGHT_K, |mars| mars.day_night_k);
     Finding {
-        modelled: mars.is_some() && given.scene.models.mars_heat,
+        modelled: mars.is_some() && given.models.mars_heat,
         missing: mars.is_none().then(|| "no Mars in the scene".into()),
         bound: bound(given),
         note: format!("day and night side at {day_k} and {night_k} K, which are inputs"),
@@ -42,14 +42,18 @@ fn find(given: &Given) -> Finding {
 
 /// What that light changes at most.
 pub(super) fn bound(given: &Given) -> Option<Bound> {
-    let mars = given.scene.sky.mars.as_ref();
-    let [day_k, night_k] = mars.map_or(MARS_DAY_NIGHT_K, |mars| mars.day_night_k);
-    let warmest_k = day_k.max(night_k);
-    given.error(|at, material, class, _| {
-        let of_mars = if mars.is_some() { class.most_of_mars } else { given.most_from_mars() };
-        // A model may send more of light from one direction than of light from all.
-        let gain = if class.most_of_mars > 0.0 { (class.most_by_mars / class.most_of_mars).max(1.0) } else { 1.0 };
-        let emitted = if at.light.glows() { blackbody::radiance_w_m2_sr_um(at.um, warmest_k) } else { 0.0 };
-        reflectance(material, at.um) * emitted * of_mars * gain
+    let has_mars = given.scene.sky.mars.is_some();
+    given.error_without(|at, material, class, _| {
+        let of_mars = if has_mars { [class.most_by_mars, class.most_of_mars] } else { [given.most_from_mars(); 2] };
+        sent(given, at, material, of_mars)
     })
+}
+
+/// Radiance of a facet in that light, W m-2 sr-1 um-1, that Mars makes as bright as this, and that has this form factor of it.
+pub(super) fn sent(given: &Given, at: &Wavelength, material: &Material, [by_mars, of_mars]: [f64; 2]) -> f64 {
+    let [day_k, night_k] = given.scene.sky.mars.as_ref().map_or(MARS_DAY_NIGHT_K, |mars| mars.day_night_k);
+    // A model may send more of light from one direction than of light from all.
+    let gain = if of_mars > 0.0 { (by_mars / of_mars).max(1.0) } else { 1.0 };
+    let emitted = if at.light.glows() { blackbody::radiance_w_m2_sr_um(at.um, day_k.max(night_k)) } else { 0.0 };
+    reflectance(material, at.um) * emitted * of_mars * gain
 }

@@ -17,9 +17,9 @@ pub(super) const KIND: EffectKind = EffectKind {
 };
 
 fn find(given: &Given) -> Finding {
-    let form_factor = given.form_factor();
+    let form_factor = given.most_around();
     let most = |of: &dyn Fn(&Material) -> f64| given.materials.iter().map(|(_, m)| of(m)).fold(0.0, f64::max);
-    let is_nothing = form_factor == 0.0 || given.scene.models.thermal == Thermal::Off;
+    let is_nothing = form_factor == 0.0 || given.models.thermal == Thermal::Off;
     let arriving = |um: f64| {
         bounds::neighbours_heat(most(&|m| emission(m, um, given.noon_k)), most(&|m| reflectance(m, um)), form_factor)
     };
@@ -27,7 +27,7 @@ fn find(given: &Given) -> Finding {
         given.wavelengths.iter().filter(|at| at.light.glows()).map(|at| (at.um, arriving(at.um))).collect();
     let bound = match is_nothing {
         true => Some(Bound::NOTHING),
-        false => given.error(|at, material, _, _| {
+        false => given.error_without(|at, material, _, _| {
             let of = at_um.iter().find(|(um, _)| at.light.glows() && *um == at.um);
             of.map_or(0.0, |(_, arriving)| reflectance(material, at.um) * arriving)
         }),

@@ -1,9 +1,10 @@
 //! What Mars warms.
 
-use super::given::{emission, mars_seen};
+use super::given::{Side, Wavelength, emission, mars_seen};
 use super::{Bound, EffectKind, Finding, Given};
-use crate::scene::Thermal;
+use crate::scene::{Material, Thermal};
 use crate::spectral::Light;
+use crate::study::extremes::Class;
 
 pub(super) const KIND: EffectKind = EffectKind {
     key: "mars-heat",
@@ -27,7 +28,7 @@ fn find(given: &Given) -> Finding {
         note: note.into(),
         because,
     };
-    match given.scene.models.thermal {
+    match given.models.thermal {
         Thermal::Equilibrium if has_mars => found(
             true,
             None,
@@ -42,19 +43,29 @@ fn find(given: &Given) -> Finding {
 
 /// What warmth from Mars changes at most.
 pub(super) fn bound(given: &Given) -> Option<Bound> {
-    if given.scene.models.thermal != Thermal::Equilibrium {
+    if given.models.thermal != Thermal::Equilibrium {
         return Some(Bound::NOTHING);
     }
     let (_, has_mars) = mars_seen(given.scene, given.extremes);
     // Reflected or emitted, Mars sends no more than sunlight at its zenith.
-    given.error(|at, material, class, side| {
-        if !at.light.glows() {
-            return 0.0;
-        }
+    given.error_without(|at, material, class, side| {
         let of_mars = if has_mars { class.most_of_mars } else { given.most_from_mars() };
-        let (around, cos_incidence) = (given.most_around(), side.most_cos_incidence(class));
-        let warmed = |heat: f64| emission(material, at.um, given.temperature_k(material, cos_incidence, heat));
-        // What adds to a warmer facet changes more, at short wavelengths.
-        (warmed(of_mars + around) - warmed(around)).max(warmed(of_mars) - warmed(0.0))
+        sent(given, at, (material, class, side), of_mars)
     })
+}
+
+/// Radiance that a facet sends more, W m-2 sr-1 um-1, if it has so much heat more, over sunlight at its zenith.
+pub(super) fn sent(
+    given: &Given,
+    at: &Wavelength,
+    (material, class, side): (&Material, &Class, Side),
+    more: f64,
+) -> f64 {
+    if !at.light.glows() || given.models.thermal != Thermal::Equilibrium {
+        return 0.0;
+    }
+    let cos_incidence = side.most_cos_incidence(class);
+    let warmed = |heat: f64| emission(material, at.um, given.temperature_k(material, cos_incidence, heat));
+    // What adds to a warmer facet changes more at short wavelengths, and less at long ones.
+    (warmed(class.most_around + more) - warmed(class.most_around)).max(warmed(more) - warmed(0.0))
 }

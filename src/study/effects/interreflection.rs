@@ -1,9 +1,10 @@
 //! Light and heat between facets.
 
 use super::given::{emission, reflectance};
-use super::{Bound, EffectKind, Finding, Given, OwnTolerance, Switch};
+use super::{EffectKind, Finding, Given, OwnTolerance, Switch, heat_from_mars};
 use crate::physics::bounds;
 use crate::scene::Material;
+use crate::study::extremes::Class;
 
 pub(super) const KIND: EffectKind = EffectKind {
     key: "interreflection",
@@ -32,31 +33,37 @@ pub(super) const KIND: EffectKind = EffectKind {
 const BOUNCES: f64 = 1.3;
 
 fn find(given: &Given) -> Finding {
-    let form_factor = given.form_factor();
     let most = |of: &dyn Fn(&Material) -> f64| given.materials.iter().map(|(_, m)| of(m)).fold(0.0, f64::max);
     // One number a wavelength; by the material's own reflectance it is what a facet sends.
-    let of_light: Vec<(f64, f64)> = given
+    let of_light: Vec<(f64, [f64; 2])> = given
         .wavelengths
         .iter()
         .map(|at| {
             let brightest = most(&|m| reflectance(m, at.um));
             let heat = if at.light.glows() { most(&|m| emission(m, at.um, given.noon_k)) } else { 0.0 };
-            (at.um, bounds::interreflection(brightest, heat / at.white, form_factor, 1.0))
+            (at.um, [brightest, heat / at.white])
         })
         .collect();
     let at_um = |um: f64| of_light[of_light.partition_point(|(of, _)| *of < um).min(of_light.len() - 1)].1;
-    let bound = match form_factor == 0.0 {
-        true => Some(Bound::NOTHING),
-        false => given.error(|at, material, _, _| reflectance(material, at.um) * at.white * at_um(at.um)),
-    };
+    let bound = given.error_without(|at, material, class, side| {
+        let [brightest, heat] = at_um(at.um);
+        let light = match class.most_around > 0.0 {
+            true => bounds::interreflection(brightest, heat, class.most_around, 1.0),
+            false => 0.0,
+        };
+        let warmth =
+            heat_from_mars::sent(given, at, (material, &Class { most_around: 0.0, ..*class }, side), class.most_around);
+        reflectance(material, at.um) * at.white * light + warmth
+    });
+    let form_factor = given.most_around();
     let slopes = match given.extremes.site.up {
         Some(_) => format!("slopes up to {:.0} deg", given.extremes.site.cos_steepest.acos().to_degrees()),
         None => "a body may have any slope".to_owned(),
     };
     Finding {
-        modelled: given.scene.models.exchange.is_some(),
+        modelled: given.models.exchange.is_some(),
         bound,
-        note: match given.scene.models.exchange {
+        note: match given.models.exchange {
             Some(of) => format!(
                 "{} bounces, along {} directions: light, and heat that warms; surfaces with a model send and receive it as their directional albedo says",
                 of.bounces, of.directions

@@ -2,12 +2,12 @@
 
 use glam::DVec3;
 
-use super::given::reflectance;
+use super::given::{Wavelength, reflectance};
 use super::{Bound, EffectKind, Finding, Given, Switch, mars_seen};
 use crate::physics::mars::middle_above_horizon;
 use crate::physics::mars_light::MARS_LIGHT_ERROR;
 use crate::physics::reflectance::{Brdf, PhotometricAngles};
-use crate::scene::{MARS_ALBEDO, MarsModel};
+use crate::scene::{MARS_ALBEDO, MarsModel, Material};
 use crate::spectral::Light;
 
 pub(super) const KIND: EffectKind = EffectKind {
@@ -44,11 +44,11 @@ fn find(given: &Given) -> Finding {
         note: note.into(),
         because,
     };
-    match given.scene.sky.mars.as_ref().map(|_| given.scene.models.mars_light) {
+    match given.scene.sky.mars.as_ref().map(|_| given.models.mars_light) {
         Some(MarsModel::NearField) => found(
             true,
             None,
-            bound.map(|bound| bound.times(MARS_LIGHT_ERROR + spread(given))),
+            bound.map(|bound| bound.times(MARS_LIGHT_ERROR + spread(given, mars_seen(given.scene, given.extremes).0))),
             "a Lambert sphere in the near field, with phase, tilt and each facet's horizon; uniform and without an atmosphere: the albedo is an input. \
              Surfaces with a model reflect it as if it came from the middle of what of Mars is above their horizon",
         ),
@@ -66,26 +66,29 @@ fn find(given: &Given) -> Finding {
 /// What Mars-light changes at most.
 pub(super) fn bound(given: &Given) -> Option<Bound> {
     let mars = given.scene.sky.mars.as_ref();
-    if given.scene.models.mars_light == MarsModel::Thesis {
-        return given.error(|at, material, _, _| {
+    if given.models.mars_light == MarsModel::Thesis {
+        return given.error_without(|at, material, _, _| {
             let albedo = mars.map_or(MARS_ALBEDO, |mars| mars.reflectance.at(at.um).unwrap_or(f64::NAN));
             // Twice as much as all of Mars under the Sun at its zenith.
             reflectance(material, at.um) * at.white * albedo * 2.0 * given.most_from_mars()
         });
     }
-    given.error(|at, material, class, _| {
-        let by_mars = match mars {
-            Some(mars) => mars.reflectance.at(at.um).unwrap_or(f64::NAN) * class.most_by_mars,
-            None => MARS_ALBEDO * given.most_from_mars(),
-        };
-        if at.light.is_lit() { reflectance(material, at.um) * at.white * by_mars } else { 0.0 }
+    given.error_without(|at, material, class, _| {
+        let by_mars = if mars.is_some() { class.most_by_mars } else { given.most_from_mars() };
+        sent(given, at, material, by_mars)
     })
 }
 
-/// By how much the light of all of a full Mars is reflected otherwise than if it came from one point: the most over a surface's models, and over
-/// heights of Mars and directions of view, relative; 0 for Lambert surfaces.
-fn spread(given: &Given) -> f64 {
-    let (sin_radius, _) = mars_seen(given.scene, given.extremes);
+/// Radiance of a facet in Mars-light, W m-2 sr-1 um-1, that a Mars of reflectance 1 makes as bright as this.
+pub(super) fn sent(given: &Given, at: &Wavelength, material: &Material, by_mars: f64) -> f64 {
+    let albedo =
+        given.scene.sky.mars.as_ref().map_or(MARS_ALBEDO, |mars| mars.reflectance.at(at.um).unwrap_or(f64::NAN));
+    if at.light.is_lit() { reflectance(material, at.um) * at.white * albedo * by_mars } else { 0.0 }
+}
+
+/// By how much the light of all of a disc is reflected otherwise than if it came from one point: the most over a surface's models, and over
+/// heights of the disc and directions of view, relative; 0 for Lambert surfaces.
+pub(super) fn spread(given: &Given, sin_radius: f64) -> f64 {
     let Some(um) = given.wavelengths.iter().find(|at| at.light.is_lit()).map(|at| at.um) else { return 0.0 };
     let models: Vec<Brdf> = given.materials.iter().filter_map(|(_, material)| material.photometry.brdf(um)).collect();
     let direction = |zenith_deg: f64, azimuth_deg: f64| {

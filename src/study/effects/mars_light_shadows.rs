@@ -1,6 +1,6 @@
 //! Terrain between a facet and Mars.
 
-use super::{Bound, EffectKind, Finding, Given, OwnTolerance, Switch};
+use super::{Bound, EffectKind, Finding, Given, OwnTolerance, Switch, glow_of_mars, heat_from_mars, mars_light};
 use crate::physics::sun_disc::DiscRule;
 
 pub(super) const KIND: EffectKind = EffectKind {
@@ -29,25 +29,29 @@ pub(super) const KIND: EffectKind = EffectKind {
 const ENOUGH: DiscRule = DiscRule::G7;
 
 fn find(given: &Given) -> Finding {
-    let (mars, models) = (&given.scene.sky.mars, given.scene.models);
+    let (mars, models) = (&given.scene.sky.mars, given.models);
     Finding {
         modelled: mars.is_some() && models.mars_shadows.is_some(),
         missing: mars.is_none().then(|| "no Mars in the scene".into()),
-        bound: of_all(given),
+        bound: hidden(given),
         note: match models.mars_shadows {
             Some(rule) => {
                 format!("each facet has the share of Mars-light that terrain leaves, of {} parts of Mars", rule.count())
             }
             None => "a facet's own horizon cuts Mars, other terrain does not".into(),
         },
-        because: "all of the light and heat of Mars".into(),
+        because: "all of the light and heat of Mars, where a horizon may be higher than its lower limb".into(),
         ..Finding::default()
     }
 }
 
-/// All that Mars does: what hides its light hides its heat, too.
-fn of_all(given: &Given) -> Option<Bound> {
-    let parts =
-        [super::mars_light::bound(given), super::heat_from_mars::bound(given), super::glow_of_mars::bound(given)];
-    parts.into_iter().try_fold(Bound::NOTHING, |sum, part| Some(sum.and(&part?)))
+/// All that Mars does where it may be hidden: what hides its light hides its heat, too.
+fn hidden(given: &Given) -> Option<Bound> {
+    given.scene.sky.mars.as_ref()?;
+    given.error(|at, material, class, side| {
+        let [by_mars, of_mars] = class.most_hidden;
+        mars_light::sent(given, at, material, by_mars)
+            + glow_of_mars::sent(given, at, material, [by_mars, of_mars])
+            + heat_from_mars::sent(given, at, (material, class, side), of_mars)
+    })
 }

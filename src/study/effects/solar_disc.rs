@@ -1,7 +1,7 @@
 //! Penumbrae: the Sun is no point.
 
-use super::given::reflectance;
-use super::{EffectKind, Finding, Given, OwnTolerance, Switch};
+use super::given::{Side, reflectance};
+use super::{Bound, EffectKind, Finding, Given, OwnTolerance, Switch, mars_light};
 use crate::physics::sun_disc::DiscRule;
 use crate::physics::{bounds, sun};
 use crate::scene::SunModel;
@@ -48,13 +48,21 @@ fn find(given: &Given) -> Finding {
     let sun_rad = sun::angular_radius_rad(given.scene.sky.sun.distance_m);
     // Square to the rays. On a slope the penumbra is wider by 1 / cos i, and as much less bright.
     let wide_px = bounds::penumbra_width_m(throw_m, sun_rad, 1.0) / pixel_m;
-    let edge = given.error_of_edges(wide_px);
+    // A pixel that all of the disc lights has no edge in it.
+    let edge = given.error(|at, material, class, side| match side {
+        Side::Sun => 0.0,
+        Side::Shade => {
+            let share = (wide_px / class.least_cos_incidence).min(1.0);
+            share * given.sent(at, material, class.most_brightness, class.most_cos_incidence)
+        }
+    });
+    let spread = mars_light::spread(given, given.scene.sky.sun.sin_radius());
     // A facet along the rays.
     let slope = given.error(|at, material, class, _| match class.least_cos_incidence <= sun_rad {
         true => reflectance(material, at.um) * at.white * bounds::terminator(sun_rad),
         false => 0.0,
     });
-    let note = match given.scene.models.sun {
+    let note = match given.models.sun {
         SunModel::Point => {
             "the Sun is a point: only pixels that a shadow's edge crosses change, and slopes along the rays".into()
         }
@@ -65,8 +73,8 @@ fn find(given: &Given) -> Finding {
         ),
     };
     Finding {
-        modelled: given.scene.models.sun != SunModel::Point,
-        bound: edge.zip(slope).map(|(edge, slope)| edge.and(&slope)),
+        modelled: given.models.sun != SunModel::Point,
+        bound: edge.zip(slope).map(|(edge, slope)| edge.and(&slope).and(&Bound { lit: spread, shadow: spread })),
         note,
         because: format!(
             "with the edge's cause at most {throw_m:.0} m away, penumbrae are up to {wide_px:.2} pixels wide, square to the light; behind a straight \

@@ -2,7 +2,7 @@
 
 use super::given::emission;
 use super::{Bound, EffectKind, Finding, Given, Switch};
-use crate::scene::Thermal;
+use crate::scene::{Models, Thermal};
 use crate::solve::interpolation_error;
 use crate::spectral::Light;
 
@@ -26,8 +26,10 @@ pub(super) const KIND: EffectKind = EffectKind {
 const FACET_S: f64 = 1.5e-7;
 
 fn find(given: &Given) -> Finding {
-    let bound = given.error(|at, material, class, side| {
-        let others = class.most_of_mars + given.most_around();
+    // What it is relative to has no heat but that.
+    let cold = given.by(Models { thermal: Thermal::Off, ..given.models });
+    let bound = cold.error_without(|at, material, class, side| {
+        let others = class.most_of_mars + class.most_around;
         let t_k = given.temperature_k(material, side.most_cos_incidence(class), others);
         emission(material, at.um, t_k)
     });
@@ -45,7 +47,7 @@ fn find(given: &Given) -> Finding {
         because,
         ..Finding::default()
     };
-    match given.scene.models.thermal {
+    match given.models.thermal {
         Thermal::Off => found(false, None, "off: nothing emits heat"),
         Thermal::Thesis => {
             found(true, bound, "Domagala (2020), equation (9): 150 to 330 K at any distance from the Sun")

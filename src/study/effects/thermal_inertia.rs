@@ -49,7 +49,7 @@ fn missing(given: &Given) -> Option<&'static str> {
 }
 
 fn find(given: &Given) -> Finding {
-    let Models { thermal, conduction, .. } = given.scene.models;
+    let Models { thermal, conduction, .. } = given.models;
     let noon_k = given.noon_k;
     let steps = conduction.filter(|_| thermal == Thermal::Equilibrium);
     Finding {
