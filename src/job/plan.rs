@@ -3,17 +3,13 @@
 use crate::error::Result;
 use crate::progress::{Watch, tell};
 use crate::scene::Scene;
-use crate::study::{self, Choice, Extremes, Plan, Request};
+use crate::study::{self, Extremes, Plan, Request};
 
 /// Decides by which models a scene is simulated, and gives it these.
 pub(super) fn decide(scene: &mut Scene, request: &Request, watch: Watch<'_>) -> Result<(Extremes, Plan)> {
     scene.body.topology_watched(watch)?;
     tell(watch, "plan", 0, 1)?;
-    let extremes = match request.choice {
-        Choice::Auto | Choice::Full => Extremes::with_shadows(scene, watch)?,
-        Choice::Thesis | Choice::Only(_) => Extremes::new(scene),
-    };
-    let (models, plan) = study::plan(scene, &extremes, request)?;
+    let (models, extremes, plan) = study::decide(scene, request, watch)?;
     *scene = scene.by(models)?;
     tell(watch, "plan", 1, 1)?;
     Ok((extremes, plan))

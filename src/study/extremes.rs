@@ -6,6 +6,8 @@ use std::f64::consts::FRAC_PI_2;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::draft::Draft;
+use super::effects::Given;
 use super::glimpse::Glimpse;
 use super::site::Site;
 use crate::error::Result;
@@ -43,6 +45,8 @@ pub struct Extremes {
     pub(super) throw_m: Option<f64>,
     /// Where the image is sunlit, as far as rays tell: what hides the Sun is not known.
     pub(super) sunlit: Vec<Place>,
+    /// How dark pixels are at most, if that was looked for.
+    pub(super) draft: Option<Draft>,
 }
 
 /// A place in the image that faces the Sun.
@@ -247,7 +251,17 @@ impl Extremes {
             glimpse,
             is_used,
             facing,
+            draft: None,
         }
+    }
+
+    /// With a draft of the image.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
+    pub fn with_draft(self, scene: &Scene, watch: Watch<'_>) -> Result<Self> {
+        let wavelengths = Given::new(scene, &self, &self.sunlit).references();
+        Ok(Extremes { draft: Draft::of(scene, &wavelengths, watch)?, ..self })
     }
 }
 

@@ -2,6 +2,7 @@
 
 pub mod chart;
 mod cost;
+mod draft;
 mod dry_run;
 mod effects;
 mod extremes;
@@ -28,7 +29,7 @@ pub use effects::{Bound, Decision, Effect, OwnTolerance};
 pub use extremes::Extremes;
 pub use maps::{Fill, MapAccount, MapEntry, MapOptions, RegistrationEntry, observe_maps, observe_maps_by_slabs};
 pub use observation::{Check, Counts, Observation, Put};
-pub use plan::{Choice, Plan, Request, TOLERANCE, left_out_of_table, plan};
+pub use plan::{Choice, Plan, Request, TOLERANCE, decide, left_out_of_table, plan};
 pub use simulate::{observe, observe_by_slabs, simulate};
 pub use summary::Summary;
 pub use surfaces::{

@@ -3,9 +3,11 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::cost::draft_s;
 use super::effects::{ALL, Bound, Decision, Effect, EffectKind, Given, Switch, effects};
 use super::extremes::Extremes;
 use crate::error::{Error, Location, Result};
+use crate::progress::Watch;
 use crate::scene::{MarsModel, Models, Scene, Thermal};
 
 /// The tolerance unless another one is asked for.
@@ -154,6 +156,26 @@ pub fn plan(scene: &Scene, extremes: &Extremes, request: &Request) -> Result<(Mo
         }
     };
     Ok((models, account(&given.by(models), request)))
+}
+
+/// As [`plan`], having looked at the scene as closely as its answer is worth: at where shadows are, unless all is chosen by name; at how dark pixels get, if
+/// what a first look would keep takes longer than a draft of the image does.
+///
+/// # Errors
+/// As [`plan`], and [`Error::Interrupted`] if `watch` asks to stop.
+pub fn decide(scene: &Scene, request: &Request, watch: Watch<'_>) -> Result<(Models, Extremes, Plan)> {
+    let extremes = match request.choice {
+        Choice::Auto | Choice::Full => Extremes::with_shadows(scene, watch)?,
+        Choice::Thesis | Choice::Only(_) => Extremes::new(scene),
+    };
+    let (models, first) = plan(scene, &extremes, request)?;
+    let is_open = matches!(request.choice, Choice::Auto | Choice::Full);
+    if !is_open || first.cost_s() < draft_s(scene, &extremes) {
+        return Ok((models, extremes, first));
+    }
+    let extremes = extremes.with_draft(scene, watch)?;
+    let (models, plan) = plan(scene, &extremes, request)?;
+    Ok((models, extremes, plan))
 }
 
 /// The plan that these models are.

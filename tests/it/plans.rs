@@ -58,9 +58,8 @@ pub(crate) fn random_scene(seed: u64) -> SceneParts {
 
 /// With light between facets, which takes by far the longest, where it is wanted.
 pub(crate) fn planned(scene: &Scene, choice: Choice, tolerance: f64, exchanges: bool) -> (Scene, Plan) {
-    let extremes = Extremes::with_shadows(scene, &unwatched).unwrap();
-    let request = Request { choice, tolerance };
-    let (models, plan) = study::plan(scene, &extremes, &request).unwrap();
+    let extremes = Extremes::with_shadows(scene, &unwatched).unwrap().with_draft(scene, &unwatched).unwrap();
+    let (models, plan) = study::plan(scene, &extremes, &Request { choice, tolerance }).unwrap();
     let models = Models { exchange: models.exchange.filter(|_| exchanges), ..models };
     (scene.by(models).unwrap(), plan)
 }
@@ -123,7 +122,22 @@ fn bounds_hold_on_random_scenes_and_the_plan_keeps_its_tolerance() {
             let (without, _) = planned(&scene, Choice::Only(others), 1e-3, exchanges);
             let [in_sun, in_shade] = errors(&truth, &seen(&without)).map(|errors| most(&errors));
             let bound = effect(&plan_of_full, key).bound.unwrap();
-            if std::env::var("DBG").is_ok() { println!("DBG {seed} {key} lit {in_sun:.2e} {:.2e} shade {in_shade:.2e} {:.2e} | least lit {:.3} n<1 {}", bound.lit, bound.shadow, lit.iter().copied().fold(9.0, f64::min), lit.iter().filter(|l| **l < 1.0-1e-9).count()); }
+                println!(
+                    "DBG {seed} {key} lit {in_sun:.2e} {:.2e} shade {in_shade:.2e} {:.2e} | least lit {:.3} n<1 {}",
+                    bound.lit,
+                    bound.shadow,
+                    lit.iter().copied().fold(9.0, f64::min),
+                    lit.iter().filter(|l| **l < 1.0 - 1e-9).count()
+                );
+            }
+                println!(
+                    "DBG {seed} {key} lit {in_sun:.2e} {:.2e} shade {in_shade:.2e} {:.2e} | least lit {:.3} n<1 {}",
+                    bound.lit,
+                    bound.shadow,
+                    lit.iter().copied().fold(9.0, f64::min),
+                    lit.iter().filter(|l| **l < 1.0 - 1e-9).count()
+                );
+            }
             assert!(in_sun <= bound.lit, "{seed} {key}: {in_sun} {bound:?}");
             assert!(in_shade <= bound.shadow, "{seed} {key}: {in_shade} {bound:?}");
             for (change, bound, side) in [(in_sun, bound.lit, "lit"), (in_shade, bound.shadow, "shadow")] {

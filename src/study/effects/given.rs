@@ -6,6 +6,7 @@ use crate::physics::{blackbody, heat};
 use crate::scene::{Material, Models, Setup, Thermal};
 use crate::spectral::Light;
 use crate::study::cost;
+use crate::study::draft::HALF_SHADOW;
 use crate::study::extremes::{Class, Extremes, Place};
 use crate::units::{MARS_RADIUS_M, PHOBOS_ORBIT_M};
 
@@ -104,6 +105,11 @@ impl<'a> Given<'a> {
         given
     }
 
+    /// Where spectra are looked at, and the median sunlit radiance there: um, its light, W m-2 sr-1 um-1.
+    pub(in crate::study) fn references(&self) -> Vec<(f64, Light, f64)> {
+        self.wavelengths.iter().map(|at| (at.um, at.light, at.median)).collect()
+    }
+
     fn least(&self) -> Vec<f64> {
         // What conducts may be colder than in equilibrium.
         let is_warm = self.models.conduction.is_none();
@@ -196,20 +202,39 @@ impl<'a> Given<'a> {
             // Of what is brighter than the floor relative to itself, else to the floor; in one pixel both may be. A maximum passes over what is not a
             // number: a spectrum ends before the band does, and its part is left out.
             let (mut bright, mut dim, mut shade) = (0.0_f64, 0.0_f64, 0.0_f64);
+            let (mut change_lit, mut change_shaded) = (0.0_f64, 0.0_f64);
             for ((material, class), least) in self.lit().zip(&mut least) {
                 let change = change(at, material, class, Side::Sun);
+                change_lit = change_lit.max(change);
                 let least = least + more(change);
                 let part = if least >= floor { &mut bright } else { &mut dim };
                 *part = part.max(change / least.max(floor));
             }
             for (material, class) in self.shaded() {
                 let change = change(at, material, class, Side::Shade);
+                change_shaded = change_shaded.max(change);
                 shade = shade.max(change / more(change).max(floor));
             }
-            most.lit = most.lit.max(bright + dim);
-            most.shadow = most.shadow.max(bright + dim + shade);
+            // No pixel is darker than in the draft.
+            let [least_lit, least] = self.least_drafted(at);
+            let by_draft = |change: f64, least: f64| {
+                let more = if self.models.thermal == Thermal::Off { 0.0 } else { more(change) };
+                change / (least + more).max(floor)
+            };
+            most.lit = most.lit.max((bright + dim).min(by_draft(change_lit, least_lit)));
+            let shadow = (bright + dim + shade).min(by_draft(change_lit.max(change_shaded), least));
+            most.shadow = most.shadow.max(shadow);
         }
         (most.lit.is_finite() && most.shadow.is_finite()).then_some(most)
+    }
+
+    /// The least radiance of pixels that show nothing but sunlit ground, and of all, W m-2 sr-1 um-1.
+    fn least_drafted(&self, at: &Wavelength) -> [f64; 2] {
+        let Some(draft) = &self.extremes.draft else { return [0.0; 2] };
+        let [lit, all] = draft.least_at(at.um, at.light).map(|least| least * at.median);
+        // What conducts may be colder than in equilibrium.
+        let is_known = self.models.conduction.is_none();
+        [if is_known { lit } else { 0.0 }, if is_known { HALF_SHADOW * all } else { 0.0 }]
     }
 
     /// The largest error if edges of shadows move by this many pixels, square to the light: on a slope they move farther, by 1 / cos i.
