@@ -23,6 +23,13 @@ pub fn radiance_w_m2_sr_um(lambda_um: f64, t_k: f64) -> f64 {
     C1_W_M2_SR_UM4 / (lambda_um.powi(5) * exponential)
 }
 
+/// Temperature of the black body that has this radiance, K: [`radiance_w_m2_sr_um`] solved for T.
+///
+/// Limits: 0 for no radiance.
+pub fn temperature_k(lambda_um: f64, radiance_w_m2_sr_um: f64) -> f64 {
+    C2_UM_K / (lambda_um * (C1_W_M2_SR_UM4 / (lambda_um.powi(5) * radiance_w_m2_sr_um)).ln_1p())
+}
+
 /// Radiance of a black body between two wavelengths, W m-2 sr-1.
 ///
 /// L = (15 sigma T^4 / pi^5) (G(x1) - G(x2)), x = C2 / (lambda T), G(x) = integral of t^3 / (e^t - 1) from x to infinity.

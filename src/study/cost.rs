@@ -1,6 +1,5 @@
 //! What a simulation takes: memory, disk space, time, estimated before anything is computed.
 
-use super::extremes::Extremes;
 use crate::error::{Error, Location, Problem, Result};
 use crate::integrate::plane_count;
 use crate::physics::sun_disc::DiscRule;
@@ -76,14 +75,6 @@ pub(super) fn cpu_s(scene: &Scene, workload: &Workload) -> f64 {
         + seconds::CROSSING * (workload.facets_in_frame as f64 * workload.filled * pixels).sqrt()
         + seconds::NUMBER * pixels * scene.exposure.bands.len() as f64
         + seconds::TEXEL * texels as f64
-}
-
-/// About the CPU time, s, of a draft of an image.
-pub(super) fn draft_s(scene: &Scene, extremes: &Extremes) -> f64 {
-    let glimpse = &extremes.glimpse;
-    let workload =
-        Workload { facets_in_frame: glimpse.facets_in_frame, filled: glimpse.filled(), mean_incidence_deg: None };
-    cpu_s(scene, &workload)
 }
 
 /// CPU time, s, to find the shadows of one more Sun.

@@ -6,6 +6,7 @@ use std::f64::consts::FRAC_PI_2;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::cost::{self, Workload};
 use super::draft::Draft;
 use super::effects::Given;
 use super::glimpse::Glimpse;
@@ -44,14 +45,16 @@ pub struct Extremes {
     /// The farthest that a shadow is thrown, m, if that was looked for.
     pub(super) throw_m: Option<f64>,
     /// Where the image is sunlit, as far as rays tell: what hides the Sun is not known.
-    pub(super) sunlit: Vec<Place>,
+    pub(super) sunlit: Vec<Sunlit>,
+    /// The most that a facet may have of Mars' day as a form factor.
+    pub(super) most_of_day: f64,
     /// How dark pixels are at most, if that was looked for.
     pub(super) draft: Option<Draft>,
 }
 
 /// A place in the image that faces the Sun.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Place {
+pub(super) struct Sunlit {
     pub(super) material: usize,
     /// Its radiance in sunlight over that of a Lambert surface of the same hemispherical reflectance under a Sun at the zenith.
     pub(super) brightness: f64,
@@ -213,6 +216,7 @@ impl Extremes {
         let glimpse = Glimpse::new(scene);
         let (looks, mars) = (Look::of(scene), MarsBound::of(scene));
         let least_tangent_of_mars = least_tangent(&site, mars.as_ref());
+        let most_of_day = mars.as_ref().map_or(0.0, |mars| mars.most_of_day);
         let mesh = &scene.body.mesh;
         let none = || vec![Facing::none(); scene.body.materials.len()];
         let of_chunk = |chunk: usize| {
@@ -241,7 +245,7 @@ impl Extremes {
         let place = |facet: usize| {
             let material = mesh.material[facet].0 as usize;
             let Sight { brightness, cos_incidence, .. } = sight(scene, &mars, facet, &looks[material])?;
-            (brightness > 0.0).then_some(Place { material, brightness, cos_incidence })
+            (brightness > 0.0).then_some(Sunlit { material, brightness, cos_incidence })
         };
         Extremes {
             open_to_shadow: site.open_to_shadow(mesh, scene.sky.sun.direction.vec()),
@@ -251,8 +255,15 @@ impl Extremes {
             glimpse,
             is_used,
             facing,
+            most_of_day,
             draft: None,
         }
+    }
+
+    /// About the CPU time that a draft of the image takes, s.
+    pub(super) fn draft_s(&self, scene: &Scene) -> f64 {
+        let (facets_in_frame, filled) = (self.glimpse.facets_in_frame, self.glimpse.filled());
+        cost::cpu_s(scene, &Workload { facets_in_frame, filled, mean_incidence_deg: None })
     }
 
     /// With a draft of the image.
@@ -377,6 +388,8 @@ struct MarsBound {
     scalar: f64,
     /// The largest cosine of the Sun's incidence on what of Mars is in view.
     most_cos: f64,
+    /// The largest form factor of the part of it that has day.
+    most_of_day: f64,
 }
 
 impl MarsBound {
@@ -405,6 +418,10 @@ impl MarsBound {
             radius: (sin_radius, rim),
             scalar: facing / rim,
             most_cos: in_view_rad.cos().max(0.0),
+            // The share of a disc from afar, at a phase angle that is smaller by what nearness may show more of the day; by the cosine of what is nearest.
+            most_of_day: sin_radius * sin_radius / rim
+                * 0.5
+                * (1.0 + (least_phase_rad - sin_radius.asin()).max(0.0).cos()),
         })
     }
 
@@ -432,7 +449,7 @@ fn nearer((cos, sin): (f64, f64), (cos_by, sin_by): (f64, f64)) -> (f64, f64) {
 }
 
 /// Places that are sunlit for the most part, of an image; those with any light if none are.
-pub(super) fn sunlit_places(scene: &Setup, backplanes: &Backplanes) -> Vec<Place> {
+pub(super) fn sunlit_places(scene: &Setup, backplanes: &Backplanes) -> Vec<Sunlit> {
     let plane = |name: &str| backplanes.plane(name).map_or(&[][..], |plane| &plane.values);
     let (incidence, emission) = (plane("LOCALINCIDENCE_MEAN"), plane("LOCALEMISSION_MEAN"));
     let (phase, lit, material) = (plane("PHASE"), plane("LIT_FRACTION"), plane("MATERIAL"));
@@ -446,7 +463,7 @@ pub(super) fn sunlit_places(scene: &Setup, backplanes: &Backplanes) -> Vec<Place
         let phase_rad = if phase[i].is_nan() { phase_rad } else { phase[i].to_radians() };
         let angles = || PhotometricAngles::of_cosines(cos_incidence, cos_emission, phase_rad.cos());
         let brightness = cos_incidence * looks.get(material)?.gain(angles);
-        (brightness > 0.0).then_some(Place { material, brightness, cos_incidence })
+        (brightness > 0.0).then_some(Sunlit { material, brightness, cos_incidence })
     };
     let lit_more = |least: f64| -> Vec<usize> { (0..lit.len()).filter(|i| lit[*i] > least).collect() };
     let found = [0.5, 0.0].into_iter().map(lit_more).find(|found| !found.is_empty()).unwrap_or_default();

@@ -3,7 +3,6 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::cost::draft_s;
 use super::effects::{ALL, Bound, Decision, Effect, EffectKind, Given, Switch, effects};
 use super::extremes::Extremes;
 use crate::error::{Error, Location, Result};
@@ -170,7 +169,7 @@ pub fn decide(scene: &Scene, request: &Request, watch: Watch<'_>) -> Result<(Mod
     };
     let (models, first) = plan(scene, &extremes, request)?;
     let is_open = matches!(request.choice, Choice::Auto | Choice::Full);
-    if !is_open || first.cost_s() < draft_s(scene, &extremes) {
+    if !is_open || first.cost_s() < extremes.draft_s(scene) {
         return Ok((models, extremes, first));
     }
     let extremes = extremes.with_draft(scene, watch)?;

@@ -387,9 +387,9 @@ mod tests {
     #[test]
     fn horizons_of_plains_and_hills_are_of_use() {
         assert!(horizons(&sheet(20, |_, _| 3.0), DVec3::Z).iter().all(|tangent| *tangent == 0.0));
-        // A slope rises as steeply as it does, but across notches of its rim: there are none.
+        // A slope rises as steeply as it does; of cells that are far, boxes around them tell three times as much at the most.
         let slope = horizons(&sheet(20, |x, _| 0.5 * x), DVec3::Z);
-        assert!(slope.iter().all(|tangent| (0.499_999..=1.000_001).contains(tangent)), "{slope:?}");
+        assert!(slope.iter().all(|tangent| (0.499_999..=1.5).contains(tangent)), "{slope:?}");
         // A tower 10 m high, far from the ground's edge: from 20 m away it has 10 / 20.
         let tower = |x: f64, y: f64| if (x - 50.0).abs() < 1.0 && (y - 50.0).abs() < 1.0 { 10.0 } else { 0.0 };
         let mesh = sheet(100, tower);

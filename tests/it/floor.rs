@@ -69,7 +69,7 @@ fn the_plan_knows_the_floor() {
     let mut parts = before_a_wall();
     parts.models.floor_k = 120.0;
     let scene = parts.check().unwrap();
-    let extremes = Extremes::new(&scene).with_throw(&scene);
+    let extremes = Extremes::with_shadows(&scene, &unwatched).unwrap();
     let (_, plan) = study::plan(&scene, &extremes, &Request { choice: Choice::Full, tolerance: 1e-3 }).unwrap();
     let heat = plan.effects.iter().find(|effect| effect.key == "heat").unwrap();
     assert_eq!(heat.decision, Decision::Kept);
@@ -109,7 +109,7 @@ fn what_neighbours_heat_adds_is_bounded() {
     parts.surface.materials = vec![lambert(0, "grey", Spectrum::constant(0.2))];
     parts.exposure.bands = vec![Band::new(3.6, None)];
     let scene = parts.check().unwrap();
-    let extremes = Extremes::new(&scene).with_throw(&scene);
+    let extremes = Extremes::with_shadows(&scene, &unwatched).unwrap();
     let (_, plan) = study::plan(&scene, &extremes, &Request { choice: Choice::Full, tolerance: 1e-3 }).unwrap();
     let effect = plan.effects.iter().find(|effect| effect.key == "neighbours-glow").unwrap();
     assert_eq!(effect.decision, Decision::Open);

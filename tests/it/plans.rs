@@ -122,22 +122,6 @@ fn bounds_hold_on_random_scenes_and_the_plan_keeps_its_tolerance() {
             let (without, _) = planned(&scene, Choice::Only(others), 1e-3, exchanges);
             let [in_sun, in_shade] = errors(&truth, &seen(&without)).map(|errors| most(&errors));
             let bound = effect(&plan_of_full, key).bound.unwrap();
-                println!(
-                    "DBG {seed} {key} lit {in_sun:.2e} {:.2e} shade {in_shade:.2e} {:.2e} | least lit {:.3} n<1 {}",
-                    bound.lit,
-                    bound.shadow,
-                    lit.iter().copied().fold(9.0, f64::min),
-                    lit.iter().filter(|l| **l < 1.0 - 1e-9).count()
-                );
-            }
-                println!(
-                    "DBG {seed} {key} lit {in_sun:.2e} {:.2e} shade {in_shade:.2e} {:.2e} | least lit {:.3} n<1 {}",
-                    bound.lit,
-                    bound.shadow,
-                    lit.iter().copied().fold(9.0, f64::min),
-                    lit.iter().filter(|l| **l < 1.0 - 1e-9).count()
-                );
-            }
             assert!(in_sun <= bound.lit, "{seed} {key}: {in_sun} {bound:?}");
             assert!(in_shade <= bound.shadow, "{seed} {key}: {in_shade} {bound:?}");
             for (change, bound, side) in [(in_sun, bound.lit, "lit"), (in_shade, bound.shadow, "shadow")] {
@@ -170,7 +154,7 @@ fn bounds_hold_on_random_scenes_and_the_plan_keeps_its_tolerance() {
         .collect();
     println!("{scenes} scenes, {dropped} dropped; bound over truth, median: {medians:?}");
     // Where shadows may be anywhere, and scenes have few, bounds are far above the truth.
-    for key in ["heat, lit", "mars-light, lit"] {
+    for key in ["heat, lit", "mars-light, lit", "mars-glow, lit", "interreflection, lit"] {
         assert!(medians.iter().any(|(of, times)| of == key && *times <= 10.0), "{medians:?}");
     }
 }

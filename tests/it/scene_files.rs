@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use mmxrt::formats::scene_toml;
+use mmxrt::physics::reflectance::PhotometricAngles;
 use mmxrt::progress::unwatched;
 
 use crate::scratch::Scratch;
@@ -32,7 +33,10 @@ fn the_site_of_table_i_is_read_as_it_is_printed() {
     assert_eq!((camera.samples, camera.lines, scene.exposure.bands.len()), (256, 256, 300));
     assert_eq!(scene.exposure.bands[299].centre_um, 3.6);
     assert_eq!(scene.body.materials.len(), 2);
-    assert!((scene.body.materials[0].reflectance.at(1.0).unwrap() - 0.10617).abs() < 1e-15);
+    // The blue unit's normal albedo, of a surface that is not Lambert.
+    let surface = scene.body.materials[0].photometry.brdf(1.0).unwrap();
+    let normal = std::f64::consts::PI * surface.eval(&PhotometricAngles::of_cosines(1.0, 1.0, 1.0));
+    assert!((normal - 0.10617).abs() < 1e-9, "{normal}");
     // The mesh lies around the origin, its relief along the outward radius.
     let height = |v: &glam::DVec3| v.dot(outward.vec()).abs();
     assert!(scene.body.mesh.vertices_m.iter().map(height).fold(0.0, f64::max) < 300.0);

@@ -1,6 +1,6 @@
 //! Warmth that roughness below the facets sends towards the Sun.
 
-use super::given::emission;
+use super::given::{Place, emission};
 use super::{EffectKind, Finding, Given};
 use crate::scene::Thermal;
 use crate::spectral::Light;
@@ -20,7 +20,7 @@ pub(super) const KIND: EffectKind = EffectKind {
 };
 
 fn find(given: &Given) -> Finding {
-    let bound = given.error(|at, material, class, side| {
+    let bound = given.error(|&Place { at, material, class, side, .. }| {
         let t_k = given.temperature_k(material, side.most_cos_incidence(class), given.most_from_mars());
         emission(material, at.um, t_k / ETA.powf(0.25)) - emission(material, at.um, t_k)
     });

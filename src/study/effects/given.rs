@@ -7,7 +7,7 @@ use crate::scene::{Material, Models, Setup, Thermal};
 use crate::spectral::Light;
 use crate::study::cost;
 use crate::study::draft::HALF_SHADOW;
-use crate::study::extremes::{Class, Extremes, Place};
+use crate::study::extremes::{Class, Extremes, Sunlit};
 use crate::units::{MARS_RADIUS_M, PHOBOS_ORBIT_M};
 
 /// The least radiance that an error is relative to, over the band's median sunlit radiance.
@@ -52,6 +52,17 @@ impl Side {
     }
 }
 
+/// Facets whose radiance changes.
+#[derive(Clone, Copy)]
+pub(super) struct Place<'g> {
+    pub(super) at: &'g Wavelength,
+    pub(super) material: &'g Material,
+    pub(super) class: &'g Class,
+    pub(super) side: Side,
+    /// What the change is relative to, at the least, W m-2 sr-1 um-1.
+    pub(super) least: f64,
+}
+
 /// A wavelength of a band.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Wavelength {
@@ -65,7 +76,7 @@ pub(super) struct Wavelength {
 
 impl<'a> Given<'a> {
     /// `sunlit` are places of the image: of a extremes, or, once it is there, of the image itself.
-    pub(in crate::study) fn new(scene: &'a Setup, extremes: &'a Extremes, sunlit: &[Place]) -> Self {
+    pub(in crate::study) fn new(scene: &'a Setup, extremes: &'a Extremes, sunlit: &[Sunlit]) -> Self {
         let materials: Vec<_> = scene.body.materials.iter().enumerate().filter(|(i, _)| extremes.is_used[*i]).collect();
         let mut given = Given {
             scene,
@@ -136,6 +147,13 @@ impl<'a> Given<'a> {
         heat::equilibrium_temperature_k(absorbed_w_m2, material.emissivity_bolometric).max(self.scene.models.floor_k)
     }
 
+    /// More heat, as a share of sunlight at the zenith, that makes a facet emit this radiance; negative if it does without any.
+    pub(super) fn heat_to_emit(&self, at: &Wavelength, material: &Material, cos_incidence: f64, radiance: f64) -> f64 {
+        let t_k = blackbody::temperature_k(at.um, radiance / material.emissivity.at(at.um).unwrap_or(1.0));
+        let emitted_w_m2 = heat::emitted_w_m2(t_k, material.emissivity_bolometric);
+        emitted_w_m2 / self.scene.sky.sun.total_irradiance_w_m2() - (1.0 - material.bond_albedo) * cos_incidence
+    }
+
     /// A bound of the heat that Mars, or one over Phobos, sends a facet that faces it, absorbed light included; over sunlight at the zenith.
     pub(super) fn most_from_mars(&self) -> f64 {
         let (sin_radius, _) = mars_seen(self.scene, self.extremes);
@@ -176,70 +194,86 @@ impl<'a> Given<'a> {
     }
 
     /// The largest error of a pixel, of those that show nothing but sunlit ground and of the others, if the radiance of facets is wrong by so
-    /// much where the Sun lights them, and by so much where it does not: of wavelength, material and class of facets; W m-2 sr-1 um-1.
+    /// much, where the Sun lights them and where it does not, W m-2 sr-1 um-1.
     ///
     /// `None` if it has no bound: nothing is sunlit.
-    pub(super) fn error(&self, change: impl Fn(&Wavelength, &Material, &Class, Side) -> f64) -> Option<Bound> {
-        self.largest(change, |_| 0.0)
+    pub(super) fn error(&self, change: impl Fn(&Place) -> f64) -> Option<Bound> {
+        self.largest(change, |_| 0.0, false)
+    }
+
+    /// As [`Given::error`], if no pixel is darker without the change than in the draft of the image.
+    pub(super) fn error_in_draft(&self, change: impl Fn(&Place) -> f64) -> Option<Bound> {
+        self.largest(change, |_| 0.0, true)
     }
 
     /// As [`Given::error`], of light that is left out: a pixel has at least that light, so that no more than all of its radiance is missing.
-    pub(super) fn error_without(&self, light: impl Fn(&Wavelength, &Material, &Class, Side) -> f64) -> Option<Bound> {
-        let bound = self.largest(light, |light| light)?;
+    pub(super) fn error_without(&self, light: impl Fn(&Place) -> f64) -> Option<Bound> {
+        let bound = self.largest(light, |light| light, true)?;
         Some(Bound { lit: bound.lit.min(1.0), shadow: bound.shadow.min(1.0) })
     }
 
     /// `more` is what a change says of the least radiance.
-    fn largest(
-        &self,
-        change: impl Fn(&Wavelength, &Material, &Class, Side) -> f64,
-        more: impl Fn(f64) -> f64,
-    ) -> Option<Bound> {
+    fn largest(&self, change: impl Fn(&Place) -> f64, more: impl Fn(f64) -> f64, is_in_draft: bool) -> Option<Bound> {
         let mut most = Bound::NOTHING;
         let mut least = self.least.iter();
         for at in &self.wavelengths {
             let floor = FLOOR * at.median;
+            // Where nothing is sunlit, there is nothing to be relative to.
+            let relative = |change: f64, least: f64| {
+                if floor > 0.0 { change / (least + more(change)).max(floor) } else { change / floor }
+            };
             // Of what is brighter than the floor relative to itself, else to the floor; in one pixel both may be. A maximum passes over what is not a
             // number: a spectrum ends before the band does, and its part is left out.
             let (mut bright, mut dim, mut shade) = (0.0_f64, 0.0_f64, 0.0_f64);
-            let (mut change_lit, mut change_shaded) = (0.0_f64, 0.0_f64);
             for ((material, class), least) in self.lit().zip(&mut least) {
-                let change = change(at, material, class, Side::Sun);
-                change_lit = change_lit.max(change);
-                let least = least + more(change);
-                let part = if least >= floor { &mut bright } else { &mut dim };
-                *part = part.max(change / least.max(floor));
+                let change = change(&Place { at, material, class, side: Side::Sun, least: least.max(floor) });
+                let part = if least + more(change) >= floor { &mut bright } else { &mut dim };
+                *part = part.max(relative(change, *least));
             }
             for (material, class) in self.shaded() {
-                let change = change(at, material, class, Side::Shade);
-                change_shaded = change_shaded.max(change);
-                shade = shade.max(change / more(change).max(floor));
+                let change = change(&Place { at, material, class, side: Side::Shade, least: floor });
+                shade = shade.max(relative(change, 0.0));
             }
-            // No pixel is darker than in the draft.
-            let [least_lit, least] = self.least_drafted(at);
-            let by_draft = |change: f64, least: f64| {
-                let more = if self.models.thermal == Thermal::Off { 0.0 } else { more(change) };
-                change / (least + more).max(floor)
-            };
-            most.lit = most.lit.max((bright + dim).min(by_draft(change_lit, least_lit)));
-            let shadow = (bright + dim + shade).min(by_draft(change_lit.max(change_shaded), least));
-            most.shadow = most.shadow.max(shadow);
+            let mut bound = Bound { lit: bright + dim, shadow: bright + dim + shade };
+            if let Some(draft) = self.draft(at).filter(|_| is_in_draft) {
+                let by_draft = self.error_of_draft(at, draft, &change, &more);
+                bound = Bound { lit: bound.lit.min(by_draft.lit), shadow: bound.shadow.min(by_draft.shadow) };
+            }
+            most = Bound { lit: most.lit.max(bound.lit), shadow: most.shadow.max(bound.shadow) };
         }
         (most.lit.is_finite() && most.shadow.is_finite()).then_some(most)
     }
 
-    /// The least radiance of pixels that show nothing but sunlit ground, and of all, W m-2 sr-1 um-1.
-    fn least_drafted(&self, at: &Wavelength) -> [f64; 2] {
-        let Some(draft) = &self.extremes.draft else { return [0.0; 2] };
-        let [lit, all] = draft.least_at(at.um, at.light).map(|least| least * at.median);
-        // What conducts may be colder than in equilibrium.
-        let is_known = self.models.conduction.is_none();
-        [if is_known { lit } else { 0.0 }, if is_known { HALF_SHADOW * all } else { 0.0 }]
+    /// The least radiance of pixels that show nothing but sunlit ground, and of all, W m-2 sr-1 um-1, no less than what errors are relative to.
+    fn draft(&self, at: &Wavelength) -> Option<[f64; 2]> {
+        // What conducts may be colder than in the draft, where all is in equilibrium.
+        let draft = self.extremes.draft.as_ref().filter(|_| self.models.conduction.is_none() && at.median > 0.0)?;
+        let [lit, all] = draft.least_at(at.um, at.light);
+        Some([lit, HALF_SHADOW * all].map(|least| least.max(FLOOR) * at.median))
+    }
+
+    /// The largest error at a wavelength if in pixels that are as dark as the darkest of a draft all of the surface changes most.
+    fn error_of_draft(
+        &self,
+        at: &Wavelength,
+        [lit, all]: [f64; 2],
+        change: impl Fn(&Place) -> f64,
+        more: impl Fn(f64) -> f64,
+    ) -> Bound {
+        let change_of = |(material, class), side, least| change(&Place { at, material, class, side, least });
+        let in_sun = |least: f64| self.lit().map(|of| change_of(of, Side::Sun, least)).fold(0.0, f64::max);
+        let in_shade = |least: f64| self.shaded().map(|of| change_of(of, Side::Shade, least)).fold(0.0, f64::max);
+        let over = |change: f64, least: f64| {
+            // The draft has heat: it is not added again.
+            let more = if self.models.thermal == Thermal::Off { 0.0 } else { more(change) };
+            change / (least + more)
+        };
+        Bound { lit: over(in_sun(lit), lit), shadow: over(in_sun(all).max(in_shade(all)), all) }
     }
 
     /// The largest error if edges of shadows move by this many pixels, square to the light: on a slope they move farther, by 1 / cos i.
     pub(super) fn error_of_edges(&self, width_px: f64) -> Option<Bound> {
-        self.error(|at, material, class, _| {
+        self.error(|&Place { at, material, class, .. }| {
             let share = (width_px / class.least_cos_incidence).min(1.0);
             share * self.sent(at, material, class.most_brightness, class.most_cos_incidence)
         })
@@ -247,7 +281,7 @@ impl<'a> Given<'a> {
 
     /// The error if any light may be missing.
     pub(super) fn error_of_all(&self) -> Option<Bound> {
-        self.error_without(|at, material, class, _| {
+        self.error_without(|&Place { at, material, class, .. }| {
             self.sent(at, material, class.most_brightness, class.most_cos_incidence)
         })
     }

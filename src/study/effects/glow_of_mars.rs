@@ -1,6 +1,6 @@
 //! What Mars emits, reflected by the surface.
 
-use super::given::{Wavelength, reflectance};
+use super::given::{Place, Wavelength, reflectance};
 use super::{Bound, EffectKind, Finding, Given, Switch};
 use crate::physics::blackbody;
 use crate::scene::{MARS_DAY_NIGHT_K, Material};
@@ -35,7 +35,9 @@ fn find(given: &Given) -> Finding {
         missing: mars.is_none().then(|| "no Mars in the scene".into()),
         bound: bound(given),
         note: format!("day and night side at {day_k} and {night_k} K, which are inputs"),
-        because: format!("all of Mars at {} K, a facet's form factor of it", day_k.max(night_k)),
+        because: format!(
+            "Mars by a facet's form factor, as warm as {night_k} K, and {day_k} K where its day may be in view"
+        ),
         ..Finding::default()
     }
 }
@@ -43,7 +45,7 @@ fn find(given: &Given) -> Finding {
 /// What that light changes at most.
 pub(super) fn bound(given: &Given) -> Option<Bound> {
     let has_mars = given.scene.sky.mars.is_some();
-    given.error_without(|at, material, class, _| {
+    given.error_without(|&Place { at, material, class, .. }| {
         let of_mars = if has_mars { [class.most_by_mars, class.most_of_mars] } else { [given.most_from_mars(); 2] };
         sent(given, at, material, of_mars)
     })
@@ -54,6 +56,11 @@ pub(super) fn sent(given: &Given, at: &Wavelength, material: &Material, [by_mars
     let [day_k, night_k] = given.scene.sky.mars.as_ref().map_or(MARS_DAY_NIGHT_K, |mars| mars.day_night_k);
     // A model may send more of light from one direction than of light from all.
     let gain = if of_mars > 0.0 { (by_mars / of_mars).max(1.0) } else { 1.0 };
-    let emitted = if at.light.glows() { blackbody::radiance_w_m2_sr_um(at.um, day_k.max(night_k)) } else { 0.0 };
-    reflectance(material, at.um) * emitted * of_mars * gain
+    if !at.light.glows() {
+        return 0.0;
+    }
+    let [day, night] = [day_k, night_k].map(|t_k| blackbody::radiance_w_m2_sr_um(at.um, t_k));
+    // All of it is as warm as its night, and as much of it as may be in view is day.
+    let more = (day - night).max(0.0) * of_mars.min(given.extremes.most_of_day);
+    reflectance(material, at.um) * (night * of_mars + more) * gain
 }

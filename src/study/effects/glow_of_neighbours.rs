@@ -1,6 +1,6 @@
 //! What facets emit, reflected by others into the image.
 
-use super::given::{emission, reflectance};
+use super::given::{Place, emission, reflectance};
 use super::{Bound, EffectKind, Finding, Given};
 use crate::physics::bounds;
 use crate::scene::{Material, Thermal};
@@ -27,7 +27,7 @@ fn find(given: &Given) -> Finding {
         given.wavelengths.iter().filter(|at| at.light.glows()).map(|at| (at.um, arriving(at.um))).collect();
     let bound = match is_nothing {
         true => Some(Bound::NOTHING),
-        false => given.error_without(|at, material, _, _| {
+        false => given.error_without(|&Place { at, material, .. }| {
             let of = at_um.iter().find(|(um, _)| at.light.glows() && *um == at.um);
             of.map_or(0.0, |(_, arriving)| reflectance(material, at.um) * arriving)
         }),

@@ -1,10 +1,9 @@
 //! What Mars warms.
 
-use super::given::{Side, Wavelength, emission, mars_seen};
+use super::given::{Place, emission, mars_seen};
 use super::{Bound, EffectKind, Finding, Given};
-use crate::scene::{Material, Thermal};
+use crate::scene::Thermal;
 use crate::spectral::Light;
-use crate::study::extremes::Class;
 
 pub(super) const KIND: EffectKind = EffectKind {
     key: "mars-heat",
@@ -48,24 +47,22 @@ pub(super) fn bound(given: &Given) -> Option<Bound> {
     }
     let (_, has_mars) = mars_seen(given.scene, given.extremes);
     // Reflected or emitted, Mars sends no more than sunlight at its zenith.
-    given.error_without(|at, material, class, side| {
-        let of_mars = if has_mars { class.most_of_mars } else { given.most_from_mars() };
-        sent(given, at, (material, class, side), of_mars)
+    given.error_without(|place| {
+        let of_mars = if has_mars { place.class.most_of_mars } else { given.most_from_mars() };
+        sent(given, place, of_mars)
     })
 }
 
-/// Radiance that a facet sends more, W m-2 sr-1 um-1, if it has so much heat more, over sunlight at its zenith.
-pub(super) fn sent(
-    given: &Given,
-    at: &Wavelength,
-    (material, class, side): (&Material, &Class, Side),
-    more: f64,
-) -> f64 {
+/// Radiance that a facet sends more, W m-2 sr-1 um-1, if it has so much heat more, over sunlight at its zenith, whatever its surroundings send.
+pub(super) fn sent(given: &Given, place: &Place, more: f64) -> f64 {
+    let Place { at, material, class, side, least } = *place;
     if !at.light.glows() || given.models.thermal != Thermal::Equilibrium {
         return 0.0;
     }
     let cos_incidence = side.most_cos_incidence(class);
-    let warmed = |heat: f64| emission(material, at.um, given.temperature_k(material, cos_incidence, heat));
-    // What adds to a warmer facet changes more at short wavelengths, and less at long ones.
-    (warmed(class.most_around + more) - warmed(class.most_around)).max(warmed(more) - warmed(0.0))
+    let emitted = |heat: f64| emission(material, at.um, given.temperature_k(material, cos_incidence, heat));
+    let added = |around: f64| emitted(around + more) - emitted(around);
+    // What adds to a warmer facet changes more at short wavelengths, until it is brighter by its warmth than by all else: from there on, it changes less of that.
+    let brightest = given.heat_to_emit(at, material, cos_incidence, least);
+    added(brightest.clamp(0.0, class.most_around)).max(added(0.0))
 }

@@ -1,6 +1,6 @@
 //! Light and heat between facets.
 
-use super::given::{emission, reflectance};
+use super::given::{Place, emission, reflectance};
 use super::{EffectKind, Finding, Given, OwnTolerance, Switch, heat_from_mars};
 use crate::physics::bounds;
 use crate::scene::Material;
@@ -45,14 +45,15 @@ fn find(given: &Given) -> Finding {
         })
         .collect();
     let at_um = |um: f64| of_light[of_light.partition_point(|(of, _)| *of < um).min(of_light.len() - 1)].1;
-    let bound = given.error_without(|at, material, class, side| {
+    let bound = given.error_without(|place| {
+        let Place { at, material, class, .. } = *place;
         let [brightest, heat] = at_um(at.um);
         let light = match class.most_around > 0.0 {
             true => bounds::interreflection(brightest, heat, class.most_around, 1.0),
             false => 0.0,
         };
-        let warmth =
-            heat_from_mars::sent(given, at, (material, &Class { most_around: 0.0, ..*class }, side), class.most_around);
+        let alone = Place { class: &Class { most_around: 0.0, ..*class }, ..*place };
+        let warmth = heat_from_mars::sent(given, &alone, class.most_around);
         reflectance(material, at.um) * at.white * light + warmth
     });
     let form_factor = given.most_around();

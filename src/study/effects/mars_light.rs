@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::given::{Wavelength, reflectance};
+use super::given::{Place, Wavelength, reflectance};
 use super::{Bound, EffectKind, Finding, Given, Switch, mars_seen};
 use crate::physics::mars::middle_above_horizon;
 use crate::physics::mars_light::MARS_LIGHT_ERROR;
@@ -67,13 +67,13 @@ fn find(given: &Given) -> Finding {
 pub(super) fn bound(given: &Given) -> Option<Bound> {
     let mars = given.scene.sky.mars.as_ref();
     if given.models.mars_light == MarsModel::Thesis {
-        return given.error_without(|at, material, _, _| {
+        return given.error_without(|&Place { at, material, .. }| {
             let albedo = mars.map_or(MARS_ALBEDO, |mars| mars.reflectance.at(at.um).unwrap_or(f64::NAN));
             // Twice as much as all of Mars under the Sun at its zenith.
             reflectance(material, at.um) * at.white * albedo * 2.0 * given.most_from_mars()
         });
     }
-    given.error_without(|at, material, class, _| {
+    given.error_without(|&Place { at, material, class, .. }| {
         let by_mars = if mars.is_some() { class.most_by_mars } else { given.most_from_mars() };
         sent(given, at, material, by_mars)
     })

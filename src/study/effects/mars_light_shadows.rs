@@ -1,5 +1,6 @@
 //! Terrain between a facet and Mars.
 
+use super::given::Place;
 use super::{Bound, EffectKind, Finding, Given, OwnTolerance, Switch, glow_of_mars, heat_from_mars, mars_light};
 use crate::physics::sun_disc::DiscRule;
 
@@ -47,11 +48,12 @@ fn find(given: &Given) -> Finding {
 
 /// All that Mars does where it may be hidden: what hides its light hides its heat, too.
 fn hidden(given: &Given) -> Option<Bound> {
-    given.scene.sky.mars.as_ref()?;
-    given.error(|at, material, class, side| {
-        let [by_mars, of_mars] = class.most_hidden;
+    let has_mars = given.scene.sky.mars.is_some();
+    given.error_in_draft(|place| {
+        let Place { at, material, class, .. } = *place;
+        let [by_mars, of_mars] = if has_mars { class.most_hidden } else { [given.most_from_mars(); 2] };
         mars_light::sent(given, at, material, by_mars)
             + glow_of_mars::sent(given, at, material, [by_mars, of_mars])
-            + heat_from_mars::sent(given, at, (material, class, side), of_mars)
+            + heat_from_mars::sent(given, place, of_mars)
     })
 }

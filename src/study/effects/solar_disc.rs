@@ -1,6 +1,6 @@
 //! Penumbrae: the Sun is no point.
 
-use super::given::{Side, reflectance};
+use super::given::{Place, Side, reflectance};
 use super::{Bound, EffectKind, Finding, Given, OwnTolerance, Switch, mars_light};
 use crate::physics::sun_disc::DiscRule;
 use crate::physics::{bounds, sun};
@@ -49,7 +49,7 @@ fn find(given: &Given) -> Finding {
     // Square to the rays. On a slope the penumbra is wider by 1 / cos i, and as much less bright.
     let wide_px = bounds::penumbra_width_m(throw_m, sun_rad, 1.0) / pixel_m;
     // A pixel that all of the disc lights has no edge in it.
-    let edge = given.error(|at, material, class, side| match side {
+    let edge = given.error_in_draft(|&Place { at, material, class, side, .. }| match side {
         Side::Sun => 0.0,
         Side::Shade => {
             let share = (wide_px / class.least_cos_incidence).min(1.0);
@@ -58,7 +58,7 @@ fn find(given: &Given) -> Finding {
     });
     let spread = mars_light::spread(given, given.scene.sky.sun.sin_radius());
     // A facet along the rays.
-    let slope = given.error(|at, material, class, _| match class.least_cos_incidence <= sun_rad {
+    let slope = given.error_in_draft(|&Place { at, material, class, .. }| match class.least_cos_incidence <= sun_rad {
         true => reflectance(material, at.um) * at.white * bounds::terminator(sun_rad),
         false => 0.0,
     });

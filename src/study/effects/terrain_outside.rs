@@ -25,7 +25,7 @@ fn find(given: &Given) -> Finding {
         Some(_) if share == 0.0 => nothing("every ray to the Sun leaves the site above its highest point"),
         Some(_) => Finding {
             missing: Some("the mesh ends at its rim".into()),
-            bound: given.error_of_all(),
+            bound: given.error_of_edges(f64::INFINITY),
             note: format!(
                 "from {share:.1} % of the site's area rays to the Sun leave it below its highest point: these might be in shadow"
             ),

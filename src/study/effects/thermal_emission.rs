@@ -1,6 +1,6 @@
 //! What a surface emits at its temperature.
 
-use super::given::emission;
+use super::given::{Place, emission};
 use super::{Bound, EffectKind, Finding, Given, Switch};
 use crate::scene::{Models, Thermal};
 use crate::solve::interpolation_error;
@@ -28,7 +28,7 @@ const FACET_S: f64 = 1.5e-7;
 fn find(given: &Given) -> Finding {
     // What it is relative to has no heat but that.
     let cold = given.by(Models { thermal: Thermal::Off, ..given.models });
-    let bound = cold.error_without(|at, material, class, side| {
+    let bound = cold.error_without(|&Place { at, material, class, side, .. }| {
         let others = class.most_of_mars + class.most_around;
         let t_k = given.temperature_k(material, side.most_cos_incidence(class), others);
         emission(material, at.um, t_k)

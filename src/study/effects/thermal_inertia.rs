@@ -1,6 +1,6 @@
 //! Heat that is stored and conducted.
 
-use super::given::emission;
+use super::given::{Place, emission};
 use super::{EffectKind, Finding, Given, OwnTolerance, Switch};
 use crate::scene::{Models, STEPS_OF_A_DAY, Thermal};
 use crate::spectral::Light;
@@ -51,11 +51,13 @@ fn missing(given: &Given) -> Option<&'static str> {
 fn find(given: &Given) -> Finding {
     let Models { thermal, conduction, .. } = given.models;
     let noon_k = given.noon_k;
+    // What is left may have been cold.
+    let cold = given.by(Models { thermal: Thermal::Off, ..given.models });
     let steps = conduction.filter(|_| thermal == Thermal::Equilibrium);
     Finding {
         modelled: steps.is_some(),
         missing: missing(given).map(str::to_owned),
-        bound: given.error(|at, material, _, _| emission(material, at.um, noon_k)),
+        bound: cold.error(|&Place { at, material, .. }| emission(material, at.um, noon_k)),
         note: match steps {
             Some(steps) => {
                 format!("each facet's own column, by {steps} steps of a day, shadows moving; no heat flows sideways")
