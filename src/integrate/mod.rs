@@ -34,7 +34,7 @@ use weights::{WeightLine, Weights};
 
 pub use backplanes::plane_count;
 pub use footprints::footprints;
-pub use maps::{Choice, MapImage, MapView, Maps, Unknown, meets, texels_seen};
+pub use maps::{MapImage, MapView, Maps, Unknown, ViewChoice, meets, texels_seen};
 pub use radiance::radiance;
 
 /// What a camera sees.
