@@ -1,6 +1,6 @@
 //! What can be said about a simulation before it is run: what it will take, and what its user should know.
 
-use super::cost::{self, Workload};
+use super::cost;
 use super::extremes::Extremes;
 use super::plan::Plan;
 use super::summary::{self, Summary};
@@ -36,16 +36,11 @@ pub fn dry_run(scene: &Scene, extremes: &Extremes, plan: &Plan) -> DryRun {
         about: "about ",
     };
     let dark = (!glimpse.faces_sun).then(|| "nothing is lit: the Sun is below every facet".to_owned());
-    let workload = Workload {
-        facets_in_frame: glimpse.facets_in_frame,
-        filled: glimpse.filled(),
-        mean_incidence_deg: summary.mean_incidence_deg,
-    };
     DryRun {
-        filled: workload.filled,
+        filled: glimpse.filled(),
         memory_bytes: cost::memory_bytes(scene, false),
         product_bytes: cost::product_bytes(scene, 4),
-        cpu_s: cost::cpu_s(scene, &workload) + plan.cost_s(),
+        cpu_s: plan.cpu_s,
         warnings: [
             scene.remarks(),
             warnings::of_sight(&sight, dark),

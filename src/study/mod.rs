@@ -1,6 +1,7 @@
 //! Studies: work that spans several layers. Takes values and callbacks, does not access the disk.
 
 pub mod chart;
+mod coarser;
 mod cost;
 mod dry_run;
 mod effects;
@@ -22,13 +23,14 @@ mod table_id;
 pub mod validate;
 mod warnings;
 
+pub use coarser::Coarser;
 pub use cost::{WITHIN, has_room, memory_bytes, product_bytes};
 pub use dry_run::{DryRun, dry_run};
-pub use effects::{Bound, Decision, Effect, OwnTolerance};
+pub use effects::{Bound, Decision, Effect, OwnTolerance, StageShare};
 pub use extremes::Extremes;
 pub use maps::{Fill, MapAccount, MapEntry, MapOptions, RegistrationEntry, observe_maps, observe_maps_by_slabs};
 pub use observation::{Check, Counts, Observation, Put};
-pub use plan::{Choice, Plan, Request, TOLERANCE, left_out_of_table, plan};
+pub use plan::{Choice, Plan, Request, TOLERANCE, decide, left_out_of_table, plan};
 pub use simulate::{observe, observe_by_slabs, simulate};
 pub use summary::Summary;
 pub use surfaces::{

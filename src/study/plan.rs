@@ -3,9 +3,12 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::coarser::{Coarser, coarser};
+use super::cost::{self, Workload};
 use super::effects::{ALL, Bound, Decision, Effect, EffectKind, Given, Switch, effects};
 use super::extremes::Extremes;
 use crate::error::{Error, Location, Result};
+use crate::progress::{Watch, tell};
 use crate::scene::{MarsModel, Models, Scene, Setup, Thermal};
 
 /// The tolerance unless another one is asked for.
@@ -96,6 +99,11 @@ pub struct Plan {
     pub dropped: Option<Bound>,
     /// The sum of what is left of those that are kept; null if one of them is not known.
     pub remaining: Option<Bound>,
+    /// About the CPU time of all of a simulation, s, on a machine of 2022.
+    pub cpu_s: f64,
+    /// Where the mesh is far finer than pixels: one that would do.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coarser: Option<Coarser>,
     /// Each effect. Bounds are of before the image was made.
     pub effects: Vec<Effect>,
 }
@@ -130,6 +138,23 @@ pub fn left_out_of_table(effects: &[Effect]) -> Option<String> {
     })
 }
 
+/// Looks at a scene, and decides by which models it is simulated, with the extremes that its bounds are made from.
+///
+/// # Errors
+/// Those of [`plan`]; [`Error::Interrupted`] if `watch` asks to stop.
+pub fn decide(scene: &Scene, request: &Request, watch: Watch<'_>) -> Result<(Models, Extremes, Plan)> {
+    scene.body.topology_watched(watch)?;
+    tell(watch, "plan", 0, 1)?;
+    let mut extremes = Extremes::new(scene);
+    if matches!(request.choice, Choice::Auto | Choice::Full) {
+        extremes = extremes.with_throw(scene);
+    }
+    let (models, mut plan) = plan(scene, &extremes, request)?;
+    plan.coarser = coarser(scene, &extremes, plan.cost_s());
+    tell(watch, "plan", 1, 1)?;
+    Ok((models, extremes, plan))
+}
+
 /// Decides by which models a scene is simulated.
 ///
 /// Effects whose inputs are missing are left open. Of the others, `auto` drops as many as may change half the tolerance together, the ones with the
@@ -156,7 +181,7 @@ pub fn plan(scene: &Scene, extremes: &Extremes, request: &Request) -> Result<(Mo
 }
 
 /// The plan that these models are.
-fn account(scene: &Scene, extremes: &Extremes, models: Models, request: &Request) -> Plan {
+pub(super) fn account(scene: &Scene, extremes: &Extremes, models: Models, request: &Request) -> Plan {
     let setup = Setup { models, ..Setup::clone(scene) };
     let effects = effects(&Given::new(&setup, extremes, &extremes.sunlit));
     // What has a tolerance of its own is no part of the sums: what is left of it, and, if that decides, all of it.
@@ -169,13 +194,17 @@ fn account(scene: &Scene, extremes: &Extremes, models: Models, request: &Request
             ALL.iter().zip(&effects).filter(|(kind, effect)| effect.decision == decision && !is_apart(kind, decision));
         parts.map(|(_, effect)| of(effect)).try_fold(Bound::NOTHING, |sum, part| Some(sum.and(&part?)))
     };
-    Plan {
+    let mut plan = Plan {
         model: request.choice.to_string(),
         tolerance: request.tolerance,
         dropped: sum(Decision::Dropped, &|effect| effect.bound),
         remaining: sum(Decision::Kept, &|effect| Some(effect.remaining.unwrap_or(Bound::NOTHING))),
+        cpu_s: 0.0,
+        coarser: None,
         effects,
-    }
+    };
+    plan.cpu_s = cost::cpu_s(scene, &Workload::of(scene, extremes)) + plan.cost_s();
+    plan
 }
 
 /// What the thesis has.

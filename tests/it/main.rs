@@ -16,6 +16,7 @@ mod bodies;
 mod cameras;
 mod centres;
 mod chart;
+mod chart_attack;
 mod cli;
 mod clipping;
 mod conduction;

@@ -17,7 +17,10 @@ use crate::visibility::{Seen, Shown};
 /// Radiance of every pixel, [band][pixel], by this many rays in each.
 ///
 /// They are a Hammersley set (i / n, radical inverse of i), which has one ray in each of n equal boxes of any shape: the same in all pixels.
-pub(super) fn image(scene: &Scene, rays: u32, watch: Watch<'_>) -> Result<Vec<Vec<f64>>> {
+///
+/// # Errors
+/// Those of [`solve_sunlit`](solve::solve_sunlit).
+pub fn by_rays(scene: &Scene, rays: u32, watch: Watch<'_>) -> Result<Vec<Vec<f64>>> {
     let facing = facing_the_sun(scene);
     let table = solve::solve_sunlit(scene, facing, watch)?;
     tell(watch, "rays", 0, 1)?;
