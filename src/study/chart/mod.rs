@@ -12,6 +12,8 @@ mod rays;
 mod sampled;
 mod shading;
 
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
 use crate::error::{Error, Result};
 use crate::geometry::whole;
 use crate::integrate;
@@ -135,11 +137,14 @@ pub fn chart(name: &str, scene: &Scene, clock: Clock<'_>, watch: Watch<'_>) -> R
             ));
             continue;
         }
+        // What takes long tells how far it is; of several passes, and runs, the first counts.
+        let farthest = AtomicU64::new(0);
         let inner = |progress: Progress| {
             let within = match progress.stage {
-                "rays" => weight * progress.done / progress.total.max(1),
+                "rays" | "light between facets" => weight * progress.done / progress.total.max(1),
                 _ => 0,
             };
+            let within = farthest.fetch_max(within, Relaxed).max(within);
             watch(Progress { stage: "methods", done: done - weight + within, total })
         };
         let prepared = match method.prepared(case) {
