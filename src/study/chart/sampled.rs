@@ -14,7 +14,7 @@ use crate::scene::{Scene, SunModel};
 use crate::solve::{self, ImagePart};
 use crate::visibility::{Seen, Shown};
 
-/// Radiance of every pixel, [band][pixel], by this many rays in each.
+/// Radiance of every pixel, `[band, pixel]`, by this many rays in each.
 ///
 /// They are a Hammersley set (i / n, radical inverse of i), which has one ray in each of n equal boxes of any shape: the same in all pixels.
 ///
