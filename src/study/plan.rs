@@ -209,7 +209,7 @@ pub(super) fn account(scene: &Scene, extremes: &Extremes, models: Models, reques
 
 /// What the thesis has.
 fn thesis() -> Models {
-    Models { thermal: Thermal::Thesis, mars_light: MarsModel::Thesis, ..Models::default() }
+    Models { thermal: Thermal::Thesis, mars_light: MarsModel::Thesis, bodies: 0, ..Models::default() }
 }
 
 /// Models with the effects that are wanted of those that there are.

@@ -43,6 +43,8 @@ mod exchange;
 mod facet_radiance;
 mod flat_plane;
 mod floor;
+mod globes;
+mod globes_in_view;
 mod gltf;
 mod gltf_extensions;
 mod hazards;

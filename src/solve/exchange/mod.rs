@@ -106,8 +106,8 @@ impl Watts {
         let sun_w_m2 = scene.sky.sun.total_irradiance_w_m2();
         let of = |kind| match kind {
             SourceKind::Beam(total_w_m2) => total_w_m2,
-            // Sunlight that Mars reflects is taken to be of the Sun's colour.
-            SourceKind::Sphere(mars) => mars.bond_albedo * sun_w_m2,
+            // Sunlight that a globe reflects is taken to be of the Sun's colour.
+            SourceKind::Sphere(globe) => globe.bond_albedo * (sun_w_m2 * scene.sky.sun_on(globe).strength),
             // What a facet absorbs of that is known already.
             SourceKind::Glow(_) => 0.0,
         };

@@ -29,6 +29,7 @@ pub fn lambert_sunlight(scene: &Scene) -> Result<Scene> {
     surface.textures.clear();
     surface.materials.iter_mut().for_each(|material| material.photometry = Photometry::Lambert);
     sky.mars = None;
+    sky.bodies.clear();
     sky.beams.clear();
     models.thermal = Thermal::Off;
     models.sun = SunModel::Point;

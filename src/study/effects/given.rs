@@ -209,7 +209,7 @@ fn wavelengths(scene: &Setup, materials: &[(usize, &Material)]) -> Vec<(f64, Lig
     let parameters = materials.iter().flat_map(|(_, m)| m.photometry.parameters()).map(|(_, spectrum)| spectrum);
     let of_materials = materials.iter().flat_map(|(_, m)| [&m.reflectance, &m.emissivity]).chain(parameters);
     let mut corners_um: Vec<f64> = of_materials
-        .chain(scene.sky.mars.iter().map(|m| &m.reflectance))
+        .chain(scene.sky.globes().map(|globe| &globe.reflectance))
         .flat_map(|spectrum| spectrum.wavelength_um().iter().copied())
         .collect();
     corners_um.sort_by(f64::total_cmp);

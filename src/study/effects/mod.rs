@@ -5,12 +5,14 @@
 
 mod aberration;
 mod beaming;
+mod bodies;
 mod bound;
 mod eclipse;
 mod given;
 mod glow_of_mars;
 mod glow_of_neighbours;
 mod heat_from_mars;
+mod in_view;
 mod instrument;
 mod interreflection;
 mod mars_light;
@@ -29,11 +31,11 @@ use crate::scene::{Models, SunModel};
 use crate::spectral::Light;
 
 pub use bound::Bound;
-pub(super) use eclipse::by_mars;
+pub(super) use eclipse::{by_globes, whose};
 pub(super) use given::{Given, mars_seen};
 
 /// All effects, in the order of the report.
-pub(super) const ALL: [EffectKind; 16] = [
+pub(super) const ALL: [EffectKind; 18] = [
     sunlight::KIND,
     photometric_function::KIND,
     solar_disc::KIND,
@@ -41,6 +43,8 @@ pub(super) const ALL: [EffectKind; 16] = [
     mars_light::KIND,
     mars_light_shadows::KIND,
     glow_of_mars::KIND,
+    bodies::KIND,
+    in_view::KIND,
     interreflection::KIND,
     glow_of_neighbours::KIND,
     thermal_emission::KIND,

@@ -155,6 +155,7 @@ pub(super) fn scene(mesh: Mesh, reflectances: &[f64], sun: Direction, camera: Fr
                 limb_darkening: 0.0,
             },
             mars: None,
+            bodies: vec![],
             beams: vec![],
             rotation: None,
         },
