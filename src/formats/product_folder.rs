@@ -228,6 +228,7 @@ fn write_files(
     let Product { subject, table, observation, .. } = product;
     let (bands, planes) = (&cube.axes.bands, &observation.backplanes);
     let coverage = planes.plane("COVERAGE").map_or(&[][..], |plane| &plane.values);
+    let shown = planes.shown();
     tell(watch, "writing backplanes", 0, 1)?;
     // Always in double precision: positions in metres have more digits than f32 holds.
     envi::write_backplanes(&file("backplanes.img"), planes, Precision::F64, &titled("Backplanes", &subject.scene))?;
@@ -238,8 +239,8 @@ fn write_files(
         npz::write_table(&file("table.npz"), table, &study::table_id(&subject.scene))?;
     }
     tell(watch, "writing pictures and reports", 0, 1)?;
-    quicklook::write_grey(&file("quicklook.png"), cube, quicklook::grey_band(bands), coverage)?;
-    quicklook::write_colour(&file("quicklook_rgb.png"), cube, quicklook::colour_bands(bands), coverage)?;
+    quicklook::write_grey(&file("quicklook.png"), cube, quicklook::grey_band(bands), &shown)?;
+    quicklook::write_colour(&file("quicklook_rgb.png"), cube, quicklook::colour_bands(bands), &shown)?;
     let report = report(product, cube, coverage);
     report_json::write(&file("report.json"), &report)?;
     tell(watch, "writing pictures and reports", 1, 1)?;

@@ -131,6 +131,21 @@ impl SphereImage {
         along > 0.0 && along * along >= self.cos_radius * self.cos_radius * ray.length_squared()
     }
 
+    /// Where the ray through a point of the image meets it, in lengths of that ray ([`FrameCamera::ray`]), and the cosine between its normal there and the
+    /// direction.
+    pub fn met(&self, at: Point) -> Option<(f64, f64)> {
+        let ray = self.ray(at);
+        let (length2, along) = (ray.length_squared(), ray.dot(self.centre));
+        // Lengths in distances to the centre.
+        let half2 = along * along - self.cos_radius * self.cos_radius * length2;
+        if along <= 0.0 || half2 < 0.0 {
+            return None;
+        }
+        let near = (along - half2.sqrt()) / length2;
+        let normal = (near * ray - self.centre) / self.sin_radius;
+        Some((near * self.to_centre_m.length(), normal.dot(self.towards)))
+    }
+
     /// Where a direction is in the image; `None` behind the camera.
     fn point(&self, direction: DVec3) -> Option<Point> {
         let at = self.pixel_from_ray * direction;

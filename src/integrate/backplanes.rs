@@ -282,7 +282,7 @@ impl<'a> Planes<'a> {
             .entries
             .iter()
             .flat_map(|entry| ["ABUNDANCE", "ABUNDANCE_LIT"].map(|kind| (format!("{kind} {entry}"), "1".to_string())));
-        let globes = self.globes.iter().map(|name| (format!("GLOBE {name}"), "1".to_owned()));
+        let globes = self.globes.iter().map(|name| (format!("{}{name}", Backplanes::GLOBE), "1".to_owned()));
         let named = fixed.chain(abundance).chain(globes).zip(values);
         let planes = named.map(|((name, unit), values)| Plane { name, unit, values }).collect();
         Backplanes { samples, lines, planes }

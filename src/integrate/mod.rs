@@ -36,7 +36,7 @@ use pixel::Pixel;
 use weights::{WeightLine, Weights};
 
 pub use backplanes::plane_count;
-pub use footprints::footprints;
+pub use footprints::{GlobesShown, footprints, footprints_among_globes};
 pub use maps::{MapImage, MapView, Maps, Unknown, ViewChoice, meets, texels_seen};
 pub use radiance::radiance;
 

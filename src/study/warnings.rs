@@ -6,7 +6,7 @@ use super::resolved_slopes;
 use super::site::Site;
 use crate::integrate::Image;
 use crate::physics::sun::Eclipse;
-use crate::product::FacetTable;
+use crate::product::{Backplanes, FacetTable, Plane};
 use crate::scene::{Scene, Sky};
 use crate::visibility::Enclosure;
 use crate::visibility::Shown;
@@ -40,13 +40,11 @@ pub(super) fn of_image(table: &FacetTable, counts: &Counts, image: &Image, uses_
         .iter()
         .filter(|lighting| ![Sky::SUN, Sky::MARS, Sky::MARS_HEAT].contains(&lighting.source.as_str()));
     let is_any = |values: &[f64]| values.iter().any(|value| *value > 0.0);
+    let is_globe = |plane: &Plane| plane.name.starts_with(Backplanes::GLOBE) && is_any(&plane.values);
     let others = [
         ("Mars-light", table.of(Sky::MARS).is_some_and(|mars| is_any(&mars.irradiance))),
         ("other beams", beams.map(|lighting| &lighting.irradiance).any(|irradiance| is_any(irradiance))),
-        (
-            "bodies of the sky",
-            image.backplanes.planes.iter().any(|plane| plane.name.starts_with("GLOBE ") && is_any(&plane.values)),
-        ),
+        ("bodies of the sky", image.backplanes.planes.iter().any(is_globe)),
         ("heat", is_any(&table.temperature_lit_k) || is_any(&table.temperature_shaded_k)),
     ];
     let others: Vec<&str> = others.into_iter().filter(|other| other.1).map(|other| other.0).collect();

@@ -8,7 +8,7 @@ use mmxrt::study::chart::{Case, Method, Question, RayTree, Shadows, chart};
 use mmxrt::visibility::Topology;
 
 use crate::cli::run;
-use crate::scenes::{SITE, replaced, scene};
+use crate::scenes::{SITE, edited, replaced, scene};
 use crate::scratch::Scratch;
 use crate::shapes::*;
 use crate::stability::rows;
@@ -285,4 +285,30 @@ fn mitsuba_agrees_where_it_is_there() {
     };
     let rms = ["1", "64", "1024"].map(|rays| field(rays, 14));
     assert!(rms[0] > 3.0 * rms[1] && rms[1] > 1.5 * rms[2] && rms[2] < 2e-3, "{rms:?}");
+}
+
+#[test]
+fn all_methods_see_bodies_of_the_sky() {
+    // One before the box, which hides some of its top, and one below the ground, which shows beside it.
+    let base = scene(box_on_ground(), nadir(1000.0, 24.0, 12), [1.0, 0.0, 1.0]);
+    let globe = |name: &str, centre_m: DVec3, radius_m: f64| mmxrt::scene::Globe {
+        name: name.into(),
+        radius_m,
+        ..crate::scenes::mars(centre_m)
+    };
+    let among = edited(&base, |parts| {
+        let (near, far) = (DVec3::new(1.0, 0.5, 500.0), DVec3::new(24.0, 24.0, -900.0));
+        parts.sky.bodies = vec![globe("far", far, 8.0), globe("near", near, 1.0)];
+        parts.models.bodies = 0;
+    });
+    let full = image(Method::Full, &among);
+    assert!(image(Method::Full, &base).iter().zip(&full).filter(|(a, b)| a != b).count() > 8);
+    let most = |method: Method, scene: &Scene| {
+        let full = image(Method::Full, scene);
+        image(method, scene).iter().zip(&full).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    };
+    assert!(most(Method::Rays(4096), &among) < 0.01 * lit(), "{}", most(Method::Rays(4096), &among) / lit());
+    // Shares of facets are off by as much as without them.
+    let share = Method::Shadows(Shadows::Share);
+    assert!(most(share, &among) <= most(share, &base) + 1e-9 * lit());
 }

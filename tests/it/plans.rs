@@ -49,6 +49,9 @@ pub(crate) fn random_scene(seed: u64) -> SceneParts {
         let towards = direction([uniform(-1.0, 1.0), uniform(-1.0, 1.0), uniform(-0.5, 1.0)]);
         parts.sky.mars = Some(scenes::mars(9_376_000.0 * towards.vec()));
     }
+    let sets: [&[f64]; 7] = [&[1.0], &[1.0, 1.5], &[1.7], &[2.0], &[2.4], &[1.0, 3.0], &[3.6]];
+    let bands = sets[(uniform(0.0, 7.0) as usize).min(6)];
+    parts.exposure.bands = bands.iter().map(|um| Band::new(*um, None)).collect();
     if uniform(0.0, 1.0) < 0.5 {
         let towards = direction([uniform(-1.0, 1.0), uniform(-1.0, 1.0), uniform(-0.5, 1.0)]).vec();
         let (distance_m, sin_radius) = (10f64.powf(uniform(6.0, 11.0)), 10f64.powf(uniform(-3.5, -0.3)));
@@ -56,9 +59,6 @@ pub(crate) fn random_scene(seed: u64) -> SceneParts {
         let moon = Globe { name: "moon".into(), radius_m: sin_radius * distance_m, ..moon };
         parts.sky.bodies = vec![moon];
     }
-    let sets: [&[f64]; 7] = [&[1.0], &[1.0, 1.5], &[1.7], &[2.0], &[2.4], &[1.0, 3.0], &[3.6]];
-    let bands = sets[(uniform(0.0, 7.0) as usize).min(6)];
-    parts.exposure.bands = bands.iter().map(|um| Band::new(*um, None)).collect();
     parts.models.thermal = Thermal::Equilibrium;
     parts
 }

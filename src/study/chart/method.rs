@@ -7,6 +7,7 @@ use super::rays::RayTree;
 use super::sampled;
 use super::shading::{Shading, Share};
 use crate::error::Result;
+use crate::geometry::SphereShown;
 use crate::integrate;
 use crate::physics::sun_disc::DiscRule;
 use crate::product::FacetTable;
@@ -272,7 +273,8 @@ fn by_share(scene: &Scene, watch: Watch<'_>) -> Result<Bands> {
     let lit_share: Vec<Vec<f64>> = lights.iter().map(of).collect();
     let Some(sunlit) = table.sunlit() else { return exact_image(scene, &table, watch) };
     let camera = &scene.exposure.camera;
-    let footprints = integrate::footprints(&scene.body.mesh, scene.body.topology(), sunlit, camera);
+    let (footprints, globes) = integrate::footprints_among_globes(scene, sunlit);
+    let globes_in_view = scene.globes_in_view().len();
     let shading = Shading::new(scene, &table);
     let samples = camera.samples as usize;
     let of_pixel = |pixel: usize| {
@@ -289,7 +291,9 @@ fn by_share(scene: &Scene, watch: Watch<'_>) -> Result<Bands> {
             lit: lit_share.iter().map(|shares| part(area * shares[facet as usize])).collect(),
         };
         let shares: Vec<Share> = footprints.pixel(pixel).filter(|(facet, ..)| faces(*facet)).map(share).collect();
-        shading.pixel(&shares)
+        let mut shown = vec![SphereShown::default(); globes_in_view];
+        globes[pixel].iter().for_each(|(globe, of)| shown[*globe] = *of);
+        shading.pixel(&shares, &shown)
     };
     let pixels: Vec<Vec<f64>> = (0..samples * camera.lines as usize).into_par_iter().map(of_pixel).collect();
     Ok((0..scene.exposure.bands.len()).map(|band| pixels.iter().map(|p| p[band]).collect()).collect())

@@ -85,14 +85,9 @@ fn of_all(given: &Given, counts: impl Fn(&Globe) -> bool) -> Option<Bound> {
 
 /// What a body's light, its own heat as light, and its warmth change.
 fn of_body(given: &Given, globe: &Globe, seen: &BodySeen) -> Option<Bound> {
-    let sun_w_m2 = given.scene.sky.sun.total_irradiance_w_m2();
     let warmest_k = globe.day_night_k[0].max(globe.day_night_k[1]);
     let warmth = match given.scene.models.thermal {
-        Thermal::Equilibrium => {
-            // A surface with a model absorbs no more than all.
-            let of_heat = globe.thermal_exitance_w_m2 * seen.form_factor / sun_w_m2;
-            if of_heat.is_finite() { globe.bond_albedo * seen.light + of_heat } else { 0.0 }
-        }
+        Thermal::Equilibrium => given.warmth_of(globe, seen),
         _ => 0.0,
     };
     let mars = match given.scene.models.mars_light {
@@ -104,7 +99,8 @@ fn of_body(given: &Given, globe: &Globe, seen: &BodySeen) -> Option<Bound> {
         let of_light = if at.light.is_lit() { at.white * albedo * seen.light } else { 0.0 };
         let of_glow =
             if at.light.glows() { blackbody::radiance_w_m2_sr_um(at.um, warmest_k) * seen.form_factor } else { 0.0 };
-        let (around, cos_incidence) = (given.most_around() + mars, side.most_cos_incidence(class));
+        let around = given.most_around() + mars + given.most_from_bodies();
+        let cos_incidence = side.most_cos_incidence(class);
         let warmed = |heat: f64| emission(material, at.um, given.temperature_k(material, cos_incidence, heat));
         // What adds to a warmer facet changes more, at short wavelengths.
         let of_warmth = match at.light.glows() && warmth > 0.0 {

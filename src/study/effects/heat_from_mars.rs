@@ -52,7 +52,8 @@ pub(super) fn bound(given: &Given) -> Option<Bound> {
             return 0.0;
         }
         let of_mars = if has_mars { class.most_of_mars } else { given.most_from_mars() };
-        let (around, cos_incidence) = (given.most_around(), side.most_cos_incidence(class));
+        let around = given.most_around() + given.most_from_bodies();
+        let cos_incidence = side.most_cos_incidence(class);
         let warmed = |heat: f64| emission(material, at.um, given.temperature_k(material, cos_incidence, heat));
         // What adds to a warmer facet changes more, at short wavelengths.
         (warmed(of_mars + around) - warmed(around)).max(warmed(of_mars) - warmed(0.0))

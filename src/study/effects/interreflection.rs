@@ -41,7 +41,8 @@ fn find(given: &Given) -> Finding {
         .map(|at| {
             let brightest = most(&|m| reflectance(m, at.um));
             let heat = if at.light.glows() { most(&|m| emission(m, at.um, given.noon_k)) } else { 0.0 };
-            (at.um, bounds::interreflection(brightest, heat / at.white, form_factor, 1.0))
+            let of_sunlight = bounds::interreflection(brightest, heat / at.white, form_factor, 1.0);
+            (at.um, of_sunlight * (1.0 + given.light_of_globes(at)))
         })
         .collect();
     let at_um = |um: f64| of_light[of_light.partition_point(|(of, _)| *of < um).min(of_light.len() - 1)].1;

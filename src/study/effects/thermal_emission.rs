@@ -27,7 +27,7 @@ const FACET_S: f64 = 1.5e-7;
 
 fn find(given: &Given) -> Finding {
     let bound = given.error(|at, material, class, side| {
-        let others = class.most_of_mars + given.most_around();
+        let others = class.most_of_mars + given.most_from_bodies() + given.most_around();
         let t_k = given.temperature_k(material, side.most_cos_incidence(class), others);
         emission(material, at.um, t_k)
     });
