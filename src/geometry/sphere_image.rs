@@ -270,7 +270,7 @@ impl SphereImage {
         }
         let bounds = Rect::of(polygon);
         let (low, high) = (bounds.min[1], bounds.max[1]);
-        if !(high > low) || !self.may_touch(&bounds) {
+        if high <= low || !self.may_touch(&bounds) {
             return SphereShown::default();
         }
         let curves = self.breaks(polygon, (low, high));
@@ -331,7 +331,7 @@ impl SphereImage {
             if cos <= 0.0 { FRAC_PI_2.copysign(sin) } else { (sin / sin_alpha).clamp(-1.0, 1.0).asin() }
         };
         let (from, to) = (u_at(left), u_at(right));
-        if !(to > from) {
+        if to <= from {
             return SphereShown::default();
         }
         // The cosine with the direction is -a cos(gamma) + b sin(gamma) + k, gamma the angle at the circle's centre.

@@ -59,6 +59,7 @@ model = "thesis"
 period_s = 27553.84
 axis = [0.0, 0.1, 1.0]
 inertia = 55.5
+floor_k = 41.5
 [observer]
 position_m = [-20159.4581, 87145.4911, 3.7671]
 target_m = [-2743.5946, 11860.0360, 0.51269]
@@ -408,6 +409,7 @@ fn what_dart_cannot_hold_of_a_sky_is_told_and_kept() {
         ("Carried", "sun: bodies may hide the Sun"),
         ("Approximated", "sun.points: 7 points"),
         ("Approximated", "thermal.model: heat is conducted in 48 steps"),
+        ("Approximated", "thermal.floor_k: no part of a facet is colder than 41.5 K"),
         ("Carried", "thermal.period_s: length and axis"),
         ("Carried", "thermal.inertia: DART stores no heat"),
     ] {

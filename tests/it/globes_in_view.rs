@@ -60,7 +60,7 @@ fn all_of_a_distant_disc_is_the_flux_of_a_lambert_sphere() {
         let sin_radius = 0.5 * pixels_across * pitch;
         let (sin, cos) = f64::to_radians(phase_deg).sin_cos();
         // Off the middle, across corners of pixels.
-        let towards = DVec3::new(0.3 * pitch, 1.0, -1.0 * pitch).normalize();
+        let towards = DVec3::new(0.3 * pitch, 1.0, -pitch).normalize();
         let at = globe("moon", 1e6 * towards, 1e6 * sin_radius);
         let got = seen(&scene(behind(), along_y(12, pitch), [sin, -cos, 0.0], &[at]));
         let flux: f64 = got.cube.band(0).iter().sum::<f64>() * pitch * pitch;
@@ -79,7 +79,7 @@ fn all_of_a_distant_disc_is_the_flux_of_a_lambert_sphere() {
 fn a_full_disc_is_as_bright_as_a_lambert_surface_and_glows_by_day_and_night() {
     let at = Globe { day_night_k: [270.0, 180.0], ..globe("moon", DVec3::Y * 1e5, 1e4) };
     let of = |to_sun: [f64; 3]| {
-        let base = scene(behind(), along_y(64, 4e-3), to_sun, &[at.clone()]);
+        let base = scene(behind(), along_y(64, 4e-3), to_sun, std::slice::from_ref(&at));
         seen(&edited(&base, |parts| {
             parts.exposure.bands = [1.0, 4.0].map(|um| Band::new(um, None)).to_vec();
             parts.models.thermal = Thermal::Equilibrium;
@@ -99,7 +99,7 @@ fn a_full_disc_is_as_bright_as_a_lambert_surface_and_glows_by_day_and_night() {
     assert!(near(line[16], planck(4.0, 180.0)), "{} {}", line[16], planck(4.0, 180.0));
     assert!(line[46] > planck(4.0, 270.0) + 0.3 * reflected);
     // Off: nothing glows.
-    let cold = edited(&scene(behind(), along_y(64, 4e-3), [0.0, 1.0, 0.0], &[at.clone()]), |parts| {
+    let cold = edited(&scene(behind(), along_y(64, 4e-3), [0.0, 1.0, 0.0], std::slice::from_ref(&at)), |parts| {
         parts.exposure.bands = vec![Band::new(4.0, None)];
     });
     assert_eq!(seen(&cold).cube.band(0)[centre], 0.0);

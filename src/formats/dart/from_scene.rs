@@ -398,6 +398,10 @@ impl Site<'_> {
             );
             note(Fate::Approximated, "thermal.model".into(), message);
         }
+        if scene.models.floor_k > 0.0 {
+            let message = format!("no part of a facet is colder than {} K; DART knows no floor", scene.models.floor_k);
+            note(Fate::Approximated, "thermal.floor_k".into(), message);
+        }
         if sky.rotation.is_some() {
             note(Fate::Carried, "thermal.period_s".into(), "length and axis of the day: DART knows no time".into());
         }

@@ -41,6 +41,9 @@ pub struct Sidecar {
     /// Steps of a day in which heat is conducted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     conduction_steps: Option<u32>,
+    /// No part of a facet is colder, K.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    floor_k: f64,
     /// Whether bodies hide the Sun, in a scene without Mars.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     eclipse: bool,
@@ -274,6 +277,7 @@ impl Sidecar {
                 Thermal::Off => ThermalName::Off,
             },
             conduction_steps: scene.models.conduction,
+            floor_k: scene.models.floor_k,
             eclipse: scene.models.eclipses && scene.sky.mars.is_none(),
             day: scene
                 .sky
@@ -431,7 +435,17 @@ impl Sidecar {
         let eclipses = self.eclipse || self.mars.as_ref().is_some_and(|mars| mars.eclipse);
         let conduction = self.conduction_steps.filter(|_| self.rotation().is_some());
         let mars_heat = self.mars.as_ref().is_some_and(|mars| mars.heat);
-        Models { thermal, mars_light, sun, eclipses, mars_shadows, mars_heat, conduction, ..Models::default() }
+        Models {
+            thermal,
+            mars_light,
+            sun,
+            eclipses,
+            mars_shadows,
+            mars_heat,
+            conduction,
+            floor_k: self.floor_k,
+            ..Models::default()
+        }
     }
 
     /// The camera's axes right, down, ahead as columns; `None` if they are no axes.
