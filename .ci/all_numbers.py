@@ -1,8 +1,11 @@
 #!/usr/bin/env python3
 """Every number that mmxrt gives, as hashes: for changes that must move none.
 
-    python3 .ci/all_numbers.py make PROGRAM FOLDER     # all products, and FOLDER/numbers.json
-    python3 .ci/all_numbers.py compare FOLDER FOLDER   # of the program before and the one after
+    python3 .ci/all_numbers.py make PROGRAM FOLDER --model MODEL   # all products, and FOLDER/numbers.json
+    python3 .ci/all_numbers.py compare FOLDER FOLDER               # of the program before and the one after
+
+MODEL is what `simulate` and `solve` are asked for, such as sunlight,mars-light,heat, so that two programs whose plans differ are
+compared by the same effects; left out: each program's own default.
 
 `make` runs what is shipped: the scenes and benches, scenes of tests, variants of them that use what they do not, what the
 examples run, and conversions between all formats. Hashed are arrays of numbers (of .npz each by itself) and reports, as JSON
@@ -12,12 +15,12 @@ arrays by how much: the largest difference over the largest magnitude. Exit code
 Needs Python 3.9 or later alone.
 """
 
+import argparse
 import array
 import hashlib
 import importlib.util
 import json
 import math
-import os
 import pathlib
 import re
 import shutil
@@ -42,8 +45,9 @@ def bench():
 class Maker:
     """Runs commands in a folder."""
 
-    def __init__(self, program, folder):
+    def __init__(self, program, folder, model):
         self.program, self.folder = str(pathlib.Path(program).resolve()), folder
+        self.asked = ["--model", model] if model else []
 
     def run(self, *arguments, codes=(0,)):
         """Runs a command, whose exit code must be one of these: 3 if it lost something that was told."""
@@ -60,10 +64,10 @@ class Maker:
 
     def products(self, scene, name):
         """All products of a scene: at once, and with its table between, seen by another camera's bands."""
-        self.run("simulate", scene, "-o", name, "--exr", "--footprints", "--table", "--split")
+        self.run("simulate", scene, *self.asked, "-o", name, "--exr", "--footprints", "--table", "--split")
         table = next((self.folder / name).glob("*.npz"), None)
         assert table, f"{name}: no table"
-        self.run("solve", scene, "-o", f"{name}.npz")
+        self.run("solve", scene, *self.asked, "-o", f"{name}.npz")
         self.run(
             "integrate", scene, "--table", f"{name}.npz", "-o", f"{name}_of_table", "--dtype", "f64", "--interleave", "bip"
         )
@@ -95,10 +99,10 @@ def textured(plane, quantity):
     return f"texture = {{ raster = 'texture.img', quantity = '{quantity}', placement = 'plane', plane = {plane} }}"
 
 
-def make(program, folder):
+def make(program, folder, model):
     speed = bench()
     folder.mkdir(parents=True)
-    maker = Maker(program, folder)
+    maker = Maker(program, folder, model)
     spectra = [SITE / "blue_unit.csv", SITE / "red_unit.csv"]
     for path in spectra:
         shutil.copy(path, folder)
@@ -257,15 +261,21 @@ def compare(one, two):
 
 
 def main():
-    if len(sys.argv) != 4 or sys.argv[1] not in ("make", "compare"):
-        sys.exit(__doc__)
-    _, what, one, two = sys.argv
-    if what == "make":
-        if os.path.exists(two):
-            sys.exit(f"{two}: exists")
-        make(one, pathlib.Path(two).resolve())
-    else:
-        sys.exit(compare(pathlib.Path(one), pathlib.Path(two)))
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    commands = parser.add_subparsers(required=True, dest="what")
+    making = commands.add_parser("make", help="all products of a program, and their numbers")
+    making.add_argument("program")
+    making.add_argument("folder", type=pathlib.Path)
+    making.add_argument("--model", help="what simulate and solve are asked for")
+    comparing = commands.add_parser("compare", help="say what differs")
+    comparing.add_argument("before", type=pathlib.Path)
+    comparing.add_argument("after", type=pathlib.Path)
+    arguments = parser.parse_args()
+    if arguments.what == "compare":
+        sys.exit(compare(arguments.before, arguments.after))
+    if arguments.folder.exists():
+        sys.exit(f"{arguments.folder}: exists")
+    make(arguments.program, arguments.folder.resolve(), arguments.model)
 
 
 if __name__ == "__main__":

@@ -215,10 +215,12 @@ def main():
         return
 
     print(f"Machine: {machine()}. Median of {arguments.runs}; CPU seconds are user + system.\n")
-    print("| whole process, 256 x 256 pixels, nadir | CPU s | wall s | peak GB |")
-    print("|---|---|---|---|")
+    print("| whole process, 256 x 256 pixels, nadir | model | CPU s | wall s | peak GB |")
+    print("|---|---|---|---|---|")
+    of_maps = [name for name, _ in MAPS]
     for name in cpu_s:
-        print(f"| {name} | {cpu_s[name]:.2f} | {wall_s[name]:.2f} | {peak_gb[name]:.2f} |")
+        model = "the map's radiance" if name in of_maps else MODEL
+        print(f"| {name} | {model} | {cpu_s[name]:.2f} | {wall_s[name]:.2f} | {peak_gb[name]:.2f} |")
 
     print("\n| asked for | at most | measured | kept |")
     print("|---|---|---|---|")

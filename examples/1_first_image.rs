@@ -55,6 +55,7 @@ fn main() -> Result<()> {
                 limb_darkening: 0.0,
             },
             mars: None,
+            bodies: vec![],
             beams: vec![],
             rotation: None,
         },

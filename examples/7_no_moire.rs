@@ -118,6 +118,7 @@ fn scene(camera: FrameCamera) -> Result<Scene> {
                 limb_darkening: 0.0,
             },
             mars: None,
+            bodies: vec![],
             beams: vec![],
             rotation: None,
         },

@@ -60,7 +60,9 @@ pub(crate) fn write_product(
         threads: rayon::current_num_threads() as u64,
         host_cores: std::thread::available_parallelism().map_or(1, |n| n.get() as u64),
         wall_s: began.elapsed().as_secs_f64(),
+        cpu_s: None,
         stages: vec![],
+        costs: vec![],
     };
     job::simulate(subject, &Request::default(), folder, run, &|progress| gauge.watch(progress))
 }

@@ -10,7 +10,7 @@ use files::{Folder, told};
 use libfuzzer_sys::fuzz_target;
 use mmxrt::formats::{dart, radiance_map, scene_toml};
 use mmxrt::geometry::Texels;
-use mmxrt::integrate::Choice;
+use mmxrt::integrate::ViewChoice;
 use mmxrt::product::FacetTable;
 use mmxrt::progress::unwatched;
 use mmxrt::scene::Scene;
@@ -51,7 +51,7 @@ fuzz_target!(|data: &[u8]| {
         let chosen = MAPS.iter().enumerate().filter(|(i, _)| which >> i & 1 == 1);
         let maps: Vec<_> = chosen.filter_map(open).map(|opened| opened.maps).collect();
         let options = MapOptions {
-            choice: if how & 1 == 0 { Choice::Nearest } else { Choice::Interpolated },
+            choice: if how & 1 == 0 { ViewChoice::Nearest } else { ViewChoice::Interpolated },
             texels: if how & 2 == 0 { Texels::Nearest } else { Texels::Bilinear },
             fill: [Fill::Refuse(1e-3), Fill::Solved, Fill::Value(1.0), Fill::Nan][usize::from(how >> 2 & 3)],
             add_solved: how & 16 != 0,

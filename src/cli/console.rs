@@ -36,19 +36,21 @@ pub(crate) struct Console {
 #[derive(Default)]
 struct Stages {
     done: Vec<Stage>,
-    current: Option<(&'static str, Instant)>,
+    /// Name, when it began, and the CPU time of this process then, s.
+    current: Option<(&'static str, Instant, f64)>,
     bar: Option<ProgressBar>,
     line: Option<Instant>,
 }
 
 impl Stages {
-    fn finish(&mut self) {
-        if let Some((name, began)) = self.current.take() {
-            let wall_s = began.elapsed().as_secs_f64();
+    /// `cpu_s`: the CPU time of this process now.
+    fn finish(&mut self, cpu_s: f64) {
+        if let Some((name, began, before_s)) = self.current.take() {
+            let (wall_s, cpu_s) = (began.elapsed().as_secs_f64(), cpu_s - before_s);
             // A stage that was interrupted by another continues.
             match self.done.iter_mut().find(|stage| stage.name == name) {
-                Some(stage) => stage.wall_s += wall_s,
-                None => self.done.push(Stage { name: name.to_owned(), wall_s }),
+                Some(stage) => (stage.wall_s, stage.cpu_s) = (stage.wall_s + wall_s, stage.cpu_s + cpu_s),
+                None => self.done.push(Stage { name: name.to_owned(), wall_s, cpu_s }),
             }
         }
         if let Some(bar) = self.bar.take() {
@@ -95,9 +97,10 @@ impl Console {
     pub(crate) fn watch(&self, progress: Progress) -> bool {
         // A panic elsewhere while this lock was held cannot have left it inconsistent.
         let mut stages = self.stages.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        if stages.current.is_none_or(|(name, _)| name != progress.stage) {
-            stages.finish();
-            stages.current = Some((progress.stage, Instant::now()));
+        if stages.current.is_none_or(|(name, ..)| name != progress.stage) {
+            let cpu_s = self.cpu_s();
+            stages.finish(cpu_s);
+            stages.current = Some((progress.stage, Instant::now(), cpu_s));
         }
         if !self.quiet && !self.json {
             self.show(&mut stages, progress);
@@ -108,7 +111,7 @@ impl Console {
     }
 
     fn show(&self, stages: &mut Stages, progress: Progress) {
-        let Some((name, began)) = stages.current else { return };
+        let Some((name, began, _)) = stages.current else { return };
         let elapsed = began.elapsed();
         if elapsed < PATIENCE || progress.done == 0 {
             return;
@@ -133,7 +136,7 @@ impl Console {
 
     /// Ends the current stage and removes its progress bar.
     pub(crate) fn finish_progress(&self) {
-        self.stages.lock().unwrap_or_else(std::sync::PoisonError::into_inner).finish();
+        self.stages.lock().unwrap_or_else(std::sync::PoisonError::into_inner).finish(self.cpu_s());
     }
 
     /// The contents of `run.json` so far.
@@ -148,7 +151,9 @@ impl Console {
             threads: rayon::current_num_threads() as u64,
             host_cores: std::thread::available_parallelism().map_or(1, |n| n.get() as u64),
             wall_s: self.began.elapsed().as_secs_f64(),
+            cpu_s: Some(self.cpu_s()),
             stages: stages.done.clone(),
+            costs: vec![],
         }
     }
 

@@ -6,7 +6,7 @@ use clap::ValueEnum;
 use mmxrt::Result;
 use mmxrt::formats::{Subject, radiance_map};
 use mmxrt::geometry::Texels;
-use mmxrt::integrate::Choice;
+use mmxrt::integrate::ViewChoice;
 use mmxrt::job::{self, Radiance};
 use mmxrt::study::Fill;
 
@@ -82,8 +82,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         table: arguments.table.clone(),
         maps,
         choice: match arguments.views {
-            Views::Nearest => Choice::Nearest,
-            Views::Interpolated => Choice::Interpolated,
+            Views::Nearest => ViewChoice::Nearest,
+            Views::Interpolated => ViewChoice::Interpolated,
         },
         texels: match arguments.texels {
             Between::Nearest => Texels::Nearest,

@@ -7,10 +7,11 @@ use mmxrt::Result;
 use mmxrt::formats::Subject;
 use mmxrt::formats::envi::{Interleave, Precision};
 use mmxrt::formats::product_folder::{ProductFolder, ProductOptions, Written};
-use mmxrt::formats::report_json::ImageEntry;
+use mmxrt::formats::report_json::{Cost, ImageEntry};
 use mmxrt::product::Quantity;
 
 use super::console::Console;
+use super::dry_run::rounded;
 
 /// At most this many defaults are named in a line.
 const TOLD: usize = 4;
@@ -100,7 +101,7 @@ impl ProductArguments {
 
     /// Reports what has been written.
     pub(super) fn say(&self, written: &Written, console: &Console) {
-        let Written { product, report, kept } = written;
+        let Written { product, report, run, kept } = written;
         let output = self.output.display().to_string();
         if !kept.is_empty() {
             let kept: Vec<String> = kept.iter().map(|path| path.display().to_string()).collect();
@@ -111,13 +112,27 @@ impl ProductArguments {
         }
         say_defaults(&product.subject, console);
         report.warnings.iter().for_each(|warning| console.note(&format!("warning: {warning}")));
+        cost(&run.costs).iter().for_each(|said| console.note(said));
         let ImageEntry { samples, lines, bands, .. } = report.image;
         let text = format!("{output}: {samples} x {lines} pixels, {bands} bands");
         let json = serde_json::json!({
-            "product": output, "image": report.image, "defaults": report.defaults, "warnings": report.warnings
+            "product": output, "image": report.image, "defaults": report.defaults, "warnings": report.warnings, "costs": run.costs
         });
         console.done(&text, &json);
     }
+}
+
+/// What a run took beside what was predicted: of all of it, and of effects by the time that they took.
+fn cost(costs: &[Cost]) -> Option<String> {
+    let (all, effects) = costs.split_first()?;
+    let beside = |cost: &Cost| {
+        format!("{} CPU s, {} predicted", rounded(cost.measured_cpu_s, 2), rounded(cost.predicted_cpu_s, 2))
+    };
+    let mut effects: Vec<&Cost> = effects.iter().collect();
+    effects.sort_by(|a, b| b.measured_cpu_s.total_cmp(&a.measured_cpu_s));
+    let effects: Vec<String> = effects.iter().map(|cost| format!("{} {}", cost.of, beside(cost))).collect();
+    let of_which = if effects.is_empty() { String::new() } else { format!("; of that {}", effects.join("; ")) };
+    Some(format!("took {}{of_which}", beside(all)))
 }
 
 /// Names the heat-balance values that the scene left open, since temperatures depend on them: in one line, or each with its value.

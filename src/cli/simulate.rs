@@ -7,7 +7,7 @@ use mmxrt::{Result, job};
 
 use super::Outcome;
 use super::console::Console;
-use super::plan::{RequestArguments, in_short};
+use super::plan::{RequestArguments, about_mesh, in_short};
 use super::product::ProductArguments;
 
 #[derive(clap::Args)]
@@ -32,7 +32,10 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let folder = arguments.product.stage(arguments.table, arguments.split, console)?;
     let subject = Subject::open(&arguments.scene, &watch)?;
     let written = job::simulate(subject, &arguments.request.request(), folder, || console.run("simulate"), &watch)?;
-    written.product.plan.iter().for_each(|plan| console.note(&in_short(plan)));
+    if let Some(plan) = &written.product.plan {
+        console.note(&in_short(plan));
+        plan.coarser.iter().for_each(|mesh| console.note(&about_mesh(mesh, plan)));
+    }
     arguments.product.say(&written, console);
     Ok(Outcome::Done)
 }

@@ -167,6 +167,7 @@ impl ColouredMesh {
                     limb_darkening: 0.0,
                 },
                 mars: None,
+                bodies: vec![],
                 beams: vec![],
                 rotation: None,
             },

@@ -91,6 +91,8 @@ pub struct Written {
     pub product: Product,
     /// Its report.
     pub report: ProductReport,
+    /// What it took.
+    pub run: Run,
     /// What other programs had put into the folder that was replaced, and was kept: names in it.
     pub kept: Vec<PathBuf>,
 }
@@ -201,10 +203,10 @@ impl OpenProduct {
             exr.map_or(Ok(()), exr_cube::ExrCube::end)?;
             write_files(&staged, options.table, &shown, &product, run, watch)
         };
-        let report = write().map_err(|e| staged.named(e))?;
+        let (report, run) = write().map_err(|e| staged.named(e))?;
         let kept = staged.kept().to_vec();
         staged.commit()?;
-        Ok(Written { product, report, kept })
+        Ok(Written { product, report, run, kept })
     }
 }
 
@@ -221,11 +223,12 @@ fn write_files(
     product: &Product,
     run: impl FnOnce() -> Run,
     watch: Watch<'_>,
-) -> Result<ProductReport> {
+) -> Result<(ProductReport, Run)> {
     let file = |name: &str| staged.path().join(name);
     let Product { subject, table, observation, .. } = product;
     let (bands, planes) = (&cube.axes.bands, &observation.backplanes);
     let coverage = planes.plane("COVERAGE").map_or(&[][..], |plane| &plane.values);
+    let shown = planes.shown();
     tell(watch, "writing backplanes", 0, 1)?;
     // Always in double precision: positions in metres have more digits than f32 holds.
     envi::write_backplanes(&file("backplanes.img"), planes, Precision::F64, &titled("Backplanes", &subject.scene))?;
@@ -236,13 +239,15 @@ fn write_files(
         npz::write_table(&file("table.npz"), table, &study::table_id(&subject.scene))?;
     }
     tell(watch, "writing pictures and reports", 0, 1)?;
-    quicklook::write_grey(&file("quicklook.png"), cube, quicklook::grey_band(bands), coverage)?;
-    quicklook::write_colour(&file("quicklook_rgb.png"), cube, quicklook::colour_bands(bands), coverage)?;
+    quicklook::write_grey(&file("quicklook.png"), cube, quicklook::grey_band(bands), &shown)?;
+    quicklook::write_colour(&file("quicklook_rgb.png"), cube, quicklook::colour_bands(bands), &shown)?;
     let report = report(product, cube, coverage);
     report_json::write(&file("report.json"), &report)?;
     tell(watch, "writing pictures and reports", 1, 1)?;
-    report_json::write(&file("run.json"), &run())?;
-    Ok(report)
+    let mut run = run();
+    product.plan.iter().for_each(|plan| run.set_costs(plan));
+    report_json::write(&file("run.json"), &run)?;
+    Ok((report, run))
 }
 
 /// Names and sizes, bytes, of what is in a product folder, by name.

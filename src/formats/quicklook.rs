@@ -56,7 +56,7 @@ pub fn colour_bands(bands: &[Band]) -> [usize; 3] {
 }
 
 /// Writes one band as a grey PNG of 8 bits, from the 0.5th to the 99.5th percentile of the covered pixels.
-/// `coverage`: share of each pixel that sees the surface; pixels without any are black.
+/// `coverage`: share of each pixel that shows the surface or a body of the sky; pixels without any are black.
 ///
 /// # Errors
 /// [`Error::Io`] if the file cannot be written; [`Error::Invalid`] for an image without pixels.

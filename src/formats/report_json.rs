@@ -17,7 +17,7 @@ use crate::error::{Error, Location, Result};
 use crate::product::{Backplanes, ShownBands};
 use crate::scene::Scene;
 use crate::spectral::Band;
-use crate::study::{Bound, Check, Counts, Effect, MapAccount, Plan, SurfaceEntry};
+use crate::study::{Bound, Check, Coarser, Counts, Effect, MapAccount, Plan, SurfaceEntry};
 
 /// Version of both formats.
 pub const FORMAT_VERSION: u32 = 2;
@@ -76,6 +76,11 @@ pub struct PlanEntry {
     pub remaining: Option<Bound>,
     /// Whether both together stay within the tolerance.
     pub keeps_tolerance: bool,
+    /// About the CPU time that all of it takes, s, on a machine of 2022; what it took is in `run.json`.
+    pub cpu_s: f64,
+    /// Where the mesh is far finer than pixels: one that would do.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coarser: Option<Coarser>,
 }
 
 impl From<&Plan> for PlanEntry {
@@ -86,6 +91,8 @@ impl From<&Plan> for PlanEntry {
             dropped: plan.dropped,
             remaining: plan.remaining,
             keeps_tolerance: plan.keeps_tolerance(),
+            cpu_s: plan.cpu_s,
+            coarser: plan.coarser.clone(),
         }
     }
 }
@@ -276,8 +283,14 @@ pub struct Run {
     pub host_cores: u64,
     /// From start to end, s.
     pub wall_s: f64,
+    /// CPU time of all threads, s; null if whoever ran it does not know.
+    #[serde(default)]
+    pub cpu_s: Option<f64>,
     /// The stages, in the order they began.
     pub stages: Vec<Stage>,
+    /// What the plan said that would take, and what it took: all of it first, and effects that have time of their own. Empty without a plan.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub costs: Vec<Cost>,
 }
 
 /// A part of a run.
@@ -288,6 +301,41 @@ pub struct Stage {
     pub name: String,
     /// How long it took, s.
     pub wall_s: f64,
+    /// CPU time of all threads in that time, s.
+    pub cpu_s: f64,
+}
+
+/// What something was expected to take, and what it took.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Cost {
+    /// `all`, or an effect.
+    pub of: String,
+    /// CPU time that was predicted, s, on a machine of 2022.
+    pub predicted_cpu_s: f64,
+    /// CPU time that was measured, s.
+    pub measured_cpu_s: f64,
+}
+
+/// What is called `of` where a cost is of all.
+pub const ALL: &str = "all";
+
+impl Run {
+    /// Puts what was measured beside what a plan has predicted, if it was measured.
+    pub fn set_costs(&mut self, plan: &Plan) {
+        let Some(measured_cpu_s) = self.cpu_s else { return };
+        let all = Cost { of: ALL.to_owned(), predicted_cpu_s: plan.cpu_s, measured_cpu_s };
+        let of = |effect: &Effect| {
+            let within = effect.stage.as_ref()?;
+            let stage = self.stages.iter().find(|stage| stage.name == within.name)?;
+            Some(Cost {
+                of: effect.key.clone(),
+                predicted_cpu_s: effect.cost_s?,
+                measured_cpu_s: within.share * stage.cpu_s,
+            })
+        };
+        self.costs = std::iter::once(all).chain(plan.effects.iter().filter_map(of)).collect();
+    }
 }
 
 /// JSON Schema of [`ProductReport`].

@@ -13,6 +13,7 @@ mod overlay;
 pub mod polygon;
 mod pose;
 mod solid_angle;
+mod sphere_image;
 mod vectors;
 
 pub use camera::{Camera, Eye, FrameCamera, ParallelCamera, Projection};
@@ -24,4 +25,5 @@ pub use mesh::{Facet, MaterialId, Mesh, NO_UV};
 pub use overlay::{Chart, Overlay, Texels};
 pub use pose::{Pose, body_from_site};
 pub use solid_angle::{signed_solid_angle_sr, solid_angle_off_surface_sr};
+pub use sphere_image::{OUTLINE, QUADRATURE, SphereImage, SphereShown, nearest_on_triangle};
 pub use vectors::Vectors;

@@ -114,6 +114,8 @@ pub(super) struct Planes<'a> {
     entries: Vec<String>,
     /// For each material its shares of these entries.
     shares: Vec<Vec<(usize, f64)>>,
+    /// Names of the bodies of the sky that may be in view: each has a plane of what the pixel shows of it.
+    globes: Vec<String>,
 }
 
 /// Where a ray meets a facet's plane, and how.
@@ -147,7 +149,7 @@ fn entries_used(scene: &Scene) -> Vec<usize> {
 
 /// How many planes an image of a scene has, apart from those of maps.
 pub fn plane_count(scene: &Scene) -> usize {
-    KINDS.len() + 2 * entries_used(scene).len()
+    KINDS.len() + 2 * entries_used(scene).len() + scene.globes_in_view().len()
 }
 
 impl<'a> Planes<'a> {
@@ -162,17 +164,20 @@ impl<'a> Planes<'a> {
         }
         let of = |m: &Material| m.mixture.iter().map(|(entry, share)| (place(*entry), *share)).collect();
         let shares = scene.body.materials.iter().map(of).collect();
-        Planes { scene, towards_sun: scene.sky.sun.direction.vec(), entries, shares }
+        let globes = scene.globes_in_view().into_iter().map(|(globe, _)| globe.name.clone()).collect();
+        Planes { scene, towards_sun: scene.sky.sun.direction.vec(), entries, shares, globes }
     }
 
     pub(super) fn count(&self) -> usize {
-        KINDS.len() + 2 * self.entries.len()
+        KINDS.len() + 2 * self.entries.len() + self.globes.len()
     }
 
     /// Writes one pixel's values into its line of each plane.
     pub(super) fn gather(&self, pixel: &Pixel, planes: &mut [&mut [f64]]) {
         let sample = pixel.site.sample as usize;
-        let (fixed, abundance) = planes.split_at_mut(KINDS.len());
+        let (fixed, others) = planes.split_at_mut(KINDS.len());
+        let (abundance, globes) = others.split_at_mut(2 * self.entries.len());
+        pixel.globes.shown().iter().for_each(|(globe, shown)| globes[*globe][sample] = shown.area);
         // From 0: a sum of nothing would be -0.
         let coverage = pixel.entries.iter().map(|e| e.shown.area).fold(0.0, |sum, area| sum + area);
         if coverage > 0.0 {
@@ -277,7 +282,8 @@ impl<'a> Planes<'a> {
             .entries
             .iter()
             .flat_map(|entry| ["ABUNDANCE", "ABUNDANCE_LIT"].map(|kind| (format!("{kind} {entry}"), "1".to_string())));
-        let named = fixed.chain(abundance).zip(values);
+        let globes = self.globes.iter().map(|name| (format!("{}{name}", Backplanes::GLOBE), "1".to_owned()));
+        let named = fixed.chain(abundance).chain(globes).zip(values);
         let planes = named.map(|((name, unit), values)| Plane { name, unit, values }).collect();
         Backplanes { samples, lines, planes }
     }

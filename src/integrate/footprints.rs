@@ -1,14 +1,16 @@
 //! Which facets each pixel sees, as a product.
 
 use super::detector::draw;
+use super::globes::Globes;
 use super::lit_area::LitArea;
 use super::parts::Polygons;
 use super::pixel::Pixel;
 use super::sweep::{Line, sweep};
-use crate::geometry::{FrameCamera, Mesh};
+use crate::geometry::{FrameCamera, Mesh, SphereImage, SphereShown};
 use crate::product::Footprints;
 use crate::progress::unwatched;
-use crate::visibility::{Seen, Topology};
+use crate::scene::Scene;
+use crate::visibility::{Drawing, Seen, Topology};
 
 /// Adds what a pixel sees.
 pub(super) fn gather(pixel: &Pixel, line: &mut Footprints) {
@@ -37,15 +39,47 @@ pub(super) fn join(lines: impl Iterator<Item = Footprints>) -> Footprints {
 /// The facets that each pixel sees and the share of them that is lit: exact area fractions.
 pub fn footprints(mesh: &Mesh, topology: &Topology, sunlit: &Seen, camera: &FrameCamera) -> Footprints {
     let drawing = draw(mesh, topology, mesh.bounds_m(), camera);
+    seen(&drawing, sunlit, &[], camera).0
+}
+
+/// What a pixel shows of bodies of the sky, by their places among those in view.
+pub type GlobesShown = Vec<(usize, SphereShown)>;
+
+/// The same of a scene with bodies of the sky, and what each pixel shows of these.
+pub fn footprints_among_globes(scene: &Scene, sunlit: &Seen) -> (Footprints, Vec<GlobesShown>) {
+    let camera = &scene.exposure.camera;
+    let drawing = draw(&scene.body.mesh, scene.body.topology(), scene.body.bounds_m(), camera);
+    let globes: Vec<SphereImage> = scene.globes_in_view().into_iter().map(|(_, seen)| seen).collect();
+    seen(&drawing, sunlit, &globes, camera)
+}
+
+fn seen(
+    drawing: &Drawing,
+    sunlit: &Seen,
+    globes: &[SphereImage],
+    camera: &FrameCamera,
+) -> (Footprints, Vec<GlobesShown>) {
     let polygons = Polygons::of_seen(sunlit);
-    let start = || Pixel::new(&drawing, vec![LitArea::new(&drawing, sunlit, &polygons)]);
+    let start = || {
+        let mut pixel = Pixel::new(drawing, vec![LitArea::new(drawing, sunlit, &polygons)]);
+        pixel.globes = Globes::new(drawing.mesh(), globes);
+        pixel
+    };
     let look = |pixel: &mut Pixel, line: &mut Line, ()| {
-        let mut footprints = Footprints::default();
-        line.each(pixel, |_| false, |pixel| gather(pixel, &mut footprints))?;
-        Ok(footprints)
+        let (mut footprints, mut shown) = (Footprints::default(), Vec::new());
+        line.each(
+            pixel,
+            |_| false,
+            |pixel| {
+                gather(pixel, &mut footprints);
+                shown.push(pixel.globes.shown().to_vec());
+            },
+        )?;
+        Ok((footprints, shown))
     };
     let parts = vec![(); camera.lines as usize];
     // Nothing asks to stop.
-    let lines = sweep(&drawing, parts, ("footprints", &unwatched), start, look).unwrap_or_default();
-    join(lines.into_iter())
+    let lines = sweep(drawing, parts, ("footprints", &unwatched), start, look).unwrap_or_default();
+    let (footprints, shown): (Vec<Footprints>, Vec<Vec<GlobesShown>>) = lines.into_iter().unzip();
+    (join(footprints.into_iter()), shown.concat())
 }

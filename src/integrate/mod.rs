@@ -7,6 +7,7 @@ mod backplanes;
 mod census;
 mod detector;
 mod footprints;
+mod globes;
 mod lit_area;
 mod maps;
 mod parts;
@@ -19,6 +20,7 @@ mod textures;
 mod weights;
 
 use crate::error::Result;
+use crate::geometry::SphereImage;
 use crate::product::{Backplanes, FacetTable, Footprints, Slab};
 use crate::progress::{Watch, tell};
 use crate::scene::Scene;
@@ -26,6 +28,7 @@ use crate::solve::Emission;
 
 use backplanes::Planes;
 use census::{Census, CensusLine};
+use globes::Globes;
 use lit_area::LitArea;
 use maps::{MapLine, PixelTexels};
 use parts::Polygons;
@@ -33,8 +36,8 @@ use pixel::Pixel;
 use weights::{WeightLine, Weights};
 
 pub use backplanes::plane_count;
-pub use footprints::footprints;
-pub use maps::{Choice, MapImage, MapView, Maps, Unknown, meets, texels_seen};
+pub use footprints::{GlobesShown, footprints, footprints_among_globes};
+pub use maps::{MapImage, MapView, Maps, Unknown, ViewChoice, meets, texels_seen};
 pub use radiance::radiance;
 
 /// What a camera sees.
@@ -96,6 +99,7 @@ pub fn integrate(scene: &Scene, table: &FacetTable, wanted: Wanted<'_>, watch: W
     let lit_polygons: Vec<Polygons> = lit.iter().map(|seen| Polygons::of_seen(seen)).collect();
     let lights = || lit.iter().zip(&lit_polygons).map(|(seen, polygons)| LitArea::new(&drawing, seen, polygons));
     let emission = Emission::new(scene, table);
+    let globes_in_view: Vec<SphereImage> = scene.globes_in_view().into_iter().map(|(_, seen)| seen).collect();
     let planes = Planes::new(scene);
     let census = Census::new(mesh.facets.len());
     let (samples, rows) = (camera.samples as usize, camera.lines as usize);
@@ -108,6 +112,7 @@ pub fn integrate(scene: &Scene, table: &FacetTable, wanted: Wanted<'_>, watch: W
     }
     let start = || {
         let mut pixel = Pixel::new(&drawing, lights().collect());
+        pixel.globes = Globes::new(mesh, &globes_in_view);
         pixel.wants_moments = emission.wants_moments();
         pixel.pieces.are_kept = wanted.maps.is_some() || !scene.body.textures.is_empty();
         let map_texels = wanted.maps.map(|maps| PixelTexels::new(scene, &drawing, maps, &prepared, &map_polygons));
@@ -131,6 +136,7 @@ pub fn integrate(scene: &Scene, table: &FacetTable, wanted: Wanted<'_>, watch: W
             if wanted.maps.is_none_or(|maps| maps.adds_solved) {
                 weights.gather(pixel);
             }
+            weights.gather_globes(pixel);
             weights.end(&mut gathered.weights);
             planes.gather(pixel, &mut planes_part);
             if wanted.footprints {

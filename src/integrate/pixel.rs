@@ -5,6 +5,7 @@ use crate::geometry::polygon::{Point, Rect, area, area_and_moment, clip_to_rect,
 use crate::visibility::{Drawing, Scratch, Side, Visit};
 
 use super::detector::PixelSite;
+use super::globes::Globes;
 use super::lit_area::{LitArea, around};
 use super::parts::Window;
 use super::pieces::Pieces;
@@ -56,6 +57,8 @@ pub(super) struct Pixel<'a> {
     subtracted: bool,
     /// What is seen of each facet, for callers who need more than areas.
     pub(super) pieces: Pieces,
+    /// Bodies of the sky.
+    pub(super) globes: Globes<'a>,
     /// Where it lies.
     pub(super) site: PixelSite,
     clipped: Vec<Point>,
@@ -66,6 +69,7 @@ impl<'a> Pixel<'a> {
     pub(super) fn new(drawing: &'a Drawing<'a>, lights: Vec<LitArea<'a>>) -> Self {
         Pixel {
             pieces: Pieces::default(),
+            globes: Globes::default(),
             drawing,
             lights,
             wants_moments: false,
@@ -98,11 +102,14 @@ impl<'a> Pixel<'a> {
         self.centre = None;
         self.site = PixelSite::of(self.drawing, sample, line);
         self.is_beside = false;
+        self.globes.start(&self.site.rect);
         let [column, row] = self.site.cell;
         coverage.cell(column, row, scratch, self)?;
+        self.globes.finish(&self.site.rect);
         if self.is_beside {
             self.centre = self.most_around(coverage, scratch)?;
         }
+        self.centre = self.centre.filter(|facet| !self.globes.is_before(*facet, self.site.centre));
         self.centre_is_lit = match self.centre {
             // An inner side is dark, whatever reaches the outer one.
             Some(facet) if self.drawing.side(facet) == Side::Front => self.is_lit_around(facet, coverage, scratch)?,
@@ -241,6 +248,16 @@ impl<'a> Pixel<'a> {
 
     /// Adds a convex piece of a facet, or with `sign` -1 takes it away again.
     fn add(&mut self, facet: u32, polygon: &[Point], window: &Window, sign: f64) {
+        self.add_piece(facet, polygon, window, sign);
+        if self.globes.are_here() {
+            for (times, hidden) in self.globes.left_of(facet, polygon, sign) {
+                self.subtracted = true;
+                self.add_piece(facet, &hidden, &Window::Piece(&hidden), times * sign);
+            }
+        }
+    }
+
+    fn add_piece(&mut self, facet: u32, polygon: &[Point], window: &Window, sign: f64) {
         let (area, moment) = area_and_moment(polygon);
         if area <= 0.0 {
             return;

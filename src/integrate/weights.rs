@@ -37,6 +37,14 @@ impl<'a> Weights<'a> {
         self.textures.new_line(row);
     }
 
+    /// Adds the bodies of the sky that a pixel shows.
+    pub(super) fn gather_globes(&mut self, pixel: &Pixel) {
+        let (emission, sums) = (self.emission, &mut self.sums);
+        for (globe, shown) in pixel.globes.shown() {
+            emission.send_globe(*globe, shown, |row, weight| sums.add(row, weight));
+        }
+    }
+
     /// Adds all that a pixel sees; its pieces have been sorted if there are textures.
     pub(super) fn gather(&mut self, pixel: &mut Pixel) {
         for index in 0..pixel.entries.len() {

@@ -8,7 +8,7 @@ use crate::formats::product_folder::{Product, ProductFolder, Written};
 use crate::formats::radiance_map::{self, Summand};
 use crate::formats::report_json::Run;
 use crate::geometry::Texels;
-use crate::integrate::{Choice, Wanted};
+use crate::integrate::{ViewChoice, Wanted};
 use crate::progress::Watch;
 use crate::study::{Extremes, Fill, MapOptions};
 use crate::{solve, study};
@@ -21,7 +21,7 @@ pub struct Radiance {
     /// Maps that add up, once for each view; a facet table may be among them.
     pub maps: Vec<Vec<Summand>>,
     /// Which of maps of several views serve a facet.
-    pub choice: Choice,
+    pub choice: ViewChoice,
     /// What a map is between the centres of its texels.
     pub texels: Texels,
     /// What is shown where no map knows the radiance.
@@ -63,7 +63,7 @@ pub fn integrate(
     if let (Some((path, _)), Some(_)) = (&sum.table, &given) {
         return Err(radiance_map::counts_once(path));
     }
-    if *choice == Choice::Interpolated && sum.terms.iter().all(|views| views.len() < 2) {
+    if *choice == ViewChoice::Interpolated && sum.terms.iter().all(|views| views.len() < 2) {
         subject.warnings.push("--views interpolated: there is one view, and nothing to interpolate between".to_owned());
     }
     let add_solved = sum.table.is_some();

@@ -2,7 +2,7 @@
 
 mod boulder;
 mod crater;
-mod plan;
+mod division;
 mod random;
 mod recipe;
 mod relief;
@@ -48,17 +48,17 @@ pub struct Landscape {
 /// # Errors
 /// [`Error::Invalid`] with all that [`Recipe::check`] finds; [`Error::Interrupted`] if `watch` asks to stop.
 pub fn generate(recipe: &Recipe, watch: Watch<'_>) -> Result<Landscape> {
-    let plan = plan::plan(recipe).map_err(Error::Invalid)?;
-    let shortest_m = FINEST_STEPS * plan::step_m(recipe);
+    let division = division::divide(recipe).map_err(Error::Invalid)?;
+    let shortest_m = FINEST_STEPS * division::step_m(recipe);
     let octaves = relief::octaves(&recipe.relief, recipe.seed, shortest_m);
     let craters: Vec<_> = crater::craters(&recipe.craters, recipe.seed, recipe.size_m)
         .filter(|crater| crater.diameter_m >= shortest_m)
         .collect();
 
-    let sheet = sheet::Sheet::new(recipe.size_m, plan.columns, plan.rows, &octaves, &craters, watch)?;
+    let sheet = sheet::Sheet::new(recipe.size_m, division.columns, division.rows, &octaves, &craters, watch)?;
     let mut mesh = sheet.mesh();
-    let balls: Vec<Ball> = (1..=plan::FINEST).map(Ball::new).collect();
-    for (boulder, frequency) in &plan.boulders {
+    let balls: Vec<Ball> = (1..=division::FINEST).map(Ball::new).collect();
+    for (boulder, frequency) in &division.boulders {
         let ball = &balls[*frequency as usize - 1];
         let vertices_m = boulder.vertices_m(ball);
         let height_m = vertices_m.iter().fold(0.0, |h, v| v.z.max(h));
@@ -70,7 +70,7 @@ pub fn generate(recipe: &Recipe, watch: Watch<'_>) -> Result<Landscape> {
         mesh.material.resize(mesh.facets.len(), BOULDER);
     }
     tell(watch, STAGE, sheet.points() as u64, sheet.points() as u64)?;
-    Ok(Landscape { mesh, craters: craters.len(), boulders: plan.boulders.len() })
+    Ok(Landscape { mesh, craters: craters.len(), boulders: division.boulders.len() })
 }
 
 /// The nearest whole multiple of 1e-5 m, as the f64 that reading its decimal text gives: a whole number over a whole

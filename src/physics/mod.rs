@@ -42,7 +42,7 @@
 //! | sRGB to linear light and back | [`srgb::linear_from_hex`], [`srgb::hex_from_linear`] | IEC 61966-2-1 | mid grey; the straight part |
 //!
 //! Elsewhere, because they are geometry or sums: (11) to (13) in `solve::Emission`, (16) in `spectral::Band::in_band_w_m2_sr`,
-//! (17) to (19) of the sensor in `geometry::FrameCamera`.
+//! (17) to (19) of the sensor in `geometry::FrameCamera`, a Lambert sphere's disc, with its phase, in `geometry::SphereImage`.
 
 pub mod blackbody;
 pub mod bounds;

@@ -3,7 +3,7 @@
 use super::Reflected;
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::physics::heat;
-use crate::scene::{DirectionField, Models, Scene, Sky, Thermal};
+use crate::scene::{DirectionField, Globe, Models, Scene, Sky, Thermal};
 use crate::visibility::Seen;
 
 /// Two directions to a source are the same to within this, rad: other programs' tables are rounded.
@@ -97,7 +97,7 @@ impl FacetTable {
             }
         };
         for source in &sources {
-            let irradiance = self.of(source.name).map_or(0, |lighting| lighting.irradiance.len());
+            let irradiance = self.of(&source.name).map_or(0, |lighting| lighting.irradiance.len());
             has(format!("{}_irradiance", source.name), irradiance, facets);
         }
         let is_wanted = |name: &str| sources.iter().any(|source| source.name == name);
@@ -132,10 +132,10 @@ impl FacetTable {
             }
         }
         for (i, source) in sources.iter().enumerate() {
-            let Some(lighting) = self.of(source.name) else { continue };
+            let Some(lighting) = self.of(&source.name) else { continue };
             if self.sources.get(i).is_none_or(|lighting| lighting.source != source.name) {
                 let message = format!("is not source {} of the table", i + 1);
-                problem(source.name.into(), message, AGAIN);
+                problem(source.name.clone().into_owned(), message, AGAIN);
             }
             if source.name == Sky::SUN && lighting.seen().is_none() {
                 problem("sun_lit".into(), "what the Sun sees of each facet is missing".into(), AGAIN);
@@ -143,7 +143,7 @@ impl FacetTable {
             let directions = lighting.field.direction().zip(source.field.direction());
             let off_rad = directions.map_or(0.0, |(table, scene)| table.angle_rad(scene));
             if off_rad > DIRECTION_TOLERANCE {
-                let whose = match source.name {
+                let whose = match &*source.name {
                     Sky::SUN => "the Sun",
                     Sky::MARS => "Mars",
                     name => name,
@@ -163,14 +163,18 @@ impl FacetTable {
     }
 }
 
-/// No facet is warmer, K: one that faces the Sun, with a Mars that sends it as much light again, and all its heat, and every beam.
+/// No facet is warmer, K: one that faces the Sun, with a Mars and every other body that send it as much light again, and all their heat, and every beam.
 pub(crate) fn warmest_k(scene: &Scene) -> f64 {
     let sun_w_m2 = scene.sky.sun.total_irradiance_w_m2();
     let mars_w_m2 = scene.sky.mars.as_ref().map_or(0.0, |mars| mars.thermal_exitance_w_m2);
+    let of_body = |body: &Globe| body.thermal_exitance_w_m2 + sun_w_m2 * scene.sky.sun_on(body).strength;
+    let bodies_w_m2: f64 = scene.sky.bodies.iter().map(of_body).sum();
     let beams_w_m2: f64 = scene.sky.beams.iter().map(|beam| beam.total_irradiance_w_m2).sum();
     let emissivity = scene.body.materials.iter().map(|m| m.emissivity_bolometric).fold(1.0, f64::min);
     let warmest_k = match scene.models.thermal {
-        Thermal::Equilibrium => heat::equilibrium_temperature_k(2.0 * sun_w_m2 + mars_w_m2 + beams_w_m2, emissivity),
+        Thermal::Equilibrium => {
+            heat::equilibrium_temperature_k(2.0 * sun_w_m2 + mars_w_m2 + bodies_w_m2 + beams_w_m2, emissivity)
+        }
         // Tables of our own have rounding too.
         Thermal::Thesis => heat::thesis_temperature_k(1.0 + 1e-9),
         Thermal::Off => f64::INFINITY,

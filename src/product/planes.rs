@@ -23,6 +23,18 @@ pub struct Backplanes {
 }
 
 impl Backplanes {
+    /// Beginning of the names of planes that say how much of a pixel shows a body of the sky.
+    pub const GLOBE: &'static str = "GLOBE ";
+
+    /// Share of each pixel that shows anything: the surface, or a body of the sky.
+    pub fn shown(&self) -> Vec<f64> {
+        let mut shown = self.plane("COVERAGE").map(|plane| plane.values.clone()).unwrap_or_default();
+        for plane in self.planes.iter().filter(|plane| plane.name.starts_with(Self::GLOBE)) {
+            shown.iter_mut().zip(&plane.values).for_each(|(sum, share)| *sum += share);
+        }
+        shown
+    }
+
     /// The plane of a name.
     pub fn plane(&self, name: &str) -> Option<&Plane> {
         self.planes.iter().find(|p| p.name == name)

@@ -4,6 +4,7 @@
 mod body;
 mod coverage;
 mod exposure;
+mod globe;
 mod material;
 mod models;
 mod photometry;
@@ -25,11 +26,12 @@ use coverage::{percent, uncovered};
 pub use body::{Body, Surface};
 pub use exposure::Exposure;
 pub(crate) use exposure::LEAST_PITCH;
+pub use globe::{Globe, MARS_ALBEDO, MARS_DAY_NIGHT_K, SAME_SUNLIGHT, SunOnGlobe};
 pub use material::Material;
 pub use models::{Exchange, MarsModel, Models, SunModel, Thermal};
 pub(crate) use photometry::TOLERANCE;
 pub use photometry::{Hapke, Model, Photometry, Rpv, problems as model_problems};
-pub use sky::{Beam, MARS_ALBEDO, MARS_DAY_NIGHT_K, Mars, Rotation, Sky, Sun};
+pub use sky::{Beam, Rotation, Sky, Sun};
 pub use source::{DirectionField, Incoming, Source, SourceKind};
 pub use tabulated::Tabulated;
 pub use texture::{Texture, TextureKind};
@@ -106,6 +108,7 @@ impl Scene {
         }
         if problems.is_empty() {
             problems.extend(inside(body, exposure.camera.centre_m()));
+            problems.extend(globe::touching(sky, body, exposure.camera.centre_m()));
         }
         if problems.is_empty() { Ok(Scene(setup)) } else { Err(Error::Invalid(problems)) }
     }
@@ -160,10 +163,11 @@ fn together(surface: &Surface, sky: &Sky, exposure: &Exposure, models: Models) -
     if let Some(message) = uncovered("the solar spectrum", &sky.sun.irradiance_1au, bands, is_lit) {
         problem("sun.spectrum", message);
     }
-    if let Some(mars) = &sky.mars
-        && let Some(message) = uncovered("albedo", &mars.reflectance, bands, is_lit)
-    {
-        problem("mars.albedo", message);
+    for globe in sky.globes() {
+        if let Some(message) = uncovered("albedo", &globe.reflectance, bands, is_lit) {
+            let item = if globe.name == Sky::MARS { Sky::MARS.to_owned() } else { sky::body_item(&globe.name) };
+            problem(&format!("{item}.albedo"), message);
+        }
     }
     if !(0.0..=1e4).contains(&models.floor_k) {
         problem("thermal.floor_k", format!("{} K is not the temperature of ground", models.floor_k));

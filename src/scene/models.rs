@@ -6,7 +6,7 @@ use crate::geometry::whole_u32;
 use crate::physics::sun_disc::DiscRule;
 
 /// The choice of models.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Models {
     /// How warm the surface is.
@@ -17,7 +17,7 @@ pub struct Models {
     pub sun: SunModel,
     /// Whether bodies of the sky hide the Sun.
     pub eclipses: bool,
-    /// The parts of Mars' disc that terrain may hide; `None`: only a facet's own horizon does.
+    /// The parts of the disc of Mars, and of other bodies, that terrain may hide; `None`: only a facet's own horizon does.
     pub mars_shadows: Option<DiscRule>,
     /// Whether Mars' own heat lights the surface, in bands that hold heat and sunlight.
     pub mars_heat: bool,
@@ -27,6 +27,25 @@ pub struct Models {
     pub exchange: Option<Exchange>,
     /// No part of a facet is colder, K, whatever it receives: heat from below, or from its sides. 0 is no floor.
     pub floor_k: f64,
+    /// How many bodies of the sky besides Mars light and warm the surface, those that fill the most sky first. Others are there to be seen.
+    pub bodies: u32,
+}
+
+impl Default for Models {
+    fn default() -> Self {
+        Models {
+            thermal: Thermal::default(),
+            mars_light: MarsModel::default(),
+            sun: SunModel::default(),
+            eclipses: false,
+            mars_shadows: None,
+            mars_heat: false,
+            conduction: None,
+            exchange: None,
+            floor_k: 0.0,
+            bodies: u32::MAX,
+        }
+    }
 }
 
 /// What the Sun is.

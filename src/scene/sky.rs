@@ -2,8 +2,9 @@
 
 use std::f64::consts::PI;
 
-use glam::{DQuat, DVec3};
+use glam::DQuat;
 
+use super::Globe;
 use crate::error::{Location, Problem};
 use crate::geometry::Direction;
 use crate::physics::sun;
@@ -17,7 +18,9 @@ pub struct Sky {
     /// The Sun.
     pub sun: Sun,
     /// Mars as a second source, if there is one.
-    pub mars: Option<Mars>,
+    pub mars: Option<Globe>,
+    /// Further bodies of the sky: the Earth, moons.
+    pub bodies: Vec<Globe>,
     /// Further sources at infinity.
     pub beams: Vec<Beam>,
     /// How the body turns under it, if that is known.
@@ -61,34 +64,11 @@ pub struct Sun {
     pub limb_darkening: f64,
 }
 
-/// Lambert reflectance of Mars where nothing else is said.
-pub const MARS_ALBEDO: f64 = 0.25;
-
-/// Brightness temperatures of the day and night side of Mars where nothing else is said, K.
-pub const MARS_DAY_NIGHT_K: [f64; 2] = [270.0, 200.0];
-
-/// Mars as an extended second source.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Mars {
-    /// Centre, local to the scene's origin, axes of the body-fixed frame, m.
-    pub centre_m: DVec3,
-    /// Radius, m.
-    pub radius_m: f64,
-    /// Lambert reflectance (dimensionless).
-    pub reflectance: Spectrum,
-    /// Bond albedo, for the heat balance.
-    pub bond_albedo: f64,
-    /// Mean thermal exitance of Mars, for the heat balance, W m-2.
-    pub thermal_exitance_w_m2: f64,
-    /// Brightness temperature of its day and of its night side, for what it emits in bands, K.
-    pub day_night_k: [f64; 2],
-}
-
 impl Sky {
     /// All spectra that its light is made of.
     pub fn spectra(&self) -> impl Iterator<Item = &Spectrum> {
         let beams = self.beams.iter().map(|beam| &beam.irradiance);
-        [&self.sun.irradiance_1au].into_iter().chain(self.mars.iter().map(|mars| &mars.reflectance)).chain(beams)
+        [&self.sun.irradiance_1au].into_iter().chain(self.globes().map(|globe| &globe.reflectance)).chain(beams)
     }
 
     /// As it was some time ago, if the body turns: the Sun stood elsewhere.
@@ -108,7 +88,19 @@ impl Sky {
         let mut problem = |item: &str, message: String| problems.push(Problem::new(Location::item(item), message));
         self.sun.check(&mut problem);
         if let Some(mars) = &self.mars {
-            mars.check(&mut problem);
+            mars.check("mars", &mut problem);
+        }
+        for (i, body) in self.bodies.iter().enumerate() {
+            let item = body_item(&body.name);
+            check_name(&item, &body.name, &mut problem);
+            body.check(&item, &mut problem);
+            let names = [body.name.clone(), body.heat_name()];
+            let of_others = self.bodies[..i].iter().flat_map(|other| [other.name.clone(), other.heat_name()]);
+            if names.iter().any(|name| [Sky::SUN, Sky::MARS, Sky::MARS_HEAT].contains(&name.as_str()))
+                || of_others.into_iter().any(|other| names.contains(&other))
+            {
+                problem(&item, "another source has this name".into());
+            }
         }
         if let Some(Rotation { period_s, .. }) = self.rotation
             && !(period_s > 0.0 && period_s.is_finite())
@@ -119,6 +111,7 @@ impl Sky {
             beam.check(&mut problem);
             if [Sky::SUN, Sky::MARS, Sky::MARS_HEAT].contains(&beam.name.as_str())
                 || self.beams[..i].iter().any(|other| other.name == beam.name)
+                || self.bodies.iter().any(|body| body.name == beam.name || body.heat_name() == beam.name)
             {
                 problem(&beam.item(), "another source has this name".into());
             }
@@ -161,6 +154,19 @@ impl Sun {
     }
 }
 
+/// What a body is called in messages.
+pub(super) fn body_item(name: &str) -> String {
+    format!("bodies.{name:?}")
+}
+
+/// Names of sources are parts of names of arrays.
+fn check_name(item: &str, name: &str, problem: &mut impl FnMut(&str, String)) {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_".contains(c);
+    if name.is_empty() || !name.chars().all(is_plain) {
+        problem(item, "expected a name of letters, digits, - and _".into());
+    }
+}
+
 impl Beam {
     /// What it is called in messages.
     pub(super) fn item(&self) -> String {
@@ -168,32 +174,13 @@ impl Beam {
     }
 
     fn check(&self, problem: &mut impl FnMut(&str, String)) {
-        let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_".contains(c);
-        if self.name.is_empty() || !self.name.chars().all(is_plain) {
-            problem(&self.item(), "expected a name of letters, digits, - and _".into());
-        }
+        check_name(&self.item(), &self.name, problem);
         if let Some(v) = self.irradiance.value().iter().find(|v| !(**v >= 0.0 && v.is_finite())) {
             problem(&format!("{}.irradiance", self.item()), format!("{v} is not a number of at least 0"));
         }
         if !(self.total_irradiance_w_m2 >= 0.0 && self.total_irradiance_w_m2.is_finite()) {
             let message = format!("{} is not a number of at least 0", self.total_irradiance_w_m2);
             problem(&format!("{}.total_irradiance_w_m2", self.item()), message);
-        }
-    }
-}
-
-impl Mars {
-    fn check(&self, problem: &mut impl FnMut(&str, String)) {
-        super::near_enough("mars.position_m", self.centre_m, problem);
-        for (name, t_k) in ["mars.day_k", "mars.night_k"].iter().zip(self.day_night_k) {
-            if !(0.0..=1e4).contains(&t_k) {
-                problem(name, format!("{t_k} K is not a temperature of a planet"));
-            }
-        }
-        if !(self.radius_m > 0.0 && self.radius_m.is_finite()) {
-            problem("mars.radius_m", format!("{} is not a positive length", self.radius_m));
-        } else if self.centre_m.length() <= self.radius_m {
-            problem("mars.position_m", "the scene lies inside Mars".into());
         }
     }
 }

@@ -1,8 +1,10 @@
-//! What lights a body, as one list: the Sun first, then Mars if there is one, then further beams.
+//! What lights a body, as one list: the Sun first, then Mars and other bodies of the sky if there are any, then further beams.
+
+use std::borrow::Cow;
 
 use glam::DVec3;
 
-use super::{Beam, Mars, Setup, Sky};
+use super::{Beam, Globe, Setup, Sky};
 use crate::geometry::Direction;
 use crate::physics::mars_points::day_share;
 use crate::spectral::Spectrum;
@@ -39,8 +41,8 @@ impl DirectionField {
 pub enum Incoming<'a> {
     /// Sunlight.
     Sunlight,
-    /// Sunlight that something of this reflectance sends on.
-    Reflected(&'a Spectrum),
+    /// Sunlight that something of this reflectance sends on, so many times as strong there as at the scene.
+    Reflected(&'a Spectrum, f64),
     /// Its own irradiance on a plane normal to the beam, W m-2 um-1.
     Own(&'a Spectrum),
     /// What black bodies of these temperatures, K, send to a plane that sees nothing else, by their shares.
@@ -53,16 +55,16 @@ pub enum SourceKind<'a> {
     /// A point at infinity, which casts shadows; its total irradiance normal to the beam, W m-2.
     Beam(f64),
     /// A sphere in the near field, lit by the Sun; a facet's own horizon cuts it, other terrain does not.
-    Sphere(&'a Mars),
+    Sphere(&'a Globe),
     /// The same sphere by its own heat: of uniform radiance.
-    Glow(&'a Mars),
+    Glow(&'a Globe),
 }
 
 /// A source of light.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Source<'a> {
     /// What it is called.
-    pub name: &'a str,
+    pub name: Cow<'a, str>,
     /// From where its light comes.
     pub field: DirectionField,
     /// The spectrum of its light.
@@ -71,21 +73,66 @@ pub struct Source<'a> {
     pub kind: SourceKind<'a>,
 }
 
+impl<'a> Source<'a> {
+    fn sphere(sky: &Sky, globe: &'a Globe) -> Self {
+        Source {
+            name: Cow::from(&globe.name),
+            field: DirectionField::Near(globe.centre_m),
+            incoming: Incoming::Reflected(&globe.reflectance, sky.sun_on(globe).strength),
+            kind: SourceKind::Sphere(globe),
+        }
+    }
+
+    fn glow(sky: &Sky, globe: &'a Globe) -> Self {
+        let day = day_share(globe.centre_m, globe.radius_m, sky.sun_on(globe).direction);
+        let [day_k, night_k] = globe.day_night_k;
+        Source {
+            name: globe.heat_name().into(),
+            field: DirectionField::Near(globe.centre_m),
+            incoming: Incoming::Heat([(day, day_k), (1.0 - day, night_k)]),
+            kind: SourceKind::Glow(globe),
+        }
+    }
+
+    fn beam(beam: &'a Beam) -> Self {
+        Source {
+            name: Cow::from(&beam.name),
+            field: DirectionField::Afar(beam.direction),
+            incoming: Incoming::Own(&beam.irradiance),
+            kind: SourceKind::Beam(beam.total_irradiance_w_m2),
+        }
+    }
+}
+
 impl Setup {
     /// All sources that are computed; the Sun is the first.
     pub fn sources(&self) -> Vec<Source<'_>> {
-        let mut all = self.sky.sources();
-        if let Some(mars) = self.sky.mars.as_ref().filter(|_| self.models.mars_heat) {
-            let day = day_share(mars.centre_m, mars.radius_m, self.sky.sun.direction);
-            let [day_k, night_k] = mars.day_night_k;
-            all.push(Source {
-                name: Sky::MARS_HEAT,
-                field: DirectionField::Near(mars.centre_m),
-                incoming: Incoming::Heat([(day, day_k), (1.0 - day, night_k)]),
-                kind: SourceKind::Glow(mars),
-            });
-        }
+        let sky = &self.sky;
+        let sun = Source {
+            name: Sky::SUN.into(),
+            field: DirectionField::Afar(sky.sun.direction),
+            incoming: Incoming::Sunlight,
+            kind: SourceKind::Beam(sky.sun.total_irradiance_w_m2()),
+        };
+        let bodies = || self.lighting_bodies().into_iter();
+        let mut all = vec![sun];
+        all.extend(sky.mars.iter().map(|mars| Source::sphere(sky, mars)));
+        all.extend(bodies().map(|body| Source::sphere(sky, body)));
+        all.extend(sky.beams.iter().map(Source::beam));
+        all.extend(sky.mars.iter().filter(|_| self.models.mars_heat).map(|mars| Source::glow(sky, mars)));
+        all.extend(bodies().filter(|body| body.day_night_k != [0.0; 2]).map(|body| Source::glow(sky, body)));
         all
+    }
+
+    /// Bodies besides Mars whose light and heat is computed: as many as the models say, those that fill the most sky first, in the scene's order.
+    pub fn lighting_bodies(&self) -> Vec<&Globe> {
+        let bodies = &self.sky.bodies;
+        let size = |i: &usize| bodies[*i].radius_m / bodies[*i].centre_m.length();
+        let mut order: Vec<usize> = (0..bodies.len()).collect();
+        order.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        order.truncate(self.models.bodies as usize);
+        order.sort_unstable();
+        order.into_iter().map(|i| &bodies[i]).collect()
     }
 }
 
@@ -97,31 +144,9 @@ impl Sky {
     /// Name of the heat of Mars in the list.
     pub const MARS_HEAT: &'static str = "mars-heat";
 
-    /// Bodies that may hide the Sun: centre, local, m, and radius, m.
+    /// Bodies that may hide the Sun: centre, local, m, and radius, m; what is beyond the Sun does not.
     pub fn spheres(&self) -> impl Iterator<Item = (DVec3, f64)> {
-        self.mars.iter().map(|mars| (mars.centre_m, mars.radius_m))
-    }
-
-    /// All sources but the heat of Mars; the Sun is the first.
-    pub fn sources<'s>(&'s self) -> Vec<Source<'s>> {
-        let sun = Source {
-            name: Sky::SUN,
-            field: DirectionField::Afar(self.sun.direction),
-            incoming: Incoming::Sunlight,
-            kind: SourceKind::Beam(self.sun.total_irradiance_w_m2()),
-        };
-        let mars = self.mars.as_ref().map(|sphere| Source {
-            name: Sky::MARS,
-            field: DirectionField::Near(sphere.centre_m),
-            incoming: Incoming::Reflected(&sphere.reflectance),
-            kind: SourceKind::Sphere(sphere),
-        });
-        let of_beam = |beam: &'s Beam| Source {
-            name: &beam.name,
-            field: DirectionField::Afar(beam.direction),
-            incoming: Incoming::Own(&beam.irradiance),
-            kind: SourceKind::Beam(beam.total_irradiance_w_m2),
-        };
-        [sun].into_iter().chain(mars).chain(self.beams.iter().map(of_beam)).collect()
+        let is_before = |globe: &&Globe| globe.centre_m.length() < self.sun.distance_m;
+        self.globes().filter(is_before).map(|globe| (globe.centre_m, globe.radius_m))
     }
 }

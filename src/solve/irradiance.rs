@@ -8,7 +8,7 @@ use crate::physics::mars_light::MarsLight;
 use crate::physics::reflectance::DirectionalAlbedos;
 use crate::physics::{heat, mars, sun, sun_disc};
 use crate::product::{FacetTable, Sees};
-use crate::scene::{Mars, MarsModel, Material, Scene, Sky, Source, SourceKind, SunModel, Thermal};
+use crate::scene::{Globe, MarsModel, Material, Scene, Sky, Source, SourceKind, SunModel, Thermal};
 use crate::visibility::Shown;
 
 use super::eclipse::Eclipse;
@@ -89,9 +89,11 @@ enum Prepared<'a> {
         sin_radius: f64,
         limb_darkening: f64,
     },
-    Glow(&'a Mars),
+    Glow(&'a Globe),
     Sphere {
-        mars: &'a Mars,
+        globe: &'a Globe,
+        /// Sunlight on it over that at the scene.
+        sun_strength: f64,
         light: Box<MarsLight>,
         model: MarsModel,
     },
@@ -109,11 +111,14 @@ impl<'a> Prepared<'a> {
                 }
             }
             SourceKind::Beam(total_w_m2) => Prepared::Beam { towards: source.field.towards(DVec3::ZERO), total_w_m2 },
-            SourceKind::Glow(mars) => Prepared::Glow(mars),
-            SourceKind::Sphere(mars) => {
+            SourceKind::Glow(globe) => Prepared::Glow(globe),
+            SourceKind::Sphere(globe) => {
                 let (low_m, high_m) = scene.body.bounds_m().unwrap_or_default();
-                let light = MarsLight::new(mars.centre_m, mars.radius_m, scene.sky.sun.direction, low_m, high_m);
-                Prepared::Sphere { mars, light: Box::new(light), model: scene.models.mars_light }
+                let sun = scene.sky.sun_on(globe);
+                let light = MarsLight::new(globe.centre_m, globe.radius_m, sun.direction, low_m, high_m);
+                // What the thesis has is of Mars.
+                let model = if globe.name == Sky::MARS { scene.models.mars_light } else { MarsModel::NearField };
+                Prepared::Sphere { globe, sun_strength: sun.strength, light: Box::new(light), model }
             }
         }
     }
@@ -181,17 +186,18 @@ impl Chunk<'_> {
                         *irradiance = if is_dark { 0.0 } else { of_disc() };
                     }
                 }
-                Prepared::Glow(mars) => {
+                Prepared::Glow(globe) => {
                     for ((irradiance, centroid_m), normal) in
                         column.iter_mut().zip(centroids_m.iter()).zip(normals.iter())
                     {
-                        let to_mars_m = mars.centre_m - centroid_m;
-                        let distance_m = to_mars_m.length();
-                        let (sin_radius, cos_tilt) = (mars.radius_m / distance_m, normal.dot(to_mars_m) / distance_m);
+                        let to_centre_m = globe.centre_m - centroid_m;
+                        let distance_m = to_centre_m.length();
+                        let (sin_radius, cos_tilt) =
+                            (globe.radius_m / distance_m, normal.dot(to_centre_m) / distance_m);
                         *irradiance = mars::uniform_sphere_form_factor(sin_radius, cos_tilt).max(0.0);
                     }
                 }
-                Prepared::Sphere { mars, light, model } => {
+                Prepared::Sphere { globe, sun_strength, light, model } => {
                     // What it sends warms, whether or not it is to be seen.
                     let warms = scene.models.thermal == Thermal::Equilibrium;
                     if *model == MarsModel::NearField || (*model == MarsModel::Off && warms) {
@@ -202,23 +208,25 @@ impl Chunk<'_> {
                     for ((((centroid_m, normal), irradiance), (reflected, heat)), f) in
                         vectors.zip(column.iter_mut()).zip(sums).zip(chunk.clone())
                     {
-                        let to_mars_m = mars.centre_m - centroid_m;
-                        let distance_m = to_mars_m.length();
-                        let (sin_radius, cos_tilt) = (mars.radius_m / distance_m, normal.dot(to_mars_m) / distance_m);
+                        let to_centre_m = globe.centre_m - centroid_m;
+                        let distance_m = to_centre_m.length();
+                        let (sin_radius, cos_tilt) =
+                            (globe.radius_m / distance_m, normal.dot(to_centre_m) / distance_m);
                         if *model == MarsModel::Thesis {
                             *irradiance = mars::thesis_irradiance(1.0, 1.0, sin_radius, cos_tilt);
                         }
-                        // Sunlight that Mars reflects is taken to be of the Sun's colour, and terrain to hide as much of its heat.
+                        // Sunlight that a globe reflects is taken to be of the Sun's colour, and terrain to hide as much of its heat.
                         let share = share(sees, f);
                         let form_factor = mars::uniform_sphere_form_factor(sin_radius, cos_tilt);
                         let more = if has_models && *irradiance > 0.0 {
-                            let middle = mars::middle_above_horizon(normal, to_mars_m, mars.radius_m);
+                            let middle = mars::middle_above_horizon(normal, to_centre_m, globe.radius_m);
                             absorbed_more(f, normal.dot(middle.normalize_or_zero()))
                         } else {
                             1.0
                         };
-                        *reflected += more * (mars.bond_albedo * *irradiance * sun_w_m2 * share);
-                        *heat += mars.thermal_exitance_w_m2 * form_factor * share;
+                        let sunlight_w_m2 = sun_w_m2 * sun_strength;
+                        *reflected += more * (globe.bond_albedo * *irradiance * sunlight_w_m2 * share);
+                        *heat += globe.thermal_exitance_w_m2 * form_factor * share;
                     }
                     if *model == MarsModel::Off {
                         column.fill(0.0);

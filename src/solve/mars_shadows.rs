@@ -1,4 +1,4 @@
-//! Terrain between facets and Mars: the share of its light that reaches each facet.
+//! Terrain between facets and Mars, or another body of the sky: the share of its light that reaches each facet.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -8,18 +8,19 @@ use crate::geometry::{Direction, index_u32};
 use crate::physics::mars_points::{MarsPoint, lit_points};
 use crate::physics::sun_disc::DiscRule;
 use crate::progress::Watch;
-use crate::scene::{Mars, Scene};
+use crate::scene::{Globe, Scene};
 use crate::visibility::Seen;
 
-/// Of each facet, the share that terrain leaves of what of Mars' light is above its horizon: seen from the middle of the scene, Mars' parts are
+/// Of each facet, the share that terrain leaves of what of a globe's light is above its horizon: seen from the middle of the scene, the globe's parts are
 /// in the same directions for all facets.
-pub(super) fn shares(scene: &Scene, mars: &Mars, rule: DiscRule, watch: Watch<'_>) -> Result<Vec<f64>> {
+pub(super) fn shares(scene: &Scene, globe: &Globe, rule: DiscRule, watch: Watch<'_>) -> Result<Vec<f64>> {
     let mesh = &scene.body.mesh;
     let (low_m, high_m) = scene.body.bounds_m().unwrap_or_default();
-    let to_centre_m = mars.centre_m - 0.5 * (low_m + high_m);
+    let to_centre_m = globe.centre_m - 0.5 * (low_m + high_m);
     // Light that meets each facet: with terrain, and without.
     let mut sums = vec![[0.0; 2]; mesh.facets.len()];
-    for MarsPoint { towards, light } in lit_points(to_centre_m, mars.radius_m, scene.sky.sun.direction, rule) {
+    for MarsPoint { towards, light } in lit_points(to_centre_m, globe.radius_m, scene.sky.sun_on(globe).direction, rule)
+    {
         let Some(direction) = Direction::new(towards) else { continue };
         let seen = Seen::from_afar(mesh, scene.body.topology(), direction, "Mars-light", watch)?;
         sums.par_iter_mut().enumerate().with_min_len(4096).for_each(|(facet, [some, all])| {

@@ -36,15 +36,18 @@ pub(super) fn lit_as(scene: &Scene, sunlit: Option<Seen>, watch: Watch<'_>) -> R
     let facets = scene.body.mesh.facets.len();
     let mut sources: Vec<Lighting> = Vec::new();
     for source in scene.sources() {
-        let of_mars = sources.iter().find(|other| other.source == Sky::MARS);
-        let sees = match (sunlit.take_if(|_| source.name == Sky::SUN), source.kind, of_mars) {
-            (Some(sunlit), ..) => Sees::Polygons(sunlit),
-            // Terrain is taken to hide as much of its heat as of its light.
-            (None, SourceKind::Glow(_), Some(mars)) => mars.sees.clone(),
+        let of_same = match source.kind {
+            SourceKind::Glow(globe) => sources.iter().find(|other| other.source == globe.name),
+            _ => None,
+        };
+        let sees = match (sunlit.take_if(|_| source.name == Sky::SUN), of_same) {
+            (Some(sunlit), _) => Sees::Polygons(sunlit),
+            // Terrain is taken to hide as much of a globe's heat as of its light.
+            (None, Some(light)) => light.sees.clone(),
             _ => sees(scene, &source, watch)?,
         };
         let irradiance = vec![0.0; facets];
-        sources.push(Lighting { source: source.name.to_owned(), field: source.field, irradiance, sees });
+        sources.push(Lighting { source: source.name.into_owned(), field: source.field, irradiance, sees });
     }
     let temperature = || vec![0.0; if scene.models.thermal == Thermal::Off { 0 } else { facets }];
     Ok(FacetTable {
@@ -58,8 +61,8 @@ pub(super) fn lit_as(scene: &Scene, sunlit: Option<Seen>, watch: Watch<'_>) -> R
 
 /// What of each facet a source sees.
 fn sees(scene: &Scene, source: &Source, watch: Watch<'_>) -> Result<Sees> {
-    if let (SourceKind::Sphere(mars), Some(rule)) = (source.kind, scene.models.mars_shadows) {
-        return Ok(Sees::Shares(mars_shadows::shares(scene, mars, rule, watch)?));
+    if let (SourceKind::Sphere(globe), Some(rule)) = (source.kind, scene.models.mars_shadows) {
+        return Ok(Sees::Shares(mars_shadows::shares(scene, globe, rule, watch)?));
     }
     let (SourceKind::Beam(_), Some(towards)) = (source.kind, source.field.direction()) else { return Ok(Sees::All) };
     let stage = if source.name == Sky::SUN { "sunlight" } else { "beams" };

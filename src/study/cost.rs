@@ -1,9 +1,10 @@
 //! What a simulation takes: memory, disk space, time, estimated before anything is computed.
 
+use super::extremes::Extremes;
+use super::summary::summary;
 use crate::error::{Error, Location, Problem, Result};
 use crate::integrate::plane_count;
-use crate::physics::sun_disc::DiscRule;
-use crate::scene::{Scene, Setup, SunModel, Texture, Thermal};
+use crate::scene::{Scene, Setup, Texture, Thermal};
 use crate::solve::Emission;
 
 /// A process without facets and pixels holds this, bytes.
@@ -54,25 +55,34 @@ pub(super) struct Workload {
     pub(super) mean_incidence_deg: Option<f64>,
 }
 
-/// About the CPU time, s, within a factor of [`WITHIN`] on such a machine.
+impl Workload {
+    /// From a look at the scene.
+    pub(super) fn of(scene: &Scene, extremes: &Extremes) -> Self {
+        Workload {
+            facets_in_frame: extremes.glimpse.facets_in_frame,
+            filled: extremes.glimpse.filled(),
+            mean_incidence_deg: summary(scene, &extremes.site).mean_incidence_deg,
+        }
+    }
+}
+
+/// About the CPU time, s, that an image takes by a point Sun without what effects take; within a factor of [`WITHIN`] on such a machine.
 pub(super) fn cpu_s(scene: &Scene, workload: &Workload) -> f64 {
-    let (facets, pixels) = (scene.body.mesh.facets.len() as f64, pixels(scene) as f64);
+    cpu_s_with(scene, workload, scene.body.mesh.facets.len() as f64)
+}
+
+/// The same with another number of facets.
+pub(super) fn cpu_s_with(scene: &Scene, workload: &Workload, facets: f64) -> f64 {
+    let pixels = pixels(scene) as f64;
+    let facets_in_frame = workload.facets_in_frame as f64 * facets / scene.body.mesh.facets.len().max(1) as f64;
     // A Sun below the mean surface grazes as well. A body has all incidences.
     let tangent = workload.mean_incidence_deg.map_or(1.0, |deg| deg.to_radians().tan().abs());
     let facet_s = seconds::FACET + seconds::FACET_TANGENT * tangent.min(seconds::MOST_TANGENT);
     let texels: usize = scene.body.textures.iter().map(|t| t.values.len()).sum();
-    let passes = match scene.models.sun {
-        SunModel::Point => 0,
-        SunModel::Disc(rule) => rule.count() - 1,
-    };
-    // How high Mars stands is not looked at.
-    let mars_passes = scene.sky.mars.as_ref().and(scene.models.mars_shadows).map_or(0, DiscRule::count);
     seconds::PROCESS
         + facet_s * facets
-        + passes as f64 * pass_s(scene.body.mesh.facets.len(), tangent)
-        + mars_passes as f64 * pass_s(scene.body.mesh.facets.len(), 1.0)
         + seconds::PIXEL * pixels
-        + seconds::CROSSING * (workload.facets_in_frame as f64 * workload.filled * pixels).sqrt()
+        + seconds::CROSSING * (facets_in_frame * workload.filled * pixels).sqrt()
         + seconds::NUMBER * pixels * scene.exposure.bands.len() as f64
         + seconds::TEXEL * texels as f64
 }

@@ -1,10 +1,10 @@
 //! What can be said about a simulation before it is run: what it will take, and what its user should know.
 
-use super::cost::{self, Workload};
+use super::cost;
 use super::extremes::Extremes;
 use super::plan::Plan;
 use super::summary::{self, Summary};
-use super::warnings::{self, MarsInView, Sight};
+use super::warnings::{self, Sight};
 use crate::scene::Scene;
 
 /// What can be said about a simulation before it is run.
@@ -27,25 +27,15 @@ pub struct DryRun {
 /// Looks at a scene without simulating it, as it is planned.
 pub fn dry_run(scene: &Scene, extremes: &Extremes, plan: &Plan) -> DryRun {
     let Extremes { site, glimpse, open_to_shadow, .. } = extremes;
-    let camera = &scene.exposure.camera;
     let summary = summary::summary(scene, site);
-    let sight = Sight {
-        sees_mesh: glimpse.facets_in_frame > 0,
-        back_share: glimpse.back_share(scene),
-        mars: MarsInView::new(scene, glimpse.ranges_m(camera), glimpse.ray_px(camera)),
-        about: "about ",
-    };
+    let sight =
+        Sight { sees_mesh: glimpse.facets_in_frame > 0, back_share: glimpse.back_share(scene), about: "about " };
     let dark = (!glimpse.faces_sun).then(|| "nothing is lit: the Sun is below every facet".to_owned());
-    let workload = Workload {
-        facets_in_frame: glimpse.facets_in_frame,
-        filled: glimpse.filled(),
-        mean_incidence_deg: summary.mean_incidence_deg,
-    };
     DryRun {
-        filled: workload.filled,
+        filled: glimpse.filled(),
         memory_bytes: cost::memory_bytes(scene, false),
         product_bytes: cost::product_bytes(scene, 4),
-        cpu_s: cost::cpu_s(scene, &workload) + plan.cost_s(),
+        cpu_s: plan.cpu_s,
         warnings: [
             scene.remarks(),
             warnings::of_sight(&sight, dark),

@@ -6,9 +6,6 @@ use std::f64::consts::FRAC_PI_2;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::cost::{self, Workload};
-use super::draft::Draft;
-use super::effects::Given;
 use super::glimpse::Glimpse;
 use super::site::Site;
 use crate::error::Result;
@@ -18,7 +15,8 @@ use crate::physics::mars::{irradiance_vector, middle_above_horizon, uniform_sphe
 use crate::physics::reflectance::{Brdf, Lambert, PhotometricAngles};
 use crate::product::Backplanes;
 use crate::progress::Watch;
-use crate::scene::{Mars, Scene, Setup};
+use crate::scene::{Globe, Scene, Setup};
+use crate::spectral::Light;
 use crate::visibility::{Penumbra, Seen, Shown, highest_horizons};
 
 /// Facets are processed this many at a time.
@@ -40,6 +38,8 @@ pub struct Extremes {
     pub(super) is_used: Vec<bool>,
     /// Of each material, its facets that face the camera.
     pub(super) facing: Vec<Facing>,
+    /// What bodies of the sky besides Mars can send, in the scene's order.
+    pub(super) bodies: Vec<BodySeen>,
     /// Share of the site that terrain outside it might shadow.
     pub(super) open_to_shadow: f64,
     /// The farthest that a shadow is thrown, m, if that was looked for.
@@ -50,6 +50,33 @@ pub struct Extremes {
     pub(super) most_of_day: f64,
     /// How dark pixels are at most, if that was looked for.
     pub(super) draft: Option<Draft>,
+}
+
+/// A place that the middle of the Sun's disc lights sees this much of it at least, between edges that cross there.
+pub(super) const HALF_SHADOW: f64 = 0.25;
+/// The least radiance of what pixels show of the surface.
+pub(super) struct Draft(pub(super) Vec<Least>);
+
+/// At a wavelength, over a reference.
+pub(super) struct Least {
+    pub(super) um: f64,
+    pub(super) light: Light,
+    /// Of pixels that show nothing but sunlit ground, and of all.
+    pub(super) least: [f64; 2],
+}
+
+impl Draft {
+    /// The least radiance, over the reference, of pixels that show nothing but sunlit ground, and of all: the lower one of those at the nearest wavelengths of the
+    /// draft to both sides. 0 where there is none.
+    pub(super) fn least_at(&self, um: f64, light: Light) -> [f64; 2] {
+        let of_light = || self.0.iter().filter(|least| least.light == light);
+        let below = of_light().rfind(|least| least.um <= um);
+        let above = of_light().find(|least| least.um >= um);
+        [0, 1].map(|k| match (below, above) {
+            (Some(below), Some(above)) => below.least[k].min(above.least[k]),
+            _ => 0.0,
+        })
+    }
 }
 
 /// A place in the image that faces the Sun.
@@ -214,7 +241,7 @@ impl Extremes {
     fn by_shelter(scene: &Scene, shelters: &Shelters) -> Self {
         let site = Site::new(&scene.body.mesh, scene.body.topology());
         let glimpse = Glimpse::new(scene);
-        let (looks, mars) = (Look::of(scene), MarsBound::of(scene));
+        let (looks, mars) = (Look::of(scene), scene.sky.mars.as_ref().and_then(|mars| MarsBound::of(scene, mars)));
         let least_tangent_of_mars = least_tangent(&site, mars.as_ref());
         let most_of_day = mars.as_ref().map_or(0.0, |mars| mars.most_of_day);
         let mesh = &scene.body.mesh;
@@ -257,22 +284,8 @@ impl Extremes {
             facing,
             most_of_day,
             draft: None,
+            bodies: scene.sky.bodies.iter().map(|globe| BodySeen::of(scene, globe, &looks)).collect(),
         }
-    }
-
-    /// About the CPU time that a draft of the image takes, s.
-    pub(super) fn draft_s(&self, scene: &Scene) -> f64 {
-        let (facets_in_frame, filled) = (self.glimpse.facets_in_frame, self.glimpse.filled());
-        cost::cpu_s(scene, &Workload { facets_in_frame, filled, mean_incidence_deg: None })
-    }
-
-    /// With a draft of the image.
-    ///
-    /// # Errors
-    /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
-    pub fn with_draft(self, scene: &Scene, watch: Watch<'_>) -> Result<Self> {
-        let wavelengths = Given::new(scene, &self, &self.sunlit).references();
-        Ok(Extremes { draft: Draft::of(scene, &wavelengths, watch)?, ..self })
     }
 }
 
@@ -393,8 +406,8 @@ struct MarsBound {
 }
 
 impl MarsBound {
-    fn of(scene: &Setup) -> Option<Self> {
-        let Mars { centre_m, radius_m, .. } = *scene.sky.mars.as_ref()?;
+    fn of(scene: &Setup, globe: &Globe) -> Option<Self> {
+        let Globe { centre_m, radius_m, .. } = *globe;
         let (low_m, high_m) = scene.body.bounds_m()?;
         // Where Mars is nearest, and anywhere in the box, the phase angle is the middle's but for the box's size as Mars sees it.
         let middle_m = 0.5 * (low_m + high_m);
@@ -403,7 +416,7 @@ impl MarsBound {
         let sin_radius = radius_m / nearest_m;
         let off_rad = reach_m / nearest_m;
         // From Mars: between the Sun and the scene.
-        let phase_rad = angle_rad(scene.sky.sun.direction.vec(), -to_centre_m);
+        let phase_rad = angle_rad(scene.sky.sun_on(globe).direction.vec(), -to_centre_m);
         let least_phase_rad = (phase_rad - off_rad).max(0.0);
         let in_view_rad = (least_phase_rad - sin_radius.acos()).max(0.0);
         let (away, sunward) = irradiance_vector(sin_radius, least_phase_rad.cos());
@@ -425,6 +438,27 @@ impl MarsBound {
         })
     }
 
+    /// How much more of its light facets send to the camera than a Lambert surface that faces it would, at most; its disc is taken to be at the middle
+    /// of what of it is above their horizon.
+    fn most_gain(&self, scene: &Scene, looks: &[Look]) -> f64 {
+        let mesh = &scene.body.mesh;
+        let (sin_radius, cos_radius) = self.radius;
+        let of = |i: usize| {
+            let facet = mesh.facet(i);
+            let (normal, centroid_m) = (facet.cross_m2().normalize_or_zero(), facet.centroid_m());
+            let to_eye = (scene.exposure.camera.centre_m() - centroid_m).normalize_or_zero();
+            let tilt = nearer(with_sine(normal.dot(self.towards)), self.off);
+            let (nearest, _) = nearer(tilt, (cos_radius, sin_radius));
+            if normal.dot(to_eye) <= 0.0 || nearest <= 0.0 {
+                return 0.0;
+            }
+            let towards = middle_above_horizon(normal, self.centre_m - centroid_m, self.radius_m).normalize_or_zero();
+            let look = &looks[mesh.material[i].0 as usize];
+            nearest / cos_radius * look.gain(|| PhotometricAngles::of_directions(normal, towards, to_eye))
+        };
+        (0..mesh.facets.len()).into_par_iter().map(of).reduce(|| 0.0, f64::max)
+    }
+
     /// Bounds of E / (reflectance x sunlight), and of the form factor, of a facet anywhere in the scene.
     fn at(&self, normal: DVec3) -> (f64, f64) {
         let (sin_radius, cos_radius) = self.radius;
@@ -436,6 +470,30 @@ impl MarsBound {
         }
         let (nearest, _) = nearer((cos_tilt, sin_tilt), (cos_radius, sin_radius));
         ((form_factor * self.most_cos).min(self.scalar * nearest.max(0.0)), form_factor)
+    }
+}
+
+/// The most that a body of the sky can send a facet of the scene.
+pub(super) struct BodySeen {
+    /// Irradiance over its reflectance and the scene's sunlight.
+    pub(super) light: f64,
+    /// Form factor.
+    pub(super) form_factor: f64,
+    /// How much more of that a surface sends to the camera than a Lambert surface that faces the body would.
+    pub(super) gain: f64,
+}
+
+impl BodySeen {
+    fn of(scene: &Scene, globe: &Globe, looks: &[Look]) -> Self {
+        let Some(bound) = MarsBound::of(scene, globe) else {
+            return BodySeen { light: 0.0, form_factor: 0.0, gain: 1.0 };
+        };
+        let (sin_radius, _) = bound.radius;
+        let form_factor = sin_radius * sin_radius;
+        let strength = scene.sky.sun_on(globe).strength;
+        let has_models = looks.iter().any(|look| look.model.is_some());
+        let gain = if has_models { bound.most_gain(scene, looks) } else { 1.0 };
+        BodySeen { light: strength * (form_factor * bound.most_cos).min(bound.scalar), form_factor, gain }
     }
 }
 

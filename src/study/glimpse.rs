@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::geometry::{Facet, FrameCamera, Mesh, index_u32, whole_u32};
+use crate::geometry::{Facet, FrameCamera, Mesh, whole_u32};
 use crate::scene::Scene;
 
 /// Rays along a side of the image: shares of the image are good to a percent or two.
@@ -13,8 +13,6 @@ const CHUNK: usize = 65_536;
 
 /// Rays through the middles of equal parts of the image, and the first facet that each meets.
 pub(super) struct Glimpse {
-    /// Rays along samples and lines.
-    counts: [u32; 2],
     /// Line by line.
     met: Vec<Met>,
     /// Facets that the image's frame might hold, if nothing hides them.
@@ -63,7 +61,7 @@ impl Glimpse {
         };
         let Part { met, facets_in_frame, faces_sun } =
             (0..scene.body.mesh.facets.len().div_ceil(CHUNK)).into_par_iter().map(part).reduce(blank, Part::with);
-        Glimpse { counts, met, facets_in_frame, faces_sun }
+        Glimpse { met, facets_in_frame, faces_sun }
     }
 
     /// Share of the image that the surface fills.
@@ -86,21 +84,6 @@ impl Glimpse {
     /// The facet of each ray that meets one.
     pub(super) fn facets(&self) -> impl Iterator<Item = usize> {
         self.met.iter().filter(|met| **met != SKY).map(|met| met.facet)
-    }
-
-    /// Pixels for each ray.
-    pub(super) fn ray_px(&self, camera: &FrameCamera) -> f64 {
-        f64::from(camera.samples) / f64::from(self.counts[0]) * f64::from(camera.lines) / f64::from(self.counts[1])
-    }
-
-    /// Each ray and the range of the surface that it meets, m; infinite for the sky.
-    pub(super) fn ranges_m(&self, camera: &FrameCamera) -> impl Iterator<Item = (DVec3, f64)> {
-        self.met.iter().enumerate().map(|(i, met)| {
-            let place = [index_u32(i) % self.counts[0], index_u32(i) / self.counts[0]];
-            let [x, y] = [0, 1].map(|k| middle(place[k], [camera.samples, camera.lines][k], self.counts[k]));
-            let ray = camera.ray(x, y);
-            (ray, met.along * ray.length())
-        })
     }
 }
 

@@ -11,7 +11,7 @@ use super::warnings::enclosed;
 use super::{map_light, partly_sky};
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::{Camera, Texels};
-use crate::integrate::{self, Choice, MapImage, MapView, Maps, Unknown, Wanted};
+use crate::integrate::{self, MapImage, MapView, Maps, Unknown, ViewChoice, Wanted};
 use crate::product::{
     Added, FacetTable, Placement, RadianceMap, Registration, SkyShare, Slab, TexelSource, TexelWeights, ViewImage,
 };
@@ -55,7 +55,7 @@ impl Default for Fill {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MapOptions {
     /// Which of several maps serve a facet.
-    pub choice: Choice,
+    pub choice: ViewChoice,
     /// What holds between texel centres.
     pub texels: Texels,
     /// What is shown where nothing is known.

@@ -1,6 +1,7 @@
 //! Studies: work that spans several layers. Takes values and callbacks, does not access the disk.
 
 pub mod chart;
+mod coarser;
 mod cost;
 mod draft;
 mod dry_run;
@@ -23,9 +24,10 @@ mod table_id;
 pub mod validate;
 mod warnings;
 
+pub use coarser::Coarser;
 pub use cost::{WITHIN, has_room, memory_bytes, product_bytes};
 pub use dry_run::{DryRun, dry_run};
-pub use effects::{Bound, Decision, Effect, OwnTolerance};
+pub use effects::{Bound, Decision, Effect, OwnTolerance, StageShare};
 pub use extremes::Extremes;
 pub use maps::{Fill, MapAccount, MapEntry, MapOptions, RegistrationEntry, observe_maps, observe_maps_by_slabs};
 pub use observation::{Check, Counts, Observation, Put};

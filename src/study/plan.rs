@@ -3,10 +3,12 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::coarser::{Coarser, coarser};
+use super::cost::{self, Workload};
 use super::effects::{ALL, Bound, Decision, Effect, EffectKind, Given, Switch, effects};
 use super::extremes::Extremes;
 use crate::error::{Error, Location, Result};
-use crate::progress::Watch;
+use crate::progress::{Watch, tell};
 use crate::scene::{MarsModel, Models, Scene, Thermal};
 
 /// The tolerance unless another one is asked for.
@@ -97,6 +99,11 @@ pub struct Plan {
     pub dropped: Option<Bound>,
     /// The sum of what is left of those that are kept; null if one of them is not known.
     pub remaining: Option<Bound>,
+    /// About the CPU time of all of a simulation, s, on a machine of 2022.
+    pub cpu_s: f64,
+    /// Where the mesh is far finer than pixels: one that would do.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coarser: Option<Coarser>,
     /// Each effect. Bounds are of before the image was made.
     pub effects: Vec<Effect>,
 }
@@ -154,7 +161,7 @@ pub fn plan(scene: &Scene, extremes: &Extremes, request: &Request) -> Result<(Mo
             chosen(&given, *tolerance, |kind, _| !dropped.contains(&kind.key))
         }
     };
-    Ok((models, account(&given.by(models), request)))
+    Ok((models, account(scene, &given.by(models), request)))
 }
 
 /// As [`plan`], having looked at the scene as closely as its answer is worth: at where shadows are, unless all is chosen by name; at how dark pixels get, if
@@ -163,22 +170,22 @@ pub fn plan(scene: &Scene, extremes: &Extremes, request: &Request) -> Result<(Mo
 /// # Errors
 /// As [`plan`], and [`Error::Interrupted`] if `watch` asks to stop.
 pub fn decide(scene: &Scene, request: &Request, watch: Watch<'_>) -> Result<(Models, Extremes, Plan)> {
-    let extremes = match request.choice {
-        Choice::Auto | Choice::Full => Extremes::with_shadows(scene, watch)?,
-        Choice::Thesis | Choice::Only(_) => Extremes::new(scene),
-    };
-    let (models, first) = plan(scene, &extremes, request)?;
+    scene.body.topology_watched(watch)?;
+    tell(watch, "plan", 0, 1)?;
     let is_open = matches!(request.choice, Choice::Auto | Choice::Full);
-    if !is_open || first.cost_s() < extremes.draft_s(scene) {
-        return Ok((models, extremes, first));
+    let mut extremes = if is_open { Extremes::with_shadows(scene, watch)? } else { Extremes::new(scene) };
+    let (mut models, mut plan) = self::plan(scene, &extremes, request)?;
+    if is_open && plan.cost_s() >= cost::cpu_s(scene, &Workload::of(scene, &extremes)) {
+        extremes = extremes.with_draft(scene, watch)?;
+        (models, plan) = self::plan(scene, &extremes, request)?;
     }
-    let extremes = extremes.with_draft(scene, watch)?;
-    let (models, plan) = plan(scene, &extremes, request)?;
+    plan.coarser = coarser(scene, &extremes, plan.cost_s());
+    tell(watch, "plan", 1, 1)?;
     Ok((models, extremes, plan))
 }
 
 /// The plan that these models are.
-fn account(given: &Given, request: &Request) -> Plan {
+pub(super) fn account(scene: &Scene, given: &Given, request: &Request) -> Plan {
     let effects = effects(given);
     // What has a tolerance of its own is no part of the sums: what is left of it, and, if that decides, all of it.
     let is_apart = |kind: &EffectKind, decision: Decision| match &kind.switch {
@@ -190,18 +197,22 @@ fn account(given: &Given, request: &Request) -> Plan {
             ALL.iter().zip(&effects).filter(|(kind, effect)| effect.decision == decision && !is_apart(kind, decision));
         parts.map(|(_, effect)| of(effect)).try_fold(Bound::NOTHING, |sum, part| Some(sum.and(&part?)))
     };
-    Plan {
+    let mut plan = Plan {
         model: request.choice.to_string(),
         tolerance: request.tolerance,
         dropped: sum(Decision::Dropped, &|effect| effect.bound),
         remaining: sum(Decision::Kept, &|effect| Some(effect.remaining.unwrap_or(Bound::NOTHING))),
+        cpu_s: 0.0,
+        coarser: None,
         effects,
-    }
+    };
+    plan.cpu_s = cost::cpu_s(scene, &Workload::of(scene, given.extremes)) + plan.cost_s();
+    plan
 }
 
 /// What the thesis has.
 fn thesis() -> Models {
-    Models { thermal: Thermal::Thesis, mars_light: MarsModel::Thesis, ..Models::default() }
+    Models { thermal: Thermal::Thesis, mars_light: MarsModel::Thesis, bodies: 0, ..Models::default() }
 }
 
 /// Models with the effects that are wanted of those that there are.

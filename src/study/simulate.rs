@@ -82,7 +82,7 @@ pub(super) fn account_for(
         effects: effects(&given),
         warnings: [
             scene.remarks(),
-            warnings::of_image((scene, table), &counts, &image, uses_sun),
+            warnings::of_image(table, &counts, &image, uses_sun),
             warnings::of_scene(scene, site, extremes.open_to_shadow, uses_sun),
         ]
         .concat(),

@@ -3,7 +3,7 @@
 use blake3::Hasher;
 use glam::DVec3;
 
-use crate::scene::{Exchange, MarsModel, Models, Rotation, Scene, Setup, Sky, SunModel, Surface, Thermal};
+use crate::scene::{Exchange, Globe, MarsModel, Models, Rotation, Scene, Setup, Sky, SunModel, Surface, Thermal};
 
 /// A name for everything that [`solve`](crate::solve::solve) reads of a scene: BLAKE3 of the resolved values, 64 hexadecimal digits.
 ///
@@ -13,10 +13,21 @@ pub fn table_id(scene: &Scene) -> String {
     let mut put = |values: &[f64]| values.iter().for_each(|v| _ = hasher.update(&v.to_le_bytes()));
     let Setup {
         body,
-        sky: Sky { sun, mars, beams, rotation },
+        sky: Sky { sun, mars, bodies, beams, rotation },
         exposure: _,
         models:
-            Models { thermal, mars_light, sun: sun_model, eclipses, mars_shadows, mars_heat, conduction, exchange, floor_k },
+            Models {
+                thermal,
+                mars_light,
+                sun: sun_model,
+                eclipses,
+                mars_shadows,
+                mars_heat,
+                conduction,
+                exchange,
+                floor_k,
+                bodies: _,
+            },
     } = &**scene;
     let Surface { origin_m, mesh, materials, textures: _ } = &**body;
     put(&origin_m.to_array());
@@ -66,6 +77,8 @@ pub fn table_id(scene: &Scene) -> String {
     }
     if *eclipses {
         hasher.update(b"eclipses");
+        let bodies = bodies.iter().flat_map(|body| [body.centre_m.x, body.centre_m.y, body.centre_m.z, body.radius_m]);
+        bodies.for_each(|v| _ = hasher.update(&v.to_le_bytes()));
         hasher.update(&sun.limb_darkening.to_le_bytes());
     }
     if let Some(Exchange { bounces, directions, lines_per_facet }) = exchange {
@@ -75,6 +88,15 @@ pub fn table_id(scene: &Scene) -> String {
     if *floor_k > 0.0 {
         hasher.update(b"floor");
         hasher.update(&floor_k.to_le_bytes());
+    }
+    for Globe { name, centre_m, radius_m, reflectance: _, bond_albedo, thermal_exitance_w_m2, day_night_k } in
+        scene.lighting_bodies()
+    {
+        hasher.update(b"body");
+        hasher.update(name.as_bytes());
+        hasher.update(&[0, u8::from(*day_night_k != [0.0; 2])]);
+        let numbers = [*radius_m, *bond_albedo, *thermal_exitance_w_m2];
+        centre_m.to_array().into_iter().chain(numbers).for_each(|v| _ = hasher.update(&v.to_le_bytes()));
     }
     for beam in beams {
         hasher.update(beam.name.as_bytes());

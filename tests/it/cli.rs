@@ -240,6 +240,34 @@ fn a_product_with_all_its_parts_is_replaced_and_with_anything_else_is_not() {
 }
 
 #[test]
+fn what_was_measured_stands_beside_what_was_predicted() {
+    let scratch = Scratch::new();
+    let (scene, product) = (scene_file(&scratch, SITE), scratch.argument("product"));
+    let (code, _, err) = run(&["simulate", &scene, "-o", &product, "--model", "sunlight,sun-disc,interreflection"]);
+    assert!(code == 0 && err.contains("took ") && err.contains("predicted"), "{err}");
+    let read = |name: &str| -> serde_json::Value {
+        serde_json::from_slice(&std::fs::read(scratch.join("product").join(name)).unwrap()).unwrap()
+    };
+    let (run_json, report) = (read("run.json"), read("report.json"));
+    let costs = run_json["costs"].as_array().unwrap();
+    let of: Vec<&str> = costs.iter().map(|cost| cost["of"].as_str().unwrap()).collect();
+    assert_eq!(of, ["all", "sun-disc", "interreflection"]);
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    let measured: Vec<f64> = costs.iter().map(|cost| number(&cost["measured_cpu_s"])).collect();
+    // All of it is the whole process; its parts are stages, which are no longer together.
+    assert_eq!(measured[0], number(&run_json["cpu_s"]));
+    assert!(measured.iter().all(|s| *s > 0.0) && measured[1] + measured[2] <= measured[0], "{measured:?}");
+    let stages: f64 = run_json["stages"].as_array().unwrap().iter().map(|stage| number(&stage["cpu_s"])).sum();
+    assert!(stages <= measured[0], "{stages} {measured:?}");
+    assert_eq!(costs[0]["predicted_cpu_s"], report["plan"]["cpu_s"]);
+    // What depends on the machine is in no report: a second run has the same.
+    let again = scratch.argument("again");
+    assert_eq!(run(&["simulate", &scene, "-o", &again, "--model", "sunlight,sun-disc,interreflection"]).0, 0);
+    let bytes = |folder: &str| std::fs::read(scratch.join(folder).join("report.json")).unwrap();
+    assert_eq!(bytes("product"), bytes("again"));
+}
+
+#[test]
 fn bands_that_openexr_cannot_tell_apart_are_told_by_the_final_name() {
     let scratch = Scratch::new();
     let scene = scene_file(&scratch, &SITE.replace("[1.0]", "[1.0, 1.0]"));

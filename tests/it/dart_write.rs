@@ -11,7 +11,7 @@ use mmxrt::formats::{scene_toml, xml};
 use mmxrt::geometry::{Direction, FrameCamera, MaterialId, Mesh, Pose};
 use mmxrt::progress::unwatched;
 use mmxrt::report::{Fate, Report};
-use mmxrt::scene::{Hapke, Mars, Material, Photometry, Rpv, Scene, Thermal};
+use mmxrt::scene::{Globe, Hapke, Material, Photometry, Rpv, Scene, Thermal};
 use mmxrt::spectral::{Band, Extend, Light, Spectrum};
 use mmxrt::units::AU_M;
 
@@ -73,7 +73,7 @@ pub(crate) fn rich() -> Scene {
     scene.surface.mesh.face_of_facet = vec![0, 0, 1, 1];
     scene.surface.mesh.material = [3, 1, 3, 2].map(MaterialId).to_vec();
     scene.sky.mars =
-        Some(Mars { reflectance: spectrum(&[0.2, 0.25, 0.31]), ..scenes::mars(DVec3::new(3e6, 8e6, 1e6)) });
+        Some(Globe { reflectance: spectrum(&[0.2, 0.25, 0.31]), ..scenes::mars(DVec3::new(3e6, 8e6, 1e6)) });
     scene.models.thermal = Thermal::Equilibrium;
     scene.exposure.camera.world_from_sensor.rotation *= DMat3::from_rotation_z(0.3);
     scene.exposure.bands.push(Band::new(2.2, Some(0.05)));

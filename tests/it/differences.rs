@@ -27,6 +27,11 @@ direction = [0.0, 0.5, 0.8]
 distance_au = 1.5
 [mars]
 position_m = [9.4e6, 0.0, 2.0e6]
+[[bodies]]
+name = "moon"
+position_m = [-2.3e7, 0.0, 1.0e5]
+radius_m = 6200
+albedo = 0.07
 [observer]
 position_m = [0.3, 0.3, 11010.0]
 target_m = [0.3, 0.3, 11000.0]
@@ -129,6 +134,11 @@ fn every_part_of_a_scene_is_compared() {
         ("mars.albedo", &|s| s.sky.mars.as_mut().unwrap().reflectance = constant(0.5)),
         ("mars.bond_albedo", &|s| s.sky.mars.as_mut().unwrap().bond_albedo += 0.01),
         ("mars.thermal_exitance_w_m2", &|s| s.sky.mars.as_mut().unwrap().thermal_exitance_w_m2 += 1.0),
+        ("bodies", &|s| s.sky.bodies.clear()),
+        ("bodies.\"moon\"", &|s| s.sky.bodies[0].name = "luna".into()),
+        ("bodies.\"moon\".radius_m", &|s| s.sky.bodies[0].radius_m += 1.0),
+        ("bodies.\"moon\".albedo", &|s| s.sky.bodies[0].reflectance = constant(0.5)),
+        ("bodies.\"moon\".day_k", &|s| s.sky.bodies[0].day_night_k[0] += 1.0),
         ("mars.model", &|s| s.models.mars_light = MarsModel::Thesis),
         ("thermal.model", &|s| s.models.thermal = Thermal::Off),
         ("sensor.name", &|s| s.exposure.instrument = "other".into()),

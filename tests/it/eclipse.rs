@@ -4,7 +4,7 @@ use mmxrt::geometry::Direction;
 use mmxrt::physics::sun_disc::{DiscRule, share_beyond_edge};
 use mmxrt::product::FacetTable;
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{Mars, MarsModel, Scene, SunModel};
+use mmxrt::scene::{Globe, MarsModel, Scene, SunModel};
 use mmxrt::solve;
 use mmxrt::study;
 use mmxrt::units::{AU_M, SUN_RADIUS_M};
@@ -24,7 +24,7 @@ fn before(scene: &Scene, beyond: f64) -> Scene {
     edited(scene, |parts| {
         parts.sky.sun.distance_m = DISTANCE_M;
         let centre_m = MARS_M * (off.cos() * u + off.sin() * side);
-        parts.sky.mars = Some(Mars { reflectance: mmxrt::spectral::Spectrum::constant(0.0), ..mars(centre_m) });
+        parts.sky.mars = Some(Globe { reflectance: mmxrt::spectral::Spectrum::constant(0.0), ..mars(centre_m) });
         parts.models.eclipses = true;
     })
 }

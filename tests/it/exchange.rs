@@ -346,6 +346,23 @@ fn rays_to_every_facet_find_the_same_light() {
     assert_near("all", all_got, all_expected, 2e-2);
 }
 
+/// Of a Sun or a lamp of which only the irradiance in the bands is known, nothing is known of all its light; it is reflected as often.
+#[test]
+fn light_without_a_total_is_reflected_as_often() {
+    let table = |total_w_m2: f64| {
+        let exchange = Exchange { bounces: 3, directions: 64, lines_per_facet: 256 };
+        let scene = with_exchange(corner(), [1.0, 0.0, 1.0], exchange, |parts| {
+            parts.surface.materials =
+                vec![lambert(0, "ground", Spectrum::constant(0.9)), lambert(1, "wall", Spectrum::constant(0.8))];
+            parts.sky.sun.total_irradiance_1au_w_m2 = total_w_m2;
+        });
+        solve(&scene, &unwatched).unwrap()
+    };
+    let (known, unknown) = (table(1361.0), table(0.0));
+    assert!(known.reflected.iter().any(|r| r.by.len() == 3 && r.irradiance[0] > 0.002), "{:?}", known.reflected);
+    assert_eq!(known.reflected, unknown.reflected);
+}
+
 #[test]
 fn what_is_convex_has_nothing_to_exchange() {
     let scene = with_exchange(cuboid([0.0; 3], [1.0, 2.0, 3.0]), [1.0, 1.0, 1.0], Exchange::default(), |parts| {

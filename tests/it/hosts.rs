@@ -45,7 +45,9 @@ fn run() -> Run {
         threads: 1,
         host_cores: 1,
         wall_s: 0.0,
+        cpu_s: None,
         stages: vec![],
+        costs: vec![],
     }
 }
 

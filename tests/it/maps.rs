@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use mmxrt::geometry::{Camera, FrameCamera, Mesh, ParallelCamera, Pose, Texels as Between};
-use mmxrt::integrate::Choice;
+use mmxrt::integrate::ViewChoice;
 use mmxrt::integrate::Wanted;
 use mmxrt::landscape::{self, Recipe};
 use mmxrt::product::{Atlas, FacetTable, Placement, RadianceMap, SkyShare, TexelSource, ViewImage};
@@ -311,7 +311,7 @@ fn behind_a_wall_a_map_knows_nothing() {
     assert!(account.unknown_share < 1e-3, "{account:?}");
     // 26.57 deg to the west view, 45 deg to the east: the ground is the west view's, but for what it does not see.
     assert!((seen.cube.band(0)[2] - 3.0).abs() < 1e-2);
-    let mixed = MapOptions { choice: Choice::Interpolated, fill: Fill::Refuse(0.1), ..MapOptions::default() };
+    let mixed = MapOptions { choice: ViewChoice::Interpolated, fill: Fill::Refuse(0.1), ..MapOptions::default() };
     let (seen, _) = observe(&scene, both(), &mixed).unwrap();
     let (near, far) = ((0.5_f64).atan().to_degrees().powi(-2), 45.0_f64.powi(-2));
     let expected = (3.0 * near + far) / (near + far);
@@ -338,7 +338,7 @@ fn maps_without_a_direction_serve_what_no_view_knows() {
     let facets = || map(Placement::Facets(2), vec![3.0; 2]);
     // Only the western half.
     let view = || map(parallel_image([1.0, 0.0, 1.0], [-8.0, 8.0], 1.0, 8, 16, true), vec![1.0; 128]);
-    for choice in [Choice::Nearest, Choice::Interpolated] {
+    for choice in [ViewChoice::Nearest, ViewChoice::Interpolated] {
         let options = MapOptions { choice, ..MapOptions::default() };
         for views in [vec![facets(), view()], vec![view(), facets()]] {
             let image = observe(&scene, vec![views], &options).unwrap().0.cube.band(0);

@@ -1,7 +1,7 @@
 //! Several maps that each know another part of a facet: together they know what any of them knows.
 
 use mmxrt::geometry::Texels as Between;
-use mmxrt::integrate::Choice;
+use mmxrt::integrate::ViewChoice;
 use mmxrt::product::{Placement, RadianceMap};
 use mmxrt::study::{Fill, MapOptions};
 
@@ -9,11 +9,11 @@ use crate::maps::{camera_image, map, observe, parallel_image};
 use crate::scenes::scene;
 use crate::shapes::*;
 
-fn options(choice: Choice, texels: Between) -> MapOptions {
+fn options(choice: ViewChoice, texels: Between) -> MapOptions {
     MapOptions { choice, texels, fill: Fill::Value(0.0), add_solved: false, footprints: false }
 }
 
-const CHOICES: [Choice; 2] = [Choice::Nearest, Choice::Interpolated];
+const CHOICES: [ViewChoice; 2] = [ViewChoice::Nearest, ViewChoice::Interpolated];
 const BETWEEN: [Between; 2] = [Between::Nearest, Between::Bilinear];
 
 fn check(maps: Vec<RadianceMap>, options: &MapOptions, expected: &[f64], tolerance: f64) {
@@ -87,7 +87,7 @@ fn a_camera_a_plane_and_a_table_of_facets_share_a_pixel() {
             .collect()
     };
     let expected = [row(true), row(true), row(true), row(false)].concat();
-    check(maps(), &options(Choice::Nearest, Between::Nearest), &expected, 1e-9);
+    check(maps(), &options(ViewChoice::Nearest, Between::Nearest), &expected, 1e-9);
 }
 
 #[test]

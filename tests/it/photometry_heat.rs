@@ -5,7 +5,7 @@ use mmxrt::physics::reflectance::albedo::Measure;
 use mmxrt::physics::reflectance::hapke::{Parameters, Roughness, Surge};
 use mmxrt::physics::reflectance::{PhaseFunction, Shape};
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{Beam, Mars, Model, Photometry, Scene, Thermal};
+use mmxrt::scene::{Beam, Globe, Model, Photometry, Scene, Thermal};
 use mmxrt::spectral::{Band, Extend, Light, Spectrum};
 use mmxrt::study;
 
@@ -75,7 +75,7 @@ fn other_light_is_absorbed_by_its_incidence_too() {
     let by_mars = |scene: &Scene| {
         t_k(&edited(scene, |parts| {
             let centre_m = 9.4e6 * glam::DVec3::new(sin, 0.0, cos);
-            parts.sky.mars = Some(Mars { thermal_exitance_w_m2: 0.0, ..mars(centre_m) });
+            parts.sky.mars = Some(Globe { thermal_exitance_w_m2: 0.0, ..mars(centre_m) });
         }))
     };
     let lambert = edited(&night, |parts| parts.surface.materials[0].photometry = Photometry::Lambert);

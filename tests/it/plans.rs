@@ -4,7 +4,7 @@ use glam::DVec3;
 use mmxrt::physics::reflectance::Preset;
 use mmxrt::physics::reflectance::albedo::Measure;
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{Model, Models, Photometry, Scene, SceneParts, Thermal};
+use mmxrt::scene::{Globe, Model, Models, Photometry, Scene, SceneParts, Thermal};
 use mmxrt::spectral::{Band, Extend, Spectrum, solar_e490};
 use mmxrt::study::{self, Choice, Decision, Effect, Extremes, Observation, Plan, Request};
 use mmxrt::units::AU_M;
@@ -52,6 +52,13 @@ pub(crate) fn random_scene(seed: u64) -> SceneParts {
     let sets: [&[f64]; 7] = [&[1.0], &[1.0, 1.5], &[1.7], &[2.0], &[2.4], &[1.0, 3.0], &[3.6]];
     let bands = sets[(uniform(0.0, 7.0) as usize).min(6)];
     parts.exposure.bands = bands.iter().map(|um| Band::new(*um, None)).collect();
+    if uniform(0.0, 1.0) < 0.5 {
+        let towards = direction([uniform(-1.0, 1.0), uniform(-1.0, 1.0), uniform(-0.5, 1.0)]).vec();
+        let (distance_m, sin_radius) = (10f64.powf(uniform(6.0, 11.0)), 10f64.powf(uniform(-3.5, -0.3)));
+        let moon = scenes::mars(distance_m * towards);
+        let moon = Globe { name: "moon".into(), radius_m: sin_radius * distance_m, ..moon };
+        parts.sky.bodies = vec![moon];
+    }
     parts.models.thermal = Thermal::Equilibrium;
     parts
 }

@@ -4,7 +4,7 @@ use mmxrt::geometry::{Direction, FrameCamera, Mesh};
 use mmxrt::integrate::Wanted;
 use mmxrt::product::FacetTable;
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{DirectionField, Mars, MarsModel, SceneParts, Thermal};
+use mmxrt::scene::{DirectionField, Globe, MarsModel, SceneParts, Thermal};
 use mmxrt::spectral::{Band, Light, Spectrum, solar_e490};
 use mmxrt::study::{Bound, Decision, Effect, Observation, simulate, table_id};
 use mmxrt::units::AU_M;
@@ -14,7 +14,7 @@ use crate::shapes::*;
 
 const MARS_M: f64 = 9_376_000.0;
 
-fn mars(towards: [f64; 3]) -> Mars {
+fn mars(towards: [f64; 3]) -> Globe {
     scenes::mars(MARS_M * direction(towards).vec())
 }
 
@@ -86,7 +86,7 @@ fn largest_error(truth: &Observation, other: &Observation) -> f64 {
 #[test]
 fn every_effect_says_what_it_is() {
     let observation = observed(&scene(hills(), sun(40.0, 10.0), nadir(1e4, 80.0, 24)));
-    assert_eq!(observation.effects.len(), 16);
+    assert_eq!(observation.effects.len(), 18);
     let mut bounded = 0;
     for effect in &observation.effects {
         assert!(effect.note.len() > 20 && effect.because.len() > 15, "{effect:?}");
@@ -94,7 +94,7 @@ fn every_effect_says_what_it_is() {
         bounded += usize::from(effect.bound.is_some());
     }
     // Not known: photometry, the instrument, an eclipse by a Mars that is not in the scene, and beaming of what has no temperature.
-    assert_eq!(bounded, 12);
+    assert_eq!(bounded, 14);
     let kept = |observation: &Observation| -> Vec<String> {
         let kept = observation.effects.iter().filter(|e| e.decision == Decision::Kept);
         kept.map(|e| e.key.clone()).collect()
@@ -300,7 +300,7 @@ fn a_site_in_eclipse_says_so() {
         let expected = usize::from(!words.is_empty());
         assert_eq!(seen.warnings.iter().filter(|w| w.contains("eclipse") && w.contains(words)).count(), expected);
         // In what is left of the light any error may be as large.
-        let bound = effect(&seen, "eclipse by Mars").bound;
+        let bound = effect(&seen, "eclipses").bound;
         assert_eq!(bound, if expected > 0 { None } else { Some(Bound::NOTHING) }, "{off_deg}");
     }
 }

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use mmxrt::geometry::{Direction, FrameCamera, Mesh};
-use mmxrt::scene::{Exposure, Mars, Material, Models, Photometry, Scene, SceneParts, Sky, Sun, Surface, Thermal};
+use mmxrt::scene::{Exposure, Globe, Material, Models, Photometry, Scene, SceneParts, Sky, Sun, Surface, Thermal};
 use mmxrt::spectral::{Band, Spectrum};
 use mmxrt::units::AU_M;
 
@@ -82,8 +82,9 @@ pub(crate) fn lambert(entry: usize, name: &str, reflectance: Spectrum) -> Materi
     }
 }
 
-pub(crate) fn mars(centre_m: DVec3) -> Mars {
-    Mars {
+pub(crate) fn mars(centre_m: DVec3) -> Globe {
+    Globe {
+        name: "mars".into(),
         centre_m,
         radius_m: 3_389_500.0,
         reflectance: Spectrum::constant(0.25),
@@ -111,6 +112,7 @@ pub(crate) fn parts(mesh: Mesh, camera: FrameCamera, towards_sun: Direction) -> 
                 limb_darkening: 0.0,
             },
             mars: None,
+            bodies: vec![],
             beams: vec![],
             rotation: None,
         },

@@ -85,8 +85,8 @@ fn two_facets_are_painted_in_the_right_order() {
     }
 }
 
-/// A row of the table: hazard, method, whether it is ours, where the error exceeds each level, and the worst.
-fn rows(table: &str) -> Vec<Vec<String>> {
+/// Rows of a table in CSV, without comments and headings: of stability a row is hazard, method, whether it is ours, where the error exceeds each level, and the worst.
+pub(crate) fn rows(table: &str) -> Vec<Vec<String>> {
     let fields = |line: &str| {
         let (mut fields, mut quoted) = (vec![String::new()], false);
         for c in line.chars() {

@@ -4,45 +4,6 @@ use crate::cli::run;
 use crate::scenes::SITE;
 use crate::scratch::Scratch;
 
-/// The site with Mars straight above, so many metres from the body's centre.
-fn with_mars_at(y_m: &str) -> String {
-    SITE.replace("[9.4e6, 12000.0, 0.0]", &format!("[0.0, {y_m}, 0.0]"))
-}
-
-fn warned(mars_m: &str, target_m: &str) -> String {
-    let scratch = Scratch::new();
-    let text = with_mars_at(mars_m).replace("target_m = [0.0, 12000.0", &format!("target_m = [0.0, {target_m}"));
-    let scene = scratch.write("s.toml", text);
-    let (code, _, err) = run(&["simulate", scene.to_str().unwrap(), "-o", &scratch.argument("p")]);
-    assert_eq!(code, 0, "{err}");
-    err
-}
-
-#[test]
-fn mars_in_view_is_told() {
-    // Away from the site, towards a Mars that fills the field of view: 256 pixels.
-    let err = warned("9.4e6", "1e6");
-    assert!(err.contains("Mars is in view and is not drawn: 256 pixels of it are black"), "{err}");
-    // Beside the boresight, which is at the left edge of the image: Mars is 50 deg to the right, and 42 deg across.
-    let scratch = Scratch::new();
-    let (sin, cos) = 50f64.to_radians().sin_cos();
-    let observer = format!("u = [{}, {cos}, 0]\nh = [{cos}, {sin}, 0]\nv = [0, 0, -1]\n", -sin);
-    let text = with_mars_at("9.376e6");
-    let (from, to) = (text.find("target_m").unwrap(), text.find("[sensor]").unwrap());
-    let text = format!("{}{observer}{}", &text[..from], &text[to..]);
-    for (boresight, is_seen) in [("0.0", true), ("200.0", false)] {
-        let lens = format!("samples = 200\nlines = 100\nfocal_px = 100\nboresight_px = [{boresight}, 50.0]\n");
-        let from = text.find("samples").unwrap();
-        let end = text.find("bands").unwrap();
-        let scene = scratch.write("s.toml", format!("{}{lens}{}", &text[..from], &text[end..]));
-        let (code, _, err) = run(&["simulate", scene.to_str().unwrap(), "-o", &scratch.argument("p"), "--force"]);
-        assert!(code == 0 && err.contains("Mars is in view") == is_seen, "{err}");
-    }
-    // Behind the camera.
-    let err = warned("9.4e6", "12000.0");
-    assert!(!err.contains("Mars is in view"), "{err}");
-}
-
 #[test]
 fn more_than_all_the_light_is_told() {
     let scratch = Scratch::new();

@@ -2,12 +2,12 @@
 
 use std::fmt::Write as _;
 
-use crate::study::chart::{Chart, Spread};
+use crate::study::chart::{Chart, Entry, Family, Spread};
 
 pub(super) fn csv(chart: &Chart) -> String {
     let mut text = String::from(
-        "# error of a pixel: |difference from the full exact image| / max(its radiance, 0.01 x median sunlit radiance of the band); CPU s of all threads\n\
-         family,method,model,facets,band_um,cpu_s,runs,on_front",
+        "# error of a pixel: |difference from the image it is compared with| / max(that one's radiance, 0.01 x median sunlit radiance of the band); CPU s of all threads\n\
+         family,method,model,compared_with,facets,band_um,cpu_s,runs,on_front",
     );
     for over in ["all", "lit", "shadowed"] {
         for what in ["pixels", "p50", "p99", "p99.9", "max", "rms"] {
@@ -20,9 +20,10 @@ pub(super) fn csv(chart: &Chart) -> String {
             let family = format!("{:?}", entry.family).to_lowercase();
             let _ = write!(
                 text,
-                "{family},{},{},{},{},{:.4},{},{}",
+                "{family},{},{},{},{},{},{:.4},{},{}",
                 quoted(&entry.name),
                 quoted(&entry.model),
+                quoted(compared_with(chart, entry)),
                 entry.facets,
                 band.centre_um,
                 entry.cpu_s,
@@ -36,6 +37,14 @@ pub(super) fn csv(chart: &Chart) -> String {
         }
     }
     text
+}
+
+/// What the errors of a method are of.
+fn compared_with<'a>(chart: &'a Chart, entry: &Entry) -> &'a str {
+    match entry.family {
+        Family::Other => "exact sunlight on Lambert",
+        family => &chart.truth(family.question()).name,
+    }
 }
 
 /// A field: in quotes if it holds what ends one.

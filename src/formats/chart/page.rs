@@ -2,11 +2,14 @@
 
 use std::fmt::Write as _;
 
-use super::picture::{style, thousands};
+use super::picture::{asked, style, thousands};
 use super::pixels::{self, POWERS};
 use crate::formats::drawing::{Drawing, escaped};
 use crate::spectral::Band;
-use crate::study::chart::{Chart, Entry, FLOOR, Family};
+use crate::study::chart::{Chart, Entry, FLOOR, Question};
+
+/// Columns of a band.
+const COLUMNS: [&str; 7] = ["p50", "p99", "p99.9", "max", "rms", "p99 lit", "p99 shadowed"];
 
 pub(super) fn page(chart: &Chart, drawing: &Drawing, timed: &str) -> String {
     let [samples, lines] = chart.size;
@@ -20,19 +23,18 @@ pub(super) fn page(chart: &Chart, drawing: &Drawing, timed: &str) -> String {
     );
     html.push_str("<div class=\"advice\">\n");
     for advice in chart.advice() {
-        let class = if advice.target == 1e-3 { " class=\"main\"" } else { "" };
+        let class = if advice.is_main { " class=\"main\"" } else { "" };
         let _ = writeln!(html, "<p{class}>{}</p>", escaped(&advice.said));
     }
     html.push_str("</div>\n");
-    html.push_str(&drawing.inline_svg());
+    html.push_str(&format!("<div class=\"drawing\">{}</div>\n", drawing.inline_svg()));
     meaning(&mut html, chart);
-    table(&mut html, chart);
+    html.push_str(
+        "<h2>All numbers</h2>\n<p class=\"muted\">By time; a click on a heading sorts by it. Bold: on the line of what is worth its time. p50: half of the pixels are off by less; \
+         p99: all but 1 %; p99.9: all but 0.1 %; max: the worst; rms: root of the mean square; lit, shadowed: pixels of which more is sunlit than not, and the others.</p>\n",
+    );
+    Question::ALL.iter().for_each(|question| table(&mut html, chart, *question));
     gallery(&mut html, chart);
-    if !chart.notes.is_empty() {
-        html.push_str("<h2>Remarks</h2>\n<ul>\n");
-        chart.notes.iter().for_each(|note| html.push_str(&format!("<li>{}</li>\n", escaped(note))));
-        html.push_str("</ul>\n");
-    }
     html.push_str(&foot());
     html
 }
@@ -40,7 +42,7 @@ pub(super) fn page(chart: &Chart, drawing: &Drawing, timed: &str) -> String {
 /// The beginning of a page.
 pub(super) fn head(title: &str) -> String {
     format!(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{}</title>\n<style>\n{}</style></head><body>\n",
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><title>{}</title>\n<style>\n{}</style></head><body>\n",
         escaped(title),
         include_str!("page.css")
     )
@@ -60,9 +62,14 @@ fn meaning(html: &mut String, chart: &Chart) {
     let _ = write!(
         html,
         "<h2>How to read this</h2>\n\
-         <p>Each mark is a way to compute the same image. <b>To the left</b> it takes less time, <b>further down</b> it is nearer to the truth. The \
-         truth of this chart is the <b>full exact</b> image: areas and shadows without sampling, every effect modelled that the scene states. So its own error \
-         is 0 by definition; what no model here knows is not in any error.</p>\n\
+         <p>Each mark is a way to compute the same image. <b>To the left</b> it takes less time, <b>further down</b> it is nearer to the truth, the \
+         star. There are two questions, each with a truth of its own:</p>\n\
+         <ul><li><b>Which effects?</b> Every image has exact areas and shadows; what differs is which effects are computed, as \
+         <code>mmxrt simulate --model .. --tolerance ..</code> chooses them. The truth has all that the scene has inputs for, each finer than any of the \
+         others takes it. The time includes choosing.</li>\n\
+         <li><b>How are pixels and shadows computed?</b> Every image has the same effects: light straight from the Sun, Mars and lamps, and heat, without light between \
+         facets, so that the error is that of the shortcut alone. The truth has exact areas, and exact shadows of 37 points of the Sun's disc.</li></ul>\n\
+         <p>The error of a truth is 0 by definition; what no model here knows is in no error.</p>\n\
          <p><b>Error of a pixel</b> = |its radiance &minus; the true one| / the true one. In dark places it is taken relative to {} % of the \
          median sunlit radiance, so that what is nearly black does not count for more than it shows. 0.1 % is one part in a thousand. The mark is the \
          99th percentile: 99 of 100 pixels are off by less. The bar reaches from the median pixel to the worst. Errors are given at {}.</p>\n\
@@ -72,19 +79,26 @@ fn meaning(html: &mut String, chart: &Chart) {
         100.0 * FLOOR,
         bands.join(" and ")
     );
+    if !chart.notes.is_empty() {
+        html.push_str("<h2>What to know of these numbers</h2>\n<ul>\n");
+        chart.notes.iter().for_each(|note| html.push_str(&format!("<li>{}</li>\n", escaped(note))));
+        html.push_str("</ul>\n");
+    }
 }
 
-fn table(html: &mut String, chart: &Chart) {
-    html.push_str("<h2>All numbers</h2>\n<p class=\"muted\">By time; a click on a heading sorts by it. Bold: on the line of what is worth its time.</p>\n");
-    html.push_str("<div class=\"wide\"><table><thead><tr><th>method</th><th class=\"text\">model</th><th>facets</th><th>CPU s</th><th>x faster</th>");
+fn table(html: &mut String, chart: &Chart, question: Question) {
+    let _ = writeln!(html, "<h3>{}</h3>\n<p class=\"muted\">{}</p>", asked(question)[0], asked(question)[1]);
+    html.push_str("<div class=\"wide\"><table><thead><tr><th>method</th><th class=\"text\">as in simulate</th><th>facets</th><th>CPU s</th><th>x faster</th>");
     for band in &chart.bands {
-        for what in ["p50", "p99", "p99.9", "max", "rms", "p99 lit", "p99 shadowed"] {
+        for what in COLUMNS {
             let _ = write!(html, "<th>{what}<br>{} um</th>", um(band));
         }
     }
     html.push_str("</tr></thead><tbody>\n");
-    let full_s = chart.truth().cpu_s;
-    for entry in by_time(chart) {
+    let truth_s = chart.truth(question).cpu_s;
+    let mut entries: Vec<&Entry> = chart.answers(question).collect();
+    entries.sort_by(|a, b| a.cpu_s.total_cmp(&b.cpu_s));
+    for entry in entries {
         let class = if entry.is_best { " class=\"best\"" } else { "" };
         let _ = write!(
             html,
@@ -96,8 +110,8 @@ fn table(html: &mut String, chart: &Chart) {
             thousands(entry.facets),
             entry.cpu_s,
             entry.cpu_s,
-            full_s / entry.cpu_s,
-            full_s / entry.cpu_s
+            truth_s / entry.cpu_s,
+            truth_s / entry.cpu_s
         );
         for errors in &entry.errors {
             let (all, lit, shadowed) = (&errors.all, &errors.lit, &errors.shadowed);
@@ -105,7 +119,7 @@ fn table(html: &mut String, chart: &Chart) {
                 let _ = write!(html, "<td data-value=\"{value}\">{}</td>", percent(value));
             }
         }
-        let missing = 7 * (chart.bands.len() - entry.errors.len());
+        let missing = COLUMNS.len() * (chart.bands.len() - entry.errors.len());
         html.push_str(&"<td>&ndash;</td>".repeat(missing));
         html.push_str("</tr>\n");
     }
@@ -128,48 +142,44 @@ fn gallery(html: &mut String, chart: &Chart) {
         stops.join(","),
         percent(10f64.powi(high))
     );
-    html.push_str("<div class=\"cards\">\n");
-    let truth = &chart.truth().image;
-    for entry in &chart.entries {
-        let _ = write!(
-            html,
-            "<div class=\"card\"><h3>{}{}</h3><p>{} <b>{:.3} CPU s</b>, p99 {}.</p><div class=\"row\">",
-            dot(entry.family),
-            escaped(&entry.name),
-            escaped(&entry.account),
-            entry.cpu_s,
-            percent(entry.p99())
-        );
-        let mut figure = |uri: &str, said: &str| {
-            let _ = write!(
-                html,
-                "<figure><img src=\"{uri}\" alt=\"{0}\"><figcaption>{0}</figcaption></figure>",
-                escaped(said)
-            );
-        };
-        if let (Some(image), Some(band)) = (entry.image.first(), chart.bands.first()) {
-            let said = format!("image at {} um", um(band));
-            figure(&pixels::image(chart.size, image, &truth[0], &chart.ground), &said);
-        }
-        if entry.family == Family::Full {
-            for (band, image) in chart.bands.iter().zip(&entry.image).skip(1) {
-                let said = format!("image at {} um", um(band));
-                figure(&pixels::image(chart.size, image, image, &chart.ground), &said);
-            }
-        } else {
-            for (band, errors) in chart.bands.iter().zip(&entry.errors) {
-                figure(&pixels::errors(chart.size, &errors.of_pixel), &format!("error at {} um", um(band)));
-            }
-        }
-        html.push_str("</div></div>\n");
+    for question in Question::ALL {
+        let _ = writeln!(html, "<h3>{}</h3>\n<div class=\"cards\">", asked(question)[0]);
+        let truth = chart.truth(question);
+        chart.answers(question).for_each(|entry| card(html, chart, entry, truth));
+        html.push_str("</div>\n");
     }
-    html.push_str("</div>\n");
 }
 
-fn by_time(chart: &Chart) -> Vec<&Entry> {
-    let mut entries: Vec<&Entry> = chart.entries.iter().collect();
-    entries.sort_by(|a, b| a.cpu_s.total_cmp(&b.cpu_s));
-    entries
+/// A method: what it does, its image, and where it is wrong.
+fn card(html: &mut String, chart: &Chart, entry: &Entry, truth: &Entry) {
+    let _ = write!(
+        html,
+        "<div class=\"card\"><h4>{}{}</h4><p>{} <b>{:.3} CPU s</b>, p99 {}.</p><div class=\"row\">",
+        dot(entry.family),
+        escaped(&entry.name),
+        escaped(&entry.account),
+        entry.cpu_s,
+        percent(entry.p99())
+    );
+    let mut figure = |uri: &str, said: &str| {
+        let _ =
+            write!(html, "<figure><img src=\"{uri}\" alt=\"{0}\"><figcaption>{0}</figcaption></figure>", escaped(said));
+    };
+    if let (Some(image), Some(band)) = (entry.image.first(), chart.bands.first()) {
+        let said = format!("image at {} um", um(band));
+        figure(&pixels::image(chart.size, image, &truth.image[0], &chart.ground), &said);
+    }
+    if std::ptr::eq(entry, truth) {
+        for (band, image) in chart.bands.iter().zip(&entry.image).skip(1) {
+            let said = format!("image at {} um", um(band));
+            figure(&pixels::image(chart.size, image, image, &chart.ground), &said);
+        }
+    } else {
+        for (band, errors) in chart.bands.iter().zip(&entry.errors) {
+            figure(&pixels::errors(chart.size, &errors.of_pixel), &format!("error at {} um", um(band)));
+        }
+    }
+    html.push_str("</div></div>\n");
 }
 
 /// The centre of a band, um, to a nm.
@@ -177,7 +187,7 @@ fn um(band: &Band) -> f64 {
     (1e3 * band.centre_um).round() / 1e3
 }
 
-fn dot(family: Family) -> String {
+fn dot(family: crate::study::chart::Family) -> String {
     let ([r, g, b], _) = style(family);
     format!("<span class=\"dot\" style=\"background:rgb({r},{g},{b})\"></span>")
 }
@@ -186,11 +196,15 @@ fn dot(family: Family) -> String {
 pub(super) fn percent(error: f64) -> String {
     let percent = 100.0 * error;
     match percent {
+        // Something where the truth is nothing.
+        f64::INFINITY => "infinite".into(),
         0.0 => "0".into(),
         p if p >= 10.0 => format!("{p:.0} %"),
         p if p >= 1.0 => format!("{p:.1} %"),
         p if p >= 0.1 => format!("{p:.2} %"),
         p if p >= 0.01 => format!("{p:.3} %"),
-        p => format!("{p:.1e} %"),
+        p if p >= 0.001 => format!("{p:.4} %"),
+        p if p >= 0.0001 => format!("{p:.5} %"),
+        _ => "below 0.0001 %".into(),
     }
 }

@@ -1,14 +1,16 @@
-//! The drawing of a chart: error against CPU time, both logarithmic, a panel for each band.
+//! The drawing of a chart: error against CPU time, both logarithmic, a panel for each question and band.
 
 use crate::formats::drawing::{Anchor, Colour, Drawing, Labels, LogAxis, Mark, text_width};
-use crate::study::chart::{Chart, Entry, Family};
+use crate::study::chart::{Chart, Entry, Family, Question};
 
 const WIDTH: f64 = 1120.0;
-const PANEL: f64 = 430.0;
-/// Above the first panel, px.
-const HEAD: f64 = 112.0;
+/// Heights of panels: of effects, whose bands are side by side, and of geometry.
+const PANELS: [f64; 2] = [330.0, 420.0];
+/// Above the first section, px, and above the panels of each.
+const HEAD: f64 = 84.0;
+const SECTION: f64 = 66.0;
 /// Left, right of a panel's frame, and above, below it.
-const MARGIN: [f64; 4] = [96.0, 24.0, 34.0, 58.0];
+const MARGIN: [f64; 4] = [96.0, 24.0, 30.0, 58.0];
 /// Errors beyond these powers of ten are drawn at the edge.
 const ERROR_POWERS: [i32; 2] = [-8, 1];
 /// Smaller errors are rounding: they do not stretch the axis.
@@ -22,7 +24,7 @@ const BEST: Colour = [120, 130, 145];
 /// Colour and mark of a family: distinct also to the colour-blind (Okabe and Ito 2008) and without colour.
 pub(super) fn style(family: Family) -> (Colour, Mark) {
     match family {
-        Family::Full => ([20, 20, 20], Mark::Star),
+        Family::Full | Family::Exact => ([20, 20, 20], Mark::Star),
         Family::Image => ([0, 114, 178], Mark::Disc),
         Family::Shadows => ([213, 94, 0], Mark::Square),
         Family::Models => ([0, 135, 95], Mark::Triangle),
@@ -31,26 +33,72 @@ pub(super) fn style(family: Family) -> (Colour, Mark) {
     }
 }
 
+/// What a question is called, and what its errors are of.
+pub(super) fn asked(question: Question) -> [&'static str; 2] {
+    match question {
+        Question::Effects => [
+            "Which effects? What leaving some out costs in accuracy",
+            "Exact areas and shadows throughout. Errors are against all effects, each at its finest; the time includes choosing.",
+        ],
+        Question::Geometry => [
+            "How are pixels and shadows computed? What shortcuts cost in accuracy",
+            "The same effects throughout (direct light, and heat). Errors are against exact areas and the shadows of the Sun's disc.",
+        ],
+    }
+}
+
 pub(super) fn draw(chart: &Chart) -> Drawing {
-    let height = HEAD + PANEL * chart.bands.len() as f64;
+    let bands = chart.bands.len();
+    let height_of = |question: Question| match question {
+        Question::Effects => SECTION + PANELS[0],
+        Question::Geometry => SECTION + PANELS[1] * bands as f64,
+    };
+    let height = HEAD + Question::ALL.map(height_of).iter().sum::<f64>();
     let mut drawing = Drawing::new(WIDTH, height);
     drawing.bold([24.0, 32.0], Anchor::Start, 19.0, INK, "How wrong, for how much time");
     let facets = thousands(chart.facets);
     let [samples, lines] = chart.size;
-    let about = format!(
-        "{}: {samples} x {lines} pixels, {facets} facets. Lower is nearer to the truth, left is faster; bars reach from the median pixel to the worst.",
-        chart.scene
-    );
-    drawing.text([24.0, 54.0], Anchor::Start, 13.0, GREY, &about);
-    legend(&mut drawing, chart, 82.0);
-    for band in 0..chart.bands.len() {
-        panel(&mut drawing, chart, band, HEAD + PANEL * band as f64);
+    let size = format!("{samples} x {lines} pixels, {facets} facets");
+    drawing.text([24.0, 53.0], Anchor::Start, 13.0, GREY, &shortened(&chart.scene, &size));
+    let said = "Lower is nearer to the truth, left is faster. 99 of 100 pixels are below a mark; its bar reaches from the median pixel to the worst.";
+    drawing.text([24.0, 71.0], Anchor::Start, 13.0, GREY, said);
+    let mut top = HEAD;
+    for question in Question::ALL {
+        let [title, about] = asked(question);
+        drawing.bold([24.0, top + 20.0], Anchor::Start, 15.5, INK, title);
+        drawing.text([24.0, top + 39.0], Anchor::Start, 12.5, GREY, about);
+        legend(&mut drawing, chart, question, top + 60.0);
+        for band in 0..bands {
+            let panel_of = match question {
+                Question::Effects => {
+                    let wide = WIDTH / bands as f64;
+                    let left = wide * band as f64;
+                    [left, top + SECTION, left + wide, top + SECTION + PANELS[0]]
+                }
+                Question::Geometry => {
+                    let above = top + SECTION + PANELS[1] * band as f64;
+                    [0.0, above, WIDTH, above + PANELS[1]]
+                }
+            };
+            panel(&mut drawing, chart, (question, band), panel_of);
+        }
+        top += height_of(question);
     }
     drawing
 }
 
-fn legend(drawing: &mut Drawing, chart: &Chart, y: f64) {
-    let mut families: Vec<Family> = chart.entries.iter().map(|entry| entry.family).collect();
+/// A scene's name and what it is like, as far as there is room.
+fn shortened(name: &str, about: &str) -> String {
+    let mut shown: String = name.chars().filter(|c| !c.is_control()).collect();
+    while text_width(&format!("{shown}: {about}"), 13.0, false) > WIDTH - 48.0 && !shown.is_empty() {
+        shown.pop();
+    }
+    let dots = if shown.len() < name.len() { ".." } else { "" };
+    format!("{shown}{dots}: {about}")
+}
+
+fn legend(drawing: &mut Drawing, chart: &Chart, question: Question, y: f64) {
+    let mut families: Vec<Family> = chart.answers(question).map(|entry| entry.family).collect();
     families.sort();
     families.dedup();
     let mut x = 30.0;
@@ -61,14 +109,14 @@ fn legend(drawing: &mut Drawing, chart: &Chart, y: f64) {
         x += 11.0 + text_width(family.title(), 12.0, false) + 24.0;
     }
     drawing.dashed(&[[x - 6.0, y - 4.0], [x + 22.0, y - 4.0]], BEST, 1.3, 0.9);
-    drawing.text([x + 28.0, y], Anchor::Start, 12.0, INK, "worth its time");
+    drawing.text([x + 28.0, y], Anchor::Start, 12.0, INK, "worth its time: nothing is both faster and nearer");
 }
 
-fn panel(drawing: &mut Drawing, chart: &Chart, band: usize, top: f64) {
+fn panel(drawing: &mut Drawing, chart: &Chart, (question, band): (Question, usize), outside: [f64; 4]) {
     let [left, right, above, below] = MARGIN;
-    let frame = [left, top + above, WIDTH - right, top + PANEL - below];
+    let frame = [outside[0] + left, outside[1] + above, outside[2] - right, outside[3] - below];
     let errors = |entry: &Entry| entry.errors[band].all;
-    let entries: Vec<&Entry> = chart.entries.iter().filter(|entry| entry.errors.len() > band).collect();
+    let entries: Vec<&Entry> = chart.answers(question).filter(|entry| entry.errors.len() > band).collect();
     let times = entries.iter().map(|entry| entry.cpu_s);
     let time = LogAxis::around(times, [-4, 6], [frame[0] + 14.0, frame[2] - 14.0]);
     let shown = entries.iter().flat_map(|entry| [errors(entry).p99, errors(entry).max, errors(entry).p50]);
@@ -81,7 +129,7 @@ fn panel(drawing: &mut Drawing, chart: &Chart, band: usize, top: f64) {
     let title =
         format!("At {um} um: {}", if heat { "sunlight and the surface's own heat" } else { "reflected sunlight" });
     drawing.bold([frame[0], frame[1] - 12.0], Anchor::Start, 13.5, INK, &title);
-    let best = front(drawing, chart, band, &time, &error, &frame);
+    let best = front(drawing, &entries, band, (&time, &error), &frame);
     let mut labels = Labels::new(frame, 11.5);
     for ends in best.windows(2) {
         let [[x0, y0], [x1, y1]] = [ends[0], ends[1]];
@@ -101,14 +149,11 @@ fn panel(drawing: &mut Drawing, chart: &Chart, band: usize, top: f64) {
     }
     for (entry, place) in entries.iter().zip(&places) {
         let (colour, mark) = style(entry.family);
-        drawing.mark(*place, mark, if entry.family == Family::Full { 7.0 } else { 5.5 }, colour);
+        drawing.mark(*place, mark, if is_truth(entry) { 7.0 } else { 5.5 }, colour);
     }
     for (entry, place) in entries.iter().zip(&places) {
         let (colour, _) = style(entry.family);
-        let said = match entry.family {
-            Family::Full => "full exact: the truth of this chart".to_owned(),
-            _ => entry.name.clone(),
-        };
+        let said = if is_truth(entry) { format!("{}: the truth here", entry.name) } else { entry.name.clone() };
         labels.place(drawing, *place, colour, &said);
     }
 }
@@ -135,20 +180,24 @@ fn axes(drawing: &mut Drawing, frame: &[f64; 4], time: &LogAxis, error: &LogAxis
         INK,
         "CPU time for the image (all cores together)",
     );
-    let said = "error: 99 % of the pixels are below the mark";
+    let said = "error of a pixel";
     drawing.text_upwards([18.0, 0.5 * (frame[1] + frame[3])], 12.0, INK, said);
+}
+
+/// Whether the others of its question are compared with it.
+fn is_truth(entry: &Entry) -> bool {
+    entry.family == entry.family.question().truth()
 }
 
 /// The line that nothing is below and left of.
 fn front(
     drawing: &mut Drawing,
-    chart: &Chart,
+    entries: &[&Entry],
     band: usize,
-    time: &LogAxis,
-    error: &LogAxis,
+    (time, error): (&LogAxis, &LogAxis),
     frame: &[f64; 4],
 ) -> Vec<[f64; 2]> {
-    let ours = chart.entries.iter().filter(|entry| entry.family != Family::Other);
+    let ours = entries.iter().filter(|entry| entry.family != Family::Other);
     let mut known: Vec<(f64, f64)> = ours.map(|entry| (entry.cpu_s, entry.errors[band].all.p99)).collect();
     known.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     let mut line: Vec<[f64; 2]> = Vec::new();

@@ -13,7 +13,7 @@ use crate::formats::mesh_file::ColouredMesh;
 use crate::formats::mtl::ObjMaterial;
 use crate::geometry::{FrameCamera, MaterialId, Mesh, Pose};
 use crate::scene::{
-    Beam, Exposure, Hapke, Mars, Material, Model, Models, Photometry, Rotation, Rpv, Scene, Setup, Sky, Sun, Surface,
+    Beam, Exposure, Globe, Hapke, Material, Model, Models, Photometry, Rotation, Rpv, Scene, Setup, Sky, Sun, Surface,
     Texture,
 };
 use crate::spectral::{Band, Column, Extend, SpectralLibrary, Spectrum};
@@ -183,7 +183,7 @@ impl Lines {
     fn scenes(&mut self, a: &Scene, b: &Scene) {
         let Setup {
             body,
-            sky: Sky { sun, mars, beams, rotation },
+            sky: Sky { sun, mars, bodies, beams, rotation },
             exposure,
             models:
                 Models {
@@ -196,6 +196,7 @@ impl Lines {
                     conduction,
                     exchange,
                     floor_k,
+                    bodies: _,
                 },
         } = &**a;
         let Surface { origin_m, mesh, materials, textures } = &**body;
@@ -218,12 +219,16 @@ impl Lines {
         self.suns(sun, &b.sky.sun);
         match (mars, &b.sky.mars) {
             (Some(mars), Some(other)) => {
-                self.mars(mars, other);
+                self.globes("mars", mars, other);
                 self.debugged("mars.model", mars_light, &b.models.mars_light);
             }
             (None, None) => {}
             (a, _) => self.push("mars", if a.is_some() { "is there" } else { "is not" }, "the other way round"),
         }
+        let names = |bodies: &[Globe]| bodies.iter().map(|body| body.name.clone()).collect::<Vec<_>>();
+        self.each("bodies", &names(bodies), &names(&b.sky.bodies), |lines, at, i, j| {
+            lines.globes(at, &bodies[i], &b.sky.bodies[j]);
+        });
         let names = |beams: &[Beam]| beams.iter().map(|beam| beam.name.clone()).collect::<Vec<_>>();
         self.each("beams", &names(beams), &names(&b.sky.beams), |lines, at, i, j| {
             let (Beam { name: _, direction, irradiance, total_irradiance_w_m2 }, b) = (&beams[i], &b.sky.beams[j]);
@@ -436,15 +441,15 @@ impl Lines {
         }
     }
 
-    fn mars(&mut self, a: &Mars, b: &Mars) {
-        let Mars { centre_m, radius_m, reflectance, bond_albedo, thermal_exitance_w_m2, day_night_k } = a;
-        self.places("mars.position_m", *centre_m, b.centre_m);
-        self.numbers("mars.radius_m", *radius_m, b.radius_m);
-        self.spectra("mars.albedo", reflectance, &b.reflectance);
-        self.numbers("mars.bond_albedo", *bond_albedo, b.bond_albedo);
-        self.numbers("mars.thermal_exitance_w_m2", *thermal_exitance_w_m2, b.thermal_exitance_w_m2);
-        for ((name, a), b) in ["mars.day_k", "mars.night_k"].iter().zip(day_night_k).zip(b.day_night_k) {
-            self.numbers(name, *a, b);
+    fn globes(&mut self, at: &str, a: &Globe, b: &Globe) {
+        let Globe { name: _, centre_m, radius_m, reflectance, bond_albedo, thermal_exitance_w_m2, day_night_k } = a;
+        self.places(&format!("{at}.position_m"), *centre_m, b.centre_m);
+        self.numbers(&format!("{at}.radius_m"), *radius_m, b.radius_m);
+        self.spectra(&format!("{at}.albedo"), reflectance, &b.reflectance);
+        self.numbers(&format!("{at}.bond_albedo"), *bond_albedo, b.bond_albedo);
+        self.numbers(&format!("{at}.thermal_exitance_w_m2"), *thermal_exitance_w_m2, b.thermal_exitance_w_m2);
+        for ((name, a), b) in ["day_k", "night_k"].iter().zip(day_night_k).zip(b.day_night_k) {
+            self.numbers(&format!("{at}.{name}"), *a, b);
         }
     }
 

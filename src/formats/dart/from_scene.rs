@@ -8,8 +8,9 @@ use glam::{DMat3, DVec3};
 use crate::error::{Error, Location, Result};
 use crate::geometry::{Direction, FrameCamera, Mesh, index_u32, whole};
 use crate::physics::sun;
+use crate::physics::sun_disc::share_beside_sphere;
 use crate::report::{Fate, Report};
-use crate::scene::{Mars, Photometry, Scene, Setup, Thermal};
+use crate::scene::{Globe, Photometry, Scene, Setup, Sky, SunModel, Thermal};
 use crate::spectral::{Band, Response, SpectralLibrary};
 
 use super::frame;
@@ -291,7 +292,7 @@ impl Site<'_> {
     }
 
     /// Share of the facets that have light of Mars above their own horizon.
-    fn under_mars(&self, mars: &Mars) -> f64 {
+    fn under_mars(&self, mars: &Globe) -> f64 {
         let (mesh, to_sun) = (&self.scene.body.mesh, self.scene.sky.sun.direction.vec());
         let Some(towards) = Direction::new(mars.centre_m).map(Direction::vec) else { return 0.0 };
         if on_facet_from_mars(mars, self.scene.models.mars_light, towards, to_sun) <= 0.0 || mesh.facets.is_empty() {
@@ -303,7 +304,7 @@ impl Site<'_> {
     }
 
     /// What a beam from Mars' centre sends to level ground, against all of Mars: in words.
-    fn beam_on_level_ground(&self, mars: &Mars) -> String {
+    fn beam_on_level_ground(&self, mars: &Globe) -> String {
         let (towards, up) = (Direction::new(mars.centre_m), Direction::new(self.scene.body.origin_m));
         let (Some(towards), Some(up)) = (towards.map(Direction::vec), up.map(Direction::vec)) else {
             return "another one".into();
@@ -344,6 +345,71 @@ impl Site<'_> {
         by_mars
     }
 
+    /// What became of lights and shadows that DART has not; mmxrt.toml keeps all of them for the way back.
+    fn sky_notes(&self, report: &mut Report) {
+        let (scene, sky) = (self.scene, &self.scene.sky);
+        let mut note = |fate, item: String, message: String| report.note(fate, Location::item(item), message);
+        for beam in &sky.beams {
+            let message = "a second beam: a simulation of DART has the Sun alone; kept for the way back";
+            note(Fate::Dropped, format!("beams.{:?}", beam.name), message.into());
+        }
+        for body in &sky.bodies {
+            let message = "light and heat of a further body are in no simulation; kept for the way back";
+            note(Fate::Dropped, format!("bodies.{:?}", body.name), message.into());
+        }
+        for (globe, _) in scene.globes_in_view() {
+            let message = "is in view, and DART's images show the sky there";
+            let item = if globe.name == Sky::MARS { Sky::MARS.to_owned() } else { format!("bodies.{:?}", globe.name) };
+            note(Fate::Dropped, item, message.into());
+        }
+        if sky.mars.is_some() && scene.models.mars_heat {
+            note(
+                Fate::Dropped,
+                "mars.heat".into(),
+                "its heat as light is in no simulation; kept for the way back".into(),
+            );
+        }
+        if scene.models.eclipses {
+            let share = |(centre_m, radius_m): (DVec3, f64)| {
+                let (towards, sin_radius) = (sky.sun.direction.vec(), sky.sun.sin_radius());
+                share_beside_sphere(towards, sin_radius, sky.sun.limb_darkening, centre_m, radius_m)
+            };
+            let left: f64 = sky.spheres().map(share).product();
+            let (fate, message) = match left < 1.0 {
+                true => (
+                    Fate::Approximated,
+                    format!("bodies leave {:.1} % of the Sun, of which DART has all", 100.0 * left),
+                ),
+                false => (Fate::Carried, "bodies may hide the Sun: here they do not".to_owned()),
+            };
+            note(fate, "sun".into(), message);
+        }
+        if let SunModel::Disc(rule) = scene.models.sun {
+            let message = format!(
+                "{} points of its disc, {:.2} deg in radius: DART has a parallel beam, shadows have no penumbrae",
+                rule.count(),
+                sky.sun.sin_radius().asin().to_degrees()
+            );
+            note(Fate::Approximated, "sun.points".into(), message);
+        }
+        if let Some(steps) = scene.models.conduction {
+            let message = format!(
+                "heat is conducted in {steps} steps of a day; DART's temperatures are spread between two ends, which are those of equilibrium"
+            );
+            note(Fate::Approximated, "thermal.model".into(), message);
+        }
+        if scene.models.floor_k > 0.0 {
+            let message = format!("no part of a facet is colder than {} K; DART knows no floor", scene.models.floor_k);
+            note(Fate::Approximated, "thermal.floor_k".into(), message);
+        }
+        if sky.rotation.is_some() {
+            note(Fate::Carried, "thermal.period_s".into(), "length and axis of the day: DART knows no time".into());
+        }
+        if scene.body.materials.iter().any(|material| material.thermal_inertia != 0.0) {
+            note(Fate::Carried, "thermal.inertia".into(), "DART stores no heat".into());
+        }
+    }
+
     /// What became of what DART has no exact counterpart for.
     fn notes(&self, simulation: &Simulation, size: &Size, options: &SimulationOptions, report: &mut Report) {
         let scene = self.scene;
@@ -360,10 +426,7 @@ impl Site<'_> {
                 ),
             );
         }
-        for beam in &scene.sky.beams {
-            let message = "a second beam: a simulation of DART has the Sun alone";
-            report.note(Fate::Dropped, Location::item(format!("beams.{:?}", beam.name)), message);
-        }
+        self.sky_notes(report);
         report.note(
             Fate::Carried,
             item("origin_m"),

@@ -15,7 +15,8 @@ use crate::formats::scene_toml::types::{LightToml, ShapeToml};
 use crate::geometry::{Direction, Mesh, index_u32};
 use crate::physics::sun_disc::DiscRule;
 use crate::scene::{
-    Hapke, MARS_DAY_NIGHT_K, Mars, MarsModel, Material, Models, Photometry, Rpv, Scene, Sun, SunModel, Thermal,
+    Beam, Globe, Hapke, MARS_DAY_NIGHT_K, MarsModel, Material, Models, Photometry, Rotation, Rpv, Scene, Sky, Sun,
+    SunModel, Thermal,
 };
 use crate::spectral::{Band, Extend, Light, Response, Spectrum, solar_e490};
 
@@ -37,6 +38,15 @@ pub struct Sidecar {
     /// The same point in DART's frame, m.
     pub(super) origin_in_dart_m: [f64; 3],
     thermal: ThermalName,
+    /// Steps of a day in which heat is conducted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    conduction_steps: Option<u32>,
+    /// No part of a facet is colder, K.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    floor_k: f64,
+    /// Whether bodies hide the Sun, in a scene without Mars.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    eclipse: bool,
     /// Faces that are more than a facet, as runs of (facets of a face, number of such faces); left out where all are triangles.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     faces: Vec<(u32, u32)>,
@@ -44,6 +54,12 @@ pub struct Sidecar {
     sun: SunPart,
     #[serde(skip_serializing_if = "Option::is_none")]
     mars: Option<MarsPart>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    day: Option<DayPart>,
+    #[serde(default, rename = "body", skip_serializing_if = "Vec::is_empty")]
+    bodies: Vec<BodyPart>,
+    #[serde(default, rename = "lamp", skip_serializing_if = "Vec::is_empty")]
+    lamps: Vec<LampPart>,
     #[serde(rename = "material")]
     materials: Vec<MaterialPart>,
 }
@@ -155,6 +171,40 @@ struct MarsPart {
     reflectance: Table,
 }
 
+/// A body of the sky besides Mars.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BodyPart {
+    name: String,
+    /// From `origin_m`, axes of the body.
+    centre_m: [f64; 3],
+    radius_m: f64,
+    bond_albedo: f64,
+    thermal_exitance_w_m2: f64,
+    day_night_k: [f64; 2],
+    reflectance: Table,
+}
+
+/// A source at infinity besides the Sun.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LampPart {
+    name: String,
+    /// Towards it, body-fixed.
+    direction: [f64; 3],
+    total_irradiance_w_m2: f64,
+    irradiance: Table,
+}
+
+/// How the body turns.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DayPart {
+    /// Body-fixed.
+    axis: [f64; 3],
+    period_s: f64,
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum MarsModelName {
@@ -169,6 +219,8 @@ struct MaterialPart {
     name: String,
     bond_albedo: f64,
     emissivity_bolometric: f64,
+    #[serde(default, skip_serializing_if = "is_zero")]
+    thermal_inertia: f64,
     /// Entry, counted from 0, and its share.
     mixture: Vec<(usize, f64)>,
     reflectance: Table,
@@ -224,6 +276,15 @@ impl Sidecar {
                 Thermal::Thesis => ThermalName::Thesis,
                 Thermal::Off => ThermalName::Off,
             },
+            conduction_steps: scene.models.conduction,
+            floor_k: scene.models.floor_k,
+            eclipse: scene.models.eclipses && scene.sky.mars.is_none(),
+            day: scene
+                .sky
+                .rotation
+                .map(|Rotation { axis, period_s }| DayPart { axis: axis.vec().to_array(), period_s }),
+            bodies: scene.sky.bodies.iter().map(body_part).collect(),
+            lamps: scene.sky.beams.iter().map(lamp_part).collect(),
             faces: runs_of_faces(&scene.body.mesh).unwrap_or_default(),
             sensor: SensorPart {
                 name: scene.exposure.instrument.clone(),
@@ -308,9 +369,10 @@ impl Sidecar {
         Some(Sun { direction, distance_m, irradiance_1au, total_irradiance_1au_w_m2, limb_darkening })
     }
 
-    pub(super) fn mars(&self) -> Option<Mars> {
+    pub(super) fn mars(&self) -> Option<Globe> {
         let mars = self.mars.as_ref()?;
-        Some(Mars {
+        Some(Globe {
+            name: Sky::MARS.into(),
             centre_m: DVec3::from_array(mars.centre_m),
             radius_m: mars.radius_m,
             reflectance: mars.reflectance.spectrum()?,
@@ -318,6 +380,43 @@ impl Sidecar {
             thermal_exitance_w_m2: mars.thermal_exitance_w_m2,
             day_night_k: mars.day_night_k,
         })
+    }
+
+    /// Bodies of the sky besides Mars; those whose spectra are none are left out.
+    pub(super) fn bodies(&self) -> Vec<Globe> {
+        let globe = |body: &BodyPart| {
+            Some(Globe {
+                name: body.name.clone(),
+                centre_m: DVec3::from_array(body.centre_m),
+                radius_m: body.radius_m,
+                reflectance: body.reflectance.spectrum()?,
+                bond_albedo: body.bond_albedo,
+                thermal_exitance_w_m2: body.thermal_exitance_w_m2,
+                day_night_k: body.day_night_k,
+            })
+        };
+        self.bodies.iter().filter_map(globe).collect()
+    }
+
+    /// Sources at infinity besides the Sun; likewise.
+    pub(super) fn beams(&self) -> Vec<Beam> {
+        let beam = |lamp: &LampPart| {
+            let direction = DVec3::from_array(lamp.direction);
+            Some(Beam {
+                name: lamp.name.clone(),
+                direction: Direction::from_unit(direction).or_else(|| Direction::new(direction))?,
+                irradiance: lamp.irradiance.spectrum()?,
+                total_irradiance_w_m2: lamp.total_irradiance_w_m2,
+            })
+        };
+        self.lamps.iter().filter_map(beam).collect()
+    }
+
+    /// How the body turns, if that was known.
+    pub(super) fn rotation(&self) -> Option<Rotation> {
+        let DayPart { axis, period_s } = self.day.as_ref()?;
+        let axis = DVec3::from_array(*axis);
+        Some(Rotation { axis: Direction::from_unit(axis).or_else(|| Direction::new(axis))?, period_s: *period_s })
     }
 
     pub(super) fn models(&self) -> Models {
@@ -333,9 +432,20 @@ impl Sidecar {
         });
         let sun = self.sun.points.and_then(DiscRule::of_count).map_or(SunModel::Point, SunModel::Disc);
         let mars_shadows = self.mars.as_ref().and_then(|mars| DiscRule::of_count(mars.points?));
-        let eclipses = self.mars.as_ref().is_some_and(|mars| mars.eclipse);
+        let eclipses = self.eclipse || self.mars.as_ref().is_some_and(|mars| mars.eclipse);
+        let conduction = self.conduction_steps.filter(|_| self.rotation().is_some());
         let mars_heat = self.mars.as_ref().is_some_and(|mars| mars.heat);
-        Models { thermal, mars_light, sun, eclipses, mars_shadows, mars_heat, ..Models::default() }
+        Models {
+            thermal,
+            mars_light,
+            sun,
+            eclipses,
+            mars_shadows,
+            mars_heat,
+            conduction,
+            floor_k: self.floor_k,
+            ..Models::default()
+        }
     }
 
     /// The camera's axes right, down, ahead as columns; `None` if they are no axes.
@@ -389,7 +499,7 @@ impl Sidecar {
             reflectance,
             bond_albedo: part.bond_albedo,
             emissivity_bolometric: part.emissivity_bolometric,
-            thermal_inertia: 0.0,
+            thermal_inertia: part.thermal_inertia,
             mixture: part.mixture.clone(),
         })
     }
@@ -419,11 +529,33 @@ fn material_part(material: &Material) -> MaterialPart {
         name: material.name.clone(),
         bond_albedo: material.bond_albedo,
         emissivity_bolometric: material.emissivity_bolometric,
+        thermal_inertia: material.thermal_inertia,
         mixture: material.mixture.clone(),
         reflectance: Table::of(&material.reflectance),
         emissivity: (!by_kirchhoff).then(|| Table::of(&material.emissivity)),
         hapke: if matches!(material.photometry, Photometry::Hapke(_)) { parameters() } else { BTreeMap::new() },
         rpv: if matches!(material.photometry, Photometry::Rpv(_)) { parameters() } else { BTreeMap::new() },
+    }
+}
+
+fn body_part(body: &Globe) -> BodyPart {
+    BodyPart {
+        name: body.name.clone(),
+        centre_m: body.centre_m.to_array(),
+        radius_m: body.radius_m,
+        bond_albedo: body.bond_albedo,
+        thermal_exitance_w_m2: body.thermal_exitance_w_m2,
+        day_night_k: body.day_night_k,
+        reflectance: Table::of(&body.reflectance),
+    }
+}
+
+fn lamp_part(beam: &Beam) -> LampPart {
+    LampPart {
+        name: beam.name.clone(),
+        direction: beam.direction.vec().to_array(),
+        total_irradiance_w_m2: beam.total_irradiance_w_m2,
+        irradiance: Table::of(&beam.irradiance),
     }
 }
 

@@ -121,9 +121,10 @@ impl SceneBuilder<'_> {
         let camera = self.camera(&place, &mesh);
         let name = self.sidecar.as_ref().map_or("DART camera", Sidecar::sensor_name).to_owned();
         let exposure = Exposure { instrument: name, camera, bands };
+        let sky = self.sky(sun, &place);
         let scene = Setup {
             body: Body::new(Surface { origin_m: place.origin_m, mesh, materials, textures: vec![] })?,
-            sky: Sky { sun, mars: None, beams: vec![], rotation: None },
+            sky,
             exposure,
             models: Models {
                 thermal: Thermal::Off,
@@ -133,6 +134,21 @@ impl SceneBuilder<'_> {
         };
         let scene = self.with_mars(scene, &place);
         Scene::new(self.with_thermal(scene))
+    }
+
+    /// The sky under this Sun, with what was written beside the simulation for this place.
+    fn sky(&mut self, sun: Sun, place: &SceneFrame) -> Sky {
+        let mut sky = Sky { sun, mars: None, bodies: vec![], beams: vec![], rotation: None };
+        let Some(sidecar) = &self.sidecar else { return sky };
+        let (bodies, beams, rotation) = (sidecar.bodies(), sidecar.beams(), sidecar.rotation());
+        if place.is_kept {
+            (sky.bodies, sky.beams, sky.rotation) = (bodies, beams, rotation);
+        } else if !bodies.is_empty() || !beams.is_empty() || rotation.is_some() {
+            let message =
+                "bodies, lamps and the length of a day: the scene is elsewhere than where they were given for it";
+            self.note(Fate::Dropped, &Location::item("bodies"), message);
+        }
+        sky
     }
 
     /// Where the scene is on the body.
@@ -608,7 +624,9 @@ impl SceneBuilder<'_> {
         let simulation = self.simulation;
         if let Some(sidecar) = &self.sidecar {
             // How Mars lights the scene is told by its own files.
-            scene.models = Models { mars_light: scene.models.mars_light, ..sidecar.models() };
+            let kept = sidecar.models();
+            let conduction = kept.conduction.filter(|_| scene.sky.rotation.is_some());
+            scene.models = Models { mars_light: scene.models.mars_light, conduction, ..kept };
             let functions = thermal_functions(&scene);
             let modes = intervals(&scene, &functions);
             let is_same = functions.len() == simulation.thermal.len()

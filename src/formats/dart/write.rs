@@ -170,6 +170,7 @@ fn tetrahedron(target: TargetVersion) -> Result<(Package, [Face; 4])> {
                 limb_darkening: 0.0,
             },
             mars: None,
+            bodies: vec![],
             beams: vec![],
             rotation: None,
         },

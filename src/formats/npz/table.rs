@@ -59,6 +59,9 @@ fn of_source(lighting: &Lighting) -> Vec<Column<'_>> {
     let (what, of_irradiance) = match source.as_str() {
         Sky::SUN => ("the Sun", "over that normal to the beam: cos i, or 0".to_owned()),
         Sky::MARS => ("Mars", "over Mars' reflectance times the solar irradiance normal to the beam".to_owned()),
+        body if matches!(field, DirectionField::Near(_)) && !body.ends_with("-heat") => {
+            (body, format!("over the reflectance of {body} times the solar irradiance there, normal to the beam"))
+        }
         other => (other, "over that normal to the beam: cos i, or 0".to_owned()),
     };
     let mut columns = Vec::new();

@@ -6,6 +6,7 @@
 mod angles;
 mod atlas;
 mod attitude;
+mod bodies;
 pub(super) mod format;
 mod lamps;
 mod lens;
@@ -26,7 +27,7 @@ use crate::geometry::{Direction, Pose};
 use crate::physics::sun_disc::DiscRule;
 use crate::progress::{Progress, Watch};
 use crate::scene::{
-    FARTHEST_M, MARS_ALBEDO, MARS_DAY_NIGHT_K, Mars, MarsModel, Models, Rotation, STEPS_OF_A_DAY, Scene, SceneParts,
+    FARTHEST_M, Globe, MARS_ALBEDO, MARS_DAY_NIGHT_K, MarsModel, Models, Rotation, STEPS_OF_A_DAY, Scene, SceneParts,
     Sky, Sun, SunModel, Surface, Texture, Thermal,
 };
 use crate::spectral::{Extend, Spectrum, SunTotal, solar_e490};
@@ -242,7 +243,9 @@ impl TomlReader<'_> {
         let (rotation, conduction) = self.day(toml.thermal.as_ref());
         let beams = self.lamps(&toml.lamps);
         let sun_model = self.sun_model(&toml.sun);
-        let eclipses = toml.mars.as_ref().and_then(|mars| mars.eclipse).unwrap_or(false);
+        let bodies = self.bodies(&toml.bodies);
+        let hide_sun = toml.mars.iter().map(|mars| mars.eclipse).chain(toml.bodies.iter().map(|body| body.eclipse));
+        let eclipses = hide_sun.flatten().any(|hides| hides);
         let mars_heat = toml.mars.as_ref().and_then(|mars| mars.heat).unwrap_or(false);
         let mars_shadows = self.rule("mars.points", toml.mars.as_ref().and_then(|mars| mars.points));
         let pose = self.camera_pose(toml.observer.as_ref(), by_angles.camera);
@@ -259,6 +262,7 @@ impl TomlReader<'_> {
                     Some(mars) => Some(mars?),
                     None => None,
                 },
+                bodies,
                 beams,
                 rotation,
             },
@@ -273,6 +277,7 @@ impl TomlReader<'_> {
                 conduction,
                 exchange: None,
                 floor_k: toml.thermal.as_ref().and_then(|thermal| thermal.floor_k).unwrap_or(0.0),
+                ..Models::default()
             },
         })
     }
@@ -601,7 +606,7 @@ impl TomlReader<'_> {
         Some((spectrum.map(|v| v * (wanted / total)), wanted))
     }
 
-    fn mars(&mut self, toml: &MarsToml) -> Option<Mars> {
+    fn mars(&mut self, toml: &MarsToml) -> Option<Globe> {
         let radius_m = match toml.radius_m {
             Some(r) => {
                 if r > 0.0 && r < 1e5 {
@@ -643,7 +648,8 @@ impl TomlReader<'_> {
             self.helped("mars.position_m", message, "positions are in metres: is this in km?");
             return None;
         }
-        Some(Mars {
+        Some(Globe {
+            name: Sky::MARS.into(),
             centre_m,
             radius_m: radius_m?,
             reflectance: reflectance?,

@@ -29,6 +29,9 @@ pub(crate) struct SceneToml {
     pub(crate) sun: SunToml,
     /// Mars as a second source; leave it out for none.
     pub(crate) mars: Option<MarsToml>,
+    /// Further bodies of the sky, which light and warm the surface, hide the Sun and are drawn where they are in view: the Earth, moons.
+    #[serde(default)]
+    pub(crate) bodies: Vec<BodyToml>,
     /// Further sources at infinity, each with its own shadows.
     #[serde(default)]
     pub(crate) lamps: Vec<LampToml>,
@@ -573,6 +576,30 @@ pub(crate) struct MarsToml {
     /// Number of parts of its disc that terrain may hide: 1, 3, 4, 7, 12, 19, 21 or 37. Default: none, only a facet's own horizon hides some
     /// of it.
     pub(crate) points: Option<u32>,
+}
+
+/// A body of the sky: a Lambert sphere. Terrain hides of it what `mars.points` says.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct BodyToml {
+    /// What it is called: letters, digits, `-` and `_`.
+    pub(crate) name: String,
+    /// Position of its centre in the body-fixed frame, from the body's centre, m.
+    pub(crate) position_m: [f64; 3],
+    /// Radius, m.
+    pub(crate) radius_m: f64,
+    /// Lambert reflectance, 0 to 1: a number, or the path of a CSV table.
+    pub(crate) albedo: Values,
+    /// Bond albedo, for the heat balance. Default: the mean of `albedo`, weighted with sunlight.
+    pub(crate) bond_albedo: Option<f64>,
+    /// Brightness temperature of its day side, K. Default 0: it is not warm.
+    pub(crate) day_k: Option<f64>,
+    /// The same of its night side. Default 0.
+    pub(crate) night_k: Option<f64>,
+    /// Mean thermal exitance, for the heat balance, W m-2. Default: of black bodies at these temperatures.
+    pub(crate) thermal_exitance_w_m2: Option<f64>,
+    /// Whether bodies hide the Sun where they stand before it, as `mars.eclipse`. Default false.
+    pub(crate) eclipse: Option<bool>,
 }
 
 /// How Mars-light is computed.

@@ -24,7 +24,7 @@ use crate::geometry::FrameCamera;
 use crate::physics::srgb::linear_from_hex;
 use crate::report::{Fate, Report};
 use crate::scene::{
-    MARS_ALBEDO, MARS_DAY_NIGHT_K, MarsModel, Material, Model, Photometry, Rotation, Scene, SunModel, Thermal,
+    Globe, MARS_ALBEDO, MARS_DAY_NIGHT_K, MarsModel, Material, Model, Photometry, Rotation, Scene, SunModel, Thermal,
 };
 use crate::spectral::{Band, Extend, Response, Spectrum, SunTotal, solar_e490, solar_mean};
 use crate::units::{AU_M, MARS_RADIUS_M};
@@ -248,6 +248,7 @@ impl Writer<'_> {
         }
         text += &self.sun()?;
         text += &self.mars()?;
+        text += &self.bodies()?;
         text += &self.lamps()?;
         text += &self.thermal();
         let pose = &scene.exposure.camera.world_from_sensor;
@@ -567,6 +568,31 @@ impl Writer<'_> {
         }
         if let Some(rule) = self.scene.models.mars_shadows {
             let _ = writeln!(text, "points = {}", rule.count());
+        }
+        Ok(text)
+    }
+
+    fn bodies(&mut self) -> Result<String> {
+        let mut text = String::new();
+        for (i, body) in self.scene.sky.bodies.iter().enumerate() {
+            let albedo = match constant(&body.reflectance) {
+                Some(value) => format!("{value:?}"),
+                None => {
+                    let table = self.known(&body.reflectance, &format!("bodies.{:?}.albedo", body.name));
+                    self.values(&format!(".{}", body.name), "albedo", &table)?
+                }
+            };
+            let (name, position_m) = (quoted(&body.name), absolute(body.centre_m, self.scene.body.origin_m));
+            let Globe { radius_m, bond_albedo, thermal_exitance_w_m2, day_night_k: [day_k, night_k], .. } = body;
+            let _ = writeln!(
+                text,
+                "\n[[bodies]]\nname = {name}\nposition_m = {position_m}\nradius_m = {radius_m:?}\nalbedo = {albedo}\n\
+                 bond_albedo = {bond_albedo:?}\nday_k = {day_k:?}\nnight_k = {night_k:?}\n\
+                 thermal_exitance_w_m2 = {thermal_exitance_w_m2:?}"
+            );
+            if i == 0 && self.scene.sky.mars.is_none() && self.scene.models.eclipses {
+                text.push_str("eclipse = true\n");
+            }
         }
         Ok(text)
     }

@@ -2,7 +2,7 @@
 
 /// Which of several maps of one scene serve a facet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Choice {
+pub enum ViewChoice {
     /// Of those that know the facet the one seen from the nearest direction.
     #[default]
     Nearest,
@@ -10,9 +10,9 @@ pub enum Choice {
     Interpolated,
 }
 /// How much each of some maps counts that all know the same, relative to each other.
-pub(super) fn views_shares(knowing: &[usize], angles: &[f64], choice: Choice) -> Vec<f64> {
+pub(super) fn views_shares(knowing: &[usize], angles: &[f64], choice: ViewChoice) -> Vec<f64> {
     let Some(nearest) = knowing.iter().copied().min_by(|a, b| angles[*a].total_cmp(&angles[*b])) else { return vec![] };
-    if choice == Choice::Nearest || angles[nearest].is_nan() || angles[nearest] == 0.0 {
+    if choice == ViewChoice::Nearest || angles[nearest].is_nan() || angles[nearest] == 0.0 {
         return knowing.iter().map(|i| if *i == nearest { 1.0 } else { 0.0 }).collect();
     }
     // Relative to the nearest, so that small angles do not overflow.

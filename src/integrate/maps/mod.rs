@@ -13,7 +13,7 @@ mod together;
 use crate::geometry::Texels;
 use crate::product::{Placement, Plane, TexelWeights};
 
-pub use choice::Choice;
+pub use choice::ViewChoice;
 pub use eye::meets;
 pub(super) use eye::{PreparedMap, prepare};
 pub(super) use lookup::{Lookup, TexelLayout};
@@ -49,7 +49,7 @@ pub struct Maps<'a> {
     /// Terms of a sum; each is one of several maps of the scene, seen from different directions.
     pub terms: Vec<Vec<MapView<'a>>>,
     /// Which of the maps of a term.
-    pub choice: Choice,
+    pub choice: ViewChoice,
     /// What holds between texel centres.
     pub texels: Texels,
     /// What is shown where nothing is known.

@@ -1,6 +1,6 @@
 //! Looks maps up, pixel by pixel, and says what they leave to others.
 
-use super::choice::{Choice, views_shares};
+use super::choice::{ViewChoice, views_shares};
 use super::lookup::{Lookup, TexelLayout};
 use super::together::{Together, differ};
 use super::{Maps, PreparedMap, Unknown};
@@ -38,7 +38,7 @@ pub(in crate::integrate) struct PixelTexels<'a> {
     scene: &'a Scene,
     terms: Vec<Vec<Lookup<'a>>>,
     together: Together,
-    choice: Choice,
+    choice: ViewChoice,
     unknown: Unknown,
     /// Of the entry at hand: see [`PixelTexels::measure_angles`] and [`measure_shares`].
     angles: Vec<Vec<f64>>,
@@ -207,7 +207,7 @@ impl<'a> PixelTexels<'a> {
 
 /// How much each map counts for a facet, relative to each other. One that knows less than [`LEAST_KNOWN`] of what the best one
 /// knows does not count; one without a direction only if no other does.
-fn measure_shares(views: &[Lookup], angles: &[f64], choice: Choice, shares: &mut Vec<f64>) {
+fn measure_shares(views: &[Lookup], angles: &[f64], choice: ViewChoice, shares: &mut Vec<f64>) {
     shares.clear();
     shares.resize(views.len(), 0.0);
     if let ([view], [share]) = (views, &mut shares[..]) {

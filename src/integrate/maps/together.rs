@@ -1,6 +1,6 @@
 //! What several maps know together of a facet in a pixel: each point of it by the maps that know that very point.
 
-use super::choice::{Choice, views_shares};
+use super::choice::{ViewChoice, views_shares};
 use super::lookup::Lookup;
 use crate::geometry::polygon::{Point, area};
 use crate::integrate::parts::Window;
@@ -12,7 +12,7 @@ use crate::visibility::Shown;
 const ROUNDING: f64 = 1e-9;
 
 /// Whether maps know different parts of a facet, so that those have to be told apart.
-pub(super) fn differ(views: &[Lookup], angles: &[f64], choice: Choice, facet_area: f64) -> bool {
+pub(super) fn differ(views: &[Lookup], angles: &[f64], choice: ViewChoice, facet_area: f64) -> bool {
     let knows = |i: &usize| views[*i].seen.area > ROUNDING * facet_area;
     let all = |i: usize| views[i].seen.area >= (1.0 - ROUNDING) * facet_area;
     let mut knowing = (0..views.len()).filter(knows);
@@ -21,7 +21,7 @@ pub(super) fn differ(views: &[Lookup], angles: &[f64], choice: Choice, facet_are
         return false;
     }
     let nearest = knowing.clone().fold(first, |n, i| if angles[i].total_cmp(&angles[n]).is_lt() { i } else { n });
-    let is_alone = choice == Choice::Nearest || angles[nearest].is_nan() || angles[nearest] == 0.0;
+    let is_alone = choice == ViewChoice::Nearest || angles[nearest].is_nan() || angles[nearest] == 0.0;
     if is_alone { !all(nearest) } else { !(all(first) && knowing.all(all)) }
 }
 
@@ -53,7 +53,7 @@ impl Together {
         index: usize,
         views: &mut [Lookup],
         angles: &[f64],
-        choice: Choice,
+        choice: ViewChoice,
         wants_lit: bool,
     ) {
         self.texels.clear();
@@ -75,9 +75,9 @@ impl Together {
                 self.next.clear();
                 for cell in self.cells.drain(..) {
                     let is_served = match choice {
-                        Choice::Nearest => !cell.knowing.is_empty(),
+                        ViewChoice::Nearest => !cell.knowing.is_empty(),
                         // One without a direction serves what no other knows.
-                        Choice::Interpolated => angles[view].is_nan() && !cell.knowing.is_empty(),
+                        ViewChoice::Interpolated => angles[view].is_nan() && !cell.knowing.is_empty(),
                     };
                     if is_served {
                         self.next.push(cell);

@@ -6,7 +6,7 @@ use super::light::{Fragment, SourceLight};
 use crate::geometry::{Direction, Facet, FrameCamera, Mesh};
 use crate::physics::mars::middle_above_horizon;
 use crate::physics::reflectance::PhotometricAngles;
-use crate::scene::{DirectionField, Scene, SunModel};
+use crate::scene::{DirectionField, Scene, Sky, SunModel};
 use crate::units::SUN_RADIUS_M;
 
 /// Who looks at whole facets, from their centroids.
@@ -42,18 +42,17 @@ enum Eye<'a> {
 pub(super) struct FragmentAngles<'a> {
     eye: Eye<'a>,
     mesh: &'a Mesh,
-    /// Of Mars, the source in the near field, m.
-    radius_m: f64,
+    /// Whose globes are the sources in the near field.
+    sky: &'a Sky,
     /// Of the Sun, the first source, if it is a disc: its distance, m.
     disc_distance_m: Option<f64>,
 }
 
 impl<'a> FragmentAngles<'a> {
     pub(super) fn of(scene: &'a Scene) -> Self {
-        let radius_m = scene.sky.mars.as_ref().map_or(0.0, |mars| mars.radius_m);
         let disc_distance_m = (scene.models.sun != SunModel::Point).then_some(scene.sky.sun.distance_m);
         let eye = Eye::Camera(&scene.exposure.camera);
-        FragmentAngles { eye, mesh: &scene.body.mesh, radius_m, disc_distance_m }
+        FragmentAngles { eye, mesh: &scene.body.mesh, sky: &scene.sky, disc_distance_m }
     }
 
     /// The same of whole facets that another observer sees.
@@ -102,12 +101,14 @@ impl<'a> FragmentAngles<'a> {
                 None => direction.vec(),
                 Some(distance_m) => middle_above_horizon(normal, distance_m * direction.vec(), SUN_RADIUS_M),
             },
-            DirectionField::Near(_) => {
+            DirectionField::Near(centre_m) => {
                 let met_m = |(eye_m, ray)| eye_m + facet.met_by(eye_m, ray) * ray;
                 let towards = field.towards(seen_along.map_or_else(|| facet.centroid_m(), met_m));
                 // Where a facet is edge-on, rays meet it anywhere.
                 let towards = if towards.is_finite() { towards } else { field.towards(facet.centroid_m()) };
-                middle_above_horizon(normal, towards, self.radius_m)
+                let radius_m =
+                    self.sky.globes().find(|globe| globe.centre_m == centre_m).map_or(0.0, |globe| globe.radius_m);
+                middle_above_horizon(normal, towards, radius_m)
             }
         };
         PhotometricAngles::of_directions(normal, to_source, to_viewer)

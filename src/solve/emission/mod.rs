@@ -6,6 +6,7 @@
 mod between;
 mod by_band;
 mod constant;
+mod globes;
 mod heat;
 mod light;
 mod modelled;
@@ -15,16 +16,18 @@ mod fragment_angles;
 
 use std::f64::consts::PI;
 
-use crate::geometry::index_u32;
+use crate::geometry::{SphereShown, index_u32};
 use crate::physics::blackbody;
+use crate::physics::reflectance::lambert_radiance;
 use crate::product::FacetTable;
-use crate::scene::{DirectionField, Incoming, Material, Scene, Source, Texture};
+use crate::scene::{DirectionField, Incoming, Material, Scene, Texture};
 use crate::spectral::{Band, Spectrum};
 
 use between::Between;
 use by_band::{ByBand, Sample};
 use constant::Constant;
 use fragment_angles::FragmentAngles;
+use globes::Globes;
 use heat::Heat;
 use light::{Angles, SourceLight};
 use modelled::Modelled;
@@ -62,6 +65,9 @@ pub struct Emission<'a> {
     variations: Vec<Option<Variation>>,
     heat: Option<usize>,
     between: Between<'a>,
+    globes: Globes<'a>,
+    /// The first of their rows of light, and of heat.
+    globe_rows: [usize; 2],
 }
 
 /// The families of a material, by their place in the list.
@@ -96,6 +102,8 @@ impl<'a> Emission<'a> {
             variations: materials.iter().map(variation).collect(),
             heat: None,
             between: Between::new(scene, table),
+            globes: Globes::new(scene),
+            globe_rows: [0; 2],
         };
         for material in materials {
             emission.push(emission.reflecting(material, None));
@@ -103,11 +111,15 @@ impl<'a> Emission<'a> {
         for texture in &scene.body.textures {
             emission.push(emission.reflecting(&materials[texture.material.0 as usize], Some(texture)));
         }
+        emission.globe_rows[0] = emission.rows;
+        emission.rows += emission.globes.light_rows();
         emission.first_thermal_row = emission.rows;
         if let Some(heat) = Heat::new(scene, table, |band| emission.quadrature(band)) {
             emission.heat = Some(emission.families.len());
             emission.push(Family::Heat(heat));
         }
+        emission.globe_rows[1] = emission.rows;
+        emission.rows += emission.globes.heat_rows();
         emission
     }
 
@@ -240,6 +252,16 @@ impl<'a> Emission<'a> {
         }
     }
 
+    /// Adds to `add(row, weight)` what a pixel shows of a body of the sky, of those in view.
+    pub fn send_globe(&self, globe: usize, shown: &SphereShown, mut add: impl FnMut(u32, f64)) {
+        let [light, heat] = self.globe_rows;
+        let (of_light, of_heat) = self.globes.weights(shown);
+        add(index_u32(light + globe), of_light);
+        for (side, weight) in of_heat.into_iter().flatten().enumerate() {
+            add(index_u32(heat + 2 * globe + side), weight);
+        }
+    }
+
     fn reflect(
         &self,
         family: usize,
@@ -296,6 +318,7 @@ impl<'a> Emission<'a> {
                 }
             }
         }
+        self.globe_spectra(&mut spectra);
         for (first, family) in &self.families {
             if let Family::ByBand(by_band) = family {
                 by_band.spectra(&mut spectra[first * bands.len()..]);
@@ -307,20 +330,40 @@ impl<'a> Emission<'a> {
         spectra
     }
 
+    /// Writes the rows of bodies in view: of a Lambert sphere's radiance the cosine of incidence is in the weight.
+    fn globe_spectra(&self, spectra: &mut [f64]) {
+        let (bands, sky) = (&self.scene.exposure.bands, &self.scene.sky);
+        let [light_row, heat_row] = self.globe_rows;
+        for (b, band) in bands.iter().enumerate().filter(|_| self.globes.light_rows() > 0) {
+            for (um, weight) in self.quadrature(band) {
+                for (i, globe) in self.globes.globes.iter().enumerate().filter(|_| band.light.is_lit()) {
+                    let strength = sky.sun_on(globe).strength;
+                    let incoming = Incoming::Reflected(&globe.reflectance, strength);
+                    let [light, on_the_way] = self.incoming(incoming, band, um);
+                    spectra[(light_row + i) * bands.len() + b] += weight * lambert_radiance(light) * on_the_way;
+                }
+                if band.light.glows() {
+                    let add = |row: usize, value: f64| spectra[(heat_row + row) * bands.len() + b] += value;
+                    self.globes.heat(um, weight, add);
+                }
+            }
+        }
+    }
+
     /// Of each source, and then of what facets send each other.
     fn all_incoming(&self, band: &Band, um: f64) -> Vec<[f64; 2]> {
         let sources: Vec<[f64; 2]> =
-            self.scene.sources().iter().map(|source| self.incoming(source, band, um)).collect();
+            self.scene.sources().iter().map(|source| self.incoming(source.incoming, band, um)).collect();
         let between: Vec<[f64; 2]> = self.between.incoming(um, &sources).collect();
         [sources, between].concat()
     }
 
     /// Irradiance normal to a source's beam, W m-2 um-1, as a product of a light and of what happens to it on the way.
-    fn incoming(&self, source: &Source, band: &Band, um: f64) -> [f64; 2] {
+    fn incoming(&self, incoming: Incoming, band: &Band, um: f64) -> [f64; 2] {
         let sunlight = || self.scene.sky.sun.irradiance_w_m2_um(um).unwrap_or(f64::NAN);
-        match source.incoming {
+        match incoming {
             Incoming::Sunlight => [sunlight(), 1.0],
-            Incoming::Reflected(reflectance) => [sunlight(), at(reflectance, um)],
+            Incoming::Reflected(reflectance, strength) => [sunlight(), strength * at(reflectance, um)],
             Incoming::Own(irradiance) => [at(irradiance, um), 1.0],
             Incoming::Heat(parts) if band.light.glows() => {
                 let of_part = |(share, t_k): (f64, f64)| share * PI * blackbody::radiance_w_m2_sr_um(um, t_k);

@@ -95,6 +95,8 @@ fn lit(mesh: &Mesh, table: &FacetTable, frame: &Frame, meeting: &Meeting, which:
 /// Total irradiance of the sources' light, W m-2, where its geometric one is 1; and the share of it that surfaces reflect.
 struct Watts {
     sources_w_m2: Vec<f64>,
+    /// The same, to tell how much of it is left after a bounce: 1 each if none is known, as of sources of which only the light in bands is.
+    weights_w_m2: Vec<f64>,
     albedo: Vec<f64>,
     emissivity: Vec<f64>,
 }
@@ -104,14 +106,17 @@ impl Watts {
         let sun_w_m2 = scene.sky.sun.total_irradiance_w_m2();
         let of = |kind| match kind {
             SourceKind::Beam(total_w_m2) => total_w_m2,
-            // Sunlight that Mars reflects is taken to be of the Sun's colour.
-            SourceKind::Sphere(mars) => mars.bond_albedo * sun_w_m2,
+            // Sunlight that a globe reflects is taken to be of the Sun's colour.
+            SourceKind::Sphere(globe) => globe.bond_albedo * (sun_w_m2 * scene.sky.sun_on(globe).strength),
             // What a facet absorbs of that is known already.
             SourceKind::Glow(_) => 0.0,
         };
         let materials = &scene.body.materials;
+        let sources_w_m2: Vec<f64> = scene.sources().iter().map(|source| of(source.kind)).collect();
+        let is_known = sources_w_m2.iter().any(|w_m2| *w_m2 > 0.0);
         Watts {
-            sources_w_m2: scene.sources().iter().map(|source| of(source.kind)).collect(),
+            weights_w_m2: if is_known { sources_w_m2.clone() } else { vec![1.0; sources_w_m2.len()] },
+            sources_w_m2,
             albedo: materials.iter().map(|m| m.bond_albedo).collect(),
             emissivity: materials.iter().map(|m| m.emissivity_bolometric).collect(),
         }
@@ -119,8 +124,12 @@ impl Watts {
 
     /// Of each colour after a bounce.
     fn of(&self, colours: &Colours, bounce: usize) -> Vec<f64> {
+        self.by(&self.sources_w_m2, colours, bounce)
+    }
+
+    fn by(&self, sources_w_m2: &[f64], colours: &Colours, bounce: usize) -> Vec<f64> {
         let reflected = |by: &[MaterialId]| by.iter().map(|m| self.albedo[m.0 as usize]).product::<f64>();
-        colours.after(bounce).iter().map(|c| self.sources_w_m2[c.source] * reflected(&c.by)).collect()
+        colours.after(bounce).iter().map(|c| sources_w_m2[c.source] * reflected(&c.by)).collect()
     }
 }
 
@@ -179,7 +188,7 @@ impl<'a> Direct<'a> {
         let of = |f: usize| {
             let material = self.scene.body.mesh.material[f].0 as usize;
             let lit = self.sources.iter().map(|lighting| share(&lighting.sees, f));
-            let arriving: f64 = (self.sources.iter().zip(&watts.sources_w_m2))
+            let arriving: f64 = (self.sources.iter().zip(&watts.weights_w_m2))
                 .zip(lit)
                 .map(|((lighting, w_m2), lit)| lit * lighting.irradiance[f] * w_m2)
                 .sum();
@@ -255,7 +264,7 @@ fn light_w_m2(row: &[f64], of_colour: &[f64]) -> f64 {
 impl Sent<'_> {
     /// Power sent at bounce `n`, W: of light and heat alike.
     fn total_w(&self, colours: &Colours, n: usize, watts: &Watts, areas_m2: &[f64], mesh: &Mesh) -> f64 {
-        let of_colour = watts.of(colours, n - 1);
+        let of_colour = watts.by(&watts.weights_w_m2, colours, n - 1);
         let of = |f: usize| {
             let row = &self.received.rows[f * self.received.columns..];
             let reflected = watts.albedo[mesh.material[f].0 as usize] * light_w_m2(row, &of_colour);

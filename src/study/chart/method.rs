@@ -2,44 +2,80 @@
 
 use rayon::prelude::*;
 
+use super::case::{Case, Planned};
 use super::rays::RayTree;
+use super::sampled;
 use super::shading::{Shading, Share};
-use super::{models, sampled};
 use crate::error::Result;
+use crate::geometry::SphereShown;
 use crate::integrate;
 use crate::physics::sun_disc::DiscRule;
 use crate::product::FacetTable;
 use crate::progress::Watch;
-use crate::scene::{Body, Scene, Setup, SunModel};
+use crate::scene::{Body, Models, Scene, Setup, SunModel};
 use crate::solve::{self, ImagePart};
+use crate::study::plan::decide;
 
 /// What methods of a kind vary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Family {
-    /// Nothing: all effects, exactly.
+    /// Nothing: all effects, each as fine as there is time for.
     Full,
+    /// Which effects are computed.
+    Models,
+    /// Nothing: direct light and heat, exactly.
+    Exact,
     /// How pixels are filled.
     Image,
     /// How shadows are found.
     Shadows,
-    /// Which effects are computed.
-    Models,
     /// How many facets the mesh has.
     Facets,
     /// Another program.
     Other,
 }
 
+/// What a method answers, and what it is compared with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Question {
+    /// Which effects: against all of them.
+    Effects,
+    /// How pixels, shadows and surfaces are computed: against the same effects, exactly.
+    Geometry,
+}
+
+impl Question {
+    /// Both.
+    pub const ALL: [Question; 2] = [Question::Effects, Question::Geometry];
+
+    /// The family of what its methods are compared with.
+    pub fn truth(self) -> Family {
+        match self {
+            Question::Effects => Family::Full,
+            Question::Geometry => Family::Exact,
+        }
+    }
+}
+
 impl Family {
     /// What is varied, in a few words.
     pub fn title(self) -> &'static str {
         match self {
-            Family::Full => "full exact",
-            Family::Image => "image by rays",
+            Family::Full => "all effects, finest",
+            Family::Models => "as --model and --tolerance choose",
+            Family::Exact => "exact areas and shadows",
+            Family::Image => "by rays",
             Family::Shadows => "shadows otherwise",
-            Family::Models => "fewer models",
             Family::Facets => "coarser mesh",
             Family::Other => "other programs",
+        }
+    }
+
+    /// What its methods answer.
+    pub fn question(self) -> Question {
+        match self {
+            Family::Full | Family::Models => Question::Effects,
+            _ => Question::Geometry,
         }
     }
 }
@@ -60,16 +96,18 @@ pub enum Shadows {
 }
 
 /// A way to make an image.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Method {
-    /// Exact areas, shadows of the Sun's disc by many points, all models.
+    /// All effects, each as fine as there is time for.
     Full,
+    /// The effects of a plan.
+    Planned(Planned),
+    /// Direct light and heat: exact areas, shadows of the Sun's disc by many points. The methods below compute the same effects.
+    Exact,
     /// As many rays in each pixel, and from where each ends one to the Sun.
     Rays(u32),
     /// Exact areas, coarser shadows.
     Shadows(Shadows),
-    /// Exact geometry, fewer or other models.
-    Models(models::Choice),
     /// Exact on a mesh whose vertices are merged in cubes of so many mean edges.
     Facets(f64),
 }
@@ -78,24 +116,24 @@ pub enum Method {
 pub type Bands = Vec<Vec<f64>>;
 
 impl Method {
-    /// All that are compared, each family from coarse to fine.
-    pub fn all() -> Vec<Method> {
+    /// All that differ in geometry alone, the exact one first, each family from coarse to fine.
+    pub fn of_geometry() -> Vec<Method> {
         let rays = [1, 4, 16, 64, 256, 1024].map(Method::Rays);
         let disc = [DiscRule::G3, DiscRule::G7].map(Shadows::Disc);
         let shadows = [&[Shadows::Absent, Shadows::Centroid, Shadows::Share, Shadows::Pieces], &disc[..]].concat();
         let shadows: Vec<Method> = shadows.into_iter().map(Method::Shadows).collect();
         let facets = [8.0, 4.0, 2.0].map(Method::Facets);
-        let models = models::Choice::all().map(Method::Models);
-        [&[Method::Full][..], &rays, &shadows, &models, &facets].concat()
+        [&[Method::Exact][..], &rays, &shadows, &facets].concat()
     }
 
     /// What it varies.
     pub fn family(&self) -> Family {
         match self {
             Method::Full => Family::Full,
+            Method::Planned(_) => Family::Models,
+            Method::Exact => Family::Exact,
             Method::Rays(_) => Family::Image,
             Method::Shadows(_) => Family::Shadows,
-            Method::Models(_) => Family::Models,
             Method::Facets(_) => Family::Facets,
         }
     }
@@ -103,7 +141,9 @@ impl Method {
     /// A short name.
     pub fn name(&self) -> String {
         match self {
-            Method::Full => "full exact".into(),
+            Method::Full => "all effects, finest".into(),
+            Method::Planned(planned) => planned.name(),
+            Method::Exact => "exact".into(),
             Method::Rays(1) => "1 ray a pixel".into(),
             Method::Rays(rays) => format!("{rays} rays"),
             Method::Shadows(Shadows::Absent) => "no shadows".into(),
@@ -111,16 +151,17 @@ impl Method {
             Method::Shadows(Shadows::Share) => "sunlit share of facets".into(),
             Method::Shadows(Shadows::Pieces) => "exact shadows of a point Sun".into(),
             Method::Shadows(Shadows::Disc(rule)) => format!("Sun's disc by {} points", rule.count()),
-            Method::Models(choice) => choice.name().into(),
             Method::Facets(edges) => format!("mesh {edges} x coarser"),
         }
     }
 
-    /// What it does, in a sentence.
-    pub fn account(&self) -> String {
+    /// What it does, in a sentence or two.
+    pub fn account(&self, case: &Case) -> String {
         match self {
-            Method::Full => "Areas of facets in pixels are exact, those in sunlight of each of 37 points of the Sun's disc, and every effect that \
-                             the scene states is modelled. All others are compared with it."
+            Method::Full => case.full_account.clone(),
+            Method::Planned(planned) => format!("Exact areas and shadows. {}", planned.account),
+            Method::Exact => "Areas of facets in pixels are exact, and so is what of each facet each of 37 points of the Sun's disc sees. Light that comes \
+                              straight from sources, Mars cut by each facet's own horizon alone, and heat. The methods below compute the same effects, and are compared with this."
                 .into(),
             Method::Rays(rays) => format!(
                 "Point sampling: {rays} {} through each pixel, evenly spread, and from where each ends a ray to a point of the Sun's disc.",
@@ -139,7 +180,6 @@ impl Method {
             Method::Shadows(Shadows::Disc(rule)) => {
                 format!("Exact areas in pixels, and exactly what of each facet each of {} points of the Sun's disc sees.", rule.count())
             }
-            Method::Models(choice) => choice.account().into(),
             Method::Facets(edges) => format!(
                 "Everything exact, on a coarser mesh: vertices in one cube of {edges} mean edge lengths are merged (Rossignac and Borrel 1993). The \
                  time to make the mesh is not counted."
@@ -147,11 +187,12 @@ impl Method {
         }
     }
 
-    /// The models by which it computes.
-    pub fn model(&self) -> &'static str {
+    /// What a simulation is asked for to compute the same effects.
+    pub fn model(&self) -> String {
         match self {
-            Method::Models(choice) => choice.model(),
-            _ => "full",
+            Method::Full => "full, finest".into(),
+            Method::Planned(planned) => planned.asked(),
+            _ => "direct light and heat".into(),
         }
     }
 
@@ -159,45 +200,55 @@ impl Method {
     ///
     /// # Errors
     /// Those of [`Scene::new`].
-    pub fn prepared(&self, scene: &Scene) -> Result<Scene> {
-        let Setup { body, sky, exposure, models } = (**scene).clone();
+    pub fn prepared(&self, case: &Case) -> Result<Scene> {
+        let Setup { body, sky, exposure, models } = (*case.scene).clone();
         let mut surface = (*body).clone();
         if let Method::Facets(edges) = self {
             surface.mesh = surface.mesh.clustered(edges * mean_edge_m(&body));
         }
-        let setup = Setup { body: Body::new(surface)?, sky, exposure, models };
-        let mut setup = match self {
-            Method::Models(choice) => choice.of(setup),
-            _ => models::full(setup),
+        let body = Body::new(surface)?;
+        let models = match self {
+            // It begins with the plan, for all bands.
+            Method::Planned(_) => return Scene::new(Setup { body, sky, exposure, models }),
+            Method::Full => case.full,
+            Method::Shadows(Shadows::Disc(rule)) => Models { sun: SunModel::Disc(*rule), ..case.direct },
+            Method::Shadows(_) => Models { sun: SunModel::Point, ..case.direct },
+            Method::Exact | Method::Rays(_) | Method::Facets(_) => case.direct,
         };
-        match self {
-            Method::Shadows(Shadows::Disc(rule)) => setup.models.sun = SunModel::Disc(*rule),
-            Method::Shadows(_) => setup.models.sun = SunModel::Point,
-            _ => {}
-        }
-        Scene::new(setup)
+        Scene::new(Setup { body, sky, exposure: case.exposure.clone(), models })
     }
 
     /// Makes the image of a scene that it has [prepared](Method::prepared).
     ///
     /// # Errors
-    /// Those of [`solve`](solve::solve) and [`radiance`](integrate::radiance).
-    pub fn image(&self, scene: &Scene, watch: Watch<'_>) -> Result<Bands> {
-        let table = match self {
-            Method::Rays(rays) => return sampled::image(scene, *rays, watch),
-            Method::Shadows(Shadows::Share) => return by_share(scene, watch),
-            Method::Shadows(Shadows::Absent) => solve::solve_sunlit(scene, sampled::facing_the_sun(scene), watch)?,
+    /// Those of [`decide`], [`solve`](solve::solve) and [`radiance`](integrate::radiance).
+    pub fn image(&self, case: &Case, scene: &Scene, watch: Watch<'_>) -> Result<Bands> {
+        match self {
+            Method::Planned(Planned { requests, .. }) => {
+                let (models, ..) = decide(scene, &requests[0], watch)?;
+                let planned =
+                    Setup { models: case.within(models), exposure: case.exposure.clone(), ..(**scene).clone() };
+                exact(&Scene::new(planned)?, watch)
+            }
+            Method::Rays(rays) => sampled::by_rays(scene, *rays, watch),
+            Method::Shadows(Shadows::Share) => by_share(scene, watch),
+            Method::Shadows(Shadows::Absent) => {
+                exact_image(scene, &solve::solve_sunlit(scene, sampled::facing_the_sun(scene), watch)?, watch)
+            }
             Method::Shadows(Shadows::Centroid) => {
                 let sunlit = sampled::lit_at_centroid(scene, &RayTree::new(&scene.body.mesh));
-                solve::solve_sunlit(scene, sunlit, watch)?
+                exact_image(scene, &solve::solve_sunlit(scene, sunlit, watch)?, watch)
             }
-            Method::Full
-            | Method::Models(_)
-            | Method::Facets(_)
-            | Method::Shadows(Shadows::Pieces | Shadows::Disc(_)) => solve::solve(scene, watch)?,
-        };
-        exact_image(scene, &table, watch)
+            Method::Full | Method::Exact | Method::Facets(_) | Method::Shadows(Shadows::Pieces | Shadows::Disc(_)) => {
+                exact(scene, watch)
+            }
+        }
     }
+}
+
+/// The image by what this program does.
+pub(super) fn exact(scene: &Scene, watch: Watch<'_>) -> Result<Bands> {
+    exact_image(scene, &solve::solve(scene, watch)?, watch)
 }
 
 /// The image by exact areas.
@@ -222,7 +273,8 @@ fn by_share(scene: &Scene, watch: Watch<'_>) -> Result<Bands> {
     let lit_share: Vec<Vec<f64>> = lights.iter().map(of).collect();
     let Some(sunlit) = table.sunlit() else { return exact_image(scene, &table, watch) };
     let camera = &scene.exposure.camera;
-    let footprints = integrate::footprints(&scene.body.mesh, scene.body.topology(), sunlit, camera);
+    let (footprints, globes) = integrate::footprints_among_globes(scene, sunlit);
+    let globes_in_view = scene.globes_in_view().len();
     let shading = Shading::new(scene, &table);
     let samples = camera.samples as usize;
     let of_pixel = |pixel: usize| {
@@ -239,7 +291,9 @@ fn by_share(scene: &Scene, watch: Watch<'_>) -> Result<Bands> {
             lit: lit_share.iter().map(|shares| part(area * shares[facet as usize])).collect(),
         };
         let shares: Vec<Share> = footprints.pixel(pixel).filter(|(facet, ..)| faces(*facet)).map(share).collect();
-        shading.pixel(&shares)
+        let mut shown = vec![SphereShown::default(); globes_in_view];
+        globes[pixel].iter().for_each(|(globe, of)| shown[*globe] = *of);
+        shading.pixel(&shares, &shown)
     };
     let pixels: Vec<Vec<f64>> = (0..samples * camera.lines as usize).into_par_iter().map(of_pixel).collect();
     Ok((0..scene.exposure.bands.len()).map(|band| pixels.iter().map(|p| p[band]).collect()).collect())

@@ -1,28 +1,34 @@
-//! Error against time: several ways to make the image of a scene, each compared with the full exact one.
+//! Error against time: several ways to make the image of a scene, each compared with the truth of its question.
+//!
+//! Which effects are computed is compared with all of them. How geometry is computed is compared with exact areas and shadows under the same effects,
+//! those of direct light and heat: so a shortcut's error is its own, and its time is not drowned by that of light between facets.
 
 mod advice;
+mod case;
 mod errors;
 mod method;
-mod models;
 mod outside;
 mod rays;
 mod sampled;
 mod shading;
 
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
 use crate::error::{Error, Result};
+use crate::geometry::whole;
 use crate::integrate;
 use crate::progress::{Progress, Watch, tell};
-use crate::scene::{Exposure, Scene, Setup, Thermal};
+use crate::scene::{Models, Scene, Setup, SunModel, Thermal};
 use crate::solve;
 use crate::spectral::Band;
 
 pub use advice::{Advice, TARGETS};
+pub use case::{Case, Planned};
 pub use errors::{BandErrors, FLOOR, Ground, Spread, pixel_error, reference_radiance};
-pub use method::{Bands, Family, Method, Shadows};
-pub use models::Choice;
+pub use method::{Bands, Family, Method, Question, Shadows};
 pub use outside::{Outside, lambert_sunlight};
 pub use rays::{Hit, RayTree};
-pub use sampled::{facing_the_sun, lit_at_centroid};
+pub use sampled::{by_rays, facing_the_sun, lit_at_centroid};
 
 /// CPU time of this process so far, s, over all its threads: the library has no clock.
 pub type Clock<'a> = &'a (dyn Fn() -> f64 + Sync);
@@ -48,8 +54,10 @@ pub struct Chart {
     pub bands: Vec<Band>,
     /// What each pixel sees.
     pub ground: Vec<Ground>,
-    /// Image and time of each method; the first is the full exact one.
+    /// Image and time of each method, by questions; the first of each question is its truth.
     pub entries: Vec<Entry>,
+    /// Whether light between facets is among the effects: its tolerance is of its own.
+    pub has_exchange: bool,
     /// What could not be compared, and why.
     pub notes: Vec<String>,
 }
@@ -63,7 +71,7 @@ pub struct Entry {
     pub name: String,
     /// What it does, in a sentence.
     pub account: String,
-    /// The models by which it computes.
+    /// What a simulation is asked for to compute the same effects.
     pub model: String,
     /// Facets of the mesh that it sees.
     pub facets: usize,
@@ -87,9 +95,14 @@ impl Entry {
 }
 
 impl Chart {
-    /// The full exact image.
-    pub fn truth(&self) -> &Entry {
-        &self.entries[0]
+    /// What the methods of a question are compared with.
+    pub fn truth(&self, question: Question) -> &Entry {
+        self.entries.iter().find(|entry| entry.family == question.truth()).unwrap_or(&self.entries[0])
+    }
+
+    /// What answers a question, its truth first.
+    pub fn answers(&self, question: Question) -> impl Iterator<Item = &Entry> {
+        self.entries.iter().filter(move |entry| entry.family.question() == question)
     }
 }
 
@@ -99,17 +112,22 @@ impl Chart {
 /// Those of [`solve`](solve::solve) and [`integrate`](integrate::integrate);
 /// [`Error::Interrupted`] if `watch` asks to stop.
 pub fn chart(name: &str, scene: &Scene, clock: Clock<'_>, watch: Watch<'_>) -> Result<Chart> {
-    let exposure = Exposure { bands: bands(scene), ..scene.exposure.clone() };
-    let scene = &scene.seen_by(exposure)?;
-    let methods = Method::all();
+    // Stages of the work within are not the chart's.
+    let before = |_: Progress| watch(Progress { stage: "methods", done: 0, total: 1 });
+    let case = &Case::new(scene, &before)?;
+    let mut methods = vec![Method::Full];
+    methods.extend(case.plans(&before)?.into_iter().map(Method::Planned));
+    methods.extend(Method::of_geometry());
+    let weight = |method: &Method| weight(case.cpu_s(method));
     let total: u64 = methods.iter().map(weight).sum();
     let mut done = 0;
     let mut entries: Vec<Entry> = Vec::new();
-    let mut notes = Vec::new();
-    let mut ground = Vec::new();
+    let mut notes = case.notes.clone();
+    let ground = seen_ground(case, &before)?;
     for method in methods {
         tell(watch, "methods", done, total)?;
         let weight = weight(&method);
+        done += weight;
         let last_s = entries.last().filter(|last| last.family == Family::Image).map_or(0.0, |last| last.cpu_s);
         if matches!(method, Method::Rays(_)) && RAYS_GROW * last_s > LONGEST_S {
             notes.push(format!(
@@ -117,44 +135,44 @@ pub fn chart(name: &str, scene: &Scene, clock: Clock<'_>, watch: Watch<'_>) -> R
                 method.name(),
                 RAYS_GROW * last_s
             ));
-            done += weight;
             continue;
         }
+        // What takes long tells how far it is; of several passes, and runs, the first counts.
+        let farthest = AtomicU64::new(0);
         let inner = |progress: Progress| {
             let within = match progress.stage {
-                "rays" => weight * progress.done / progress.total.max(1),
+                "rays" | "light between facets" => weight * progress.done / progress.total.max(1),
                 _ => 0,
             };
-            watch(Progress { stage: "methods", done: done + within, total })
+            let within = farthest.fetch_max(within, Relaxed).max(within);
+            watch(Progress { stage: "methods", done: done - weight + within, total })
         };
-        let prepared = match method.prepared(scene) {
+        let prepared = match method.prepared(case) {
             Ok(prepared) => prepared,
-            Err(Error::Invalid(problems)) if method != Method::Full => {
+            Err(Error::Invalid(problems)) if !matches!(method, Method::Full | Method::Exact) => {
                 let why: Vec<String> = problems.iter().map(|problem| problem.message.clone()).collect();
                 notes.push(format!("{} was not run: {}", method.name(), why.join("; ")));
                 continue;
             }
             Err(other) => return Err(other),
         };
-        if method == Method::Full {
-            ground = seen_ground(&prepared, &inner)?;
-        }
-        let (image, cpu_s, runs) = measured(&method, scene, prepared.clone(), clock, &inner)?;
-        let truth = entries.first().map_or(&image, |full| &full.image);
-        let errors = compared(&image, truth, &ground);
+        let facets = prepared.body.mesh.facets.len();
+        let (image, cpu_s, runs) = measured(&method, case, prepared, clock, &inner)?;
+        let family = method.family();
+        let truth = entries.iter().find(|entry| entry.family == family.question().truth());
+        let errors = compared(&image, truth.map_or(&image, |truth| &truth.image), &ground);
         entries.push(Entry {
-            family: method.family(),
+            family,
             name: method.name(),
-            account: method.account(),
-            model: method.model().to_owned(),
-            facets: prepared.body.mesh.facets.len(),
+            account: method.account(case),
+            model: method.model(),
+            facets,
             cpu_s,
             runs,
             errors,
             image,
             is_best: false,
         });
-        done += weight;
     }
     tell(watch, "methods", total, total)?;
     advice::mark_best(&mut entries);
@@ -166,39 +184,37 @@ pub fn chart(name: &str, scene: &Scene, clock: Clock<'_>, watch: Watch<'_>) -> R
         scene: name.to_owned(),
         size: [camera.samples as usize, camera.lines as usize],
         facets: scene.body.mesh.facets.len(),
-        bands: scene.exposure.bands.clone(),
+        bands: case.exposure.bands.clone(),
         ground,
         entries,
+        has_exchange: case.full.exchange.is_some(),
         notes,
     })
 }
 
-/// Share of a method in the progress.
-fn weight(method: &Method) -> u64 {
-    match method {
-        Method::Rays(rays) => 8 + u64::from(*rays),
-        // 37 views of the Sun.
-        Method::Full | Method::Models(Choice::WithoutMars) => 300,
-        _ => 16,
-    }
+/// Share of a method in the progress, from what a run of it takes: some ms.
+fn weight(cpu_s: f64) -> u64 {
+    let runs = if cpu_s < QUICK_S { f64::from(RUNS) } else { 1.0 };
+    whole(1e3 * cpu_s * runs) as u64 + 1
 }
 
 /// Runs a method until its time is known.
 fn measured(
     method: &Method,
-    scene: &Scene,
+    case: &Case,
     first: Scene,
     clock: Clock<'_>,
     watch: Watch<'_>,
 ) -> Result<(Bands, f64, u32)> {
     let began = clock();
-    let image = method.image(&first, watch)?;
+    let image = method.image(case, &first, watch)?;
     let (mut least_s, mut runs) = (clock() - began, 1);
+    drop(first);
     while runs < RUNS && least_s < QUICK_S {
         // What a run has found out about a body stays with it: each starts from a new one.
-        let again = method.prepared(scene)?;
+        let again = method.prepared(case)?;
         let began = clock();
-        method.image(&again, watch)?;
+        method.image(case, &again, watch)?;
         least_s = least_s.min(clock() - began);
         runs += 1;
     }
@@ -210,7 +226,8 @@ fn compared(image: &Bands, truth: &Bands, ground: &[Ground]) -> Vec<BandErrors> 
 }
 
 /// What each pixel sees, exactly.
-fn seen_ground(scene: &Scene, watch: Watch<'_>) -> Result<Vec<Ground>> {
+fn seen_ground(case: &Case, watch: Watch<'_>) -> Result<Vec<Ground>> {
+    let scene = &case.scene.by(Models { sun: SunModel::Point, ..case.direct })?;
     let table = solve::lit(scene, watch)?;
     let camera = &scene.exposure.camera;
     let pixels = camera.samples as usize * camera.lines as usize;

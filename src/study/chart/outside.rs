@@ -1,6 +1,6 @@
 //! Images by other programs, which know less than this one: they are compared with the exact image of what they know.
 
-use super::method::{Family, Method};
+use super::method::{Family, exact};
 use super::{BandErrors, Chart, Entry};
 use crate::error::Result;
 use crate::progress::Watch;
@@ -29,6 +29,7 @@ pub fn lambert_sunlight(scene: &Scene) -> Result<Scene> {
     surface.textures.clear();
     surface.materials.iter_mut().for_each(|material| material.photometry = Photometry::Lambert);
     sky.mars = None;
+    sky.bodies.clear();
     sky.beams.clear();
     models.thermal = Thermal::Off;
     models.sun = SunModel::Point;
@@ -40,9 +41,9 @@ impl Chart {
     /// Adds what other programs made of `known`, which is the chart's scene as they know it.
     ///
     /// # Errors
-    /// Those of [`Method::image`].
+    /// Those of [`solve`](crate::solve::solve) and [`radiance`](crate::integrate::radiance).
     pub fn add(&mut self, known: &Scene, outsides: Vec<Outside>, watch: Watch<'_>) -> Result<()> {
-        let truth = Method::Full.image(known, watch)?;
+        let truth = exact(known, watch)?;
         for Outside { name, account, cpu_s, image } in outsides {
             let errors = vec![BandErrors::new(&image, &truth[0], &self.ground)];
             self.entries.push(Entry {

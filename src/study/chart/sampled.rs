@@ -8,16 +8,20 @@ use rayon::prelude::*;
 use super::rays::RayTree;
 use super::shading::{Shading, Share};
 use crate::error::Result;
+use crate::geometry::{SphereImage, SphereShown};
 use crate::product::{FacetTable, Sees};
 use crate::progress::{Watch, tell};
 use crate::scene::{Scene, SunModel};
 use crate::solve::{self, ImagePart};
 use crate::visibility::{Seen, Shown};
 
-/// Radiance of every pixel, [band][pixel], by this many rays in each.
+/// Radiance of every pixel, `[band, pixel]`, by this many rays in each.
 ///
 /// They are a Hammersley set (i / n, radical inverse of i), which has one ray in each of n equal boxes of any shape: the same in all pixels.
-pub(super) fn image(scene: &Scene, rays: u32, watch: Watch<'_>) -> Result<Vec<Vec<f64>>> {
+///
+/// # Errors
+/// Those of [`solve_sunlit`](solve::solve_sunlit).
+pub fn by_rays(scene: &Scene, rays: u32, watch: Watch<'_>) -> Result<Vec<Vec<f64>>> {
     let facing = facing_the_sun(scene);
     let table = solve::solve_sunlit(scene, facing, watch)?;
     tell(watch, "rays", 0, 1)?;
@@ -26,6 +30,7 @@ pub(super) fn image(scene: &Scene, rays: u32, watch: Watch<'_>) -> Result<Vec<Ve
     let sources = towards(&table);
     let suns = suns(scene, rays);
     let sunlight = table.sources.first().map_or(&[][..], |sun| &sun.irradiance);
+    let globes: Vec<SphereImage> = scene.globes_in_view().into_iter().map(|(_, seen)| seen).collect();
     let cast = |at, area, sun: &DiscPoint, shares: &mut Vec<Share>| {
         cast(scene, &tree, (&sources, sun, sunlight), at, area, shares);
     };
@@ -36,12 +41,18 @@ pub(super) fn image(scene: &Scene, rays: u32, watch: Watch<'_>) -> Result<Vec<Ve
     let of_line = |line: u32| {
         let mut radiance = Vec::with_capacity(samples as usize);
         let mut shares = Vec::new();
+        let mut shown = vec![SphereShown::default(); globes.len()];
         for sample in 0..samples {
             shares.clear();
+            shown.fill(SphereShown::default());
             for ([x, y], sun) in places.iter().zip(suns.iter().cycle()) {
-                cast([f64::from(sample) + x, f64::from(line) + y], 1.0 / f64::from(rays), sun, &mut shares);
+                let (at, area) = ([f64::from(sample) + x, f64::from(line) + y], 1.0 / f64::from(rays));
+                match globe_before(scene, &tree, &globes, at) {
+                    Some((globe, cosine)) => shown[globe].add(area, &point(cosine)),
+                    None => cast(at, area, sun, &mut shares),
+                }
             }
-            radiance.push(shading.pixel(&shares));
+            radiance.push(shading.pixel(&shares, &shown));
         }
         tell(watch, "rays", done.fetch_add(1, Relaxed) + 1, total)?;
         Ok(radiance)
@@ -92,6 +103,21 @@ fn inverse(mut i: u32, base: u32) -> f64 {
         i /= base;
     }
     value
+}
+
+/// The body of the sky that a ray through an image point meets before all facets, and the cosine of the Sun's incidence there. Of those it meets the
+/// first in the list is in front.
+fn globe_before(scene: &Scene, tree: &RayTree, globes: &[SphereImage], at: [f64; 2]) -> Option<(usize, f64)> {
+    let camera = &scene.exposure.camera;
+    let (globe, (along, cosine)) = globes.iter().enumerate().find_map(|(i, globe)| Some((i, globe.met(at)?)))?;
+    let facet = tree.nearest(camera.centre_m(), camera.ray(at[0], at[1]));
+    facet.is_none_or(|hit| along < hit.t).then_some((globe, cosine))
+}
+
+/// What one point shows of a globe.
+fn point(cosine: f64) -> SphereShown {
+    let faces = if cosine > 0.0 { 1.0 } else { 0.0 };
+    SphereShown { area: 1.0, facing: faces, cosine: cosine.max(0.0) }
 }
 
 /// What a ray through an image point adds to a pixel; `sun` is where its shadow ray goes, and `sunlight` the facets' irradiance by all of the disc.

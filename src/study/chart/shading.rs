@@ -1,5 +1,6 @@
 //! From what a pixel shows of which facets to its radiance, by the product's own radiometry, however that was found.
 
+use crate::geometry::SphereShown;
 use crate::product::FacetTable;
 use crate::scene::Scene;
 use crate::solve::{Emission, Fragment, ImagePart};
@@ -26,15 +27,19 @@ impl<'a> Shading<'a> {
         Shading { spectra: emission.spectra(), emission, bands: scene.exposure.bands.len() }
     }
 
-    /// Radiance of a pixel in each band, W m-2 sr-1 um-1. Textures are left out.
-    pub(super) fn pixel(&self, shares: &[Share]) -> Vec<f64> {
+    /// Radiance of a pixel in each band, W m-2 sr-1 um-1, of facets and of the bodies in view, in their order. Textures are left out.
+    pub(super) fn pixel(&self, shares: &[Share], globes: &[SphereShown]) -> Vec<f64> {
         let mut radiance = vec![0.0; self.bands];
+        let mut add = |row: u32, weight: f64| {
+            let spectrum = &self.spectra[row as usize * self.bands..][..self.bands];
+            radiance.iter_mut().zip(spectrum).for_each(|(sum, value)| *sum += weight * value);
+        };
+        for (i, shown) in globes.iter().enumerate() {
+            self.emission.send_globe(i, shown, &mut add);
+        }
         for share in shares {
             let fragment = Fragment { facet: share.facet, shown: share.shown, lit: &share.lit };
-            self.emission.send(&fragment, None, |row, weight| {
-                let spectrum = &self.spectra[row as usize * self.bands..][..self.bands];
-                radiance.iter_mut().zip(spectrum).for_each(|(sum, value)| *sum += weight * value);
-            });
+            self.emission.send(&fragment, None, &mut add);
         }
         radiance
     }

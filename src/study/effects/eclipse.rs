@@ -1,18 +1,20 @@
-//! Mars before the Sun.
+//! Mars, or another body of the sky, before the Sun.
+
+use glam::DVec3;
 
 use super::{Bound, EffectKind, Finding, Given, Switch};
 use crate::geometry::Direction;
 use crate::physics::sun::{self, Eclipse};
-use crate::scene::Setup;
+use crate::scene::{Globe, Setup, Sky};
 
 pub(super) const KIND: EffectKind = EffectKind {
     key: "eclipse",
-    name: "eclipse by Mars",
+    name: "eclipses",
     equation: Some("physics::sun_disc::share_beside_sphere"),
     step: Some("solve::irradiance"),
     light: None,
     switch: Some(Switch {
-        add: |models, _, given, _| models.eclipses = given.scene.sky.mars.is_some(),
+        add: |models, _, given, _| models.eclipses = given.scene.sky.globes().next().is_some(),
         remove: |models| models.eclipses = false,
         cost_s: |_, _| 0.0,
         own: None,
@@ -26,37 +28,64 @@ const ROUNDING: f64 = 1e-3;
 
 fn find(given: &Given) -> Finding {
     let found = |missing: Option<&str>, bound, because: &str| Finding {
-        modelled: given.models.eclipses && given.scene.sky.mars.is_some(),
+        modelled: given.models.eclipses && given.scene.sky.globes().next().is_some(),
         missing: missing.map(str::to_owned),
         bound,
-        remaining: match by_mars(given.scene) {
+        remaining: match by_globes(given.scene) {
             Some(Eclipse::Partial) => Some(Bound { lit: ROUNDING, shadow: ROUNDING }),
             _ => Some(Bound::NOTHING),
         },
-        note: "each facet has the sunlight that Mars leaves, seen from its centroid".into(),
+        note: "each facet has the sunlight that bodies of the sky leave, seen from its centroid".into(),
         because: because.into(),
     };
-    match by_mars(given.scene) {
-        None => found(Some("no Mars in the scene"), None, "not known without a Mars"),
-        Some(Eclipse::None) => found(None, Some(Bound::NOTHING), "Mars is not in front of the Sun"),
+    match by_globes(given.scene) {
+        None => found(Some("no Mars in the scene"), None, "not known without a Mars, or another body"),
+        Some(Eclipse::None) => found(None, Some(Bound::NOTHING), "nothing is in front of the Sun"),
         Some(Eclipse::Partial) => {
-            found(None, None, "Mars covers part of the Sun's disc: relative to what light is left, there is no bound")
+            found(None, None, "part of the Sun's disc is covered: relative to what light is left, there is no bound")
         }
-        Some(Eclipse::Total) => found(None, None, "Mars covers the Sun: the site has no sunlight"),
+        Some(Eclipse::Total) => found(None, None, "the Sun is covered: the site has no sunlight"),
     }
 }
 
-/// Whether Mars covers the Sun: wholly if from everywhere, not if from nowhere; `None` without Mars.
-pub(in crate::study) fn by_mars(scene: &Setup) -> Option<Eclipse> {
-    let mars = scene.sky.mars.as_ref()?;
-    let (low_m, high_m) = scene.body.bounds_m()?;
-    let (to_mars_m, half_m) = (mars.centre_m - 0.5 * (low_m + high_m), 0.5 * (high_m - low_m).length());
+/// Whether some body of the sky covers the Sun: wholly if from everywhere, not if from nowhere; `None` without any.
+pub(in crate::study) fn by_globes(scene: &Setup) -> Option<Eclipse> {
+    let mut worst = None;
+    for (_, eclipse) in eclipses(scene) {
+        worst = match (worst, eclipse) {
+            (Some(Eclipse::Total), _) | (_, Eclipse::Total) => Some(Eclipse::Total),
+            (Some(Eclipse::Partial), _) | (_, Eclipse::Partial) => Some(Eclipse::Partial),
+            _ => Some(Eclipse::None),
+        };
+    }
+    worst
+}
+
+/// Who covers it.
+pub(in crate::study) fn whose(scene: &Setup) -> String {
+    let names: Vec<&str> = eclipses(scene)
+        .filter(|(_, eclipse)| *eclipse != Eclipse::None)
+        .map(|(globe, _)| if globe.name == Sky::MARS { "Mars" } else { globe.name.as_str() })
+        .collect();
+    names.join(" and ")
+}
+
+fn eclipses(scene: &Setup) -> impl Iterator<Item = (&Globe, Eclipse)> {
+    let box_m = scene.body.bounds_m();
+    scene.sky.globes().filter_map(move |globe| Some((globe, by(scene, globe, box_m?)?)))
+}
+
+fn by(scene: &Setup, globe: &Globe, (low_m, high_m): (DVec3, DVec3)) -> Option<Eclipse> {
+    if globe.centre_m.length() >= scene.sky.sun.distance_m {
+        return Some(Eclipse::None);
+    }
+    let (to_centre_m, half_m) = (globe.centre_m - 0.5 * (low_m + high_m), 0.5 * (high_m - low_m).length());
     let sun_rad = sun::angular_radius_rad(scene.sky.sun.distance_m);
-    let separation_rad = scene.sky.sun.direction.angle_rad(Direction::new(to_mars_m)?);
-    // From elsewhere on the mesh Mars is in another direction, and as much larger or smaller.
-    let off_rad = half_m / (to_mars_m.length() - half_m).max(0.0);
+    let separation_rad = scene.sky.sun.direction.angle_rad(Direction::new(to_centre_m)?);
+    // From elsewhere on the mesh it is in another direction, and as much larger or smaller.
+    let off_rad = half_m / (to_centre_m.length() - half_m).max(0.0);
     let from = |off_rad: f64| {
-        sun::eclipse(separation_rad + off_rad, (mars.radius_m / to_mars_m.length()).min(1.0).asin(), sun_rad)
+        sun::eclipse(separation_rad + off_rad, (globe.radius_m / to_centre_m.length()).min(1.0).asin(), sun_rad)
     };
     Some(match (from(-2.0 * off_rad), from(2.0 * off_rad)) {
         (Eclipse::None, _) => Eclipse::None,

@@ -3,11 +3,10 @@
 use super::Bound;
 use crate::physics::reflectance::Lambert;
 use crate::physics::{blackbody, heat};
-use crate::scene::{Material, Models, Setup, Thermal};
+use crate::scene::{Globe, Material, Models, Setup, Thermal};
 use crate::spectral::Light;
 use crate::study::cost;
-use crate::study::draft::HALF_SHADOW;
-use crate::study::extremes::{Class, Extremes, Sunlit};
+use crate::study::extremes::{BodySeen, Class, Extremes, HALF_SHADOW, Sunlit};
 use crate::units::{MARS_RADIUS_M, PHOBOS_ORBIT_M};
 
 /// The least radiance that an error is relative to, over the band's median sunlit radiance.
@@ -88,8 +87,9 @@ impl<'a> Given<'a> {
             materials,
             median_brightness: median(sunlit.iter().map(|place| place.brightness)).unwrap_or(1.0),
         };
-        let noon_k =
-            |(_, m): &(usize, &Material)| given.temperature_k(m, 1.0, given.most_from_mars() + given.most_around());
+        let noon_k = |(_, m): &(usize, &Material)| {
+            given.temperature_k(m, 1.0, given.most_from_mars() + given.most_from_bodies() + given.most_around())
+        };
         given.noon_k = given.materials.iter().map(noon_k).fold(0.0, f64::max);
         let places: Vec<_> = sunlit
             .iter()
@@ -158,6 +158,32 @@ impl<'a> Given<'a> {
     pub(super) fn most_from_mars(&self) -> f64 {
         let (sin_radius, _) = mars_seen(self.scene, self.extremes);
         sin_radius * sin_radius
+    }
+
+    /// A bound of the heat that further bodies send a facet that faces all of them, absorbed light included; over sunlight at the zenith.
+    pub(super) fn most_from_bodies(&self) -> f64 {
+        let bodies = self.scene.sky.bodies.iter().zip(&self.extremes.bodies);
+        bodies.map(|(globe, seen)| self.warmth_of(globe, seen)).sum()
+    }
+
+    /// The same of one of them.
+    pub(super) fn warmth_of(&self, globe: &Globe, seen: &BodySeen) -> f64 {
+        let sun_w_m2 = self.scene.sky.sun.total_irradiance_w_m2();
+        let of_heat = globe.thermal_exitance_w_m2 * seen.form_factor / sun_w_m2;
+        // Under a Sun that sends nothing heat is relative to nothing.
+        if of_heat.is_finite() { globe.bond_albedo * seen.light + of_heat } else { 0.0 }
+    }
+
+    /// A bound of the light of Mars and further bodies on a facet that faces all of them, over sunlight at the zenith.
+    pub(super) fn light_of_globes(&self, at: &Wavelength) -> f64 {
+        let albedo = |globe: &Globe| globe.reflectance.at(at.um).unwrap_or(f64::NAN);
+        let of_mars = self.scene.sky.mars.as_ref().map_or(0.0, |mars| 2.0 * albedo(mars) * self.most_from_mars());
+        let of_body = |(globe, seen): (&Globe, &BodySeen)| {
+            let warmest_k = globe.day_night_k[0].max(globe.day_night_k[1]);
+            let glow = if at.light.glows() { blackbody::radiance_w_m2_sr_um(at.um, warmest_k) / at.white } else { 0.0 };
+            albedo(globe) * seen.light + glow * seen.form_factor
+        };
+        of_mars + self.scene.sky.bodies.iter().zip(&self.extremes.bodies).map(of_body).sum::<f64>()
     }
 
     /// What the surroundings of any facet send it at most, heat and light, over sunlight at the zenith: on average no more than a white surface under the Sun
@@ -315,7 +341,7 @@ fn wavelengths(scene: &Setup, materials: &[(usize, &Material)]) -> Vec<(f64, Lig
     let parameters = materials.iter().flat_map(|(_, m)| m.photometry.parameters()).map(|(_, spectrum)| spectrum);
     let of_materials = materials.iter().flat_map(|(_, m)| [&m.reflectance, &m.emissivity]).chain(parameters);
     let mut corners_um: Vec<f64> = of_materials
-        .chain(scene.sky.mars.iter().map(|m| &m.reflectance))
+        .chain(scene.sky.globes().map(|globe| &globe.reflectance))
         .flat_map(|spectrum| spectrum.wavelength_um().iter().copied())
         .collect();
     corners_um.sort_by(f64::total_cmp);

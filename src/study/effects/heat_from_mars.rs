@@ -64,5 +64,6 @@ pub(super) fn sent(given: &Given, place: &Place, more: f64) -> f64 {
     let added = |around: f64| emitted(around + more) - emitted(around);
     // What adds to a warmer facet changes more at short wavelengths, until it is brighter by its warmth than by all else: from there on, it changes less of that.
     let brightest = given.heat_to_emit(at, material, cos_incidence, least);
-    added(brightest.clamp(0.0, class.most_around)).max(added(0.0))
+    let most_around = class.most_around + class.most_of_mars + given.most_from_bodies();
+    added(brightest.clamp(0.0, most_around)).max(added(0.0))
 }

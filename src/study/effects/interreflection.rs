@@ -35,21 +35,21 @@ const BOUNCES: f64 = 1.3;
 fn find(given: &Given) -> Finding {
     let most = |of: &dyn Fn(&Material) -> f64| given.materials.iter().map(|(_, m)| of(m)).fold(0.0, f64::max);
     // One number a wavelength; by the material's own reflectance it is what a facet sends.
-    let of_light: Vec<(f64, [f64; 2])> = given
+    let of_light: Vec<(f64, [f64; 3])> = given
         .wavelengths
         .iter()
         .map(|at| {
             let brightest = most(&|m| reflectance(m, at.um));
             let heat = if at.light.glows() { most(&|m| emission(m, at.um, given.noon_k)) } else { 0.0 };
-            (at.um, [brightest, heat / at.white])
+            (at.um, [brightest, heat / at.white, 1.0 + given.light_of_globes(at)])
         })
         .collect();
     let at_um = |um: f64| of_light[of_light.partition_point(|(of, _)| *of < um).min(of_light.len() - 1)].1;
     let bound = given.error_without(|place| {
         let Place { at, material, class, .. } = *place;
-        let [brightest, heat] = at_um(at.um);
+        let [brightest, heat, light_of_sky] = at_um(at.um);
         let light = match class.most_around > 0.0 {
-            true => bounds::interreflection(brightest, heat, class.most_around, 1.0),
+            true => light_of_sky * bounds::interreflection(brightest, heat, class.most_around, 1.0),
             false => 0.0,
         };
         let alone = Place { class: &Class { most_around: 0.0, ..*class }, ..*place };

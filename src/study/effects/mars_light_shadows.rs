@@ -1,7 +1,9 @@
 //! Terrain between a facet and Mars.
 
 use super::given::Place;
-use super::{Bound, EffectKind, Finding, Given, OwnTolerance, Switch, glow_of_mars, heat_from_mars, mars_light};
+use super::{
+    Bound, EffectKind, Finding, Given, OwnTolerance, Switch, bodies, glow_of_mars, heat_from_mars, mars_light,
+};
 use crate::physics::sun_disc::DiscRule;
 
 pub(super) const KIND: EffectKind = EffectKind {
@@ -13,10 +15,14 @@ pub(super) const KIND: EffectKind = EffectKind {
     switch: Some(Switch {
         add: |models, stated, given, _| {
             let rule = stated.mars_shadows.unwrap_or(ENOUGH);
-            models.mars_shadows = given.scene.sky.mars.as_ref().map(|_| rule);
+            models.mars_shadows = given.scene.sky.globes().next().map(|_| rule);
         },
         remove: |models| models.mars_shadows = None,
-        cost_s: |given, models| models.mars_shadows.map_or(0.0, |rule| given.shadows_s() * rule.count() as f64),
+        cost_s: |given, models| {
+            models.mars_shadows.map_or(0.0, |rule| {
+                if given.scene.sky.mars.is_some() { given.shadows_s() * rule.count() as f64 } else { 0.0 }
+            })
+        },
         own: Some(|_, models| OwnTolerance {
             of: "of the Mars-light of a facet that a straight horizon crosses".into(),
             left: models.mars_shadows.map_or(1.0, DiscRule::share_error),
@@ -30,14 +36,17 @@ pub(super) const KIND: EffectKind = EffectKind {
 const ENOUGH: DiscRule = DiscRule::G7;
 
 fn find(given: &Given) -> Finding {
-    let (mars, models) = (&given.scene.sky.mars, given.models);
+    let (has_globes, models) = (given.scene.sky.globes().next().is_some(), given.models);
     Finding {
-        modelled: mars.is_some() && models.mars_shadows.is_some(),
-        missing: mars.is_none().then(|| "no Mars in the scene".into()),
+        modelled: has_globes && models.mars_shadows.is_some(),
+        missing: (!has_globes).then(|| "no Mars in the scene".into()),
         bound: hidden(given),
         note: match models.mars_shadows {
             Some(rule) => {
-                format!("each facet has the share of Mars-light that terrain leaves, of {} parts of Mars", rule.count())
+                format!(
+                    "each facet has the share of Mars-light that terrain leaves, of {} parts of Mars; so it is of other bodies that are kept",
+                    rule.count()
+                )
             }
             None => "a facet's own horizon cuts Mars, other terrain does not".into(),
         },
@@ -49,11 +58,12 @@ fn find(given: &Given) -> Finding {
 /// All that Mars does where it may be hidden: what hides its light hides its heat, too.
 fn hidden(given: &Given) -> Option<Bound> {
     let has_mars = given.scene.sky.mars.is_some();
-    given.error_in_draft(|place| {
+    let of_mars = given.error_in_draft(|place| {
         let Place { at, material, class, .. } = *place;
         let [by_mars, of_mars] = if has_mars { class.most_hidden } else { [given.most_from_mars(); 2] };
         mars_light::sent(given, at, material, by_mars)
             + glow_of_mars::sent(given, at, material, [by_mars, of_mars])
             + heat_from_mars::sent(given, place, of_mars)
-    })
+    });
+    Some(of_mars?.and(&bodies::bound(given)?))
 }

@@ -5,12 +5,14 @@
 
 mod aberration;
 mod beaming;
+mod bodies;
 mod bound;
 mod eclipse;
 mod given;
 mod glow_of_mars;
 mod glow_of_neighbours;
 mod heat_from_mars;
+mod in_view;
 mod instrument;
 mod interreflection;
 mod mars_light;
@@ -25,15 +27,15 @@ mod thermal_inertia;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scene::Models;
+use crate::scene::{Models, SunModel};
 use crate::spectral::Light;
 
 pub use bound::Bound;
-pub(super) use eclipse::by_mars;
+pub(super) use eclipse::{by_globes, whose};
 pub(super) use given::{Given, mars_seen};
 
 /// All effects, in the order of the report.
-pub(super) const ALL: [EffectKind; 16] = [
+pub(super) const ALL: [EffectKind; 18] = [
     sunlight::KIND,
     photometric_function::KIND,
     solar_disc::KIND,
@@ -41,6 +43,8 @@ pub(super) const ALL: [EffectKind; 16] = [
     mars_light::KIND,
     mars_light_shadows::KIND,
     glow_of_mars::KIND,
+    bodies::KIND,
+    in_view::KIND,
     interreflection::KIND,
     glow_of_neighbours::KIND,
     thermal_emission::KIND,
@@ -140,6 +144,9 @@ pub struct Effect {
     /// CPU time that it takes, or would take, s, on a machine of 2022; null: it takes none of its own, or nothing models it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cost_s: Option<f64>,
+    /// Where a run's time for it is counted, if not together with others'.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stage: Option<StageShare>,
     /// Where its equation is in the library, if there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub equation: Option<String>,
@@ -150,6 +157,32 @@ pub struct Effect {
     pub note: String,
     /// How its bound comes about.
     pub because: String,
+}
+
+/// A part of a stage of a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct StageShare {
+    /// What `run.json` calls the stage.
+    pub name: String,
+    /// The part of its time that is this effect's.
+    pub share: f64,
+}
+
+/// Where the time of an effect that is modelled is counted.
+fn stage(key: &str, models: &Models) -> Option<StageShare> {
+    let of = |name: &str, share: f64| Some(StageShare { name: name.to_owned(), share });
+    match key {
+        // The first of the disc's points takes the place of a point Sun.
+        "sun-disc" => match models.sun {
+            SunModel::Disc(rule) if rule.count() > 1 => of("sunlight", 1.0 - 1.0 / rule.count() as f64),
+            _ => None,
+        },
+        "mars-shadows" => of("Mars-light", 1.0),
+        "interreflection" => of("light between facets", 1.0),
+        "thermal-inertia" => of("a day's sunlight", 1.0),
+        _ => None,
+    }
 }
 
 /// All effects in a scene, by its models.
@@ -188,6 +221,7 @@ impl EffectKind {
             remaining: found.remaining.filter(|_| decision == Decision::Kept),
             own: self.switch.as_ref().and_then(|switch| Some((switch.own?)(given, &given.models))),
             cost_s: self.switch.as_ref().map(|switch| (switch.cost_s)(given, &given.models)),
+            stage: stage(self.key, &given.models).filter(|_| decision == Decision::Kept),
             equation,
             step,
             note,

@@ -29,7 +29,7 @@ fn find(given: &Given) -> Finding {
     // What it is relative to has no heat but that.
     let cold = given.by(Models { thermal: Thermal::Off, ..given.models });
     let bound = cold.error_without(|&Place { at, material, class, side, .. }| {
-        let others = class.most_of_mars + class.most_around;
+        let others = class.most_of_mars + given.most_from_bodies() + class.most_around;
         let t_k = given.temperature_k(material, side.most_cos_incidence(class), others);
         emission(material, at.um, t_k)
     });

@@ -155,6 +155,7 @@ pub(super) fn scene(mesh: Mesh, reflectances: &[f64], sun: Direction, camera: Fr
                 limb_darkening: 0.0,
             },
             mars: None,
+            bodies: vec![],
             beams: vec![],
             rotation: None,
         },
@@ -184,9 +185,7 @@ fn of_table(scene: &Scene, table: &crate::product::FacetTable) -> Result<Vec<f64
 
 /// The image by rays.
 pub(super) fn by_rays(scene: &Scene, rays: u32) -> Result<Vec<f64>> {
-    use crate::study::chart::Method;
-    let method = Method::Rays(rays);
-    Ok(method.image(scene, &unwatched)?.swap_remove(0))
+    Ok(crate::study::chart::by_rays(scene, rays, &unwatched)?.swap_remove(0))
 }
 
 /// A scene with its corners rounded to single precision.

@@ -6,7 +6,7 @@ use crate::geometry::{Direction, FrameCamera, MaterialId, Mesh, Pose};
 use crate::integrate::Wanted;
 use crate::product::{Backplanes, FacetTable};
 use crate::progress::unwatched;
-use crate::scene::{Exposure, Mars, Material, Models, Photometry, Scene, SceneParts, Sky, Sun, Surface, Thermal};
+use crate::scene::{Exposure, Globe, Material, Models, Photometry, Scene, SceneParts, Sky, Sun, Surface, Thermal};
 use crate::spectral::{Band, Spectrum};
 use crate::study::{observe, simulate};
 use crate::units::AU_M;
@@ -97,7 +97,8 @@ impl Patch {
             face_of_facet: vec![],
             uv: vec![],
         };
-        let mars = self.mars_m.map(|(centre_m, radius_m)| Mars {
+        let mars = self.mars_m.map(|(centre_m, radius_m)| Globe {
+            name: Sky::MARS.into(),
             centre_m,
             radius_m,
             reflectance: Spectrum::constant(1.0),
@@ -130,6 +131,7 @@ impl Patch {
                     limb_darkening: 0.0,
                 },
                 mars,
+                bodies: vec![],
                 beams: vec![],
                 rotation: None,
             },

@@ -8,7 +8,7 @@ use glam::DVec3;
 use crate::error::Location;
 use crate::geometry::{Direction, index_u32};
 use crate::physics::{blackbody, heat, mars, sun};
-use crate::scene::{Mars, MarsModel, Material, Photometry, Scene, Setup, Sun, Thermal};
+use crate::scene::{Globe, MarsModel, Material, Photometry, Scene, Setup, Sun, Thermal};
 use crate::spectral::{ALL_UM, Band, Column, Light, SpectralLibrary, Spectrum};
 
 use super::super::database::TableKind;
@@ -232,7 +232,7 @@ pub(in super::super) fn thermal_functions(scene: &Setup) -> Vec<ThermalFunction>
 }
 
 /// Mars-light on a facet at the origin: E / (reflectance of Mars x solar irradiance normal to the beam).
-pub(super) fn on_facet_from_mars(mars: &Mars, model: MarsModel, normal: DVec3, towards_sun: DVec3) -> f64 {
+pub(super) fn on_facet_from_mars(mars: &Globe, model: MarsModel, normal: DVec3, towards_sun: DVec3) -> f64 {
     match model {
         MarsModel::NearField => mars::irradiance(mars.centre_m, mars.radius_m, normal, towards_sun),
         MarsModel::Thesis => {

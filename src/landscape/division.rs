@@ -13,7 +13,7 @@ const SMALLEST_STEPS: f64 = 0.25;
 
 /// What the ground and the boulders get.
 #[derive(Debug, Clone)]
-pub(super) struct Plan {
+pub(super) struct Division {
     /// Grid cells of the ground, west to east and south to north; two facets each.
     pub(super) columns: usize,
     pub(super) rows: usize,
@@ -30,7 +30,7 @@ pub(super) fn step_m(recipe: &Recipe) -> f64 {
 ///
 /// A boulder's facets are about as large as the ground's, 20 at least and 320 at most. Where boulders would take more
 /// than half of all facets, the large ones get fewer.
-pub(super) fn plan(recipe: &Recipe) -> Result<Plan, Vec<Problem>> {
+pub(super) fn divide(recipe: &Recipe) -> Result<Division, Vec<Problem>> {
     let problems = recipe.out_of_range();
     if !problems.is_empty() {
         return Err(problems);
@@ -57,13 +57,13 @@ pub(super) fn plan(recipe: &Recipe) -> Result<Plan, Vec<Problem>> {
     let columns = (cells as f64 / rows).round();
     let frequencies: Vec<u32> = kept.iter().map(|boulder| frequency(boulder, finest)).collect();
     let boulders = kept.into_iter().zip(frequencies).collect();
-    Ok(Plan { columns: whole(columns), rows: whole(rows), boulders })
+    Ok(Division { columns: whole(columns), rows: whole(rows), boulders })
 }
 
 impl Recipe {
     /// Everything that [`generate`](super::generate) would refuse, each problem at `recipe.key`.
     pub fn check(&self) -> Vec<Problem> {
-        plan(self).err().unwrap_or_default()
+        divide(self).err().unwrap_or_default()
     }
 }
 
@@ -75,12 +75,12 @@ mod tests {
     fn the_facets_asked_for_are_met() {
         let mut seen = 0;
         for facets in [1000, 1001, 1111, 5000, 9999, 10_001, 123_457, 200_000, 1_000_000, 2_000_000, 4_000_000] {
-            let plan = plan(&Recipe { facets, ..Recipe::new(1) }).unwrap();
-            let boulders: u32 = plan.boulders.iter().map(|(_, frequency)| 20 * frequency * frequency).sum();
-            let made = f64::from(boulders) + 2.0 * (plan.rows * plan.columns) as f64;
+            let division = divide(&Recipe { facets, ..Recipe::new(1) }).unwrap();
+            let boulders: u32 = division.boulders.iter().map(|(_, frequency)| 20 * frequency * frequency).sum();
+            let made = f64::from(boulders) + 2.0 * (division.rows * division.columns) as f64;
             let tolerance = if facets < 10_000 { 0.03 } else { 0.01 };
             assert!((made / f64::from(facets) - 1.0).abs() < tolerance, "{facets}: {made}");
-            assert!(made <= 4.003e6 && plan.columns.abs_diff(plan.rows) <= 3);
+            assert!(made <= 4.003e6 && division.columns.abs_diff(division.rows) <= 3);
             assert!(boulders <= facets / 2);
             seen += 1;
         }
@@ -91,7 +91,7 @@ mod tests {
     fn boulders_are_dropped_and_coarsened_with_the_grid() {
         let recipe = |facets| Recipe { facets, ..Recipe::new(1) };
         // Grid steps of 89, 6.3 and 2 m against boulders of 2 to 12 m.
-        let [coarse, middle, fine] = [1000, 200_000, 2_000_000].map(|facets| plan(&recipe(facets)).unwrap().boulders);
+        let [coarse, middle, fine] = [1000, 200_000, 2_000_000].map(|facets| divide(&recipe(facets)).unwrap().boulders);
         assert_eq!((coarse.len(), middle.len(), fine.len()), (0, 3000, 3000));
         let finest = |boulders: &[(Boulder, u32)]| boulders.iter().map(|b| b.1).max().unwrap();
         assert_eq!((finest(&middle), finest(&fine)), (2, 4));
