@@ -43,7 +43,7 @@ fn find(given: &Given) -> Finding {
     let names = |globes: &[&Globe]| globes.iter().map(|globe| globe.name.as_str()).collect::<Vec<_>>().join(", ");
     Finding {
         modelled: !kept.is_empty(),
-        bound: of_all(given, |_| true),
+        bound: bound(given),
         // What of the kept ones is approximated, and all of the others.
         remaining: of(&kept).zip(of(&left)).map(|(kept, left)| kept.times(MARS_LIGHT_ERROR).and(&left)),
         note: match (bodies.is_empty(), kept.is_empty(), left.is_empty()) {
@@ -75,6 +75,11 @@ fn fewest(given: &Given, tolerance: f64) -> u32 {
     };
     let all = u32::try_from(bodies).unwrap_or(u32::MAX);
     (0..all).find(fits).unwrap_or(all)
+}
+
+/// What all of them change.
+pub(super) fn bound(given: &Given) -> Option<Bound> {
+    of_all(given, |_| true)
 }
 
 /// What these bodies change together.

@@ -47,14 +47,22 @@ fn find(given: &Given) -> Finding {
             }
             None => "a facet's own horizon cuts Mars, other terrain does not".into(),
         },
-        because: "all of the light and heat of Mars".into(),
+        because: "all of the light and heat of Mars and further bodies".into(),
         ..Finding::default()
     }
 }
 
-/// All that Mars does: what hides its light hides its heat, too.
+/// All that Mars and further bodies do: what hides their light hides their heat, too. Without any of them, what Mars would do.
 fn of_all(given: &Given) -> Option<Bound> {
-    let parts =
-        [super::mars_light::bound(given), super::heat_from_mars::bound(given), super::glow_of_mars::bound(given)];
+    let of_bodies = super::bodies::bound(given);
+    if given.scene.sky.mars.is_none() && !given.scene.sky.bodies.is_empty() {
+        return of_bodies;
+    }
+    let parts = [
+        super::mars_light::bound(given),
+        super::heat_from_mars::bound(given),
+        super::glow_of_mars::bound(given),
+        of_bodies,
+    ];
     parts.into_iter().try_fold(Bound::NOTHING, |sum, part| Some(sum.and(&part?)))
 }
