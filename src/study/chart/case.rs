@@ -148,7 +148,7 @@ fn finest_first(models: Models) -> [(Models, Excluded); 5] {
         SunModel::Disc(_) => SunModel::Disc(DiscRule::E37),
     };
     let finer = |of: Exchange| {
-        let fine = Exchange::to_within(FINE, of.bounces.max(BOUNCES));
+        let fine = Exchange::to_within(FINE, of.bounces.max(BOUNCES), 1.0);
         if fine.lines_per_facet > of.lines_per_facet { fine } else { of }
     };
     let mars_shadows = models.mars_shadows.map(|_| DiscRule::G12);
