@@ -1,5 +1,8 @@
 //! What reaches each facet, and how warm it is. Not radiance: that depends on the observer.
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use super::Reflected;
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::physics::heat;
@@ -57,8 +60,30 @@ pub struct FacetTable {
     pub temperature_shaded_k: Vec<f64>,
     /// Light that facets send each other, of each colour; none if it is left out.
     pub reflected: Vec<Reflected>,
+    /// How far off that is, as its lines are no more than they are; `None` if it is left out, or not known.
+    pub sampling: Option<Sampling>,
     /// By which equations it was solved.
     pub models: Models,
+}
+
+/// Errors of light between facets that come from sampling directions and places, of patches of a few facets.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Sampling {
+    /// Where the Sun shines on some of a patch.
+    pub lit: Option<SamplingError>,
+    /// Where it does not.
+    pub shadow: Option<SamplingError>,
+}
+
+/// What one half of the lines gives, against the other.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SamplingError {
+    /// Median, over the light that a patch receives from others.
+    pub p50: f64,
+    /// Root mean square, over that of this light.
+    pub rms: f64,
 }
 
 impl FacetTable {

@@ -15,7 +15,7 @@ mod texel_weights;
 pub use added::Added;
 pub use cube::{Cube, CubeAxes, Slab};
 pub(crate) use facet_table::warmest_k;
-pub use facet_table::{FacetTable, Lighting, Sees};
+pub use facet_table::{FacetTable, Lighting, Sampling, SamplingError, Sees};
 pub use filling::Filling;
 pub use footprints::Footprints;
 pub use planes::{Backplanes, Plane};

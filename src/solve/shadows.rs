@@ -55,6 +55,7 @@ pub(super) fn lit_as(scene: &Scene, sunlit: Option<Seen>, watch: Watch<'_>) -> R
         temperature_lit_k: temperature(),
         temperature_shaded_k: temperature(),
         reflected: vec![],
+        sampling: None,
         models: scene.models,
     })
 }

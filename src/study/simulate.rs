@@ -1,7 +1,7 @@
 //! From a scene to what a camera sees of it, with an account of how good it is.
 
 use super::cost::has_room;
-use super::effects::{Given, effects, mars_seen};
+use super::effects::{Given, effects_in, mars_seen};
 use super::extremes::{Extremes, sunlit_places};
 use super::observation::{Check, Counts, Observation, Put};
 use super::surfaces::surfaces;
@@ -79,7 +79,7 @@ pub(super) fn account_for(
     };
     tracing::info!(?counts, "observed");
     let observation = Observation {
-        effects: effects(&given),
+        effects: effects_in(&given, table),
         warnings: [
             scene.remarks(),
             warnings::of_image(table, &counts, &image, uses_sun),

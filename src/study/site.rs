@@ -27,12 +27,15 @@ pub(super) struct Site {
     /// Corners of the box around all vertices, m.
     pub(super) box_m: (DVec3, DVec3),
     pub(super) zero_area_facets: u64,
+    /// Mean area of a facet, m2: of a sample.
+    pub(super) facet_m2: f64,
 }
 
 impl Site {
     pub(super) fn new(mesh: &Mesh, topology: &Topology) -> Self {
-        let (mut vector_m2, mut area_m2) = (DVec3::ZERO, 0.0);
+        let (mut vector_m2, mut area_m2, mut sampled) = (DVec3::ZERO, 0.0, 0);
         for facet in mesh.spread(SAMPLE) {
+            sampled += 1;
             let cross_m2 = mesh.facet(facet).cross_m2();
             vector_m2 += cross_m2;
             area_m2 += cross_m2.length();
@@ -55,7 +58,8 @@ impl Site {
             .reduce(|| none, Extent::with);
         let cos_steepest = if up.is_some() { cos2_steepest.sqrt() } else { 0.0 };
         let Extent { height_m, box_m } = extent;
-        Site { up, is_open, cos_steepest, height_m, box_m, zero_area_facets }
+        let facet_m2 = 0.5 * area_m2 / f64::from(sampled.max(1));
+        Site { up, is_open, cos_steepest, height_m, box_m, zero_area_facets, facet_m2 }
     }
 
     /// Distance of a point from the box around the mesh, m: none of the surface is nearer.

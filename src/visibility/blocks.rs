@@ -1,27 +1,25 @@
 //! Facets in blocks that lie close together: what a block cannot do, none of its facets can.
 
+use std::ops::Range;
+
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::geometry::{Mesh, index_u32, whole};
+use crate::geometry::{Facet, Mesh, index_u32, whole};
 
 /// Facets in a block.
 const SIZE: usize = 32;
 /// What rounding may take from a block's bounds.
 const ROUNDING: f64 = 1e-9;
 
-/// A few facets, and where they lie and face.
+/// A few facets, and where they face.
 #[derive(Debug, Clone)]
 pub(super) struct Block {
-    /// Sphere around all of them: its centre and radius, m.
-    pub(super) centre_m: DVec3,
-    pub(super) radius_m: f64,
     /// All normals are within an angle of this direction; its sine, above 1 where that is no bound.
     axis: DVec3,
     sin_spread: f64,
-    /// Where its facets are among [`Blocks::facets`].
-    first: usize,
-    end: usize,
+    /// Where its facets are among those of all blocks.
+    pub(super) facets: Range<usize>,
 }
 
 impl Block {
@@ -39,8 +37,10 @@ impl Block {
 /// All facets with an area, block by block.
 #[derive(Debug)]
 pub(super) struct Blocks {
-    /// Each with its corners.
-    facets: Vec<(u32, [u32; 3])>,
+    /// Each with its corners among the vertices.
+    pub(super) facets: Vec<(u32, [u32; 3])>,
+    /// Those of the mesh that facets have, in another order.
+    pub(super) vertices_m: Vec<DVec3>,
     pub(super) blocks: Vec<Block>,
 }
 
@@ -58,17 +58,19 @@ impl Blocks {
             })
             .collect();
         places.par_sort_unstable();
-        let facets: Vec<_> = places.into_iter().map(|(_, facet)| (facet, mesh.facets[facet as usize])).collect();
-        let blocks = (0..facets.len().div_ceil(SIZE))
-            .into_par_iter()
-            .map(|b| block(mesh, &facets, b * SIZE..((b + 1) * SIZE).min(facets.len())))
-            .collect();
-        Blocks { facets, blocks }
-    }
-
-    /// Facets and their corners.
-    pub(super) fn facets(&self, block: &Block) -> &[(u32, [u32; 3])] {
-        &self.facets[block.first..block.end]
+        let facets: Vec<u32> = places.into_iter().map(|(_, facet)| facet).collect();
+        let blocks = facets.par_chunks(SIZE).enumerate().map(|(b, facets)| block(mesh, facets, b * SIZE)).collect();
+        // What is read together is side by side: vertices in the order in which facets come to them.
+        let mut place = vec![None; mesh.vertices_m.len()];
+        let mut vertices_m = Vec::with_capacity(mesh.vertices_m.len());
+        let mut placed = |v: u32| {
+            *place[v as usize].get_or_insert_with(|| {
+                vertices_m.push(mesh.vertices_m[v as usize]);
+                index_u32(vertices_m.len() - 1)
+            })
+        };
+        let facets = facets.into_iter().map(|f| (f, mesh.facets[f as usize].map(&mut placed))).collect();
+        Blocks { facets, vertices_m, blocks }
     }
 }
 
@@ -82,15 +84,12 @@ fn spread(x: usize) -> u64 {
     (x | x << 2) & 0x1249_2492_4924_9249
 }
 
-fn block(mesh: &Mesh, facets: &[(u32, [u32; 3])], range: std::ops::Range<usize>) -> Block {
-    let of = || facets[range.clone()].iter().map(|(f, _)| mesh.facet(*f as usize));
-    let corners = || of().flat_map(|facet| facet.corners_m);
-    let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    let (low_m, high_m) = corners().fold(none, |(low, high), p| (low.min(p), high.max(p)));
-    let centre_m = 0.5 * (low_m + high_m);
-    let radius_m = corners().map(|p| p.distance(centre_m)).fold(0.0, f64::max) * (1.0 + ROUNDING);
-    let axis = of().map(|facet| facet.normal()).sum::<DVec3>().normalize_or_zero();
-    let cos = of().map(|facet| facet.normal().dot(axis)).fold(1.0, f64::min);
+/// A block of facets, of which the first has this place.
+fn block(mesh: &Mesh, facets: &[u32], first: usize) -> Block {
+    let end = first + facets.len();
+    let facets: Vec<Facet> = facets.iter().map(|f| mesh.facet(*f as usize)).collect();
+    let axis = facets.iter().map(|facet| facet.normal()).sum::<DVec3>().normalize_or_zero();
+    let cos = facets.iter().map(|facet| facet.normal().dot(axis)).fold(1.0, f64::min);
     let sin_spread = if cos > 0.0 { (1.0 - cos * cos).max(0.0).sqrt() + ROUNDING } else { 2.0 };
-    Block { centre_m, radius_m, axis, sin_spread, first: range.start, end: range.end }
+    Block { axis, sin_spread, facets: first..end }
 }

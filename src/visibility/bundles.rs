@@ -8,6 +8,7 @@
 //! that of directions.
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use glam::DVec3;
 
@@ -25,10 +26,10 @@ const LEAST_LINES: f64 = (1 << 20) as f64;
 const MOST_CELLS: f64 = 64.0;
 
 /// The bundles of a mesh.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Bundles<'a> {
     mesh: &'a Mesh,
-    blocks: Blocks,
+    blocks: Arc<Blocks>,
     /// The middle of the mesh, half its extent along the axes, and the largest magnitude of its coordinates, m.
     middle_m: DVec3,
     half_m: DVec3,
@@ -36,6 +37,8 @@ pub struct Bundles<'a> {
     /// Two horizontal directions and the way up.
     axes: [DVec3; 3],
     is_ground: bool,
+    /// Of all facets; 0 if it is rounding.
+    area_m2: f64,
     count: u32,
     /// What a line carries: area across it, times the solid angle that it stands for, m2 sr.
     line_m2_sr: f64,
@@ -46,27 +49,33 @@ impl<'a> Bundles<'a> {
     /// `count` bundles; of their lines `lines_per_facet` meet a facet, on average. None of a mesh without area.
     pub fn new(mesh: &'a Mesh, count: u32, lines_per_facet: u32) -> Self {
         let (low_m, high_m) = mesh.bounds_m().unwrap_or_default();
-        let blocks = Blocks::new(mesh, low_m, high_m);
         let (vector_m2, area_m2) = mesh.vector_area_m2();
         let is_ground = vector_m2.length() >= GROUND * area_m2;
         let up = Direction::new(vector_m2).filter(|_| is_ground).unwrap_or(Direction::Z);
         let (east, north) = up.frame();
         let half_m = 0.5 * (high_m - low_m);
-        let lines = (f64::from(lines_per_facet) * mesh.facets.len() as f64).max(LEAST_LINES);
-        let line_m2_sr = PI * area_m2 / lines;
-        let has_area = line_m2_sr.is_normal() && area_m2 > NO_AREA * half_m.length_squared();
-        Bundles {
+        let all = Bundles {
             mesh,
-            blocks,
+            blocks: Arc::new(Blocks::new(mesh, low_m, high_m)),
             middle_m: 0.5 * (low_m + high_m),
             half_m,
             magnitude_m: low_m.abs().max(high_m.abs()).max_element(),
             axes: [east, north, up.vec()],
             is_ground,
-            count: if has_area { count } else { 0 },
-            line_m2_sr,
+            area_m2: if area_m2 > NO_AREA * half_m.length_squared() { area_m2 } else { 0.0 },
+            count: 0,
+            line_m2_sr: 0.0,
             most_cells: (MOST_CELLS * mesh.facets.len() as f64).max(LEAST_LINES),
-        }
+        };
+        all.with(count, lines_per_facet)
+    }
+
+    /// Others of the same mesh.
+    #[must_use]
+    pub fn with(&self, count: u32, lines_per_facet: u32) -> Self {
+        let lines = (f64::from(lines_per_facet) * self.mesh.facets.len() as f64).max(LEAST_LINES);
+        let line_m2_sr = PI * self.area_m2 / lines;
+        Bundles { count: if line_m2_sr.is_normal() { count } else { 0 }, line_m2_sr, ..self.clone() }
     }
 
     /// Number of bundles.

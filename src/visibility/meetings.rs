@@ -12,6 +12,8 @@ use super::coincident::{SAME_PLANE, rank};
 use crate::geometry::polygon::Point;
 use crate::geometry::{Facet, Mesh, index_u32, whole_u32};
 
+/// In a row of so many cells it is not worth while to look for those that a facet meets.
+const FEW: usize = 8;
 /// No facet.
 const NONE: u32 = u32::MAX;
 
@@ -75,10 +77,9 @@ impl Frame {
         index_u32(tile % self.tiles[0] as usize) * 8 + bit.trailing_zeros() % 8
     }
 
-    /// Whether something faces away in the cells of a rectangle.
-    fn has_any(&self, tiles: &[Tile], low: Point, high: Point) -> bool {
-        let first = low.map(whole_u32);
-        let last = [0, 1].map(|k| whole_u32(high[k]).min(8 * self.tiles[k] - 1));
+    /// Whether something in the cells of a rectangle that is nowhere farther from the viewer than `low_m` may have before it what faces away.
+    #[inline]
+    fn has_any(&self, tiles: &[Tile], [first, last]: [[u32; 2]; 2], low_m: f64) -> bool {
         (first[1] / 8..=last[1] / 8).any(|row| {
             // The rows of the tile that are in the rectangle, and below the columns.
             let rows = (u64::MAX << (8 * first[1].saturating_sub(8 * row)))
@@ -87,7 +88,8 @@ impl Frame {
             (first[0] / 8..=last[0] / 8).any(|column| {
                 let columns =
                     (0xff << first[0].saturating_sub(8 * column)) & (0xff >> (7 - (last[0] - 8 * column).min(7)));
-                tiles[of_row + column as usize].cells & rows & (columns * 0x0101_0101_0101_0101) != 0
+                let tile = &tiles[of_row + column as usize];
+                tile.cells & rows & (columns * 0x0101_0101_0101_0101) != 0 && low_m < tile.nearest_m
             })
         })
     }
@@ -101,11 +103,19 @@ impl Frame {
     }
 }
 
-/// 8 x 8 cells: which of them have a facet that faces away, and how many have one in the tiles before.
-#[derive(Debug, Clone, Copy, Default)]
+/// 8 x 8 cells.
+#[derive(Debug, Clone, Copy)]
 struct Tile {
+    /// Those that are marked: something there faces away.
     cells: u64,
+    /// How many are in the tiles before.
     before: u32,
+    /// How near to the viewer the nearest such thing is, m.
+    nearest_m: f64,
+}
+
+impl Tile {
+    const EMPTY: Tile = Tile { cells: 0, before: 0, nearest_m: f64::NEG_INFINITY };
 }
 
 /// A facet that faces away, on a line, and the nearest one behind it that does not: [`NONE`] as long as none is known.
@@ -132,7 +142,7 @@ impl Tiles for [Tile] {
     /// Number of a cell's line among those with a facet that faces away.
     #[inline]
     fn line(&self, (tile, bit): (usize, u64)) -> usize {
-        let Tile { cells, before } = self[tile];
+        let Tile { cells, before, .. } = self[tile];
         (before + (cells & (bit - 1)).count_ones()) as usize
     }
 }
@@ -140,16 +150,17 @@ impl Tiles for [Tile] {
 /// Working memory of a bundle.
 #[derive(Debug, Default)]
 pub struct Scratch {
-    /// The vertices in the lattice, and their height towards the viewer, m.
+    /// The vertices in the lattice; and by themselves, since that decides about most facets, the first column and row whose middle each is not beyond.
     points: Vec<[f64; 3]>,
+    first: Vec<[u32; 2]>,
+    /// The places of facets that face the viewer, and are not between lines.
+    fronts: Vec<u32>,
     tiles: Vec<Tile>,
     found: Vec<Slot>,
     /// Those found, line by line, from the nearest on.
     slots: Vec<Slot>,
     /// Of each line with any, in the order of the tiles, its first slot.
     start: Vec<u32>,
-    /// The lines of a facet: a row and its columns.
-    rows: Vec<(u32, Range<u32>)>,
 }
 
 /// Calls `visit` with all meetings.
@@ -162,11 +173,15 @@ pub(super) fn meetings(
 ) {
     let towards = frame.axes[2];
     scratch.clear(frame);
-    scratch.points.extend(mesh.vertices_m.iter().map(|p| frame.project(*p)));
-    for block in blocks.blocks.iter().filter(|block| block.may_face_away(towards)) {
-        for &(facet, corners) in blocks.facets(block) {
-            let drawn = Drawn::new(corners.map(|v| scratch.points[v as usize]));
-            if drawn.turn < 0.0 {
+    scratch.draw(frame, &blocks.vertices_m);
+    for block in &blocks.blocks {
+        let (may_face, may_face_away) = (block.may_face(towards), block.may_face_away(towards));
+        for place in block.facets.clone() {
+            let (facet, corners) = blocks.facets[place];
+            let Some(drawn) = scratch.drawn(corners) else { continue };
+            if drawn.turn > 0.0 && may_face {
+                scratch.fronts.push(index_u32(place));
+            } else if drawn.turn < 0.0 && may_face_away {
                 scratch.add_back(frame, &drawn, facet);
             }
         }
@@ -175,17 +190,10 @@ pub(super) fn meetings(
         return;
     }
     scratch.sort(frame, mesh);
-    for block in blocks.blocks.iter().filter(|block| block.may_face(towards)) {
-        let [x, y, _] = frame.project(block.centre_m);
-        let [across, along] = frame.scale.map(|scale| scale * block.radius_m);
-        if !frame.has_any(&scratch.tiles, [x - across, y - along], [x + across, y + along]) {
-            continue;
-        }
-        for &(facet, corners) in blocks.facets(block) {
-            let drawn = Drawn::new(corners.map(|v| scratch.points[v as usize]));
-            if drawn.turn > 0.0 {
-                scratch.add_front(frame, mesh, &drawn, facet);
-            }
+    for i in 0..scratch.fronts.len() {
+        let (facet, corners) = blocks.facets[scratch.fronts[i] as usize];
+        if let Some(drawn) = scratch.drawn(corners) {
+            scratch.add_front(frame, mesh, &drawn, facet);
         }
     }
     for slot in scratch.slots.iter().filter(|slot| slot.facets[1] != NONE) {
@@ -199,14 +207,47 @@ struct Drawn {
     corners: [[f64; 3]; 3],
     /// Twice its area, above 0 if it faces the viewer.
     turn: f64,
+    /// The columns and rows that its lines may be in: the first, and the one after the last.
+    first: [u32; 2],
+    end: [u32; 2],
 }
 
 impl Drawn {
+    /// The columns of a row that its lines may be in.
     #[inline]
-    fn new(corners: [[f64; 3]; 3]) -> Self {
-        let [a, b, c] = corners;
-        let turn = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-        Drawn { corners, turn }
+    fn columns(&self, row: u32) -> Range<u32> {
+        let all = self.first[0]..self.end[0];
+        if all.len() <= FEW { all } else { self.columns_between(row) }
+    }
+
+    /// The same where there are many: between where its sides cross the row, and one more on either side.
+    fn columns_between(&self, row: u32) -> Range<u32> {
+        let y = f64::from(row) + 0.5;
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for k in 0..3 {
+            let (p, q) = (self.corners[k], self.corners[(k + 1) % 3]);
+            if (p[1] <= y) != (q[1] <= y) {
+                let x = p[0] + (y - p[1]) / (q[1] - p[1]) * (q[0] - p[0]);
+                (low, high) = (low.min(x), high.max(x));
+            }
+        }
+        let start = first_middle(low - 1.0).max(self.first[0]);
+        start..first_middle(high + 1.0).min(self.end[0]).max(start)
+    }
+
+    /// Whether it meets the line of a cell. Of neighbours one meets a line on their common edge, whatever rounding does: on which side of it the
+    /// line is, is computed from its ends in one order.
+    #[inline]
+    fn covers(&self, column: u32, row: u32) -> bool {
+        let (x, y) = (f64::from(column) + 0.5, f64::from(row) + 0.5);
+        let is_left = |p: &[f64; 3], q: &[f64; 3]| {
+            let is_up = (p[1], p[0]) < (q[1], q[0]);
+            let (p, q) = if is_up { (p, q) } else { (q, p) };
+            ((q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0]) > 0.0) == is_up
+        };
+        let [a, b, c] = &self.corners;
+        let faces = self.turn > 0.0;
+        is_left(a, b) == faces && is_left(b, c) == faces && is_left(c, a) == faces
     }
 
     /// Its height on lines.
@@ -247,26 +288,48 @@ impl Heights {
 impl Scratch {
     fn clear(&mut self, frame: &Frame) {
         self.tiles.clear();
-        self.tiles.resize(frame.tiles[0] as usize * frame.tiles[1] as usize, Tile::default());
-        self.points.clear();
+        self.tiles.resize(frame.tiles[0] as usize * frame.tiles[1] as usize, Tile::EMPTY);
+        self.fronts.clear();
         self.found.clear();
+    }
+
+    fn draw(&mut self, frame: &Frame, vertices_m: &[DVec3]) {
+        self.points.clear();
+        self.points.extend(vertices_m.iter().map(|p_m| frame.project(*p_m)));
+        self.first.clear();
+        self.first.extend(self.points.iter().map(|[x, y, _]| [first_middle(*x), first_middle(*y)]));
+    }
+
+    /// A facet; `None` if it is between lines.
+    #[inline]
+    fn drawn(&self, corners: [u32; 3]) -> Option<Drawn> {
+        let [a, b, c] = corners.map(|v| self.first[v as usize]);
+        if (a[1] == b[1] && a[1] == c[1]) || (a[0] == b[0] && a[0] == c[0]) {
+            return None;
+        }
+        let first = [0, 1].map(|k| a[k].min(b[k]).min(c[k]));
+        let end = [0, 1].map(|k| a[k].max(b[k]).max(c[k]));
+        let corners = corners.map(|v| self.points[v as usize]);
+        let [a, b, c] = corners;
+        let turn = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        Some(Drawn { corners, turn, first, end })
     }
 
     /// Puts a facet that faces away on its lines.
     fn add_back(&mut self, frame: &Frame, drawn: &Drawn, facet: u32) {
-        lines_of(&drawn.corners, &mut self.rows);
-        if self.rows.is_empty() {
-            return;
-        }
-        let heights = drawn.heights(frame);
-        for (row, columns) in self.rows.drain(..) {
-            for column in columns {
+        let mut heights = None;
+        for row in drawn.first[1]..drawn.end[1] {
+            for column in drawn.columns(row).filter(|column| drawn.covers(*column, row)) {
+                let heights = heights.get_or_insert_with(|| drawn.heights(frame));
+                let height_m = heights.at(column, row);
                 let (tile, bit) = frame.place([column, row]);
-                self.tiles[tile].cells |= bit;
+                let tile = &mut self.tiles[tile];
+                tile.cells |= bit;
+                tile.nearest_m = tile.nearest_m.max(height_m);
                 self.found.push(Slot {
                     cell: [column, row],
                     facets: [facet, NONE],
-                    height_m: [heights.at(column, row), f64::NEG_INFINITY],
+                    height_m: [height_m, f64::NEG_INFINITY],
                     rounding_m: [heights.rounding_m, 0.0],
                 });
             }
@@ -305,17 +368,17 @@ impl Scratch {
 
     /// Gives a facet that faces the viewer to what is before it on its lines, if nothing nearer has been found there.
     fn add_front(&mut self, frame: &Frame, mesh: &Mesh, drawn: &Drawn, facet: u32) {
-        let [a, b, c] = drawn.corners;
-        let low = [0, 1].map(|k| lesser(lesser(a[k], b[k]), c[k]));
-        let high = [0, 1].map(|k| -lesser(lesser(-a[k], -b[k]), -c[k]));
-        if !frame.has_any(&self.tiles, low, high) {
+        let [a, b, c] = drawn.corners.map(|corner| corner[2]);
+        if !frame.has_any(&self.tiles, [drawn.first, drawn.end.map(|end| end - 1)], lesser(lesser(a, b), c)) {
             return;
         }
-        lines_of(&drawn.corners, &mut self.rows);
         let mut heights = None;
-        for (row, columns) in self.rows.drain(..) {
-            for place in marked(&self.tiles, frame, row, &columns) {
+        for row in drawn.first[1]..drawn.end[1] {
+            for place in marked(&self.tiles, frame, row, &drawn.columns(row)) {
                 let column = frame.column(place);
+                if !drawn.covers(column, row) {
+                    continue;
+                }
                 let heights = heights.get_or_insert_with(|| drawn.heights(frame));
                 let line = self.tiles.line(place);
                 let slots = &mut self.slots[self.start[line] as usize..self.start[line + 1] as usize];
@@ -335,6 +398,7 @@ impl Scratch {
 }
 
 /// Those cells of a row in which something faces away.
+#[inline]
 fn marked<'a>(
     tiles: &'a [Tile],
     frame: &Frame,
@@ -343,7 +407,7 @@ fn marked<'a>(
 ) -> impl Iterator<Item = (usize, u64)> + use<'a> {
     let Range { start, end } = *columns;
     let of_row = (row / 8) as usize * frame.tiles[0] as usize;
-    (start / 8..=(end - 1) / 8).flat_map(move |tile| {
+    (start / 8..end.div_ceil(8)).flat_map(move |tile| {
         let (first, last) = (start.saturating_sub(8 * tile), (end - 1 - 8 * tile).min(7));
         let columns = (0xff << first) & (0xff >> (7 - last));
         let at = of_row + tile as usize;
@@ -369,39 +433,6 @@ fn sort_line(slots: &mut [Slot], mesh: &Mesh) {
         while k > 0 && is_after(&slots[k - 1], &slots[k]) {
             slots.swap(k - 1, k);
             k -= 1;
-        }
-    }
-}
-
-/// Finds the lines that meet a triangle: rows, ascending, and the columns in each.
-///
-/// A line on a common edge meets one of two neighbours: where an edge crosses a row is computed from its ends in one order, and counts to its right.
-fn lines_of(corners: &[[f64; 3]; 3], found: &mut Vec<(u32, Range<u32>)>) {
-    found.clear();
-    let [mut low, mut mid, mut high] = corners.map(|p| [p[0], p[1]]);
-    let is_below = |p: &Point, q: &Point| (p[1], p[0]) < (q[1], q[0]);
-    if is_below(&mid, &low) {
-        std::mem::swap(&mut low, &mut mid);
-    }
-    if is_below(&high, &mid) {
-        std::mem::swap(&mut mid, &mut high);
-        if is_below(&mid, &low) {
-            std::mem::swap(&mut low, &mut mid);
-        }
-    }
-    let rows = first_middle(low[1])..first_middle(high[1]);
-    if rows.is_empty() {
-        return;
-    }
-    let gain = |from: Point, to: Point| (to[0] - from[0]) / (to[1] - from[1]);
-    let (long, first, second) = (gain(low, high), gain(low, mid), gain(mid, high));
-    for row in rows {
-        let y = f64::from(row) + 0.5;
-        let one = low[0] + (y - low[1]) * long;
-        let other = if y < mid[1] { low[0] + (y - low[1]) * first } else { mid[0] + (y - mid[1]) * second };
-        let columns = first_middle(one.min(other))..first_middle(one.max(other));
-        if !columns.is_empty() {
-            found.push((row, columns));
         }
     }
 }

@@ -363,6 +363,55 @@ fn light_without_a_total_is_reflected_as_often() {
     assert_eq!(known.reflected, unknown.reflected);
 }
 
+/// Light by way of others and sunlight, each a sum over area, of patches of a site: columns over squares twice as wide as a facet's, if they are mostly full.
+fn of_patches(scene: &Scene, table: &FacetTable) -> Vec<[f64; 2]> {
+    let mesh = &scene.body.mesh;
+    let areas_m2: Vec<f64> = (0..mesh.facets.len()).map(|f| mesh.facet(f).area_m2()).collect();
+    let edge_m = 2.0 * (areas_m2.iter().sum::<f64>() / areas_m2.len() as f64).sqrt();
+    let (low_m, _) = mesh.bounds_m().unwrap();
+    let mut patches: std::collections::BTreeMap<[i64; 3], [f64; 3]> = Default::default();
+    for (f, area_m2) in areas_m2.iter().enumerate() {
+        let at = ((mesh.facet(f).centroid_m() - low_m) / edge_m).to_array().map(|x| x.floor() as i64);
+        let seen = table.sunlit().unwrap().fraction(f as u32);
+        let patch = patches.entry(at).or_default();
+        patch[0] += area_m2 * table.reflected.iter().map(|r| r.irradiance[f]).sum::<f64>();
+        patch[1] += area_m2 * table.sources[0].irradiance[f] * seen;
+        patch[2] += area_m2;
+    }
+    let full = patches.into_values().filter(|patch| patch[2] > 0.25 * edge_m * edge_m);
+    full.map(|[received, sunlit, area_m2]| [received / area_m2, sunlit]).collect()
+}
+
+#[test]
+fn the_error_by_sampling_is_told() {
+    // Against four and more times as many directions and lines; one bounce, since the error is of the first.
+    let ground = || grid(40.0, 48, |x, y| 3.0 * (0.4 * x).sin() * (0.3 * y).cos() + (0.9 * x - 0.7 * y).sin());
+    let solved = |directions: u32, lines_per_facet: u32| {
+        let exchange = Exchange { bounces: 1, directions, lines_per_facet };
+        let scene = with_exchange(ground(), [1.0, 0.2, 0.4], exchange, |_| {});
+        let table = solve(&scene, &unwatched).unwrap();
+        (of_patches(&scene, &table), table.sampling.unwrap())
+    };
+    let (truth, _) = solved(1024, 8192);
+    for (directions, lines) in [(128, 512), (256, 2048)] {
+        let (patches, told) = solved(directions, lines);
+        assert_eq!(patches.len(), truth.len());
+        for (is_lit, told) in [(true, told.lit.unwrap()), (false, told.shadow.unwrap())] {
+            let of = || patches.iter().zip(&truth).filter(|(patch, _)| (patch[1] > 0.0) == is_lit);
+            let (off, all) = of().fold((0.0, 0.0), |(off, all), ([got, _], [expected, _])| {
+                (off + (got - expected).powi(2), all + expected.powi(2))
+            });
+            let (rms, patches) = (f64::sqrt(off / all), of().count());
+            assert!(patches > 50, "{patches}");
+            assert!(told.rms > 0.6 * rms && told.rms < 1.8 * rms, "{directions} {is_lit}: {told:?}, not {rms}");
+            assert!(told.p50 > 0.2 * rms && told.p50 < 2.0 * rms, "{directions} {is_lit}: {told:?}, not {rms}");
+        }
+    }
+    // More lines, less error.
+    let shadow = |directions: u32, lines: u32| solved(directions, lines).1.shadow.unwrap().rms;
+    assert!(shadow(256, 2048) < 0.7 * shadow(64, 512));
+}
+
 #[test]
 fn what_is_convex_has_nothing_to_exchange() {
     let scene = with_exchange(cuboid([0.0; 3], [1.0, 2.0, 3.0]), [1.0, 1.0, 1.0], Exchange::default(), |parts| {

@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 use self::write::{Column, Values, write};
 use crate::error::Result;
 use crate::product::Footprints;
+use crate::product::Sampling;
 use crate::scene::Models;
 
 pub use self::archive::{ArrayInfo, Shaped, list, read_f64s};
@@ -49,6 +50,9 @@ pub struct Header {
     /// By which equations a facet table was solved; `None` in those of older versions, which were solved as their scene said.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub models: Option<Models>,
+    /// How far off light between facets is by sampling; `None` where there is none, or in tables of older versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sampling: Option<Sampling>,
     /// Of a facet table the light that facets send each other: what its arrays are called, the place of its source, and the materials that have
     /// reflected it. None before version 3.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

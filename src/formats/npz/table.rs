@@ -51,7 +51,7 @@ pub fn write_table(path: &Path, table: &FacetTable, scene: &str) -> Result<()> {
     let has_shares = table.sources.iter().filter_map(Lighting::seen).any(|seen| !seen.polygon_share.is_empty());
     // A program that knows neither can read what has none.
     let version = if has_shares || !reflected.is_empty() { EXTENDED_SINCE } else { EXTENDED_SINCE - 1 };
-    write(path, (TABLE, version), scene, (&sources, Some(table.models), reflected), &columns)
+    write(path, (TABLE, version), scene, (&sources, Some((table.models, table.sampling)), reflected), &columns)
 }
 
 fn of_source(lighting: &Lighting) -> Vec<Column<'_>> {
@@ -149,7 +149,8 @@ pub fn read_table(path: &Path) -> Result<(FacetTable, Header)> {
         }
     }
     let models = header.models.unwrap_or_default();
-    let table = FacetTable { sources, temperature_lit_k, temperature_shaded_k, reflected, models };
+    let sampling = header.sampling;
+    let table = FacetTable { sources, temperature_lit_k, temperature_shaded_k, reflected, sampling, models };
     // If the Sun's cannot be used, that has been reported, and all others would be of another length.
     let is_comparable = table.facets() > 0 || problems.is_empty();
     let at = |item: String| Location::file(path).with_item(item);

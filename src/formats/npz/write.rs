@@ -11,6 +11,7 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 use super::{Field, Header, ReflectedBy};
 use crate::error::{Error, Result};
 use crate::formats::npy;
+use crate::product::Sampling;
 use crate::scene::Models;
 use crate::visibility::Shown;
 
@@ -48,12 +49,15 @@ pub(super) enum Values<'a> {
 /// Numbers of [`Values::Lines`] that are made at a time.
 const MADE: usize = 1 << 20;
 
+/// How a table was solved, and how far off that is.
+type Solved = (Models, Option<Sampling>);
+
 /// Writes columns, and a header before them, which says this name and version of a format.
 pub(super) fn write(
     path: &Path,
     (format, format_version): (&str, u32),
     scene: &str,
-    (sources, models, reflected): (&[String], Option<Models>, Vec<ReflectedBy>),
+    (sources, solved, reflected): (&[String], Option<Solved>, Vec<ReflectedBy>),
     columns: &[Column<'_>],
 ) -> Result<()> {
     let fields = columns
@@ -66,7 +70,8 @@ pub(super) fn write(
         mmxrt: env!("CARGO_PKG_VERSION").to_owned(),
         scene: scene.to_owned(),
         sources: sources.to_vec(),
-        models,
+        models: solved.map(|(models, _)| models),
+        sampling: solved.and_then(|(_, sampling)| sampling),
         reflected,
         fields,
     };

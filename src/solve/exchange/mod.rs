@@ -4,12 +4,16 @@
 //! afterwards; and the heat of neighbours, with what of their light a facet absorbs. Each bounce carries what the one before has brought.
 
 mod colours;
+mod lit;
 mod pass;
+mod sampling;
 
 use rayon::prelude::*;
 
 use self::colours::{Bounce, Colours};
-use self::pass::{Lit, pass};
+use self::lit::{Lit, LitParts};
+use self::pass::pass;
+use self::sampling::sampling;
 use super::irradiance::share;
 use crate::error::Result;
 use crate::geometry::{MaterialId, Mesh};
@@ -18,7 +22,7 @@ use crate::physics::reflectance::DirectionalAlbedos;
 use crate::product::{FacetTable, Lighting, Reflected, Sees, warmest_k};
 use crate::progress::Watch;
 use crate::scene::{DirectionField, Exchange, Material, Scene, SourceKind, Thermal};
-use crate::visibility::{Bundles, Frame, Meeting, Shown};
+use crate::visibility::{Bundles, Frame, Meeting};
 
 /// So many colours of light are told apart, each a number for every facet.
 const MOST_COLOURS: usize = 24;
@@ -42,15 +46,24 @@ pub(super) fn add(scene: &Scene, table: &mut FacetTable, exchange: Exchange, wat
     let mut absorbed_w_m2 = vec![0.0; if is_warm { mesh.facets.len() } else { 0 }];
     let direct = Direct::new(scene, table, is_warm);
     let first_w = direct.total_w(&watts, &areas_m2);
+    let bundles = Bundles::new(mesh, exchange.directions, exchange.lines_per_facet);
     let mut before = Received { rows: vec![], columns: 0 };
+    let mut sampled = None;
     for n in 1..=exchange.bounces as usize {
         let bounce = colours.bounce(n);
         let columns = bounce.after + usize::from(is_warm);
-        let rows = if n == 1 {
-            let bundles = Bundles::new(mesh, exchange.directions, exchange.lines_per_facet);
+        let arrived = if n == 1 {
+            let parts = LitParts::new(mesh, &areas_m2, &table.sources);
             let give = |row: &mut [f64], from: u32, lit: Lit, lines: f64| direct.give(&bounce, row, from, lit, lines);
-            let lit = |frame: &Frame, meeting: &Meeting, which: usize| lit(mesh, table, frame, meeting, which);
-            pass(&bundles, &areas_m2, columns, lit, give, watch)?
+            let lit = |frame: &Frame, meeting: &Meeting, which: usize| {
+                let facet = meeting.facets[which];
+                parts.at(facet, || frame.uv(&mesh.facet(facet as usize), meeting.at))
+            };
+            let arrived = pass(&bundles, &areas_m2, columns, lit, give, watch)?;
+            let light = |f: usize| arrived.rows[f * columns..f * columns + bounce.after].iter().sum::<f64>();
+            let sunlight = |f: usize| table.sources.first().map_or(0.0, |sun| sun.irradiance[f] * share(&sun.sees, f));
+            sampled = Some(sampling(mesh, &areas_m2, |f| [sunlight(f), light(f), arrived.difference[f]]));
+            arrived
         } else {
             let sent = before.to_be_sent(&colours, n, &watts, mesh, is_warm);
             let share = sent.total_w(&colours, n, &watts, &areas_m2, mesh) / first_w;
@@ -58,10 +71,14 @@ pub(super) fn add(scene: &Scene, table: &mut FacetTable, exchange: Exchange, wat
                 break;
             }
             let Exchange { directions, lines_per_facet, .. } = exchange.for_share(share);
-            let bundles = Bundles::new(mesh, directions, lines_per_facet);
-            let give = |row: &mut [f64], from: u32, _: Lit, lines: f64| sent.give(mesh, &bounce, row, from, lines);
-            pass(&bundles, &areas_m2, columns, |_, _, _| Lit::default(), give, watch)?
+            let give = |row: &mut [f64], from: u32, _: Lit, lines: f64| {
+                sent.give(mesh, &bounce, row, from, lines);
+                0.0
+            };
+            let fewer = bundles.with(directions, lines_per_facet);
+            pass(&fewer, &areas_m2, columns, |_, _, _| Lit::default(), give, watch)?
         };
+        let rows = arrived.rows;
         before = Received { rows, columns };
         before.add_to(&mut levels[n.min(colours.told_apart())], bounce.after);
         if is_warm {
@@ -69,27 +86,12 @@ pub(super) fn add(scene: &Scene, table: &mut FacetTable, exchange: Exchange, wat
         }
     }
     drop(before);
+    table.sampling = sampled;
     table.reflected = columns(&colours, levels, mesh.facets.len());
     if is_warm {
         warm(scene, table, &absorbed_w_m2);
     }
     Ok(())
-}
-
-/// What of each source's light a facet of a meeting has there.
-fn lit(mesh: &Mesh, table: &FacetTable, frame: &Frame, meeting: &Meeting, which: usize) -> Lit {
-    let facet = meeting.facets[which];
-    let mut uv = None;
-    let share = |lighting: &Lighting| {
-        lighting.seen().map_or(1.0, |seen| match seen.shown[facet as usize] {
-            Shown::Nothing => 0.0,
-            Shown::Whole => 1.0,
-            Shown::Part => {
-                seen.share_at(facet, *uv.get_or_insert_with(|| frame.uv(&mesh.facet(facet as usize), meeting.at)))
-            }
-        })
-    };
-    Lit::new(table.sources.iter().map(share))
 }
 
 /// Total irradiance of the sources' light, W m-2, where its geometric one is 1; and the share of it that surfaces reflect.
@@ -137,10 +139,10 @@ impl Watts {
 struct Direct<'a> {
     scene: &'a Scene,
     sources: Vec<&'a Lighting>,
-    /// Of each material with a model, its albedo by incidence, and by what that is multiplied for a mean of 1.
-    albedos: Vec<Option<(DirectionalAlbedos, f64)>>,
-    /// Where the Sun sees a facet, and in its shadow, K; none without heat.
-    temperatures_k: Option<[&'a [f64]; 2]>,
+    /// [facet, source]: irradiance where it is lit, over what of light from everywhere is reflected alike.
+    irradiance: Vec<f64>,
+    /// W m-2 of heat where the Sun sees each facet, and in its shadow; none without heat.
+    heat_w_m2: Vec<[f64; 2]>,
 }
 
 impl<'a> Direct<'a> {
@@ -149,42 +151,62 @@ impl<'a> Direct<'a> {
             let (albedos, factor) = material.photometry.model()?.absorbing(material.bond_albedo)?;
             (material.bond_albedo > 0.0).then_some((albedos, factor / material.bond_albedo))
         };
+        // Of each material with a model, its albedo by incidence, and by what that is multiplied for a mean of 1.
+        let albedos: Vec<Option<(DirectionalAlbedos, f64)>> = scene.body.materials.iter().map(albedo).collect();
+        let of_mean_albedo = |material: MaterialId, lighting: &Lighting, irradiance: f64| {
+            let mut of_mean = 1.0;
+            if let (Some((albedos, factor)), DirectionField::Afar(_)) = (&albedos[material.0 as usize], lighting.field)
+            {
+                albedos.weights(irradiance, |_, weight| of_mean = factor * weight);
+            }
+            of_mean
+        };
+        let materials = &scene.body.mesh.material;
+        let of_facet = |f: usize| {
+            let material = materials[f];
+            table.sources.iter().map(move |lighting| {
+                // Of what no part is known, a share of the whole.
+                let irradiance = match &lighting.sees {
+                    Sees::Polygons(_) => lighting.irradiance[f],
+                    sees => lighting.irradiance[f] * share(sees, f),
+                };
+                irradiance * of_mean_albedo(material, lighting, lighting.irradiance[f])
+            })
+        };
+        let heat = |f: usize| {
+            let emissivity = scene.body.materials[materials[f].0 as usize].emissivity_bolometric;
+            [&table.temperature_lit_k, &table.temperature_shaded_k].map(|t_k| heat::emitted_w_m2(t_k[f], emissivity))
+        };
         Direct {
             scene,
             sources: table.sources.iter().collect(),
-            albedos: scene.body.materials.iter().map(albedo).collect(),
-            temperatures_k: is_warm.then_some([&table.temperature_lit_k, &table.temperature_shaded_k]),
+            irradiance: (0..materials.len()).flat_map(of_facet).collect(),
+            heat_w_m2: if is_warm { (0..materials.len()).map(heat).collect() } else { vec![] },
         }
     }
 
-    fn give(&self, bounce: &Bounce, row: &mut [f64], from: u32, lit: Lit, lines: f64) {
+    /// Gives how much light that is.
+    fn give(&self, bounce: &Bounce, row: &mut [f64], from: u32, lit: Lit, lines: f64) -> f64 {
         let facet = from as usize;
         let material = self.scene.body.mesh.material[facet].0 as usize;
-        for (s, lighting) in self.sources.iter().enumerate() {
-            let lit = match &lighting.sees {
-                Sees::Polygons(_) => lit.by(s).unwrap_or_else(|| share(&lighting.sees, facet)),
-                sees => share(sees, facet),
-            };
-            let irradiance = lighting.irradiance[facet];
-            if lit > 0.0 && irradiance > 0.0 {
-                let (colour, factor) = bounce.becomes[material * bounce.before + s];
-                row[colour] += lines * factor * lit * irradiance * self.of_mean_albedo(material, lighting, irradiance);
-            }
+        let becomes = &bounce.becomes[material * bounce.before..(material + 1) * bounce.before];
+        let of_sources = &self.irradiance[facet * becomes.len()..(facet + 1) * becomes.len()];
+        let mut light = 0.0;
+        for (s, ((colour, factor), irradiance)) in becomes.iter().zip(of_sources).enumerate() {
+            let lit = lit.by(s).unwrap_or_else(|| share(&self.sources[s].sees, facet));
+            let more = lines * factor * lit * irradiance;
+            row[*colour] += more;
+            light += more;
         }
-        if let Some(temperatures_k) = self.temperatures_k {
-            let emissivity = self.scene.body.materials[material].emissivity_bolometric;
+        if let Some([lit_w_m2, shaded_w_m2]) = self.heat_w_m2.get(facet) {
             let sunlit = lit.by(0).unwrap_or(0.0);
-            for (part, t_k) in [(sunlit, temperatures_k[0]), (1.0 - sunlit, temperatures_k[1])] {
-                if part > 0.0 {
-                    row[bounce.after] += lines * part * heat::emitted_w_m2(t_k[facet], emissivity);
-                }
-            }
+            row[bounce.after] += lines * (sunlit * lit_w_m2 + (1.0 - sunlit) * shaded_w_m2);
         }
+        light
     }
 
     /// All of it, W: of light and heat alike.
     fn total_w(&self, watts: &Watts, areas_m2: &[f64]) -> f64 {
-        let materials = &self.scene.body.materials;
         let of = |f: usize| {
             let material = self.scene.body.mesh.material[f].0 as usize;
             let lit = self.sources.iter().map(|lighting| share(&lighting.sees, f));
@@ -192,23 +214,13 @@ impl<'a> Direct<'a> {
                 .zip(lit)
                 .map(|((lighting, w_m2), lit)| lit * lighting.irradiance[f] * w_m2)
                 .sum();
-            let heat = self.temperatures_k.map_or(0.0, |[lit_k, shaded_k]| {
+            let heat = self.heat_w_m2.get(f).map_or(0.0, |[lit_w_m2, shaded_w_m2]| {
                 let lit = self.sources.first().map_or(0.0, |sun| share(&sun.sees, f));
-                let emitted = |t_k| heat::emitted_w_m2(t_k, materials[material].emissivity_bolometric);
-                lit * emitted(lit_k[f]) + (1.0 - lit) * emitted(shaded_k[f])
+                lit * lit_w_m2 + (1.0 - lit) * shaded_w_m2
             });
             areas_m2[f] * (watts.albedo[material] * arriving + heat)
         };
         (0..areas_m2.len()).map(of).sum()
-    }
-
-    /// What a surface reflects of light at its incidence, over what it reflects of light from everywhere.
-    fn of_mean_albedo(&self, material: usize, lighting: &Lighting, irradiance: f64) -> f64 {
-        let mut of_mean = 1.0;
-        if let (Some((albedos, factor)), DirectionField::Afar(_)) = (&self.albedos[material], lighting.field) {
-            albedos.weights(irradiance, |_, weight| of_mean = factor * weight);
-        }
-        of_mean
     }
 }
 

@@ -4,6 +4,7 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
+use super::lit::Lit;
 use crate::error::Result;
 use crate::progress::{Watch, tell};
 use crate::visibility::{Bundles, Frame, LineScratch, Meeting};
@@ -12,25 +13,6 @@ use crate::visibility::{Bundles, Frame, LineScratch, Meeting};
 const AT_A_TIME: u32 = 8;
 /// Sums of facets are made in this many parts of the mesh, whatever the number of threads.
 const PARTS: usize = 16;
-
-/// What of the light of each of the first sources a place has: to 1/255, more than a Sun of some tens of points can tell.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Lit([u8; 8]);
-
-impl Lit {
-    /// Of shares from 0 to 1.
-    #[expect(clippy::cast_possible_truncation, reason = "a share is at most 1")]
-    pub(super) fn new(shares: impl Iterator<Item = f64>) -> Self {
-        let mut lit = Lit::default();
-        lit.0.iter_mut().zip(shares).for_each(|(lit, share)| *lit = (255.0 * share).round() as u8);
-        lit
-    }
-
-    /// Of a source; `None` if it is not one of the first.
-    pub(super) fn by(self, source: usize) -> Option<f64> {
-        self.0.get(source).map(|lit| f64::from(*lit) / 255.0)
-    }
-}
 
 /// Light on a line to a facet from another one.
 #[derive(Debug, Clone, Copy)]
@@ -41,8 +23,17 @@ struct Way {
     lit: Lit,
 }
 
-/// The sum of what reaches each facet, [facet, column], for facets that would send 1 in all directions: `lit` says how the first or second facet
-/// of a meeting is lit there, and `give` adds to a line of the result what a facet sends, if so lit, with a weight.
+/// What has reached each facet.
+#[derive(Debug, Default)]
+pub(super) struct Arrived {
+    /// Sums, [facet, column].
+    pub(super) rows: Vec<f64>,
+    /// Of the light, what one half of the bundles has brought, less what the other has.
+    pub(super) difference: Vec<f64>,
+}
+
+/// The sum of what reaches each facet, for facets that would send 1 in all directions: `lit` says how the first or second facet
+/// of a meeting is lit there, and `give` adds to a line of the result what a facet sends, if so lit, with a weight, and says how much light that is.
 ///
 /// # Errors
 /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
@@ -51,12 +42,12 @@ pub(super) fn pass(
     areas_m2: &[f64],
     columns: usize,
     lit: impl Fn(&Frame, &Meeting, usize) -> Lit + Sync,
-    give: impl Fn(&mut [f64], u32, Lit, f64) + Sync,
+    give: impl Fn(&mut [f64], u32, Lit, f64) -> f64 + Sync,
     watch: Watch<'_>,
-) -> Result<Vec<f64>> {
+) -> Result<Arrived> {
     const STAGE: &str = "light between facets";
     let facets = areas_m2.len();
-    let mut sums = vec![0.0; facets * columns];
+    let mut sums = Arrived { rows: vec![0.0; facets * columns], difference: vec![0.0; facets] };
     let part = facets.div_ceil(PARTS).max(1);
     let spare: Mutex<Vec<LineScratch>> = Mutex::default();
     let ways = |bundle: u32| {
@@ -69,29 +60,31 @@ pub(super) fn pass(
             ways[one as usize / part].push(Way { to: one, from: other, lit: lit[1] });
         });
         spare.lock().unwrap_or_else(PoisonError::into_inner).push(scratch);
-        (lines, ways)
+        // Every other one: halves like these cover directions as evenly as so many would by themselves.
+        (if bundle.is_multiple_of(2) { 1.0 } else { -1.0 }, lines, ways)
     };
     let mut done = 0;
     while done < bundles.count() {
         tell(watch, STAGE, u64::from(done), u64::from(bundles.count()))?;
         let some = done..(done + AT_A_TIME).min(bundles.count());
         done = some.end;
-        let found: Vec<(f64, [Vec<Way>; PARTS])> = some.into_par_iter().map(ways).collect();
-        sums.par_chunks_mut(part * columns).enumerate().for_each(|(p, sums)| {
-            for (lines, ways) in &found {
+        let found: Vec<(f64, f64, [Vec<Way>; PARTS])> = some.into_par_iter().map(ways).collect();
+        let parts = sums.rows.par_chunks_mut(part * columns).zip(sums.difference.par_chunks_mut(part));
+        parts.enumerate().for_each(|(p, (rows, difference))| {
+            for (half, lines, ways) in &found {
                 for Way { to, from, lit } in &ways[p] {
-                    let at = (*to as usize - p * part) * columns;
-                    give(&mut sums[at..at + columns], *from, *lit, *lines);
+                    let at = *to as usize - p * part;
+                    difference[at] += half * give(&mut rows[at * columns..(at + 1) * columns], *from, *lit, *lines);
                 }
             }
         });
     }
     tell(watch, STAGE, u64::from(done), u64::from(bundles.count()))?;
-    sums.par_chunks_mut(columns).zip(areas_m2).for_each(|(sums, area_m2)| {
-        if *area_m2 > 0.0 {
-            let share = bundles.share_of_line(*area_m2);
-            sums.iter_mut().for_each(|sum| *sum *= share);
-        }
+    let share = |area_m2: f64| if area_m2 > 0.0 { bundles.share_of_line(area_m2) } else { 1.0 };
+    let rows = sums.rows.par_chunks_mut(columns).zip(&mut sums.difference);
+    rows.zip(areas_m2).for_each(|((row, difference), area_m2)| {
+        let share = share(*area_m2);
+        row.iter_mut().chain([difference]).for_each(|sum| *sum *= share);
     });
     Ok(sums)
 }
@@ -145,8 +138,11 @@ mod tests {
         let mut sent = vec![1.0; mesh.facets.len()];
         let mut left = vec![];
         for _ in 0..8 {
-            let give = |row: &mut [f64], from: u32, _: Lit, lines: f64| row[0] += lines * sent[from as usize];
-            sent = pass(&bundles, &areas_m2, 1, |_, _, _| Lit::default(), give, &unwatched).unwrap();
+            let give = |row: &mut [f64], from: u32, _: Lit, lines: f64| {
+                row[0] += lines * sent[from as usize];
+                0.0
+            };
+            sent = pass(&bundles, &areas_m2, 1, |_, _, _| Lit::default(), give, &unwatched).unwrap().rows;
             left.push(mean(&sent));
         }
         // All that is sent arrives, at every bounce: the series is that of rho.

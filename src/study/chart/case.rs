@@ -1,7 +1,6 @@
 //! What all methods of a chart have in common: the scene, the effects of the reference, and the plans that are compared with it.
 
-use super::method::Shadows;
-use super::{Method, bands};
+use super::bands;
 use crate::error::Result;
 use crate::physics::sun_disc::DiscRule;
 use crate::progress::Watch;
@@ -41,7 +40,8 @@ pub struct Case {
     pub(super) full_account: String,
     /// Effects that would take too long: no row has them.
     excluded: Excluded,
-    seconds: Seconds,
+    /// About what methods take.
+    pub(super) seconds: Seconds,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -52,11 +52,15 @@ struct Excluded {
 
 /// About what methods take, CPU s.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Seconds {
-    point_sun: f64,
-    disc_point: f64,
-    ray_a_pixel: f64,
-    full: f64,
+pub(super) struct Seconds {
+    /// The image by a point Sun.
+    pub(super) point_sun: f64,
+    /// A further point of its disc.
+    pub(super) disc_point: f64,
+    /// A ray in every pixel.
+    pub(super) ray_a_pixel: f64,
+    /// The reference.
+    pub(super) full: f64,
 }
 
 /// A way to choose the effects, and what it comes to.
@@ -136,19 +140,6 @@ impl Case {
             ..models
         }
     }
-
-    /// About what a method takes, CPU s.
-    pub(super) fn cpu_s(&self, method: &Method) -> f64 {
-        let Seconds { point_sun, disc_point, ray_a_pixel, full } = self.seconds;
-        match method {
-            Method::Full => full,
-            Method::Planned(planned) => point_sun + planned.cost_s,
-            Method::Rays(rays) => point_sun + f64::from(*rays) * ray_a_pixel,
-            Method::Shadows(Shadows::Disc(rule)) => point_sun + disc_point * rule.count() as f64,
-            Method::Shadows(_) => point_sun,
-            Method::Exact | Method::Facets(_) => point_sun + disc_point * DiscRule::E37.count() as f64,
-        }
-    }
 }
 
 /// Models of the reference, from the finest to the one that takes the least time.
@@ -158,7 +149,7 @@ fn finest_first(models: Models) -> [(Models, Excluded); 5] {
         SunModel::Disc(_) => SunModel::Disc(DiscRule::E37),
     };
     let finer = |of: Exchange| {
-        let fine = Exchange::to_within(FINE, of.bounces.max(BOUNCES));
+        let fine = Exchange::to_within(FINE, of.bounces.max(BOUNCES), 1.0);
         if fine.lines_per_facet > of.lines_per_facet { fine } else { of }
     };
     let mars_shadows = models.mars_shadows.map(|_| DiscRule::G12);

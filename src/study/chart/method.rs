@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::case::{Case, Planned};
+use super::case::{Case, Planned, Seconds};
 use super::rays::RayTree;
 use super::sampled;
 use super::shading::{Shading, Share};
@@ -193,6 +193,19 @@ impl Method {
             Method::Full => "full, finest".into(),
             Method::Planned(planned) => planned.asked(),
             _ => "direct light and heat".into(),
+        }
+    }
+
+    /// About what it takes, CPU s.
+    pub(super) fn cpu_s(&self, case: &Case) -> f64 {
+        let Seconds { point_sun, disc_point, ray_a_pixel, full } = case.seconds;
+        match self {
+            Method::Full => full,
+            Method::Planned(planned) => point_sun + planned.cost_s,
+            Method::Rays(rays) => point_sun + f64::from(*rays) * ray_a_pixel,
+            Method::Shadows(Shadows::Disc(rule)) => point_sun + disc_point * rule.count() as f64,
+            Method::Shadows(_) => point_sun,
+            Method::Exact | Method::Facets(_) => point_sun + disc_point * DiscRule::E37.count() as f64,
         }
     }
 

@@ -118,7 +118,7 @@ pub fn chart(name: &str, scene: &Scene, clock: Clock<'_>, watch: Watch<'_>) -> R
     let mut methods = vec![Method::Full];
     methods.extend(case.plans(&before)?.into_iter().map(Method::Planned));
     methods.extend(Method::of_geometry());
-    let weight = |method: &Method| weight(case.cpu_s(method));
+    let weight = |method: &Method| weight(method.cpu_s(case));
     let total: u64 = methods.iter().map(weight).sum();
     let mut done = 0;
     let mut entries: Vec<Entry> = Vec::new();

@@ -44,7 +44,7 @@ fn find(given: &Given) -> Finding {
     let names = |globes: &[&Globe]| globes.iter().map(|globe| globe.name.as_str()).collect::<Vec<_>>().join(", ");
     Finding {
         modelled: !kept.is_empty(),
-        bound: bound(given),
+        bound: of_all(given, |_| true),
         // What of the kept ones is approximated, and all of the others.
         remaining: of(&kept).zip(of(&left)).map(|(kept, left)| kept.times(MARS_LIGHT_ERROR).and(&left)),
         note: match (bodies.is_empty(), kept.is_empty(), left.is_empty()) {
@@ -63,11 +63,6 @@ fn find(given: &Given) -> Finding {
         },
         ..Finding::default()
     }
-}
-
-/// What all of them change.
-pub(super) fn bound(given: &Given) -> Option<Bound> {
-    of_all(given, |_| true)
 }
 
 /// The fewest bodies without which all others change no more than this.
@@ -89,20 +84,28 @@ fn of_all(given: &Given, counts: impl Fn(&Globe) -> bool) -> Option<Bound> {
     bodies.map(|(globe, seen)| of_body(given, globe, seen)).try_fold(Bound::NOTHING, |sum, of| Some(sum.and(&of?)))
 }
 
-/// What a body's light, its own heat as light, and its warmth change.
+/// What a body's light, its own heat as light, and its warmth change if they are left out.
 fn of_body(given: &Given, globe: &Globe, seen: &BodySeen) -> Option<Bound> {
+    given.error_without(|place| sent(given, place, (globe, seen)))
+}
+
+/// What all of them change if terrain hides them.
+pub(super) fn hidden(given: &Given) -> Option<Bound> {
+    let bodies = || given.scene.sky.bodies.iter().zip(&given.extremes.bodies);
+    given.error_in_draft(|place| bodies().map(|body| sent(given, place, body)).sum())
+}
+
+/// Radiance of a facet by a body's light, its own heat as light, and its warmth, W m-2 sr-1 um-1: the most.
+fn sent(given: &Given, place: &Place, (globe, seen): (&Globe, &BodySeen)) -> f64 {
+    let Place { at, material, .. } = *place;
     let warmest_k = globe.day_night_k[0].max(globe.day_night_k[1]);
-    let warmth = match given.models.thermal {
-        Thermal::Equilibrium => given.warmth_of(globe, seen),
+    let albedo = globe.reflectance.at(at.um).unwrap_or(f64::NAN);
+    let of_light = if at.light.is_lit() { at.white * albedo * seen.light } else { 0.0 };
+    let of_glow =
+        if at.light.glows() { blackbody::radiance_w_m2_sr_um(at.um, warmest_k) * seen.form_factor } else { 0.0 };
+    let of_warmth = match given.models.thermal {
+        Thermal::Equilibrium => heat_from_mars::sent(given, place, given.warmth_of(globe, seen)),
         _ => 0.0,
     };
-    given.error_without(|place| {
-        let Place { at, material, .. } = *place;
-        let albedo = globe.reflectance.at(at.um).unwrap_or(f64::NAN);
-        let of_light = if at.light.is_lit() { at.white * albedo * seen.light } else { 0.0 };
-        let of_glow =
-            if at.light.glows() { blackbody::radiance_w_m2_sr_um(at.um, warmest_k) * seen.form_factor } else { 0.0 };
-        let of_warmth = if warmth > 0.0 { heat_from_mars::sent(given, place, warmth) } else { 0.0 };
-        reflectance(material, at.um) * seen.gain * (of_light + of_glow) + of_warmth
-    })
+    reflectance(material, at.um) * seen.gain * (of_light + of_glow) + of_warmth
 }

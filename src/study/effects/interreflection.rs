@@ -3,7 +3,7 @@
 use super::given::{Place, emission, reflectance};
 use super::{EffectKind, Finding, Given, OwnTolerance, Switch, heat_from_mars};
 use crate::physics::bounds;
-use crate::scene::Material;
+use crate::scene::{Exchange, Material};
 use crate::study::extremes::Class;
 
 pub(super) const KIND: EffectKind = EffectKind {
@@ -13,24 +13,30 @@ pub(super) const KIND: EffectKind = EffectKind {
     step: Some("solve::exchange"),
     light: None,
     switch: Some(Switch {
-        add: |models, stated, _, _| models.exchange = Some(stated.exchange.unwrap_or_default()),
+        add: |models, stated, given, _| {
+            let pixel_m = given.pixel_m();
+            let enough = || Exchange::to_within(ENOUGH, BOUNCES, pixel_m * pixel_m / given.extremes.site.facet_m2);
+            models.exchange = Some(stated.exchange.unwrap_or_else(enough));
+        },
         remove: |models| models.exchange = None,
         cost_s: |given, models| {
             let facets = given.scene.body.mesh.facets.len();
-            models.exchange.map_or(0.0, |of| of.bounce_s(facets) * BOUNCES)
+            models.exchange.map_or(0.0, |of| of.bounce_s(facets) * AS_LONG)
         },
         own: Some(|_, models| OwnTolerance {
             of: "of what neighbours send, rms over shadows under a Sun at 60 deg; at 85 deg four times as much".into(),
-            // Measured: see `Exchange::to_within`.
-            left: models.exchange.map_or(1.0, |of| 0.03 * (2048.0 / f64::from(of.lines_per_facet)).powf(2.0 / 3.0)),
+            left: models.exchange.map_or(1.0, Exchange::expected_error),
         }),
         drops_by_own: false,
     }),
     find,
 };
 
+/// The tolerance of light between facets: a thousandth is not to be had at a sane price.
+const ENOUGH: f64 = 0.03;
+const BOUNCES: u32 = 2;
 /// Bounces that take as long as the first, of all: later ones have fewer lines.
-const BOUNCES: f64 = 1.3;
+const AS_LONG: f64 = 1.2;
 
 fn find(given: &Given) -> Finding {
     let most = |of: &dyn Fn(&Material) -> f64| given.materials.iter().map(|(_, m)| of(m)).fold(0.0, f64::max);

@@ -50,20 +50,24 @@ fn find(given: &Given) -> Finding {
             }
             None => "a facet's own horizon cuts Mars, other terrain does not".into(),
         },
-        because: "all of the light and heat of Mars, where a horizon may be higher than its lower limb".into(),
+        because: "all of the light and heat of Mars, where a horizon may be higher than its lower limb, and of further bodies".into(),
         ..Finding::default()
     }
 }
 
-/// All that Mars does where it may be hidden: what hides its light hides its heat, too.
+/// All that Mars does where it may be hidden, and all that further bodies do: what hides their light hides their heat, too. Without any of them, what Mars would do.
 fn hidden(given: &Given) -> Option<Bound> {
-    let has_mars = given.scene.sky.mars.is_some();
+    let sky = &given.scene.sky;
     let of_mars = given.error_in_draft(|place| {
         let Place { at, material, class, .. } = *place;
-        let [by_mars, of_mars] = if has_mars { class.most_hidden } else { [given.most_from_mars(); 2] };
+        let [by_mars, of_mars] = match (&sky.mars, sky.bodies.is_empty()) {
+            (Some(_), _) => class.most_hidden,
+            (None, true) => [given.most_from_mars(); 2],
+            (None, false) => return 0.0,
+        };
         mars_light::sent(given, at, material, by_mars)
             + glow_of_mars::sent(given, at, material, [by_mars, of_mars])
             + heat_from_mars::sent(given, place, of_mars)
     });
-    Some(of_mars?.and(&bodies::bound(given)?))
+    Some(of_mars?.and(&bodies::hidden(given)?))
 }

@@ -27,6 +27,7 @@ mod thermal_inertia;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::product::{FacetTable, Sampling};
 use crate::scene::{Models, SunModel};
 use crate::spectral::Light;
 
@@ -141,6 +142,9 @@ pub struct Effect {
     /// The error that is left of it where that has a tolerance of its own, and is not summed with the others.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub own: Option<OwnTolerance>,
+    /// Of light between facets, its error by sampling, as the result itself shows it; null before there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sampling: Option<Sampling>,
     /// CPU time that it takes, or would take, s, on a machine of 2022; null: it takes none of its own, or nothing models it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cost_s: Option<f64>,
@@ -190,6 +194,15 @@ pub(super) fn effects(given: &Given) -> Vec<Effect> {
     ALL.iter().map(|kind| kind.in_scene(given)).collect()
 }
 
+/// The same beside a result.
+pub(super) fn effects_in(given: &Given, table: &FacetTable) -> Vec<Effect> {
+    let with = |kind: &EffectKind| {
+        let sampling = table.sampling.filter(|_| kind.key == interreflection::KIND.key);
+        Effect { sampling, ..kind.in_scene(given) }
+    };
+    ALL.iter().map(with).collect()
+}
+
 impl EffectKind {
     pub(super) fn in_scene(&self, given: &Given) -> Effect {
         let is_in_no_band = |is: &fn(Light) -> bool| !given.wavelengths.iter().any(|at| is(at.light));
@@ -220,6 +233,7 @@ impl EffectKind {
             bound: found.bound,
             remaining: found.remaining.filter(|_| decision == Decision::Kept),
             own: self.switch.as_ref().and_then(|switch| Some((switch.own?)(given, &given.models))),
+            sampling: None,
             cost_s: self.switch.as_ref().map(|switch| (switch.cost_s)(given, &given.models)),
             stage: stage(self.key, &given.models).filter(|_| decision == Decision::Kept),
             equation,

@@ -1,10 +1,10 @@
-//! Plans of random scenes, judged by Mitsuba instead of by our own full model: the Sun and Mars are discs of many parallel lights there.
+//! Plans of random scenes, judged by Mitsuba instead of by our own full model: the Sun, Mars and others are discs of many parallel lights there.
 
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 use mmxrt::geometry::Direction;
-use mmxrt::scene::Scene;
+use mmxrt::scene::{Globe, Scene};
 use mmxrt::study::{Choice, Decision};
 use mmxrt::units::SUN_RADIUS_M;
 
@@ -30,9 +30,13 @@ fn sun_of(scene: &Scene, um: f64) -> Vec<([f64; 3], f64)> {
     disc(sun.direction, SUN_RADIUS_M / sun.distance_m).map(|d| (d.to_array(), each)).collect()
 }
 
-/// A Lambert sphere under the same Sun: of each direction the radiance of the place where it meets Mars.
-fn mars_of(scene: &Scene, um: f64) -> Vec<([f64; 3], f64)> {
-    let Some(mars) = &scene.sky.mars else { return vec![] };
+/// Mars and others.
+fn globes(scene: &Scene) -> impl Iterator<Item = &Globe> {
+    scene.sky.mars.iter().chain(&scene.sky.bodies)
+}
+
+/// A Lambert sphere under the same Sun: of each direction the radiance of the place where it meets the body.
+fn globe_of(scene: &Scene, mars: &Globe, um: f64) -> Vec<([f64; 3], f64)> {
     let range_m = mars.centre_m.length();
     let sin_radius = mars.radius_m / range_m;
     let solid_angle = TAU * (1.0 - (1.0 - sin_radius * sin_radius).sqrt());
@@ -46,24 +50,23 @@ fn mars_of(scene: &Scene, um: f64) -> Vec<([f64; 3], f64)> {
     disc(Direction::new(mars.centre_m).unwrap(), sin_radius).map(of).filter(|(_, e)| *e > 0.0).collect()
 }
 
-/// Whether Mars may hide some of the Sun.
+/// Whether a body may hide some of the Sun.
 fn is_eclipsed(scene: &Scene) -> bool {
-    scene.sky.mars.as_ref().is_some_and(|mars| {
+    globes(scene).any(|mars| {
         let apart = mars.centre_m.angle_between(scene.sky.sun.direction.vec());
         apart < (mars.radius_m / mars.centre_m.length()).asin() + SUN_RADIUS_M / scene.sky.sun.distance_m
     })
 }
 
-/// Sunlight and Mars-light apart, so that the weaker has as many rays: sums, and their standard error.
+/// Sunlight and that of each body apart, so that the weaker has as many rays: sums, and their standard error.
 fn truth(python: &str, scene: &Scene, sampling: Sampling) -> Vec<(f64, f64)> {
     let um = scene.exposure.bands[0].centre_um;
-    let by_sun = rendered(python, scene, &sun_of(scene, um), sampling);
-    let lights = mars_of(scene, um);
-    if lights.is_empty() {
-        return by_sun;
+    let mut all = rendered(python, scene, &sun_of(scene, um), sampling);
+    for lights in globes(scene).map(|globe| globe_of(scene, globe, um)).filter(|lights| !lights.is_empty()) {
+        let more = rendered(python, scene, &lights, sampling);
+        all.iter_mut().zip(more).for_each(|(sum, (light, noise))| *sum = (sum.0 + light, sum.1.hypot(noise)));
     }
-    let by_mars = rendered(python, scene, &lights, sampling);
-    by_sun.into_iter().zip(by_mars).map(|((a, s), (b, t))| (a + b, s.hypot(t))).collect()
+    all
 }
 
 fn median(mut of: Vec<f64>) -> f64 {
