@@ -178,6 +178,8 @@ pub fn decide(scene: &Scene, request: &Request, watch: Watch<'_>) -> Result<(Mod
     if is_open && plan.cost_s() >= cost::cpu_s(scene, &Workload::of(scene, &extremes)) {
         extremes = extremes.with_draft(scene, watch)?;
         (models, plan) = self::plan(scene, &extremes, request)?;
+        // What a result says of itself does not depend on whether there was a plan.
+        extremes.draft = None;
     }
     plan.coarser = coarser(scene, &extremes, plan.cost_s());
     tell(watch, "plan", 1, 1)?;
