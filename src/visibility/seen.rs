@@ -75,20 +75,26 @@ impl Seen {
         }
     }
 
-    /// Whether a point of a facet is seen; of several eyes, the share of those that see it. On a border it is as on either side.
-    pub fn share_at(&self, facet: u32, uv: Point) -> f64 {
+    /// Whether points of a facet are seen; of several eyes, the share of those that see them. On a border it is as on either side.
+    pub fn shares_at(&self, facet: u32, points: &[Point]) -> Vec<f64> {
+        let all = |share: f64| vec![share; points.len()];
         match self.shown[facet as usize] {
-            Shown::Nothing => 0.0,
-            Shown::Whole => 1.0,
+            Shown::Nothing => all(0.0),
+            Shown::Whole => all(1.0),
             Shown::Part => {
-                let holds = |i: &usize| {
-                    // Convex; either way around, for tables of other programs.
-                    let polygon = &self.uv[self.polygon_start[*i]..self.polygon_start[*i + 1]];
-                    let next = polygon.iter().cycle().skip(1);
-                    let sides = || polygon.iter().zip(next.clone()).map(|(a, b)| side(*a, *b, uv));
-                    sides().all(|side| side >= 0.0) || sides().all(|side| side <= 0.0)
-                };
-                self.numbers(facet).filter(holds).map(|i| self.share(i)).sum::<f64>().min(1.0)
+                let mut shares = all(0.0);
+                for i in self.numbers(facet) {
+                    let polygon = &self.uv[self.polygon_start[i]..self.polygon_start[i + 1]];
+                    let bounds = Rect::of(polygon);
+                    for (point, share) in points.iter().zip(&mut shares) {
+                        let is_near = (0..2).all(|k| bounds.min[k] <= point[k] && point[k] <= bounds.max[k]);
+                        if is_near && holds(polygon, *point) {
+                            *share += self.share(i);
+                        }
+                    }
+                }
+                shares.iter_mut().for_each(|share| *share = share.min(1.0));
+                shares
             }
         }
     }
@@ -186,6 +192,13 @@ impl Seen {
         let view = View::pinhole(mesh.bounds_m(), centre_m, [h, v, u], [scale; 2], offset);
         seen(&Drawing::new(mesh, topology, view, Grid { columns, rows }), stage, watch)
     }
+}
+
+/// Whether a convex polygon holds a point: either way around, for tables of other programs.
+fn holds(polygon: &[Point], point: Point) -> bool {
+    let next = polygon.iter().cycle().skip(1);
+    let sides = || polygon.iter().zip(next.clone()).map(|(a, b)| side(*a, *b, point));
+    sides().all(|side| side >= 0.0) || sides().all(|side| side <= 0.0)
 }
 
 /// What a view sees of each facet.

@@ -90,12 +90,14 @@ fn of_facet(sources: &[Option<&Seen>], facet: usize, side: usize, parts: &mut Ve
     let state = |seen: &Option<&Seen>| seen.map_or(Shown::Whole, |seen| seen.shown[facet]);
     let is_in_part = sources.iter().any(|seen| state(seen) == Shown::Part);
     let count = if is_in_part { side * side } else { 1 };
+    let middles: Vec<Point> = (0..if is_in_part { count } else { 0 }).map(|part| middle(part, side)).collect();
     let mut shares = vec![[0.0; SOURCES]; count];
     for (s, seen) in sources.iter().enumerate() {
         match (state(seen), seen) {
             (Shown::Part, Some(seen)) => {
                 let of = crate::geometry::index_u32(facet);
-                shares.iter_mut().enumerate().for_each(|(k, shares)| shares[s] = seen.share_at(of, middle(k, side)));
+                let found = seen.shares_at(of, &middles);
+                shares.iter_mut().zip(found).for_each(|(shares, share)| shares[s] = share);
                 // As much light as the polygons have.
                 let (mean, all) = (shares.iter().map(|of| of[s]).sum::<f64>() / count as f64, seen.fraction(of));
                 let scaled = |share: f64| if mean > 0.0 { share * all / mean } else { all };
