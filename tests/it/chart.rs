@@ -115,6 +115,28 @@ fn a_ray_meets_what_is_nearest_of_all_facets() {
     assert!((along.t - 19.0).abs() < 1e-12 && along.front);
 }
 
+#[test]
+fn no_ray_slips_through_where_facets_meet() {
+    // A sheet of 40 x 40 squares; rays at its vertices, and at points along its edges, but for the rim's.
+    let mesh = grid(50.0, 40, |x, y| 3.0 * (0.2 * x + 0.3 * y).sin());
+    let tree = RayTree::new(&mesh);
+    let mut random = Random(7);
+    let mut through = 0;
+    for from in [[0.0, 0.0, 1e3], [0.0, 0.0, 7e4], [-300.0, 200.0, 400.0], [3e6, 1e6, 5e6]].map(DVec3::from_array) {
+        for facet in &mesh.facets {
+            let [p, q] = [0, 1].map(|k| mesh.vertices_m[facet[k] as usize]);
+            for share in [0.0, 0.5, random.share()] {
+                let at = p + share * (q - p);
+                if at.x.abs() < 49.0 && at.y.abs() < 49.0 {
+                    through += 1;
+                    assert!(tree.nearest(from, at - from).is_some(), "{from} {at}");
+                }
+            }
+        }
+    }
+    assert!(through > 10_000);
+}
+
 fn area_m2(mesh: &Mesh) -> f64 {
     (0..mesh.facets.len()).map(|f| mesh.facet(f).area_m2()).sum()
 }

@@ -35,9 +35,7 @@ struct Node {
 
 #[derive(Debug, Clone, Copy)]
 struct Triangle {
-    a: DVec3,
-    ab: DVec3,
-    ac: DVec3,
+    corners_m: [DVec3; 3],
     facet: u32,
 }
 
@@ -101,8 +99,8 @@ impl RayTree {
         if let Ok(count) = u16::try_from(items.len()) {
             self.nodes[at].count = count;
             self.triangles.extend(items.iter().map(|item| {
-                let [a, b, c] = mesh.facet(item.facet as usize).corners_m;
-                Triangle { a, ab: b - a, ac: c - a, facet: item.facet }
+                let corners_m = mesh.facet(item.facet as usize).corners_m;
+                Triangle { corners_m, facet: item.facet }
             }));
             return;
         }
@@ -198,24 +196,20 @@ impl Node {
 }
 
 impl Triangle {
-    /// Where a ray meets it nearer than `most`, and whether from outside: Moeller and Trumbore (1997).
+    /// Where a ray meets it nearer than `most`, and whether from outside. On which side of an edge a ray passes is the same number, but for its sign, for
+    /// both facets that share it, as in Embree's robust mode: no ray slips through between them.
     #[inline]
     fn met_by(&self, from: DVec3, ray: DVec3, most: f64) -> Option<(f64, bool)> {
-        let p = ray.cross(self.ac);
-        let det = self.ab.dot(p);
-        let inverse = 1.0 / det;
-        let away = from - self.a;
-        let u = away.dot(p) * inverse;
-        if !(0.0..=1.0).contains(&u) {
+        let [a, b, c] = self.corners_m.map(|corner| corner - from);
+        let side = |p: DVec3, q: DVec3| ray.dot((q - p).cross(q + p));
+        let sides = [side(a, b), side(b, c), side(c, a)];
+        if !(sides.iter().all(|side| *side >= 0.0) || sides.iter().all(|side| *side <= 0.0)) {
             return None;
         }
-        let q = away.cross(self.ab);
-        let v = ray.dot(q) * inverse;
-        if !(v >= 0.0 && u + v <= 1.0) {
-            return None;
-        }
-        let t = self.ac.dot(q) * inverse;
-        (t > 0.0 && t < most).then_some((t, det > 0.0))
+        let normal = (b - a).cross(c - a);
+        let along = normal.dot(ray);
+        let t = normal.dot(a) / along;
+        (t > 0.0 && t < most).then_some((t, along < 0.0))
     }
 }
 
