@@ -10,6 +10,8 @@ use crate::geometry::{Mesh, index_u32, whole};
 const LEAF: usize = 4;
 /// Where a box may be divided along an axis.
 const BINS: usize = 16;
+/// A triple product of these lengths is rounded by less than this times their product: two differences, six products and five sums.
+const SIDE_ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// More boxes are never open at once: a tree deeper than this ends in larger leaves.
 const DEEPEST: usize = 60;
 
@@ -196,12 +198,18 @@ impl Node {
 }
 
 impl Triangle {
-    /// Where a ray meets it nearer than `most`, and whether from outside. On which side of an edge a ray passes is the same number, but for its sign, for
-    /// both facets that share it, as in Embree's robust mode: no ray slips through between them.
+    /// Where a ray meets it nearer than `most`, and whether from outside. Where it is not certain on which side of an edge a ray passes, it meets the facets on
+    /// both: none slips through between them.
     #[inline]
     fn met_by(&self, from: DVec3, ray: DVec3, most: f64) -> Option<(f64, bool)> {
         let [a, b, c] = self.corners_m.map(|corner| corner - from);
-        let side = |p: DVec3, q: DVec3| ray.dot((q - p).cross(q + p));
+        let side = |p: DVec3, q: DVec3| {
+            let (step, sum) = (q - p, q + p);
+            let volume = ray.dot(step.cross(sum));
+            let rounding = SIDE_ROUNDING * SIDE_ROUNDING;
+            let size2 = ray.length_squared() * step.length_squared() * sum.length_squared();
+            if volume * volume <= rounding * size2 { 0.0 } else { volume }
+        };
         let sides = [side(a, b), side(b, c), side(c, a)];
         if !(sides.iter().all(|side| *side >= 0.0) || sides.iter().all(|side| *side <= 0.0)) {
             return None;
