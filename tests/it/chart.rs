@@ -137,6 +137,19 @@ fn no_ray_slips_through_where_facets_meet() {
     assert!(through > 10_000);
 }
 
+#[test]
+fn rays_along_the_middle_of_a_site_meet_it() {
+    // A camera straight above the origin: rays of its middle line run along edges of the mesh's squares, and through its vertices.
+    let scratch = Scratch::new();
+    let path = scratch.write("s.toml", replaced(SITE, &[("samples = 16", "samples = 6"), ("lines = 16", "lines = 5")]));
+    let scene = mmxrt::formats::Subject::open(&path, &unwatched).unwrap().scene;
+    let (camera, tree) = (&scene.exposure.camera, RayTree::new(&scene.body.mesh));
+    for (x, y) in (0..6).flat_map(|x| (0..5).map(move |y| (f64::from(x) + 0.5, f64::from(y) + 0.5))) {
+        let (from, ray) = (camera.centre_m(), camera.ray(x, y));
+        assert!(tree.nearest(from, ray).is_some(), "{x} {y}: {from:?} {ray:?}");
+    }
+}
+
 fn area_m2(mesh: &Mesh) -> f64 {
     (0..mesh.facets.len()).map(|f| mesh.facet(f).area_m2()).sum()
 }

@@ -190,10 +190,14 @@ impl Node {
         let low = DVec3::from_array(self.low.map(f64::from));
         let high = DVec3::from_array(self.high.map(f64::from));
         let (p, q) = ((low - from) * inverse, (high - from) * inverse);
-        let near = p.min(q).max_element().max(0.0);
-        // A ray in a box's wall has 0 times infinity there; `min` and `max` take the other number.
-        let far = p.max(q).min_element() * (1.0 + 4.0 * f64::EPSILON);
-        near <= far && near <= most
+        let (mut near, mut far) = (0.0_f64, f64::INFINITY);
+        for (p, q) in p.to_array().into_iter().zip(q.to_array()) {
+            // A ray in a box's wall has 0 times infinity there: it is inside all the way.
+            if !(p.is_nan() || q.is_nan()) {
+                (near, far) = (near.max(p.min(q)), far.min(p.max(q)));
+            }
+        }
+        near <= far * (1.0 + 4.0 * f64::EPSILON) && near <= most
     }
 }
 
