@@ -234,12 +234,27 @@ impl Chunk<'_> {
                 }
             }
         }
-        if let (Some(eclipse), Some(sunlight)) = (eclipse, self.irradiance.first_mut()) {
+        let Some(sunlight) = self.irradiance.first_mut() else { return };
+        // What is absorbed of it goes by its incidence; so it is looked up before an eclipse takes its part.
+        let materials = || mesh.material[chunk.clone()].iter().map(|m| &scene.body.materials[m.0 as usize]);
+        if scene.models.thermal == Thermal::Equilibrium {
+            absorptance.clear();
+            absorptance.extend(materials().map(|material| 1.0 - material.bond_albedo));
+            sun_absorptance.clone_from(absorptance);
+            if albedos.iter().any(Option::is_some) {
+                let facets = mesh.material[chunk.clone()].iter().zip(sunlight.iter()).zip(&mut *sun_absorptance);
+                for ((material, cos_incidence), absorptance) in facets {
+                    if let Some((table, factor)) = &albedos[material.0 as usize] {
+                        table.weights(*cos_incidence, |_, weight| *absorptance = (1.0 - factor * weight).max(0.0));
+                    }
+                }
+            }
+        }
+        if let Some(eclipse) = eclipse {
             for (irradiance, centroid_m) in sunlight.iter_mut().zip(centroids_m.iter()) {
                 *irradiance *= eclipse.share(centroid_m);
             }
         }
-        let Some(sunlight) = self.irradiance.first() else { return };
         let temperatures = self.lit_k.iter_mut().zip(self.shaded_k).zip(sunlight.iter());
         match scene.models.thermal {
             Thermal::Off => {}
@@ -250,18 +265,6 @@ impl Chunk<'_> {
                 }
             }
             Thermal::Equilibrium => {
-                let materials = || mesh.material[chunk.clone()].iter().map(|m| &scene.body.materials[m.0 as usize]);
-                absorptance.clear();
-                absorptance.extend(materials().map(|material| 1.0 - material.bond_albedo));
-                sun_absorptance.clone_from(absorptance);
-                if albedos.iter().any(Option::is_some) {
-                    let facets = mesh.material[chunk.clone()].iter().zip(sunlight.iter()).zip(&mut *sun_absorptance);
-                    for ((material, cos_incidence), absorptance) in facets {
-                        if let Some((table, factor)) = &albedos[material.0 as usize] {
-                            table.weights(*cos_incidence, |_, weight| *absorptance = (1.0 - factor * weight).max(0.0));
-                        }
-                    }
-                }
                 emissivity.clear();
                 emissivity.extend(materials().map(|material| material.emissivity_bolometric));
                 let others = reflected_w_m2.iter().zip(heat_w_m2.iter());

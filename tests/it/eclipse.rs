@@ -1,11 +1,14 @@
 //! Mars before the Sun: less sunlight, and from what is left of the disc.
 
 use mmxrt::geometry::Direction;
+use mmxrt::physics::reflectance::Preset;
+use mmxrt::physics::reflectance::albedo::Measure;
 use mmxrt::physics::sun_disc::{DiscRule, share_beyond_edge};
 use mmxrt::product::FacetTable;
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{Globe, MarsModel, Scene, SunModel};
+use mmxrt::scene::{Globe, MarsModel, Model, Photometry, Scene, SunModel, Thermal};
 use mmxrt::solve;
+use mmxrt::spectral::Spectrum;
 use mmxrt::study;
 use mmxrt::units::{AU_M, SUN_RADIUS_M};
 
@@ -57,6 +60,31 @@ fn a_site_has_the_sunlight_that_mars_leaves() {
     assert!(!told(&before(&ground, -2.0)).contains("as if it did not"));
     assert!(told(&edited(&before(&ground, -2.0), |parts| parts.models.eclipses = false)).contains("as if it did not"));
     assert_ne!(study::table_id(&before(&ground, 0.0)), study::table_id(&free));
+}
+
+/// What a surface with a model absorbs goes by the incidence of the light, not by how much of it there is: its temperature to the fourth power is the share.
+#[test]
+fn a_surface_with_a_model_absorbs_its_share() {
+    let ground = scene(plane(5.0, 0.0), nadir(1000.0, 8.0, 2), [0.3, 0.2, 0.9]);
+    let bright = edited(&ground, |parts| {
+        parts.models.thermal = Thermal::Equilibrium;
+        let material = &mut parts.surface.materials[0];
+        let reflectance = Spectrum::constant(0.5);
+        let shape = Preset::Moon.known().shape.unwrap();
+        let model = Model::measured(shape, &reflectance, &Measure::Spherical).unwrap();
+        (material.photometry, material.reflectance, material.bond_albedo) =
+            (Photometry::Model(Box::new(model)), reflectance, 0.5);
+    });
+    let lit_k = |scene: &Scene| solve::solve(scene, &unwatched).unwrap().temperature_lit_k[0];
+    for beyond in [0.5, 0.0, -0.5, -0.8] {
+        let dark = edited(&before(&bright, beyond), |parts| {
+            parts.sky.mars.as_mut().unwrap().thermal_exitance_w_m2 = 0.0;
+        });
+        let free_k = lit_k(&edited(&dark, |parts| parts.models.eclipses = false));
+        let share = share_beyond_edge(beyond, 0.0);
+        let got = (lit_k(&dark) / free_k).powi(4);
+        assert!(free_k > 200.0 && (got / share - 1.0).abs() < 0.02, "{beyond}: {got} {share}");
+    }
 }
 
 /// The shadow of Mars is as wide as the moon: 57 km from light to dark. Rays to points of the Sun are counted, facet by facet.

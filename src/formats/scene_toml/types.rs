@@ -527,8 +527,8 @@ pub(crate) struct SunToml {
     /// How much darker its limb is than its middle, u in 1 - u (1 - cos(emission)): some 0.6 in the visible, 0.2 at 3 um. Default 0: a
     /// uniform disc. It matters with `points`.
     pub(crate) limb_darkening: Option<f64>,
-    /// Number of points that stand for its disc, with the penumbrae that these cast: 3, 4, 7, 12, 19, 21 or 37. Default 1, a point Sun: shadows
-    /// have sharp edges.
+    /// Number of points that stand for its disc, with the penumbrae that these cast: 3, 4, 7, 12, 19, 21 or 37. Default: as
+    /// many as the plan's tolerance takes, or a point where it drops the disc; 1 counts as nothing said.
     pub(crate) points: Option<u32>,
 }
 
@@ -566,15 +566,15 @@ pub(crate) struct MarsToml {
     pub(crate) day_k: Option<f64>,
     /// The same of its night side. Default 200.
     pub(crate) night_k: Option<f64>,
-    /// Whether its own heat lights the surface too, in bands that hold heat and sunlight. Default false: next to its reflected light it matters
-    /// beyond 3 um.
+    /// Whether its own heat lights the surface too, in bands that hold heat and sunlight: next to its reflected light it matters beyond
+    /// 3 um. A plan decides it by itself (`--model`); what is said here counts in the library, without a plan.
     pub(crate) heat: Option<bool>,
     /// Which equations. Default "near_field".
     pub(crate) model: Option<MarsModelToml>,
-    /// Whether it hides the Sun where it stands before it. Default false: the site stays lit, with a warning.
+    /// Whether it hides the Sun where it stands before it. A plan decides it by itself (`--model`); what is said here counts in the library, without a plan.
     pub(crate) eclipse: Option<bool>,
-    /// Number of parts of its disc that terrain may hide: 1, 3, 4, 7, 12, 19, 21 or 37. Default: none, only a facet's own horizon hides some
-    /// of it.
+    /// Number of parts of its disc that terrain may hide: 1, 3, 4, 7, 12, 19, 21 or 37. Default: 7 where the plan keeps
+    /// shadows in Mars-light; else only a facet's own horizon hides some of it.
     pub(crate) points: Option<u32>,
 }
 
@@ -598,7 +598,7 @@ pub(crate) struct BodyToml {
     pub(crate) night_k: Option<f64>,
     /// Mean thermal exitance, for the heat balance, W m-2. Default: of black bodies at these temperatures.
     pub(crate) thermal_exitance_w_m2: Option<f64>,
-    /// Whether bodies hide the Sun where they stand before it, as `mars.eclipse`. Default false.
+    /// Whether bodies hide the Sun where they stand before it, as `mars.eclipse`.
     pub(crate) eclipse: Option<bool>,
 }
 

@@ -153,11 +153,15 @@ impl<'a> Direct<'a> {
         };
         // Of each material with a model, its albedo by incidence, and by what that is multiplied for a mean of 1.
         let albedos: Vec<Option<(DirectionalAlbedos, f64)>> = scene.body.materials.iter().map(albedo).collect();
-        let of_mean_albedo = |material: MaterialId, lighting: &Lighting, irradiance: f64| {
+        let of_mean_albedo = |material: MaterialId, lighting: &Lighting, facet: usize| {
             let mut of_mean = 1.0;
-            if let (Some((albedos, factor)), DirectionField::Afar(_)) = (&albedos[material.0 as usize], lighting.field)
+            if let (Some((albedos, factor)), DirectionField::Afar(towards)) =
+                (&albedos[material.0 as usize], lighting.field)
             {
-                albedos.weights(irradiance, |_, weight| of_mean = factor * weight);
+                // Not the irradiance, of which an eclipse may have taken its part.
+                let normal = scene.body.mesh.facet(facet).cross_m2().normalize_or_zero();
+                let cos_incidence = normal.dot(towards.vec()).max(0.0);
+                albedos.weights(cos_incidence, |_, weight| of_mean = factor * weight);
             }
             of_mean
         };
@@ -170,7 +174,7 @@ impl<'a> Direct<'a> {
                     Sees::Polygons(_) => lighting.irradiance[f],
                     sees => lighting.irradiance[f] * share(sees, f),
                 };
-                irradiance * of_mean_albedo(material, lighting, lighting.irradiance[f])
+                irradiance * of_mean_albedo(material, lighting, f)
             })
         };
         let heat = |f: usize| {
