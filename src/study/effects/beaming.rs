@@ -21,7 +21,7 @@ pub(super) const KIND: EffectKind = EffectKind {
 
 fn find(given: &Given) -> Finding {
     let bound = given.error(|&Place { at, material, class, side, .. }| {
-        let others = given.most_from_mars() + given.most_from_bodies();
+        let others = given.others_w_m2(class);
         let t_k = given.temperature_k(material, side.most_cos_incidence(class), others);
         emission(material, at.um, t_k / ETA.powf(0.25)) - emission(material, at.um, t_k)
     });

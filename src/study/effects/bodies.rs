@@ -104,7 +104,7 @@ fn sent(given: &Given, place: &Place, (globe, seen): (&Globe, &BodySeen)) -> f64
     let of_glow =
         if at.light.glows() { blackbody::radiance_w_m2_sr_um(at.um, warmest_k) * seen.form_factor } else { 0.0 };
     let of_warmth = match given.models.thermal {
-        Thermal::Equilibrium => heat_from_mars::sent(given, place, given.warmth_of(globe, seen)),
+        Thermal::Equilibrium => heat_from_mars::sent(given, place, given.body_w_m2(globe, seen)),
         _ => 0.0,
     };
     reflectance(material, at.um) * seen.gain * (of_light + of_glow) + of_warmth

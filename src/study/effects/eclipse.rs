@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Bound, EffectKind, Finding, Given, Switch};
+use super::{Bound, EffectKind, Finding, Given, Switch, thermal_inertia};
 use crate::geometry::Direction;
 use crate::physics::sun::{self, Eclipse};
 use crate::scene::{Globe, Setup, Sky};
@@ -40,6 +40,11 @@ fn find(given: &Given) -> Finding {
     };
     match by_globes(given.scene) {
         None => found(Some("no Mars in the scene"), None, "not known without a Mars, or another body"),
+        Some(Eclipse::None) if thermal_inertia::missing(given).is_none() => found(
+            None,
+            None,
+            "nothing is in front of the Sun now; ground that keeps its heat may have lain in eclipse before",
+        ),
         Some(Eclipse::None) => found(None, Some(Bound::NOTHING), "nothing is in front of the Sun"),
         Some(Eclipse::Partial) => {
             found(None, None, "part of the Sun's disc is covered: relative to what light is left, there is no bound")

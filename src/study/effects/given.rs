@@ -3,7 +3,7 @@
 use super::Bound;
 use crate::physics::reflectance::Lambert;
 use crate::physics::{blackbody, heat};
-use crate::scene::{Globe, Material, Models, Setup, Thermal};
+use crate::scene::{Globe, MarsModel, Material, Models, Setup, Thermal};
 use crate::spectral::Light;
 use crate::study::cost;
 use crate::study::extremes::{BodySeen, Class, Extremes, HALF_SHADOW, Sunlit};
@@ -87,9 +87,11 @@ impl<'a> Given<'a> {
             materials,
             median_brightness: median(sunlit.iter().map(|place| place.brightness)).unwrap_or(1.0),
         };
-        let noon_k = |(_, m): &(usize, &Material)| {
-            given.temperature_k(m, 1.0, given.most_from_mars() + given.most_from_bodies() + given.most_around())
-        };
+        let others_w_m2 = given.mars_w_m2(given.most_of_mars())
+            + given.bodies_w_m2()
+            + given.lamps_w_m2()
+            + given.around_w_m2(given.most_around());
+        let noon_k = |(_, m): &(usize, &Material)| given.temperature_k(m, 1.0, others_w_m2);
         given.noon_k = given.materials.iter().map(noon_k).fold(0.0, f64::max);
         let places: Vec<_> = sunlit
             .iter()
@@ -140,54 +142,90 @@ impl<'a> Given<'a> {
         self.wavelengths.iter().flat_map(of).collect()
     }
 
-    /// In equilibrium with sunlight at this cosine of incidence, and more heat, as shares of sunlight at the zenith; no colder than the floor.
-    pub(super) fn temperature_k(&self, material: &Material, cos_incidence: f64, more: f64) -> f64 {
-        let absorbed = (1.0 - material.bond_albedo) * cos_incidence + more;
-        let absorbed_w_m2 = absorbed * self.scene.sky.sun.total_irradiance_w_m2();
+    /// In equilibrium with sunlight at this cosine of incidence, and more heat, W m-2; no colder than the floor.
+    pub(super) fn temperature_k(&self, material: &Material, cos_incidence: f64, more_w_m2: f64) -> f64 {
+        let absorbed_w_m2 = self.absorbed_w_m2(material, cos_incidence) + more_w_m2;
         heat::equilibrium_temperature_k(absorbed_w_m2, material.emissivity_bolometric).max(self.scene.models.floor_k)
     }
 
-    /// More heat, as a share of sunlight at the zenith, that makes a facet emit this radiance; negative if it does without any.
-    pub(super) fn heat_to_emit(&self, at: &Wavelength, material: &Material, cos_incidence: f64, radiance: f64) -> f64 {
-        let t_k = blackbody::temperature_k(at.um, radiance / material.emissivity.at(at.um).unwrap_or(1.0));
-        let emitted_w_m2 = heat::emitted_w_m2(t_k, material.emissivity_bolometric);
-        emitted_w_m2 / self.scene.sky.sun.total_irradiance_w_m2() - (1.0 - material.bond_albedo) * cos_incidence
+    fn absorbed_w_m2(&self, material: &Material, cos_incidence: f64) -> f64 {
+        (1.0 - material.bond_albedo) * cos_incidence * self.scene.sky.sun.total_irradiance_w_m2()
     }
 
-    /// A bound of the heat that Mars, or one over Phobos, sends a facet that faces it, absorbed light included; over sunlight at the zenith.
-    pub(super) fn most_from_mars(&self) -> f64 {
+    /// More heat, W m-2, that makes a facet emit this radiance; negative if it does without any.
+    pub(super) fn heat_to_emit(&self, at: &Wavelength, material: &Material, cos_incidence: f64, radiance: f64) -> f64 {
+        let t_k = blackbody::temperature_k(at.um, radiance / material.emissivity.at(at.um).unwrap_or(1.0));
+        heat::emitted_w_m2(t_k, material.emissivity_bolometric) - self.absorbed_w_m2(material, cos_incidence)
+    }
+
+    /// A bound of the form factor of Mars, or of one over Phobos.
+    pub(super) fn most_of_mars(&self) -> f64 {
         let (sin_radius, _) = mars_seen(self.scene, self.extremes);
         sin_radius * sin_radius
     }
 
-    /// A bound of the heat that further bodies send a facet that faces all of them, absorbed light included; over sunlight at the zenith.
-    pub(super) fn most_from_bodies(&self) -> f64 {
+    /// A bound of what Mars, or one over Phobos, warms a facet by that has this form factor of it: by light and heat, W m-2.
+    pub(super) fn mars_w_m2(&self, of_mars: f64) -> f64 {
+        let sun_w_m2 = self.scene.sky.sun.total_irradiance_w_m2();
+        // That of the thesis has no phase, and more than twice the light.
+        let times = if self.models.mars_light == MarsModel::Thesis { 2.0 } else { 1.0 };
+        let exitance_w_m2 = self
+            .scene
+            .sky
+            .mars
+            .as_ref()
+            .map_or(sun_w_m2, |mars| times * mars.bond_albedo * sun_w_m2 + mars.thermal_exitance_w_m2);
+        of_mars * exitance_w_m2
+    }
+
+    /// The same of further bodies that a facet faces all at once.
+    pub(super) fn bodies_w_m2(&self) -> f64 {
         let bodies = self.scene.sky.bodies.iter().zip(&self.extremes.bodies);
-        bodies.map(|(globe, seen)| self.warmth_of(globe, seen)).sum()
+        bodies.map(|(globe, seen)| self.body_w_m2(globe, seen)).sum()
     }
 
     /// The same of one of them.
-    pub(super) fn warmth_of(&self, globe: &Globe, seen: &BodySeen) -> f64 {
-        let sun_w_m2 = self.scene.sky.sun.total_irradiance_w_m2();
-        let of_heat = globe.thermal_exitance_w_m2 * seen.form_factor / sun_w_m2;
-        // Under a Sun that sends nothing heat is relative to nothing.
-        if of_heat.is_finite() { globe.bond_albedo * seen.light + of_heat } else { 0.0 }
+    pub(super) fn body_w_m2(&self, globe: &Globe, seen: &BodySeen) -> f64 {
+        globe.bond_albedo * seen.light * self.scene.sky.sun.total_irradiance_w_m2()
+            + globe.thermal_exitance_w_m2 * seen.form_factor
     }
 
-    /// A bound of the light of Mars and further bodies on a facet that faces all of them, over sunlight at the zenith.
-    pub(super) fn light_of_globes(&self, at: &Wavelength) -> f64 {
+    /// What lamps warm a facet by that faces all of them, W m-2.
+    pub(super) fn lamps_w_m2(&self) -> f64 {
+        self.scene.sky.beams.iter().map(|beam| beam.total_irradiance_w_m2).sum()
+    }
+
+    /// What surroundings of this form factor warm a facet by at most, W m-2: on average they send no more than white ones that face all light and heat there is.
+    pub(super) fn around_w_m2(&self, form_factor: f64) -> f64 {
+        let sun_w_m2 = self.scene.sky.sun.total_irradiance_w_m2();
+        form_factor * (sun_w_m2 + self.lamps_w_m2() + self.mars_w_m2(self.most_of_mars()) + self.bodies_w_m2())
+    }
+
+    /// What may warm a facet of such a class besides the Sun, W m-2.
+    pub(super) fn others_w_m2(&self, class: &Class) -> f64 {
+        self.mars_w_m2(class.most_of_mars)
+            + self.bodies_w_m2()
+            + self.lamps_w_m2()
+            + self.around_w_m2(class.most_around)
+    }
+
+    /// Radiance of a white Lambert surface that faces the Sun, lamps, Mars and further bodies all at once, W m-2 sr-1 um-1.
+    pub(super) fn most_white(&self, at: &Wavelength) -> f64 {
         let albedo = |globe: &Globe| globe.reflectance.at(at.um).unwrap_or(f64::NAN);
-        let of_mars = self.scene.sky.mars.as_ref().map_or(0.0, |mars| 2.0 * albedo(mars) * self.most_from_mars());
+        let of_mars = self.scene.sky.mars.as_ref().map_or(0.0, |mars| 2.0 * albedo(mars) * self.most_of_mars());
         let of_body = |(globe, seen): (&Globe, &BodySeen)| {
             let warmest_k = globe.day_night_k[0].max(globe.day_night_k[1]);
-            let glow = if at.light.glows() { blackbody::radiance_w_m2_sr_um(at.um, warmest_k) / at.white } else { 0.0 };
-            albedo(globe) * seen.light + glow * seen.form_factor
+            let glow = if at.light.glows() { blackbody::radiance_w_m2_sr_um(at.um, warmest_k) } else { 0.0 };
+            at.white * albedo(globe) * seen.light + glow * seen.form_factor
         };
-        of_mars + self.scene.sky.bodies.iter().zip(&self.extremes.bodies).map(of_body).sum::<f64>()
+        let of_bodies: f64 = self.scene.sky.bodies.iter().zip(&self.extremes.bodies).map(of_body).sum();
+        let white = Lambert { reflectance: 1.0 }.brdf();
+        let of_lamps: f64 =
+            self.scene.sky.beams.iter().map(|beam| white * beam.irradiance.at(at.um).unwrap_or(0.0)).sum();
+        at.white * (1.0 + of_mars) + of_bodies + of_lamps
     }
 
-    /// What the surroundings of any facet send it at most, heat and light, over sunlight at the zenith: on average no more than a white surface under the Sun
-    /// at its zenith. A bound of their form factor, that is.
+    /// A bound of the form factor of any facet's surroundings.
     pub(super) fn most_around(&self) -> f64 {
         crate::physics::bounds::surroundings_form_factor(self.extremes.site.cos_steepest)
     }

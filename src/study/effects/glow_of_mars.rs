@@ -46,7 +46,7 @@ fn find(given: &Given) -> Finding {
 pub(super) fn bound(given: &Given) -> Option<Bound> {
     let has_mars = given.scene.sky.mars.is_some();
     given.error_without(|&Place { at, material, class, .. }| {
-        let of_mars = if has_mars { [class.most_by_mars, class.most_of_mars] } else { [given.most_from_mars(); 2] };
+        let of_mars = if has_mars { [class.most_by_mars, class.most_of_mars] } else { [given.most_of_mars(); 2] };
         sent(given, at, material, of_mars)
     })
 }

@@ -47,20 +47,20 @@ fn find(given: &Given) -> Finding {
         .map(|at| {
             let brightest = most(&|m| reflectance(m, at.um));
             let heat = if at.light.glows() { most(&|m| emission(m, at.um, given.noon_k)) } else { 0.0 };
-            (at.um, [brightest, heat / at.white, 1.0 + given.light_of_globes(at)])
+            (at.um, [brightest, heat, given.most_white(at)])
         })
         .collect();
     let at_um = |um: f64| of_light[of_light.partition_point(|(of, _)| *of < um).min(of_light.len() - 1)].1;
     let bound = given.error_without(|place| {
         let Place { at, material, class, .. } = *place;
-        let [brightest, heat, light_of_sky] = at_um(at.um);
-        let light = match class.most_around > 0.0 {
-            true => light_of_sky * bounds::interreflection(brightest, heat, class.most_around, 1.0),
-            false => 0.0,
+        let [brightest, heat, white] = at_um(at.um);
+        let light = match class.most_around > 0.0 && white > 0.0 {
+            true => white * bounds::interreflection(brightest, heat / white, class.most_around, 1.0),
+            false => bounds::neighbours_heat(heat, brightest, class.most_around),
         };
         let alone = Place { class: &Class { most_around: 0.0, ..*class }, ..*place };
-        let warmth = heat_from_mars::sent(given, &alone, class.most_around);
-        reflectance(material, at.um) * at.white * light + warmth
+        let warmth = heat_from_mars::sent(given, &alone, given.around_w_m2(class.most_around));
+        reflectance(material, at.um) * light + warmth
     });
     let form_factor = given.most_around();
     let slopes = match given.extremes.site.up {

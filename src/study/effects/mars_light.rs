@@ -70,11 +70,11 @@ pub(super) fn bound(given: &Given) -> Option<Bound> {
         return given.error_without(|&Place { at, material, .. }| {
             let albedo = mars.map_or(MARS_ALBEDO, |mars| mars.reflectance.at(at.um).unwrap_or(f64::NAN));
             // Twice as much as all of Mars under the Sun at its zenith.
-            reflectance(material, at.um) * at.white * albedo * 2.0 * given.most_from_mars()
+            reflectance(material, at.um) * at.white * albedo * 2.0 * given.most_of_mars()
         });
     }
     given.error_without(|&Place { at, material, class, .. }| {
-        let by_mars = if mars.is_some() { class.most_by_mars } else { given.most_from_mars() };
+        let by_mars = if mars.is_some() { class.most_by_mars } else { given.most_of_mars() };
         sent(given, at, material, by_mars)
     })
 }

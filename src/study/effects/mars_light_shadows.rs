@@ -62,12 +62,12 @@ fn hidden(given: &Given) -> Option<Bound> {
         let Place { at, material, class, .. } = *place;
         let [by_mars, of_mars] = match (&sky.mars, sky.bodies.is_empty()) {
             (Some(_), _) => class.most_hidden,
-            (None, true) => [given.most_from_mars(); 2],
+            (None, true) => [given.most_of_mars(); 2],
             (None, false) => return 0.0,
         };
         mars_light::sent(given, at, material, by_mars)
             + glow_of_mars::sent(given, at, material, [by_mars, of_mars])
-            + heat_from_mars::sent(given, place, of_mars)
+            + heat_from_mars::sent(given, place, given.mars_w_m2(of_mars))
     });
     Some(of_mars?.and(&bodies::hidden(given)?))
 }

@@ -1,7 +1,8 @@
 //! What a surface emits at its temperature.
 
 use super::given::{Place, emission};
-use super::{Bound, EffectKind, Finding, Given, Switch};
+use super::{Bound, EffectKind, Finding, Given, Switch, thermal_inertia};
+use crate::physics::heat;
 use crate::scene::{Models, Thermal};
 use crate::solve::interpolation_error;
 use crate::spectral::Light;
@@ -29,14 +30,19 @@ fn find(given: &Given) -> Finding {
     // What it is relative to has no heat but that.
     let cold = given.by(Models { thermal: Thermal::Off, ..given.models });
     let bound = cold.error_without(|&Place { at, material, class, side, .. }| {
-        let others = class.most_of_mars + given.most_from_bodies() + class.most_around;
-        let t_k = given.temperature_k(material, side.most_cos_incidence(class), others);
+        let cos_incidence = side.most_cos_incidence(class);
+        let t_k = match given.scene.models.thermal {
+            Thermal::Thesis => heat::thesis_temperature_k(cos_incidence),
+            // It may have been noon, and the ground keeps its heat.
+            _ if thermal_inertia::missing(given).is_none() => given.noon_k,
+            _ => given.temperature_k(material, cos_incidence, given.others_w_m2(class)),
+        };
         emission(material, at.um, t_k)
     });
     let because = format!(
-        "the emission of each facet in equilibrium with sunlight, a Mars of {:.1} % and surroundings of {:.0} % of it; the warmest {:.1} K",
-        100.0 * given.most_from_mars(),
-        100.0 * given.most_around(),
+        "the emission of each facet in equilibrium with sunlight, Mars that sends {:.1} W/m2, further bodies and lamps, and surroundings that send {:.0} W/m2; the warmest {:.1} K",
+        given.mars_w_m2(given.most_of_mars()),
+        given.around_w_m2(given.most_around()),
         given.noon_k
     );
     let found = |modelled, remaining, note: &str| Finding {

@@ -39,7 +39,7 @@ const SOLVED_S: f64 = 3e-7;
 const STEP_S: f64 = 5e-7;
 
 /// What lacks.
-fn missing(given: &Given) -> Option<&'static str> {
+pub(super) fn missing(given: &Given) -> Option<&'static str> {
     let conducts = given.materials.iter().any(|(_, material)| material.thermal_inertia > 0.0);
     match (given.scene.sky.rotation.is_some(), conducts) {
         (true, true) => None,
