@@ -12,13 +12,14 @@ mmxrt() {
 # What is read and what is written.
 mmxrt convert --list
 
-# A scene as a DART simulation: no DART is needed. What DART has no place for is said, line by line, and kept in mmxrt.toml.
-mmxrt convert scenes/phobos_site/scene.toml "$out/dart_phobos"
+# A scene as a DART simulation: no DART is needed. What DART has no place for is said, line by line, and kept in mmxrt.toml. Of surfaces that are not
+# Lambert it gets the Lambert ones of the same reflectance: this is the site with the thesis's surface.
+mmxrt convert scenes/phobos_site/thesis.toml "$out/dart_phobos"
 mmxrt convert --check "$out/dart_phobos"
 
 # And back: the same scene.
 mmxrt convert "$out/dart_phobos" "$out/back/scene.toml"
-mmxrt convert --diff scenes/phobos_site/scene.toml "$out/back/scene.toml"
+mmxrt convert --diff scenes/phobos_site/thesis.toml "$out/back/scene.toml"
 
 # The surface for a modelling program, and from one: a mesh has no Sun, camera or spectra, so these are taken to be something,
 # and said. Positions are f32 in glTF; what that loses is told, and kept in an attribute of our own.
