@@ -63,15 +63,6 @@ impl FrameCamera {
         self.world_from_sensor.vector(DVec3::new(x, y, 1.0))
     }
 
-    /// Angle between the boresight and the corner of the image that is farthest from it, rad: nothing beyond it is in the image.
-    pub fn half_cone_rad(&self) -> f64 {
-        let far = [self.samples, self.lines].map(f64::from);
-        // Of each side the end that is farther from where the boresight is.
-        let reach =
-            [0, 1].map(|k| self.pitch[k] * self.boresight_px[k].abs().max((far[k] - self.boresight_px[k]).abs()));
-        reach[0].hypot(reach[1]).atan()
-    }
-
     /// Size of a pixel over the focal length, of a square one of the same area.
     pub fn mean_pitch(&self) -> f64 {
         if self.pitch[0] == self.pitch[1] { self.pitch[0] } else { (self.pitch[0] * self.pitch[1]).sqrt() }

@@ -12,19 +12,6 @@ pub fn mars_light(mars_reflectance: f64, sin_angular_radius: f64, cos_incidence:
     mars_reflectance * sin_angular_radius * sin_angular_radius / cos_incidence
 }
 
-/// Mars' own heat over sunlight, as light on the surface: pi L q^2 / (E_S cos i), L the radiance of its day side, E_S the Sun's irradiance normal to the
-/// beam at the same wavelength, q the sine of Mars' angular radius.
-///
-/// All of Mars as warm as its day side, above a facet that faces it. Limits: surfaces that reflect both alike.
-pub fn mars_heat(
-    radiance_w_m2_sr_um: f64,
-    irradiance_w_m2_um: f64,
-    sin_angular_radius: f64,
-    cos_incidence: f64,
-) -> f64 {
-    PI * radiance_w_m2_sr_um * sin_angular_radius * sin_angular_radius / (irradiance_w_m2_um * cos_incidence)
-}
-
 /// Light by way of the surroundings over direct sunlight, all bounces: (rho + m) F / ((1 - rho F) cos i).
 ///
 /// No surface has a radiosity above rho (E_S + E) + m E_S, m the most that one emits, over E_S; so E <= F (rho (E_S + E) + m E_S),
@@ -39,14 +26,6 @@ pub fn interreflection(reflectance: f64, emitted: f64, form_factor: f64, cos_inc
 /// Limits: F < 1 / rho.
 pub fn neighbours_heat(emitted: f64, reflectance: f64, form_factor: f64) -> f64 {
     emitted * form_factor / (1.0 - reflectance * form_factor)
-}
-
-/// Light that is reflected more than n times between surfaces, over direct sunlight: (rho F)^(n + 1) / (1 - rho F).
-///
-/// Of what surfaces of a radiosity of at most rho E send, no more than F arrives; so each bounce is at most rho F of the one before. Limits: F < 1 / rho.
-pub fn further_bounces(reflectance: f64, form_factor: f64, bounces: u32) -> f64 {
-    let ratio = reflectance * form_factor;
-    ratio.powf(f64::from(bounces) + 1.0) / (1.0 - ratio)
 }
 
 /// Form factor of the surroundings of a facet of a height field whose slopes nowhere exceed b: 1 - cos^3 b.
@@ -94,15 +73,6 @@ mod tests {
     }
 
     #[test]
-    fn heat_of_mars_over_its_reflected_sunlight() {
-        // At 3.6 um 270 K emit 0.16 of what an albedo of 0.25 reflects of a Sun at the zenith.
-        let sun = 6.3;
-        let of_heat = mars_heat(crate::physics::blackbody::radiance_w_m2_sr_um(3.6, 270.0), sun, 0.36, 1.0);
-        let of_light = mars_light(0.25, 0.36, 1.0);
-        assert!((of_heat / of_light / 0.16 - 1.0).abs() < 0.15, "{}", of_heat / of_light);
-    }
-
-    #[test]
     fn light_in_a_bowl_stays_below_its_bound() {
         // Ingersoll's bowl, depth / diameter 0.2, Sun 30 deg up, 586.22 W m-2, reflectance 0.07: E = 2.463524 W m-2. All of
         // the bowl's f = 0.137931 is what its floor sees; its walls slope by up to 43.6 deg.
@@ -119,15 +89,6 @@ mod tests {
         // Walls of reflectance rho emit 1 - rho of a black body; all around, with what they reflect, they send what it does.
         assert!((neighbours_heat(0.3, 0.7, 1.0) - 1.0).abs() < 1e-15);
         assert_eq!(neighbours_heat(0.9, 0.1, 0.0), 0.0);
-    }
-
-    #[test]
-    fn bounces_that_are_left_out() {
-        // In a furnace F is 1, and all bounces together are rho / (1 - rho); after 20 of them at 0.5 less than 1e-6 is left.
-        assert!((further_bounces(0.5, 1.0, 0) - 1.0).abs() < 1e-15);
-        assert!((further_bounces(0.95, 1.0, 0) - 19.0).abs() < 1e-12);
-        assert!((further_bounces(0.5, 1.0, 20) - 0.5_f64.powi(20)).abs() < 1e-18);
-        assert_eq!(further_bounces(0.07, 0.0, 1), 0.0);
     }
 
     #[test]

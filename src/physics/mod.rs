@@ -22,7 +22,7 @@
 //! | parts of its lit disc, which terrain may hide | [`mars_points::lit_points`] | Lambert's law | [`mars::irradiance`] of tilted facets |
 //! | the same, fast, for the facets of one scene | [`mars_light::MarsLight`] | E'' + E = great-circle integral | against [`mars::irradiance`] |
 //! | (4), (6), (7), (8) | [`mars::thesis_irradiance`] | Domagala (2020), as printed | 0.06516322993 |
-//! | bounds of Mars-light, interreflection, further bounces, neighbours' heat, penumbra, the Sun at the horizon | [`bounds::mars_light`], [`bounds::interreflection`], [`bounds::further_bounces`], [`bounds::neighbours_heat`], [`bounds::surroundings_form_factor`], [`bounds::penumbra_width_m`], [`bounds::terminator`] | set up here | full Mars; Ingersoll's bowl; flat ground; straight edge; flat horizon |
+//! | bounds of Mars-light, interreflection, neighbours' heat, penumbra, the Sun at the horizon | [`bounds::mars_light`], [`bounds::interreflection`], [`bounds::neighbours_heat`], [`bounds::surroundings_form_factor`], [`bounds::penumbra_width_m`], [`bounds::terminator`] | set up here | full Mars; Ingersoll's bowl; flat ground; straight edge; flat horizon |
 //! | what a point Sun, or points of its disc, miss at a shadow's edge | [`bounds::shadow_edge`] | set up here | a sharp edge |
 //! | irradiance by the Sun's disc at a facet's horizon, and by its points | [`sun_disc::irradiance_on_facet`], [`sun_disc::SubSun`] | integral of the visible share | oracles `penumbra`; a disc that is up is a point |
 //! | share of the Sun's disc beyond an edge, beside a disc | [`sun_disc::share_beyond_edge`], [`sun_disc::share_beside_disc`], [`sun_disc::share_beside_sphere`] | integrals | oracles `penumbra` |

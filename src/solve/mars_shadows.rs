@@ -33,32 +33,6 @@ pub(super) fn shares(scene: &Scene, globe: &Globe, rule: DiscRule, watch: Watch<
     Ok(sums.into_iter().map(|[some, all]| if all > 0.0 { some / all } else { 1.0 }).collect())
 }
 
-/// The fewest parts of Mars with which no facet that a straight horizon crosses is off by more than `tolerance`, and by how much one may be, relative
-/// to a sunlit surface; `mars_light` is the most Mars-light there is, relative to the same. `None` where terrain may as well be left out. Costs nothing.
-pub fn mars_parts(mars_light: f64, tolerance: f64) -> (Option<DiscRule>, f64) {
-    if mars_light <= tolerance {
-        return (None, mars_light);
-    }
-    let bounds = || DiscRule::ALL.into_iter().map(|rule| (rule, mars_light * rule.share_error()));
-    let fewest = bounds().filter(|(_, bound)| *bound <= tolerance).min_by_key(|(rule, _)| rule.count());
-    let nearest = || bounds().min_by(|a, b| a.1.total_cmp(&b.1));
-    fewest.or_else(nearest).map_or((None, mars_light), |(rule, bound)| (Some(rule), bound))
-}
-
 fn normal(scene: &Scene, facet: usize) -> DVec3 {
     scene.body.mesh.facet(facet).cross_m2().normalize_or_zero()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn parts_follow_from_a_tolerance() {
-        assert_eq!(mars_parts(1e-4, 1e-3), (None, 1e-4));
-        let (some, bound) = mars_parts(0.03, 0.01);
-        assert!(some.is_some_and(|rule| (3..=12).contains(&rule.count())) && bound <= 0.01);
-        let (most, bound) = mars_parts(1.0, 1e-9);
-        assert!(most.is_some_and(|rule| rule.count() >= 37) && bound > 1e-9 && bound < 0.1);
-    }
 }

@@ -18,7 +18,6 @@ use crate::visibility::Seen;
 
 pub use emission::{Emission, Fragment, ImagePart, Modulation, Observer, interpolation_error};
 pub use facet_radiance::FacetRadiance;
-pub use mars_shadows::mars_parts;
 pub use shadows::lit;
 
 /// Irradiance, lit polygons and temperature of every facet.

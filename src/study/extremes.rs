@@ -227,7 +227,8 @@ impl Look {
 impl Extremes {
     /// Looks at all facets once; of what hides what it knows the few rays of a glimpse.
     pub fn new(scene: &Scene) -> Self {
-        Self::by_shelter(scene, &Shelters::UNKNOWN)
+        let site = Site::new(&scene.body.mesh, scene.body.topology());
+        Self::by_shelter(scene, site, &Shelters::UNKNOWN)
     }
 
     /// Finds out where the Sun shines, how far shadows are thrown, and how high horizons are: the mesh is drawn as seen from the Sun, twice, and from above.
@@ -235,11 +236,12 @@ impl Extremes {
     /// # Errors
     /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
     pub fn with_shadows(scene: &Scene, watch: Watch<'_>) -> Result<Self> {
-        Ok(Self::by_shelter(scene, &Shelters::of(scene, watch)?))
+        let site = Site::new(&scene.body.mesh, scene.body.topology());
+        let shelters = Shelters::of(scene, &site, watch)?;
+        Ok(Self::by_shelter(scene, site, &shelters))
     }
 
-    fn by_shelter(scene: &Scene, shelters: &Shelters) -> Self {
-        let site = Site::new(&scene.body.mesh, scene.body.topology());
+    fn by_shelter(scene: &Scene, site: Site, shelters: &Shelters) -> Self {
         let glimpse = Glimpse::new(scene);
         let (looks, mars) = (Look::of(scene), scene.sky.mars.as_ref().and_then(|mars| MarsBound::of(scene, mars)));
         let least_tangent_of_mars = least_tangent(&site, mars.as_ref());
@@ -310,9 +312,9 @@ struct Shelter {
 impl Shelters {
     const UNKNOWN: Shelters = Shelters { sunlit: None, penumbra: None, horizons: None };
 
-    fn of(scene: &Scene, watch: Watch<'_>) -> Result<Self> {
+    fn of(scene: &Scene, site: &Site, watch: Watch<'_>) -> Result<Self> {
         let (mesh, topology, sun) = (&scene.body.mesh, scene.body.topology(), &scene.sky.sun);
-        let up = Site::new(mesh, topology).up.and_then(Direction::new);
+        let up = site.up.and_then(Direction::new);
         Ok(Shelters {
             sunlit: Some(Seen::from_afar(mesh, topology, sun.direction, "plan", watch)?),
             penumbra: Some(Penumbra::of(mesh, topology, sun.direction, sun.sin_radius())),

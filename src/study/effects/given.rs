@@ -1,7 +1,8 @@
 //! What bounds are made from: a scene, what its camera may see, and what an error is relative to.
 
-use super::Bound;
+use super::{Bound, by_globes};
 use crate::physics::reflectance::Lambert;
+use crate::physics::sun::Eclipse;
 use crate::physics::{blackbody, heat};
 use crate::scene::{Globe, MarsModel, Material, Models, Setup, Thermal};
 use crate::spectral::Light;
@@ -74,7 +75,7 @@ pub(super) struct Wavelength {
 }
 
 impl<'a> Given<'a> {
-    /// `sunlit` are places of the image: of a extremes, or, once it is there, of the image itself.
+    /// `sunlit` are places of the image: of extremes, or, once it is there, of the image itself.
     pub(in crate::study) fn new(scene: &'a Setup, extremes: &'a Extremes, sunlit: &[Sunlit]) -> Self {
         let materials: Vec<_> = scene.body.materials.iter().enumerate().filter(|(i, _)| extremes.is_used[*i]).collect();
         let mut given = Given {
@@ -93,6 +94,7 @@ impl<'a> Given<'a> {
             + given.around_w_m2(given.most_around());
         let noon_k = |(_, m): &(usize, &Material)| given.temperature_k(m, 1.0, others_w_m2);
         given.noon_k = given.materials.iter().map(noon_k).fold(0.0, f64::max);
+        let is_dimmed = matches!(by_globes(scene), Some(Eclipse::Partial | Eclipse::Total));
         let places: Vec<_> = sunlit
             .iter()
             .map(|place| {
@@ -103,7 +105,8 @@ impl<'a> Given<'a> {
         let at = |(um, light)| {
             let mut at = Wavelength { um, light, white: white_radiance(scene, um), median: 0.0 };
             let sent = places.iter().map(|(material, brightness, t_k)| given.sent_at(&at, material, *brightness, *t_k));
-            at.median = median(sent).unwrap_or(0.0);
+            // In an eclipse there is no telling what sunlight errors are relative to.
+            at.median = if is_dimmed { 0.0 } else { median(sent).unwrap_or(0.0) };
             at
         };
         given.wavelengths = wavelengths(scene, &given.materials).into_iter().map(at).collect();
@@ -126,9 +129,18 @@ impl<'a> Given<'a> {
     fn least(&self) -> Vec<f64> {
         // What conducts may be colder than in equilibrium.
         let is_warm = self.models.conduction.is_none();
+        // A texel may be black.
+        let materials = &self.scene.body.materials;
+        let is_textured = |material: &Material| {
+            let mut textures = self.scene.body.textures.iter();
+            textures.any(|texture| std::ptr::eq(&materials[texture.material.0 as usize], material))
+        };
         let classes: Vec<_> = self
             .lit()
             .map(|(material, class)| {
+                if is_textured(material) {
+                    return (material, 0.0, 0.0);
+                }
                 let t_k = if is_warm { self.temperature_k(material, class.least_cos_incidence, 0.0) } else { 0.0 };
                 (material, class.least_brightness, t_k)
             })

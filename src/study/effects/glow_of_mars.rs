@@ -9,7 +9,7 @@ use crate::spectral::Light;
 pub(super) const KIND: EffectKind = EffectKind {
     key: "mars-glow",
     name: "heat of Mars as light",
-    equation: Some("physics::bounds::mars_heat"),
+    equation: Some("physics::mars::uniform_sphere_form_factor, physics::blackbody"),
     step: Some("solve::irradiance"),
     light: Some(Light::glows),
     switch: Some(Switch {

@@ -59,11 +59,10 @@ fn find(given: &Given) -> Finding {
             found(true, bound, "Domagala (2020), equation (9): 150 to 330 K at any distance from the Sun")
         }
         Thermal::Equilibrium => {
-            let ends = [given.noon_k, 0.5 * given.noon_k];
             let least_um = given.wavelengths.iter().filter(|at| at.light.glows()).map(|at| at.um);
             let least_um = least_um.fold(f64::INFINITY, f64::min);
             // Relative to the emission itself, which is large only where this is small.
-            let share = ends.map(|t_k| interpolation_error(least_um, t_k).min(1.0))[0];
+            let share = interpolation_error(least_um, given.noon_k).min(1.0);
             let remaining = Bound { lit: share, shadow: share };
             found(
                 true,
