@@ -2,7 +2,7 @@
 //!
 //! Each is a change of radiance relative to sunlight reflected at incidence i by the same surface.
 
-use std::f64::consts::{PI, SQRT_2};
+use std::f64::consts::SQRT_2;
 
 /// Mars-light over sunlight: rho_M q^2 / cos i, q the sine of Mars' angular radius.
 ///
