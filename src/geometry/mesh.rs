@@ -1,11 +1,13 @@
 //! Triangle meshes: what everything else is computed on.
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 use super::{index_u32, whole};
 
 /// Index of a material in [`Scene::materials`](crate::scene::Scene).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(transparent)]
 pub struct MaterialId(pub u16);
 
 /// A triangle mesh, in metres, local to the scene's origin. Facets are counter-clockwise seen from outside.

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Reflected;
+use super::{Reflected, ReflectedPart};
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::physics::heat;
 use crate::scene::{DirectionField, Globe, Models, Scene, Sky, Thermal};
@@ -58,7 +58,7 @@ pub struct FacetTable {
     pub temperature_lit_k: Vec<f64>,
     /// Temperature of the part in its shadow, K. Empty without thermal emission.
     pub temperature_shaded_k: Vec<f64>,
-    /// Light that facets send each other, of each colour; none if it is left out.
+    /// Light that facets send each other, at a few wavelengths that tell of all others; none if it is left out.
     pub reflected: Vec<Reflected>,
     /// How far off that is, as its lines are no more than they are; `None` if it is left out, or not known.
     pub sampling: Option<Sampling>,
@@ -66,7 +66,7 @@ pub struct FacetTable {
     pub models: Models,
 }
 
-/// Errors of light between facets that come from sampling directions and places, of patches of a few facets.
+/// Errors of light between facets that come from sampling directions and places, of patches of a few facets, and wavelengths.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Sampling {
@@ -74,6 +74,10 @@ pub struct Sampling {
     pub lit: Option<SamplingError>,
     /// Where it does not.
     pub shadow: Option<SamplingError>,
+    /// By how much a spectrum of such light is off at most, as it is known at a few wavelengths; over the most of itself, relative to the strongest
+    /// source.
+    #[serde(default)]
+    pub spectra: f64,
 }
 
 /// What one half of the lines gives, against the other.
@@ -177,11 +181,18 @@ impl FacetTable {
                 problem(format!("{}_direction", source.name), message, AGAIN);
             }
         }
-        for (i, Reflected { source, by, irradiance }) in self.reflected.iter().enumerate() {
-            let is_known = *source < sources.len() && by.iter().all(|m| (m.0 as usize) < scene.body.materials.len());
-            if !is_known || irradiance.len() != facets {
+        for (i, reflected) in self.reflected.iter().enumerate() {
+            let Reflected { sources: solved, reflectance, parts, irradiance, .. } = reflected;
+            let is_known = |part: &ReflectedPart| {
+                part.source < sources.len() && part.by.iter().all(|m| (m.0 as usize) < scene.body.materials.len())
+            };
+            let is_whole = solved.len() == sources.len() && reflectance.len() == scene.body.materials.len();
+            if !is_whole || !parts.iter().all(is_known) || irradiance.len() != facets {
                 let message = "light between facets is of other sources, materials or facets".into();
                 problem(format!("reflected[{i}]"), message, OF_ANOTHER);
+            } else if let Some(what) = reflected.changed_in(scene) {
+                let message = format!("light between facets was solved with another {what} at {} um", reflected.um);
+                problem(format!("reflected[{i}]"), message, AGAIN);
             }
         }
         if problems.is_empty() { Ok(()) } else { Err(Error::Invalid(problems)) }

@@ -21,6 +21,6 @@ pub use footprints::Footprints;
 pub use planes::{Backplanes, Plane};
 pub use quantity::{Conversion, Quantity};
 pub use radiance_map::{Atlas, Patches, Placement, RadianceMap, Registration, SkyShare, TexelSource, ViewImage};
-pub use reflected::Reflected;
+pub use reflected::{Reflected, ReflectedPart};
 pub use shown_bands::ShownBands;
 pub use texel_weights::{TexelLine, TexelWeights};

@@ -1,13 +1,15 @@
 //! What lights a body, as one list: the Sun first, then Mars and other bodies of the sky if there are any, then further beams.
 
 use std::borrow::Cow;
+use std::f64::consts::PI;
 
 use glam::DVec3;
 
 use super::{Beam, Globe, Setup, Sky};
 use crate::geometry::Direction;
+use crate::physics::blackbody;
 use crate::physics::mars_points::day_share;
-use crate::spectral::Spectrum;
+use crate::spectral::{Light, Spectrum};
 
 /// From where a source's light comes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -122,6 +124,23 @@ impl Setup {
         all.extend(sky.mars.iter().filter(|_| self.models.mars_heat).map(|mars| Source::glow(sky, mars)));
         all.extend(bodies().filter(|body| body.day_night_k != [0.0; 2]).map(|body| Source::glow(sky, body)));
         all
+    }
+
+    /// Irradiance normal to the beam in bands of some kind, W m-2 um-1, as a product of a light and of what happens to it on the way; NaN where
+    /// it is not known.
+    pub fn incoming_w_m2_um(&self, incoming: Incoming, light: Light, um: f64) -> [f64; 2] {
+        let at = |spectrum: &Spectrum| spectrum.at(um).unwrap_or(f64::NAN);
+        let sunlight = || self.sky.sun.irradiance_w_m2_um(um).unwrap_or(f64::NAN);
+        match incoming {
+            Incoming::Sunlight => [sunlight(), 1.0],
+            Incoming::Reflected(reflectance, strength) => [sunlight(), strength * at(reflectance)],
+            Incoming::Own(irradiance) => [at(irradiance), 1.0],
+            Incoming::Heat(parts) if light.glows() => {
+                let of_part = |(share, t_k): (f64, f64)| share * PI * blackbody::radiance_w_m2_sr_um(um, t_k);
+                [parts.map(of_part).iter().sum(), 1.0]
+            }
+            Incoming::Heat(_) => [0.0, 1.0],
+        }
     }
 
     /// Bodies besides Mars whose light and heat is computed: as many as the models say, those that fill the most sky first, in the scene's order.

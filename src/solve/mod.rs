@@ -17,6 +17,7 @@ use crate::scene::{Scene, Thermal};
 use crate::visibility::Seen;
 
 pub use emission::{Emission, Fragment, ImagePart, Modulation, Observer, interpolation_error};
+pub use exchange::spectra_error;
 pub use facet_radiance::FacetRadiance;
 pub use shadows::lit;
 

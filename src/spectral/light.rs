@@ -1,7 +1,10 @@
 //! What light is in a band: sunlight, heat, or both.
 
+use serde::{Deserialize, Serialize};
+
 /// What light a band has: radiative-transfer codes can leave out sunlight, or heat, band by band.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Light {
     /// Sunlight that surfaces and Mars reflect; no thermal emission.
     Sunlight,
@@ -34,7 +37,8 @@ impl Light {
 }
 
 /// What is known of the light in a band of a map; `None`: not stated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub struct KnownLight {
     /// Whether it holds sunlight that surfaces reflect.
     pub sunlight: Option<bool>,

@@ -84,6 +84,7 @@ pub(super) fn account_for(
             scene.remarks(),
             warnings::of_image(table, &counts, &image, uses_sun),
             warnings::of_scene(scene, site, extremes.open_to_shadow, uses_sun),
+            warnings::of_light_between(scene, table),
         ]
         .concat(),
         checks: checks(scene, table, extremes, &image),

@@ -7,7 +7,8 @@ use crate::scene::{Exchange, Globe, MarsModel, Models, Rotation, Scene, Setup, S
 
 /// A name for everything that [`solve`](crate::solve::solve) reads of a scene: BLAKE3 of the resolved values, 64 hexadecimal digits.
 ///
-/// Scenes that differ in camera, bands or spectra only share their table; so do files that say the same in a different form.
+/// Scenes that differ in camera, bands or spectra only share their table; so do files that say the same in a different form. Of light between facets a table itself
+/// knows its spectra ([`FacetTable::fits`](crate::product::FacetTable::fits)).
 pub fn table_id(scene: &Scene) -> String {
     let mut hasher = Hasher::new();
     let mut put = |values: &[f64]| values.iter().for_each(|v| _ = hasher.update(&v.to_le_bytes()));

@@ -8,11 +8,15 @@ use crate::integrate::Image;
 use crate::physics::sun::Eclipse;
 use crate::product::{Backplanes, FacetTable, Plane};
 use crate::scene::{Scene, Sky};
+use crate::solve::spectra_error;
 use crate::visibility::Enclosure;
 use crate::visibility::Shown;
 
 /// Up to this share of the image may show facets from behind without a warning: rims of open sheets do.
 const BACK_SHARE: f64 = 0.01;
+
+/// Light between facets may be so far off without a warning, in some colour over the most of it: less than by sampling.
+const SPECTRA_ERROR: f64 = 0.01;
 
 /// What is known about an image, or from a few rays before it is made.
 pub(super) struct Sight {
@@ -135,6 +139,19 @@ pub(super) fn of_scene(scene: &Scene, site: &Site, open_to_shadow: f64, uses_sun
         all.push(format!("the body is not closed: {} open edges{of_those}", scene.body.topology().open_edges));
     }
     all
+}
+
+/// Warnings about light between facets, which a table knows at a few wavelengths.
+pub(super) fn of_light_between(scene: &Scene, table: &FacetTable) -> Vec<String> {
+    let error = spectra_error(scene, table);
+    let warning = || {
+        format!(
+            "light between facets is known at {} wavelengths, and up to {:.1} % off in these bands: solve the scene with them",
+            table.reflected.len(),
+            100.0 * error
+        )
+    };
+    if error > SPECTRA_ERROR { vec![warning()] } else { vec![] }
 }
 
 /// Says that an eye is inside closed parts of the mesh, or on them.

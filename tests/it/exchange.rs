@@ -4,14 +4,14 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use mmxrt::formats::npz;
-use mmxrt::geometry::Mesh;
+use mmxrt::geometry::{MaterialId, Mesh};
 use mmxrt::integrate::Wanted;
 use mmxrt::physics::form_factor;
-use mmxrt::product::FacetTable;
+use mmxrt::product::{FacetTable, Reflected, ReflectedPart};
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{Exchange, Models, Scene, SceneParts, Thermal};
+use mmxrt::scene::{Beam, Exchange, Models, Scene, SceneParts, Thermal};
 use mmxrt::solve::solve;
-use mmxrt::spectral::{Band, Extend, Spectrum};
+use mmxrt::spectral::{Band, Extend, Light, Spectrum};
 use mmxrt::study;
 use mmxrt::visibility::{Bundles, LineScratch};
 
@@ -134,10 +134,15 @@ fn with_exchange(mesh: Mesh, towards_sun: [f64; 3], exchange: Exchange, change: 
     parts.check().unwrap()
 }
 
-/// Irradiance by way of others, W m-2 of sunlight, for one albedo.
-fn reflected_w_m2(table: &FacetTable, facet: usize, albedo: f64, sun_w_m2: f64) -> f64 {
-    let of = |r: &mmxrt::product::Reflected| r.irradiance[facet] * albedo.powi(r.by.len() as i32) * sun_w_m2;
-    table.reflected.iter().map(of).sum()
+/// Irradiance of a facet by way of others at a wavelength, over sunlight there.
+fn over_sunlight(scene: &Scene, table: &FacetTable, facet: usize, um: f64) -> f64 {
+    let source =
+        |s: usize| scene.incoming_w_m2_um(scene.sources()[s].incoming, Light::Both, um).iter().product::<f64>();
+    let reflectance = |m: &MaterialId| scene.body.materials[m.0 as usize].reflectance.at(um).unwrap();
+    let of_part =
+        |part: &ReflectedPart| part.factor * source(part.source) * part.by.iter().map(reflectance).product::<f64>();
+    let of = |r: &Reflected| r.irradiance[facet] * r.parts.iter().map(of_part).sum::<f64>();
+    table.reflected.iter().map(of).sum::<f64>() / source(0)
 }
 
 /// A bowl: the cap of a sphere, of rings, whose rim is a circle of diameter 1 at height 0.
@@ -191,7 +196,7 @@ fn bowls_have_the_light_and_the_warmth_of_ingersoll() {
         for f in 0..table.facets() {
             let facet_m2 = scene.body.mesh.facet(f).area_m2();
             area_m2 += facet_m2;
-            light += facet_m2 * reflected_w_m2(&table, f, 0.07, 586.22);
+            light += facet_m2 * 586.22 * over_sunlight(&scene, &table, f, 1.0);
             warmth += facet_m2 * table.temperature_shaded_k[f].powi(4);
             spread += facet_m2 * (table.temperature_shaded_k[f] - t_k).powi(2);
         }
@@ -219,46 +224,139 @@ fn corner() -> Mesh {
 #[test]
 fn each_surface_on_the_way_counts_once_in_the_spectrum() {
     let spectrum = |at_1: f64, at_2: f64| Spectrum::new(vec![1.0, 2.0], vec![at_1, at_2], Extend::Error).unwrap();
-    let (ground, wall) = (spectrum(0.1, 0.4), spectrum(0.5, 0.2));
-    let exchange = Exchange { bounces: 2, ..Exchange::default() };
-    let scene = with_exchange(corner(), [1.0, 0.0, 1.0], exchange, |parts| {
-        parts.surface.materials = vec![lambert(0, "ground", ground), lambert(1, "wall", wall)];
-        parts.exposure.bands = vec![Band::new(1.0, None), Band::new(2.0, None)];
-        parts.exposure.camera = nadir(1000.0, 4.0, 1);
-    });
-    let table = solve(&scene, &unwatched).unwrap();
-    let mean = |by: &[u16], facets: [usize; 2]| {
-        let of = table.reflected.iter().find(|r| r.by.iter().map(|m| m.0).eq(by.iter().copied()));
-        of.map_or(0.0, |r| 0.5 * (r.irradiance[facets[0]] + r.irradiance[facets[1]]))
+    let of_bounces = |bounces: u32| {
+        with_exchange(corner(), [1.0, 0.0, 1.0], Exchange { bounces, ..Exchange::default() }, |parts| {
+            parts.surface.materials =
+                vec![lambert(0, "ground", spectrum(0.1, 0.8)), lambert(1, "wall", spectrum(0.9, 0.4))];
+            parts.exposure.bands = vec![Band::new(1.0, None), Band::new(2.0, None)];
+            parts.exposure.camera = nadir(1000.0, 4.0, 1);
+        })
+    };
+    let [one, two] = [1, 2].map(of_bounces);
+    let [first, both] = [&one, &two].map(|scene| solve(scene, &unwatched).unwrap());
+    let mean = |scene: &Scene, table: &FacetTable, um: f64, facets: [usize; 2]| {
+        0.5 * facets.map(|f| over_sunlight(scene, table, f, um)).iter().sum::<f64>()
     };
     // Adjacent rectangles, both lit at 45 deg: by closed form.
     let (to_wall, to_ground) =
         (form_factor::perpendicular_rectangles(8.0, 8.0, 4.0), form_factor::perpendicular_rectangles(8.0, 4.0, 8.0));
     let lit = 0.5_f64.sqrt();
-    assert_near("first, on the ground", mean(&[1], [0, 1]), to_wall * lit, 1e-2);
-    assert_near("first, on the wall", mean(&[0], [2, 3]), to_ground * lit, 1e-2);
-    assert_eq!((mean(&[0], [0, 1]), mean(&[1], [2, 3])), (0.0, 0.0));
-    // Of the second bounce the ground has what it sent to the wall itself; facets are large, so about.
-    assert_near("second, on the ground", mean(&[0, 1], [0, 1]), to_wall * to_ground * lit, 0.2);
-    assert_eq!(mean(&[0, 0], [0, 1]) + mean(&[1, 1], [0, 1]), 0.0);
+    for (um, ground, wall) in [(1.0, 0.1, 0.9), (2.0, 0.8, 0.4)] {
+        let (on_ground, on_wall) = (mean(&one, &first, um, [0, 1]), mean(&one, &first, um, [2, 3]));
+        assert_near("first, on the ground", on_ground, wall * to_wall * lit, 1e-2);
+        assert_near("first, on the wall", on_wall, ground * to_ground * lit, 1e-2);
+        // Of the second bounce each has what it sent to the other itself; facets are large, so about.
+        let more = mean(&two, &both, um, [0, 1]) - on_ground;
+        assert_near("second, on the ground", more, ground * wall * to_wall * to_ground * lit, 0.2);
+        let more = mean(&two, &both, um, [2, 3]) - on_wall;
+        assert_near("second, on the wall", more, ground * wall * to_wall * to_ground * lit, 0.2);
+    }
 
     // The image: one pixel amid the ground, on both of its facets or on one.
-    let (_, seen) = study::simulate(&scene, &unwatched).unwrap();
+    let (_, seen) = study::simulate(&two, &unwatched).unwrap();
     let without =
-        Scene::new(mmxrt::scene::Setup { models: Models { exchange: None, ..scene.models }, ..(*scene).clone() })
-            .unwrap();
+        Scene::new(mmxrt::scene::Setup { models: Models { exchange: None, ..two.models }, ..(*two).clone() }).unwrap();
     let (_, bare) = study::simulate(&without, &unwatched).unwrap();
     let sun = 700.0 / (1.5 * 1.5);
-    for (band, ground, wall) in [(0, 0.1, 0.5), (1, 0.4, 0.2)] {
+    for (band, um, ground) in [(0, 1.0, 0.1), (1, 2.0, 0.8)] {
         let more = seen.cube.band(band)[0] - bare.cube.band(band)[0];
-        let bounds = [0, 1].map(|f| {
-            let of = |r: &mmxrt::product::Reflected| {
-                r.irradiance[f] * r.by.iter().map(|m| if m.0 == 0 { ground } else { wall }).product::<f64>()
-            };
-            ground / PI * sun * table.reflected.iter().map(of).sum::<f64>()
-        });
+        let bounds = [0, 1].map(|f| ground / PI * sun * over_sunlight(&two, &both, f, um));
         let (low, high) = (bounds[0].min(bounds[1]), bounds[0].max(bounds[1]));
         assert!(more > low * (1.0 - 1e-5) && more < high * (1.0 + 1e-5), "{band}: {more} {bounds:?}");
+    }
+}
+
+/// A rough site in so many materials with spectra of their own, a band depth of each somewhere else, under the Sun and so many beams, in these bands.
+fn colourful(materials: u16, beams: usize, bands_um: &[f64]) -> Scene {
+    let mut random = Random(11);
+    let ground = grid(20.0, 16, |x, y| 3.0 * (0.4 * x).sin() * (0.3 * y).cos() + (0.9 * x - 0.7 * y).sin());
+    let exchange = Exchange { bounces: 3, directions: 32, lines_per_facet: 256 };
+    with_exchange(ground, [1.0, 0.2, 0.4], exchange, |parts| {
+        parts.exposure.bands = bands_um.iter().map(|um| Band::new(*um, None)).collect();
+        let um: Vec<f64> = (0..=60).map(|i| 0.9 + 0.05 * f64::from(i)).collect();
+        let mut spectrum = |most: f64| {
+            let (level, slope, at) = (random.share(), random.share() - 0.5, 0.9 + 3.0 * random.share());
+            let value = |um: &f64| {
+                most * (0.3 + 0.4 * level + 0.15 * slope * (um - 2.0) - 0.15 * (-((um - at) / 0.2).powi(2)).exp())
+            };
+            Spectrum::new(um.clone(), um.iter().map(value).collect(), Extend::Error).unwrap()
+        };
+        let named = |m: u16| lambert(m.into(), &format!("m{m}"), spectrum(1.0));
+        parts.surface.materials = (0..materials).map(named).collect();
+        let count = parts.surface.mesh.facets.len();
+        parts.surface.mesh.material = (0..count).map(|f| MaterialId((f * 7 % usize::from(materials)) as u16)).collect();
+        let beam = |k: usize| Beam {
+            name: format!("lamp-{k}"),
+            direction: direction([-0.5, 0.3 * k as f64, 1.0]),
+            irradiance: spectrum(300.0),
+            total_irradiance_w_m2: 300.0,
+        };
+        parts.sky.beams = (0..beams).map(beam).collect();
+    })
+}
+
+#[test]
+fn many_materials_and_sources_keep_all_their_colours() {
+    // In one band there is one number for each surface, and no spectrum to be made up. 40 materials, three bounces: 12,340 colours a source.
+    let bands_um = [0.95, 1.3, 1.8, 2.2, 2.9, 3.55];
+    let mut some = 0;
+    for (materials, beams) in [(1, 0), (4, 5), (40, 3)] {
+        let scene = colourful(materials, beams, &bands_um);
+        let table = solve(&scene, &unwatched).unwrap();
+        assert!(table.reflected.len() <= bands_um.len() && table.sampling.unwrap().spectra <= 1e-5);
+        for um in bands_um {
+            let alone = colourful(materials, beams, &[um]);
+            let of_one = solve(&alone, &unwatched).unwrap();
+            for f in 0..table.facets() {
+                let expected = over_sunlight(&alone, &of_one, f, um);
+                let got = over_sunlight(&scene, &table, f, um);
+                assert!((got - expected).abs() <= 1e-4 * expected, "{materials} {f} {um}: {got}, not {expected}");
+                some += usize::from(expected > 1e-3);
+            }
+        }
+    }
+    assert!(some > 3000, "{some}");
+}
+
+#[test]
+fn a_table_for_other_bands_says_how_far_off_their_colours_are() {
+    let error = |scene: &Scene, table: &FacetTable| {
+        let off = |warning: &String| warning.starts_with("light between facets is known at").then(|| warning.clone());
+        let seen = study::observe(scene, table, Wanted::default(), &unwatched).unwrap();
+        seen.warnings.iter().find_map(off)
+    };
+    let solved = colourful(6, 2, &[1.0, 2.0, 3.0]);
+    let table = solve(&solved, &unwatched).unwrap();
+    assert_eq!(error(&solved, &table), None);
+    // Bands 0.4 um from those: spectra have dips of 0.2 um. Between them, worse than 1 % and no worse than a dip is deep.
+    let elsewhere = colourful(6, 2, &[1.4, 2.4]);
+    assert!(error(&elsewhere, &table).is_some());
+    // Another reflectance on the way, where it was taken: not the scene's any more.
+    let mut parts = colourful(6, 2, &[1.0, 2.0, 3.0]).into_parts();
+    parts.surface.materials[3].reflectance = parts.surface.materials[3].reflectance.map(|r| 1.001 * r);
+    let Err(mmxrt::Error::Invalid(problems)) = table.fits(&parts.check().unwrap()) else { panic!() };
+    assert!(problems[0].message.contains("another reflectance of \"m3\""), "{problems:?}");
+}
+
+#[test]
+fn a_faint_source_changes_nothing_of_the_others() {
+    let with = |irradiance: f64| {
+        let mut parts = colourful(6, 4, &[1.0, 1.5, 2.0, 2.5, 3.0, 3.5]).into_parts();
+        if irradiance > 0.0 {
+            let irradiance = Spectrum::new(vec![0.9, 2.0, 4.0], vec![0.0, irradiance, 0.0], Extend::Error).unwrap();
+            let direction = direction([0.0, -0.2, 1.0]);
+            let total_irradiance_w_m2 = 0.0;
+            parts.sky.beams.push(Beam { name: "faint".into(), direction, irradiance, total_irradiance_w_m2 });
+        }
+        let scene = parts.check().unwrap();
+        let table = solve(&scene, &unwatched).unwrap();
+        let of = |um: f64| (0..table.facets()).map(|f| over_sunlight(&scene, &table, f, um)).collect::<Vec<_>>();
+        [1.0, 2.0, 3.5].map(of).concat()
+    };
+    let (without, with) = (with(0.0), with(1e-6));
+    assert!(without.iter().filter(|x| **x > 1e-3).count() > 300);
+    for (got, expected) in with.iter().zip(&without) {
+        assert!((got - expected).abs() <= 1e-4 * expected, "{got}, not {expected}");
     }
 }
 
@@ -276,8 +374,9 @@ fn a_facet_that_is_lit_in_part_shines_where_it_is_lit() {
         .collect();
     let on_ground = |wall: Mesh| {
         let exchange = Exchange { bounces: 1, directions: 512, lines_per_facet: 1024 };
-        let table = solve(&with_exchange(roof(wall), [1.0, 0.0, 1.0], exchange, |_| {}), &unwatched).unwrap();
-        table.reflected.iter().map(|r| r.irradiance[0] + r.irradiance[1]).sum::<f64>()
+        let scene = with_exchange(roof(wall), [1.0, 0.0, 1.0], exchange, |_| {});
+        let table = solve(&scene, &unwatched).unwrap();
+        [0, 1].map(|f| over_sunlight(&scene, &table, f, 1.0)).iter().sum::<f64>()
     };
     assert_near("ground", on_ground(coarse), on_ground(joined(&fine)), 2e-2);
 }
@@ -336,7 +435,8 @@ fn rays_to_every_facet_find_the_same_light() {
                 sum += sun.irradiance[met];
             }
         }
-        let (got, expected) = (table.reflected.iter().map(|r| r.irradiance[f]).sum::<f64>(), sum / f64::from(RAYS));
+        // The albedo is 0.07.
+        let (got, expected) = (over_sunlight(&scene, &table, f, 1.0) / 0.07, sum / f64::from(RAYS));
         all_got += got;
         all_expected += expected;
         some += 1;
@@ -349,8 +449,8 @@ fn rays_to_every_facet_find_the_same_light() {
 /// Of a Sun or a lamp of which only the irradiance in the bands is known, nothing is known of all its light; it is reflected as often.
 #[test]
 fn light_without_a_total_is_reflected_as_often() {
-    let table = |total_w_m2: f64| {
-        let exchange = Exchange { bounces: 3, directions: 64, lines_per_facet: 256 };
+    let table = |total_w_m2: f64, bounces: u32| {
+        let exchange = Exchange { bounces, directions: 64, lines_per_facet: 256 };
         let scene = with_exchange(corner(), [1.0, 0.0, 1.0], exchange, |parts| {
             parts.surface.materials =
                 vec![lambert(0, "ground", Spectrum::constant(0.9)), lambert(1, "wall", Spectrum::constant(0.8))];
@@ -358,8 +458,9 @@ fn light_without_a_total_is_reflected_as_often() {
         });
         solve(&scene, &unwatched).unwrap()
     };
-    let (known, unknown) = (table(1361.0), table(0.0));
-    assert!(known.reflected.iter().any(|r| r.by.len() == 3 && r.irradiance[0] > 0.002), "{:?}", known.reflected);
+    let (known, unknown, fewer) = (table(1361.0, 3), table(0.0, 3), table(0.0, 2));
+    let light = |table: &FacetTable| table.reflected[0].irradiance[0];
+    assert!(light(&unknown) > 1.005 * light(&fewer), "{} {}", light(&unknown), light(&fewer));
     assert_eq!(known.reflected, unknown.reflected);
 }
 
@@ -374,7 +475,7 @@ fn of_patches(scene: &Scene, table: &FacetTable) -> Vec<[f64; 2]> {
         let at = ((mesh.facet(f).centroid_m() - low_m) / edge_m).to_array().map(|x| x.floor() as i64);
         let seen = table.sunlit().unwrap().fraction(f as u32);
         let patch = patches.entry(at).or_default();
-        patch[0] += area_m2 * table.reflected.iter().map(|r| r.irradiance[f]).sum::<f64>();
+        patch[0] += area_m2 * over_sunlight(scene, table, f, 1.0);
         patch[1] += area_m2 * table.sources[0].irradiance[f] * seen;
         patch[2] += area_m2;
     }
@@ -452,9 +553,9 @@ fn the_order_of_facets_makes_no_difference() {
     assert_eq!(table.reflected.len(), other.reflected.len());
     let mut light = 0.0;
     for (one, other) in table.reflected.iter().zip(&other.reflected) {
-        assert_eq!((one.source, &one.by), (other.source, &other.by));
+        assert_eq!((one.um, &one.parts), (other.um, &other.parts));
         for (i, f) in order.iter().enumerate() {
-            assert!((one.irradiance[*f] - other.irradiance[i]).abs() < 1e-12, "{f}");
+            assert!((one.irradiance[*f] - other.irradiance[i]).abs() < 1e-9, "{f}");
             light += other.irradiance[i];
         }
     }
@@ -473,7 +574,7 @@ fn any_number_of_threads_and_a_table_on_the_disk_give_the_same() {
     };
     let table = on(1);
     assert_eq!(table, on(2));
-    assert!(table.reflected.len() > 3);
+    assert!(!table.reflected.is_empty());
     let scratch = Scratch::new();
     let path = scratch.path().join("table.npz");
     npz::write_table(&path, &table, "rough").unwrap();

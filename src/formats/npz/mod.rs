@@ -14,9 +14,9 @@ use serde::{Deserialize, Serialize};
 
 use self::write::{Column, Values, write};
 use crate::error::Result;
-use crate::product::Footprints;
-use crate::product::Sampling;
+use crate::product::{Footprints, ReflectedPart, Sampling};
 use crate::scene::Models;
+use crate::spectral::Light;
 
 pub use self::archive::{ArrayInfo, Shaped, list, read_f64s};
 pub(super) use self::archive::{Member, beginning, members, text};
@@ -53,23 +53,28 @@ pub struct Header {
     /// How far off light between facets is by sampling; `None` where there is none, or in tables of older versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sampling: Option<Sampling>,
-    /// Of a facet table the light that facets send each other: what its arrays are called, the place of its source, and the materials that have
-    /// reflected it. None before version 3.
+    /// Of a facet table the light that facets send each other: what its arrays are called, and the spectra that they stand for. None before version 3.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub reflected: Vec<ReflectedBy>,
     /// Every array: its unit and meaning.
     pub fields: BTreeMap<String, Field>,
 }
 
-/// Light of a source that materials have reflected.
+/// Light that facets send each other, at a wavelength, and its spectrum for an irradiance of 1 there: a sum.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ReflectedBy {
     /// Name of the array of irradiances.
     pub array: String,
-    /// The source, by its place in the list.
-    pub source: usize,
-    /// The materials, by their place in the scene's list, ascending; one that reflected it twice is there twice.
-    pub by: Vec<u16>,
+    /// The wavelength, um.
+    pub um: f64,
+    /// In bands of what light.
+    pub light: Light,
+    /// Irradiance normal to the beam of each source there, W m-2 um-1.
+    pub sources: Vec<f64>,
+    /// Reflectance of each material there.
+    pub reflectance: Vec<f64>,
+    /// What is added up.
+    pub parts: Vec<ReflectedPart>,
 }
 
 /// What an array holds.

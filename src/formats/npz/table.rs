@@ -12,7 +12,6 @@ use super::archive::Npz;
 use super::write::{Column, Values, write};
 use super::{Header, ReflectedBy, TABLE, TABLE_VERSIONS};
 use crate::error::{Error, Location, Problem, Result, number};
-use crate::geometry::MaterialId;
 use crate::product::{FacetTable, Lighting, Reflected, Sees};
 use crate::scene::{DirectionField, Sky};
 use crate::visibility::{Seen, Shown};
@@ -38,15 +37,19 @@ pub fn write_table(path: &Path, table: &FacetTable, scene: &str) -> Result<()> {
     let sources: Vec<String> = table.sources.iter().map(|lighting| lighting.source.clone()).collect();
     let named = |i: usize| format!("reflected_{i}");
     let mut reflected = Vec::new();
-    for (i, Reflected { source, by, irradiance }) in table.reflected.iter().enumerate() {
-        let name = sources.get(*source).map_or("", String::as_str);
-        let materials = by.iter().map(|m| m.0.to_string()).collect::<Vec<_>>().join(", ");
+    for (i, Reflected { um, light, sources, reflectance, parts, irradiance }) in table.reflected.iter().enumerate() {
         let meaning = format!(
-            "irradiance on each facet by light of {name} that materials {materials} have reflected, if they reflected everything; as \
-             {name}_irradiance"
+            "irradiance at {um} um on each facet by light of the others, before it is reflected; its spectrum: in the header"
         );
-        columns.push(Column::new(named(i), "1", meaning, Values::F64(irradiance)));
-        reflected.push(ReflectedBy { array: named(i), source: *source, by: by.iter().map(|m| m.0).collect() });
+        columns.push(Column::new(named(i), "W m-2 um-1", meaning, Values::F64(irradiance)));
+        reflected.push(ReflectedBy {
+            array: named(i),
+            um: *um,
+            light: *light,
+            sources: sources.clone(),
+            reflectance: reflectance.clone(),
+            parts: parts.clone(),
+        });
     }
     let has_shares = table.sources.iter().filter_map(Lighting::seen).any(|seen| !seen.polygon_share.is_empty());
     // A program that knows neither can read what has none.
@@ -134,12 +137,19 @@ pub fn read_table(path: &Path) -> Result<(FacetTable, Header)> {
     let temperature_lit_k = file.f64s("temperature_lit_k", 1, false, &mut problems)?;
     let temperature_shaded_k = file.f64s("temperature_shaded_k", 1, false, &mut problems)?;
     let mut reflected = Vec::new();
-    for ReflectedBy { array, source, by } in &header.reflected {
+    for ReflectedBy { array, um, light, sources: w_m2_um, reflectance, parts } in &header.reflected {
         let irradiance = file.f64s(array, 1, true, &mut problems)?;
-        if *source >= sources.len() {
-            problems.push(Problem::new(file.at(array), format!("is of source {source} of {}", sources.len())));
+        if let Some(part) = parts.iter().find(|part| part.source >= sources.len()) {
+            problems.push(Problem::new(file.at(array), format!("is of source {} of {}", part.source, sources.len())));
         }
-        reflected.push(Reflected { source: *source, by: by.iter().map(|m| MaterialId(*m)).collect(), irradiance });
+        reflected.push(Reflected {
+            um: *um,
+            light: *light,
+            sources: w_m2_um.clone(),
+            reflectance: reflectance.clone(),
+            parts: parts.clone(),
+            irradiance,
+        });
     }
     // What may be there or not is there if the header says so.
     let is_told = |name: &str, problems: &[Problem]| problems.iter().any(|p| p.at.item.as_deref() == Some(name));

@@ -2,7 +2,7 @@
 
 use super::at;
 use super::light::SourceLight;
-use crate::product::{FacetTable, Reflected};
+use crate::product::{FacetTable, Reflected, ReflectedPart};
 use crate::scene::Scene;
 
 /// The spectra of such light.
@@ -23,13 +23,14 @@ impl<'a> Between<'a> {
         Between { scene, reflected: &table.reflected }
     }
 
-    /// Irradiances, given the sources': each as a product of a light and of what happens to it on the way.
+    /// Irradiances, W m-2 um-1, for 1 at the wavelength of each column, given the sources'.
     pub(super) fn incoming(&self, um: f64, sources: &[[f64; 2]]) -> impl Iterator<Item = [f64; 2]> {
         let materials = &self.scene.body.materials;
-        self.reflected.iter().map(move |Reflected { source, by, .. }| {
+        let of_part = move |ReflectedPart { factor, source, by }: &ReflectedPart| {
             let [light, on_the_way] = sources[*source];
             let reflected = by.iter().map(|m| at(&materials[m.0 as usize].reflectance, um)).product::<f64>();
-            [light, on_the_way * reflected]
-        })
+            factor * light * on_the_way * reflected
+        };
+        self.reflected.iter().map(move |Reflected { parts, .. }| [1.0, parts.iter().map(&of_part).sum()])
     }
 }

@@ -14,10 +14,7 @@ mod temperature_grid;
 mod variation;
 mod fragment_angles;
 
-use std::f64::consts::PI;
-
 use crate::geometry::{SphereShown, index_u32};
-use crate::physics::blackbody;
 use crate::physics::reflectance::lambert_radiance;
 use crate::product::FacetTable;
 use crate::scene::{DirectionField, Incoming, Material, Scene, Texture};
@@ -339,7 +336,7 @@ impl<'a> Emission<'a> {
                 for (i, globe) in self.globes.globes.iter().enumerate().filter(|_| band.light.is_lit()) {
                     let strength = sky.sun_on(globe).strength;
                     let incoming = Incoming::Reflected(&globe.reflectance, strength);
-                    let [light, on_the_way] = self.incoming(incoming, band, um);
+                    let [light, on_the_way] = self.scene.incoming_w_m2_um(incoming, band.light, um);
                     spectra[(light_row + i) * bands.len() + b] += weight * lambert_radiance(light) * on_the_way;
                 }
                 if band.light.glows() {
@@ -352,25 +349,14 @@ impl<'a> Emission<'a> {
 
     /// Of each source, and then of what facets send each other.
     fn all_incoming(&self, band: &Band, um: f64) -> Vec<[f64; 2]> {
-        let sources: Vec<[f64; 2]> =
-            self.scene.sources().iter().map(|source| self.incoming(source.incoming, band, um)).collect();
+        let sources: Vec<[f64; 2]> = self
+            .scene
+            .sources()
+            .iter()
+            .map(|source| self.scene.incoming_w_m2_um(source.incoming, band.light, um))
+            .collect();
         let between: Vec<[f64; 2]> = self.between.incoming(um, &sources).collect();
         [sources, between].concat()
-    }
-
-    /// Irradiance normal to a source's beam, W m-2 um-1, as a product of a light and of what happens to it on the way.
-    fn incoming(&self, incoming: Incoming, band: &Band, um: f64) -> [f64; 2] {
-        let sunlight = || self.scene.sky.sun.irradiance_w_m2_um(um).unwrap_or(f64::NAN);
-        match incoming {
-            Incoming::Sunlight => [sunlight(), 1.0],
-            Incoming::Reflected(reflectance, strength) => [sunlight(), strength * at(reflectance, um)],
-            Incoming::Own(irradiance) => [at(irradiance, um), 1.0],
-            Incoming::Heat(parts) if band.light.glows() => {
-                let of_part = |(share, t_k): (f64, f64)| share * PI * blackbody::radiance_w_m2_sr_um(um, t_k);
-                [parts.map(of_part).iter().sum(), 1.0]
-            }
-            Incoming::Heat(_) => [0.0, 1.0],
-        }
     }
 
     /// Wavelengths and weights of a band, which ends where the spectra do.

@@ -1,17 +1,18 @@
 //! Light and heat that facets send to each other.
 //!
-//! All of it by the same lines ([`Bundles`]): what a source's light becomes on its way, colour by colour, so that spectra are multiplied in
-//! afterwards; and the heat of neighbours, with what of their light a facet absorbs. Each bounce carries what the one before has brought.
+//! All of it by the same lines ([`Bundles`]): light at a few wavelengths ([`Palette`]), all light together, W m-2, of which a facet absorbs its share, and the heat of
+//! neighbours. Each bounce carries what the one before has brought.
 
-mod colours;
 mod lit;
+mod palette;
 mod pass;
 mod sampling;
 
 use rayon::prelude::*;
 
-use self::colours::{Bounce, Colours};
 use self::lit::{Lit, LitParts};
+pub use self::palette::spectra_error;
+use self::palette::{Node, Palette};
 use self::pass::pass;
 use self::sampling::sampling;
 use super::irradiance::share;
@@ -19,13 +20,11 @@ use crate::error::Result;
 use crate::geometry::{MaterialId, Mesh};
 use crate::physics::heat;
 use crate::physics::reflectance::DirectionalAlbedos;
-use crate::product::{FacetTable, Lighting, Reflected, Sees, warmest_k};
+use crate::product::{FacetTable, Lighting, Reflected, Sampling, Sees, warmest_k};
 use crate::progress::Watch;
 use crate::scene::{DirectionField, Exchange, Material, Scene, SourceKind, Thermal};
 use crate::visibility::{Bundles, Frame, Meeting};
 
-/// So many colours of light are told apart, each a number for every facet.
-const MOST_COLOURS: usize = 24;
 /// What would send less than this share of what the first bounce did is left out.
 const FAINT: f64 = 1e-6;
 
@@ -36,75 +35,78 @@ const FAINT: f64 = 1e-6;
 pub(super) fn add(scene: &Scene, table: &mut FacetTable, exchange: Exchange, watch: Watch<'_>) -> Result<()> {
     let mesh = &scene.body.mesh;
     let areas_m2: Vec<f64> = (0..mesh.facets.len()).into_par_iter().map(|f| mesh.facet(f).area_m2()).collect();
-    let grey = scene.body.materials.iter().map(|material| material.bond_albedo).collect();
-    let colours = Colours::new(table.sources.len(), grey, MOST_COLOURS, exchange.bounces);
     let is_warm = scene.models.thermal == Thermal::Equilibrium;
-    let watts = Watts::new(scene);
+    let carried = Carried::new(scene, exchange.bounces, is_warm);
+    let columns = carried.columns();
 
-    // What reaches each facet, of each colour, by bounces; and W m-2 of heat and light that warm it.
-    let mut levels: Vec<Vec<f64>> = vec![vec![]; colours.told_apart() + 1];
+    // What reaches each facet at each wavelength, by all bounces; and W m-2 of heat and light that warm it.
+    let wavelengths = carried.palette.nodes.len();
+    let mut light = vec![0.0; mesh.facets.len() * wavelengths];
     let mut absorbed_w_m2 = vec![0.0; if is_warm { mesh.facets.len() } else { 0 }];
-    let direct = Direct::new(scene, table, is_warm);
-    let first_w = direct.total_w(&watts, &areas_m2);
+    let direct = Direct::new(scene, table, &carried);
+    let first_w = direct.total_w(&areas_m2);
     let bundles = Bundles::new(mesh, exchange.directions, exchange.lines_per_facet);
-    let mut before = Received { rows: vec![], columns: 0 };
+    let mut before = Received { carried: &carried, rows: vec![] };
     let mut sampled = None;
-    for n in 1..=exchange.bounces as usize {
-        let bounce = colours.bounce(n);
-        let columns = bounce.after + usize::from(is_warm);
-        let arrived = if n == 1 {
+    for n in 1..=exchange.bounces {
+        let rows = if n == 1 {
             let parts = LitParts::new(mesh, &areas_m2, &table.sources);
-            let give = |row: &mut [f64], from: u32, lit: Lit, lines: f64| direct.give(&bounce, row, from, lit, lines);
             let lit = |frame: &Frame, meeting: &Meeting, which: usize| {
                 let facet = meeting.facets[which];
                 parts.at(facet, || frame.uv(&mesh.facet(facet as usize), meeting.at))
             };
+            let give = |row: &mut [f64], from: u32, lit: Lit, lines: f64| direct.give(row, from, lit, lines);
             let arrived = pass(&bundles, &areas_m2, columns, lit, give, watch)?;
-            let light = |f: usize| arrived.rows[f * columns..f * columns + bounce.after].iter().sum::<f64>();
+            let light = |f: usize| arrived.rows[f * columns + wavelengths];
             let sunlight = |f: usize| table.sources.first().map_or(0.0, |sun| sun.irradiance[f] * share(&sun.sees, f));
-            sampled = Some(sampling(mesh, &areas_m2, |f| [sunlight(f), light(f), arrived.difference[f]]));
-            arrived
+            let [lit, shadow] = sampling(mesh, &areas_m2, |f| [sunlight(f), light(f), arrived.difference[f]]);
+            sampled = Some(Sampling { lit, shadow, spectra: carried.palette.error });
+            arrived.rows
         } else {
-            let sent = before.to_be_sent(&colours, n, &watts, mesh, is_warm);
-            let share = sent.total_w(&colours, n, &watts, &areas_m2, mesh) / first_w;
+            let sent = before.to_be_sent(mesh);
+            let share = sent.total_w(&areas_m2, mesh) / first_w;
             if share.is_nan() || share <= FAINT {
                 break;
             }
             let Exchange { directions, lines_per_facet, .. } = exchange.for_share(share);
             let give = |row: &mut [f64], from: u32, _: Lit, lines: f64| {
-                sent.give(mesh, &bounce, row, from, lines);
+                sent.give(mesh, row, from, lines);
                 0.0
             };
             let fewer = bundles.with(directions, lines_per_facet);
-            pass(&fewer, &areas_m2, columns, |_, _, _| Lit::default(), give, watch)?
+            pass(&fewer, &areas_m2, columns, |_, _, _| Lit::default(), give, watch)?.rows
         };
-        let rows = arrived.rows;
-        before = Received { rows, columns };
-        before.add_to(&mut levels[n.min(colours.told_apart())], bounce.after);
-        if is_warm {
-            before.warm(&mut absorbed_w_m2, &colours, n, &watts, mesh);
-        }
+        before = Received { carried: &carried, rows };
+        before.add_to(&mut light);
+        before.warm(&mut absorbed_w_m2, mesh);
     }
     drop(before);
     table.sampling = sampled;
-    table.reflected = columns(&colours, levels, mesh.facets.len());
+    table.reflected = reflected(carried.palette, &light);
     if is_warm {
         warm(scene, table, &absorbed_w_m2);
     }
     Ok(())
 }
 
-/// Total irradiance of the sources' light, W m-2, where its geometric one is 1; and the share of it that surfaces reflect.
-struct Watts {
-    sources_w_m2: Vec<f64>,
-    /// The same, to tell how much of it is left after a bounce: 1 each if none is known, as of sources of which only the light in bands is.
-    weights_w_m2: Vec<f64>,
+/// What lines carry, a number each: light at some wavelengths, W m-2 um-1; all light, W m-2; and heat, W m-2, if there is any.
+struct Carried {
+    palette: Palette,
+    /// [material, source, column but heat]: what is sent of an irradiance of 1.
+    of_sources: Vec<f64>,
+    /// [material, column but heat]: what is sent of what has been received.
+    of_received: Vec<f64>,
+    /// Whether all light is known, and not only that at some wavelengths: else each source counts as 1, to tell how much is left after a bounce.
+    is_known: bool,
+    is_warm: bool,
+    sources: usize,
+    /// Of each material.
     albedo: Vec<f64>,
     emissivity: Vec<f64>,
 }
 
-impl Watts {
-    fn new(scene: &Scene) -> Self {
+impl Carried {
+    fn new(scene: &Scene, bounces: u32, is_warm: bool) -> Self {
         let sun_w_m2 = scene.sky.sun.total_irradiance_w_m2();
         let of = |kind| match kind {
             SourceKind::Beam(total_w_m2) => total_w_m2,
@@ -113,31 +115,67 @@ impl Watts {
             // What a facet absorbs of that is known already.
             SourceKind::Glow(_) => 0.0,
         };
-        let materials = &scene.body.materials;
-        let sources_w_m2: Vec<f64> = scene.sources().iter().map(|source| of(source.kind)).collect();
+        let mut sources_w_m2: Vec<f64> = scene.sources().iter().map(|source| of(source.kind)).collect();
         let is_known = sources_w_m2.iter().any(|w_m2| *w_m2 > 0.0);
-        Watts {
-            weights_w_m2: if is_known { sources_w_m2.clone() } else { vec![1.0; sources_w_m2.len()] },
-            sources_w_m2,
-            albedo: materials.iter().map(|m| m.bond_albedo).collect(),
-            emissivity: materials.iter().map(|m| m.emissivity_bolometric).collect(),
+        if !is_known {
+            sources_w_m2.fill(1.0);
+        }
+        let materials = &scene.body.materials;
+        let albedo: Vec<f64> = materials.iter().map(|material| material.bond_albedo).collect();
+        let palette = Palette::of(scene, bounces);
+        let (mut of_sources, mut of_received) = (vec![], vec![]);
+        for (m, albedo) in albedo.iter().enumerate() {
+            for (s, w_m2) in sources_w_m2.iter().enumerate() {
+                of_sources.extend(palette.nodes.iter().map(|node| node.sources[s] * node.reflectance[m]));
+                of_sources.push(w_m2 * albedo);
+            }
+            of_received.extend(palette.nodes.iter().map(|node| node.reflectance[m]));
+            of_received.push(*albedo);
+        }
+        Carried {
+            palette,
+            of_sources,
+            of_received,
+            is_known,
+            is_warm,
+            sources: sources_w_m2.len(),
+            albedo,
+            emissivity: materials.iter().map(|material| material.emissivity_bolometric).collect(),
         }
     }
 
-    /// Of each colour after a bounce.
-    fn of(&self, colours: &Colours, bounce: usize) -> Vec<f64> {
-        self.by(&self.sources_w_m2, colours, bounce)
+    /// The column of all light; those before it are of wavelengths.
+    fn light(&self) -> usize {
+        self.palette.nodes.len()
     }
 
-    fn by(&self, sources_w_m2: &[f64], colours: &Colours, bounce: usize) -> Vec<f64> {
-        let reflected = |by: &[MaterialId]| by.iter().map(|m| self.albedo[m.0 as usize]).product::<f64>();
-        colours.after(bounce).iter().map(|c| sources_w_m2[c.source] * reflected(&c.by)).collect()
+    fn columns(&self) -> usize {
+        self.light() + 1 + usize::from(self.is_warm)
+    }
+
+    /// What a material sends of a source's light.
+    fn of_source(&self, material: usize, source: usize) -> &[f64] {
+        let columns = self.light() + 1;
+        let first = (material * self.sources + source) * columns;
+        &self.of_sources[first..first + columns]
+    }
+
+    /// What it sends of what it has received.
+    fn of_received(&self, material: usize) -> &[f64] {
+        let columns = self.light() + 1;
+        &self.of_received[material * columns..(material + 1) * columns]
+    }
+
+    /// What it absorbs of light, W m-2.
+    fn absorbed_w_m2(&self, material: usize, row: &[f64]) -> f64 {
+        if self.is_known { (1.0 - self.albedo[material]) * row[self.light()] } else { 0.0 }
     }
 }
 
 /// What facets send of what sources send them, and of their own heat.
 struct Direct<'a> {
     scene: &'a Scene,
+    carried: &'a Carried,
     sources: Vec<&'a Lighting>,
     /// [facet, source]: irradiance where it is lit, over what of light from everywhere is reflected alike.
     irradiance: Vec<f64>,
@@ -146,7 +184,7 @@ struct Direct<'a> {
 }
 
 impl<'a> Direct<'a> {
-    fn new(scene: &'a Scene, table: &'a FacetTable, is_warm: bool) -> Self {
+    fn new(scene: &'a Scene, table: &'a FacetTable, carried: &'a Carried) -> Self {
         let albedo = |material: &Material| {
             let (albedos, factor) = material.photometry.model()?.absorbing(material.bond_albedo)?;
             (material.bond_albedo > 0.0).then_some((albedos, factor / material.bond_albedo))
@@ -183,142 +221,135 @@ impl<'a> Direct<'a> {
         };
         Direct {
             scene,
+            carried,
             sources: table.sources.iter().collect(),
             irradiance: (0..materials.len()).flat_map(of_facet).collect(),
-            heat_w_m2: if is_warm { (0..materials.len()).map(heat).collect() } else { vec![] },
+            heat_w_m2: if carried.is_warm { (0..materials.len()).map(heat).collect() } else { vec![] },
         }
     }
 
-    /// Gives how much light that is.
-    fn give(&self, bounce: &Bounce, row: &mut [f64], from: u32, lit: Lit, lines: f64) -> f64 {
+    /// Gives how much light that is, W m-2.
+    fn give(&self, row: &mut [f64], from: u32, lit: Lit, lines: f64) -> f64 {
         let facet = from as usize;
         let material = self.scene.body.mesh.material[facet].0 as usize;
-        let becomes = &bounce.becomes[material * bounce.before..(material + 1) * bounce.before];
-        let of_sources = &self.irradiance[facet * becomes.len()..(facet + 1) * becomes.len()];
-        let mut light = 0.0;
-        for (s, ((colour, factor), irradiance)) in becomes.iter().zip(of_sources).enumerate() {
-            let lit = lit.by(s).unwrap_or_else(|| share(&self.sources[s].sees, facet));
-            let more = lines * factor * lit * irradiance;
-            row[*colour] += more;
-            light += more;
+        let of_sources = &self.irradiance[facet * self.sources.len()..(facet + 1) * self.sources.len()];
+        let before = row[self.carried.light()];
+        for (s, irradiance) in of_sources.iter().enumerate() {
+            let amount = lines * irradiance * lit.by(s).unwrap_or_else(|| share(&self.sources[s].sees, facet));
+            if amount != 0.0 {
+                row.iter_mut().zip(self.carried.of_source(material, s)).for_each(|(sum, sent)| *sum += amount * sent);
+            }
         }
+        let light = row[self.carried.light()] - before;
         if let Some([lit_w_m2, shaded_w_m2]) = self.heat_w_m2.get(facet) {
             let sunlit = lit.by(0).unwrap_or(0.0);
-            row[bounce.after] += lines * (sunlit * lit_w_m2 + (1.0 - sunlit) * shaded_w_m2);
+            row[self.carried.light() + 1] += lines * (sunlit * lit_w_m2 + (1.0 - sunlit) * shaded_w_m2);
         }
         light
     }
 
     /// All of it, W: of light and heat alike.
-    fn total_w(&self, watts: &Watts, areas_m2: &[f64]) -> f64 {
+    fn total_w(&self, areas_m2: &[f64]) -> f64 {
+        let light = self.carried.light();
         let of = |f: usize| {
             let material = self.scene.body.mesh.material[f].0 as usize;
-            let lit = self.sources.iter().map(|lighting| share(&lighting.sees, f));
-            let arriving: f64 = (self.sources.iter().zip(&watts.weights_w_m2))
-                .zip(lit)
-                .map(|((lighting, w_m2), lit)| lit * lighting.irradiance[f] * w_m2)
-                .sum();
+            let lit = |s: usize| share(&self.sources[s].sees, f);
+            let of_source =
+                |s: usize| lit(s) * self.sources[s].irradiance[f] * self.carried.of_source(material, s)[light];
             let heat = self.heat_w_m2.get(f).map_or(0.0, |[lit_w_m2, shaded_w_m2]| {
-                let lit = self.sources.first().map_or(0.0, |sun| share(&sun.sees, f));
+                let lit = if self.sources.is_empty() { 0.0 } else { lit(0) };
                 lit * lit_w_m2 + (1.0 - lit) * shaded_w_m2
             });
-            areas_m2[f] * (watts.albedo[material] * arriving + heat)
+            areas_m2[f] * ((0..self.sources.len()).map(of_source).sum::<f64>() + heat)
         };
         (0..areas_m2.len()).map(of).sum()
     }
 }
 
-/// What a bounce has brought: [facet, colour], and then W m-2 of heat, if there is any.
-struct Received {
+/// What a bounce has brought.
+struct Received<'a> {
+    carried: &'a Carried,
+    /// [facet, column].
     rows: Vec<f64>,
-    columns: usize,
 }
 
 /// The same, to be sent on.
 struct Sent<'a> {
-    received: &'a Received,
+    received: &'a Received<'a>,
     /// W m-2 of heat that each facet sends on, if there is any: what it receives, and what it absorbs of light.
     heat_w_m2: Vec<f64>,
 }
 
-impl Received {
-    /// What the facets send on at bounce `n`.
-    fn to_be_sent(&self, colours: &Colours, n: usize, watts: &Watts, mesh: &Mesh, is_warm: bool) -> Sent<'_> {
-        let of_colour = watts.of(colours, n - 1);
-        let heat = |(row, material): (&[f64], &MaterialId)| {
-            (1.0 - watts.albedo[material.0 as usize]) * light_w_m2(row, &of_colour) + row[of_colour.len()]
-        };
-        let rows = || self.rows.par_chunks(self.columns).zip(&mesh.material);
-        Sent { received: self, heat_w_m2: if is_warm { rows().map(heat).collect() } else { vec![] } }
+impl Received<'_> {
+    fn of(&self, facet: usize) -> &[f64] {
+        let columns = self.carried.columns();
+        &self.rows[facet * columns..(facet + 1) * columns]
     }
 
-    /// Adds the light to that of earlier bounces of the same colours.
-    fn add_to(&self, level: &mut Vec<f64>, colours: usize) {
-        let facets = self.rows.len() / self.columns;
-        level.resize(facets * colours, 0.0);
-        for (sums, row) in level.chunks_exact_mut(colours).zip(self.rows.chunks_exact(self.columns)) {
-            sums.iter_mut().zip(row).for_each(|(sum, x)| *sum += x);
+    /// What the facets send on.
+    fn to_be_sent(&self, mesh: &Mesh) -> Sent<'_> {
+        let heat = |(row, material): (&[f64], &MaterialId)| {
+            self.carried.absorbed_w_m2(material.0 as usize, row) + row[self.carried.light() + 1]
+        };
+        let rows = || self.rows.par_chunks(self.carried.columns()).zip(&mesh.material);
+        Sent { received: self, heat_w_m2: if self.carried.is_warm { rows().map(heat).collect() } else { vec![] } }
+    }
+
+    /// Adds the light at each wavelength to that of earlier bounces.
+    fn add_to(&self, light: &mut [f64]) {
+        let wavelengths = self.carried.light();
+        if wavelengths > 0 {
+            let rows = self.rows.chunks_exact(self.carried.columns());
+            for (sums, row) in light.chunks_exact_mut(wavelengths).zip(rows) {
+                sums.iter_mut().zip(row).for_each(|(sum, x)| *sum += x);
+            }
         }
     }
 
-    /// Adds what each facet absorbs, W m-2.
-    fn warm(&self, absorbed_w_m2: &mut [f64], colours: &Colours, n: usize, watts: &Watts, mesh: &Mesh) {
-        let of_colour = watts.of(colours, n);
-        let rows = self.rows.par_chunks(self.columns).zip(&mesh.material);
+    /// Adds what each facet absorbs, W m-2, if there is heat.
+    fn warm(&self, absorbed_w_m2: &mut [f64], mesh: &Mesh) {
+        let rows = self.rows.par_chunks(self.carried.columns()).zip(&mesh.material);
         absorbed_w_m2.par_iter_mut().zip(rows).for_each(|(sum, (row, material))| {
             let m = material.0 as usize;
-            *sum += (1.0 - watts.albedo[m]) * light_w_m2(row, &of_colour) + watts.emissivity[m] * row[of_colour.len()];
+            *sum += self.carried.absorbed_w_m2(m, row) + self.carried.emissivity[m] * row[self.carried.light() + 1];
         });
     }
 }
 
-/// Light of all colours, W m-2.
-fn light_w_m2(row: &[f64], of_colour: &[f64]) -> f64 {
-    row.iter().zip(of_colour).map(|(x, w_m2)| x * w_m2).sum()
-}
-
 impl Sent<'_> {
-    /// Power sent at bounce `n`, W: of light and heat alike.
-    fn total_w(&self, colours: &Colours, n: usize, watts: &Watts, areas_m2: &[f64], mesh: &Mesh) -> f64 {
-        let of_colour = watts.by(&watts.weights_w_m2, colours, n - 1);
+    /// Power that is sent, W: of light and heat alike.
+    fn total_w(&self, areas_m2: &[f64], mesh: &Mesh) -> f64 {
+        let carried = self.received.carried;
         let of = |f: usize| {
-            let row = &self.received.rows[f * self.received.columns..];
-            let reflected = watts.albedo[mesh.material[f].0 as usize] * light_w_m2(row, &of_colour);
+            let reflected = carried.albedo[mesh.material[f].0 as usize] * self.received.of(f)[carried.light()];
             areas_m2[f] * (reflected + self.heat_w_m2.get(f).unwrap_or(&0.0))
         };
         (0..areas_m2.len()).map(of).sum()
     }
 
-    fn give(&self, mesh: &Mesh, bounce: &Bounce, row: &mut [f64], from: u32, lines: f64) {
-        let (facet, columns) = (from as usize, self.received.columns);
-        let received = &self.received.rows[facet * columns..(facet + 1) * columns];
-        let material = mesh.material[facet].0 as usize;
-        let becomes = &bounce.becomes[material * bounce.before..(material + 1) * bounce.before];
-        for ((colour, factor), x) in becomes.iter().zip(received) {
-            row[*colour] += lines * factor * x;
-        }
+    fn give(&self, mesh: &Mesh, row: &mut [f64], from: u32, lines: f64) {
+        let (facet, carried) = (from as usize, self.received.carried);
+        let sent = carried.of_received(mesh.material[facet].0 as usize).iter().zip(self.received.of(facet));
+        row.iter_mut().zip(sent).for_each(|(sum, (factor, x))| *sum += lines * factor * x);
         if let Some(heat_w_m2) = self.heat_w_m2.get(facet) {
-            row[bounce.after] += lines * heat_w_m2;
+            row[carried.light() + 1] += lines * heat_w_m2;
         }
     }
 }
 
-/// The light of all bounces, a column for each colour that there is any of.
-fn columns(colours: &Colours, levels: Vec<Vec<f64>>, facets: usize) -> Vec<Reflected> {
-    let mut all = Vec::new();
-    for (n, level) in levels.into_iter().enumerate() {
-        let of_level = colours.after(n);
-        if level.is_empty() {
-            continue;
-        }
-        for (c, colour) in of_level.iter().enumerate() {
-            let irradiance: Vec<f64> = (0..facets).map(|f| level[f * of_level.len() + c]).collect();
-            if irradiance.iter().any(|x| *x > 0.0) {
-                all.push(Reflected { source: colour.source, by: colour.by.clone(), irradiance });
-            }
-        }
-    }
-    all
+/// Columns of the table: light of all bounces, at each wavelength at which there is any.
+fn reflected(palette: Palette, light: &[f64]) -> Vec<Reflected> {
+    let wavelengths = palette.nodes.len();
+    let column = |(k, node): (usize, Node)| Reflected {
+        um: node.um,
+        light: node.light,
+        sources: node.sources,
+        reflectance: node.reflectance,
+        parts: node.spectrum,
+        irradiance: light.iter().skip(k).step_by(wavelengths).copied().collect(),
+    };
+    let all = palette.nodes.into_iter().enumerate().map(column);
+    all.filter(|reflected| reflected.irradiance.iter().any(|x| *x > 0.0)).collect()
 }
 
 /// The temperatures of facets that absorb so much more, W m-2.

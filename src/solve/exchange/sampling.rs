@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::geometry::{Mesh, whole};
-use crate::product::{Sampling, SamplingError};
+use crate::product::SamplingError;
 
 /// Edge of a patch, over that of a square as large as the mean facet: a pixel's worth of facets.
 const EDGE: f64 = 2.0;
@@ -20,8 +20,12 @@ struct Patch {
     difference: f64,
 }
 
-/// Of the facets' `[sunlight, received light, difference of halves]`.
-pub(super) fn sampling(mesh: &Mesh, areas_m2: &[f64], of: impl Fn(usize) -> [f64; 3] + Sync) -> Sampling {
+/// Where the Sun shines and where it does not, of the facets' `[sunlight, received light, difference of halves]`.
+pub(super) fn sampling(
+    mesh: &Mesh,
+    areas_m2: &[f64],
+    of: impl Fn(usize) -> [f64; 3] + Sync,
+) -> [Option<SamplingError>; 2] {
     let (low_m, _) = mesh.bounds_m().unwrap_or_default();
     let edge_m = EDGE * (areas_m2.iter().sum::<f64>() / areas_m2.len().max(1) as f64).sqrt().max(f64::MIN_POSITIVE);
     let place = |f: usize| {
@@ -46,7 +50,7 @@ pub(super) fn sampling(mesh: &Mesh, areas_m2: &[f64], of: impl Fn(usize) -> [f64
         .filter(|patch| patch.area_m2 >= FULL * edge_m * edge_m && patch.received > 0.0)
         .collect();
     let error = |is_lit: bool| error(patches.iter().filter(|patch| (patch.sunlight > 0.0) == is_lit));
-    Sampling { lit: error(true), shadow: error(false) }
+    [true, false].map(error)
 }
 
 /// The whole's error is half the difference of what halves by themselves would say: each is off by sqrt(2) as much as the whole, if not by more, as with few
