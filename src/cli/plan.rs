@@ -66,12 +66,15 @@ fn text(outlook: &Outlook, plan: &Plan, explain: bool) -> String {
         format!("model: {}, tolerance {}", plan.model, plan.tolerance),
         "errors of a pixel, over its radiance or 0.01 of the median sunlit radiance; CPU time on a machine of 2022"
             .to_owned(),
-        format!("{:<46} {:<8} {:>10} {:>10} {:>8}", "effect", "", "sunlit", "in shadow", "CPU s"),
+        format!("{:<46} {:<17} {:>10} {:>10} {:>8}", "effect", "", "sunlit", "in shadow", "CPU s"),
     ];
     for effect in &plan.effects {
         lines.push(row(effect));
         if explain {
             lines.push(format!("    {}", effect.note));
+            lines.extend(
+                effect.stated.as_ref().map(|key| format!("    the scene decides it (`{key}`), not the tolerance")),
+            );
             lines.push(format!("    bound: {}", effect.because));
             if let Some(remaining) = effect.remaining {
                 lines.push(format!(
@@ -118,7 +121,9 @@ fn row(effect: &Effect) -> String {
     let cost = effect.cost_s.map_or(String::new(), |s| rounded(s, 2));
     let name = format!("{} ({})", effect.name, effect.key);
     let name = if effect.key == effect.name { effect.name.clone() } else { name };
-    format!("{:<46} {:<8} {:>10} {:>10} {:>8}", name, word(effect.decision), of(|b| b.lit), of(|b| b.shadow), cost)
+    let by_scene = if effect.stated.is_some() { " by scene" } else { "" };
+    let decision = format!("{}{by_scene}", word(effect.decision));
+    format!("{name:<46} {decision:<17} {:>10} {:>10} {cost:>8}", of(|b| b.lit), of(|b| b.shadow))
 }
 
 pub(super) fn word(decision: Decision) -> &'static str {
@@ -143,19 +148,20 @@ fn totals(plan: &Plan) -> Vec<String> {
     vec![
         format!("dropped, together: {}", sum(plan.dropped)),
         format!("left of what is kept: {}", sum(plan.remaining)),
-        format!("that is {verdict}; what is open, because an input is missing, is not counted"),
+        format!(
+            "that is {verdict}; what is open, because an input is missing, is not counted, nor what the scene leaves out"
+        ),
     ]
 }
 
 /// The plan in a line: what is kept, dropped and open.
 pub(super) fn in_short(plan: &Plan) -> String {
     let of = |decision: Decision| {
-        let keys: Vec<&str> = plan
-            .effects
-            .iter()
-            .filter(|effect| effect.decision == decision)
-            .map(|effect| effect.key.as_str())
-            .collect();
+        let named = |effect: &Effect| match &effect.stated {
+            Some(key) => format!("{} (by {key})", effect.key),
+            None => effect.key.clone(),
+        };
+        let keys: Vec<String> = plan.effects.iter().filter(|effect| effect.decision == decision).map(named).collect();
         if keys.is_empty() { String::new() } else { format!("; {}: {}", word(decision), keys.join(", ")) }
     };
     let parts: String = [Decision::Kept, Decision::Dropped, Decision::Open].map(of).concat();

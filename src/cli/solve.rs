@@ -35,8 +35,11 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let files = TableFiles::stage(&arguments.output, arguments.radiance, arguments.force)?;
     let mut subject = Subject::open(&arguments.scene, &watch)?;
     product::say_defaults(&subject, console);
-    subject.warnings.iter().for_each(|warning| console.note(&format!("warning: {warning}")));
+    let tell = |warnings: &[String]| warnings.iter().for_each(|warning| console.note(&format!("warning: {warning}")));
+    tell(&subject.warnings);
+    let told = subject.warnings.len();
     let table = job::solve(&mut subject, &arguments.request.request(), files, &watch)?;
+    tell(&subject.warnings[told..]);
     let (path, facets) = (arguments.output.display().to_string(), table.facets());
     let defaults: Vec<String> = subject.defaults.iter().map(ToString::to_string).collect();
     let radiance = arguments.radiance.map(|_| job::radiance_path(&arguments.output).display().to_string());

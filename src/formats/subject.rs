@@ -51,8 +51,33 @@ impl Subject {
     /// Those of [`npz::read_table`]; [`Error::Invalid`] for a table of another scene.
     pub fn read_table(&mut self, path: &Path) -> Result<FacetTable> {
         let (mut table, header) = npz::read_table(path)?;
+        let file = self.inputs.first().map_or("SCENE".into(), |input| input.path.display().to_string());
+        let help = format!("solve it again: mmxrt solve {file} -o TABLE.npz");
         match header.models {
-            Some(models) => self.scene = self.scene.by(models)?,
+            Some(models) => {
+                let stated = self.scene.models;
+                // Which effects there are is a choice; how cold the ground gets is not.
+                if models.thermal == Thermal::Equilibrium && models.floor_k != stated.floor_k {
+                    let floor =
+                        |floor_k: f64| if floor_k > 0.0 { format!("{floor_k} K") } else { "no floor".to_owned() };
+                    let message = format!(
+                        "was solved with another `thermal.floor_k`: {}, and the scene has {}",
+                        floor(models.floor_k),
+                        floor(stated.floor_k)
+                    );
+                    return Err(Error::Invalid(vec![Problem::new(Location::file(path), message).with_help(help)]));
+                }
+                let others = models.against(&stated);
+                if !others.is_empty() {
+                    let keys: Vec<String> = others.iter().map(|key| format!("`{key}`")).collect();
+                    self.warnings.push(format!(
+                        "{} was solved otherwise than the scene states by {}: what the table says counts; {help}",
+                        path.display(),
+                        keys.join(", ")
+                    ));
+                }
+                self.scene = self.scene.by(models)?;
+            }
             None => table.models = self.scene.models,
         }
         if header.scene == study::table_id(&self.scene) {
@@ -71,9 +96,7 @@ impl Subject {
                 follow.join(", ")
             ),
         };
-        let scene = self.inputs.first().map_or("SCENE".into(), |input| input.path.display().to_string());
-        let help = format!("solve it again: mmxrt solve {scene} -o TABLE.npz{follow}");
-        Err(Error::Invalid(vec![problem.with_help(help)]))
+        Err(Error::Invalid(vec![problem.with_help(help + &follow)]))
     }
 
     /// Values of the heat balance that the input leaves open, if temperatures depend on them.

@@ -40,7 +40,7 @@ pub fn plan(path: &Path, request: &Request, watch: Watch<'_>) -> Result<(Outlook
     let file = scene_toml::read(path, watch)?;
     let simulable = file.simulable();
     let mut subject = Subject::from(file);
-    let (extremes, plan) = super::plan::decide(&mut subject.scene, request, watch)?;
+    let (extremes, plan) = super::plan::decide(&mut subject, request, watch)?;
     Ok((outlook(subject, &extremes, &plan, simulable), plan))
 }
 

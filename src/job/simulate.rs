@@ -24,7 +24,7 @@ pub fn simulate(
 ) -> Result<Written> {
     folder.admit(&subject, [], false)?;
     let wanted = Wanted { footprints: folder.options().footprints, ..Wanted::default() };
-    let (extremes, plan) = super::plan::decide(&mut subject.scene, request, watch)?;
+    let (extremes, plan) = super::plan::decide(&mut subject, request, watch)?;
     let table = solve::solve(&subject.scene, watch)?;
     let mut product = folder.open(&subject.scene)?;
     let mut put = |slab| product.put(slab, watch);

@@ -105,7 +105,7 @@ pub fn radiance_path(table: &Path) -> PathBuf {
 pub fn solve(subject: &mut Subject, request: &Request, files: TableFiles, watch: Watch<'_>) -> Result<FacetTable> {
     let TableFiles { staged, radiance } = files;
     staged.spares(subject.inputs.iter().map(|input| input.path.as_path()))?;
-    super::plan::decide(&mut subject.scene, request, watch)?;
+    super::plan::decide(subject, request, watch)?;
     let scene = &subject.scene;
     let table = solver::solve(scene, watch)?;
     let id = study::table_id(scene);

@@ -28,7 +28,7 @@ pub use exposure::Exposure;
 pub(crate) use exposure::LEAST_PITCH;
 pub use globe::{Globe, MARS_ALBEDO, MARS_DAY_NIGHT_K, SAME_SUNLIGHT, SunOnGlobe};
 pub use material::Material;
-pub use models::{Exchange, MarsModel, Models, SunModel, Thermal};
+pub use models::{Exchange, Fixed, MarsModel, Models, SunModel, Thermal};
 pub(crate) use photometry::TOLERANCE;
 pub use photometry::{Hapke, Model, Photometry, Rpv, problems as model_problems};
 pub use sky::{Beam, Rotation, Sky, Sun};

@@ -29,6 +29,78 @@ pub struct Models {
     pub floor_k: f64,
     /// How many bodies of the sky besides Mars light and warm the surface, those that fill the most sky first. Others are there to be seen.
     pub bodies: u32,
+    /// Which of these choices no plan may make otherwise.
+    #[serde(skip_serializing_if = "Fixed::is_nothing")]
+    pub fixed: Fixed,
+}
+
+/// Choices that a scene states itself: what a tolerance decides leaves them as they are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Fixed {
+    /// How warm the surface is, and whether heat is conducted.
+    pub thermal: bool,
+    /// How Mars lights it.
+    pub mars_light: bool,
+    /// What the Sun is.
+    pub sun: bool,
+    /// Whether bodies of the sky hide the Sun.
+    pub eclipses: bool,
+    /// What terrain may hide of Mars.
+    pub mars_shadows: bool,
+    /// Whether Mars' own heat lights the surface.
+    pub mars_heat: bool,
+}
+
+impl Fixed {
+    /// Each with the key of a scene file that states it.
+    pub fn by_key(&self) -> [(&'static str, bool); 6] {
+        let Fixed { thermal, mars_light, sun, eclipses, mars_shadows, mars_heat } = *self;
+        [
+            ("thermal.model", thermal),
+            ("mars.model", mars_light),
+            ("sun.points", sun),
+            ("mars.eclipse", eclipses),
+            ("mars.points", mars_shadows),
+            ("mars.heat", mars_heat),
+        ]
+    }
+
+    /// Whether all choices are open.
+    pub fn is_nothing(&self) -> bool {
+        *self == Fixed::default()
+    }
+}
+
+impl Models {
+    /// The choices that a scene file has to state so that it is read as these models: those that are fixed, and those that no default makes.
+    pub fn to_state(&self) -> Fixed {
+        let usual = Models::default();
+        Fixed {
+            thermal: self.fixed.thermal || self.thermal != usual.thermal,
+            mars_light: self.fixed.mars_light || self.mars_light != usual.mars_light,
+            sun: self.fixed.sun || self.sun != usual.sun,
+            eclipses: self.fixed.eclipses || self.eclipses != usual.eclipses,
+            mars_shadows: self.fixed.mars_shadows || self.mars_shadows != usual.mars_shadows,
+            mars_heat: self.fixed.mars_heat || self.mars_heat != usual.mars_heat,
+        }
+    }
+}
+
+impl Models {
+    /// Keys whose choice a scene states, and of which these models make another.
+    pub fn against(&self, stated: &Models) -> Vec<&'static str> {
+        let differs = Fixed {
+            thermal: (self.thermal, self.conduction) != (stated.thermal, stated.conduction),
+            mars_light: self.mars_light != stated.mars_light,
+            sun: self.sun != stated.sun,
+            eclipses: self.eclipses != stated.eclipses,
+            mars_shadows: self.mars_shadows != stated.mars_shadows,
+            mars_heat: self.mars_heat != stated.mars_heat,
+        };
+        let both = stated.fixed.by_key().into_iter().zip(differs.by_key());
+        both.filter(|((_, is_stated), (_, differs))| *is_stated && *differs).map(|((key, _), _)| key).collect()
+    }
 }
 
 impl Default for Models {
@@ -44,6 +116,7 @@ impl Default for Models {
             exchange: None,
             floor_k: 0.0,
             bodies: u32::MAX,
+            fixed: Fixed::default(),
         }
     }
 }

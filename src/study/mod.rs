@@ -31,7 +31,7 @@ pub use effects::{Bound, Decision, Effect, OwnTolerance, StageShare};
 pub use extremes::Extremes;
 pub use maps::{Fill, MapAccount, MapEntry, MapOptions, RegistrationEntry, observe_maps, observe_maps_by_slabs};
 pub use observation::{Check, Counts, Observation, Put};
-pub use plan::{Choice, Plan, Request, TOLERANCE, decide, left_out_of_table, plan};
+pub use plan::{Choice, Plan, Request, TOLERANCE, decide, left_out_of_table, plan, unheeded};
 pub use simulate::{observe, observe_by_slabs, simulate};
 pub use summary::Summary;
 pub use surfaces::{

@@ -9,7 +9,7 @@ use super::effects::{ALL, Bound, Decision, Effect, EffectKind, Given, Switch, ef
 use super::extremes::Extremes;
 use crate::error::{Error, Location, Result};
 use crate::progress::{Watch, tell};
-use crate::scene::{MarsModel, Models, Scene, Thermal};
+use crate::scene::{Fixed, MarsModel, Models, Scene, Setup, Thermal};
 
 /// The tolerance unless another one is asked for.
 pub const TOLERANCE: f64 = 1e-3;
@@ -95,7 +95,8 @@ pub struct Plan {
     pub model: String,
     /// The tolerance, relative, as bounds are.
     pub tolerance: f64,
-    /// The sum of the bounds of effects that are dropped; null if one of them is not known. Open ones don't count, nor what has a tolerance of its own.
+    /// The sum of the bounds of effects that are dropped; null if one of them is not known. Open ones don't count, nor those that the
+    /// scene itself leaves out, nor what has a tolerance of its own.
     pub dropped: Option<Bound>,
     /// The sum of what is left of those that are kept; null if one of them is not known.
     pub remaining: Option<Bound>,
@@ -127,6 +128,7 @@ pub fn left_out_of_table(effects: &[Effect]) -> Option<String> {
     let matters = |effect: &&Effect| {
         effect.decision == Decision::Dropped
             && effect.own.is_none()
+            && effect.stated.is_none()
             && effect.bound.is_none_or(|bound| bound.most() > TOLERANCE)
     };
     let keys: Vec<&str> = effects.iter().filter(matters).map(|effect| effect.key.as_str()).collect();
@@ -138,9 +140,43 @@ pub fn left_out_of_table(effects: &[Effect]) -> Option<String> {
     })
 }
 
+/// What of a request does not come about, or not as the scene states it, as sentences: a list names what the scene cannot feed, or leaves out what it states.
+pub fn unheeded(stated: &Setup, request: &Request, planned: &Models, plan: &Plan) -> Vec<String> {
+    let Request { choice, .. } = request;
+    let mut all = Vec::new();
+    if let Choice::Only(keys) = choice {
+        let absent =
+            plan.effects.iter().filter(|effect| keys.contains(&effect.key) && effect.decision != Decision::Kept);
+        all.extend(
+            absent.map(|effect| format!("--model asks for {}, which the result has not: {}", effect.key, effect.note)),
+        );
+    }
+    if matches!(choice, Choice::Only(_) | Choice::Thesis) {
+        let is_there = |switch: &Switch, models: &Models| {
+            let mut without = *models;
+            (switch.remove)(&mut without);
+            without != *models
+        };
+        for (kind, switch) in switches() {
+            let Some(key) = (switch.stated)(&stated.models.fixed) else { continue };
+            match (is_there(switch, &stated.models), is_there(switch, planned)) {
+                (true, false) => all.push(format!(
+                    "--model {choice} leaves out {}, which the scene states (`{key}`): name it in a list, or take --model auto",
+                    kind.key
+                )),
+                (false, true) => {
+                    all.push(format!("--model {choice} has {}, which the scene leaves out (`{key}`)", kind.key));
+                }
+                _ => {}
+            }
+        }
+    }
+    all
+}
+
 /// Decides by which models a scene is simulated.
 ///
-/// Effects whose inputs are missing are left open. Of the others, `auto` drops as many as may change half the tolerance together, the ones with the
+/// Effects whose inputs are missing are left open, and `auto` and `full` leave those as they are that the scene itself decides. Of the others, `auto` drops as many as may change half the tolerance together, the ones with the
 /// smallest bounds first, and keeps the rest, each as good as its share of the other half wants.
 ///
 /// # Errors
@@ -153,12 +189,15 @@ pub fn plan(scene: &Scene, extremes: &Extremes, request: &Request) -> Result<(Mo
     let given = Given::new(scene, extremes, &extremes.sunlit);
     let models = match choice {
         Choice::Thesis => thesis(),
-        Choice::Full => chosen(&given, *tolerance, |_, _| true),
-        Choice::Only(keys) => chosen(&given, *tolerance, |kind, _| keys.iter().any(|key| key == kind.key)),
+        Choice::Full => chosen(&given, scene.models.fixed, *tolerance, |_| true),
+        // Who names effects decides.
+        Choice::Only(keys) => {
+            chosen(&given, Fixed::default(), *tolerance, |kind| keys.iter().any(|key| key == kind.key))
+        }
         Choice::Auto => {
-            let all = given.by(chosen(&given, *tolerance, |_, _| true));
+            let all = given.by(chosen(&given, scene.models.fixed, *tolerance, |_| true));
             let dropped = least_that_fit(&all, 0.5 * tolerance);
-            chosen(&given, *tolerance, |kind, _| !dropped.contains(&kind.key))
+            chosen(&given, scene.models.fixed, *tolerance, |kind| !dropped.contains(&kind.key))
         }
     };
     Ok((models, account(scene, &given.by(models), request)))
@@ -195,8 +234,9 @@ pub(super) fn account(scene: &Scene, given: &Given, request: &Request) -> Plan {
         None => false,
     };
     let sum = |decision: Decision, of: &dyn Fn(&Effect) -> Option<Bound>| {
-        let parts =
-            ALL.iter().zip(&effects).filter(|(kind, effect)| effect.decision == decision && !is_apart(kind, decision));
+        let counts =
+            |effect: &Effect| effect.decision == decision && (decision == Decision::Kept || effect.stated.is_none());
+        let parts = ALL.iter().zip(&effects).filter(|(kind, effect)| counts(effect) && !is_apart(kind, decision));
         parts.map(|(_, effect)| of(effect)).try_fold(Bound::NOTHING, |sum, part| Some(sum.and(&part?)))
     };
     let mut plan = Plan {
@@ -217,17 +257,22 @@ fn thesis() -> Models {
     Models { thermal: Thermal::Thesis, mars_light: MarsModel::Thesis, bodies: 0, ..Models::default() }
 }
 
-/// Models with the effects that are wanted of those that there are.
-fn chosen(given: &Given, tolerance: f64, wants: impl Fn(&EffectKind, &Switch) -> bool) -> Models {
-    let switches = || ALL.iter().filter_map(|kind| Some((kind, kind.switch.as_ref()?)));
-    let wanted: Vec<_> = switches().filter(|(kind, switch)| wants(kind, switch)).collect();
+/// Effects that can be chosen.
+fn switches() -> impl Iterator<Item = (&'static EffectKind, &'static Switch)> {
+    ALL.iter().filter_map(|kind| Some((kind, kind.switch.as_ref()?)))
+}
+
+/// Models with the effects that are wanted of those that there are; what is fixed stays as the scene has it.
+fn chosen(given: &Given, fixed: Fixed, tolerance: f64, wants: impl Fn(&EffectKind) -> bool) -> Models {
+    let free = || switches().filter(|(_, switch)| (switch.stated)(&fixed).is_none());
+    let wanted: Vec<_> = free().filter(|(kind, _)| wants(kind)).collect();
     // What has a tolerance of its own has half of it for itself.
     let sharing = wanted.iter().filter(|(_, switch)| switch.own.is_none()).count();
     let share_of =
         |switch: &Switch| if switch.own.is_some() { 0.5 * tolerance } else { 0.5 * tolerance / sharing as f64 };
     let stated = &given.scene.models;
-    let mut models = *stated;
-    switches().for_each(|(_, switch)| (switch.remove)(&mut models));
+    let mut models = Models { fixed, ..*stated };
+    free().for_each(|(_, switch)| (switch.remove)(&mut models));
     wanted.into_iter().for_each(|(_, switch)| {
         (switch.add)(&mut models, stated, given, share_of(switch));
     });
@@ -241,17 +286,15 @@ fn least_that_fit(all: &Given, most: f64) -> Vec<&'static str> {
         (switch.remove)(&mut models);
         models
     };
-    let fits_itself = |kind: &'static EffectKind| {
-        let switch = kind.switch.as_ref()?;
+    let free = || switches().filter(|(_, switch)| (switch.stated)(&all.models.fixed).is_none());
+    let fits_itself = |(kind, switch): (&'static EffectKind, &'static Switch)| {
         let left = (switch.own.filter(|_| switch.drops_by_own)?)(all, &without(switch)).left;
         (left <= most).then_some(kind.key)
     };
-    let mut dropped: Vec<&str> = ALL.iter().filter_map(fits_itself).collect();
-    let bound = |kind: &'static EffectKind| {
-        kind.switch.as_ref().filter(|switch| !switch.drops_by_own)?;
-        Some((kind.key, kind.in_scene(all).bound?.most()))
-    };
-    let mut bounds: Vec<(&str, f64)> = ALL.iter().filter_map(bound).collect();
+    let mut dropped: Vec<&str> = free().filter_map(fits_itself).collect();
+    let summed = free().filter(|(_, switch)| !switch.drops_by_own);
+    let mut bounds: Vec<(&str, f64)> =
+        summed.filter_map(|(kind, _)| Some((kind.key, kind.in_scene(all).bound?.most()))).collect();
     bounds.sort_by(|a, b| a.1.total_cmp(&b.1));
     let mut sum = 0.0;
     let fits = |(_, bound): &(&str, f64)| {

@@ -28,6 +28,7 @@ pub fn table_id(scene: &Scene) -> String {
                 exchange,
                 floor_k,
                 bodies: _,
+                fixed: _,
             },
     } = &**scene;
     let Surface { origin_m, mesh, materials, textures: _ } = &**body;

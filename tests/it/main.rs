@@ -89,6 +89,7 @@ mod shared_body;
 mod sides;
 mod slabs;
 mod stability;
+mod stated_choices;
 mod subset;
 mod spectra;
 mod spectra_from_the_wild;

@@ -13,8 +13,8 @@ use crate::formats::mesh_file::ColouredMesh;
 use crate::formats::mtl::ObjMaterial;
 use crate::geometry::{FrameCamera, MaterialId, Mesh, Pose};
 use crate::scene::{
-    Beam, Exposure, Globe, Hapke, Material, Model, Models, Photometry, Rotation, Rpv, Scene, Setup, Sky, Sun, Surface,
-    Texture,
+    Beam, Exposure, Fixed, Globe, Hapke, Material, Model, Models, Photometry, Rotation, Rpv, Scene, Setup, Sky, Sun,
+    Surface, Texture,
 };
 use crate::spectral::{Band, Column, Extend, SpectralLibrary, Spectrum};
 
@@ -197,6 +197,7 @@ impl Lines {
                     exchange,
                     floor_k,
                     bodies: _,
+                    fixed: _,
                 },
         } = &**a;
         let Surface { origin_m, mesh, materials, textures } = &**body;
@@ -253,8 +254,19 @@ impl Lines {
         self.debugged("mars.eclipse", eclipses, &b.models.eclipses);
         self.debugged("mars.points", mars_shadows, &b.models.mars_shadows);
         self.debugged("mars.heat", mars_heat, &b.models.mars_heat);
+        self.stated(&a.models.to_state(), &b.models.to_state());
         self.debugged("light between facets", exchange, &b.models.exchange);
         self.exposures(exposure, &b.exposure);
+    }
+
+    /// What one of them leaves to a plan.
+    fn stated(&mut self, a: &Fixed, b: &Fixed) {
+        for ((key, a), (_, b)) in a.by_key().into_iter().zip(b.by_key()) {
+            let said = |is: bool| if is { "is stated" } else { "is left to the plan" };
+            if a != b {
+                self.push(key, said(a), said(b));
+            }
+        }
     }
 
     fn materials(&mut self, at: &str, (a, all_a): (&Material, &[Material]), (b, all_b): (&Material, &[Material])) {

@@ -15,8 +15,8 @@ use crate::formats::scene_toml::types::{LightToml, ShapeToml};
 use crate::geometry::{Direction, Mesh, index_u32};
 use crate::physics::sun_disc::DiscRule;
 use crate::scene::{
-    Beam, Globe, Hapke, MARS_DAY_NIGHT_K, MarsModel, Material, Models, Photometry, Rotation, Rpv, Scene, Sky, Sun,
-    SunModel, Thermal,
+    Beam, Fixed, Globe, Hapke, MARS_DAY_NIGHT_K, MarsModel, Material, Models, Photometry, Rotation, Rpv, Scene, Sky,
+    Sun, SunModel, Thermal,
 };
 use crate::spectral::{Band, Extend, Light, Response, Spectrum, solar_e490};
 
@@ -54,6 +54,9 @@ pub struct Sidecar {
     sun: SunPart,
     #[serde(skip_serializing_if = "Option::is_none")]
     mars: Option<MarsPart>,
+    /// Which choices of models the scene states itself.
+    #[serde(default, skip_serializing_if = "Fixed::is_nothing")]
+    fixed: Fixed,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     day: Option<DayPart>,
     #[serde(default, rename = "body", skip_serializing_if = "Vec::is_empty")]
@@ -278,6 +281,7 @@ impl Sidecar {
             },
             conduction_steps: scene.models.conduction,
             floor_k: scene.models.floor_k,
+            fixed: scene.models.fixed,
             eclipse: scene.models.eclipses && scene.sky.mars.is_none(),
             day: scene
                 .sky
@@ -444,6 +448,7 @@ impl Sidecar {
             mars_heat,
             conduction,
             floor_k: self.floor_k,
+            fixed: self.fixed,
             ..Models::default()
         }
     }

@@ -27,8 +27,8 @@ use crate::geometry::{Direction, Pose};
 use crate::physics::sun_disc::DiscRule;
 use crate::progress::{Progress, Watch};
 use crate::scene::{
-    FARTHEST_M, Globe, MARS_ALBEDO, MARS_DAY_NIGHT_K, MarsModel, Models, Rotation, STEPS_OF_A_DAY, Scene, SceneParts,
-    Sky, Sun, SunModel, Surface, Texture, Thermal,
+    FARTHEST_M, Fixed, Globe, MARS_ALBEDO, MARS_DAY_NIGHT_K, MarsModel, Models, Rotation, STEPS_OF_A_DAY, Scene,
+    SceneParts, Sky, Sun, SunModel, Surface, Texture, Thermal,
 };
 use crate::spectral::{Extend, Spectrum, SunTotal, solar_e490};
 use crate::units::{AU_M, MARS_RADIUS_M, SUN_RADIUS_M, TSI_1AU_W_M2};
@@ -240,13 +240,13 @@ impl TomlReader<'_> {
         let mars = toml.mars.as_ref().map(|mars| self.mars(mars));
         let mars_light = toml.mars.as_ref().map(|mars| self.mars_light(mars)).unwrap_or_default();
         let thermal = self.thermal(toml.thermal.as_ref());
-        let (rotation, conduction) = self.day(toml.thermal.as_ref());
+        let stores_heat = dictionary.materials.iter().flatten().any(|material| material.thermal_inertia > 0.0);
+        let (rotation, conduction) = self.day(toml.thermal.as_ref(), stores_heat);
         let beams = self.lamps(&toml.lamps);
         let sun_model = self.sun_model(&toml.sun);
         let bodies = self.bodies(&toml.bodies);
-        let hide_sun = toml.mars.iter().map(|mars| mars.eclipse).chain(toml.bodies.iter().map(|body| body.eclipse));
-        let eclipses = hide_sun.flatten().any(|hides| hides);
-        let mars_heat = toml.mars.as_ref().and_then(|mars| mars.heat).unwrap_or(false);
+        let eclipses = self.eclipses(toml);
+        let mars_heat = toml.mars.as_ref().and_then(|mars| mars.heat);
         let mars_shadows = self.rule("mars.points", toml.mars.as_ref().and_then(|mars| mars.points));
         let pose = self.camera_pose(toml.observer.as_ref(), by_angles.camera);
         let exposure = self.exposure(&toml.sensor, pose, mesh.as_ref());
@@ -271,12 +271,20 @@ impl TomlReader<'_> {
                 thermal,
                 mars_light,
                 sun: sun_model,
-                eclipses,
+                eclipses: eclipses.unwrap_or(false),
                 mars_shadows,
-                mars_heat,
+                mars_heat: mars_heat.unwrap_or(false),
                 conduction,
                 exchange: None,
                 floor_k: toml.thermal.as_ref().and_then(|thermal| thermal.floor_k).unwrap_or(0.0),
+                fixed: Fixed {
+                    thermal: toml.thermal.as_ref().is_some_and(|thermal| thermal.model.is_some()),
+                    mars_light: toml.mars.as_ref().is_some_and(|mars| mars.model.is_some()),
+                    sun: toml.sun.points.is_some(),
+                    eclipses: eclipses.is_some(),
+                    mars_shadows: mars_shadows.is_some(),
+                    mars_heat: mars_heat.is_some(),
+                },
                 ..Models::default()
             },
         })
@@ -532,6 +540,19 @@ impl TomlReader<'_> {
         }
     }
 
+    /// Whether bodies of the sky hide the Sun, if the file says so: one choice for all of them.
+    fn eclipses(&mut self, toml: &SceneToml) -> Option<bool> {
+        let of_mars = toml.mars.iter().map(|mars| ("mars.eclipse".to_owned(), mars.eclipse));
+        let of_bodies = toml.bodies.iter().enumerate().map(|(i, body)| (format!("bodies[{i}].eclipse"), body.eclipse));
+        let mut said = of_mars.chain(of_bodies).filter_map(|(item, hides)| Some((item, hides?)));
+        let (first, hides) = said.next()?;
+        if let Some((other, _)) = said.find(|(_, other)| *other != hides) {
+            let message = format!("{} here, but {first} = {hides}: it is one choice for all bodies of the sky", !hides);
+            self.helped(&other, message, "state it once");
+        }
+        Some(hides)
+    }
+
     /// The points that stand for a disc; `None` if the file does not say how many.
     fn rule(&mut self, item: &str, points: Option<u32>) -> Option<DiscRule> {
         let points = points?;
@@ -672,7 +693,7 @@ impl TomlReader<'_> {
     }
 
     /// How the body turns, and in how many steps of a day heat is conducted, if the scene says that it is.
-    fn day(&mut self, toml: Option<&ThermalToml>) -> (Option<Rotation>, Option<u32>) {
+    fn day(&mut self, toml: Option<&ThermalToml>, stores_heat: bool) -> (Option<Rotation>, Option<u32>) {
         let Some(toml) = toml else { return (None, None) };
         let conducts = toml.model == Some(ThermalModelToml::Conduction);
         let axis = match toml.axis {
@@ -696,8 +717,22 @@ impl TomlReader<'_> {
                 );
             }
         }
+        if conducts && !stores_heat {
+            let message = "heat is conducted, but no material stores any: it is \"equilibrium\" until `thermal.inertia`, or `thermal_inertia` of \
+                           materials, says how much";
+            self.note("thermal.model", message);
+        }
+        if let Some(model) = toml.model.filter(|_| toml.steps.is_some() && !conducts) {
+            self.note("thermal.steps", format!("counts for nothing: `model` is {model:?}").to_lowercase());
+        }
         let rotation = axis.zip(toml.period_s).map(|(axis, period_s)| Rotation { axis, period_s });
-        (rotation, (conducts && rotation.is_some()).then(|| toml.steps.unwrap_or(STEPS_OF_A_DAY)))
+        // Without a word about the model the steps are those of a plan that conducts.
+        let steps = match toml.model {
+            Some(ThermalModelToml::Conduction) => Some(toml.steps.unwrap_or(STEPS_OF_A_DAY)),
+            None => toml.steps,
+            Some(_) => None,
+        };
+        (rotation, steps.filter(|_| rotation.is_some() && stores_heat))
     }
 
     fn thermal(&mut self, toml: Option<&ThermalToml>) -> Thermal {

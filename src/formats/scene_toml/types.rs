@@ -527,8 +527,8 @@ pub(crate) struct SunToml {
     /// How much darker its limb is than its middle, u in 1 - u (1 - cos(emission)): some 0.6 in the visible, 0.2 at 3 um. Default 0: a
     /// uniform disc. It matters with `points`.
     pub(crate) limb_darkening: Option<f64>,
-    /// Number of points that stand for its disc, with the penumbrae that these cast: 3, 4, 7, 12, 19, 21 or 37. Default: as
-    /// many as the plan's tolerance takes, or a point where it drops the disc; 1 counts as nothing said.
+    /// Number of points that stand for its disc, with the penumbrae that these cast: 3, 4, 7, 12, 19, 21 or 37; 1 is a point, without penumbrae.
+    /// What is stated here stays, whatever the tolerance. Default: as many as the plan's tolerance takes, or a point where it drops the disc.
     pub(crate) points: Option<u32>,
 }
 
@@ -567,14 +567,15 @@ pub(crate) struct MarsToml {
     /// The same of its night side. Default 200.
     pub(crate) night_k: Option<f64>,
     /// Whether its own heat lights the surface too, in bands that hold heat and sunlight: next to its reflected light it matters beyond
-    /// 3 um. A plan decides it by itself (`--model`); what is said here counts in the library, without a plan.
+    /// 3 um. What is stated here stays, whatever the tolerance. Default: where the plan's tolerance needs it.
     pub(crate) heat: Option<bool>,
-    /// Which equations. Default "near_field".
+    /// Which equations. What is stated here stays, whatever the tolerance. Default "near_field", where the plan's tolerance needs Mars-light.
     pub(crate) model: Option<MarsModelToml>,
-    /// Whether it hides the Sun where it stands before it. A plan decides it by itself (`--model`); what is said here counts in the library, without a plan.
+    /// Whether it hides the Sun where it stands before it: one choice for it and all `bodies`. What is stated here stays, whatever the tolerance.
+    /// Default: where the plan's tolerance needs it.
     pub(crate) eclipse: Option<bool>,
-    /// Number of parts of its disc that terrain may hide: 1, 3, 4, 7, 12, 19, 21 or 37. Default: 7 where the plan keeps
-    /// shadows in Mars-light; else only a facet's own horizon hides some of it.
+    /// Number of parts of its disc that terrain may hide: 1, 3, 4, 7, 12, 19, 21 or 37. What is stated here stays, whatever the tolerance.
+    /// Default: 7 where the plan keeps shadows in Mars-light; else only a facet's own horizon hides some of it.
     pub(crate) points: Option<u32>,
 }
 
@@ -598,7 +599,7 @@ pub(crate) struct BodyToml {
     pub(crate) night_k: Option<f64>,
     /// Mean thermal exitance, for the heat balance, W m-2. Default: of black bodies at these temperatures.
     pub(crate) thermal_exitance_w_m2: Option<f64>,
-    /// Whether bodies hide the Sun where they stand before it, as `mars.eclipse`.
+    /// Whether bodies hide the Sun where they stand before it: one choice for all, and for Mars, as `mars.eclipse`.
     pub(crate) eclipse: Option<bool>,
 }
 
@@ -618,7 +619,8 @@ pub(crate) enum MarsModelToml {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ThermalToml {
-    /// Which model. Default "equilibrium"; heat is conducted, too, where a tolerance needs it and `period_s` and `inertia` are given.
+    /// Which model. What is stated here stays, whatever the tolerance: "equilibrium" is without conduction. Default "equilibrium", where the plan's
+    /// tolerance needs heat; it is conducted, too, where the tolerance needs that, and `period_s` and `inertia` are given.
     pub(crate) model: Option<ThermalModelToml>,
     /// Thermal inertia of all materials that don't state theirs, J m-2 K-1 s-1/2. Default: heat is not stored.
     #[schemars(range(min = 0))]
@@ -628,7 +630,7 @@ pub(crate) struct ThermalToml {
     pub(crate) period_s: Option<f64>,
     /// Axis about which the body turns, by the right hand, in the body-fixed frame. Default z.
     pub(crate) axis: Option<[f64; 3]>,
-    /// Steps of a day, if `model` is "conduction". Default 96.
+    /// Steps of a day in which heat is conducted. Default 96.
     #[schemars(range(min = 3, max = 10000))]
     pub(crate) steps: Option<u32>,
     /// No part of a facet is colder, K, whatever it receives: what heat from below, or from its sides, keeps up in shadow. Default: no floor.

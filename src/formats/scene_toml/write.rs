@@ -379,7 +379,7 @@ impl Writer<'_> {
             Thermal::Off => "off",
         };
         let mut text = String::new();
-        if !self.is_left_out("thermal.model", model == "equilibrium") {
+        if scene.models.to_state().thermal {
             let _ = writeln!(text, "model = \"{model}\"");
         }
         if let Some(steps) = scene.models.conduction {
@@ -465,8 +465,12 @@ impl Writer<'_> {
         if sun.limb_darkening != 0.0 {
             let _ = writeln!(text, "limb_darkening = {:?}", sun.limb_darkening);
         }
-        if let SunModel::Disc(rule) = self.scene.models.sun {
-            let _ = writeln!(text, "points = {}", rule.count());
+        if self.scene.models.to_state().sun {
+            let points = match self.scene.models.sun {
+                SunModel::Point => 1,
+                SunModel::Disc(rule) => rule.count(),
+            };
+            let _ = writeln!(text, "points = {points}");
         }
         let e490 = solar_e490();
         if sun.irradiance_1au == *e490 {
@@ -550,7 +554,7 @@ impl Writer<'_> {
             MarsModel::Thesis => "thesis",
             MarsModel::Off => "off",
         };
-        if !self.is_left_out("mars.model", self.scene.models.mars_light == MarsModel::NearField) {
+        if self.scene.models.to_state().mars_light {
             let _ = writeln!(text, "model = \"{model}\"");
         }
         for (key, value, usual) in
@@ -560,11 +564,11 @@ impl Writer<'_> {
                 let _ = writeln!(text, "{key} = {value:?}");
             }
         }
-        if self.scene.models.mars_heat {
-            text.push_str("heat = true\n");
+        if self.scene.models.to_state().mars_heat {
+            let _ = writeln!(text, "heat = {}", self.scene.models.mars_heat);
         }
-        if self.scene.models.eclipses {
-            text.push_str("eclipse = true\n");
+        if self.scene.models.to_state().eclipses {
+            let _ = writeln!(text, "eclipse = {}", self.scene.models.eclipses);
         }
         if let Some(rule) = self.scene.models.mars_shadows {
             let _ = writeln!(text, "points = {}", rule.count());
@@ -590,8 +594,8 @@ impl Writer<'_> {
                  bond_albedo = {bond_albedo:?}\nday_k = {day_k:?}\nnight_k = {night_k:?}\n\
                  thermal_exitance_w_m2 = {thermal_exitance_w_m2:?}"
             );
-            if i == 0 && self.scene.sky.mars.is_none() && self.scene.models.eclipses {
-                text.push_str("eclipse = true\n");
+            if i == 0 && self.scene.sky.mars.is_none() && self.scene.models.to_state().eclipses {
+                let _ = writeln!(text, "eclipse = {}", self.scene.models.eclipses);
             }
         }
         Ok(text)

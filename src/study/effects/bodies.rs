@@ -16,6 +16,7 @@ pub(super) const KIND: EffectKind = EffectKind {
     switch: Some(Switch {
         add: |models, _, given, tolerance| models.bodies = fewest(given, tolerance),
         remove: |models| models.bodies = 0,
+        stated: |_| None,
         cost_s: |given, models| {
             let passes = models.mars_shadows.map_or(0, |rule| rule.count()) as f64;
             let each_s = FACET_S * given.scene.body.mesh.facets.len() as f64 + passes * given.shadows_s();

@@ -16,6 +16,7 @@ pub(super) const KIND: EffectKind = EffectKind {
     switch: Some(Switch {
         add: |models, _, given, _| models.eclipses = given.scene.sky.globes().next().is_some(),
         remove: |models| models.eclipses = false,
+        stated: |fixed| fixed.eclipses.then_some("mars.eclipse"),
         cost_s: |_, _| 0.0,
         own: None,
         drops_by_own: false,

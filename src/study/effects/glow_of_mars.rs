@@ -15,6 +15,7 @@ pub(super) const KIND: EffectKind = EffectKind {
     switch: Some(Switch {
         add: |models, _, given, _| models.mars_heat = given.scene.sky.mars.is_some(),
         remove: |models| models.mars_heat = false,
+        stated: |fixed| fixed.mars_heat.then_some("mars.heat"),
         cost_s: |given, models| {
             if models.mars_heat { FACET_S * given.scene.body.mesh.facets.len() as f64 } else { 0.0 }
         },

@@ -19,6 +19,7 @@ pub(super) const KIND: EffectKind = EffectKind {
             models.exchange = Some(stated.exchange.unwrap_or_else(enough));
         },
         remove: |models| models.exchange = None,
+        stated: |_| None,
         cost_s: |given, models| {
             let facets = given.scene.body.mesh.facets.len();
             models.exchange.map_or(0.0, |of| of.bounce_s(facets) * AS_LONG)

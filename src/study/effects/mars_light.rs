@@ -19,6 +19,7 @@ pub(super) const KIND: EffectKind = EffectKind {
     switch: Some(Switch {
         add: |models, stated, _, _| models.mars_light = stated.mars_light,
         remove: |models| models.mars_light = MarsModel::Off,
+        stated: |fixed| fixed.mars_light.then_some("mars.model"),
         cost_s: |given, _| FACET_S * given.scene.body.mesh.facets.len() as f64,
         own: None,
         drops_by_own: false,

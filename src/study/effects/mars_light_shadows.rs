@@ -18,6 +18,7 @@ pub(super) const KIND: EffectKind = EffectKind {
             models.mars_shadows = given.scene.sky.globes().next().map(|_| rule);
         },
         remove: |models| models.mars_shadows = None,
+        stated: |fixed| fixed.mars_shadows.then_some("mars.points"),
         cost_s: |given, models| {
             models.mars_shadows.map_or(0.0, |rule| {
                 if given.scene.sky.mars.is_some() { given.shadows_s() * rule.count() as f64 } else { 0.0 }

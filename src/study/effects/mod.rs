@@ -28,7 +28,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::product::{FacetTable, Sampling};
-use crate::scene::{Models, SunModel};
+use crate::scene::{Fixed, Models, SunModel};
 use crate::spectral::Light;
 
 pub use bound::Bound;
@@ -78,6 +78,8 @@ pub(super) struct Switch {
     /// Adds it, as good as a share of the tolerance wants; of what a scene states, `stated` is the choice.
     pub(super) add: fn(models: &mut Models, stated: &Models, given: &Given, tolerance: f64),
     pub(super) remove: fn(&mut Models),
+    /// The key by which a scene decides itself whether the effect is there, if it does.
+    pub(super) stated: fn(&Fixed) -> Option<&'static str>,
     /// CPU time that it takes with these models, s.
     pub(super) cost_s: fn(&Given, &Models) -> f64,
     /// What is left with these models, where that has a tolerance of its own.
@@ -134,6 +136,9 @@ pub struct Effect {
     pub name: String,
     /// What becomes of it.
     pub decision: Decision,
+    /// The key of the scene that decides it, whatever the tolerance.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stated: Option<String>,
     /// What leaving it out changes at most; null: not known.
     pub bound: Option<Bound>,
     /// What its approximations change at most, if it is kept; null: not known.
@@ -225,11 +230,13 @@ impl EffectKind {
             Some(missing) if !found.modelled => format!("{missing}; {}", found.note),
             _ => found.note,
         };
+        let stated = self.switch.as_ref().and_then(|switch| (switch.stated)(&given.models.fixed));
         let [equation, step] = [self.equation, self.step].map(|path| path.map(str::to_owned));
         Effect {
             key: self.key.to_owned(),
             name: self.name.to_owned(),
             decision,
+            stated: stated.filter(|_| decision != Decision::Open).map(str::to_owned),
             bound: found.bound,
             remaining: found.remaining.filter(|_| decision == Decision::Kept),
             own: self.switch.as_ref().and_then(|switch| Some((switch.own?)(given, &given.models))),

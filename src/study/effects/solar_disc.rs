@@ -19,6 +19,7 @@ pub(super) const KIND: EffectKind = EffectKind {
             models.sun = if stated.sun == SunModel::Point { SunModel::Disc(rule) } else { stated.sun };
         },
         remove: |models| models.sun = SunModel::Point,
+        stated: |fixed| fixed.sun.then_some("sun.points"),
         cost_s: |given, models| match models.sun {
             SunModel::Point => 0.0,
             // The first of them takes the place of the point.

@@ -16,6 +16,7 @@ pub(super) const KIND: EffectKind = EffectKind {
     switch: Some(Switch {
         add: |models, stated, _, _| models.thermal = stated.thermal,
         remove: |models| models.thermal = Thermal::Off,
+        stated: |fixed| fixed.thermal.then_some("thermal.model"),
         cost_s: |given, _| FACET_S * given.scene.body.mesh.facets.len() as f64,
         own: None,
         drops_by_own: false,

@@ -17,6 +17,7 @@ pub(super) const KIND: EffectKind = EffectKind {
             models.conduction = missing(given).is_none().then_some(steps);
         },
         remove: |models| models.conduction = None,
+        stated: |fixed| fixed.thermal.then_some("thermal.model"),
         cost_s: |given, models| {
             let facets = given.scene.body.mesh.facets.len() as f64;
             // Each step is solved, and each column followed for some ten days.
