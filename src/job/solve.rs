@@ -8,7 +8,7 @@ use glam::DVec3;
 use crate::error::{Error, Location, Result};
 use crate::formats::Subject;
 use crate::formats::folder::Staged;
-use crate::formats::npz::{self, RadianceOfFacets};
+use crate::formats::npz::{self, FacetsSeen, RadianceOfFacets};
 use crate::geometry::Direction;
 use crate::product::FacetTable;
 use crate::progress::{Watch, tell};
@@ -55,6 +55,15 @@ impl Towards {
             Towards::At(place_m) => Observer::At(place_m - scene.body.origin_m),
             Towards::Afar(direction) => Observer::Towards(direction),
         }
+    }
+
+    /// The facets of a scene, and the observer in the body-fixed frame.
+    fn seen(self, scene: &Scene) -> FacetsSeen {
+        let (at_m, towards) = match self.observer(scene) {
+            Observer::At(place_m) => (Some((place_m + scene.body.origin_m).to_array()), None),
+            Observer::Towards(direction) => (None, Some(direction.vec().to_array())),
+        };
+        FacetsSeen { mesh: study::mesh_id(&scene.body), at_m, towards }
     }
 
     fn in_words(self) -> String {
@@ -118,6 +127,8 @@ pub fn solve(subject: &mut Subject, request: &Request, files: TableFiles, watch:
         let all = 0..of.facets();
         let file = RadianceOfFacets {
             observer: towards.in_words(),
+            seen: towards.seen(scene),
+            models: table.models,
             bands: &scene.exposure.bands,
             cos_emission: &of.cos_emission(all.clone()),
             sunlit: &of.sunlit(all),

@@ -38,4 +38,4 @@ pub use surfaces::{
     FactorEntry, NumberEntry, PhaseCurve, PresetEntry, REFERENCE_DEG, SurfaceEntry, surface_of_material,
     surface_of_preset,
 };
-pub use table_id::table_id;
+pub use table_id::{mesh_id, table_id};

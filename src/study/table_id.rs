@@ -1,8 +1,9 @@
-//! Which scenes a facet table serves.
+//! Which scenes a facet table serves, and radiance of facets.
 
 use blake3::Hasher;
 use glam::DVec3;
 
+use crate::geometry::Mesh;
 use crate::scene::{Exchange, Globe, MarsModel, Models, Rotation, Scene, Setup, Sky, SunModel, Surface, Thermal};
 
 /// A name for everything that [`solve`](crate::solve::solve) reads of a scene: BLAKE3 of the resolved values, 64 hexadecimal digits.
@@ -55,7 +56,7 @@ pub fn table_id(scene: &Scene) -> String {
         Thermal::Thesis => 1,
         Thermal::Off => 2,
     };
-    for number in [mars_model, thermal, materials.len(), mesh.vertices_m.len(), mesh.facets.len()] {
+    for number in [mars_model, thermal, materials.len()] {
         hasher.update(&(number as u64).to_le_bytes());
     }
     if let SunModel::Disc(rule) = sun_model {
@@ -104,12 +105,27 @@ pub fn table_id(scene: &Scene) -> String {
         hasher.update(beam.name.as_bytes());
         hasher.update(&[0]);
     }
-    update_in_pieces(&mut hasher, &mesh.vertices_m, |v: &DVec3, bytes| {
-        v.to_array().iter().for_each(|x| bytes.extend(x.to_le_bytes()));
-    });
-    update_in_pieces(&mut hasher, &mesh.facets, |f, bytes| f.iter().for_each(|v| bytes.extend(v.to_le_bytes())));
+    update_by_mesh(&mut hasher, mesh);
     update_in_pieces(&mut hasher, &mesh.material, |m, bytes| bytes.extend(m.0.to_le_bytes()));
     hasher.finalize().to_hex().to_string()
+}
+
+/// A name for facets and where they are: BLAKE3 of the mesh and of its origin, 64 hexadecimal digits.
+pub fn mesh_id(surface: &Surface) -> String {
+    let mut hasher = Hasher::new();
+    surface.origin_m.to_array().iter().for_each(|x| _ = hasher.update(&x.to_le_bytes()));
+    update_by_mesh(&mut hasher, &surface.mesh);
+    hasher.finalize().to_hex().to_string()
+}
+
+fn update_by_mesh(hasher: &mut Hasher, mesh: &Mesh) {
+    for count in [mesh.vertices_m.len(), mesh.facets.len()] {
+        hasher.update(&(count as u64).to_le_bytes());
+    }
+    update_in_pieces(hasher, &mesh.vertices_m, |v: &DVec3, bytes| {
+        v.to_array().iter().for_each(|x| bytes.extend(x.to_le_bytes()));
+    });
+    update_in_pieces(hasher, &mesh.facets, |f, bytes| f.iter().for_each(|v| bytes.extend(v.to_le_bytes())));
 }
 
 /// Hashes a long list through a buffer.

@@ -167,3 +167,59 @@ fn what_cannot_be_asked_for_is_said() {
     assert!(code == 1 && err.contains("t_radiance.npz") && err.contains("exists"), "{err}");
     assert!(!scratch.names().contains(&"t.npz".to_owned()));
 }
+
+/// It says of which facets it is, of which light, and towards whom.
+#[test]
+fn what_it_is_not_of_is_refused_or_told() {
+    let scratch = Scratch::new();
+    scratch.obj("body", &sphere([0.0; 3], 3.0, 2), &[("a", None)]);
+    scratch.obj("moved", &sphere([0.0, 0.0, 1e-9], 3.0, 2), &[("a", None)]);
+    scratch.write("scene.toml", SCENE);
+    let other = |name: &str, from: &str, to: &str| {
+        scratch.write(name, replaced(SCENE, &[(from, to)]));
+    };
+    other("mesh.toml", "body.obj", "moved.obj");
+    other("origin.toml", "origin_m = [0, 0, 11000]", "origin_m = [0, 0, 11000.5]");
+    other("sun.toml", "[0.6, 0, 0.8]", "[0.6, 0.1, 0.8]");
+    // Half as far away, in the same direction: 3 m of the body at 56 m instead of 112.
+    other("near.toml", "[40, -60, 11090]", "[20, -30, 11045]");
+    // Of 60 m to the side at 115 m a hundredth of a rad is 1.1 m.
+    other("beside.toml", "[40, -60, 11090]", "[40.5, -60, 11090]");
+    let solved = |observer: &str| {
+        let (table, scene) = (scratch.argument("t.npz"), scratch.argument("scene.toml"));
+        let (code, _, err) = run(&["solve", &scene, "-o", &table, "--radiance", observer, "--force"]);
+        assert_eq!(code, 0, "{err}");
+    };
+    let used = |scene: &str| {
+        let (map, out) = (scratch.argument("t_radiance.npz"), scratch.argument("out"));
+        let (code, _, err) =
+            run(&["integrate", &scratch.argument(scene), "--radiance", &map, "-o", &out, "--force", "--unknown", "0"]);
+        (code, err)
+    };
+    let (towards, light) = ("towards another observer", "another Sun, Mars, lamps or heat");
+    solved("camera");
+    for (scene, code, told) in [
+        ("scene.toml", 0, vec![]),
+        ("beside.toml", 0, vec![]),
+        ("mesh.toml", 1, vec!["another mesh", "t_radiance.npz"]),
+        ("origin.toml", 1, vec!["origin_m", "t_radiance.npz"]),
+        ("sun.toml", 0, vec![light]),
+        ("near.toml", 0, vec![towards]),
+    ] {
+        let (got, err) = used(scene);
+        assert_eq!(got, code, "{scene}: {err}");
+        assert!(told.iter().all(|told| err.contains(told)), "{scene}: {err}");
+        for not in [towards, light].iter().filter(|not| !told.contains(not)) {
+            assert!(!err.contains(not), "{scene}: {err}");
+        }
+    }
+    // From afar it is of a direction; at 19 times the body's width that differs by more than a hundredth.
+    solved("towards:40,-60,90");
+    assert!(used("scene.toml").1.contains(towards));
+    other("far.toml", "position_m = [40, -60, 11090]", "position_m = [40000, -60000, 101000]");
+    assert!(!used("far.toml").1.contains(towards));
+    solved("towards:-40,60,90");
+    assert!(used("far.toml").1.contains(towards));
+    solved("at:40,-60,11090");
+    assert!(!used("scene.toml").1.contains(towards));
+}

@@ -12,7 +12,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use self::write::{Column, Values, write};
+use self::write::{About, Column, Values, write};
 use crate::error::Result;
 use crate::product::{Footprints, ReflectedPart, Sampling};
 use crate::scene::Models;
@@ -20,7 +20,7 @@ use crate::spectral::Light;
 
 pub use self::archive::{ArrayInfo, Shaped, list, read_f64s};
 pub(super) use self::archive::{Member, beginning, members, text};
-pub(in crate::formats) use self::radiance::RADIANCE;
+pub(in crate::formats) use self::radiance::{FACET_RADIANCE, RADIANCE};
 pub use self::radiance::{RadianceOfFacets, write_facet_radiance};
 pub use self::table::{read_table, write_table};
 
@@ -56,8 +56,24 @@ pub struct Header {
     /// Of a facet table the light that facets send each other: what its arrays are called, and the spectra that they stand for. None before version 3.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub reflected: Vec<ReflectedBy>,
+    /// Of radiance of facets which facets, and towards whom; `None` in what older versions wrote.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seen: Option<FacetsSeen>,
     /// Every array: its unit and meaning.
     pub fields: BTreeMap<String, Field>,
+}
+
+/// Facets, and towards whom they send their radiance.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FacetsSeen {
+    /// Name of the mesh and its origin: [`study::mesh_id`](crate::study::mesh_id).
+    pub mesh: String,
+    /// Where the observer is, body-fixed, m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at_m: Option<[f64; 3]>,
+    /// Its direction, body-fixed, if it is so far away that this is the same from everywhere.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub towards: Option<[f64; 3]>,
 }
 
 /// Light that facets send each other, at a wavelength, and its spectrum for an irradiance of 1 there: a sum.
@@ -106,5 +122,5 @@ pub fn write_footprints(path: &Path, footprints: &Footprints, scene: &str) -> Re
             Values::F64(&footprints.lit_fraction),
         ),
     ];
-    write(path, (FOOTPRINTS, FOOTPRINTS_VERSION), scene, (&[], None, vec![]), &columns)
+    write(path, (FOOTPRINTS, FOOTPRINTS_VERSION), scene, About::default(), &columns)
 }

@@ -3,12 +3,14 @@
 use std::ops::Range;
 use std::path::Path;
 
-use super::write::{Column, Values, write};
+use super::FacetsSeen;
+use super::write::{About, Column, Values, write};
 use crate::error::Result;
+use crate::scene::Models;
 use crate::spectral::Band;
 
 /// What the header says it is, and its version.
-const FACET_RADIANCE: (&str, u32) = ("mmxrt facet radiance", 1);
+pub(in crate::formats) const FACET_RADIANCE: (&str, u32) = ("mmxrt facet radiance", 1);
 /// Name of the array.
 pub(in crate::formats) const RADIANCE: &str = "radiance_w_m2_sr_um";
 
@@ -16,6 +18,10 @@ pub(in crate::formats) const RADIANCE: &str = "radiance_w_m2_sr_um";
 pub struct RadianceOfFacets<'a> {
     /// The observer, in words.
     pub observer: String,
+    /// Which facets, and towards whom.
+    pub seen: FacetsSeen,
+    /// By which models they were solved.
+    pub models: Models,
     /// The bands.
     pub bands: &'a [Band],
     /// Cosine of emission of each facet.
@@ -31,7 +37,7 @@ pub struct RadianceOfFacets<'a> {
 /// # Errors
 /// [`Error::Io`](crate::Error::Io) if the file cannot be written.
 pub fn write_facet_radiance(path: &Path, of: &RadianceOfFacets<'_>, scene: &str) -> Result<()> {
-    let RadianceOfFacets { observer, bands, cos_emission, sunlit, radiance } = of;
+    let RadianceOfFacets { observer, seen, models, bands, cos_emission, sunlit, radiance } = of;
     let wavelength_um: Vec<f64> = bands.iter().map(|band| band.centre_um).collect();
     let fwhm_um: Vec<f64> = bands.iter().map(|band| band.fwhm_um.unwrap_or(0.0)).collect();
     let of_facets = format!(
@@ -61,5 +67,11 @@ pub fn write_facet_radiance(path: &Path, of: &RadianceOfFacets<'_>, scene: &str)
             Values::F64(cos_emission),
         ),
     ];
-    write(path, FACET_RADIANCE, scene, (&[], None, vec![]), &columns)
+    write(
+        path,
+        FACET_RADIANCE,
+        scene,
+        About { models: Some(*models), seen: Some(seen.clone()), ..About::default() },
+        &columns,
+    )
 }

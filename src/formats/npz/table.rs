@@ -9,7 +9,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::archive::Npz;
-use super::write::{Column, Values, write};
+use super::write::{About, Column, Values, write};
 use super::{Header, ReflectedBy, TABLE, TABLE_VERSIONS};
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::product::{FacetTable, Lighting, Reflected, Sees};
@@ -54,7 +54,8 @@ pub fn write_table(path: &Path, table: &FacetTable, scene: &str) -> Result<()> {
     let has_shares = table.sources.iter().filter_map(Lighting::seen).any(|seen| !seen.polygon_share.is_empty());
     // A program that knows neither can read what has none.
     let version = if has_shares || !reflected.is_empty() { EXTENDED_SINCE } else { EXTENDED_SINCE - 1 };
-    write(path, (TABLE, version), scene, (&sources, Some((table.models, table.sampling)), reflected), &columns)
+    let (models, sampling) = (Some(table.models), table.sampling);
+    write(path, (TABLE, version), scene, About { sources: &sources, models, sampling, reflected, seen: None }, &columns)
 }
 
 fn of_source(lighting: &Lighting) -> Vec<Column<'_>> {

@@ -8,7 +8,7 @@ use std::path::Path;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-use super::{Field, Header, ReflectedBy};
+use super::{FacetsSeen, Field, Header, ReflectedBy};
 use crate::error::{Error, Result};
 use crate::formats::npy;
 use crate::product::Sampling;
@@ -49,17 +49,25 @@ pub(super) enum Values<'a> {
 /// Numbers of [`Values::Lines`] that are made at a time.
 const MADE: usize = 1 << 20;
 
-/// How a table was solved, and how far off that is.
-type Solved = (Models, Option<Sampling>);
+/// What a header says of a file, besides its format and its arrays.
+#[derive(Default)]
+pub(super) struct About<'a> {
+    pub(super) sources: &'a [String],
+    pub(super) models: Option<Models>,
+    pub(super) sampling: Option<Sampling>,
+    pub(super) reflected: Vec<ReflectedBy>,
+    pub(super) seen: Option<FacetsSeen>,
+}
 
 /// Writes columns, and a header before them, which says this name and version of a format.
 pub(super) fn write(
     path: &Path,
     (format, format_version): (&str, u32),
     scene: &str,
-    (sources, solved, reflected): (&[String], Option<Solved>, Vec<ReflectedBy>),
+    about: About<'_>,
     columns: &[Column<'_>],
 ) -> Result<()> {
+    let About { sources, models, sampling, reflected, seen } = about;
     let fields = columns
         .iter()
         .map(|c| (c.name.clone(), Field { unit: c.unit.to_owned(), meaning: c.meaning.clone() }))
@@ -70,9 +78,10 @@ pub(super) fn write(
         mmxrt: env!("CARGO_PKG_VERSION").to_owned(),
         scene: scene.to_owned(),
         sources: sources.to_vec(),
-        models: solved.map(|(models, _)| models),
-        sampling: solved.and_then(|(_, sampling)| sampling),
+        models,
+        sampling,
         reflected,
+        seen,
         fields,
     };
     let io = |e| Error::io(path, "writing", e);

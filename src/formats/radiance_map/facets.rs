@@ -2,14 +2,19 @@
 
 use std::path::Path;
 
+use glam::DVec3;
+
 use super::values::FacetTexels;
 use crate::error::{Error, Location, Problem, Result};
 use crate::formats::input::{self, InputFile, Problems};
 use crate::formats::raster::npy::NPZ;
 use crate::formats::spectrum_csv::CSV;
 use crate::formats::{Format, npz, registry};
+use crate::geometry::angle_rad;
 use crate::product::{Placement, RadianceMap, SkyShare};
+use crate::scene::Scene;
 use crate::spectral::Band;
+use crate::study;
 
 /// Name of the array or columns.
 pub(super) const RADIANCE: &str = npz::RADIANCE;
@@ -54,6 +59,61 @@ pub(super) fn open(path: &Path, weight: f64) -> Result<Option<(RadianceMap, Inpu
         registration: None,
     };
     Ok(Some((map, input)))
+}
+
+/// Directions that differ by no more than this, rad, are one to a surface: its reflectance hardly changes between them.
+const SAME_DIRECTION_RAD: f64 = 1e-2;
+
+/// What is doubtful in using radiance of facets that this program wrote for a scene: it is of one observer, and of one light.
+///
+/// # Errors
+/// [`Error::Invalid`] for facets of another mesh; [`Error::Io`]; [`Error::Syntax`] for a damaged `.npz`.
+pub(super) fn doubts(path: &Path, scene: &Scene) -> Result<Vec<String>> {
+    let header = if form(path) == Some(&NPZ) { npz::list(path)?.0 } else { None };
+    let Some(header) = header.filter(|header| header.format == npz::FACET_RADIANCE.0) else { return Ok(vec![]) };
+    let name = path.display();
+    let Some(npz::FacetsSeen { mesh, at_m, towards }) = &header.seen else {
+        return Ok(vec![format!(
+            "{name} does not say of which mesh it is, nor towards whom: an older version wrote it"
+        )]);
+    };
+    if *mesh != study::mesh_id(&scene.body) {
+        let problem = Problem::new(
+            Location::file(path),
+            "is radiance of the facets of another mesh, or of one with another `origin_m`",
+        );
+        let help = "make it for this scene: mmxrt solve SCENE -o TABLE.npz --radiance camera";
+        return Err(Error::Invalid(vec![problem.with_help(help)]));
+    }
+    let mut doubts = Vec::new();
+    let solved = header.models.and_then(|models| scene.by(models).ok());
+    if solved.is_none_or(|solved| study::table_id(&solved) != header.scene) {
+        doubts.push(format!("{name} was solved for another Sun, Mars, lamps or heat than the scene's: the image shows what the file says"));
+    }
+    let off_rad = off_rad(scene, *at_m, *towards);
+    if off_rad.is_none_or(|off_rad| off_rad > SAME_DIRECTION_RAD) {
+        let by = off_rad.map_or(String::new(), |off_rad| format!(" by up to {:.1} deg", off_rad.to_degrees()));
+        doubts.push(format!(
+            "{name} is radiance towards another observer than the scene's camera, off{by}: what a surface sends depends on the direction, and facets that face away \
+             from that observer are not known; `mmxrt solve SCENE -o TABLE.npz --radiance camera` makes it for the camera"
+        ));
+    }
+    Ok(doubts)
+}
+
+/// The largest angle between an observer, body-fixed, and the camera, seen from the corners of the scene's box; `None` without an observer or a surface.
+fn off_rad(scene: &Scene, at_m: Option<[f64; 3]>, towards: Option<[f64; 3]>) -> Option<f64> {
+    let (low_m, high_m) = scene.body.bounds_m()?;
+    let of_corner = |i: u32| -> Option<f64> {
+        let corner_m = DVec3::from_array(std::array::from_fn(|k| if i >> k & 1 == 0 { low_m[k] } else { high_m[k] }));
+        let observer = match (at_m, towards) {
+            (Some(at_m), _) => DVec3::from_array(at_m) - scene.body.origin_m - corner_m,
+            (None, Some(towards)) => DVec3::from_array(towards),
+            (None, None) => return None,
+        };
+        Some(angle_rad(observer, scene.exposure.camera.centre_m() - corner_m))
+    };
+    (0..8).map(of_corner).try_fold(0.0, |most: f64, of| Some(most.max(of?)))
 }
 
 /// What a file lacks of a table of facets, if it is of a form that one has: which arrays or columns are there instead.

@@ -80,7 +80,8 @@ pub fn open(path: &Path, scene: &Scene, weight: f64, watch: Watch<'_>) -> Result
         return read(&file, path, scene, weight, watch);
     }
     if let Some((map, input)) = facets::open(path, weight)? {
-        return Ok(Opened { maps: vec![map], inputs: vec![input], notes: vec![] });
+        let notes = facets::doubts(path, scene)?;
+        return Ok(Opened { maps: vec![map], inputs: vec![input], notes });
     }
     if path.join("report.json").is_file() && path.join("cube.img").is_file() {
         let problem = Problem::new(Location::file(path), "is a product: a map is one of its images");
