@@ -8,6 +8,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use crate::error::{Error, Location, Problem, Result};
+use crate::scene::out_of_parameters;
 use crate::spectral::{Extend, Spectrum};
 use crate::units::um_from_nm;
 
@@ -20,7 +21,7 @@ const LIMIT: u64 = 64 << 20;
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::Invalid`] with the lines that cannot be used: a header without a wavelength or one of the names, a row
-/// of another length, values that are not finite numbers, wavelengths that do not ascend.
+/// of another length, values that are not finite numbers or out of range, wavelengths that do not ascend.
 pub fn read<const N: usize>(path: &Path, names: [&str; N], extend: Extend) -> Result<([Spectrum; N], InputFile)> {
     let (text, input) = input::text(path, LIMIT)?;
     Ok((parse(&text, path, names, extend)?, input))
@@ -70,8 +71,13 @@ pub fn parse<const N: usize>(text: &str, path: &Path, names: [&str; N], extend: 
             problems.push(|| Problem::new(at, format!("wavelength {} is not above the one before it, or 0", cells[0])));
             continue;
         }
+        let found: Vec<f64> = numbers.collect();
+        if let Some(message) = names.iter().zip(&found).find_map(|(name, value)| out_of_parameters(name, *value)) {
+            problems.push(|| Problem::new(at, message));
+            continue;
+        }
         wavelength_um.push(um);
-        values.iter_mut().zip(numbers).for_each(|(column, value)| column.push(value));
+        values.iter_mut().zip(found).for_each(|(column, value)| column.push(value));
     }
     problems.finish(path)?;
     let spectra = values.map(|value| Spectrum::new(wavelength_um.clone(), value, extend));

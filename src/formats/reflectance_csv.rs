@@ -23,6 +23,8 @@ const COORDINATES: [&str; 4] = ["wavelength_um", "incidence_deg", "emission_deg"
 /// Largest angles of each.
 const MOST_DEG: [f64; 4] = [f64::INFINITY, 90.0, 90.0, 180.0];
 const FACTOR: &str = "reflectance_factor";
+/// None is larger: they are of order 1.
+const MOST_FACTOR: f64 = 1e12;
 
 /// Reads a table.
 ///
@@ -67,7 +69,8 @@ pub fn parse(text: &str, path: &Path, extend: Extend) -> Result<Tabulated> {
     }
     problems.finish(path)?;
     if rows.is_empty() {
-        return Err(Error::invalid(Location::file(path), "no rows: a header, then a line for each factor"));
+        let last = Location::line(path, text.lines().count().max(1));
+        return Err(Error::invalid(last, "no rows: a header, then a line for each factor"));
     }
     let axes: [Vec<f64>; 4] = std::array::from_fn(|k| {
         let mut values: Vec<f64> = rows.iter().map(|(_, coordinates, _)| coordinates[k]).collect();
@@ -88,7 +91,7 @@ pub fn parse(text: &str, path: &Path, extend: Extend) -> Result<Tabulated> {
         .collect();
     tables
         .and_then(|tables| Tabulated::new(um, tables, extend))
-        .ok_or_else(|| Error::invalid(Location::file(path), "is not a table of reflectance factors"))
+        .ok_or_else(|| Error::invalid(Location::line(path, rows[0].0), "is not a table of reflectance factors"))
 }
 
 /// The factors in the order of the axes.
@@ -103,7 +106,8 @@ fn fill(axes: &[Vec<f64>; 4], rows: &[(usize, [f64; 4], f64)], path: &Path) -> R
             rows.len(),
             sizes.join(" x ")
         );
-        return Err(Error::invalid(Location::file(path), message));
+        let first = rows.first().map_or(1, |(line, ..)| *line);
+        return Err(Error::invalid(Location::line(path, first), message));
     };
     let mut problems = Problems::default();
     let mut found: Vec<Option<(usize, f64)>> = vec![None; count];
@@ -129,8 +133,10 @@ fn fill(axes: &[Vec<f64>; 4], rows: &[(usize, [f64; 4], f64)], path: &Path) -> R
             }
             place /= axis.len();
         }
+        // It is missing after the one before it in the grid, wherever that is in the file.
+        let before = found[..first].iter().rev().chain(&found[first..]).flatten().next().map_or(1, |(line, _)| *line);
         let message = format!("{missing} factors of the grid are missing: the first is that at {}", said.join(", "));
-        return Err(Error::invalid(Location::file(path), message));
+        return Err(Error::invalid(Location::line(path, before), message));
     }
     Ok(found.into_iter().flatten().map(|(_, factor)| factor).collect())
 }
@@ -180,6 +186,8 @@ impl Header {
             let Some(column) = column else { continue };
             let value = number_in(*column)?;
             let least_is_right = if k == 0 { value > 0.0 } else { value >= 0.0 };
+            // Nanometres of next to nothing are no micrometres at all.
+            let least_is_right = least_is_right && (k != 0 || um_from_nm(value) > 0.0);
             if !least_is_right || value > MOST_DEG[k] {
                 let range = if k == 0 { "above 0".to_owned() } else { format!("from 0 to {}", MOST_DEG[k]) };
                 return Err(format!("{} {} is out of range, which is {range}", COORDINATES[k], cells[*column]));
@@ -190,6 +198,9 @@ impl Header {
         let factor = number_in(self.factor)?;
         if factor < 0.0 {
             return Err(format!("{FACTOR} {} is below 0", cells[self.factor]));
+        }
+        if factor > MOST_FACTOR {
+            return Err(format!("{FACTOR} {} is out of range, which is up to {MOST_FACTOR:e}", cells[self.factor]));
         }
         Ok((coordinates, factor + 0.0))
     }
@@ -257,9 +268,10 @@ mod tests {
             ("incidence_deg,brf\n", "a.csv:1: `brf` is no column"),
             ("incidence_deg,incidence_deg,reflectance_factor\n", "a.csv:1: there are two columns `incidence_deg`"),
             ("incidence_deg\n", "a.csv:1: there is no column `reflectance_factor`"),
-            ("incidence_deg,reflectance_factor\n", "a.csv: no rows"),
+            ("incidence_deg,reflectance_factor\n", "a.csv:1: no rows"),
             ("incidence_deg,reflectance_factor\n1\n", "a.csv:2: 1 cells, where the header has 2"),
             ("incidence_deg,reflectance_factor\n1,x\n", "a.csv:2: `x` is not a finite number"),
+            ("incidence_deg,reflectance_factor\n1,1e308\n", "a.csv:2: reflectance_factor 1e308 is out of range"),
             ("incidence_deg,reflectance_factor\n1,-1\n", "a.csv:2: reflectance_factor -1 is below 0"),
             (
                 "incidence_deg,reflectance_factor\n91,1\n",
@@ -268,11 +280,11 @@ mod tests {
             ("incidence_deg,reflectance_factor\n3,1\n3,1\n", "a.csv:3: the same angles and wavelength as in line 2"),
             (
                 "incidence_deg,emission_deg,reflectance_factor\n0,0,1\n0,60,1\n30,0,1\n",
-                "a.csv: 1 factors of the grid are missing: the first is that at incidence_deg 30, emission_deg 60",
+                "a.csv:4: 1 factors of the grid are missing: the first is that at incidence_deg 30, emission_deg 60",
             ),
             (
                 "incidence_deg,emission_deg,reflectance_factor\n0,0,1\n1,1,1\n2,2,1\n3,3,1\n4,4,1\n5,5,1\n",
-                "a.csv: 6 factors do not fill a grid",
+                "a.csv:2: 6 factors do not fill a grid",
             ),
         ] {
             let error = parsed(text).unwrap_err().to_string();

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::sky::check_irradiance;
 use super::{Body, Setup, Sky};
 use crate::error::{Location, Problem};
 use crate::geometry::polygon::Rect;
@@ -65,6 +66,7 @@ impl Globe {
                 problem(&format!("{item}.{name}"), format!("{t_k} K is not a temperature of a planet"));
             }
         }
+        check_irradiance(&format!("{item}.thermal_exitance_w_m2"), self.thermal_exitance_w_m2, problem);
         if !(self.radius_m > 0.0 && self.radius_m.is_finite()) {
             problem(&format!("{item}.radius_m"), format!("{} is not a positive length", self.radius_m));
         } else if self.centre_m.length() <= self.radius_m {
@@ -102,7 +104,7 @@ pub(super) fn touching(sky: &Sky, body: &Body, eye_m: DVec3) -> Vec<Problem> {
         let Globe { centre_m, radius_m, .. } = **globe;
         let (item, called) = match globe.name == Sky::MARS {
             true => (Sky::MARS.to_owned(), "Mars"),
-            false => (super::sky::body_item(&globe.name), globe.name.as_str()),
+            false => (super::sky::body_item(i - usize::from(sky.mars.is_some())), globe.name.as_str()),
         };
         if (eye_m - centre_m).length() <= radius_m {
             problem("observer.position_m", format!("the camera is inside {called}"));

@@ -1,10 +1,16 @@
 //! What a surface is made of.
 
+use crate::error::number;
 use crate::spectral::{Band, Spectrum};
 
 use super::coverage::uncovered;
 use super::{Photometry, Thermal};
 use crate::physics::reflectance::kirchhoff_emissivity;
+
+/// What emits less gets hotter than numbers can say, whatever lights it; polished metals have 0.01.
+const LEAST_EMISSIVITY: f64 = 1e-6;
+/// No ground stores more, J m-2 K-1 s-1/2; copper has 4e4.
+const MOST_INERTIA: f64 = 1e9;
 
 /// Optical and thermal properties of a surface.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,12 +76,12 @@ impl Material {
         if !(0.0..=1.0).contains(&self.bond_albedo) {
             problem(&format!("{item}.bond_albedo"), format!("{} is outside 0 to 1", self.bond_albedo));
         }
-        if !(self.emissivity_bolometric > 0.0 && self.emissivity_bolometric <= 1.0) {
-            let message = format!("{} is not more than 0 and at most 1", self.emissivity_bolometric);
+        if !(LEAST_EMISSIVITY..=1.0).contains(&self.emissivity_bolometric) {
+            let message = format!("{} is not from {LEAST_EMISSIVITY:e} to 1", self.emissivity_bolometric);
             problem(&format!("{item}.emissivity_bolometric"), message);
         }
-        if !(self.thermal_inertia >= 0.0 && self.thermal_inertia.is_finite()) {
-            let message = format!("{} is not a number of at least 0", self.thermal_inertia);
+        if !(0.0..=MOST_INERTIA).contains(&self.thermal_inertia) {
+            let message = format!("{} is not from 0 to {MOST_INERTIA:e}", number(self.thermal_inertia));
             problem(&format!("{item}.thermal_inertia"), message);
         }
     }

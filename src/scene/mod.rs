@@ -30,8 +30,8 @@ pub use globe::{Globe, MARS_ALBEDO, MARS_DAY_NIGHT_K, SAME_SUNLIGHT, SunOnGlobe}
 pub use material::Material;
 pub use models::{Exchange, Fixed, MarsModel, Models, SunModel, Thermal};
 pub(crate) use photometry::TOLERANCE;
-pub use photometry::{Hapke, Model, Photometry, Rpv, problems as model_problems};
-pub use sky::{Beam, Rotation, Sky, Sun};
+pub use photometry::{Hapke, Model, Photometry, Rpv, out_of_parameters, problems as model_problems};
+pub use sky::{Beam, MOST_IRRADIANCE, Rotation, Sky, Sun, out_of_irradiances};
 pub use source::{DirectionField, Incoming, Source, SourceKind};
 pub use tabulated::Tabulated;
 pub use texture::{Texture, TextureKind};
@@ -163,9 +163,9 @@ fn together(surface: &Surface, sky: &Sky, exposure: &Exposure, models: Models) -
     if let Some(message) = uncovered("the solar spectrum", &sky.sun.irradiance_1au, bands, is_lit) {
         problem("sun.spectrum", message);
     }
-    for globe in sky.globes() {
+    let of_bodies = sky.bodies.iter().enumerate().map(|(i, body)| (sky::body_item(i), body));
+    for (item, globe) in sky.mars.iter().map(|mars| (Sky::MARS.to_owned(), mars)).chain(of_bodies) {
         if let Some(message) = uncovered("albedo", &globe.reflectance, bands, is_lit) {
-            let item = if globe.name == Sky::MARS { Sky::MARS.to_owned() } else { sky::body_item(&globe.name) };
             problem(&format!("{item}.albedo"), message);
         }
     }
@@ -181,9 +181,9 @@ fn together(surface: &Surface, sky: &Sky, exposure: &Exposure, models: Models) -
             problem("thermal.steps", format!("{steps} is not from {} to {}", STEPS.start(), STEPS.end()));
         }
     }
-    for beam in &sky.beams {
+    for (i, beam) in sky.beams.iter().enumerate() {
         if let Some(message) = uncovered("irradiance", &beam.irradiance, bands, is_lit) {
-            problem(&format!("{}.irradiance", beam.item()), message);
+            problem(&format!("{}.irradiance", sky::beam_item(i)), message);
         }
     }
     problems
@@ -223,15 +223,20 @@ impl Setup {
     pub fn remarks(&self) -> Vec<String> {
         let bands = &self.exposure.bands;
         let shares: Vec<f64> = bands.iter().map(|band| self.share_left_out(band)).collect();
+        let of_material = |material: &Material| {
+            let key = material.photometry.key()?;
+            Some(format!("materials.{:?}.{key}: {}", material.name, material.photometry.below_nothing()?))
+        };
+        let mut all: Vec<String> = self.body.materials.iter().filter_map(of_material).collect();
         let Some(i) = (0..bands.len()).max_by(|&i, &j| shares[i].total_cmp(&shares[j]).then(j.cmp(&i))) else {
-            return vec![];
+            return all;
         };
         if shares[i] == 0.0 {
-            return vec![];
+            return all;
         }
         let cut = shares.iter().filter(|share| **share > 0.0).count();
         let (low, high) = bands[i].support_within_um(self.known_um(bands[i].light));
-        vec![format!(
+        all.push(format!(
             "{} of the response of band {} at {} um lies where not all spectra are known, and is left out: it is taken from {low} to \
              {high} um{}",
             percent(shares[i]),
@@ -241,7 +246,8 @@ impl Setup {
                 1 => String::new(),
                 n => format!("; of {} other bands less", n - 1),
             }
-        )]
+        ));
+        all
     }
 
     /// Whether this version can simulate the scene: a scene can hold more than can be computed.

@@ -142,11 +142,62 @@ impl Model {
     }
 }
 
+/// Reflectance factors of models are no more than this, at angles up to [`ANGLES_DEG`]: of order 1 they are measured.
+const MOST_FACTOR: f64 = 1e12;
+/// Angles of incidence and emission at which models are looked at, deg.
+const ANGLES_DEG: [f64; 8] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 85.0, 89.0];
+/// Azimuths at which they are, deg.
+const AZIMUTHS_DEG: [f64; 7] = [0.0, 30.0, 60.0, 90.0, 120.0, 150.0, 180.0];
+/// The least albedo at which they are: of a black surface all is 0.
+const LEAST_ALBEDO: f64 = 1e-9;
+
+/// A reflectance factor, and where a model has it.
+struct At {
+    factor: f64,
+    incidence_deg: f64,
+    emission_deg: f64,
+    azimuth_deg: f64,
+    um: f64,
+}
+
+impl std::fmt::Display for At {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let At { factor, incidence_deg, emission_deg, azimuth_deg, um } = self;
+        let (factor, um) = (number(*factor), number(*um));
+        write!(
+            f,
+            "{factor} at {um} um, incidence {incidence_deg}, emission {emission_deg} and azimuth {azimuth_deg} deg"
+        )
+    }
+}
+
 /// Relative error that a model may have by being separated.
 pub(crate) const TOLERANCE: f64 = 1e-9;
 
 fn out_of_range(v: f64, range: &str) -> String {
     format!("{} is out of range, which is {range}", number(v))
+}
+
+/// What is wrong with a number of a table of parameters, if anything is.
+pub fn out_of_parameters(name: &str, v: f64) -> Option<String> {
+    let (low, high) = match name {
+        "w" => (0.0, 1.0),
+        // Beyond 2 the hot spot would be negative.
+        "h" => (f64::NEG_INFINITY, 2.0),
+        "h1" | "h2" | "rho0" | "k" | "factor" => (0.0, f64::INFINITY),
+        "g" => (-1.0, 1.0),
+        _ => return None,
+    };
+    // A peak without width, or a scattering into one direction only, is no function.
+    let open = matches!(name, "h2" | "g");
+    let is_right = (low..=high).contains(&v) && !(open && (v == low || v == high));
+    let range = match (low.is_infinite(), high.is_infinite()) {
+        (true, _) => format!("up to {high}"),
+        (_, true) => format!("from {low}"),
+        _ => format!("from {low} to {high}"),
+    };
+    let ends = if open { ", ends excluded" } else { "" };
+    (!is_right).then(|| format!("{name} = {v} is out of range, which is {range}{ends}"))
 }
 
 /// What is wrong with the parameters of a model: of each its key and a sentence.
@@ -291,6 +342,57 @@ impl Photometry {
         Some(shape.brdf(albedo.at(um)?))
     }
 
+    /// The least and the largest reflectance factor of a model, of its darkest and brightest albedo, at the wavelengths of its tables; what is not a number counts as
+    /// the largest. `None` for Lambert, and for tables of factors.
+    fn extremes(&self) -> Option<[At; 2]> {
+        let albedo = match self {
+            Photometry::Lambert | Photometry::Table(_) => return None,
+            Photometry::Model(model) => &model.albedo,
+            Photometry::Hapke(hapke) => &hapke.w,
+            Photometry::Rpv(rpv) => &rpv.rho0,
+        };
+        let surfaces: Vec<(f64, Brdf)> = match self.model() {
+            Some(model) => {
+                let (low, high) = albedo.range();
+                let um = albedo.wavelength_um().first().copied()?;
+                [low, high].map(|albedo| (um, model.shape.brdf(albedo.max(LEAST_ALBEDO)))).to_vec()
+            }
+            None => albedo.wavelength_um().iter().filter_map(|um| Some((*um, self.brdf(*um)?))).collect(),
+        };
+        let at = |factor: f64| At { factor, incidence_deg: 0.0, emission_deg: 0.0, azimuth_deg: 0.0, um: 0.0 };
+        let [mut least, mut most] = [at(f64::INFINITY), at(f64::NEG_INFINITY)];
+        for (um, brdf) in &surfaces {
+            for incidence_deg in ANGLES_DEG {
+                for emission_deg in ANGLES_DEG {
+                    for azimuth_deg in AZIMUTHS_DEG {
+                        let [i, e, azimuth] = [incidence_deg, emission_deg, azimuth_deg].map(f64::to_radians);
+                        let factor = brdf.reflectance_factor(&PhotometricAngles::of_angles(i, e, azimuth));
+                        let factor = if factor.is_nan() { f64::INFINITY } else { factor };
+                        let found = || At { factor, incidence_deg, emission_deg, azimuth_deg, um: *um };
+                        if factor < least.factor {
+                            least = found();
+                        }
+                        if factor > most.factor {
+                            most = found();
+                        }
+                    }
+                }
+            }
+        }
+        Some([least, most])
+    }
+
+    /// Says if a model sends less than nothing somewhere, as sums of polynomials may.
+    pub(super) fn below_nothing(&self) -> Option<String> {
+        let [least, _] = self.extremes()?;
+        (least.factor < 0.0).then(|| {
+            format!(
+                "reflects less than nothing: its reflectance factor is {least}. Radiances there are negative: bring the coefficients of its phase function nearer to 0, so \
+                 that it is negative at no angle"
+            )
+        })
+    }
+
     /// The tables of parameters with their names; none for Lambert and models by numbers.
     pub fn parameters(&self) -> Vec<(&'static str, &Spectrum)> {
         match self {
@@ -310,25 +412,32 @@ impl Photometry {
     }
 
     /// What is wrong with the parameters: of each its key, empty for the model's own, and a sentence.
-    pub(super) fn check(&self, mut problem: impl FnMut(&str, String)) {
+    pub(super) fn check(&self, mut tell: impl FnMut(&str, String)) {
+        let mut is_right = true;
+        let mut problem = |key: &str, message: String| {
+            is_right = false;
+            tell(key, message);
+        };
         if let Photometry::Model(model) = self {
             model.problems().into_iter().for_each(|(key, message)| problem(key, message));
         }
         for (name, spectrum) in self.parameters() {
-            let (low, high) = match name {
-                "w" => (0.0, 1.0),
-                "h1" | "h2" | "rho0" | "k" | "factor" => (0.0, f64::INFINITY),
-                "g" => (-1.0, 1.0),
-                _ => continue,
-            };
-            // A peak without width, or a scattering into one direction only, is no function.
-            let open = matches!(name, "h2" | "g");
-            let is_wrong = |v: &&f64| !(low..=high).contains(*v) || (open && (**v == low || **v == high));
-            if let Some(v) = spectrum.value().iter().find(is_wrong) {
-                let range = if high.is_infinite() { format!("from {low}") } else { format!("from {low} to {high}") };
-                let ends = if open { ", ends excluded" } else { "" };
-                problem("", format!("{name} = {v} is out of range, which is {range}{ends}"));
+            if let Some(message) = spectrum.value().iter().find_map(|v| out_of_parameters(name, *v)) {
+                problem("", message);
             }
+        }
+        let too_bright = match self {
+            Photometry::Table(table) => Some(table.brightest().0).filter(|share| *share > MOST_FACTOR).map(|share| {
+                format!("reflects {} times the light that arrives: factors are of order 1", number(share))
+            }),
+            _ => self.extremes().filter(|[_, most]| is_right && most.factor > MOST_FACTOR).map(|[_, most]| {
+                format!(
+                    "its reflectance factor is {most}, more than {MOST_FACTOR:e}: a number of it is out of all range"
+                )
+            }),
+        };
+        if let Some(message) = too_bright {
+            tell("", message);
         }
     }
 }

@@ -1,11 +1,12 @@
 //! What lights and warms the surface at an instant.
 
 use std::f64::consts::PI;
+use std::ops::RangeInclusive;
 
 use glam::DQuat;
 
 use super::Globe;
-use crate::error::{Location, Problem};
+use crate::error::{Location, Problem, number};
 use crate::geometry::Direction;
 use crate::physics::sun;
 use crate::physics::sun_disc::{self, DiscRule, SubSun};
@@ -34,6 +35,31 @@ pub struct Rotation {
     pub axis: Direction,
     /// From noon to noon, s.
     pub period_s: f64,
+}
+
+/// No irradiance is more than this, W m-2 um-1, nor a total of it, W m-2: so that sums of all light, times what surfaces have where they are brightest, are numbers
+/// in an image, too, which has 32 bits for each.
+pub const MOST_IRRADIANCE: f64 = 1e24;
+/// Lengths of a day, s, from noon to noon.
+const DAYS_S: RangeInclusive<f64> = 1e-3..=1e18;
+
+/// Says if an irradiance is none, or too much.
+pub(super) fn check_irradiance(item: &str, value: f64, problem: &mut impl FnMut(&str, String)) {
+    if let Some(message) = out_of_irradiances(value) {
+        problem(item, message);
+    }
+}
+
+/// What is wrong with an irradiance at the scene, W m-2 um-1, or with a total, W m-2, if anything is.
+pub fn out_of_irradiances(value: f64) -> Option<String> {
+    match value {
+        0.0..=MOST_IRRADIANCE => None,
+        0.0.. => Some(format!(
+            "{} is more than {MOST_IRRADIANCE:e}: an image could not hold its light; is the unit W m-2 um-1?",
+            number(value)
+        )),
+        _ => Some(format!("{} is not a number of at least 0", number(value))),
+    }
 }
 
 /// Parallel light besides the Sun's: of a lamp, another star, or a part of the Sun's disc.
@@ -87,34 +113,25 @@ impl Sky {
         let mut problems = Vec::new();
         let mut problem = |item: &str, message: String| problems.push(Problem::new(Location::item(item), message));
         self.sun.check(&mut problem);
+        let mut taken = [Sky::SUN, Sky::MARS, Sky::MARS_HEAT].map(str::to_owned).to_vec();
         if let Some(mars) = &self.mars {
             mars.check("mars", &mut problem);
         }
         for (i, body) in self.bodies.iter().enumerate() {
-            let item = body_item(&body.name);
-            check_name(&item, &body.name, &mut problem);
+            let item = body_item(i);
             body.check(&item, &mut problem);
-            let names = [body.name.clone(), body.heat_name()];
-            let of_others = self.bodies[..i].iter().flat_map(|other| [other.name.clone(), other.heat_name()]);
-            if names.iter().any(|name| [Sky::SUN, Sky::MARS, Sky::MARS_HEAT].contains(&name.as_str()))
-                || of_others.into_iter().any(|other| names.contains(&other))
-            {
-                problem(&item, "another source has this name".into());
-            }
+            check_name(&item, &[body.name.clone(), body.heat_name()], &mut taken, &mut problem);
         }
         if let Some(Rotation { period_s, .. }) = self.rotation
-            && !(period_s > 0.0 && period_s.is_finite())
+            && !DAYS_S.contains(&period_s)
         {
-            problem("thermal.period_s", format!("{period_s} s is not a positive time"));
+            let message = format!("{period_s} s is no length of a day: {:e} to {:e} s", DAYS_S.start(), DAYS_S.end());
+            problem("thermal.period_s", message);
         }
         for (i, beam) in self.beams.iter().enumerate() {
-            beam.check(&mut problem);
-            if [Sky::SUN, Sky::MARS, Sky::MARS_HEAT].contains(&beam.name.as_str())
-                || self.beams[..i].iter().any(|other| other.name == beam.name)
-                || self.bodies.iter().any(|body| body.name == beam.name || body.heat_name() == beam.name)
-            {
-                problem(&beam.item(), "another source has this name".into());
-            }
+            let item = beam_item(i);
+            beam.check(&item, &mut problem);
+            check_name(&item, std::slice::from_ref(&beam.name), &mut taken, &mut problem);
         }
         problems
     }
@@ -145,42 +162,59 @@ impl Sun {
         if !(self.distance_m > 0.0 && self.distance_m.is_finite()) {
             problem("sun", format!("distance {} m is not a positive length", self.distance_m));
         }
-        if let Some(v) = self.irradiance_1au.value().iter().find(|v| **v < 0.0) {
-            problem("sun.spectrum", format!("irradiance {v} is negative"));
+        let at_scene = |v: f64| sun::irradiance_at(v, self.distance_m);
+        let wrong = |v: &&f64| **v < 0.0 || out_of_irradiances(at_scene(**v)).is_some();
+        if let Some(v) = self.irradiance_1au.value().iter().find(wrong) {
+            match *v < 0.0 {
+                true => problem("sun.spectrum", format!("irradiance {v} is negative")),
+                false => check_irradiance("sun.spectrum", at_scene(*v), problem),
+            }
         }
+        check_irradiance("sun.total_irradiance_w_m2", self.total_irradiance_w_m2(), problem);
         if !(0.0..=1.0).contains(&self.limb_darkening) {
             problem("sun.limb_darkening", format!("{} is outside 0 to 1", self.limb_darkening));
         }
     }
 }
 
-/// What a body is called in messages.
-pub(super) fn body_item(name: &str) -> String {
-    format!("bodies.{name:?}")
+/// What a body besides Mars is called in messages, as in a scene file.
+pub(super) fn body_item(i: usize) -> String {
+    format!("bodies[{i}]")
 }
 
-/// Names of sources are parts of names of arrays.
-fn check_name(item: &str, name: &str, problem: &mut impl FnMut(&str, String)) {
+/// What a beam is called in messages, as in a scene file.
+pub(super) fn beam_item(i: usize) -> String {
+    format!("lamps[{i}]")
+}
+
+/// Names of sources, the first of which is stated, are parts of names of arrays, and nobody else's; from then on they are taken.
+fn check_name(item: &str, names: &[String], taken: &mut Vec<String>, problem: &mut impl FnMut(&str, String)) {
+    let Some(name) = names.first() else { return };
+    let item = format!("{item}.name");
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_".contains(c);
     if name.is_empty() || !name.chars().all(is_plain) {
-        problem(item, "expected a name of letters, digits, - and _".into());
+        problem(&item, format!("{name:?}: expected a name of letters, digits, - and _"));
+    } else if name.to_ascii_lowercase().ends_with("_polygon") {
+        problem(&item, format!("{name:?} ends as names of arrays of a facet table do: call it otherwise"));
     }
+    // In images and files they are told apart by more than capital letters.
+    let clash = names.iter().find_map(|name| taken.iter().find(|other| other.eq_ignore_ascii_case(name)));
+    if let Some(other) = clash {
+        problem(
+            &item,
+            format!(
+                "another source has this name: {other:?} is taken, in small and capital letters; call {name:?} otherwise"
+            ),
+        );
+    }
+    taken.extend_from_slice(names);
 }
 
 impl Beam {
-    /// What it is called in messages.
-    pub(super) fn item(&self) -> String {
-        format!("beams.{:?}", self.name)
-    }
-
-    fn check(&self, problem: &mut impl FnMut(&str, String)) {
-        check_name(&self.item(), &self.name, problem);
-        if let Some(v) = self.irradiance.value().iter().find(|v| !(**v >= 0.0 && v.is_finite())) {
-            problem(&format!("{}.irradiance", self.item()), format!("{v} is not a number of at least 0"));
+    fn check(&self, item: &str, problem: &mut impl FnMut(&str, String)) {
+        if let Some(v) = self.irradiance.value().iter().find(|v| out_of_irradiances(**v).is_some()) {
+            check_irradiance(&format!("{item}.irradiance"), *v, problem);
         }
-        if !(self.total_irradiance_w_m2 >= 0.0 && self.total_irradiance_w_m2.is_finite()) {
-            let message = format!("{} is not a number of at least 0", self.total_irradiance_w_m2);
-            problem(&format!("{}.total_irradiance_w_m2", self.item()), message);
-        }
+        check_irradiance(&format!("{item}.total_irradiance_w_m2"), self.total_irradiance_w_m2, problem);
     }
 }

@@ -64,6 +64,7 @@ mod mars_shadows;
 mod messages;
 mod mosaics;
 mod oracles;
+mod out_of_range;
 mod old_tables;
 mod partly_sky;
 mod photometry_attack;

@@ -4,9 +4,8 @@ use glam::DVec3;
 
 use super::types::{Frame, LampToml, Values};
 use super::{Quantity, TomlReader};
-use crate::error::number;
 use crate::geometry::Direction;
-use crate::scene::Beam;
+use crate::scene::{Beam, out_of_irradiances};
 use crate::spectral::{Extend, Spectrum};
 
 impl TomlReader<'_> {
@@ -44,20 +43,20 @@ impl TomlReader<'_> {
     ) -> Option<(Spectrum, f64)> {
         let at = format!("{item}.irradiance");
         let irradiance = match values {
-            Values::Constant(value) if *value >= 0.0 && value.is_finite() => Spectrum::constant(*value),
-            Values::Constant(value) => {
-                self.problem(&at, format!("{} is not a number of at least 0", number(*value)));
-                return None;
-            }
+            Values::Constant(value) => Spectrum::constant(*value),
             Values::File(name) => self.spectrum_file(&at, name, Quantity::Irradiance, Extend::Error)?,
         };
+        if let Some(message) = irradiance.value().iter().find_map(|value| out_of_irradiances(*value)) {
+            self.problem(&at, message);
+            return None;
+        }
         let total_item = format!("{item}.total_irradiance_w_m2");
         if let Some(total) = total_w_m2 {
-            if total >= 0.0 && total.is_finite() {
-                return Some((irradiance, total));
+            if let Some(message) = out_of_irradiances(total) {
+                self.problem(&total_item, message);
+                return None;
             }
-            self.problem(&total_item, format!("{} is not a number of at least 0", number(total)));
-            return None;
+            return Some((irradiance, total));
         }
         let (first, last) = irradiance.coverage_um();
         let of_table = matches!(values, Values::File(_)).then(|| irradiance.integral(first, last)).flatten();
