@@ -159,9 +159,18 @@ impl Sun {
     }
 
     fn check(&self, problem: &mut impl FnMut(&str, String)) {
-        if !(self.distance_m > 0.0 && self.distance_m.is_finite()) {
+        if self.distance_m > 0.0 && self.distance_m.is_finite() {
+            self.check_light(problem);
+        } else {
             problem("sun", format!("distance {} m is not a positive length", self.distance_m));
         }
+        if !(0.0..=1.0).contains(&self.limb_darkening) {
+            problem("sun.limb_darkening", format!("{} is outside 0 to 1", self.limb_darkening));
+        }
+    }
+
+    /// Says what is wrong with its light at the scene.
+    fn check_light(&self, problem: &mut impl FnMut(&str, String)) {
         let at_scene = |v: f64| sun::irradiance_at(v, self.distance_m);
         let wrong = |v: &&f64| **v < 0.0 || out_of_irradiances(at_scene(**v)).is_some();
         if let Some(v) = self.irradiance_1au.value().iter().find(wrong) {
@@ -171,9 +180,6 @@ impl Sun {
             }
         }
         check_irradiance("sun.total_irradiance_w_m2", self.total_irradiance_w_m2(), problem);
-        if !(0.0..=1.0).contains(&self.limb_darkening) {
-            problem("sun.limb_darkening", format!("{} is outside 0 to 1", self.limb_darkening));
-        }
     }
 }
 

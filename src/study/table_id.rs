@@ -56,7 +56,7 @@ pub fn table_id(scene: &Scene) -> String {
         Thermal::Thesis => 1,
         Thermal::Off => 2,
     };
-    for number in [mars_model, thermal, materials.len()] {
+    for number in [mars_model, thermal, materials.len(), mesh.vertices_m.len(), mesh.facets.len()] {
         hasher.update(&(number as u64).to_le_bytes());
     }
     if let SunModel::Disc(rule) = sun_model {
@@ -114,14 +114,14 @@ pub fn table_id(scene: &Scene) -> String {
 pub fn mesh_id(surface: &Surface) -> String {
     let mut hasher = Hasher::new();
     surface.origin_m.to_array().iter().for_each(|x| _ = hasher.update(&x.to_le_bytes()));
+    for count in [surface.mesh.vertices_m.len(), surface.mesh.facets.len()] {
+        hasher.update(&(count as u64).to_le_bytes());
+    }
     update_by_mesh(&mut hasher, &surface.mesh);
     hasher.finalize().to_hex().to_string()
 }
 
 fn update_by_mesh(hasher: &mut Hasher, mesh: &Mesh) {
-    for count in [mesh.vertices_m.len(), mesh.facets.len()] {
-        hasher.update(&(count as u64).to_le_bytes());
-    }
     update_in_pieces(hasher, &mesh.vertices_m, |v: &DVec3, bytes| {
         v.to_array().iter().for_each(|x| bytes.extend(x.to_le_bytes()));
     });
