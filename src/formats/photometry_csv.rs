@@ -162,7 +162,8 @@ mod tests {
             ("wavelength_um,k,g,k\n", "a.csv:1: there are two columns `k`"),
             ("wavelength_um,k,g\n1,2\n", "a.csv:2: 2 cells, where the header has 3"),
             ("wavelength_um,k,g\n1,2,x\n", "a.csv:2: `x` is not a finite number"),
-            ("wavelength_um,k,g\n2,2,2\n1,2,2\n", "a.csv:3: wavelength 1 is not above"),
+            ("wavelength_um,k,g\n2,2,0.2\n1,2,0.2\n", "a.csv:3: wavelength 1 is not above"),
+            ("wavelength_um,k,g\n1,2,0.2\n2,2,1\n", "a.csv:3: g = 1 is out of range"),
             ("wavelength_um,k,g\n", "no rows"),
         ] {
             let error = parsed(text).unwrap_err().to_string();
