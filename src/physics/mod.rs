@@ -20,6 +20,7 @@
 //! | sphere of uniform radiance over a tilted facet | [`mars::uniform_sphere_form_factor`] | Naraghi (1988); Howell, catalogue | oracles `plane_to_sphere_F` |
 //! | Lambert sphere lit by the Sun, near at hand | [`mars::irradiance`], [`mars::irradiance_vector`] | integral over the visible cap | oracles `marsshine` |
 //! | parts of its lit disc, which terrain may hide | [`mars_points::lit_points`] | Lambert's law | [`mars::irradiance`] of tilted facets |
+//! | directions that stand for its light on a model | [`mars_directions::Directions`] | Lobatto's quadrature over the lit part above the horizon | sums over patches of the sphere |
 //! | the same, fast, for the facets of one scene | [`mars_light::MarsLight`] | E'' + E = great-circle integral | against [`mars::irradiance`] |
 //! | (4), (6), (7), (8) | [`mars::thesis_irradiance`] | Domagala (2020), as printed | 0.06516322993 |
 //! | bounds of Mars-light, interreflection, neighbours' heat, penumbra, the Sun at the horizon | [`bounds::mars_light`], [`bounds::interreflection`], [`bounds::neighbours_heat`], [`bounds::surroundings_form_factor`], [`bounds::penumbra_width_m`], [`bounds::terminator`] | set up here | full Mars; Ingersoll's bowl; flat ground; straight edge; flat horizon |
@@ -50,6 +51,7 @@ pub mod conduction;
 pub mod form_factor;
 pub mod heat;
 pub mod mars;
+pub mod mars_directions;
 pub mod mars_light;
 pub mod mars_points;
 mod quadrature;

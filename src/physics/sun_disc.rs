@@ -23,6 +23,14 @@ pub fn share_beyond_edge(x: f64, limb_darkening: f64) -> f64 {
     ((1.0 - u) * uniform + u * darkened) / (PI * (1.0 - u / 3.0))
 }
 
+/// The most that this share changes with the place of the edge, whatever its form, per radius of the disc: light on the diameter over that of the disc.
+///
+/// A diameter has 2 (1 - u) + u pi / 2, the disc pi (1 - u / 3). Source: as [`share_beyond_edge`].
+pub fn steepest_share(limb_darkening: f64) -> f64 {
+    let u = limb_darkening;
+    (2.0 * (1.0 - u) + u * FRAC_PI_2) / (PI * (1.0 - u / 3.0))
+}
+
 /// Irradiance by the Sun's disc on a facet whose own horizon cuts it, over that normal to the beam: the sine of elevation where all of the
 /// disc is up, and 0 where none is; `sin_radius` is the sine of its angular radius.
 ///
@@ -314,6 +322,25 @@ impl DiscRule {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn no_share_changes_more_than_the_steepest() {
+        // Of a uniform disc 2 / pi.
+        assert!((steepest_share(0.0) - 0.636_619_772_367_581_3).abs() < 1e-15);
+        for u in [0.0, 0.3, 0.6, 1.0] {
+            let across = (share_beyond_edge(1e-4, u) - share_beyond_edge(-1e-4, u)) / 2e-4;
+            assert!((across / steepest_share(u) - 1.0).abs() < 1e-6, "{u}: {across}");
+            for radius in [0.3, 1.0, 2.0, 100.0] {
+                let near = radius - 1.0_f64;
+                for k in 0..400 {
+                    let distance = near.abs() + 2.0 * f64::from(k) / 400.0;
+                    let step = share_beside_disc(radius, distance + 1e-3, u) - share_beside_disc(radius, distance, u);
+                    // Shares are sums, good to some 1e-6.
+                    assert!(step.abs() <= 1.005 * 1e-3 * steepest_share(u), "{u} {radius} {distance}: {step}");
+                }
+            }
+        }
+    }
 
     #[test]
     fn behind_a_straight_edge() {

@@ -4,6 +4,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::geometry::{Vectors, index_u32};
+use crate::physics::mars_directions::{Directions, SphereSeen, Towards};
 use crate::physics::mars_light::MarsLight;
 use crate::physics::reflectance::DirectionalAlbedos;
 use crate::physics::{heat, mars, sun, sun_disc};
@@ -94,6 +95,8 @@ enum Prepared<'a> {
         globe: &'a Globe,
         /// Sunlight on it over that at the scene.
         sun_strength: f64,
+        /// From there to the Sun.
+        sun: DVec3,
         light: Box<MarsLight>,
         model: MarsModel,
     },
@@ -118,7 +121,13 @@ impl<'a> Prepared<'a> {
                 let light = MarsLight::new(globe.centre_m, globe.radius_m, sun.direction, low_m, high_m);
                 // What the thesis has is of Mars.
                 let model = if globe.name == Sky::MARS { scene.models.mars_light } else { MarsModel::NearField };
-                Prepared::Sphere { globe, sun_strength: sun.strength, light: Box::new(light), model }
+                Prepared::Sphere {
+                    globe,
+                    sun_strength: sun.strength,
+                    sun: sun.direction.vec(),
+                    light: Box::new(light),
+                    model,
+                }
             }
         }
     }
@@ -139,7 +148,7 @@ impl Chunk<'_> {
         }
         let sun_w_m2 = scene.sky.sun.total_irradiance_w_m2();
         // Of light at this cosine of incidence a facet absorbs so many times what 1 - its Bond albedo is.
-        let has_models = albedos.iter().any(Option::is_some);
+        let (has_models, directions) = (albedos.iter().any(Option::is_some), Directions::new(2));
         let absorbed_more = |f: usize, cos_incidence: f64| {
             let material = mesh.material[f].0 as usize;
             let plain = 1.0 - scene.body.materials[material].bond_albedo;
@@ -197,7 +206,7 @@ impl Chunk<'_> {
                         *irradiance = mars::uniform_sphere_form_factor(sin_radius, cos_tilt).max(0.0);
                     }
                 }
-                Prepared::Sphere { globe, sun_strength, light, model } => {
+                Prepared::Sphere { globe, sun_strength, sun, light, model } => {
                     // What it sends warms, whether or not it is to be seen.
                     let warms = scene.models.thermal == Thermal::Equilibrium;
                     if *model == MarsModel::NearField || (*model == MarsModel::Off && warms) {
@@ -219,8 +228,10 @@ impl Chunk<'_> {
                         let share = share(sees, f);
                         let form_factor = mars::uniform_sphere_form_factor(sin_radius, cos_tilt);
                         let more = if has_models && *irradiance > 0.0 {
-                            let middle = mars::middle_above_horizon(normal, to_centre_m, globe.radius_m);
-                            absorbed_more(f, normal.dot(middle.normalize_or_zero()))
+                            let sun = (*model != MarsModel::Thesis).then_some(*sun);
+                            let seen = SphereSeen { to_centre_m, radius_m: globe.radius_m, normal, sun };
+                            let of = |Towards { direction, share }| share * absorbed_more(f, normal.dot(direction));
+                            directions.of(&seen, None).into_iter().map(of).sum()
                         } else {
                             1.0
                         };

@@ -11,7 +11,8 @@ use super::site::Site;
 use crate::error::Result;
 use crate::geometry::{Direction, Mesh, angle_rad};
 use crate::physics::bounds::surroundings_form_factor;
-use crate::physics::mars::{irradiance_vector, middle_above_horizon, uniform_sphere_form_factor};
+use crate::physics::mars::{irradiance_vector, uniform_sphere_form_factor};
+use crate::physics::mars_directions::{Directions, OF_TWO_CIRCLES, SphereSeen, Towards};
 use crate::physics::reflectance::{Brdf, Lambert, PhotometricAngles};
 use crate::product::Backplanes;
 use crate::progress::Watch;
@@ -375,17 +376,14 @@ fn sight(scene: &Setup, mars: &Option<MarsBound>, facet: usize, look: &Look) -> 
     if cross_m2.dot(to_eye) <= 0.0 {
         return None;
     }
-    let normal = cross_m2.normalize_or_zero();
-    let gain = |to_source: DVec3| {
-        look.gain(|| PhotometricAngles::of_directions(normal, to_source, to_eye.normalize_or_zero()))
-    };
+    let (normal, to_eye) = (cross_m2.normalize_or_zero(), to_eye.normalize_or_zero());
+    let gain = |to_source: DVec3| look.gain(|| PhotometricAngles::of_directions(normal, to_source, to_eye));
     let to_sun = scene.sky.sun.direction.vec();
     let cos_incidence = normal.dot(to_sun).max(0.0);
     let brightness = if cos_incidence > 0.0 { cos_incidence * gain(to_sun) } else { 0.0 };
     let (by_mars, of_mars) = mars.as_ref().map_or((0.0, 0.0), |mars| {
         let (most, of_mars) = mars.at(normal);
-        let towards = || middle_above_horizon(normal, mars.centre_m - centroid_m, mars.radius_m).normalize_or_zero();
-        (if most > 0.0 { most * gain(towards()) } else { 0.0 }, of_mars)
+        (if most > 0.0 { most * mars.gain(look, normal, centroid_m, to_eye) } else { 0.0 }, of_mars)
     });
     Some(Sight { brightness, cos_incidence, by_mars, of_mars })
 }
@@ -394,6 +392,9 @@ fn sight(scene: &Setup, mars: &Option<MarsBound>, facet: usize, look: &Look) -> 
 struct MarsBound {
     centre_m: DVec3,
     radius_m: f64,
+    /// From there to the Sun.
+    sun: DVec3,
+    directions: Directions,
     /// Towards its centre from the middle of the scene, and cosine and sine of the angle that it is off from elsewhere.
     towards: DVec3,
     off: (f64, f64),
@@ -428,6 +429,8 @@ impl MarsBound {
         Some(MarsBound {
             centre_m,
             radius_m,
+            sun: scene.sky.sun_on(globe).direction.vec(),
+            directions: Directions::new(2),
             towards: to_centre_m.normalize_or_zero(),
             off: (off_rad.cos(), off_rad.sin()),
             radius: (sin_radius, rim),
@@ -440,8 +443,22 @@ impl MarsBound {
         })
     }
 
-    /// How much more of its light facets send to the camera than a Lambert surface that faces it would, at most; its disc is taken to be at the middle
-    /// of what of it is above their horizon.
+    /// How much more of its light a facet sends to the camera than a Lambert surface would, at most: by a few directions on its day and, for its heat, on all of it.
+    fn gain(&self, look: &Look, normal: DVec3, centroid_m: DVec3, to_eye: DVec3) -> f64 {
+        if look.model.is_none() {
+            return 1.0;
+        }
+        let of = |sun: Option<DVec3>| {
+            let seen = SphereSeen { to_centre_m: self.centre_m - centroid_m, radius_m: self.radius_m, normal, sun };
+            let gain = |Towards { direction, share }| {
+                share * look.gain(|| PhotometricAngles::of_directions(normal, direction, to_eye))
+            };
+            self.directions.of(&seen, Some(to_eye)).into_iter().map(gain).sum::<f64>()
+        };
+        (1.0 + OF_TWO_CIRCLES) * of(Some(self.sun)).max(of(None))
+    }
+
+    /// How much more of its light facets send to the camera than a Lambert surface that faces it would, at most.
     fn most_gain(&self, scene: &Scene, looks: &[Look]) -> f64 {
         let mesh = &scene.body.mesh;
         let (sin_radius, cos_radius) = self.radius;
@@ -454,9 +471,7 @@ impl MarsBound {
             if normal.dot(to_eye) <= 0.0 || nearest <= 0.0 {
                 return 0.0;
             }
-            let towards = middle_above_horizon(normal, self.centre_m - centroid_m, self.radius_m).normalize_or_zero();
-            let look = &looks[mesh.material[i].0 as usize];
-            nearest / cos_radius * look.gain(|| PhotometricAngles::of_directions(normal, towards, to_eye))
+            nearest / cos_radius * self.gain(&looks[mesh.material[i].0 as usize], normal, centroid_m, to_eye)
         };
         (0..mesh.facets.len()).into_par_iter().map(of).reduce(|| 0.0, f64::max)
     }

@@ -60,6 +60,7 @@ mod map_light;
 mod map_sums;
 mod maps;
 mod mars_heat;
+mod mars_models;
 mod mars_shadows;
 mod messages;
 mod mosaics;

@@ -237,7 +237,7 @@ fn each_source_has_its_own_angles() {
     let both = second(&of_model(&plane_at(60.0, 40.0, 90.0), DARK, Spectrum::constant(0.1)));
     let of = |irradiance: f64, mu0: f64| irradiance * mu0 * 0.1 / (4.0 * PI * (mu0 + mu));
     close(radiance(&both)[0], of(E, mu0) + of(100.0, other), 1e-8);
-    // Of Mars: to its centre. The Sun is below the horizon.
+    // Of all of Mars. The Sun is below the horizon.
     let night = |shape: Option<Shape>| {
         let dark = edited(&plane_at(120.0, 40.0, 90.0), |parts| {
             parts.sky.mars = Some(mars(9.4e6 * DVec3::from(towards(50.0, 0.0))));
@@ -246,8 +246,10 @@ fn each_source_has_its_own_angles() {
     };
     let lambert = night(None);
     assert!(lambert > 0.0);
-    let f = 0.1 / (4.0 * PI * (50f64.to_radians().cos() + mu));
-    close(night(Some(DARK)) / lambert, f / (0.07 / PI), 1e-6);
+    let (centre_m, sun) = (9.4e6 * DVec3::from(towards(50.0, 0.0)), DVec3::from(towards(120.0, 0.0)));
+    let f = |direction: DVec3| 0.1 / (4.0 * PI * (direction.z + mu));
+    let (light, sum) = crate::mars_models::over_sphere(centre_m, 3_389_500.0, DVec3::Z, Some(sun), f);
+    close(night(Some(DARK)) / lambert, sum / light / (0.07 / PI), 1e-3);
 }
 
 /// Four texels on the square of half width 50 m, each of these values.

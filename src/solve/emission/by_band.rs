@@ -50,7 +50,7 @@ impl<'a> ByBand<'a> {
         facet: u32,
         lights: &[SourceLight],
         amount: impl Fn(&SourceLight) -> f64,
-        angles: impl Fn(&SourceLight) -> Angles,
+        angles: impl Fn(&SourceLight, &mut dyn FnMut(f64, Angles)),
         texture: &Modulation,
         mut add: impl FnMut(usize, f64),
     ) {
@@ -59,22 +59,23 @@ impl<'a> ByBand<'a> {
             if weight <= 0.0 {
                 continue;
             }
-            let angles = angles(light);
-            for (band, samples) in self.samples.iter().enumerate() {
-                for sample in samples {
-                    let reflected = match angles {
-                        Angles::Of(angles) => sample.brdf.eval(&angles),
-                        Angles::Diffuse { .. } => lambert_radiance(sample.reflectance),
-                    };
-                    let sent = weight * reflected * sample.incoming[i];
-                    match self.texture {
-                        None => add(band, sent),
-                        Some(of) => of.shares(sample.um).into_iter().enumerate().for_each(|(layer, share)| {
-                            add(layer * self.samples.len() + band, sent * share * light.mean(texture, layer));
-                        }),
+            angles(light, &mut |share, angles| {
+                for (band, samples) in self.samples.iter().enumerate() {
+                    for sample in samples {
+                        let reflected = match angles {
+                            Angles::Of(angles) => sample.brdf.eval(&angles),
+                            Angles::Diffuse { .. } => lambert_radiance(sample.reflectance),
+                        };
+                        let sent = share * weight * reflected * sample.incoming[i];
+                        match self.texture {
+                            None => add(band, sent),
+                            Some(of) => of.shares(sample.um).into_iter().enumerate().for_each(|(layer, share)| {
+                                add(layer * self.samples.len() + band, sent * share * light.mean(texture, layer));
+                            }),
+                        }
                     }
                 }
-            }
+            });
         }
     }
 }

@@ -2,11 +2,12 @@
 
 use glam::DVec3;
 
-use super::light::{Fragment, SourceLight};
+use super::light::{Angles, Fragment, SourceLight};
 use crate::geometry::{Direction, Facet, FrameCamera, Mesh};
 use crate::physics::mars::middle_above_horizon;
+use crate::physics::mars_directions::{Directions, SphereSeen, Towards};
 use crate::physics::reflectance::PhotometricAngles;
-use crate::scene::{DirectionField, Scene, Sky, SunModel};
+use crate::scene::{DirectionField, Globe, MarsModel, Scene, Sky, Source, SourceKind, SunModel};
 use crate::units::SUN_RADIUS_M;
 
 /// Who looks at whole facets, from their centroids.
@@ -38,21 +39,52 @@ enum Eye<'a> {
 }
 
 /// Who looks at what.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct FragmentAngles<'a> {
     eye: Eye<'a>,
     mesh: &'a Mesh,
-    /// Whose globes are the sources in the near field.
-    sky: &'a Sky,
+    /// Of each source, if it is a sphere in the near field.
+    spheres: Vec<Option<Sphere<'a>>>,
     /// Of the Sun, the first source, if it is a disc: its distance, m.
     disc_distance_m: Option<f64>,
+}
+
+/// A source whose light comes from many directions.
+#[derive(Debug, Clone)]
+struct Sphere<'a> {
+    globe: &'a Globe,
+    /// Towards the Sun that lights it; `None`: all of it is as bright.
+    sun: Option<DVec3>,
+    directions: Directions,
+}
+
+impl<'a> Sphere<'a> {
+    fn of(scene: &Scene, source: &Source<'a>) -> Option<Self> {
+        let (globe, is_lit) = match source.kind {
+            // That of the thesis has no phase.
+            SourceKind::Sphere(globe) => {
+                (globe, globe.name != Sky::MARS || scene.models.mars_light != MarsModel::Thesis)
+            }
+            SourceKind::Glow(globe) => (globe, false),
+            SourceKind::Beam(_) => return None,
+        };
+        let (low_m, high_m) = scene.body.bounds_m().unwrap_or_default();
+        let nearest_m = (globe.centre_m - globe.centre_m.clamp(low_m, high_m)).length();
+        Some(Sphere {
+            globe,
+            sun: is_lit.then(|| scene.sky.sun_on(globe).direction.vec()),
+            directions: Directions::for_size(globe.radius_m / nearest_m),
+        })
+    }
 }
 
 impl<'a> FragmentAngles<'a> {
     pub(super) fn of(scene: &'a Scene) -> Self {
         let disc_distance_m = (scene.models.sun != SunModel::Point).then_some(scene.sky.sun.distance_m);
         let eye = Eye::Camera(&scene.exposure.camera);
-        FragmentAngles { eye, mesh: &scene.body.mesh, sky: &scene.sky, disc_distance_m }
+        let mesh = &scene.body.mesh;
+        let sphere = |source: &Source<'a>| Sphere::of(scene, source);
+        FragmentAngles { eye, mesh, spheres: scene.sources().iter().map(sphere).collect(), disc_distance_m }
     }
 
     /// The same of whole facets that another observer sees.
@@ -83,9 +115,24 @@ impl<'a> FragmentAngles<'a> {
         (across * across + down * down).sqrt().min(std::f64::consts::PI)
     }
 
-    /// The angles at the centroid of what a source lights of a fragment; of a source in the near field, and of the Sun's disc, to the
-    /// middle of what of it is above the facet's horizon.
-    pub(super) fn angles(&self, fragment: &Fragment, light: &SourceLight, field: DirectionField) -> PhotometricAngles {
+    /// Angular radius of a source as it is seen from a place, local, m: its sine.
+    pub(super) fn sin_radius(&self, light: &SourceLight, place_m: DVec3) -> f64 {
+        self.sphere(light).map_or(0.0, |of| (of.globe.radius_m / (of.globe.centre_m - place_m).length()).min(1.0))
+    }
+
+    fn sphere(&self, light: &SourceLight) -> Option<&Sphere<'a>> {
+        self.spheres.get(light.source?)?.as_ref()
+    }
+
+    /// Hands over the angles at the centroid of what a source lights of a fragment, each with the share of the irradiance that has them: of the Sun's disc, to the
+    /// middle of what of it is above the facet's horizon; of a sphere in the near field, several.
+    pub(super) fn each(
+        &self,
+        fragment: &Fragment,
+        light: &SourceLight,
+        field: DirectionField,
+        put: &mut dyn FnMut(f64, Angles),
+    ) {
         let facet = self.mesh.facet(fragment.facet as usize);
         let normal = facet.cross_m2().normalize_or_zero();
         let (to_viewer, seen_along) = match self.eye {
@@ -96,21 +143,30 @@ impl<'a> FragmentAngles<'a> {
             }
             Eye::Observer(observer) => (observer.seen_from(&facet), None),
         };
-        let to_source = match field {
-            DirectionField::Afar(direction) => match self.disc_distance_m.filter(|_| light.is_first) {
-                None => direction.vec(),
-                Some(distance_m) => middle_above_horizon(normal, distance_m * direction.vec(), SUN_RADIUS_M),
+        let mut one = |share: f64, to_source: DVec3| {
+            put(share, Angles::Of(PhotometricAngles::of_directions(normal, to_source, to_viewer)));
+        };
+        match field {
+            DirectionField::Afar(direction) => match self.disc_distance_m.filter(|_| light.source == Some(0)) {
+                None => one(1.0, direction.vec()),
+                Some(distance_m) => {
+                    one(1.0, middle_above_horizon(normal, distance_m * direction.vec(), SUN_RADIUS_M));
+                }
             },
-            DirectionField::Near(centre_m) => {
+            DirectionField::Near(_) => {
                 let met_m = |(eye_m, ray)| eye_m + facet.met_by(eye_m, ray) * ray;
                 let towards = field.towards(seen_along.map_or_else(|| facet.centroid_m(), met_m));
                 // Where a facet is edge-on, rays meet it anywhere.
-                let towards = if towards.is_finite() { towards } else { field.towards(facet.centroid_m()) };
-                let radius_m =
-                    self.sky.globes().find(|globe| globe.centre_m == centre_m).map_or(0.0, |globe| globe.radius_m);
-                middle_above_horizon(normal, towards, radius_m)
+                let to_centre_m = if towards.is_finite() { towards } else { field.towards(facet.centroid_m()) };
+                match self.sphere(light) {
+                    None => one(1.0, to_centre_m.normalize_or_zero()),
+                    Some(Sphere { globe, sun, directions }) => {
+                        let seen = SphereSeen { to_centre_m, radius_m: globe.radius_m, normal, sun: *sun };
+                        let all = directions.of(&seen, Some(to_viewer));
+                        all.into_iter().for_each(|Towards { direction, share }| one(share, direction));
+                    }
+                }
             }
-        };
-        PhotometricAngles::of_directions(normal, to_source, to_viewer)
+        }
     }
 }

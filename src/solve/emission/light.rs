@@ -83,8 +83,8 @@ pub(super) enum Angles {
 pub(super) struct SourceLight<'a> {
     /// `None`: its light comes from everywhere.
     pub(super) field: Option<DirectionField>,
-    /// Whether it is the Sun.
-    pub(super) is_first: bool,
+    /// Its place in the list of sources, the Sun first; `None`: facets send it.
+    pub(super) source: Option<usize>,
     irradiance: &'a [f64],
     reach: Reach<'a>,
 }
@@ -110,14 +110,14 @@ impl<'a> SourceLight<'a> {
                     Reach::Part(parts - 1)
                 }
             };
-            SourceLight { field: Some(lighting.field), is_first: i == 0, irradiance: &lighting.irradiance, reach }
+            SourceLight { field: Some(lighting.field), source: Some(i), irradiance: &lighting.irradiance, reach }
         };
         sources.iter().enumerate().map(light).collect()
     }
 
     /// Light from everywhere, on all of each facet.
     pub(super) fn diffuse(irradiance: &'a [f64]) -> Self {
-        SourceLight { field: None, is_first: false, irradiance, reach: Reach::All }
+        SourceLight { field: None, source: None, irradiance, reach: Reach::All }
     }
 
     /// Irradiance on a facet, where it is lit.

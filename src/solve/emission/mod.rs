@@ -189,7 +189,11 @@ impl<'a> Emission<'a> {
             // What goes into a direction of light from everywhere varies little with it.
             None => 1.0,
             Some(field @ DirectionField::Near(_)) => {
-                let cos_phase = field.towards(self.scene.body.mesh.facet(facet).centroid_m()).dot(to_viewer);
+                let centroid_m = self.scene.body.mesh.facet(facet).centroid_m();
+                let cos_phase = field.towards(centroid_m).normalize_or_zero().dot(to_viewer);
+                // A surge is spread over the disc.
+                let sin_radius = self.angles.sin_radius(light, centroid_m);
+                let cos_phase = cos_phase.min((1.0 - sin_radius * sin_radius).max(0.0).sqrt());
                 variation.parts(0.0, cos_emission, cos_phase, angle_rad)
             }
         };
@@ -285,9 +289,9 @@ impl<'a> Emission<'a> {
         fragment: &Fragment,
         add: &mut dyn FnMut(usize, f64),
     ) {
-        let angles = |light: &SourceLight| match light.field {
-            Some(field) => Angles::Of(self.angles.angles(fragment, light, field)),
-            None => Angles::Diffuse { cos_emission: self.angles.cos_emission(fragment) },
+        let angles = |light: &SourceLight, put: &mut dyn FnMut(f64, Angles)| match light.field {
+            Some(field) => self.angles.each(fragment, light, field, put),
+            None => put(1.0, Angles::Diffuse { cos_emission: self.angles.cos_emission(fragment) }),
         };
         match family {
             Family::Modelled(modelled) => {

@@ -66,20 +66,22 @@ impl<'a> Modelled<'a> {
         facet: u32,
         lights: &[SourceLight],
         amount: impl Fn(&SourceLight) -> f64,
-        angles: impl Fn(&SourceLight) -> Angles,
+        angles: impl Fn(&SourceLight, &mut dyn FnMut(f64, Angles)),
         texture: &Modulation,
         mut add: impl FnMut(usize, f64),
     ) {
         for (i, light) in lights.iter().enumerate() {
             let weight = amount(light).max(0.0) * light.irradiance(facet);
             if weight > 0.0 {
-                let put = |term: usize, of_term: f64| {
+                let mut put = |term: usize, of_term: f64| {
                     for layer in 0..self.layers() {
                         let mean = if self.texture.is_some() { light.mean(texture, layer) } else { 1.0 };
-                        add((term * self.layers() + layer) * lights.len() + i, weight * of_term * mean);
+                        add((term * self.layers() + layer) * lights.len() + i, of_term * mean);
                     }
                 };
-                self.reflect(angles(light), put);
+                angles(light, &mut |share, angles| {
+                    self.reflect(angles, |term, of_term| put(term, share * weight * of_term));
+                });
             }
         }
     }

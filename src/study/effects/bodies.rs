@@ -1,7 +1,7 @@
 //! Light and heat of bodies of the sky besides Mars: the Earth, moons.
 
 use super::given::{Place, reflectance};
-use super::{Bound, EffectKind, Finding, Given, Switch, heat_from_mars};
+use super::{Bound, EffectKind, Finding, Given, Switch, heat_from_mars, mars_light};
 use crate::physics::blackbody;
 use crate::physics::mars_light::MARS_LIGHT_ERROR;
 use crate::scene::{Globe, Models, Setup, Thermal};
@@ -47,7 +47,12 @@ fn find(given: &Given) -> Finding {
         modelled: !kept.is_empty(),
         bound: of_all(given, |_| true),
         // What of the kept ones is approximated, and all of the others.
-        remaining: of(&kept).zip(of(&left)).map(|(kept, left)| kept.times(MARS_LIGHT_ERROR).and(&left)),
+        remaining: of(&kept).zip(of(&left)).map(|(of_kept, left)| {
+            let by_models =
+                |globe: &&Globe| [true, false].map(|is_lit| mars_light::of_directions(given, globe, is_lit));
+            let error = kept.iter().flat_map(by_models).fold(MARS_LIGHT_ERROR, f64::max);
+            of_kept.times(error).and(&left)
+        }),
         note: match (bodies.is_empty(), kept.is_empty(), left.is_empty()) {
             (true, ..) => "the scene has no body besides Mars".into(),
             (_, true, _) => format!("left out: {}", names(&left)),

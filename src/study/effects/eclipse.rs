@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::{Bound, EffectKind, Finding, Given, Switch, thermal_inertia};
 use crate::geometry::Direction;
 use crate::physics::sun::{self, Eclipse};
+use crate::physics::sun_disc::steepest_share;
 use crate::scene::{Globe, Setup, Sky};
 
 pub(super) const KIND: EffectKind = EffectKind {
@@ -24,20 +25,27 @@ pub(super) const KIND: EffectKind = EffectKind {
     find,
 };
 
-/// What a flat disc, and one value on a facet, leave out: share of the Sun.
+/// What a flat disc leaves out: share of the Sun.
 const ROUNDING: f64 = 1e-3;
 
 fn find(given: &Given) -> Finding {
-    let found = |missing: Option<&str>, bound, because: &str| Finding {
+    let found = |missing: Option<&str>, bound, because: &str| {
+        Finding {
         modelled: given.models.eclipses && given.scene.sky.globes().next().is_some(),
         missing: missing.map(str::to_owned),
         bound,
         remaining: match by_globes(given.scene) {
-            Some(Eclipse::Partial) => Some(Bound { lit: ROUNDING, shadow: ROUNDING }),
+            Some(Eclipse::Partial) => {
+                let share = (ROUNDING + across_facets(given.scene)).min(1.0);
+                Some(Bound { lit: share, shadow: share })
+            }
             _ => Some(Bound::NOTHING),
         },
-        note: "each facet has the sunlight that bodies of the sky leave, seen from its centroid".into(),
+        note: "each facet has the sunlight that bodies of the sky leave, seen from its centroid; what is left is of the Sun's share, and grows with facets, over \
+               which the edge of the shadow passes"
+            .into(),
         because: because.into(),
+    }
     };
     match by_globes(given.scene) {
         None => found(Some("no Mars in the scene"), None, "not known without a Mars, or another body"),
@@ -52,6 +60,28 @@ fn find(given: &Given) -> Finding {
         }
         Some(Eclipse::Total) => found(None, None, "the Sun is covered: the site has no sunlight"),
     }
+}
+
+/// What the share of the Sun may differ by, at most, between a facet's centroid and elsewhere on it.
+///
+/// Who moves by h sees a limb move by h over how far that is away, along the tangent.
+fn across_facets(scene: &Setup) -> f64 {
+    let (mesh, sun) = (&scene.body.mesh, &scene.sky.sun);
+    let Some((low_m, high_m)) = scene.body.bounds_m() else { return 0.0 };
+    let of_facet = |f: usize| {
+        let facet = mesh.facet(f);
+        facet.corners_m.map(|corner_m| (corner_m - facet.centroid_m()).length()).into_iter().fold(0.0, f64::max)
+    };
+    let widest_m = (0..mesh.facets.len()).map(of_facet).fold(0.0, f64::max);
+    let (middle_m, half_m) = (0.5 * (low_m + high_m), 0.5 * (high_m - low_m).length());
+    let of_sphere = |(centre_m, radius_m): (DVec3, f64)| {
+        let nearest_m = ((centre_m - middle_m).length() - half_m).max(radius_m);
+        let to_limb_m = ((nearest_m - radius_m) * (nearest_m + radius_m)).sqrt();
+        steepest_share(sun.limb_darkening) * widest_m / to_limb_m / sun.sin_radius().asin()
+    };
+    let hiding =
+        scene.sky.globes().filter(|globe| !matches!(by(scene, globe, (low_m, high_m)), None | Some(Eclipse::None)));
+    hiding.map(|globe| of_sphere((globe.centre_m, globe.radius_m))).sum()
 }
 
 /// Whether some body of the sky covers the Sun: wholly if from everywhere, not if from nowhere; `None` without any.

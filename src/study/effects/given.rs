@@ -1,7 +1,8 @@
 //! What bounds are made from: a scene, what its camera may see, and what an error is relative to.
 
 use super::{Bound, by_globes};
-use crate::physics::reflectance::Lambert;
+use crate::geometry::Direction;
+use crate::physics::reflectance::{Brdf, Lambert};
 use crate::physics::sun::Eclipse;
 use crate::physics::{blackbody, heat};
 use crate::scene::{Globe, MarsModel, Material, Models, Setup, Thermal};
@@ -15,6 +16,11 @@ pub(in crate::study) const FLOOR: f64 = 0.01;
 
 /// Wavelengths that are closer, relative, are looked at once: spectra hardly change between them.
 const SPACING: f64 = 0.005;
+
+/// Directions of view that stand for an image.
+const MOST_VIEWS: usize = 16;
+/// Those that differ by less, rad, are one: surges are not much narrower.
+const SAME_VIEW_RAD: f64 = 0.02;
 
 /// What the bounds are made from.
 #[derive(Clone)]
@@ -360,6 +366,37 @@ impl<'a> Given<'a> {
         self.error_without(|&Place { at, material, class, .. }| {
             self.sent(at, material, class.most_brightness, class.most_cos_incidence)
         })
+    }
+
+    /// A material by direction, at wavelengths, um: where only its albedo depends on wavelength at the darkest and the brightest, else at each; none of Lambert's.
+    pub(super) fn brdfs(&self, material: &Material) -> Vec<(f64, Brdf)> {
+        let lit = || self.wavelengths.iter().filter(|at| at.light.is_lit()).map(|at| at.um);
+        let value = |um: &f64| reflectance(material, *um);
+        let by_value = |a: &f64, b: &f64| value(a).total_cmp(&value(b));
+        let all_um: Vec<f64> = match material.photometry.to_model() {
+            Some(_) => lit().min_by(by_value).into_iter().chain(lit().max_by(by_value)).collect(),
+            None => lit().collect(),
+        };
+        all_um.into_iter().filter_map(|um| Some((um, material.photometry.brdf(um)?))).collect()
+    }
+
+    /// Directions towards the camera from some places that it sees, those that differ.
+    pub(super) fn views(&self) -> Vec<Direction> {
+        let body = &self.scene.body;
+        let (low_m, high_m) = body.bounds_m().unwrap_or_default();
+        let eye_m = self.scene.exposure.camera.centre_m();
+        let seen: Vec<usize> = self.extremes.glimpse.facets().collect();
+        let step = seen.len().div_ceil(MOST_VIEWS).max(1);
+        let places_m = seen.iter().step_by(step).map(|facet| body.mesh.facet(*facet).centroid_m());
+        let mut views: Vec<Direction> = Vec::new();
+        for place_m in std::iter::once(0.5 * (low_m + high_m)).chain(places_m) {
+            if let Some(view) = Direction::new(eye_m - place_m)
+                && views.iter().all(|other| other.angle_rad(view) > SAME_VIEW_RAD)
+            {
+                views.push(view);
+            }
+        }
+        views
     }
 
     /// Longest way, m, from the edge that casts a shadow to where it falls.

@@ -1,7 +1,7 @@
 //! What Mars emits, reflected by the surface.
 
 use super::given::{Place, Wavelength, reflectance};
-use super::{Bound, EffectKind, Finding, Given, Switch};
+use super::{Bound, EffectKind, Finding, Given, Switch, mars_light};
 use crate::physics::blackbody;
 use crate::scene::{MARS_DAY_NIGHT_K, Material};
 use crate::spectral::Light;
@@ -35,6 +35,7 @@ fn find(given: &Given) -> Finding {
         modelled: mars.is_some() && given.models.mars_heat,
         missing: mars.is_none().then(|| "no Mars in the scene".into()),
         bound: bound(given),
+        remaining: mars.and_then(|mars| Some(bound(given)?.times(mars_light::of_directions(given, mars, false)))),
         note: format!("day and night side at {day_k} and {night_k} K, which are inputs"),
         because: format!(
             "Mars by a facet's form factor, as warm as {night_k} K, and {day_k} K where its day may be in view"

@@ -3,11 +3,11 @@
 use glam::DVec3;
 
 use super::given::{Place, Wavelength, reflectance};
-use super::{Bound, EffectKind, Finding, Given, Switch, mars_seen};
-use crate::physics::mars::middle_above_horizon;
+use super::{Bound, EffectKind, Finding, Given, Switch};
+use crate::physics::mars_directions::{Directions, SphereSeen};
 use crate::physics::mars_light::MARS_LIGHT_ERROR;
-use crate::physics::reflectance::{Brdf, PhotometricAngles};
-use crate::scene::{MARS_ALBEDO, MarsModel, Material};
+use crate::physics::reflectance::Brdf;
+use crate::scene::{Globe, MARS_ALBEDO, MarsModel, Material};
 use crate::spectral::Light;
 
 pub(super) const KIND: EffectKind = EffectKind {
@@ -45,21 +45,21 @@ fn find(given: &Given) -> Finding {
         note: note.into(),
         because,
     };
-    match given.scene.sky.mars.as_ref().map(|_| given.models.mars_light) {
-        Some(MarsModel::NearField) => found(
+    match given.scene.sky.mars.as_ref().map(|mars| (given.models.mars_light, mars)) {
+        Some((MarsModel::NearField, mars)) => found(
             true,
             None,
-            bound.map(|bound| bound.times(MARS_LIGHT_ERROR + spread(given, mars_seen(given.scene, given.extremes).0))),
+            bound.map(|bound| bound.times(MARS_LIGHT_ERROR + of_directions(given, mars, true))),
             "a Lambert sphere in the near field, with phase, tilt and each facet's horizon; uniform and without an atmosphere: the albedo is an input. \
-             Surfaces with a model reflect it as if it came from the middle of what of Mars is above their horizon",
+             Surfaces with a model reflect it from a few directions of what of its day is above their horizon",
         ),
-        Some(MarsModel::Thesis) => found(
+        Some((MarsModel::Thesis, _)) => found(
             true,
             None,
             bound.map(|bound| bound.times(8.0)),
             "Domagala (2020), equations (4) to (8) as printed: no phase, no horizon; 2.4 times the light of a full Lambert sphere",
         ),
-        Some(MarsModel::Off) => found(false, None, None, "off: Mars reflects no light"),
+        Some((MarsModel::Off, _)) => found(false, None, None, "off: Mars reflects no light"),
         None => found(false, Some("no Mars in the scene"), None, "it is the main light in shadows that face Mars"),
     }
 }
@@ -87,41 +87,19 @@ pub(super) fn sent(given: &Given, at: &Wavelength, material: &Material, by_mars:
     if at.light.is_lit() { reflectance(material, at.um) * at.white * albedo * by_mars } else { 0.0 }
 }
 
-/// By how much the light of all of a disc is reflected otherwise than if it came from one point: the most over a surface's models, and over
-/// heights of the disc and directions of view, relative; 0 for Lambert surfaces.
-pub(super) fn spread(given: &Given, sin_radius: f64) -> f64 {
-    let Some(um) = given.wavelengths.iter().find(|at| at.light.is_lit()).map(|at| at.um) else { return 0.0 };
-    let models: Vec<Brdf> = given.materials.iter().filter_map(|(_, material)| material.photometry.brdf(um)).collect();
-    let direction = |zenith_deg: f64, azimuth_deg: f64| {
-        let [zenith, azimuth] = [zenith_deg, azimuth_deg].map(f64::to_radians);
-        DVec3::new(zenith.sin() * azimuth.cos(), zenith.sin() * azimuth.sin(), zenith.cos())
+/// The largest error of what surfaces with a model send of a globe's light, or of its heat, by the few directions that stand for it, relative; 0 for Lambert's.
+pub(super) fn of_directions(given: &Given, globe: &Globe, is_lit: bool) -> f64 {
+    let (low_m, high_m) = given.scene.body.bounds_m().unwrap_or_default();
+    let middle_m = 0.5 * (low_m + high_m);
+    let sun = is_lit.then(|| given.scene.sky.sun_on(globe).direction.vec());
+    let to_centre_m = globe.centre_m - middle_m;
+    let seen = SphereSeen { to_centre_m, radius_m: globe.radius_m, normal: DVec3::Z, sun };
+    let directions =
+        Directions::for_size(globe.radius_m / (globe.centre_m - globe.centre_m.clamp(low_m, high_m)).length());
+    let views = given.views();
+    let of = |(_, brdf): (f64, Brdf)| {
+        views.iter().map(|view| directions.largest_error(&brdf, &seen, *view)).fold(0.0, f64::max)
     };
-    let mut most = 0.0_f64;
-    for centre in [0.0, 15.0, 30.0, 45.0, 60.0, 75.0].map(|zenith_deg| direction(zenith_deg, 0.0)) {
-        let (h, v) = (DVec3::Y, centre.cross(DVec3::Y));
-        // Six points on each of three rings of the disc of the same area.
-        let disc: Vec<DVec3> = [1.0, 3.0, 5.0]
-            .iter()
-            .flat_map(|ring: &f64| {
-                let sin = sin_radius * (ring / 6.0).sqrt();
-                (0..6).map(move |k| {
-                    let (s, c) = (f64::from(k) * std::f64::consts::FRAC_PI_3).sin_cos();
-                    (1.0 - sin * sin).max(0.0).sqrt() * centre + sin * (c * h + s * v)
-                })
-            })
-            .filter(|towards| towards.z > 0.0)
-            .collect();
-        let middle = middle_above_horizon(DVec3::Z, centre, sin_radius);
-        for emission_deg in [0.0, 30.0, 60.0] {
-            for azimuth_deg in [0.0, 60.0, 120.0, 180.0] {
-                let view = direction(emission_deg, azimuth_deg);
-                for brdf in &models {
-                    let f = |towards: DVec3| brdf.eval(&PhotometricAngles::of_directions(DVec3::Z, towards, view));
-                    let (sum, light) = disc.iter().fold((0.0, 0.0), |(sum, light), d| (sum + d.z * f(*d), light + d.z));
-                    most = most.max((sum / light / f(middle) - 1.0).abs());
-                }
-            }
-        }
-    }
-    most
+    let brdfs = given.materials.iter().flat_map(|(_, material)| given.brdfs(material));
+    brdfs.map(of).fold(0.0, f64::max)
 }
