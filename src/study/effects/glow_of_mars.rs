@@ -40,7 +40,6 @@ fn find(given: &Given) -> Finding {
         because: format!(
             "Mars by a facet's form factor, as warm as {night_k} K, and {day_k} K where its day may be in view"
         ),
-        ..Finding::default()
     }
 }
 

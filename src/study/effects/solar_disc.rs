@@ -85,8 +85,8 @@ fn find(given: &Given) -> Finding {
     // A facet along the rays.
     let slope = given.error_in_draft(|&Place { at, material, class, .. }| match class.least_cos_incidence <= sun_rad {
         true => {
-            let limb = model(material).map_or_else(|| bounds::terminator(sun_rad), |(_, model)| model.limb.brightness);
-            reflectance(material, at.um) * at.white * limb
+            let limb = model(material).map_or(0.0, |(_, model)| model.limb.brightness);
+            reflectance(material, at.um) * at.white * limb.max(bounds::terminator(sun_rad))
         }
         false => 0.0,
     });
