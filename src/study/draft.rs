@@ -1,78 +1,209 @@
-//! A draft of an image: sunlight from a point and the heat that it makes, in a few wavelengths. No pixel has less light than in it, but in half-shadow.
+//! How dark pixels get, and how bright what is sunlit is: of an image, or of a draft of one that has sunlight from a point and the heat that it makes. No pixel has
+//! less light than in a draft, but in half-shadow.
 
 use super::cost::memory_bytes;
 use super::effects::Given;
-use super::extremes::{Draft, Extremes, Least};
+use super::extremes::{Extremes, sunlit_places};
 use crate::error::{Error, Result};
-use crate::integrate::{self, Wanted};
+use crate::integrate::{self, Image, Wanted};
 use crate::progress::Watch;
-use crate::scene::{Models, Scene, Setup, Sky};
+use crate::scene::{Models, Scene, Setup, Sky, SunModel};
 use crate::solve;
 use crate::spectral::{Band, Light};
 
-/// An image that takes more memory than this, bytes, has none.
+/// A draft that takes more memory than this, bytes, is not made.
 const MOST_BYTES: u64 = 2 << 30;
-/// Wavelengths at most.
-const MOST: usize = 16;
+/// Wavelengths of a draft, at most.
+const OF_DRAFT: usize = 48;
+/// Bands of an image that are looked at, at most.
+const OF_IMAGE: usize = 16;
+/// Sunlit pixels that stand for all of an image.
+const PLACES: usize = 4096;
 /// What is lit to within this is lit.
 const ROUNDING: f64 = 1e-9;
+/// A place that the middle of the Sun's disc lights sees this much of it at least, between edges that cross there.
+const HALF_SHADOW: f64 = 0.25;
+
+/// The least radiance of pixels, and that of what is sunlit.
+#[derive(Debug, Clone)]
+pub(super) struct Draft {
+    /// By wavelength, ascending.
+    bands: Vec<Shade>,
+    /// Whether all that is modelled is in it, and not just the least that there is.
+    pub(super) is_whole: bool,
+    /// What of the least radiance of all pixels there is in any case.
+    share: f64,
+}
+
+/// In a band.
+#[derive(Debug, Clone, Copy)]
+struct Shade {
+    /// Its ends, um.
+    um: (f64, f64),
+    light: Light,
+    /// Median radiance of what is sunlit, over what it is by the surface's models alone.
+    median: f64,
+    /// The least radiance of pixels that show nothing but sunlit ground, and of all, over that median.
+    least: [f64; 2],
+}
+
+/// A band that is looked at.
+#[derive(Debug, Clone, Copy)]
+struct Shown {
+    /// By its place in the image.
+    band: usize,
+    um: (f64, f64),
+    light: Light,
+}
 
 impl Extremes {
-    /// With a draft of the image.
+    /// With a draft of the image, and with what is sunlit in it.
     ///
     /// # Errors
     /// [`Error::Interrupted`] if `watch` asks to stop.
     pub fn with_draft(self, scene: &Scene, watch: Watch<'_>) -> Result<Self> {
-        let wavelengths = Given::new(scene, &self, &self.sunlit).references();
-        Ok(Extremes { draft: of(scene, &wavelengths, watch)?, ..self })
+        let references = Given::new(scene, &self, &self.sunlit, None).references();
+        match drawn(scene, &references, watch) {
+            Ok(Some((image, shown))) => {
+                let seen = Extremes { sunlit: sunlit_places(scene, &image.backplanes), ..self };
+                let references = Given::new(scene, &seen, &seen.sunlit, None).references();
+                let draft = Draft::of(&image, &shown, &references);
+                Ok(Extremes { draft: Some(Draft { is_whole: false, share: HALF_SHADOW, ..draft }), ..seen })
+            }
+            Err(Error::Interrupted) => Err(Error::Interrupted),
+            Ok(None) | Err(_) => Ok(self),
+        }
     }
 }
 
-/// By wavelengths, um, ascending, with their light, and a reference radiance of each, W m-2 sr-1 um-1. `None` if there is nothing to see by these.
-///
-/// # Errors
-/// [`Error::Interrupted`] if `watch` asks to stop.
-fn of(scene: &Scene, wavelengths: &[(f64, Light, f64)], watch: Watch<'_>) -> Result<Option<Draft>> {
-    let step = wavelengths.len().div_ceil(MOST).max(1);
-    let is_shown = |(i, (.., reference)): &(usize, &(f64, Light, f64))| {
-        (i % step == 0 || *i + 1 == wavelengths.len()) && *reference > 0.0 && reference.is_finite()
-    };
-    let shown: Vec<_> = wavelengths.iter().enumerate().filter(is_shown).map(|(_, at)| *at).collect();
+/// At some of these wavelengths, um, ascending, with their light, and a reference radiance of each, W m-2 sr-1 um-1. `None` if there is nothing to see by these.
+fn drawn(scene: &Scene, wavelengths: &[(f64, Light, f64)], watch: Watch<'_>) -> Result<Option<(Image, Vec<Shown>)>> {
+    let is_known = |(.., reference): &&(f64, Light, f64)| *reference > 0.0 && reference.is_finite();
+    let known: Vec<_> = wavelengths.iter().filter(is_known).collect();
+    let shown: Vec<Shown> = (some(known.len(), OF_DRAFT).into_iter().enumerate())
+        .map(|(band, i)| Shown { band, um: (known[i].0, known[i].0), light: known[i].1 })
+        .collect();
     let mut setup = Setup {
-        models: Models { thermal: scene.models.thermal, ..Models::default() },
+        models: Models { thermal: scene.models.thermal, floor_k: scene.models.floor_k, ..Models::default() },
         sky: Sky { mars: None, bodies: vec![], beams: vec![], ..scene.sky.clone() },
         ..Setup::clone(scene)
     };
-    setup.exposure.bands = shown.iter().map(|(um, light, _)| Band { light: *light, ..Band::new(*um, None) }).collect();
+    setup.exposure.bands =
+        shown.iter().map(|shown| Band { light: shown.light, ..Band::new(shown.um.0, None) }).collect();
     // Of what no spectrum knows, there is no draft.
     let Some(scene) = Scene::new(setup).ok().filter(|scene| memory_bytes(scene, false) < MOST_BYTES) else {
         return Ok(None);
     };
-    match least(&scene, &shown, watch) {
-        Ok(least) => Ok(Some(Draft(least))),
-        Err(Error::Interrupted) => Err(Error::Interrupted),
-        Err(_) => Ok(None),
+    let table = solve::solve(&scene, watch)?;
+    let image = integrate::integrate(&scene, &table, Wanted::default(), watch)?;
+    Ok(Some((image, shown)))
+}
+
+/// So many of some things at most, evenly, with the first and the last.
+fn some(count: usize, most: usize) -> Vec<usize> {
+    let step = count.div_ceil(most).max(1);
+    (0..count).filter(|i| i % step == 0 || i + 1 == count).collect()
+}
+
+impl Draft {
+    /// Of an image that is there, by the references that its surface's models give.
+    pub(super) fn of_image(scene: &Scene, image: &Image, references: &[(f64, Light, f64)]) -> Self {
+        let bands = &scene.exposure.bands;
+        let shown = |band: usize| {
+            let Band { light, .. } = bands[band];
+            Shown { band, um: bands[band].support_within_um(scene.known_um(light)), light }
+        };
+        let shown: Vec<Shown> = some(bands.len(), OF_IMAGE).into_iter().map(shown).collect();
+        let draft = Draft::of(image, &shown, references);
+        let share = if scene.models.sun == SunModel::Point { HALF_SHADOW } else { 1.0 };
+        Draft { is_whole: true, share, ..draft }
+    }
+
+    fn of(image: &Image, shown: &[Shown], references: &[(f64, Light, f64)]) -> Self {
+        let plane = |name: &str| image.backplanes.plane(name).map_or(&[][..], |plane| &plane.values);
+        let (coverage, lit) = (plane("COVERAGE"), plane("LIT_FRACTION"));
+        let shade = |shown: &Shown| {
+            let mut radiance = vec![f64::NAN; coverage.len()];
+            image.slab.expand(0..coverage.len(), shown.band..shown.band + 1, |pixel, _, values| {
+                if coverage[pixel] > 0.0 {
+                    radiance[pixel] = values[0] / coverage[pixel];
+                }
+            });
+            // A minimum passes over what is not a number.
+            let least = |is: &dyn Fn(f64) -> bool| {
+                let of = radiance.iter().zip(lit).filter(|(_, lit)| is(**lit)).map(|(radiance, _)| *radiance);
+                of.fold(f64::INFINITY, f64::min)
+            };
+            let least = [least(&|lit| lit > 1.0 - ROUNDING), least(&|_| true)];
+            let lit_more = |least: f64| -> Vec<usize> { (0..lit.len()).filter(|i| lit[*i] > least).collect() };
+            let sunlit = [0.5, 0.0].into_iter().map(lit_more).find(|found| !found.is_empty()).unwrap_or_default();
+            let places = sunlit.iter().step_by(sunlit.len().div_ceil(PLACES).max(1)).map(|i| radiance[*i]);
+            let median = median(places)?;
+            let reference = reference(references, shown).filter(|reference| *reference > 0.0)?;
+            let shade = Shade {
+                um: shown.um,
+                light: shown.light,
+                median: median / reference,
+                least: least.map(|least| least / median),
+            };
+            Some(shade)
+        };
+        Draft { bands: shown.iter().filter_map(shade).collect(), is_whole: false, share: 1.0 }
+    }
+
+    fn of_light(&self, light: Light) -> impl DoubleEndedIterator<Item = &Shade> {
+        self.bands.iter().filter(move |shade| shade.light == light)
+    }
+
+    /// The least radiance, over the median, of pixels that show nothing but sunlit ground, and of all: that of bands that hold a wavelength, or else the
+    /// lower one of the nearest on both sides. 0 where there is none.
+    pub(super) fn least_at(&self, um: f64, light: Light) -> [f64; 2] {
+        let holding: Vec<&Shade> = self.of_light(light).filter(|shade| shade.um.0 <= um && um <= shade.um.1).collect();
+        let around = || Some([self.below(um, light)?, self.above(um, light)?]);
+        let of: &[&Shade] = if holding.is_empty() { &around().map_or(vec![], Vec::from) } else { &holding };
+        let least = |k: usize| of.iter().map(|shade| shade.least[k]).fold(f64::INFINITY, f64::min);
+        let [lit, all] = [0, 1].map(least).map(|least| if of.is_empty() { 0.0 } else { least });
+        [lit, self.share * all]
+    }
+
+    /// By what the median radiance of what is sunlit by the surface's models alone is multiplied.
+    pub(super) fn median_at(&self, um: f64, light: Light) -> f64 {
+        match (self.below(um, light), self.above(um, light)) {
+            (Some(below), Some(above)) if below.um.1 < above.um.0 => {
+                let share = ((um - below.um.1) / (above.um.0 - below.um.1)).clamp(0.0, 1.0);
+                below.median + share * (above.median - below.median)
+            }
+            (Some(shade), _) | (None, Some(shade)) => shade.median,
+            (None, None) => 1.0,
+        }
+    }
+
+    fn below(&self, um: f64, light: Light) -> Option<&Shade> {
+        self.of_light(light).rfind(|shade| shade.um.0 <= um)
+    }
+
+    fn above(&self, um: f64, light: Light) -> Option<&Shade> {
+        self.of_light(light).find(|shade| shade.um.1 >= um)
     }
 }
 
-fn least(scene: &Scene, shown: &[(f64, Light, f64)], watch: Watch<'_>) -> Result<Vec<Least>> {
-    let table = solve::solve(scene, watch)?;
-    let image = integrate::integrate(scene, &table, Wanted::default(), watch)?;
-    let plane = |name: &str| image.backplanes.plane(name).map_or(&[][..], |plane| &plane.values);
-    let (coverage, lit) = (plane("COVERAGE"), plane("LIT_FRACTION"));
-    let mut least: Vec<Least> =
-        shown.iter().map(|(um, light, _)| Least { um: *um, light: *light, least: [f64::INFINITY; 2] }).collect();
-    image.slab.expand(0..coverage.len(), 0..shown.len(), |pixel, first, values| {
-        if coverage[pixel] > 0.0 {
-            for (band, value) in (first..).zip(values) {
-                let over = value / coverage[pixel] / shown[band].2;
-                let [of_lit, of_all] = &mut least[band].least;
-                *of_all = of_all.min(over);
-                if lit[pixel] > 1.0 - ROUNDING {
-                    *of_lit = of_lit.min(over);
-                }
-            }
-        }
-    });
-    Ok(least)
+/// Of numbers, black ones too; `None` without any.
+fn median(numbers: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut numbers: Vec<f64> = numbers.filter(|x| x.is_finite()).collect();
+    let middle = numbers.len() / 2;
+    (!numbers.is_empty())
+        .then(|| *numbers.select_nth_unstable_by(middle, f64::total_cmp).1)
+        .filter(|median| *median > 0.0)
+}
+
+/// The mean of the references in a band, or the nearest one.
+fn reference(references: &[(f64, Light, f64)], shown: &Shown) -> Option<f64> {
+    let (low, high) = shown.um;
+    let of_light = || references.iter().filter(|(_, light, _)| *light == shown.light);
+    let (sum, count) = of_light()
+        .filter(|(um, ..)| low <= *um && *um <= high)
+        .fold((0.0, 0), |(sum, count), (.., reference)| (sum + reference, count + 1));
+    let off = |um: f64| (um - 0.5 * (low + high)).abs();
+    let nearest = || of_light().min_by(|a, b| off(a.0).total_cmp(&off(b.0))).map(|(.., reference)| *reference);
+    if count > 0 { Some(sum / f64::from(count)) } else { nearest() }
 }

@@ -6,6 +6,7 @@ use std::f64::consts::FRAC_PI_2;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::draft::Draft;
 use super::glimpse::Glimpse;
 use super::site::Site;
 use crate::error::Result;
@@ -16,8 +17,7 @@ use crate::physics::mars_directions::{Directions, OF_TWO_CIRCLES, SphereSeen, To
 use crate::physics::reflectance::{Brdf, Lambert, PhotometricAngles};
 use crate::product::Backplanes;
 use crate::progress::Watch;
-use crate::scene::{Globe, Scene, Setup};
-use crate::spectral::Light;
+use crate::scene::{Globe, Material, Scene, Setup};
 use crate::visibility::{Penumbra, Seen, Shown, highest_horizons};
 
 /// Facets are processed this many at a time.
@@ -51,33 +51,6 @@ pub struct Extremes {
     pub(super) most_of_day: f64,
     /// How dark pixels are at most, if that was looked for.
     pub(super) draft: Option<Draft>,
-}
-
-/// A place that the middle of the Sun's disc lights sees this much of it at least, between edges that cross there.
-pub(super) const HALF_SHADOW: f64 = 0.25;
-/// The least radiance of what pixels show of the surface.
-pub(super) struct Draft(pub(super) Vec<Least>);
-
-/// At a wavelength, over a reference.
-pub(super) struct Least {
-    pub(super) um: f64,
-    pub(super) light: Light,
-    /// Of pixels that show nothing but sunlit ground, and of all.
-    pub(super) least: [f64; 2],
-}
-
-impl Draft {
-    /// The least radiance, over the reference, of pixels that show nothing but sunlit ground, and of all: the lower one of those at the nearest wavelengths of the
-    /// draft to both sides. 0 where there is none.
-    pub(super) fn least_at(&self, um: f64, light: Light) -> [f64; 2] {
-        let of_light = || self.0.iter().filter(|least| least.light == light);
-        let below = of_light().rfind(|least| least.um <= um);
-        let above = of_light().find(|least| least.um >= um);
-        [0, 1].map(|k| match (below, above) {
-            (Some(below), Some(above)) => below.least[k].min(above.least[k]),
-            _ => 0.0,
-        })
-    }
 }
 
 /// A place in the image that faces the Sun.
@@ -171,8 +144,8 @@ impl Classes {
         let by_mars = [sight.by_mars, sight.of_mars];
         self.0[class_of(sight.brightness)].join(&Class {
             facets: 1,
-            least_brightness: sight.brightness,
-            most_brightness: sight.brightness,
+            least_brightness: sight.extremes[0],
+            most_brightness: sight.extremes[1],
             least_cos_incidence: sight.cos_incidence,
             most_cos_incidence: sight.cos_incidence,
             most_by_mars: sight.by_mars,
@@ -200,23 +173,65 @@ fn class_of(brightness: f64) -> usize {
     usize::try_from(place).unwrap_or(usize::MAX).min(CLASSES - 2) + 1
 }
 
-/// A material's reflectance by direction where spectra are in the middle of what bands show.
+/// A material's reflectance by direction where spectra are in the middle of what bands show, and how far it is from that elsewhere.
 struct Look {
     /// `None`: Lambert.
     model: Option<(Brdf, f64)>,
+    /// The least and the most that the gain is in any band, over that in the middle.
+    in_bands: [f64; 2],
 }
+
+/// Bands in which a model is compared with itself, at most, and facets at whose angles.
+const COMPARED: (usize, usize) = (8, 1024);
+/// A facet that takes a larger angle of the camera's view, rad, is looked at from its corners, too.
+const LARGE_RAD: f64 = 0.1;
 
 impl Look {
     fn of(scene: &Setup) -> Vec<Look> {
         let bands = scene.exposure.bands.iter().filter(|band| band.light.is_lit());
         let um: Vec<f64> = bands.map(|band| band.centre_um).collect();
         let middle_um = um.get(um.len() / 2).copied();
-        let model = |material: &crate::scene::Material| {
-            let um = middle_um?;
-            let hemispherical = material.reflectance.at(um).filter(|value| *value > 0.0)?;
-            Some((material.photometry.brdf(um)?, Lambert { reflectance: hemispherical }.brdf()))
+        let look = |material: &Material| Look {
+            model: middle_um.and_then(|um| Self::model(material, um)),
+            in_bands: [1.0; 2],
         };
-        scene.body.materials.iter().map(|material| Look { model: model(material) }).collect()
+        let mut looks: Vec<Look> = scene.body.materials.iter().map(look).collect();
+        if looks.iter().all(|look| look.model.is_none()) {
+            return looks;
+        }
+        let others_um = um.iter().step_by(um.len().div_ceil(COMPARED.0).max(1)).chain(um.last());
+        let others: Vec<Vec<Look>> = others_um
+            .map(|um| {
+                let look = |material| Look { model: Self::model(material, *um), in_bands: [1.0; 2] };
+                scene.body.materials.iter().map(look).collect()
+            })
+            .collect();
+        let mesh = &scene.body.mesh;
+        let (eye_m, to_sun) = (scene.exposure.camera.centre_m(), scene.sky.sun.direction.vec());
+        for f in (0..mesh.facets.len()).step_by(mesh.facets.len().div_ceil(COMPARED.1).max(1)) {
+            let (facet, material) = (mesh.facet(f), mesh.material[f].0 as usize);
+            let normal = facet.cross_m2().normalize_or_zero();
+            let to_eye = (eye_m - facet.centroid_m()).normalize_or_zero();
+            // From Mars, light may come as well: from above.
+            for to_source in [to_sun, normal, (to_sun + normal).normalize_or_zero()] {
+                if normal.dot(to_eye) <= 0.0 || normal.dot(to_source) <= 0.0 {
+                    continue;
+                }
+                let angles = || PhotometricAngles::of_directions(normal, to_source, to_eye);
+                let middle = looks[material].gain(angles);
+                for other in &others {
+                    let times = other[material].gain(angles) / middle;
+                    let [least, most] = looks[material].in_bands;
+                    looks[material].in_bands = [least.min(times), most.max(times)];
+                }
+            }
+        }
+        looks
+    }
+
+    fn model(material: &Material, um: f64) -> Option<(Brdf, f64)> {
+        let hemispherical = material.reflectance.at(um).filter(|value| *value > 0.0)?;
+        Some((material.photometry.brdf(um)?, Lambert { reflectance: hemispherical }.brdf()))
     }
 
     /// f over that of a Lambert surface of the same hemispherical reflectance.
@@ -363,6 +378,8 @@ fn sky_below(tangent: f64, cos_slope: f64) -> f64 {
 /// How bright sunlight and Mars make a facet that faces the camera.
 struct Sight {
     brightness: f64,
+    /// The least and the most that it is in any band, and anywhere on the facet.
+    extremes: [f64; 2],
     cos_incidence: f64,
     by_mars: f64,
     of_mars: f64,
@@ -376,16 +393,31 @@ fn sight(scene: &Setup, mars: &Option<MarsBound>, facet: usize, look: &Look) -> 
     if cross_m2.dot(to_eye) <= 0.0 {
         return None;
     }
-    let (normal, to_eye) = (cross_m2.normalize_or_zero(), to_eye.normalize_or_zero());
-    let gain = |to_source: DVec3| look.gain(|| PhotometricAngles::of_directions(normal, to_source, to_eye));
+    let normal = cross_m2.normalize_or_zero();
+    let gain_from = |to_source: DVec3, to_eye: DVec3| {
+        look.gain(|| PhotometricAngles::of_directions(normal, to_source, to_eye.normalize_or_zero()))
+    };
+    let gain = |to_source: DVec3| gain_from(to_source, to_eye);
     let to_sun = scene.sky.sun.direction.vec();
     let cos_incidence = normal.dot(to_sun).max(0.0);
     let brightness = if cos_incidence > 0.0 { cos_incidence * gain(to_sun) } else { 0.0 };
     let (by_mars, of_mars) = mars.as_ref().map_or((0.0, 0.0), |mars| {
         let (most, of_mars) = mars.at(normal);
-        (if most > 0.0 { most * mars.gain(look, normal, centroid_m, to_eye) } else { 0.0 }, of_mars)
+        (if most > 0.0 { most * mars.gain(look, normal, centroid_m, to_eye.normalize_or_zero()) } else { 0.0 }, of_mars)
     });
-    Some(Sight { brightness, cos_incidence, by_mars, of_mars })
+    let mut extremes = [brightness; 2];
+    if look.model.is_some() && cos_incidence > 0.0 {
+        let [a, b, c] = facet.corners_m;
+        let largest_m2 = (b - a).length_squared().max((c - a).length_squared());
+        if largest_m2 > LARGE_RAD * LARGE_RAD * to_eye.length_squared() {
+            for corner_m in facet.corners_m {
+                let there = cos_incidence * gain_from(to_sun, scene.exposure.camera.centre_m() - corner_m);
+                extremes = [extremes[0].min(there), extremes[1].max(there)];
+            }
+        }
+        extremes = [extremes[0] * look.in_bands[0], extremes[1] * look.in_bands[1]];
+    }
+    Some(Sight { brightness, extremes, cos_incidence, by_mars: by_mars * look.in_bands[1], of_mars })
 }
 
 /// Bounds of Mars-light, cheaper than itself.

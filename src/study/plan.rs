@@ -186,7 +186,7 @@ pub fn plan(scene: &Scene, extremes: &Extremes, request: &Request) -> Result<(Mo
     if !(*tolerance > 0.0 && tolerance.is_finite()) {
         return Err(Error::invalid(Location::item("--tolerance"), format!("{tolerance} is not a number above 0")));
     }
-    let given = Given::new(scene, extremes, &extremes.sunlit);
+    let given = Given::new(scene, extremes, &extremes.sunlit, extremes.draft.as_ref());
     let models = match choice {
         Choice::Thesis => thesis(),
         Choice::Full => chosen(&given, scene.models.fixed, *tolerance, |_| true),
@@ -217,8 +217,6 @@ pub fn decide(scene: &Scene, request: &Request, watch: Watch<'_>) -> Result<(Mod
     if is_open && plan.cost_s() >= cost::cpu_s(scene, &Workload::of(scene, &extremes)) {
         extremes = extremes.with_draft(scene, watch)?;
         (models, plan) = self::plan(scene, &extremes, request)?;
-        // What a result says of itself does not depend on whether there was a plan.
-        extremes.draft = None;
     }
     plan.coarser = coarser(scene, &extremes, plan.cost_s());
     tell(watch, "plan", 1, 1)?;

@@ -1,6 +1,7 @@
 //! From a scene to what a camera sees of it, with an account of how good it is.
 
 use super::cost::has_room;
+use super::draft::Draft;
 use super::effects::{Given, effects_in, mars_seen};
 use super::extremes::{Extremes, sunlit_places};
 use super::observation::{Check, Counts, Observation, Put};
@@ -65,7 +66,12 @@ pub(super) fn account_for(
 ) -> Result<(Observation<()>, Slab)> {
     tell(watch, "report", 0, 1)?;
     let site = &extremes.site;
-    let given = Given::new(scene, extremes, &sunlit_places(scene, &image.backplanes));
+    let sunlit = sunlit_places(scene, &image.backplanes);
+    let references = Given::new(scene, extremes, &sunlit, None).references();
+    let draft = Draft::of_image(scene, &image, &references);
+    // Of maps, what is not solved is not in it yet.
+    let draft = (uses_sun && image.maps.is_none()).then_some(&draft);
+    let given = Given::new(scene, extremes, &sunlit, draft);
     let shown = table.sunlit().map_or(&[][..], |sunlit| &sunlit.shown);
     let lit = |kind| shown.iter().filter(|l| **l == kind).count() as u64;
     let counts = Counts {

@@ -1,10 +1,11 @@
 //! A plan drops no more than its tolerance allows: bounds hold on random scenes, and are worth something.
 
 use glam::DVec3;
-use mmxrt::physics::reflectance::Preset;
+use mmxrt::geometry::{MaterialId, Texels};
 use mmxrt::physics::reflectance::albedo::Measure;
+use mmxrt::physics::reflectance::{PhaseFunction, Preset, Shape};
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{Globe, Model, Models, Photometry, Scene, SceneParts, Thermal};
+use mmxrt::scene::{Beam, Globe, Model, Models, Photometry, Scene, SceneParts, Texture, TextureKind, Thermal};
 use mmxrt::spectral::{Band, Extend, Spectrum, solar_e490};
 use mmxrt::study::{self, Bound, Choice, Decision, Effect, Extremes, Observation, Plan, Request};
 use mmxrt::units::AU_M;
@@ -106,11 +107,90 @@ fn switches(plan: &Plan) -> Vec<String> {
     plan.effects.iter().filter(can).map(|effect| effect.key.clone()).collect()
 }
 
-#[test]
-fn bounds_hold_on_random_scenes_and_the_plan_keeps_its_tolerance() {
-    let (mut scenes, mut dropped, mut looseness) = (0, 0, Vec::new());
-    for seed in 0..60 {
-        let scene = random_scene(seed).check().unwrap();
+/// The same with what other scenes have: models of several kinds, black and bright texels, lamps with lines, spectra with features between bands.
+fn scene_of_all_kinds(seed: u64) -> SceneParts {
+    let mut parts = random_scene(seed);
+    let mut random = Random(!seed);
+    let mut uniform = |from: f64, to: f64| from + (to - from) * random.share();
+    // Dips 0.2 % wide, in bands that are as close to one another.
+    if uniform(0.0, 1.0) < 0.3 {
+        let um = parts.exposure.bands[0].centre_um;
+        let dip = uniform(0.1, 1.0);
+        parts.exposure.bands.extend([0.998, 1.002, 1.02].map(|times| Band::new(times * um, None)));
+        parts.exposure.bands.sort_by(|a, b| a.centre_um.total_cmp(&b.centre_um));
+        let narrow = |reflectance: &Spectrum| {
+            let at = |um: f64| reflectance.at(um).unwrap();
+            let ums = [0.5, um * 0.997, um * 0.998, um * 0.999, 5.0];
+            let values = [at(0.5), at(ums[1]), dip * at(ums[2]), at(ums[3]), at(5.0)];
+            Spectrum::new(ums.to_vec(), values.to_vec(), Extend::Error).unwrap()
+        };
+        let [ground, rock] = [0, 1].map(|i| narrow(&parts.surface.materials[i].reflectance));
+        let photometry = [0, 1].map(|i| parts.surface.materials[i].photometry.clone());
+        parts.surface.materials = vec![lambert(0, "ground", ground), lambert(1, "rock", rock)];
+        if photometry.iter().all(|photometry| *photometry == Photometry::Lambert) {
+            parts.surface.materials.iter_mut().zip(photometry).for_each(|(m, photometry)| m.photometry = photometry);
+        }
+    }
+    if uniform(0.0, 1.0) < 0.5 {
+        let preset = Preset::PhobosAssumed.known().shape.unwrap();
+        let shapes = [
+            Shape::Minnaert(uniform(0.5, 0.9)),
+            Shape::LommelSeeliger(PhaseFunction::Isotropic),
+            Shape::Rpv { exponent: uniform(0.6, 0.95), asymmetry: uniform(-0.3, 0.1), hot_spot: uniform(0.5, 1.0) },
+            preset,
+        ];
+        for material in &mut parts.surface.materials {
+            let shape = shapes[(uniform(0.0, 4.0) as usize).min(3)].clone();
+            // Not more than such a surface can reflect.
+            material.reflectance = material.reflectance.map(|r| 0.3 * r);
+            let model = Model::measured(shape, &material.reflectance, &Measure::Spherical);
+            material.photometry = Photometry::Model(Box::new(model.unwrap()));
+        }
+    }
+    if uniform(0.0, 1.0) < 0.4 {
+        let mesh = &parts.surface.mesh;
+        let texel = |f: usize| mesh.facet(f).corners_m.map(|p| [(p.x + 60.0) / 15.0, (60.0 - p.y) / 15.0]);
+        parts.surface.textures = vec![Texture {
+            material: MaterialId(0),
+            kind: TextureKind::Factor,
+            corners: (0..mesh.facets.len()).map(texel).collect(),
+            rows: 8,
+            columns: 8,
+            wavelength_um: vec![],
+            values: (0..64).map(|_| if uniform(0.0, 1.0) < 0.1 { 0.0 } else { uniform(0.1, 1.0) }).collect(),
+            texels: Texels::Nearest,
+        }];
+    }
+    if uniform(0.0, 1.0) < 0.4 {
+        let um = parts.exposure.bands[0].centre_um;
+        let level = 10f64.powf(uniform(-3.0, 2.5));
+        let line =
+            Spectrum::new(vec![0.5, 0.999 * um, um, 1.001 * um, 5.0], vec![0.0, 0.0, level, 0.0, 0.0], Extend::Error);
+        let lamp = |k: usize, irradiance: Spectrum| Beam {
+            name: format!("lamp-{k}"),
+            direction: direction([0.3 - k as f64, 0.4, 0.6]),
+            irradiance,
+            total_irradiance_w_m2: level,
+        };
+        parts.sky.beams = vec![lamp(0, line.unwrap()), lamp(1, Spectrum::constant(0.3 * level))];
+    }
+    parts
+}
+
+/// What was found of some scenes.
+#[derive(Default)]
+struct Found {
+    scenes: usize,
+    dropped: usize,
+    /// Bounds over what they bound, and of what.
+    looseness: Vec<(f64, String)>,
+}
+
+/// Takes each effect out of scenes by itself, and plans them.
+fn judge(seeds: std::ops::Range<u64>, of: impl Fn(u64) -> SceneParts) -> Found {
+    let mut found = Found::default();
+    for seed in seeds {
+        let scene = of(seed).check().unwrap();
         let exchanges = seed % 20 == 0;
         let (full, plan_of_full) = planned(&scene, Choice::Full, 1e-3, exchanges);
         let truth = seen(&full);
@@ -121,7 +201,7 @@ fn bounds_hold_on_random_scenes_and_the_plan_keeps_its_tolerance() {
         if is_dark || lit.iter().filter(|lit| **lit > 0.5).count() < 30 {
             continue;
         }
-        scenes += 1;
+        found.scenes += 1;
         // Without each effect by itself.
         let keys = switches(&plan_of_full);
         for key in keys.iter().filter(|key| exchanges || *key != "interreflection") {
@@ -131,12 +211,22 @@ fn bounds_hold_on_random_scenes_and_the_plan_keeps_its_tolerance() {
             // The fewer effects share the tolerance, the more bodies each share is enough to leave out.
             let other_bodies = key != "bodies" && without.models.bodies != full.models.bodies;
             let of_bodies = effect(&plan_of_full, "bodies").bound.filter(|_| other_bodies);
-            let bound = effect(&plan_of_full, key).bound.unwrap().and(&of_bodies.unwrap_or(Bound::NOTHING));
+            // What has no bound is kept.
+            let Some(bound) = effect(&plan_of_full, key).bound else { continue };
+            let bound = bound.and(&of_bodies.unwrap_or(Bound::NOTHING));
             assert!(in_sun <= bound.lit, "{seed} {key}: {in_sun} {bound:?}");
             assert!(in_shade <= bound.shadow, "{seed} {key}: {in_shade} {bound:?}");
+            // And beside the result: of what it lacks, and of what it has.
+            for (seen, whose) in [(&truth, "full"), (&seen(&without), "without")] {
+                let of_result = seen.effects.iter().find(|effect| effect.key == *key).and_then(|effect| effect.bound);
+                let of_result =
+                    of_result.map_or(Bound { lit: 1e9, shadow: 1e9 }, |b| b.and(&of_bodies.unwrap_or(Bound::NOTHING)));
+                assert!(in_sun <= of_result.lit * (1.0 + 1e-9), "{seed} {key} {whose}: {in_sun} {of_result:?}");
+                assert!(in_shade <= of_result.shadow * (1.0 + 1e-9), "{seed} {key} {whose}: {in_shade} {of_result:?}");
+            }
             for (change, bound, side) in [(in_sun, bound.lit, "lit"), (in_shade, bound.shadow, "shadow")] {
                 if change > 1e-9 {
-                    looseness.push((bound / change, format!("{key}, {side}")));
+                    found.looseness.push((bound / change, format!("{key}, {side}")));
                 }
             }
         }
@@ -145,9 +235,15 @@ fn bounds_hold_on_random_scenes_and_the_plan_keeps_its_tolerance() {
             let error = errors(&truth, &seen(&auto)).map(|errors| most(&errors));
             assert!(error.iter().all(|error| *error <= tolerance), "{seed}: {error:?} {tolerance}");
             assert!(plan.dropped.is_some_and(|dropped| dropped.most() <= tolerance), "{seed}: {plan:?}");
-            dropped += switches(&plan_of_full).len() - switches(&plan).len();
+            found.dropped += switches(&plan_of_full).len() - switches(&plan).len();
         }
     }
+    found
+}
+
+#[test]
+fn bounds_hold_on_random_scenes_and_the_plan_keeps_its_tolerance() {
+    let Found { scenes, dropped, looseness } = judge(0..60, random_scene);
     assert!(scenes >= 50 && dropped >= 10, "{scenes} {dropped}");
     // A bound that keeps everything is worth nothing.
     let median = |key: &str| {
@@ -167,6 +263,12 @@ fn bounds_hold_on_random_scenes_and_the_plan_keeps_its_tolerance() {
     for key in ["heat, lit", "mars-light, lit", "mars-glow, lit", "interreflection, lit"] {
         assert!(medians.iter().any(|(of, times)| of == key && *times <= 10.0), "{medians:?}");
     }
+}
+
+#[test]
+fn bounds_hold_on_scenes_of_all_kinds() {
+    let Found { scenes, dropped, .. } = judge(100..130, scene_of_all_kinds);
+    assert!(scenes >= 24 && dropped >= 10, "{scenes} {dropped}");
 }
 
 #[test]

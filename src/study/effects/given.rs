@@ -6,16 +6,21 @@ use crate::physics::reflectance::{Brdf, Lambert};
 use crate::physics::sun::Eclipse;
 use crate::physics::{blackbody, heat};
 use crate::scene::{Globe, MarsModel, Material, Models, Setup, Thermal};
-use crate::spectral::Light;
+use crate::spectral::{Light, Spectrum};
 use crate::study::cost;
-use crate::study::extremes::{BodySeen, Class, Extremes, HALF_SHADOW, Sunlit};
+use crate::study::draft::Draft;
+use crate::study::extremes::{BodySeen, Class, Extremes, Sunlit};
 use crate::units::{MARS_RADIUS_M, PHOBOS_ORBIT_M};
 
 /// The least radiance that an error is relative to, over the band's median sunlit radiance.
 pub(in crate::study) const FLOOR: f64 = 0.01;
 
-/// Wavelengths that are closer, relative, are looked at once: spectra hardly change between them.
+/// Wavelengths that are closer, relative, are looked at once,
 const SPACING: f64 = 0.005;
+/// if no spectrum changes by more between them, relative.
+const ALIKE: f64 = 0.02;
+/// Heat is looked at as that of such a surface, K.
+const WARM_K: f64 = 300.0;
 
 /// Directions of view that stand for an image.
 const MOST_VIEWS: usize = 16;
@@ -40,6 +45,8 @@ pub(in crate::study) struct Given<'a> {
     /// adds.
     least: Vec<f64>,
     median_brightness: f64,
+    /// How dark pixels are at most, if that is known.
+    draft: Option<&'a Draft>,
 }
 
 /// Where on a facet.
@@ -81,8 +88,13 @@ pub(super) struct Wavelength {
 }
 
 impl<'a> Given<'a> {
-    /// `sunlit` are places of the image: of extremes, or, once it is there, of the image itself.
-    pub(in crate::study) fn new(scene: &'a Setup, extremes: &'a Extremes, sunlit: &[Sunlit]) -> Self {
+    /// `sunlit` are places of the image: of extremes, or, once it is there, of the image itself; `draft` is of the same.
+    pub(in crate::study) fn new(
+        scene: &'a Setup,
+        extremes: &'a Extremes,
+        sunlit: &[Sunlit],
+        draft: Option<&'a Draft>,
+    ) -> Self {
         let materials: Vec<_> = scene.body.materials.iter().enumerate().filter(|(i, _)| extremes.is_used[*i]).collect();
         let mut given = Given {
             scene,
@@ -93,6 +105,7 @@ impl<'a> Given<'a> {
             least: vec![],
             materials,
             median_brightness: median(sunlit.iter().map(|place| place.brightness)).unwrap_or(1.0),
+            draft,
         };
         let others_w_m2 = given.mars_w_m2(given.most_of_mars())
             + given.bodies_w_m2()
@@ -112,7 +125,8 @@ impl<'a> Given<'a> {
             let mut at = Wavelength { um, light, white: white_radiance(scene, um), median: 0.0 };
             let sent = places.iter().map(|(material, brightness, t_k)| given.sent_at(&at, material, *brightness, *t_k));
             // In an eclipse there is no telling what sunlight errors are relative to.
-            at.median = if is_dimmed { 0.0 } else { median(sent).unwrap_or(0.0) };
+            let times = draft.map_or(1.0, |draft| draft.median_at(um, light));
+            at.median = if is_dimmed { 0.0 } else { times * median(sent).unwrap_or(0.0) };
             at
         };
         given.wavelengths = wavelengths(scene, &given.materials).into_iter().map(at).collect();
@@ -328,10 +342,10 @@ impl<'a> Given<'a> {
 
     /// The least radiance of pixels that show nothing but sunlit ground, and of all, W m-2 sr-1 um-1, no less than what errors are relative to.
     fn draft(&self, at: &Wavelength) -> Option<[f64; 2]> {
-        // What conducts may be colder than in the draft, where all is in equilibrium.
-        let draft = self.extremes.draft.as_ref().filter(|_| self.models.conduction.is_none() && at.median > 0.0)?;
-        let [lit, all] = draft.least_at(at.um, at.light);
-        Some([lit, HALF_SHADOW * all].map(|least| least.max(FLOOR) * at.median))
+        // What conducts may be colder than in a draft, where all is in equilibrium.
+        let holds = |draft: &&Draft| (draft.is_whole || self.models.conduction.is_none()) && at.median > 0.0;
+        let draft = self.draft.filter(holds)?;
+        Some(draft.least_at(at.um, at.light).map(|least| least.max(FLOOR) * at.median))
     }
 
     /// The largest error at a wavelength if in pixels that are as dark as the darkest of a draft all of the surface changes most.
@@ -346,8 +360,9 @@ impl<'a> Given<'a> {
         let in_sun = |least: f64| self.lit().map(|of| change_of(of, Side::Sun, least)).fold(0.0, f64::max);
         let in_shade = |least: f64| self.shaded().map(|of| change_of(of, Side::Shade, least)).fold(0.0, f64::max);
         let over = |change: f64, least: f64| {
-            // The draft has heat: it is not added again.
-            let more = if self.models.thermal == Thermal::Off { 0.0 } else { more(change) };
+            // A draft has heat, and an image all that is modelled: it is not added again.
+            let has_it = self.models.thermal == Thermal::Off || self.draft.is_some_and(|draft| draft.is_whole);
+            let more = if has_it { 0.0 } else { more(change) };
             change / (least + more)
         };
         Bound { lit: over(in_sun(lit), lit), shadow: over(in_sun(all).max(in_shade(all)), all) }
@@ -429,6 +444,7 @@ fn wavelengths(scene: &Setup, materials: &[(usize, &Material)]) -> Vec<(f64, Lig
     let of_materials = materials.iter().flat_map(|(_, m)| [&m.reflectance, &m.emissivity]).chain(parameters);
     let mut corners_um: Vec<f64> = of_materials
         .chain(scene.sky.globes().map(|globe| &globe.reflectance))
+        .chain(scene.sky.beams.iter().map(|beam| &beam.irradiance))
         .flat_map(|spectrum| spectrum.wavelength_um().iter().copied())
         .collect();
     corners_um.sort_by(f64::total_cmp);
@@ -441,16 +457,30 @@ fn wavelengths(scene: &Setup, materials: &[(usize, &Material)]) -> Vec<(f64, Lig
         all_um.extend(inside.chain([lo, band.centre_um, hi]).map(|um| (um, band.light)));
     }
     all_um.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let (mut kept, mut last): (Vec<(f64, Light)>, _) = (vec![], all_um.last().copied());
+    // What a facet sends of each light, but for the Sun's spectrum, which all of them share.
+    let spectra: Vec<&Spectrum> = materials
+        .iter()
+        .flat_map(|(_, m)| [&m.reflectance, &m.emissivity])
+        .chain(materials.iter().flat_map(|(_, m)| m.photometry.parameters()).map(|(_, spectrum)| spectrum))
+        .chain(scene.sky.globes().map(|globe| &globe.reflectance))
+        .chain(scene.sky.beams.iter().map(|beam| &beam.irradiance))
+        .collect();
+    // Heat changes by more than any spectrum.
+    let heat = |um: f64, light: Light| light.glows().then(|| blackbody::radiance_w_m2_sr_um(um, WARM_K));
+    let values = |um: f64, light: Light| -> Vec<f64> {
+        spectra.iter().map(|spectrum| spectrum.at(um).unwrap_or(0.0)).chain(heat(um, light)).collect()
+    };
+    let is_like = |(a, b): (&f64, &f64)| (a - b).abs() <= ALIKE * a.abs().max(b.abs());
+    let mut kept: Vec<(f64, Light, Vec<f64>)> = Vec::new();
     for (um, light) in all_um {
-        let near = |of: &(f64, Light)| of.1 == light && um < (1.0 + SPACING) * of.0;
-        if !kept.iter().rev().take(2).any(near) {
-            kept.push((um, light));
+        let values = values(um, light);
+        let last = kept.iter().rev().find(|of| of.1 == light);
+        let is_near = last.is_some_and(|of| um < (1.0 + SPACING) * of.0 && of.2.iter().zip(&values).all(is_like));
+        if !is_near {
+            kept.push((um, light, values));
         }
     }
-    last.take_if(|last| kept.last() == Some(last));
-    kept.extend(last);
-    kept
+    kept.into_iter().map(|(um, light, _)| (um, light)).collect()
 }
 
 /// The largest sine of the angular radius of Mars, or of what it would be over Phobos, and whether the scene has a Mars.
