@@ -86,9 +86,12 @@ fn text(outlook: &Outlook, plan: &Plan, explain: bool) -> String {
         }
     }
     lines.extend(totals(plan));
-    let kept = plan.effects.iter().filter(|effect| effect.decision == Decision::Kept);
-    let own = kept.filter_map(|effect| Some((effect, effect.own.as_ref()?)));
-    lines.extend(own.map(|(effect, own)| format!("by itself, {}: {} {}", effect.key, short(own.left), own.of)));
+    // Of what is dropped by a tolerance of its own, as of what is kept by one, no sum has a part.
+    let decided = plan.effects.iter().filter(|effect| effect.decision != Decision::Open);
+    let own = decided.filter_map(|effect| Some((effect, effect.own.as_ref()?)));
+    lines.extend(own.map(|(effect, own)| {
+        format!("by itself, {} ({}): {} {}", effect.key, word(effect.decision), short(own.left), own.of)
+    }));
     lines.push(format!(
         "expects about {} CPU s (within a factor of {WITHIN}), {} of memory, {} of disk",
         rounded(outlook.dry_run.cpu_s, 2),

@@ -241,7 +241,8 @@ pub(super) fn account(scene: &Scene, given: &Given, request: &Request) -> Plan {
         model: request.choice.to_string(),
         tolerance: request.tolerance,
         dropped: sum(Decision::Dropped, &|effect| effect.bound),
-        remaining: sum(Decision::Kept, &|effect| Some(effect.remaining.unwrap_or(Bound::NOTHING))),
+        // Of what there is no bound of, nothing is known of what is left, either.
+        remaining: sum(Decision::Kept, &|effect| effect.remaining.or(effect.bound.map(|_| Bound::NOTHING))),
         cpu_s: 0.0,
         coarser: None,
         effects,

@@ -38,7 +38,7 @@ pub(super) fn asked(question: Question) -> [&'static str; 2] {
     match question {
         Question::Effects => [
             "Which effects? What leaving some out costs in accuracy",
-            "Exact areas and shadows throughout. Errors are against all effects, each at its finest; the time includes choosing.",
+            "Exact areas and shadows, and the scene's own surfaces, in all rows. Errors are against all effects, each at its finest; the time includes choosing.",
         ],
         Question::Geometry => [
             "How are pixels and shadows computed? What shortcuts cost in accuracy",
@@ -146,6 +146,7 @@ fn panel(drawing: &mut Drawing, chart: &Chart, (question, band): (Question, usiz
         }
         labels.keep_free([x - 2.5, high.min(low), x + 2.5, high.max(low)]);
         labels.keep_free([x - 7.0, y - 7.0, x + 7.0, y + 7.0]);
+        labels.mark([*x, *y]);
     }
     for (entry, place) in entries.iter().zip(&places) {
         let (colour, mark) = style(entry.family);

@@ -9,6 +9,8 @@ type Rect = [f64; 4];
 const OVER_LABEL: f64 = 40.0;
 const ACROSS: f64 = 4.0;
 const FARTHER: f64 = 0.06;
+/// What it costs that a label is nearer to another mark than to its own.
+const MISLEADING: f64 = 2.0;
 
 /// Places labels in a part of a drawing.
 #[derive(Debug, Clone)]
@@ -16,18 +18,24 @@ pub struct Labels {
     inside: Rect,
     /// With how much an overlap counts.
     taken: Vec<(Rect, f64)>,
+    marks: Vec<[f64; 2]>,
     size: f64,
 }
 
 impl Labels {
     /// Within a box, with letters of this size, px.
     pub fn new(inside: Rect, size: f64) -> Self {
-        Labels { inside, taken: vec![], size }
+        Labels { inside, taken: vec![], marks: vec![], size }
     }
 
     /// Keeps a box free of labels, as far as there is room near by.
     pub fn keep_free(&mut self, rect: Rect) {
         self.taken.push((rect, ACROSS));
+    }
+
+    /// Says where a mark is, before any label is placed.
+    pub fn mark(&mut self, place: [f64; 2]) {
+        self.marks.push(place);
     }
 
     /// Writes a label beside a point; from one that is farther away a thin line leads to it.
@@ -53,16 +61,20 @@ impl Labels {
                     Anchor::End => at_x - width,
                 };
                 let rect = [left, at_y - 0.5 * height, left + width, at_y + 0.5 * height];
-                let cost = self.cost(&rect) + FARTHER * f64::from(ring);
+                let own = distance(&rect, [x, y]);
+                let is_misleading =
+                    self.marks.iter().any(|other| *other != [x, y] && distance(&rect, *other) < 1.2 * own);
+                let misleading = if is_misleading { MISLEADING } else { 0.0 };
+                let cost = self.cost(&rect) + FARTHER * f64::from(ring) + misleading;
                 if best.as_ref().is_none_or(|(least, ..)| cost < *least - 1e-9) {
                     best = Some((cost, rect, anchor));
                 }
             }
         }
         let Some((_, rect, anchor)) = best else { return };
-        let [left, top, right, bottom] = rect;
-        let near = [x.clamp(left, right), y.clamp(top, bottom)];
-        if (near[0] - x).hypot(near[1] - y) > 16.0 {
+        let [left, _, right, bottom] = rect;
+        let near = nearest(&rect, [x, y]);
+        if distance(&rect, [x, y]) > 16.0 {
             drawing.line(&[[x, y], near], colour, 0.7, 0.6);
         }
         let at_x = match anchor {
@@ -83,6 +95,16 @@ impl Labels {
         let overlaps: f64 = self.taken.iter().map(|(taken, weight)| weight * common(rect, taken)).sum();
         (OVER_LABEL * outside + overlaps) / area(rect).max(1.0)
     }
+}
+
+/// The point of a box that is nearest to one.
+fn nearest([left, top, right, bottom]: &Rect, [x, y]: [f64; 2]) -> [f64; 2] {
+    [x.clamp(*left, *right), y.clamp(*top, *bottom)]
+}
+
+fn distance(rect: &Rect, [x, y]: [f64; 2]) -> f64 {
+    let near = nearest(rect, [x, y]);
+    (near[0] - x).hypot(near[1] - y)
 }
 
 #[cfg(test)]
@@ -110,5 +132,21 @@ mod tests {
             }
         }
         assert_eq!(drawing.shapes.iter().filter(|shape| matches!(shape, Shape::Text { .. })).count(), 12);
+    }
+
+    #[test]
+    fn a_label_is_nearest_to_its_own_mark() {
+        // 40 px apart in a row, under labels of some 120 px.
+        let mut drawing = Drawing::new(400.0, 300.0);
+        let mut labels = Labels::new([0.0, 0.0, 400.0, 300.0], 11.0);
+        let marks = [130.0, 170.0, 210.0].map(|x| [x, 260.0]);
+        marks.iter().for_each(|mark| labels.mark(*mark));
+        for mark in marks.iter().rev() {
+            labels.place(&mut drawing, *mark, [0; 3], "Sun's disc by 7 points");
+        }
+        for (mark, (rect, _)) in marks.iter().rev().zip(&labels.taken) {
+            let of = |mark: &[f64; 2]| distance(rect, *mark);
+            assert!(marks.iter().all(|other| other == mark || of(other) > of(mark)), "{mark:?} {rect:?}");
+        }
     }
 }
