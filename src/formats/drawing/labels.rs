@@ -72,7 +72,7 @@ impl Labels {
             }
         }
         let Some((_, rect, anchor)) = best else { return };
-        let [left, _, right, bottom] = rect;
+        let [left, top, right, bottom] = rect;
         let near = nearest(&rect, [x, y]);
         if distance(&rect, [x, y]) > 16.0 {
             drawing.line(&[[x, y], near], colour, 0.7, 0.6);
