@@ -1,5 +1,5 @@
-//! How dark pixels get, and how bright what is sunlit is: of an image, or of a draft of one that has sunlight from a point and the heat that it makes. No pixel has
-//! less light than in a draft, but in half-shadow.
+//! How dark pixels get, and how bright what is sunlit is: of an image, or of a draft of one that has sunlight from a point and the heat that it makes. No pixel
+//! that is sunlit all over in a draft has less light than there, but in half-shadow; of others, where a slit of light may be all in half-shadow, nothing is known.
 
 use super::cost::memory_bytes;
 use super::effects::Given;
@@ -31,8 +31,6 @@ pub(super) struct Draft {
     bands: Vec<Shade>,
     /// Whether all that is modelled is in it, and not just the least that there is.
     pub(super) is_whole: bool,
-    /// What of the least radiance of all pixels there is in any case.
-    share: f64,
 }
 
 /// In a band.
@@ -67,8 +65,8 @@ impl Extremes {
             Ok(Some((image, shown))) => {
                 let seen = Extremes { sunlit: sunlit_places(scene, &image.backplanes), ..self };
                 let references = Given::new(scene, &seen, &seen.sunlit, None).references();
-                let draft = Draft::of(&image, &shown, &references);
-                Ok(Extremes { draft: Some(Draft { is_whole: false, share: HALF_SHADOW, ..draft }), ..seen })
+                let bands = Draft::of(&image, &shown, &references, SunModel::Point);
+                Ok(Extremes { draft: Some(Draft { bands, is_whole: false }), ..seen })
             }
             Err(Error::Interrupted) => Err(Error::Interrupted),
             Ok(None) | Err(_) => Ok(self),
@@ -114,12 +112,10 @@ impl Draft {
             Shown { band, um: bands[band].support_within_um(scene.known_um(light)), light }
         };
         let shown: Vec<Shown> = some(bands.len(), OF_IMAGE).into_iter().map(shown).collect();
-        let draft = Draft::of(image, &shown, references);
-        let share = if scene.models.sun == SunModel::Point { HALF_SHADOW } else { 1.0 };
-        Draft { is_whole: true, share, ..draft }
+        Draft { bands: Draft::of(image, &shown, references, scene.models.sun), is_whole: true }
     }
 
-    fn of(image: &Image, shown: &[Shown], references: &[(f64, Light, f64)]) -> Self {
+    fn of(image: &Image, shown: &[Shown], references: &[(f64, Light, f64)], sun: SunModel) -> Vec<Shade> {
         let plane = |name: &str| image.backplanes.plane(name).map_or(&[][..], |plane| &plane.values);
         let (coverage, lit) = (plane("COVERAGE"), plane("LIT_FRACTION"));
         let shade = |shown: &Shown| {
@@ -134,7 +130,15 @@ impl Draft {
                 let of = radiance.iter().zip(lit).filter(|(_, lit)| is(**lit)).map(|(radiance, _)| *radiance);
                 of.fold(f64::INFINITY, f64::min)
             };
-            let least = [least(&|lit| lit > 1.0 - ROUNDING), least(&|_| true)];
+            let is_whole = |lit: f64| lit > 1.0 - ROUNDING;
+            let of_lit = least(&is_whole);
+            let is_any_dark = || radiance.iter().zip(lit).any(|(radiance, lit)| !radiance.is_nan() && !is_whole(*lit));
+            let of_all = match sun {
+                SunModel::Disc(_) => least(&|_| true),
+                SunModel::Point if is_any_dark() => 0.0,
+                SunModel::Point => HALF_SHADOW * of_lit,
+            };
+            let least = [of_lit, of_all];
             let lit_more = |least: f64| -> Vec<usize> { (0..lit.len()).filter(|i| lit[*i] > least).collect() };
             let sunlit = [0.5, 0.0].into_iter().map(lit_more).find(|found| !found.is_empty()).unwrap_or_default();
             let places = sunlit.iter().step_by(sunlit.len().div_ceil(PLACES).max(1)).map(|i| radiance[*i]);
@@ -148,7 +152,7 @@ impl Draft {
             };
             Some(shade)
         };
-        Draft { bands: shown.iter().filter_map(shade).collect(), is_whole: false, share: 1.0 }
+        shown.iter().filter_map(shade).collect()
     }
 
     fn of_light(&self, light: Light) -> impl DoubleEndedIterator<Item = &Shade> {
@@ -162,8 +166,7 @@ impl Draft {
         let around = || Some([self.below(um, light)?, self.above(um, light)?]);
         let of: &[&Shade] = if holding.is_empty() { &around().map_or(vec![], Vec::from) } else { &holding };
         let least = |k: usize| of.iter().map(|shade| shade.least[k]).fold(f64::INFINITY, f64::min);
-        let [lit, all] = [0, 1].map(least).map(|least| if of.is_empty() { 0.0 } else { least });
-        [lit, self.share * all]
+        [0, 1].map(least).map(|least| if of.is_empty() { 0.0 } else { least })
     }
 
     /// By what the median radiance of what is sunlit by the surface's models alone is multiplied.
