@@ -11,7 +11,6 @@ use super::glimpse::Glimpse;
 use super::site::Site;
 use crate::error::Result;
 use crate::geometry::{Direction, Mesh, angle_rad};
-use crate::physics::bounds::surroundings_form_factor;
 use crate::physics::mars::{irradiance_vector, uniform_sphere_form_factor};
 use crate::physics::mars_directions::{Directions, OF_TWO_CIRCLES, SphereSeen, Towards};
 use crate::physics::reflectance::{Brdf, Lambert, PhotometricAngles};
@@ -347,9 +346,9 @@ impl Shelters {
                 let cross_m2 = mesh.facet(facet).cross_m2();
                 let cos_slope = cross_m2.dot(up) / cross_m2.length();
                 // Whichever of the two knows more.
-                sky_below(horizon, cos_slope).min(surroundings_form_factor(site.cos_steepest))
+                sky_below(horizon, cos_slope).min(site.most_around())
             }
-            None => 1.0,
+            None => site.most_around(),
         };
         Shelter {
             may_be_lit: shown != Some(Shown::Nothing) || is_reached,

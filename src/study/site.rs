@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use crate::geometry::polygon::side;
 use crate::geometry::{Direction, Facet, Mesh, hull};
+use crate::physics::bounds::surroundings_form_factor;
 use crate::visibility::Topology;
 
 /// Shares of area are taken over this many facets.
@@ -22,6 +23,8 @@ pub(super) struct Site {
     pub(super) is_open: bool,
     /// Cosine of the steepest slope against `up`, 0 if it is overhanging; 0 for a body.
     pub(super) cos_steepest: f64,
+    /// Whether it is a body that bulges everywhere.
+    is_convex: bool,
     /// Lowest and highest coordinate along `up`, m; of no meaning for a body.
     height_m: (f64, f64),
     /// Corners of the box around all vertices, m.
@@ -32,6 +35,11 @@ pub(super) struct Site {
 }
 
 impl Site {
+    /// A bound of the form factor of any facet's surroundings.
+    pub(super) fn most_around(&self) -> f64 {
+        if self.is_convex { 0.0 } else { surroundings_form_factor(self.cos_steepest) }
+    }
+
     pub(super) fn new(mesh: &Mesh, topology: &Topology) -> Self {
         let (mut vector_m2, mut area_m2, mut sampled) = (DVec3::ZERO, 0.0, 0);
         for facet in mesh.spread(SAMPLE) {
@@ -59,7 +67,8 @@ impl Site {
         let cos_steepest = if up.is_some() { cos2_steepest.sqrt() } else { 0.0 };
         let Extent { height_m, box_m } = extent;
         let facet_m2 = 0.5 * area_m2 / f64::from(sampled.max(1));
-        Site { up, is_open, cos_steepest, height_m, box_m, zero_area_facets, facet_m2 }
+        let is_convex = topology.is_convex(mesh);
+        Site { up, is_open, cos_steepest, is_convex, height_m, box_m, zero_area_facets, facet_m2 }
     }
 
     /// Distance of a point from the box around the mesh, m: none of the surface is nearer.

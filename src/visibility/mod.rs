@@ -9,6 +9,7 @@ mod blocks;
 mod bundles;
 mod candidate;
 mod coincident;
+mod convex;
 mod coverage;
 mod covered;
 mod drawing;

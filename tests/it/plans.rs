@@ -296,6 +296,39 @@ fn a_plan_leaves_out_what_cannot_matter() {
 }
 
 #[test]
+fn a_body_that_bulges_everywhere_has_no_surroundings() {
+    let bound = |mesh: mmxrt::geometry::Mesh| {
+        let scene = scenes::parts(mesh, nadir(1e4, 80.0, 8), sun(40.0, 10.0)).check().unwrap();
+        let (_, plan) = planned(&scene, Choice::Auto, 1e-3, true);
+        effect(&plan, "interreflection").bound.unwrap().most()
+    };
+    // Planar facets of a box, a sphere of quads cut in two, each corner rounded; pressed flat; far from the origin.
+    let ball = || sphere([0.0, 0.0, 0.0], 30.0, 24);
+    let moved = |mut mesh: mmxrt::geometry::Mesh, at: DVec3, by: DVec3| {
+        mesh.vertices_m.iter_mut().for_each(|v| *v = *v * by + at);
+        mesh
+    };
+    for mesh in [
+        cuboid([-9.0, -9.0, -9.0], [9.0, 9.0, 9.0]),
+        ball(),
+        moved(ball(), DVec3::ZERO, DVec3::new(1.0, 1.0, 1e-3)),
+        moved(ball(), DVec3::new(30.0, -20.0, -100.0), DVec3::ONE),
+    ] {
+        assert_eq!(bound(mesh), 0.0);
+    }
+    // A dent; a body beside another one; an open one.
+    let mut dented = ball();
+    dented.vertices_m[40] *= 0.9;
+    let two = joined(&[ball(), cuboid([40.0, -9.0, -9.0], [50.0, 9.0, 9.0])]);
+    let mut open = ball();
+    open.facets.pop();
+    open.material.pop();
+    for mesh in [dented, two, open] {
+        assert!(bound(mesh) > 1e-3);
+    }
+}
+
+#[test]
 fn choices_are_named_by_their_keys() {
     assert_eq!(Choice::parse("auto"), Ok(Choice::Auto));
     assert_eq!(Choice::parse("sunlight, heat,heat"), Ok(Choice::Only(vec!["sunlight".into(), "heat".into()])));

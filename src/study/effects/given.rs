@@ -259,7 +259,7 @@ impl<'a> Given<'a> {
 
     /// A bound of the form factor of any facet's surroundings.
     pub(super) fn most_around(&self) -> f64 {
-        crate::physics::bounds::surroundings_form_factor(self.extremes.site.cos_steepest)
+        self.extremes.site.most_around()
     }
 
     /// Radiance of what the Sun lights, W m-2 sr-1 um-1: reflected, and emitted in equilibrium with that alone.

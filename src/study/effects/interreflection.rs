@@ -66,6 +66,7 @@ fn find(given: &Given) -> Finding {
     let form_factor = given.most_around();
     let slopes = match given.extremes.site.up {
         Some(_) => format!("slopes up to {:.0} deg", given.extremes.site.cos_steepest.acos().to_degrees()),
+        None if form_factor == 0.0 => "a closed body that bulges everywhere".to_owned(),
         None => "a body may have any slope".to_owned(),
     };
     Finding {
