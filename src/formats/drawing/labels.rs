@@ -136,10 +136,10 @@ mod tests {
 
     #[test]
     fn a_label_is_nearest_to_its_own_mark() {
-        // 40 px apart in a row, under labels of some 120 px.
+        // 90 px apart in a row, with labels of some 126 px.
         let mut drawing = Drawing::new(400.0, 300.0);
         let mut labels = Labels::new([0.0, 0.0, 400.0, 300.0], 11.0);
-        let marks = [130.0, 170.0, 210.0].map(|x| [x, 260.0]);
+        let marks = [100.0, 190.0, 280.0].map(|x| [x, 260.0]);
         marks.iter().for_each(|mark| labels.mark(*mark));
         for mark in marks.iter().rev() {
             labels.place(&mut drawing, *mark, [0; 3], "Sun's disc by 7 points");
