@@ -1,20 +1,10 @@
 //! How dark pixels get, and how bright what is sunlit is: of an image, or of a draft of one that has sunlight from a point and the heat that it makes. No pixel
 //! that is sunlit all over in a draft has less light than there, but in half-shadow; of others, where a slit of light may be all in half-shadow, nothing is known.
 
-use super::cost::memory_bytes;
-use super::effects::Given;
-use super::extremes::{Extremes, sunlit_places};
-use crate::error::{Error, Result};
-use crate::integrate::{self, Image, Wanted};
-use crate::progress::Watch;
-use crate::scene::{Models, Scene, Setup, Sky, SunModel};
-use crate::solve;
+use crate::integrate::Image;
+use crate::scene::{Scene, SunModel};
 use crate::spectral::{Band, Light};
 
-/// A draft that takes more memory than this, bytes, is not made.
-const MOST_BYTES: u64 = 2 << 30;
-/// Wavelengths of a draft, at most.
-const OF_DRAFT: usize = 48;
 /// Bands of an image that are looked at, at most.
 const OF_IMAGE: usize = 16;
 /// Sunlit pixels that stand for all of an image.
@@ -28,14 +18,14 @@ const HALF_SHADOW: f64 = 0.25;
 #[derive(Debug, Clone)]
 pub(super) struct Draft {
     /// By wavelength, ascending.
-    bands: Vec<Shade>,
+    pub(super) bands: Vec<Shade>,
     /// Whether all that is modelled is in it, and not just the least that there is.
     pub(super) is_whole: bool,
 }
 
 /// In a band.
 #[derive(Debug, Clone, Copy)]
-struct Shade {
+pub(super) struct Shade {
     /// Its ends, um.
     um: (f64, f64),
     light: Light,
@@ -47,58 +37,15 @@ struct Shade {
 
 /// A band that is looked at.
 #[derive(Debug, Clone, Copy)]
-struct Shown {
+pub(super) struct Shown {
     /// By its place in the image.
-    band: usize,
-    um: (f64, f64),
-    light: Light,
-}
-
-impl Extremes {
-    /// With a draft of the image, and with what is sunlit in it.
-    ///
-    /// # Errors
-    /// [`Error::Interrupted`] if `watch` asks to stop.
-    pub fn with_draft(self, scene: &Scene, watch: Watch<'_>) -> Result<Self> {
-        let references = Given::new(scene, &self, &self.sunlit, None).references();
-        match drawn(scene, &references, watch) {
-            Ok(Some((image, shown))) => {
-                let seen = Extremes { sunlit: sunlit_places(scene, &image.backplanes), ..self };
-                let references = Given::new(scene, &seen, &seen.sunlit, None).references();
-                let bands = Draft::of(&image, &shown, &references, SunModel::Point);
-                Ok(Extremes { draft: Some(Draft { bands, is_whole: false }), ..seen })
-            }
-            Err(Error::Interrupted) => Err(Error::Interrupted),
-            Ok(None) | Err(_) => Ok(self),
-        }
-    }
-}
-
-/// At some of these wavelengths, um, ascending, with their light, and a reference radiance of each, W m-2 sr-1 um-1. `None` if there is nothing to see by these.
-fn drawn(scene: &Scene, wavelengths: &[(f64, Light, f64)], watch: Watch<'_>) -> Result<Option<(Image, Vec<Shown>)>> {
-    let is_known = |(.., reference): &&(f64, Light, f64)| *reference > 0.0 && reference.is_finite();
-    let known: Vec<_> = wavelengths.iter().filter(is_known).collect();
-    let shown: Vec<Shown> = (some(known.len(), OF_DRAFT).into_iter().enumerate())
-        .map(|(band, i)| Shown { band, um: (known[i].0, known[i].0), light: known[i].1 })
-        .collect();
-    let mut setup = Setup {
-        models: Models { thermal: scene.models.thermal, floor_k: scene.models.floor_k, ..Models::default() },
-        sky: Sky { mars: None, bodies: vec![], beams: vec![], ..scene.sky.clone() },
-        ..Setup::clone(scene)
-    };
-    setup.exposure.bands =
-        shown.iter().map(|shown| Band { light: shown.light, ..Band::new(shown.um.0, None) }).collect();
-    // Of what no spectrum knows, there is no draft.
-    let Some(scene) = Scene::new(setup).ok().filter(|scene| memory_bytes(scene, false) < MOST_BYTES) else {
-        return Ok(None);
-    };
-    let table = solve::solve(&scene, watch)?;
-    let image = integrate::integrate(&scene, &table, Wanted::default(), watch)?;
-    Ok(Some((image, shown)))
+    pub(super) band: usize,
+    pub(super) um: (f64, f64),
+    pub(super) light: Light,
 }
 
 /// So many of some things at most, evenly, with the first and the last.
-fn some(count: usize, most: usize) -> Vec<usize> {
+pub(super) fn some(count: usize, most: usize) -> Vec<usize> {
     let step = count.div_ceil(most).max(1);
     (0..count).filter(|i| i % step == 0 || i + 1 == count).collect()
 }
@@ -115,7 +62,8 @@ impl Draft {
         Draft { bands: Draft::of(image, &shown, references, scene.models.sun), is_whole: true }
     }
 
-    fn of(image: &Image, shown: &[Shown], references: &[(f64, Light, f64)], sun: SunModel) -> Vec<Shade> {
+    /// Of each band that is looked at, with a Sun of this kind.
+    pub(super) fn of(image: &Image, shown: &[Shown], references: &[(f64, Light, f64)], sun: SunModel) -> Vec<Shade> {
         let plane = |name: &str| image.backplanes.plane(name).map_or(&[][..], |plane| &plane.values);
         let (coverage, lit) = (plane("COVERAGE"), plane("LIT_FRACTION"));
         let shade = |shown: &Shown| {

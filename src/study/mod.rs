@@ -4,6 +4,7 @@ pub mod chart;
 mod coarser;
 mod cost;
 mod draft;
+mod drafting;
 mod dry_run;
 mod effects;
 mod extremes;

@@ -340,12 +340,12 @@ impl<'a> Given<'a> {
         (most.lit.is_finite() && most.shadow.is_finite()).then_some(most)
     }
 
-    /// The least radiance of pixels that show nothing but sunlit ground, and of all, W m-2 sr-1 um-1, no less than what errors are relative to.
+    /// The least radiance of pixels that show nothing but sunlit ground, and of all, W m-2 sr-1 um-1.
     fn draft(&self, at: &Wavelength) -> Option<[f64; 2]> {
         // What conducts may be colder than in a draft, where all is in equilibrium.
         let holds = |draft: &&Draft| (draft.is_whole || self.models.conduction.is_none()) && at.median > 0.0;
         let draft = self.draft.filter(holds)?;
-        Some(draft.least_at(at.um, at.light).map(|least| least.max(FLOOR) * at.median))
+        Some(draft.least_at(at.um, at.light).map(|least| least * at.median))
     }
 
     /// The largest error at a wavelength if in pixels that are as dark as the darkest of a draft all of the surface changes most.
@@ -356,14 +356,16 @@ impl<'a> Given<'a> {
         change: impl Fn(&Place) -> f64,
         more: impl Fn(f64) -> f64,
     ) -> Bound {
-        let change_of = |(material, class), side, least| change(&Place { at, material, class, side, least });
+        let floor = FLOOR * at.median;
+        let change_of =
+            |(material, class), side, least: f64| change(&Place { at, material, class, side, least: least.max(floor) });
         let in_sun = |least: f64| self.lit().map(|of| change_of(of, Side::Sun, least)).fold(0.0, f64::max);
         let in_shade = |least: f64| self.shaded().map(|of| change_of(of, Side::Shade, least)).fold(0.0, f64::max);
         let over = |change: f64, least: f64| {
             // A draft has heat, and an image all that is modelled: it is not added again.
             let has_it = self.models.thermal == Thermal::Off || self.draft.is_some_and(|draft| draft.is_whole);
             let more = if has_it { 0.0 } else { more(change) };
-            change / (least + more)
+            change / (least + more).max(floor)
         };
         Bound { lit: over(in_sun(lit), lit), shadow: over(in_sun(all).max(in_shade(all)), all) }
     }

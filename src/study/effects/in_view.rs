@@ -23,6 +23,8 @@ fn find(given: &Given) -> Finding {
         },
         false => Finding {
             modelled: true,
+            // Its outline and its terminator are exact.
+            remaining: Some(Bound::NOTHING),
             note: format!(
                 "{}: drawn with phase and its own heat, hiding what is behind it: a uniform Lambert sphere without an atmosphere",
                 names.join(", ")
