@@ -35,7 +35,7 @@ pub struct Towards {
 ///
 /// With m the normal of a patch of the sphere, q = R / D, c towards the centre and X = c / q + m towards the patch, the irradiance is the integral of
 /// (m.s)+ (-m.X)+ (n.X)+ / |X|^4 over the sphere: where the Sun is up, where the facet can see it, above the horizon. Each is a cap of the sphere, so on
-/// circles about any axis an arc, whose ends [`Wave`] has. The axis is the normal where the horizon cuts the disc, so that the horizon itself is a circle; else
+/// circles about any axis an arc, whose ends have a closed form. The axis is the normal where the horizon cuts the disc, so that the horizon itself is a circle; else
 /// one square to c, and to the Sun. At the borders there is no light: Lobatto's points are taken, whose ends count for nothing. Models have a cusp at phase
 /// angle 0: where the observer's own direction meets the sphere, circles and arcs are cut.
 ///
@@ -64,6 +64,11 @@ impl Directions {
             medium if medium < 0.1 => 2,
             _ => ORDER,
         })
+    }
+
+    /// How many there are of a sphere that is whole and up.
+    pub fn count(&self) -> usize {
+        self.any_ends.len() * self.any_ends.len()
     }
 
     /// The directions for a facet; `to_viewer` leads to who looks at it, of unit length, if it matters. Where nothing is lit: one, to the middle of what is up.

@@ -167,9 +167,9 @@ impl Exchange {
         0.03 * (192.0 / f64::from(self.directions)).powf(0.6)
     }
 
-    /// CPU s of one bounce, about: 2.8e-8 for a facet and direction, 4e-9 for a line.
+    /// CPU s of one bounce, about: 4e-8 for a facet and direction, 6e-9 for a line.
     pub fn bounce_s(self, facets: usize) -> f64 {
-        facets as f64 * (2.8e-8 * f64::from(self.directions) + 4e-9 * f64::from(self.lines_per_facet))
+        facets as f64 * (4e-8 * f64::from(self.directions) + 6e-9 * f64::from(self.lines_per_facet))
     }
 
     /// What is enough for this share of all light, which may be off by more of itself.

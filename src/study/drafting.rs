@@ -22,11 +22,11 @@ impl Extremes {
     /// # Errors
     /// [`Error::Interrupted`] if `watch` asks to stop.
     pub fn with_draft(self, scene: &Scene, watch: Watch<'_>) -> Result<Self> {
-        let references = Given::new(scene, &self, &self.sunlit, None).references();
+        let references = Given::new(scene, &self, &self.sunlit).references();
         match drawn(scene, &references, watch) {
             Ok(Some((image, shown))) => {
                 let seen = Extremes { sunlit: sunlit_places(scene, &image.backplanes), ..self };
-                let references = Given::new(scene, &seen, &seen.sunlit, None).references();
+                let references = Given::new(scene, &seen, &seen.sunlit).references();
                 let bands = Draft::of(&image, &shown, &references, SunModel::Point);
                 Ok(Extremes { draft: Some(Draft { bands, is_whole: false }), ..seen })
             }

@@ -186,7 +186,7 @@ pub fn plan(scene: &Scene, extremes: &Extremes, request: &Request) -> Result<(Mo
     if !(*tolerance > 0.0 && tolerance.is_finite()) {
         return Err(Error::invalid(Location::item("--tolerance"), format!("{tolerance} is not a number above 0")));
     }
-    let given = Given::new(scene, extremes, &extremes.sunlit, extremes.draft.as_ref());
+    let given = Given::new(scene, extremes, &extremes.sunlit).with_draft(extremes.draft.as_ref());
     let models = match choice {
         Choice::Thesis => thesis(),
         Choice::Full => chosen(&given, scene.models.fixed, *tolerance, |_| true),

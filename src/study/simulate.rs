@@ -67,11 +67,11 @@ pub(super) fn account_for(
     tell(watch, "report", 0, 1)?;
     let site = &extremes.site;
     let sunlit = sunlit_places(scene, &image.backplanes);
-    let references = Given::new(scene, extremes, &sunlit, None).references();
-    let draft = Draft::of_image(scene, &image, &references);
+    let given = Given::new(scene, extremes, &sunlit);
     // Of maps, what is not solved is not in it yet.
-    let draft = (uses_sun && image.maps.is_none()).then_some(&draft);
-    let given = Given::new(scene, extremes, &sunlit, draft);
+    let is_whole = uses_sun && image.maps.is_none();
+    let draft = is_whole.then(|| Draft::of_image(scene, &image, &given.references()));
+    let given = given.with_draft(draft.as_ref());
     let shown = table.sunlit().map_or(&[][..], |sunlit| &sunlit.shown);
     let lit = |kind| shown.iter().filter(|l| **l == kind).count() as u64;
     let counts = Counts {

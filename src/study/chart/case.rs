@@ -85,7 +85,7 @@ impl Case {
         let exposure = Exposure { bands: bands(scene), ..scene.exposure.clone() };
         let request = Request { choice: Choice::Full, tolerance: REFERENCE };
         let (models, extremes, _) = decide(scene, &request, watch)?;
-        let given = Given::new(scene, &extremes, &extremes.sunlit, extremes.draft.as_ref());
+        let given = Given::new(scene, &extremes, &extremes.sunlit).with_draft(extremes.draft.as_ref());
         let reference = |models: Models| account(scene, &given.by(models), &request);
         let tries = finest_first(models);
         let fits = |(models, _): &&(Models, Excluded)| reference(*models).cost_s() <= LONGEST_S;

@@ -2,6 +2,7 @@
 
 use super::{Bound, by_globes};
 use crate::geometry::Direction;
+use crate::physics::mars_directions::Directions;
 use crate::physics::reflectance::{Brdf, Lambert};
 use crate::physics::sun::Eclipse;
 use crate::physics::{blackbody, heat};
@@ -15,6 +16,8 @@ use crate::units::{MARS_RADIUS_M, PHOBOS_ORBIT_M};
 /// The least radiance that an error is relative to, over the band's median sunlit radiance.
 pub(in crate::study) const FLOOR: f64 = 0.01;
 
+/// So many places stand for what is sunlit.
+const PLACES: usize = 1024;
 /// Wavelengths that are closer, relative, are looked at once,
 const SPACING: f64 = 0.005;
 /// if no spectrum changes by more between them, relative.
@@ -88,13 +91,8 @@ pub(super) struct Wavelength {
 }
 
 impl<'a> Given<'a> {
-    /// `sunlit` are places of the image: of extremes, or, once it is there, of the image itself; `draft` is of the same.
-    pub(in crate::study) fn new(
-        scene: &'a Setup,
-        extremes: &'a Extremes,
-        sunlit: &[Sunlit],
-        draft: Option<&'a Draft>,
-    ) -> Self {
+    /// `sunlit` are places of the image: of extremes, or, once it is there, of the image itself.
+    pub(in crate::study) fn new(scene: &'a Setup, extremes: &'a Extremes, sunlit: &[Sunlit]) -> Self {
         let materials: Vec<_> = scene.body.materials.iter().enumerate().filter(|(i, _)| extremes.is_used[*i]).collect();
         let mut given = Given {
             scene,
@@ -105,7 +103,7 @@ impl<'a> Given<'a> {
             least: vec![],
             materials,
             median_brightness: median(sunlit.iter().map(|place| place.brightness)).unwrap_or(1.0),
-            draft,
+            draft: None,
         };
         let others_w_m2 = given.mars_w_m2(given.most_of_mars())
             + given.bodies_w_m2()
@@ -116,6 +114,7 @@ impl<'a> Given<'a> {
         let is_dimmed = matches!(by_globes(scene), Some(Eclipse::Partial | Eclipse::Total));
         let places: Vec<_> = sunlit
             .iter()
+            .step_by(sunlit.len().div_ceil(PLACES).max(1))
             .map(|place| {
                 let material = &scene.body.materials[place.material];
                 (material, place.brightness, given.temperature_k(material, place.cos_incidence, 0.0))
@@ -125,13 +124,20 @@ impl<'a> Given<'a> {
             let mut at = Wavelength { um, light, white: white_radiance(scene, um), median: 0.0 };
             let sent = places.iter().map(|(material, brightness, t_k)| given.sent_at(&at, material, *brightness, *t_k));
             // In an eclipse there is no telling what sunlight errors are relative to.
-            let times = draft.map_or(1.0, |draft| draft.median_at(um, light));
-            at.median = if is_dimmed { 0.0 } else { times * median(sent).unwrap_or(0.0) };
+            at.median = if is_dimmed { 0.0 } else { median(sent).unwrap_or(0.0) };
             at
         };
         given.wavelengths = wavelengths(scene, &given.materials).into_iter().map(at).collect();
         given.least = given.least();
         given
+    }
+
+    /// With what is known of an image of these places.
+    pub(in crate::study) fn with_draft(mut self, draft: Option<&'a Draft>) -> Self {
+        for at in &mut self.wavelengths {
+            at.median *= draft.map_or(1.0, |draft| draft.median_at(at.um, at.light));
+        }
+        Given { draft, ..self }
     }
 
     /// The same by other models.
@@ -431,6 +437,15 @@ impl<'a> Given<'a> {
     /// CPU time, s, to find the shadows of one more Sun.
     pub(super) fn shadows_s(&self) -> f64 {
         cost::shadows_s(self.scene)
+    }
+
+    /// CPU time, s, that surfaces with models take for light from all of a globe.
+    pub(super) fn directions_s(&self, globe: &Globe) -> f64 {
+        if self.materials.iter().all(|(_, material)| material.photometry.key().is_none()) {
+            return 0.0;
+        }
+        let sin_radius = globe.radius_m / self.extremes.site.distance_m(globe.centre_m);
+        cost::directions_s(self.scene, self.extremes, Directions::for_size(sin_radius).count())
     }
 
     /// Width of a pixel at the nearest point of the surface, square to the line of sight, m.

@@ -17,7 +17,8 @@ pub(super) const KIND: EffectKind = EffectKind {
         remove: |models| models.mars_heat = false,
         stated: |fixed| fixed.mars_heat.then_some("mars.heat"),
         cost_s: |given, models| {
-            if models.mars_heat { FACET_S * given.scene.body.mesh.facets.len() as f64 } else { 0.0 }
+            let of_models = || given.scene.sky.mars.as_ref().map_or(0.0, |mars| given.directions_s(mars));
+            if models.mars_heat { FACET_S * given.scene.body.mesh.facets.len() as f64 + of_models() } else { 0.0 }
         },
         own: None,
         drops_by_own: false,

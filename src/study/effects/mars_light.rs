@@ -20,7 +20,10 @@ pub(super) const KIND: EffectKind = EffectKind {
         add: |models, stated, _, _| models.mars_light = stated.mars_light,
         remove: |models| models.mars_light = MarsModel::Off,
         stated: |fixed| fixed.mars_light.then_some("mars.model"),
-        cost_s: |given, _| FACET_S * given.scene.body.mesh.facets.len() as f64,
+        cost_s: |given, _| {
+            let of_models = given.scene.sky.mars.as_ref().map_or(0.0, |mars| given.directions_s(mars));
+            FACET_S * given.scene.body.mesh.facets.len() as f64 + of_models
+        },
         own: None,
         drops_by_own: false,
     }),

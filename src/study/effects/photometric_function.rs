@@ -1,6 +1,6 @@
 //! Reflectance that depends on the directions of light and view.
 
-use super::{EffectKind, Finding, Given};
+use super::{Bound, EffectKind, Finding, Given};
 use crate::geometry::angle_rad;
 use crate::spectral::Light;
 
@@ -25,6 +25,7 @@ fn find(given: &Given) -> Finding {
     if lambert.is_empty() {
         return Finding {
             modelled: true,
+            remaining: Some(Bound::NOTHING),
             note: "each material by its model, at the angles of the middle of what is seen, and lit, of a facet in a pixel; how far a model is from \
                    the surface is not known"
                 .into(),
