@@ -8,6 +8,7 @@ use glam::DVec3;
 use super::{FARTHEST_M, Material, Texture};
 use crate::error::{Error, Location, Problem, Result};
 use crate::geometry::Mesh;
+use crate::physics::reflectance::DirectionalAlbedos;
 use crate::progress::{Watch, tell};
 use crate::visibility::Topology;
 
@@ -35,7 +36,11 @@ struct Checked {
     surface: Surface,
     bounds_m: Option<(DVec3, DVec3)>,
     topology: OnceLock<Topology>,
+    absorbing: OnceLock<Vec<Option<Absorbing>>>,
 }
+
+/// What a material absorbs by incidence: a table, and the factor of its weights.
+type Absorbing = (DirectionalAlbedos, f64);
 
 impl Body {
     /// Checks a surface.
@@ -50,12 +55,18 @@ impl Body {
     /// Of a surface that has no [problems](Surface::problems).
     pub(super) fn checked(surface: Surface) -> Self {
         let bounds_m = surface.mesh.bounds_m();
-        Body(Arc::new(Checked { surface, bounds_m, topology: OnceLock::new() }))
+        Body(Arc::new(Checked { surface, bounds_m, topology: OnceLock::new(), absorbing: OnceLock::new() }))
     }
 
     /// Lowest and highest coordinates of its facets, local, m; `None` if it has none.
     pub fn bounds_m(&self) -> Option<(DVec3, DVec3)> {
         self.0.bounds_m
+    }
+
+    /// Of each material the directional albedo that its Bond albedo gives a model, as a table and the factor of its weights: found when it is first asked for.
+    pub fn absorbing(&self) -> &[Option<(DirectionalAlbedos, f64)>] {
+        let of = |material: &Material| material.photometry.model()?.absorbing(material.bond_albedo);
+        self.0.absorbing.get_or_init(|| self.materials.iter().map(of).collect())
     }
 
     /// What hangs together with what: found when it is first asked for.

@@ -9,7 +9,7 @@ use crate::physics::mars_light::MarsLight;
 use crate::physics::reflectance::DirectionalAlbedos;
 use crate::physics::{heat, mars, sun, sun_disc};
 use crate::product::{FacetTable, Sees};
-use crate::scene::{Globe, MarsModel, Material, Scene, Sky, Source, SourceKind, SunModel, Thermal};
+use crate::scene::{Globe, MarsModel, Scene, Sky, Source, SourceKind, SunModel, Thermal};
 use crate::visibility::Shown;
 
 use super::eclipse::Eclipse;
@@ -26,8 +26,8 @@ pub(super) fn fill(scene: &Scene, table: &mut FacetTable) {
         .collect();
     // In equilibrium a surface with a model absorbs light by its incidence.
     let is_warm = scene.models.thermal == Thermal::Equilibrium;
-    let albedo = |material: &Material| material.photometry.model().filter(|_| is_warm)?.absorbing(material.bond_albedo);
-    let albedos: Vec<_> = scene.body.materials.iter().map(albedo).collect();
+    let plain = vec![None; scene.body.materials.len()];
+    let albedos = if is_warm { scene.body.absorbing() } else { &plain };
     let mut sees = Vec::new();
     for lighting in &mut table.sources {
         sees.push(&lighting.sees);
@@ -40,7 +40,7 @@ pub(super) fn fill(scene: &Scene, table: &mut FacetTable) {
         .zip(temperatures)
         .for_each(|(chunk, (lit, shaded))| (chunk.lit_k, chunk.shaded_k) = (lit, shaded));
     let eclipse = Eclipse::of(scene);
-    let shared = Shared { scene, sources: &sources, sees: &sees, albedos: &albedos, eclipse: eclipse.as_ref() };
+    let shared = Shared { scene, sources: &sources, sees: &sees, albedos, eclipse: eclipse.as_ref() };
     chunks.into_par_iter().for_each_init(Work::default, |work, chunk| chunk.fill(&shared, work));
 }
 

@@ -19,10 +19,9 @@ use super::irradiance::share;
 use crate::error::Result;
 use crate::geometry::{MaterialId, Mesh};
 use crate::physics::heat;
-use crate::physics::reflectance::DirectionalAlbedos;
 use crate::product::{FacetTable, Lighting, Reflected, Sampling, Sees, warmest_k};
 use crate::progress::Watch;
-use crate::scene::{DirectionField, Exchange, Material, Scene, SourceKind, Thermal};
+use crate::scene::{DirectionField, Exchange, Scene, SourceKind, Thermal};
 use crate::visibility::{Bundles, Frame, Meeting};
 
 /// What would send less than this share of what the first bounce did is left out.
@@ -185,21 +184,17 @@ struct Direct<'a> {
 
 impl<'a> Direct<'a> {
     fn new(scene: &'a Scene, table: &'a FacetTable, carried: &'a Carried) -> Self {
-        let albedo = |material: &Material| {
-            let (albedos, factor) = material.photometry.model()?.absorbing(material.bond_albedo)?;
-            (material.bond_albedo > 0.0).then_some((albedos, factor / material.bond_albedo))
-        };
-        // Of each material with a model, its albedo by incidence, and by what that is multiplied for a mean of 1.
-        let albedos: Vec<Option<(DirectionalAlbedos, f64)>> = scene.body.materials.iter().map(albedo).collect();
+        let albedos = scene.body.absorbing();
         let of_mean_albedo = |material: MaterialId, lighting: &Lighting, facet: usize| {
-            let mut of_mean = 1.0;
+            let (mut of_mean, bond_albedo) = (1.0, scene.body.materials[material.0 as usize].bond_albedo);
             if let (Some((albedos, factor)), DirectionField::Afar(towards)) =
                 (&albedos[material.0 as usize], lighting.field)
+                && bond_albedo > 0.0
             {
                 // Not the irradiance, of which an eclipse may have taken its part.
                 let normal = scene.body.mesh.facet(facet).cross_m2().normalize_or_zero();
                 let cos_incidence = normal.dot(towards.vec()).max(0.0);
-                albedos.weights(cos_incidence, |_, weight| of_mean = factor * weight);
+                albedos.weights(cos_incidence, |_, weight| of_mean = factor / bond_albedo * weight);
             }
             of_mean
         };
