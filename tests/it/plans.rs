@@ -140,7 +140,7 @@ fn scene_of_all_kinds(seed: u64) -> SceneParts {
             preset,
         ];
         for material in &mut parts.surface.materials {
-            let shape = shapes[(uniform(0.0, 4.0) as usize).min(3)].clone();
+            let shape = shapes[(uniform(0.0, 4.0) as usize).min(3)];
             // Not more than such a surface can reflect.
             material.reflectance = material.reflectance.map(|r| 0.3 * r);
             let model = Model::measured(shape, &material.reflectance, &Measure::Spherical);
