@@ -337,7 +337,7 @@ impl<'a> Given<'a> {
                 shade = shade.max(relative(change, 0.0));
             }
             let mut bound = Bound { lit: bright + dim, shadow: bright + dim + shade };
-            if let Some(draft) = self.draft(at).filter(|_| is_in_draft) {
+            if let Some(draft) = self.draft(at).filter(|_| is_in_draft && bound.most() > 0.0) {
                 let by_draft = self.error_of_draft(at, draft, &change, &more);
                 bound = Bound { lit: bound.lit.min(by_draft.lit), shadow: bound.shadow.min(by_draft.shadow) };
             }
@@ -373,7 +373,9 @@ impl<'a> Given<'a> {
             let more = if has_it { 0.0 } else { more(change) };
             change / (least + more).max(floor)
         };
-        Bound { lit: over(in_sun(lit), lit), shadow: over(in_sun(all).max(in_shade(all)), all) }
+        // What may change of brighter pixels is no less.
+        let in_sun = in_sun(lit);
+        Bound { lit: over(in_sun, lit), shadow: over(in_sun.max(in_shade(all)), all) }
     }
 
     /// The largest error if edges of shadows move by this many pixels, square to the light: on a slope they move farther, by 1 / cos i.
