@@ -152,7 +152,7 @@ fn totals(plan: &Plan) -> Vec<String> {
         format!("dropped, together: {}", sum(plan.dropped)),
         format!("left of what is kept: {}", sum(plan.remaining)),
         format!(
-            "that is {verdict}; what is open, because an input is missing, is not counted, nor what the scene leaves out"
+            "that is {verdict}; what is open, because an input is missing, is not counted, nor what the scene leaves out, nor what has a tolerance of its own"
         ),
     ]
 }

@@ -3,7 +3,7 @@
 
 use crate::integrate::Image;
 use crate::scene::{Scene, SunModel};
-use crate::spectral::{Band, Light};
+use crate::spectral::Light;
 
 /// Bands of an image that are looked at, at most.
 const OF_IMAGE: usize = 16;
@@ -42,6 +42,8 @@ pub(super) struct Shown {
     pub(super) band: usize,
     pub(super) um: (f64, f64),
     pub(super) light: Light,
+    /// Median radiance of what is sunlit by the surface's models alone, W m-2 sr-1 um-1.
+    pub(super) reference: f64,
 }
 
 /// So many of some things at most, evenly, with the first and the last.
@@ -51,19 +53,21 @@ pub(super) fn some(count: usize, most: usize) -> Vec<usize> {
 }
 
 impl Draft {
-    /// Of an image that is there, by the references that its surface's models give.
-    pub(super) fn of_image(scene: &Scene, image: &Image, references: &[(f64, Light, f64)]) -> Self {
+    /// Of an image that is there, by the median that its surface's models give at a wavelength, um, W m-2 sr-1 um-1.
+    pub(super) fn of_image(scene: &Scene, image: &Image, median: impl Fn(f64, Light) -> f64) -> Self {
         let bands = &scene.exposure.bands;
         let shown = |band: usize| {
-            let Band { light, .. } = bands[band];
-            Shown { band, um: bands[band].support_within_um(scene.known_um(light)), light }
+            let (light, known_um) = (bands[band].light, scene.known_um(bands[band].light));
+            let nodes = bands[band].quadrature(&[], known_um);
+            let reference = nodes.iter().map(|(um, weight)| weight * median(*um, light)).sum();
+            Shown { band, um: bands[band].support_within_um(known_um), light, reference }
         };
         let shown: Vec<Shown> = some(bands.len(), OF_IMAGE).into_iter().map(shown).collect();
-        Draft { bands: Draft::of(image, &shown, references, scene.models.sun), is_whole: true }
+        Draft { bands: Draft::of(image, &shown, scene.models.sun), is_whole: true }
     }
 
     /// Of each band that is looked at, with a Sun of this kind.
-    pub(super) fn of(image: &Image, shown: &[Shown], references: &[(f64, Light, f64)], sun: SunModel) -> Vec<Shade> {
+    pub(super) fn of(image: &Image, shown: &[Shown], sun: SunModel) -> Vec<Shade> {
         let plane = |name: &str| image.backplanes.plane(name).map_or(&[][..], |plane| &plane.values);
         let (coverage, lit) = (plane("COVERAGE"), plane("LIT_FRACTION"));
         let shade = |shown: &Shown| {
@@ -91,7 +95,7 @@ impl Draft {
             let sunlit = [0.5, 0.0].into_iter().map(lit_more).find(|found| !found.is_empty()).unwrap_or_default();
             let places = sunlit.iter().step_by(sunlit.len().div_ceil(PLACES).max(1)).map(|i| radiance[*i]);
             let median = median(places)?;
-            let reference = reference(references, shown).filter(|reference| *reference > 0.0)?;
+            let reference = Some(shown.reference).filter(|reference| *reference > 0.0)?;
             let shade = Shade {
                 um: shown.um,
                 light: shown.light,
@@ -145,16 +149,4 @@ fn median(numbers: impl Iterator<Item = f64>) -> Option<f64> {
     (!numbers.is_empty())
         .then(|| *numbers.select_nth_unstable_by(middle, f64::total_cmp).1)
         .filter(|median| *median > 0.0)
-}
-
-/// The mean of the references in a band, or the nearest one.
-fn reference(references: &[(f64, Light, f64)], shown: &Shown) -> Option<f64> {
-    let (low, high) = shown.um;
-    let of_light = || references.iter().filter(|(_, light, _)| *light == shown.light);
-    let (sum, count) = of_light()
-        .filter(|(um, ..)| low <= *um && *um <= high)
-        .fold((0.0, 0), |(sum, count), (.., reference)| (sum + reference, count + 1));
-    let off = |um: f64| (um - 0.5 * (low + high)).abs();
-    let nearest = || of_light().min_by(|a, b| off(a.0).total_cmp(&off(b.0))).map(|(.., reference)| *reference);
-    if count > 0 { Some(sum / f64::from(count)) } else { nearest() }
 }

@@ -26,8 +26,10 @@ impl Extremes {
         match drawn(scene, &references, watch) {
             Ok(Some((image, shown))) => {
                 let seen = Extremes { sunlit: sunlit_places(scene, &image.backplanes), ..self };
-                let references = Given::new(scene, &seen, &seen.sunlit).references();
-                let bands = Draft::of(&image, &shown, &references, SunModel::Point);
+                let given = Given::new(scene, &seen, &seen.sunlit);
+                let shown: Vec<Shown> =
+                    shown.iter().map(|of| Shown { reference: given.median_at(of.um.0, of.light), ..*of }).collect();
+                let bands = Draft::of(&image, &shown, SunModel::Point);
                 Ok(Extremes { draft: Some(Draft { bands, is_whole: false }), ..seen })
             }
             Err(Error::Interrupted) => Err(Error::Interrupted),
@@ -41,7 +43,7 @@ fn drawn(scene: &Scene, wavelengths: &[(f64, Light, f64)], watch: Watch<'_>) -> 
     let is_known = |(.., reference): &&(f64, Light, f64)| *reference > 0.0 && reference.is_finite();
     let known: Vec<_> = wavelengths.iter().filter(is_known).collect();
     let shown: Vec<Shown> = (some(known.len(), MOST).into_iter().enumerate())
-        .map(|(band, i)| Shown { band, um: (known[i].0, known[i].0), light: known[i].1 })
+        .map(|(band, i)| Shown { band, um: (known[i].0, known[i].0), light: known[i].1, reference: known[i].2 })
         .collect();
     let mut setup = Setup {
         models: Models { thermal: scene.models.thermal, floor_k: scene.models.floor_k, ..Models::default() },

@@ -269,7 +269,7 @@ impl Extremes {
                 let material = mesh.material[facet].0 as usize;
                 if let Some(sight) = sight(scene, &mars, facet, &looks[material]) {
                     let shelter = shelters.shelter(mesh, &site, facet, least_tangent_of_mars);
-                    if sight.cos_incidence > 0.0 && shelter.may_be_lit {
+                    if sight.faces_sun && shelter.may_be_lit {
                         facing[material].lit.add(&sight, &shelter);
                     }
                     if shelter.may_be_dark {
@@ -376,6 +376,8 @@ fn sky_below(tangent: f64, cos_slope: f64) -> f64 {
 
 /// How bright sunlight and Mars make a facet that faces the camera.
 struct Sight {
+    /// Whether it does, or would but for rounding.
+    faces_sun: bool,
     brightness: f64,
     /// The least and the most that it is in any band, and anywhere on the facet.
     extremes: [f64; 2],
@@ -398,6 +400,7 @@ fn sight(scene: &Setup, mars: &Option<MarsBound>, facet: usize, look: &Look) -> 
     };
     let gain = |to_source: DVec3| gain_from(to_source, to_eye);
     let to_sun = scene.sky.sun.direction.vec();
+    let faces_sun = normal.dot(to_sun) > -8.0 * f64::EPSILON;
     let cos_incidence = normal.dot(to_sun).max(0.0);
     let brightness = if cos_incidence > 0.0 { cos_incidence * gain(to_sun) } else { 0.0 };
     let (by_mars, of_mars) = mars.as_ref().map_or((0.0, 0.0), |mars| {
@@ -416,7 +419,7 @@ fn sight(scene: &Setup, mars: &Option<MarsBound>, facet: usize, look: &Look) -> 
         }
         extremes = [extremes[0] * look.in_bands[0], extremes[1] * look.in_bands[1]];
     }
-    Some(Sight { brightness, extremes, cos_incidence, by_mars: by_mars * look.in_bands[1], of_mars })
+    Some(Sight { faces_sun, brightness, extremes, cos_incidence, by_mars: by_mars * look.in_bands[1], of_mars })
 }
 
 /// Bounds of Mars-light, cheaper than itself.

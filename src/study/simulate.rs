@@ -70,7 +70,7 @@ pub(super) fn account_for(
     let given = Given::new(scene, extremes, &sunlit);
     // Of maps, what is not solved is not in it yet.
     let is_whole = uses_sun && image.maps.is_none();
-    let draft = is_whole.then(|| Draft::of_image(scene, &image, &given.references()));
+    let draft = is_whole.then(|| Draft::of_image(scene, &image, |um, light| given.median_at(um, light)));
     let given = given.with_draft(draft.as_ref());
     let shown = table.sunlit().map_or(&[][..], |sunlit| &sunlit.shown);
     let lit = |kind| shown.iter().filter(|l| **l == kind).count() as u64;

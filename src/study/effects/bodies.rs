@@ -1,5 +1,6 @@
 //! Light and heat of bodies of the sky besides Mars: the Earth, moons.
 
+use super::by_others::{self, Brought};
 use super::given::{Place, reflectance};
 use super::{Bound, EffectKind, Finding, Given, Switch, heat_from_mars, mars_light};
 use crate::physics::blackbody;
@@ -113,5 +114,7 @@ fn sent(given: &Given, place: &Place, (globe, seen): (&Globe, &BodySeen)) -> f64
         Thermal::Equilibrium => heat_from_mars::sent(given, place, given.body_w_m2(globe, seen)),
         _ => 0.0,
     };
-    reflectance(material, at.um) * seen.gain * (of_light + of_glow) + of_warmth
+    let all_w_m2 = given.body_w_m2(globe, seen);
+    let by_others = by_others::sent(given, place, Brought { white: of_light + of_glow, all_w_m2 });
+    reflectance(material, at.um) * seen.gain * (of_light + of_glow) + of_warmth + by_others
 }

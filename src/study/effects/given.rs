@@ -48,6 +48,8 @@ pub(in crate::study) struct Given<'a> {
     /// adds.
     least: Vec<f64>,
     median_brightness: f64,
+    /// What is sunlit of the image: its material, its brightness, and its temperature, K.
+    sunlit: Vec<(&'a Material, f64, f64)>,
     /// How dark pixels are at most, if that is known.
     draft: Option<&'a Draft>,
 }
@@ -103,6 +105,7 @@ impl<'a> Given<'a> {
             least: vec![],
             materials,
             median_brightness: median(sunlit.iter().map(|place| place.brightness)).unwrap_or(1.0),
+            sunlit: vec![],
             draft: None,
         };
         let others_w_m2 = given.mars_w_m2(given.most_of_mars())
@@ -112,7 +115,7 @@ impl<'a> Given<'a> {
         let noon_k = |(_, m): &(usize, &Material)| given.temperature_k(m, 1.0, others_w_m2);
         given.noon_k = given.materials.iter().map(noon_k).fold(0.0, f64::max);
         let is_dimmed = matches!(by_globes(scene), Some(Eclipse::Partial | Eclipse::Total));
-        let places: Vec<_> = sunlit
+        given.sunlit = sunlit
             .iter()
             .step_by(sunlit.len().div_ceil(PLACES).max(1))
             .map(|place| {
@@ -122,14 +125,20 @@ impl<'a> Given<'a> {
             .collect();
         let at = |(um, light)| {
             let mut at = Wavelength { um, light, white: white_radiance(scene, um), median: 0.0 };
-            let sent = places.iter().map(|(material, brightness, t_k)| given.sent_at(&at, material, *brightness, *t_k));
             // In an eclipse there is no telling what sunlight errors are relative to.
-            at.median = if is_dimmed { 0.0 } else { median(sent).unwrap_or(0.0) };
+            at.median = if is_dimmed { 0.0 } else { given.median_at(um, light) };
             at
         };
         given.wavelengths = wavelengths(scene, &given.materials).into_iter().map(at).collect();
         given.least = given.least();
         given
+    }
+
+    /// Median radiance of what is sunlit, W m-2 sr-1 um-1; 0 if nothing is.
+    pub(in crate::study) fn median_at(&self, um: f64, light: Light) -> f64 {
+        let at = Wavelength { um, light, white: white_radiance(self.scene, um), median: 0.0 };
+        let sent = self.sunlit.iter().map(|(material, brightness, t_k)| self.sent_at(&at, material, *brightness, *t_k));
+        median(sent).unwrap_or(0.0)
     }
 
     /// With what is known of an image of these places.

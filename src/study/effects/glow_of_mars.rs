@@ -1,7 +1,8 @@
 //! What Mars emits, reflected by the surface.
 
+use super::by_others::Brought;
 use super::given::{Place, Wavelength, reflectance};
-use super::{Bound, EffectKind, Finding, Given, Switch, mars_light};
+use super::{Bound, EffectKind, Finding, Given, Switch, by_others, mars_light};
 use crate::physics::blackbody;
 use crate::scene::{MARS_DAY_NIGHT_K, Material};
 use crate::spectral::Light;
@@ -47,10 +48,19 @@ fn find(given: &Given) -> Finding {
 /// What that light changes at most.
 pub(super) fn bound(given: &Given) -> Option<Bound> {
     let has_mars = given.scene.sky.mars.is_some();
-    given.error_without(|&Place { at, material, class, .. }| {
+    given.error_without(|place| {
+        let Place { at, material, class, .. } = *place;
         let of_mars = if has_mars { [class.most_by_mars, class.most_of_mars] } else { [given.most_of_mars(); 2] };
-        sent(given, at, material, of_mars)
+        sent(given, at, material, of_mars) + by_others::sent(given, place, brought(given, at))
     })
+}
+
+/// What facets that face all of Mars have of that light.
+pub(super) fn brought(given: &Given, at: &Wavelength) -> Brought {
+    let kelvins = given.scene.sky.mars.as_ref().map_or(MARS_DAY_NIGHT_K, |mars| mars.day_night_k);
+    let radiance = |t_k| if at.light.glows() { blackbody::radiance_w_m2_sr_um(at.um, t_k) } else { 0.0 };
+    let [day, night] = kelvins.map(radiance);
+    Brought { white: day.max(night) * given.most_of_mars(), all_w_m2: 0.0 }
 }
 
 /// Radiance of a facet in that light, W m-2 sr-1 um-1, that Mars makes as bright as this, and that has this form factor of it.

@@ -1,5 +1,6 @@
 //! What Mars warms.
 
+use super::by_others::{self, Brought};
 use super::given::{Place, emission, mars_seen};
 use super::{Bound, EffectKind, Finding, Given};
 use crate::scene::Thermal;
@@ -49,7 +50,8 @@ pub(super) fn bound(given: &Given) -> Option<Bound> {
     // Reflected or emitted, Mars sends no more than sunlight at its zenith.
     given.error_without(|place| {
         let of_mars = if has_mars { place.class.most_of_mars } else { given.most_of_mars() };
-        sent(given, place, given.mars_w_m2(of_mars))
+        let brought = Brought { white: 0.0, all_w_m2: given.mars_w_m2(given.most_of_mars()) };
+        sent(given, place, given.mars_w_m2(of_mars)) + by_others::sent(given, place, brought)
     })
 }
 

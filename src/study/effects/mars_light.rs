@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 
+use super::by_others::Brought;
 use super::given::{Place, Wavelength, reflectance};
-use super::{Bound, EffectKind, Finding, Given, Switch};
+use super::{Bound, EffectKind, Finding, Given, Switch, by_others};
 use crate::physics::mars_directions::{Directions, SphereSeen};
 use crate::physics::mars_light::MARS_LIGHT_ERROR;
 use crate::physics::reflectance::Brdf;
@@ -77,10 +78,19 @@ pub(super) fn bound(given: &Given) -> Option<Bound> {
             reflectance(material, at.um) * at.white * albedo * 2.0 * given.most_of_mars()
         });
     }
-    given.error_without(|&Place { at, material, class, .. }| {
+    given.error_without(|place| {
+        let Place { at, material, class, .. } = *place;
         let by_mars = if mars.is_some() { class.most_by_mars } else { given.most_of_mars() };
-        sent(given, at, material, by_mars)
+        sent(given, at, material, by_mars) + by_others::sent(given, place, brought(given, at))
     })
+}
+
+/// What facets that face all of Mars have of its light; how it warms them is another effect.
+pub(super) fn brought(given: &Given, at: &Wavelength) -> Brought {
+    let mars = given.scene.sky.mars.as_ref();
+    let albedo = mars.map_or(MARS_ALBEDO, |mars| mars.reflectance.at(at.um).unwrap_or(f64::NAN));
+    let white = if at.light.is_lit() { at.white * albedo * given.most_of_mars() } else { 0.0 };
+    Brought { white, all_w_m2: 0.0 }
 }
 
 /// Radiance of a facet in Mars-light, W m-2 sr-1 um-1, that a Mars of reflectance 1 makes as bright as this.

@@ -1,6 +1,7 @@
 //! Terrain between a facet and Mars.
 
-use super::given::Place;
+use super::by_others::{self, Brought};
+use super::given::{Place, Wavelength};
 use super::{
     Bound, EffectKind, Finding, Given, OwnTolerance, Switch, bodies, glow_of_mars, heat_from_mars, mars_light,
 };
@@ -59,6 +60,11 @@ fn find(given: &Given) -> Finding {
 /// All that Mars does where it may be hidden, and all that further bodies do: what hides their light hides their heat, too. Without any of them, what Mars would do.
 fn hidden(given: &Given) -> Option<Bound> {
     let sky = &given.scene.sky;
+    let all_w_m2 = given.mars_w_m2(given.most_of_mars());
+    let brought = |at: &Wavelength| Brought {
+        white: mars_light::brought(given, at).white + glow_of_mars::brought(given, at).white,
+        all_w_m2,
+    };
     let of_mars = given.error_in_draft(|place| {
         let Place { at, material, class, .. } = *place;
         let [by_mars, of_mars] = match (&sky.mars, sky.bodies.is_empty()) {
@@ -69,6 +75,7 @@ fn hidden(given: &Given) -> Option<Bound> {
         mars_light::sent(given, at, material, by_mars)
             + glow_of_mars::sent(given, at, material, [by_mars, of_mars])
             + heat_from_mars::sent(given, place, given.mars_w_m2(of_mars))
+            + by_others::sent(given, place, brought(at))
     });
     Some(of_mars?.and(&bodies::hidden(given)?))
 }

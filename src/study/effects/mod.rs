@@ -7,6 +7,7 @@ mod aberration;
 mod beaming;
 mod bodies;
 mod bound;
+mod by_others;
 mod eclipse;
 mod given;
 mod glow_of_mars;

@@ -4,8 +4,9 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
+use super::by_others::{self, Brought};
 use super::given::{Place, Side, reflectance};
-use super::{EffectKind, Finding, Given, OwnTolerance, Switch};
+use super::{Bound, EffectKind, Finding, Given, OwnTolerance, Switch};
 use crate::geometry::Direction;
 use crate::physics::mars::middle_above_horizon;
 use crate::physics::mars_directions::{Directions, SphereSeen, Towards};
@@ -90,6 +91,13 @@ fn find(given: &Given) -> Finding {
         }
         false => 0.0,
     });
+    // Facets around have half-shadows, too, over a part of each.
+    let (facet_m, sun_w_m2) = (given.extremes.site.facet_m2.sqrt(), given.scene.sky.sun.total_irradiance_w_m2());
+    let share = (bounds::penumbra_width_m(throw_m, sun_rad, 1.0) / facet_m).min(1.0) + bounds::terminator(sun_rad);
+    let by_others = given.error_in_draft(|place| {
+        let brought = Brought { white: share * place.at.white, all_w_m2: share * sun_w_m2 };
+        by_others::sent(given, place, brought)
+    });
     let note = match given.models.sun {
         SunModel::Point => {
             "the Sun is a point: only pixels that a shadow's edge crosses change, and slopes along the rays".into()
@@ -102,7 +110,7 @@ fn find(given: &Given) -> Finding {
     };
     Finding {
         modelled: given.models.sun != SunModel::Point,
-        bound: edge.zip(slope).zip(spread).map(|((edge, slope), spread)| edge.and(&slope).and(&spread)),
+        bound: [edge, slope, spread, by_others].into_iter().try_fold(Bound::NOTHING, |sum, part| Some(sum.and(&part?))),
         remaining: spread,
         note,
         because: format!(
