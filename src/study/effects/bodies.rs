@@ -2,7 +2,7 @@
 
 use super::by_others::{self, Brought};
 use super::given::{Place, reflectance};
-use super::{Bound, EffectKind, Finding, Given, Switch, heat_from_mars, mars_light};
+use super::{Bound, EffectKind, Finding, Given, Switch, mars_light, warmth};
 use crate::physics::blackbody;
 use crate::physics::mars_light::MARS_LIGHT_ERROR;
 use crate::scene::{Globe, Models, Setup, Thermal};
@@ -111,7 +111,7 @@ fn sent(given: &Given, place: &Place, (globe, seen): (&Globe, &BodySeen)) -> f64
     let of_glow =
         if at.light.glows() { blackbody::radiance_w_m2_sr_um(at.um, warmest_k) * seen.form_factor } else { 0.0 };
     let of_warmth = match given.models.thermal {
-        Thermal::Equilibrium => heat_from_mars::sent(given, place, given.body_w_m2(globe, seen)),
+        Thermal::Equilibrium => warmth::sent(given, place, given.body_w_m2(globe, seen)),
         _ => 0.0,
     };
     let all_w_m2 = given.body_w_m2(globe, seen);

@@ -1,7 +1,7 @@
 //! What light and heat reach by way of others, where facets send each other some: a facet that does not see a source has its part of it, too.
 
 use super::given::{Place, reflectance};
-use super::{Given, heat_from_mars};
+use super::{Given, warmth};
 use crate::physics::bounds;
 use crate::study::extremes::Class;
 
@@ -24,5 +24,5 @@ pub(super) fn sent(given: &Given, place: &Place, of: Brought) -> f64 {
     let light = of.white * bounds::interreflection(brightest, 0.0, class.most_around, 1.0);
     let alone = Place { class: &Class { most_around: 0.0, ..*class }, ..*place };
     let arriving_w_m2 = f64::from(exchange.bounces) * class.most_around * of.all_w_m2;
-    reflectance(material, at.um) * light + heat_from_mars::sent(given, &alone, arriving_w_m2)
+    reflectance(material, at.um) * light + warmth::sent(given, &alone, arriving_w_m2)
 }

@@ -1,8 +1,8 @@
 //! What Mars warms.
 
 use super::by_others::{self, Brought};
-use super::given::{Place, emission, mars_seen};
-use super::{Bound, EffectKind, Finding, Given};
+use super::given::mars_seen;
+use super::{Bound, EffectKind, Finding, Given, warmth};
 use crate::scene::Thermal;
 use crate::spectral::Light;
 
@@ -51,20 +51,6 @@ pub(super) fn bound(given: &Given) -> Option<Bound> {
     given.error_without(|place| {
         let of_mars = if has_mars { place.class.most_of_mars } else { given.most_of_mars() };
         let brought = Brought { white: 0.0, all_w_m2: given.mars_w_m2(given.most_of_mars()) };
-        sent(given, place, given.mars_w_m2(of_mars)) + by_others::sent(given, place, brought)
+        warmth::sent(given, place, given.mars_w_m2(of_mars)) + by_others::sent(given, place, brought)
     })
-}
-
-/// Radiance that a facet sends more, W m-2 sr-1 um-1, if it has so much heat more, whatever its surroundings and others send.
-pub(super) fn sent(given: &Given, place: &Place, more_w_m2: f64) -> f64 {
-    let Place { at, material, class, side, least } = *place;
-    if !at.light.glows() || given.models.thermal != Thermal::Equilibrium {
-        return 0.0;
-    }
-    let cos_incidence = side.most_cos_incidence(class);
-    let emitted = |w_m2: f64| emission(material, at.um, given.temperature_k(material, cos_incidence, w_m2));
-    let added = |others_w_m2: f64| emitted(others_w_m2 + more_w_m2) - emitted(others_w_m2);
-    // What adds to a warmer facet changes more at short wavelengths, until it is brighter by its warmth than by all else: from there on, it changes less of that.
-    let brightest_w_m2 = given.heat_to_emit(at, material, cos_incidence, least);
-    added(brightest_w_m2.min(given.others_w_m2(class)).max(0.0)).max(added(0.0))
 }

@@ -1,7 +1,7 @@
 //! Light and heat between facets.
 
 use super::given::{Place, emission, reflectance};
-use super::{EffectKind, Finding, Given, OwnTolerance, Switch, heat_from_mars};
+use super::{EffectKind, Finding, Given, OwnTolerance, Switch, warmth};
 use crate::physics::bounds;
 use crate::scene::{Exchange, Material};
 use crate::study::extremes::Class;
@@ -60,7 +60,7 @@ fn find(given: &Given) -> Finding {
             false => bounds::neighbours_heat(heat, brightest, class.most_around),
         };
         let alone = Place { class: &Class { most_around: 0.0, ..*class }, ..*place };
-        let warmth = heat_from_mars::sent(given, &alone, given.around_w_m2(class.most_around));
+        let warmth = warmth::sent(given, &alone, given.around_w_m2(class.most_around));
         reflectance(material, at.um) * light + warmth
     });
     let form_factor = given.most_around();

@@ -2,9 +2,7 @@
 
 use super::by_others::{self, Brought};
 use super::given::{Place, Wavelength};
-use super::{
-    Bound, EffectKind, Finding, Given, OwnTolerance, Switch, bodies, glow_of_mars, heat_from_mars, mars_light,
-};
+use super::{Bound, EffectKind, Finding, Given, OwnTolerance, Switch, bodies, glow_of_mars, mars_light, warmth};
 use crate::physics::sun_disc::DiscRule;
 
 pub(super) const KIND: EffectKind = EffectKind {
@@ -74,7 +72,7 @@ fn hidden(given: &Given) -> Option<Bound> {
         };
         mars_light::sent(given, at, material, by_mars)
             + glow_of_mars::sent(given, at, material, [by_mars, of_mars])
-            + heat_from_mars::sent(given, place, given.mars_w_m2(of_mars))
+            + warmth::sent(given, place, given.mars_w_m2(of_mars))
             + by_others::sent(given, place, brought(at))
     });
     Some(of_mars?.and(&bodies::hidden(given)?))

@@ -24,6 +24,7 @@ mod sunlight;
 mod terrain_outside;
 mod thermal_emission;
 mod thermal_inertia;
+mod warmth;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
