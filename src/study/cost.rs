@@ -47,6 +47,8 @@ mod seconds {
     pub(super) const NUMBER: f64 = 1.1e-8;
     /// What a pixel shows of a facet whose surface has a model, from one direction of a source: on the shipped sites, 2026-11-29.
     pub(super) const DIRECTION: f64 = 2.5e-7;
+    /// A material with a model: its albedos in all directions, for what it absorbs and emits, and its bounds.
+    pub(super) const MODEL: f64 = 0.2;
     /// A texel in a layer.
     pub(super) const TEXEL: f64 = 2.3e-7;
 }
@@ -86,7 +88,9 @@ pub(super) fn cpu_s_with(scene: &Scene, workload: &Workload, facets: f64) -> f64
     let tangent = workload.mean_incidence_deg.map_or(1.0, |deg| deg.to_radians().tan().abs());
     let facet_s = seconds::FACET + seconds::FACET_TANGENT * tangent.min(seconds::MOST_TANGENT);
     let texels: usize = scene.body.textures.iter().map(|t| t.values.len()).sum();
+    let models = scene.body.materials.iter().filter(|material| material.photometry.key().is_some()).count();
     seconds::PROCESS
+        + seconds::MODEL * models as f64
         + facet_s * facets
         + seconds::PIXEL * pixels
         + seconds::CROSSING * (facets_in_frame * workload.filled * pixels).sqrt()
