@@ -464,6 +464,25 @@ fn light_without_a_total_is_reflected_as_often() {
     assert_eq!(known.reflected, unknown.reflected);
 }
 
+/// A lamp without a total under a Sun that has one, and is down: what is left after a bounce is left of the lamp's light.
+#[test]
+fn light_without_a_total_is_reflected_as_often_beside_a_known_sun() {
+    let light = |bounces: u32| {
+        let exchange = Exchange { bounces, directions: 64, lines_per_facet: 256 };
+        let scene = with_exchange(corner(), [0.0, 0.0, -1.0], exchange, |parts| {
+            parts.surface.materials =
+                vec![lambert(0, "ground", Spectrum::constant(0.9)), lambert(1, "wall", Spectrum::constant(0.8))];
+            let (name, irradiance) = ("lamp".to_owned(), Spectrum::constant(100.0));
+            let direction = direction([1.0, 0.0, 1.0]);
+            parts.sky.beams = vec![Beam { name, direction, irradiance, total_irradiance_w_m2: 0.0 }];
+        });
+        assert!(scene.sky.sun.total_irradiance_w_m2() > 0.0);
+        solve(&scene, &unwatched).unwrap().reflected[0].irradiance[0]
+    };
+    let [one, two, three] = [1, 2, 3].map(light);
+    assert!(one > 1.0 && two > 1.02 * one && three > 1.005 * two, "{one} {two} {three}");
+}
+
 /// Light by way of others and sunlight, each a sum over area, of patches of a site: columns over squares twice as wide as a facet's, if they are mostly full.
 fn of_patches(scene: &Scene, table: &FacetTable) -> Vec<[f64; 2]> {
     let mesh = &scene.body.mesh;

@@ -237,7 +237,8 @@ fn judge(seeds: std::ops::Range<u64>, of: impl Fn(u64) -> SceneParts, exchanges:
         for key in keys.iter().filter(|key| exchanges || *key != "interreflection") {
             let others = keys.iter().filter(|other| *other != key).cloned().collect();
             let (without, _) = planned(&scene, Choice::Only(others), 1e-3, exchanges);
-            let [in_sun, in_shade] = errors(&truth, &seen(&without)).map(|errors| most(&errors));
+            let without_it = seen(&without);
+            let [in_sun, in_shade] = errors(&truth, &without_it).map(|errors| most(&errors));
             // The fewer effects share the tolerance, the more bodies each share is enough to leave out.
             let other_bodies = key != "bodies" && without.models.bodies != full.models.bodies;
             let of_bodies = effect(&plan_of_full, "bodies").bound.filter(|_| other_bodies);
@@ -247,7 +248,7 @@ fn judge(seeds: std::ops::Range<u64>, of: impl Fn(u64) -> SceneParts, exchanges:
             assert!(in_sun <= bound.lit, "{seed} {key}: {in_sun} {bound:?}");
             assert!(in_shade <= bound.shadow, "{seed} {key}: {in_shade} {bound:?}");
             // And beside the result: of what it lacks, and of what it has.
-            for (seen, whose) in [(&truth, "full"), (&seen(&without), "without")] {
+            for (seen, whose) in [(&truth, "full"), (&without_it, "without")] {
                 let of_result = seen.effects.iter().find(|effect| effect.key == *key).and_then(|effect| effect.bound);
                 let of_result =
                     of_result.map_or(Bound { lit: 1e9, shadow: 1e9 }, |b| b.and(&of_bodies.unwrap_or(Bound::NOTHING)));

@@ -43,7 +43,7 @@ pub(super) fn add(scene: &Scene, table: &mut FacetTable, exchange: Exchange, wat
     let mut light = vec![0.0; mesh.facets.len() * wavelengths];
     let mut absorbed_w_m2 = vec![0.0; if is_warm { mesh.facets.len() } else { 0 }];
     let direct = Direct::new(scene, table, &carried);
-    let first_w = direct.total_w(&areas_m2);
+    let first = direct.totals(&areas_m2);
     let bundles = Bundles::new(mesh, exchange.directions, exchange.lines_per_facet);
     let mut before = Received { carried: &carried, rows: vec![] };
     let mut sampled = None;
@@ -63,8 +63,10 @@ pub(super) fn add(scene: &Scene, table: &mut FacetTable, exchange: Exchange, wat
             arrived.rows
         } else {
             let sent = before.to_be_sent(mesh);
-            let share = sent.total_w(&areas_m2, mesh) / first_w;
-            if share.is_nan() || share <= FAINT {
+            // At the wavelength, or of the energy, of which most is left: of some light no total is known.
+            let left = sent.totals(&areas_m2, mesh).into_iter().zip(&first).filter(|(_, first)| **first > 0.0);
+            let share = left.map(|(sent, first)| sent / first).fold(0.0, f64::max);
+            if share <= FAINT {
                 break;
             }
             let Exchange { directions, lines_per_facet, .. } = exchange.for_share(share);
@@ -243,21 +245,24 @@ impl<'a> Direct<'a> {
         light
     }
 
-    /// All of it, W: of light and heat alike.
-    fn total_w(&self, areas_m2: &[f64]) -> f64 {
-        let light = self.carried.light();
-        let of = |f: usize| {
+    /// All of it: light at each wavelength, W um-1; and, last, light and heat together, W.
+    fn totals(&self, areas_m2: &[f64]) -> Vec<f64> {
+        let mut totals = vec![0.0; self.carried.light() + 1];
+        for (f, area_m2) in areas_m2.iter().enumerate() {
             let material = self.scene.body.mesh.material[f].0 as usize;
-            let lit = |s: usize| share(&self.sources[s].sees, f);
-            let of_source =
-                |s: usize| lit(s) * self.sources[s].irradiance[f] * self.carried.of_source(material, s)[light];
-            let heat = self.heat_w_m2.get(f).map_or(0.0, |[lit_w_m2, shaded_w_m2]| {
-                let lit = if self.sources.is_empty() { 0.0 } else { lit(0) };
-                lit * lit_w_m2 + (1.0 - lit) * shaded_w_m2
-            });
-            areas_m2[f] * ((0..self.sources.len()).map(of_source).sum::<f64>() + heat)
-        };
-        (0..areas_m2.len()).map(of).sum()
+            for (s, source) in self.sources.iter().enumerate() {
+                let amount = area_m2 * share(&source.sees, f) * source.irradiance[f];
+                totals
+                    .iter_mut()
+                    .zip(self.carried.of_source(material, s))
+                    .for_each(|(sum, sent)| *sum += amount * sent);
+            }
+            if let Some([lit_w_m2, shaded_w_m2]) = self.heat_w_m2.get(f) {
+                let lit = self.sources.first().map_or(0.0, |sun| share(&sun.sees, f));
+                totals[self.carried.light()] += area_m2 * (lit * lit_w_m2 + (1.0 - lit) * shaded_w_m2);
+            }
+        }
+        totals
     }
 }
 
@@ -312,14 +317,16 @@ impl Received<'_> {
 }
 
 impl Sent<'_> {
-    /// Power that is sent, W: of light and heat alike.
-    fn total_w(&self, areas_m2: &[f64], mesh: &Mesh) -> f64 {
+    /// All of it, as [`Direct::totals`].
+    fn totals(&self, areas_m2: &[f64], mesh: &Mesh) -> Vec<f64> {
         let carried = self.received.carried;
-        let of = |f: usize| {
-            let reflected = carried.albedo[mesh.material[f].0 as usize] * self.received.of(f)[carried.light()];
-            areas_m2[f] * (reflected + self.heat_w_m2.get(f).unwrap_or(&0.0))
-        };
-        (0..areas_m2.len()).map(of).sum()
+        let mut totals = vec![0.0; carried.light() + 1];
+        for (f, area_m2) in areas_m2.iter().enumerate() {
+            let sent = carried.of_received(mesh.material[f].0 as usize).iter().zip(self.received.of(f));
+            totals.iter_mut().zip(sent).for_each(|(sum, (factor, x))| *sum += area_m2 * factor * x);
+            totals[carried.light()] += area_m2 * self.heat_w_m2.get(f).unwrap_or(&0.0);
+        }
+        totals
     }
 
     fn give(&self, mesh: &Mesh, row: &mut [f64], from: u32, lines: f64) {

@@ -20,8 +20,7 @@ pub(super) struct Brought {
 pub(super) fn sent(given: &Given, place: &Place, of: Brought) -> f64 {
     let Some(exchange) = given.models.exchange.filter(|_| place.class.most_around > 0.0) else { return 0.0 };
     let Place { at, material, class, .. } = *place;
-    let brightest = given.materials.iter().map(|(_, m)| reflectance(m, at.um)).fold(0.0, f64::max);
-    let light = of.white * bounds::interreflection(brightest, 0.0, class.most_around, 1.0);
+    let light = of.white * bounds::interreflection(at.brightest, 0.0, class.most_around, 1.0);
     let alone = Place { class: &Class { most_around: 0.0, ..*class }, ..*place };
     let arriving_w_m2 = f64::from(exchange.bounces) * class.most_around * of.all_w_m2;
     reflectance(material, at.um) * light + warmth::sent(given, &alone, arriving_w_m2)

@@ -90,6 +90,8 @@ pub(super) struct Wavelength {
     pub(super) white: f64,
     /// Median radiance of what is sunlit; 0 if nothing is.
     pub(super) median: f64,
+    /// The largest reflectance of any material.
+    pub(super) brightest: f64,
 }
 
 impl<'a> Given<'a> {
@@ -124,7 +126,7 @@ impl<'a> Given<'a> {
             })
             .collect();
         let at = |(um, light)| {
-            let mut at = Wavelength { um, light, white: white_radiance(scene, um), median: 0.0 };
+            let mut at = given.wavelength(um, light);
             // In an eclipse there is no telling what sunlight errors are relative to.
             at.median = if is_dimmed { 0.0 } else { given.median_at(um, light) };
             at
@@ -134,9 +136,15 @@ impl<'a> Given<'a> {
         given
     }
 
+    /// Without a median yet.
+    fn wavelength(&self, um: f64, light: Light) -> Wavelength {
+        let brightest = self.materials.iter().map(|(_, material)| reflectance(material, um)).fold(0.0, f64::max);
+        Wavelength { um, light, white: white_radiance(self.scene, um), median: 0.0, brightest }
+    }
+
     /// Median radiance of what is sunlit, W m-2 sr-1 um-1; 0 if nothing is.
     pub(in crate::study) fn median_at(&self, um: f64, light: Light) -> f64 {
-        let at = Wavelength { um, light, white: white_radiance(self.scene, um), median: 0.0 };
+        let at = self.wavelength(um, light);
         let sent = self.sunlit.iter().map(|(material, brightness, t_k)| self.sent_at(&at, material, *brightness, *t_k));
         median(sent).unwrap_or(0.0)
     }

@@ -42,22 +42,21 @@ const AS_LONG: f64 = 1.2;
 fn find(given: &Given) -> Finding {
     let most = |of: &dyn Fn(&Material) -> f64| given.materials.iter().map(|(_, m)| of(m)).fold(0.0, f64::max);
     // One number a wavelength; by the material's own reflectance it is what a facet sends.
-    let of_light: Vec<(f64, [f64; 3])> = given
+    let of_light: Vec<(f64, [f64; 2])> = given
         .wavelengths
         .iter()
         .map(|at| {
-            let brightest = most(&|m| reflectance(m, at.um));
             let heat = if at.light.glows() { most(&|m| emission(m, at.um, given.noon_k)) } else { 0.0 };
-            (at.um, [brightest, heat, given.most_white(at)])
+            (at.um, [heat, given.most_white(at)])
         })
         .collect();
     let at_um = |um: f64| of_light[of_light.partition_point(|(of, _)| *of < um).min(of_light.len() - 1)].1;
     let bound = given.error_without(|place| {
         let Place { at, material, class, .. } = *place;
-        let [brightest, heat, white] = at_um(at.um);
+        let [heat, white] = at_um(at.um);
         let light = match class.most_around > 0.0 && white > 0.0 {
-            true => white * bounds::interreflection(brightest, heat / white, class.most_around, 1.0),
-            false => bounds::neighbours_heat(heat, brightest, class.most_around),
+            true => white * bounds::interreflection(at.brightest, heat / white, class.most_around, 1.0),
+            false => bounds::neighbours_heat(heat, at.brightest, class.most_around),
         };
         let alone = Place { class: &Class { most_around: 0.0, ..*class }, ..*place };
         let warmth = warmth::sent(given, &alone, given.around_w_m2(class.most_around));
