@@ -77,6 +77,7 @@ pub mod progress;
 pub mod report;
 pub mod units;
 pub mod geometry;
+pub mod flight;
 pub mod visibility;
 pub mod spectral;
 pub mod physics;

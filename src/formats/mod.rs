@@ -4,6 +4,7 @@ pub mod chart;
 pub mod convert;
 pub mod dart;
 pub mod envi;
+pub mod ephemeris;
 pub mod exr_cube;
 pub mod drawing;
 mod file_name;

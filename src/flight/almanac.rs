@@ -1,0 +1,250 @@
+//! Trajectories and orientations together: where anything is about anything, along whose axes one likes.
+
+use glam::{DMat3, DQuat, DVec3};
+
+use super::names::{body_name, frame_name};
+use super::orientation::{Orientation, Turn, Turning};
+use super::rotation_model::RotationModel;
+use super::trajectory::known;
+use super::{ECLIPTIC, Epoch, J2000, LeapSeconds, State, Trajectory, mars_system};
+use crate::error::{Error, Location, Problem, Result};
+use crate::geometry::Direction;
+use crate::units::LIGHT_SPEED_M_S;
+
+/// Obliquity of the ecliptic at J2000, arcsec: 84381.448 (Lieske 1976), as in SPICE's ECLIPJ2000.
+const OBLIQUITY_ARCSEC: f64 = 84_381.448;
+
+/// What light does on its way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Correction {
+    /// Nothing: it arrives at once.
+    #[default]
+    None,
+    /// It takes time: the target is seen where it was.
+    LightTime,
+    /// It takes time, and comes from a direction that the observer's velocity shifts.
+    LightTimeAndAberration,
+}
+
+/// All that is known of where things are and how they are turned. Of two that know the same, the one that came later holds.
+#[derive(Debug, Clone)]
+pub struct Almanac {
+    /// Where things are.
+    pub trajectories: Vec<Trajectory>,
+    /// How frames are turned.
+    pub orientations: Vec<Orientation>,
+    /// Leap seconds, by which UTC in files was read.
+    pub leap: LeapSeconds,
+}
+
+impl Default for Almanac {
+    /// Without trajectories; with the ecliptic, and the rotations of Mars, Phobos and Deimos (`IAU_MARS` ...).
+    fn default() -> Self {
+        let orientation = |frame: &str, turning: Turning, source: &str| Orientation {
+            frame: frame.to_owned(),
+            base: J2000.to_owned(),
+            source: source.to_owned(),
+            turns: vec![Turn { span: None, turning }],
+        };
+        let ecliptic = DMat3::from_rotation_x(-(OBLIQUITY_ARCSEC / 3600.0).to_radians());
+        let mut orientations = vec![orientation(ECLIPTIC, Turning::Fixed(ecliptic), "obliquity of 1976")];
+        for body in ["MARS", "PHOBOS", "DEIMOS"] {
+            let model: Option<RotationModel> = mars_system::rotation_model(body);
+            let model = model.map(Turning::Model);
+            orientations.extend(model.map(|model| orientation(&format!("IAU_{body}"), model, "IAU 2015")));
+        }
+        Almanac { trajectories: vec![], orientations, leap: LeapSeconds::default() }
+    }
+}
+
+impl Almanac {
+    /// The state of a target about a centre, along the axes of a frame, as that frame's axes at the moment see it: of a turning frame the
+    /// velocity is that of inertial axes, rotated.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] that says what is not known, and when it would be.
+    pub fn state(&self, target: &str, centre: &str, frame: &str, epoch: Epoch) -> Result<State> {
+        let (target, centre) = (body_name(target), body_name(centre));
+        let links =
+            chain(&self.trajectories, &target, &centre, |of| (&of.target, &of.centre), |of| of.state(epoch).is_some());
+        let Some(links) = links else { return Err(self.no_way(&target, &centre, epoch)) };
+        let mut sum = State::ZERO;
+        for (link, is_forward) in links {
+            let Some(state) = link.state(epoch) else { continue };
+            let rotation = self.rotation(frame, &link.frame, epoch)?;
+            let sign = if is_forward { 1.0 } else { -1.0 };
+            sum.position_m += rotation * state.position_m * sign;
+            sum.velocity_m_s += rotation * state.velocity_m_s * sign;
+        }
+        Ok(sum)
+    }
+
+    /// The rotation that carries components along one frame's axes into components along another's.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] that says what is not known, and when it would be.
+    pub fn rotation(&self, to: &str, from: &str, epoch: Epoch) -> Result<DMat3> {
+        let (to, from) = (frame_name(to), frame_name(from));
+        let known_then =
+            |of: &Orientation| of.turns.iter().any(|turn| turn.span.is_none_or(|span| span.contains(epoch)));
+        let links = chain(&self.orientations, &to, &from, |of| (&of.frame, &of.base), known_then);
+        let Some(links) = links else { return Err(self.no_turn(&to, &from, epoch)) };
+        let mut rotation = DMat3::IDENTITY;
+        for (link, is_forward) in links {
+            let Some(turn) = link.frame_from_base(epoch) else { continue };
+            rotation *= if is_forward { turn } else { turn.transpose() };
+        }
+        Ok(rotation)
+    }
+
+    /// Where a target appears to an observer, along the axes of a frame, m, and for how long its light has been on its way, s.
+    ///
+    /// Positions are subtracted about `base`, a body that both are known about and that does not accelerate as far as light time is
+    /// concerned: the solar system's barycentre if trajectories reach it.
+    ///
+    /// # Errors
+    /// As [`state`](Almanac::state).
+    pub fn apparent(
+        &self,
+        target: &str,
+        observer: &str,
+        frame: &str,
+        epoch: Epoch,
+        correction: Correction,
+    ) -> Result<(DVec3, f64)> {
+        if correction == Correction::None {
+            let state = self.state(target, observer, frame, epoch)?;
+            return Ok((state.position_m, state.position_m.length() / LIGHT_SPEED_M_S));
+        }
+        let base = self.base_of(target, observer, epoch);
+        let from = self.state(observer, &base, J2000, epoch)?;
+        let mut light_s = 0.0;
+        let mut to_m = DVec3::ZERO;
+        // Each step gains four digits: speeds are below 1e-4 of that of light.
+        for _ in 0..5 {
+            to_m = self.state(target, &base, J2000, epoch.after_s(-light_s))?.position_m - from.position_m;
+            let next_s = to_m.length() / LIGHT_SPEED_M_S;
+            if next_s == light_s {
+                break;
+            }
+            light_s = next_s;
+        }
+        if correction == Correction::LightTimeAndAberration {
+            to_m = aberrated(to_m, from.velocity_m_s);
+        }
+        Ok((self.rotation(frame, J2000, epoch)? * to_m, light_s))
+    }
+
+    /// The body about which both are known and that moves least: the barycentre of the solar system, the Sun, or the observer itself.
+    fn base_of(&self, target: &str, observer: &str, epoch: Epoch) -> String {
+        let reaches = |base: &&str| {
+            self.state(target, base, J2000, epoch).is_ok() && self.state(observer, base, J2000, epoch).is_ok()
+        };
+        let base = ["SOLAR SYSTEM BARYCENTER", "SUN", "MARS BARYCENTER", "MARS"].into_iter().find(reaches);
+        base.map_or_else(|| body_name(observer), str::to_owned)
+    }
+
+    /// Why a state is not known.
+    fn no_way(&self, target: &str, centre: &str, epoch: Epoch) -> Error {
+        let at = Location::item("flight");
+        let about: Vec<String> = self
+            .trajectories
+            .iter()
+            .filter(|of| of.target == *target || of.centre == *target || of.target == *centre || of.centre == *centre)
+            .map(|of| format!("{} knows {} about {} {}", of.source, of.target, of.centre, known(&of.spans(), epoch)))
+            .collect();
+        let message = format!("where {target} is about {centre} is not known at {epoch}");
+        let help = match about.is_empty() {
+            true => format!("no file says where {target} or {centre} is: give one (OEM, SPK)"),
+            false => about.join("; "),
+        };
+        Error::Invalid(vec![Problem::new(at, message).with_help(help)])
+    }
+
+    /// Why a rotation is not known.
+    fn no_turn(&self, to: &str, from: &str, epoch: Epoch) -> Error {
+        let at = Location::item("flight");
+        let about: Vec<String> = self
+            .orientations
+            .iter()
+            .filter(|of| {
+                [&of.frame, &of.base].into_iter().any(|frame| frame != J2000 && (frame == to || frame == from))
+            })
+            .map(|of| {
+                let when = of.spans().map_or("at all times".into(), |spans| known(&spans, epoch));
+                format!("{} knows {} in {} {when}", of.source, of.frame, of.base)
+            })
+            .collect();
+        let message = format!("how {to} is turned in {from} is not known at {epoch}");
+        let help = match about.is_empty() {
+            true => {
+                let frames: Vec<&str> = self.orientations.iter().map(|of| of.frame.as_str()).collect();
+                format!("known frames: {J2000}, {}", frames.join(", "))
+            }
+            false => about.join("; "),
+        };
+        Error::Invalid(vec![Problem::new(at, message).with_help(help)])
+    }
+}
+
+/// The direction in which an observer of this velocity sees a target, at its distance: turned towards the velocity by asin(v / c sin), as SPICE
+/// has it.
+fn aberrated(to_m: DVec3, velocity_m_s: DVec3) -> DVec3 {
+    let across = to_m.cross(velocity_m_s);
+    let sin = across.length() / (to_m.length() * LIGHT_SPEED_M_S);
+    match Direction::new(across) {
+        Some(axis) if sin < 1.0 => DQuat::from_axis_angle(axis.vec(), sin.asin()) * to_m,
+        _ => to_m,
+    }
+}
+
+/// A link, and whether it is gone along (from its thing to its base) or back.
+type Step<'a, T> = (&'a T, bool);
+
+/// A name that the search has come to, from which entry, and by which step.
+struct Reached<'a, T> {
+    name: &'a str,
+    from: usize,
+    by: Option<Step<'a, T>>,
+}
+
+/// The steps that lead from `to` to `from`: the fewest, and of as many the links that come later in the list.
+fn chain<'a, T>(
+    links: &'a [T],
+    to: &'a str,
+    from: &str,
+    ends: impl Fn(&'a T) -> (&'a String, &'a String),
+    holds: impl Fn(&'a T) -> bool,
+) -> Option<Vec<Step<'a, T>>> {
+    let mut reached = vec![Reached { name: to, from: 0, by: None }];
+    let mut next = 0;
+    while next < reached.len() {
+        if reached[next].name == from {
+            return Some(steps_to(&reached, next));
+        }
+        for link in links.iter().rev() {
+            let (thing, base) = ends(link);
+            let (other, is_forward) = match reached[next].name {
+                name if name == thing => (base.as_str(), true),
+                name if name == base => (thing.as_str(), false),
+                _ => continue,
+            };
+            if !reached.iter().any(|entry| entry.name == other) && holds(link) {
+                reached.push(Reached { name: other, from: next, by: Some((link, is_forward)) });
+            }
+        }
+        next += 1;
+    }
+    None
+}
+
+/// The steps by which an entry was reached, from the first on.
+fn steps_to<'a, T>(reached: &[Reached<'a, T>], mut entry: usize) -> Vec<Step<'a, T>> {
+    let mut steps = Vec::new();
+    while let Some(step) = reached[entry].by {
+        steps.push(step);
+        entry = reached[entry].from;
+    }
+    steps.reverse();
+    steps
+}

@@ -1,0 +1,39 @@
+//! Flight dynamics: where things are and how they are turned, over time.
+//!
+//! Positions, velocities and rotations come from files, from models of rotation or from equations of motion; here all are the same: a
+//! [`Trajectory`] of one thing about another, an [`Orientation`] of one frame in another, each over the times that it knows.
+//! An [`Almanac`] joins them. Nothing is extrapolated: what is asked for outside is an error that says where the data end.
+//!
+//! # Index
+//!
+//! | equation | function | source | test |
+//! |---|---|---|---|
+//! | UTC, TAI, TT, TDB, GPS | [`Epoch`] | leap seconds of IERS bulletin C; TDB as in NAIF's leapseconds kernel | oracles `time` |
+//! | Lagrange's and Hermite's interpolation | [`interpolation`] | Neville's scheme on repeated nodes | polynomials |
+//! | Chebyshev's series and its derivative | [`Chebyshev`] | Clenshaw | oracles `spk` |
+//! | rotations between two | [`Orientation`] | great arcs of unit quaternions | a steady turn |
+//! | rotation of Mars, Phobos, Deimos | [`RotationModel`] | Archinal et al. (2018) | oracles `iau` |
+//! | light time and aberration | [`Almanac::apparent`] | Explanatory Supplement (2013), 7.2 | oracles `spice` |
+
+mod almanac;
+mod chebyshev;
+mod epoch;
+pub mod interpolation;
+mod mars_system;
+mod names;
+mod orientation;
+mod rotation_model;
+mod trajectory;
+
+pub use almanac::{Almanac, Correction};
+pub use chebyshev::Chebyshev;
+pub use epoch::{Epoch, LeapSeconds, Scale};
+pub use names::{body_id, body_name, frame_name};
+pub use orientation::{Attitudes, Between, Orientation, Turn, Turning};
+pub use rotation_model::{Angle, RotationModel};
+pub use trajectory::{Interpolation, Nodes, Path, Segment, Span, State, Trajectory};
+
+/// The inertial frame that all others are turned in: J2000, as SPICE has it, which takes it for the ICRF.
+pub const J2000: &str = "J2000";
+/// The ecliptic at J2000.
+pub const ECLIPTIC: &str = "ECLIPJ2000";

@@ -1,0 +1,197 @@
+//! How one frame is turned in another, over the times that a file or a model knows.
+
+use glam::{DMat3, DQuat, DVec4};
+
+use super::interpolation::{hermite, lagrange, window};
+use super::rotation_model::RotationModel;
+use super::trajectory::joined;
+use super::{Chebyshev, Epoch, Span};
+
+/// How to go between attitudes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Between {
+    /// The last one holds until the next.
+    Steps,
+    /// A steady turn from one to the next: the great arc of unit quaternions.
+    SteadyTurn,
+    /// Lagrange's polynomial through the quaternions of this many nodes, made of unit length.
+    Lagrange(usize),
+    /// Hermite's, through quaternions and their derivatives.
+    Hermite(usize),
+}
+
+/// Attitudes at some moments.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Attitudes {
+    /// The moments, s of TDB since J2000, ascending.
+    pub tdb_s: Vec<f64>,
+    /// For each the rotation that carries components along the base's axes into components along the frame's.
+    pub frame_from_base: Vec<DQuat>,
+    /// For each its derivative, 1/s; empty if it is not known.
+    pub derivative: Vec<DVec4>,
+    /// How to go between them.
+    pub between: Between,
+}
+
+impl Attitudes {
+    /// With signs of quaternions such that each is near the one before it: q and -q are the same rotation.
+    #[must_use]
+    pub fn with_continuous_signs(mut self) -> Self {
+        for i in 1..self.frame_from_base.len() {
+            if self.frame_from_base[i - 1].dot(self.frame_from_base[i]) < 0.0 {
+                self.frame_from_base[i] = -self.frame_from_base[i];
+                if let Some(derivative) = self.derivative.get_mut(i) {
+                    *derivative = -*derivative;
+                }
+            }
+        }
+        self
+    }
+
+    fn rotation(&self, epoch: Epoch) -> DQuat {
+        let x = epoch.tdb_s();
+        let components = |nodes: std::ops::Range<usize>| -> Vec<DVec4> {
+            self.frame_from_base[nodes].iter().map(|q| DVec4::from(*q)).collect()
+        };
+        let normal = |q: DVec4| DQuat::from_vec4(q.normalize_or(DVec4::W));
+        match self.between {
+            Between::Steps => self.frame_from_base[self.tdb_s.partition_point(|node| *node <= x).saturating_sub(1)],
+            Between::SteadyTurn => {
+                let nodes = window(&self.tdb_s, x, 2);
+                let (first, last) = (nodes.start, nodes.end - 1);
+                if first == last {
+                    return self.frame_from_base[first];
+                }
+                let share = (x - self.tdb_s[first]) / (self.tdb_s[last] - self.tdb_s[first]);
+                steady_turn(self.frame_from_base[first], self.frame_from_base[last], share)
+            }
+            Between::Lagrange(nodes) => {
+                let nodes = window(&self.tdb_s, x, nodes);
+                normal(lagrange(x, &self.tdb_s[nodes.clone()], &components(nodes)).0)
+            }
+            Between::Hermite(nodes) => {
+                let nodes = window(&self.tdb_s, x, nodes);
+                let derivative = self.derivative.get(nodes.clone()).unwrap_or(&[]);
+                normal(hermite(x, &self.tdb_s[nodes.clone()], &components(nodes), derivative).0)
+            }
+        }
+    }
+}
+
+/// A share of the turn from one attitude to another about a fixed axis, the short way. Exact to rounding at small angles, where an arc
+/// cosine is not.
+fn steady_turn(a: DQuat, b: DQuat, share: f64) -> DQuat {
+    let b = if a.dot(b) < 0.0 { -b } else { b };
+    let by = a.inverse() * b;
+    let half = by.xyz().length().atan2(by.w);
+    let scale = if half > 0.0 { (share * half).sin() / half.sin() } else { 0.0 };
+    let axis = by.xyz() * scale;
+    (a * DQuat::from_xyzw(axis.x, axis.y, axis.z, (share * half).cos())).normalize()
+}
+
+/// By what a part of an orientation is known.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Turning {
+    /// Attitudes at some moments.
+    Attitudes(Attitudes),
+    /// A body's pole and prime meridian.
+    Model(RotationModel),
+    /// Series of Euler's angles 3-1-3, rad: right ascension of the pole + 90 deg, 90 deg - declination, and prime meridian.
+    Angles(Chebyshev),
+    /// It does not turn: frame from base.
+    Fixed(DMat3),
+}
+
+/// A part of an orientation: nothing is interpolated from one to the next.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Turn {
+    /// When it holds; `None`: at all times.
+    pub span: Option<Span>,
+    /// By what it is known.
+    pub turning: Turning,
+}
+
+/// How a frame is turned in another.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Orientation {
+    /// The frame: see [`frame_name`](super::frame_name).
+    pub frame: String,
+    /// That in which it is turned.
+    pub base: String,
+    /// Where this is known from: a file, or a model's name.
+    pub source: String,
+    /// Its parts; where they overlap, the later one holds.
+    pub turns: Vec<Turn>,
+}
+
+impl Orientation {
+    /// The rotation that carries components along the base's axes into components along the frame's; `None` where nothing is known.
+    pub fn frame_from_base(&self, epoch: Epoch) -> Option<DMat3> {
+        let turn = self.turns.iter().rev().find(|turn| turn.span.is_none_or(|span| span.contains(epoch)))?;
+        Some(match &turn.turning {
+            Turning::Attitudes(attitudes) => DMat3::from_quat(attitudes.rotation(epoch)),
+            Turning::Model(model) => model.fixed_from_inertial(epoch),
+            Turning::Angles(series) => {
+                let [[first, second, third], _] = series.at(epoch.tdb_s());
+                super::rotation_model::euler_313(first, second, third)
+            }
+            Turning::Fixed(rotation) => *rotation,
+        })
+    }
+
+    /// When it is known, in the order of time, without gaps in each; `None`: at all times.
+    pub fn spans(&self) -> Option<Vec<Span>> {
+        let spans: Option<Vec<Span>> = self.turns.iter().map(|turn| turn.span).collect();
+        Some(joined(spans?.into_iter()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+
+    fn about_z(angle_rad: f64) -> DQuat {
+        DQuat::from_rotation_z(angle_rad)
+    }
+
+    #[test]
+    fn a_steady_turn_goes_the_short_way() {
+        let q = steady_turn(about_z(0.1), -about_z(0.5), 0.25);
+        assert!(q.angle_between(about_z(0.2)) < 1e-15, "{q:?}");
+        // 1e-9 rad are not lost.
+        let q = steady_turn(DQuat::IDENTITY, about_z(1e-9), 0.5);
+        assert!((q.z - 0.25e-9).abs() < 1e-24);
+        assert_eq!(steady_turn(DQuat::IDENTITY, DQuat::IDENTITY, 0.5), DQuat::IDENTITY);
+    }
+
+    #[test]
+    fn polynomials_through_quaternions_follow_a_steady_turn() {
+        let tdb_s: Vec<f64> = (0..8).map(f64::from).collect();
+        let at = |s: f64| about_z(0.1 * s);
+        // dq/dt = q (0, 0, rate / 2, 0) for a turn about z.
+        let derivative = tdb_s.iter().map(|s| DVec4::from(at(*s) * DQuat::from_xyzw(0.0, 0.0, 0.05, 0.0))).collect();
+        let rotation: Vec<DQuat> =
+            tdb_s.iter().enumerate().map(|(i, s)| if i % 3 == 1 { -at(*s) } else { at(*s) }).collect();
+        for between in [Between::SteadyTurn, Between::Lagrange(7), Between::Hermite(4)] {
+            let attitudes = Attitudes {
+                tdb_s: tdb_s.clone(),
+                frame_from_base: rotation.clone(),
+                derivative: Vec::clone(&derivative),
+                between,
+            };
+            let attitudes = Attitudes {
+                derivative: attitudes
+                    .frame_from_base
+                    .iter()
+                    .map(|q| DVec4::from(*q * DQuat::from_xyzw(0.0, 0.0, 0.05, 0.0)))
+                    .collect(),
+                ..attitudes
+            };
+            let q = attitudes.with_continuous_signs().rotation(Epoch::from_tdb_s(3.4).unwrap());
+            let got = DMat3::from_quat(q) * DVec3::X;
+            assert!((got - DMat3::from_rotation_z(0.34) * DVec3::X).length() < 1e-11, "{between:?}: {got:?}");
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! Where one thing is about another, over the times that a file or a model knows.
+
+use glam::DVec3;
+
+use super::interpolation::{hermite, lagrange, window};
+use super::{Chebyshev, Epoch};
+
+/// Metres of a kilometre: files count in km.
+const KM_M: f64 = 1000.0;
+
+/// Position and velocity of one thing about another, along the axes of some frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct State {
+    /// From the centre, m.
+    pub position_m: DVec3,
+    /// Its change as the frame's axes see it, m/s.
+    pub velocity_m_s: DVec3,
+}
+
+impl State {
+    /// At the centre, at rest.
+    pub const ZERO: State = State { position_m: DVec3::ZERO, velocity_m_s: DVec3::ZERO };
+}
+
+/// From one moment to another, both included.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Span {
+    /// The first moment.
+    pub start: Epoch,
+    /// The last.
+    pub end: Epoch,
+}
+
+impl Span {
+    /// Whether a moment lies in it.
+    pub fn contains(&self, epoch: Epoch) -> bool {
+        self.start <= epoch && epoch <= self.end
+    }
+}
+
+/// How to go between nodes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Interpolation {
+    /// Lagrange's, through this many nodes: positions and velocities each for themselves.
+    Lagrange(usize),
+    /// Hermite's, through positions and velocities of this many nodes.
+    Hermite(usize),
+}
+
+impl Interpolation {
+    /// How many nodes it goes through.
+    pub fn nodes(self) -> usize {
+        match self {
+            Interpolation::Lagrange(nodes) | Interpolation::Hermite(nodes) => nodes,
+        }
+    }
+}
+
+/// States at some moments.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Nodes {
+    /// The moments, s of TDB since J2000, ascending.
+    pub tdb_s: Vec<f64>,
+    /// For each its position, m.
+    pub position_m: Vec<DVec3>,
+    /// For each its velocity, m/s; empty if a file has positions only.
+    pub velocity_m_s: Vec<DVec3>,
+    /// How to go between them.
+    pub interpolation: Interpolation,
+}
+
+impl Nodes {
+    fn state(&self, epoch: Epoch) -> State {
+        let x = epoch.tdb_s();
+        let nodes = window(&self.tdb_s, x, self.interpolation.nodes());
+        let (xs, position_m) = (&self.tdb_s[nodes.clone()], &self.position_m[nodes.clone()]);
+        let velocity_m_s = self.velocity_m_s.get(nodes);
+        let (position_m, velocity_m_s) = match (self.interpolation, velocity_m_s) {
+            (Interpolation::Hermite(_), Some(velocity_m_s)) => hermite(x, xs, position_m, velocity_m_s),
+            (Interpolation::Lagrange(_), Some(velocity_m_s)) => {
+                (lagrange(x, xs, position_m).0, lagrange(x, xs, velocity_m_s).0)
+            }
+            (_, None) => lagrange(x, xs, position_m),
+        };
+        State { position_m, velocity_m_s }
+    }
+}
+
+/// By what a part of a trajectory is known.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Path {
+    /// States at some moments.
+    Nodes(Nodes),
+    /// Series in km, and km/s.
+    Chebyshev(Chebyshev),
+    /// It does not move, m.
+    Fixed(DVec3),
+}
+
+/// A part of a trajectory: nothing is interpolated from one to the next.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Segment {
+    /// When it holds.
+    pub span: Span,
+    /// By what it is known.
+    pub path: Path,
+}
+
+/// Where a thing is about another, in some frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trajectory {
+    /// What moves: see [`body_name`](super::body_name).
+    pub target: String,
+    /// About what.
+    pub centre: String,
+    /// Along whose axes: see [`frame_name`](super::frame_name).
+    pub frame: String,
+    /// Where this is known from: a file, or a model's name.
+    pub source: String,
+    /// Its parts; where they overlap, the later one holds.
+    pub segments: Vec<Segment>,
+}
+
+impl Trajectory {
+    /// The state at a moment; `None` where nothing is known.
+    pub fn state(&self, epoch: Epoch) -> Option<State> {
+        let segment = self.segments.iter().rev().find(|segment| segment.span.contains(epoch))?;
+        Some(match &segment.path {
+            Path::Nodes(nodes) => nodes.state(epoch),
+            Path::Chebyshev(series) => {
+                let [position_m, velocity_m_s] = series.at(epoch.tdb_s()).map(|km| DVec3::from_array(km) * KM_M);
+                State { position_m, velocity_m_s }
+            }
+            Path::Fixed(position_m) => State { position_m: *position_m, velocity_m_s: DVec3::ZERO },
+        })
+    }
+
+    /// When it is known, in the order of time, without gaps in each.
+    pub fn spans(&self) -> Vec<Span> {
+        joined(self.segments.iter().map(|segment| segment.span))
+    }
+}
+
+/// Spans in the order of time; those that touch or overlap are one.
+pub(super) fn joined(spans: impl Iterator<Item = Span>) -> Vec<Span> {
+    let mut spans: Vec<Span> = spans.collect();
+    spans.sort_by(|a, b| a.start.tdb_s().total_cmp(&b.start.tdb_s()));
+    let mut all: Vec<Span> = Vec::new();
+    for span in spans {
+        match all.last_mut().filter(|last| span.start <= last.end) {
+            Some(last) if last.end < span.end => last.end = span.end,
+            Some(_) => {}
+            None => all.push(span),
+        }
+    }
+    all
+}
+
+/// When something is known, as a part of a sentence, and in which gap a moment lies.
+pub(super) fn known(spans: &[Span], epoch: Epoch) -> String {
+    let (Some(first), Some(last)) = (spans.first(), spans.last()) else { return "at no time".into() };
+    let from_to = format!("from {} to {}", first.start, last.end);
+    let gap = spans.windows(2).find(|two| two[0].end < epoch && epoch < two[1].start);
+    match gap {
+        Some(two) => format!("{from_to}, but not from {} to {}", two[0].end, two[1].start),
+        None => from_to,
+    }
+}
