@@ -11,7 +11,7 @@ use mmxrt::formats::mesh_file::ColouredMesh;
 use mmxrt::formats::{dart, recipe_toml, scene_toml};
 use mmxrt::progress::Progress;
 use mmxrt::report::Report;
-use mmxrt::study;
+use mmxrt::study::{self, Extremes, Request};
 
 mod files;
 
@@ -25,7 +25,10 @@ fuzz_target!(|data: &[u8]| {
         let Some(file) = told(scene_toml::read(&path, &only_reading)) else { return };
         told(file.simulable());
         // A camera may have any number of pixels and bands; none is looked through here.
-        let _ = study::dry_run(&file.scene);
+        let extremes = Extremes::new(&file.scene);
+        if let Some((_, plan)) = told(study::plan(&file.scene, &extremes, &Request::default())) {
+            let _ = study::dry_run(&file.scene, &extremes, &plan);
+        }
         ColouredMesh::of_scene(&file.scene, &path, &mut Report::default());
         if file.scene.exposure.bands.len() < 1000 {
             told(dart::from_scene(&file.scene, &dart::SimulationOptions::default()));

@@ -7,6 +7,7 @@ mod dry_run;
 mod inspect;
 mod integrate;
 mod landscape;
+mod locate;
 mod plan;
 mod product;
 mod simulate;
@@ -64,6 +65,8 @@ enum Command {
     Plan(plan::Arguments),
     /// Turn a scene and its facet table, or radiance maps, into the products of `simulate`
     Integrate(integrate::Arguments),
+    /// Say where on the ground pixels look, and in which pixels points of the ground lie
+    Locate(locate::Arguments),
     /// Generate a landscape from a recipe
     Landscape(landscape::Arguments),
     /// Convert between formats: scenes, meshes, spectra, images, and inputs of DART
@@ -130,6 +133,7 @@ fn dispatch(command: Command, console: &Console) -> mmxrt::Result<Outcome> {
         Command::Solve(arguments) => solve::run(&arguments, console),
         Command::Plan(arguments) => plan::run(&arguments, console),
         Command::Integrate(arguments) => integrate::run(&arguments, console),
+        Command::Locate(arguments) => locate::run(&arguments, console),
         Command::Landscape(arguments) => landscape::run(&arguments, console),
         Command::Convert(arguments) => convert::run(&arguments, console),
         Command::Inspect(arguments) => inspect::run(&arguments, console),

@@ -58,6 +58,11 @@ impl Default for Almanac {
 }
 
 impl Almanac {
+    /// With rough trajectories of Mars and its moons: see [`Elements`](super::Elements). What files say comes later, and stands before them.
+    pub fn rough() -> Self {
+        Almanac { trajectories: mars_system::roughly(), ..Almanac::default() }
+    }
+
     /// The state of a target about a centre, along the axes of a frame, as that frame's axes at the moment see it: of a turning frame the
     /// velocity is that of inertial axes, rotated.
     ///

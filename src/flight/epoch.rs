@@ -135,6 +135,10 @@ impl LeapSeconds {
 impl Epoch {
     /// 2000-01-01 12:00:00 TDB.
     pub const J2000: Epoch = Epoch(0.0);
+    /// The earliest there is.
+    pub const FIRST: Epoch = Epoch(-Self::MOST_S);
+    /// The latest there is.
+    pub const LAST: Epoch = Epoch(Self::MOST_S);
     /// Earliest and latest that is accepted, s: 100,000 years from J2000.
     const MOST_S: f64 = 3.2e12;
 

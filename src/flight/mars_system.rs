@@ -1,6 +1,42 @@
-//! The rotations of Mars, Phobos and Deimos by the IAU's working group (Archinal et al. 2018), with the numbers of NAIF's kernel pck00011.
+//! Mars, Phobos and Deimos: where they are, roughly, and how they turn by the IAU's working group (Archinal et al. 2018), with the numbers of NAIF's kernel pck00011.
 
+use glam::DVec3;
+
+use super::kepler::Elements;
 use super::rotation_model::{Angle, RotationModel};
+use super::trajectory::{Path, Segment, Span, Trajectory};
+use super::{ECLIPTIC, Epoch};
+use crate::units::PHOBOS_ORBIT_M;
+
+/// Semi-major axis of Deimos' orbit, m.
+const DEIMOS_ORBIT_M: f64 = 23_458_000.0;
+
+/// Mars about the Sun within 40 arcsec (1800 to 2050), and its moons about Mars on circles, where their rotation has them: Phobos within 3 deg,
+/// by which its long axis swings about Mars. For scenes without ephemerides.
+pub(super) fn roughly() -> Vec<Trajectory> {
+    let trajectory = |target: &str, centre: &str, frame: &str, years: Option<[f64; 2]>, path: Path| {
+        let year = |year: f64| Epoch::J2000.after_s((year - 2000.0) * 365.25 * 86_400.0);
+        let span = match years {
+            Some([first, last]) => Span { start: year(first), end: year(last) },
+            None => Span { start: Epoch::FIRST, end: Epoch::LAST },
+        };
+        Trajectory {
+            target: target.to_owned(),
+            centre: centre.to_owned(),
+            frame: frame.to_owned(),
+            source: "mean elements".to_owned(),
+            segments: vec![Segment { span, path }],
+        }
+    };
+    let moon = |name: &str, orbit_m: f64| {
+        trajectory(name, "MARS", &format!("IAU_{name}"), None, Path::Fixed(DVec3::new(-orbit_m, 0.0, 0.0)))
+    };
+    vec![
+        trajectory("MARS", "SUN", ECLIPTIC, Some([1800.0, 2050.0]), Path::Elements(Elements::MARS)),
+        moon("PHOBOS", PHOBOS_ORBIT_M),
+        moon("DEIMOS", DEIMOS_ORBIT_M),
+    ]
+}
 
 /// Angles of periodic terms of all three: deg, deg per century, deg per century^2 (Phobos, whose orbit shrinks).
 #[rustfmt::skip]

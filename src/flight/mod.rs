@@ -13,23 +13,33 @@
 //! | Chebyshev's series and its derivative | [`Chebyshev`] | Clenshaw | oracles `spk` |
 //! | rotations between two | [`Orientation`] | great arcs of unit quaternions | a steady turn |
 //! | rotation of Mars, Phobos, Deimos | [`RotationModel`] | Archinal et al. (2018) | oracles `iau` |
+//! | Hill's problem, quasi-satellite orbits | [`Hill`] | Hill (1878) | oracles `qso`; Jacobi's constant; a circle without the body |
+//! | Mars about the Sun, roughly | [`Elements`] | Standish & Williams | kernels |
 //! | light time and aberration | [`Almanac::apparent`] | Explanatory Supplement (2013), 7.2 | oracles `spice` |
 
 mod almanac;
 mod chebyshev;
 mod epoch;
+mod hill;
 pub mod interpolation;
+mod kepler;
 mod mars_system;
 mod names;
 mod orientation;
+mod pointing;
+mod qso;
 mod rotation_model;
 mod trajectory;
 
 pub use almanac::{Almanac, Correction};
 pub use chebyshev::Chebyshev;
 pub use epoch::{Epoch, LeapSeconds, Scale};
+pub use hill::{Hill, Orbit, PHOBOS_GM_M3_S2, PHOBOS_MEAN_MOTION_RAD_S, QuasiSatellite};
+pub use kepler::Elements;
 pub use names::{body_id, body_name, frame_name};
 pub use orientation::{Attitudes, Between, Orientation, Turn, Turning};
+pub use pointing::{Aim, Circumstances, Jitter, Pointing, Scan, Up};
+pub use qso::Qso;
 pub use rotation_model::{Angle, RotationModel};
 pub use trajectory::{Interpolation, Nodes, Path, Segment, Span, State, Trajectory};
 

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::interpolation::{hermite, lagrange, window};
-use super::{Chebyshev, Epoch};
+use super::{Chebyshev, Elements, Epoch, Orbit};
 
 /// Metres of a kilometre: files count in km.
 const KM_M: f64 = 1000.0;
@@ -93,6 +93,10 @@ pub enum Path {
     Nodes(Nodes),
     /// Series in km, and km/s.
     Chebyshev(Chebyshev),
+    /// An orbit about a small body.
+    Orbit(Orbit),
+    /// An orbit about the Sun, roughly.
+    Elements(Elements),
     /// It does not move, m.
     Fixed(DVec3),
 }
@@ -131,6 +135,8 @@ impl Trajectory {
                 let [position_m, velocity_m_s] = series.at(epoch.tdb_s()).map(|km| DVec3::from_array(km) * KM_M);
                 State { position_m, velocity_m_s }
             }
+            Path::Orbit(orbit) => orbit.state(epoch),
+            Path::Elements(elements) => elements.state(epoch),
             Path::Fixed(position_m) => State { position_m: *position_m, velocity_m_s: DVec3::ZERO },
         })
     }

@@ -1,12 +1,13 @@
 //! A product folder: cube, backplanes, pictures, reports, and what else is asked for.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use super::envi::{self, Interleave, Precision};
 use super::folder::Staged;
 use super::report_json::{self, BandEntry, ImageEntry, Input, PlanEntry, ProductReport, Run};
 use super::subject::Subject;
-use super::{exr_cube, machine, npz, quicklook};
+use super::{exposures_csv, exr_cube, machine, npz, quicklook};
 use crate::error::{Error, Location, Problem, Result};
 use crate::product::{Conversion, CubeAxes, FacetTable, Quantity, ShownBands, Slab};
 use crate::progress::{Watch, tell};
@@ -232,6 +233,16 @@ fn write_files(
     tell(watch, "writing backplanes", 0, 1)?;
     // Always in double precision: positions in metres have more digits than f32 holds.
     envi::write_backplanes(&file("backplanes.img"), planes, Precision::F64, &titled("Backplanes", &subject.scene))?;
+    if let Some(exposures) = &observation.exposures {
+        exposures_csv::write(&file("exposures.csv"), exposures)?;
+        if exposures.reference.is_some() {
+            tell(watch, "writing displacements", 0, 1)?;
+            let title = titled("Displacement of what the reference image shows", &subject.scene);
+            let plane = |i: usize| exposures.displacement(planes, i / 2, i % 2).unwrap_or_default();
+            let all = (0..2 * exposures.taken.len()).map(|i| Cow::Owned(plane(i)));
+            envi::write_planes(&file("displacement.img"), [planes.samples, planes.lines], all, Precision::F32, &title)?;
+        }
+    }
     if let Some(footprints) = &observation.footprints {
         npz::write_footprints(&file("footprints.npz"), footprints, &subject.id)?;
     }

@@ -7,7 +7,7 @@ use super::{InputFile, npz};
 use crate::error::{Error, Location, Problem, Result};
 use crate::product::FacetTable;
 use crate::progress::Watch;
-use crate::scene::{Scene, Thermal};
+use crate::scene::{Motion, Scene, Thermal, Timing};
 use crate::study;
 
 /// A scene, and what its products report about its source.
@@ -17,6 +17,8 @@ use crate::study;
 pub struct Subject {
     /// The scene.
     pub scene: Scene,
+    /// How it moves, and when what of its image is taken; none if it does not.
+    pub motion: Option<(Motion, Timing)>,
     /// Its name in products: of what was read, a hash of all of it.
     pub id: String,
     /// Every file that it depends on: the scene file first.
@@ -30,7 +32,8 @@ pub struct Subject {
 impl From<SceneFile> for Subject {
     fn from(file: SceneFile) -> Self {
         let id = scene_toml::id(&file.inputs);
-        Subject { scene: file.scene, id, inputs: file.inputs, defaults: file.defaults, warnings: file.notes }
+        let motion = file.motion;
+        Subject { scene: file.scene, motion, id, inputs: file.inputs, defaults: file.defaults, warnings: file.notes }
     }
 }
 

@@ -6,8 +6,9 @@ use crate::formats::product_folder::{Product, ProductFolder, Written};
 use crate::formats::report_json::Run;
 use crate::integrate::Wanted;
 use crate::progress::Watch;
+use crate::scene::{Readout, Timing};
 use crate::solve;
-use crate::study::{self, Request};
+use crate::study::{self, Moving, Request};
 
 /// Simulates a scene, by the models that are requested, and writes the product; `run` is asked at the end what `run.json` is to say.
 ///
@@ -25,9 +26,19 @@ pub fn simulate(
     folder.admit(&subject, [], false)?;
     let wanted = Wanted { footprints: folder.options().footprints, ..Wanted::default() };
     let (extremes, plan) = super::plan::decide(&mut subject, request, watch)?;
-    let table = solve::solve(&subject.scene, watch)?;
     let mut product = folder.open(&subject.scene)?;
     let mut put = |slab| product.put(slab, watch);
-    let observation = study::observe_by_slabs(&subject.scene, (&table, &extremes), wanted, &mut put, watch)?;
+    let (scene, moves) = (&subject.scene, |(_, timing): &&(_, Timing)| timing.readout != Readout::Frame);
+    let (table, observation) = match subject.motion.as_ref().filter(moves) {
+        Some((motion, timing)) => {
+            let moving = Moving { scene, motion, timing: *timing };
+            study::acquire_by_slabs(moving, (&extremes, request.tolerance), wanted, &mut put, watch)?
+        }
+        None => {
+            let table = solve::solve(scene, watch)?;
+            let observation = study::observe_by_slabs(scene, (&table, &extremes), wanted, &mut put, watch)?;
+            (table, observation)
+        }
+    };
     product.finish(Product { subject, table, table_from: None, observation, plan: Some(plan), maps: None }, run, watch)
 }

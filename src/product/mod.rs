@@ -3,6 +3,7 @@
 mod added;
 mod planes;
 mod cube;
+mod exposures;
 mod facet_table;
 mod filling;
 mod footprints;
@@ -14,6 +15,7 @@ mod texel_weights;
 
 pub use added::Added;
 pub use cube::{Cube, CubeAxes, Slab};
+pub use exposures::{Exposed, Exposures};
 pub(crate) use facet_table::warmest_k;
 pub use facet_table::{FacetTable, Lighting, Sampling, SamplingError, Sees};
 pub use filling::Filling;

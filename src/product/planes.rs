@@ -1,7 +1,7 @@
 //! Images of geometry that go with a cube, pixel by pixel.
 
 /// One image: a value for every pixel, NaN where there is no surface (and nowhere else).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Plane {
     /// Name: the ISIS `phocube` keyword for values of the centre ray, with `_MEAN` for area means.
     pub name: String,

@@ -7,11 +7,13 @@ mod exposure;
 mod globe;
 mod material;
 mod models;
+mod motion;
 mod photometry;
 mod tabulated;
 mod sky;
 mod source;
 mod texture;
+mod timing;
 
 use std::f64::consts::PI;
 use std::ops::Deref;
@@ -29,12 +31,14 @@ pub(crate) use exposure::LEAST_PITCH;
 pub use globe::{Globe, MARS_ALBEDO, MARS_DAY_NIGHT_K, SAME_SUNLIGHT, SunOnGlobe};
 pub use material::Material;
 pub use models::{Exchange, Fixed, MarsModel, Models, SunModel, Thermal};
+pub use motion::Motion;
 pub(crate) use photometry::TOLERANCE;
 pub use photometry::{Hapke, Model, Photometry, Rpv, out_of_parameters, problems as model_problems};
 pub use sky::{Beam, MOST_IRRADIANCE, Rotation, Sky, Sun, out_of_irradiances};
 pub use source::{DirectionField, Incoming, Source, SourceKind};
 pub use tabulated::Tabulated;
 pub use texture::{Texture, TextureKind};
+pub use timing::{Readout, Take, Timing};
 
 /// Everything that makes up a scene, as plain, unchecked values.
 #[derive(Debug, Clone)]

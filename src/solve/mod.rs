@@ -1,6 +1,7 @@
 //! Scene to facet table: what each source sends to each facet, which part of it the source sees, how warm it is. No radiance,
 //! except to answer the image's question: what does a facet send [towards an observer](Emission)?
 
+mod between;
 mod conduction;
 mod eclipse;
 mod emission;
@@ -16,6 +17,7 @@ use crate::progress::{Watch, tell};
 use crate::scene::{Scene, Thermal};
 use crate::visibility::Seen;
 
+pub use between::between;
 pub use emission::{Emission, Fragment, ImagePart, Modulation, Observer, interpolation_error};
 pub use exchange::spectra_error;
 pub use facet_radiance::FacetRadiance;

@@ -1,6 +1,7 @@
 //! Studies: work that spans several layers. Takes values and callbacks, does not access the disk.
 
 pub mod chart;
+mod acquisition;
 mod coarser;
 mod cost;
 mod draft;
@@ -9,6 +10,7 @@ mod dry_run;
 mod effects;
 mod extremes;
 mod glimpse;
+pub mod locate;
 mod map_light;
 mod maps;
 mod observation;
@@ -25,6 +27,7 @@ mod table_id;
 pub mod validate;
 mod warnings;
 
+pub use acquisition::{Moving, acquire_by_slabs};
 pub use coarser::Coarser;
 pub use cost::{WITHIN, has_room, memory_bytes, product_bytes};
 pub use dry_run::{DryRun, dry_run};

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::effects::Effect;
 use super::surfaces::SurfaceEntry;
 use crate::error::Result;
-use crate::product::{Backplanes, Cube, CubeAxes, Footprints, Slab};
+use crate::product::{Backplanes, Cube, CubeAxes, Exposures, Footprints, Slab};
 use crate::scene::Scene;
 
 /// What a camera sees of a scene.
@@ -18,6 +18,8 @@ pub struct Observation<C = Cube> {
     pub backplanes: Backplanes,
     /// Which facets each pixel sees, if that was wanted.
     pub footprints: Option<Footprints>,
+    /// What was taken when, of a scene that moves meanwhile.
+    pub exposures: Option<Exposures>,
     /// What was modelled, and what was not.
     pub effects: Vec<Effect>,
     /// What was verified of this very result.
@@ -45,9 +47,10 @@ impl Observation<()> {
             Ok(())
         };
         let (made, more) = make(&mut put)?;
-        let Observation { cube: (), backplanes, footprints, effects, checks, counts, surfaces, warnings } = made;
+        let Observation { cube: (), backplanes, footprints, exposures, effects, checks, counts, surfaces, warnings } =
+            made;
         let cube = Cube::new(CubeAxes::of(&scene.exposure), slabs)?;
-        Ok((Observation { cube, backplanes, footprints, effects, checks, counts, surfaces, warnings }, more))
+        Ok((Observation { cube, backplanes, footprints, exposures, effects, checks, counts, surfaces, warnings }, more))
     }
 }
 

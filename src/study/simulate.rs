@@ -99,6 +99,7 @@ pub(super) fn account_for(
         cube: (),
         backplanes: image.backplanes,
         footprints: image.footprints,
+        exposures: None,
     };
     tell(watch, "report", 1, 1)?;
     Ok((observation, image.slab))

@@ -1,6 +1,8 @@
 //! What several eyes see together, such as parts of the Sun's disc: of each facet one state where they agree, and the polygons of
 //! all of them, with their shares, where they do not.
 
+use std::borrow::Borrow;
+
 use rayon::prelude::*;
 
 use super::{Seen, Shown};
@@ -15,7 +17,8 @@ const CHUNK: usize = 4096;
 impl Seen {
     /// What several eyes see of the same facets. `shares(facet, out)` writes the share of each eye, which sum to 1, or are all 0: asked for
     /// where eyes differ. An eye whose share is 0 does not count.
-    pub fn together(eyes: &[Seen], shares: impl Fn(u32, &mut [f64]) + Sync) -> Seen {
+    pub fn together<S: Borrow<Seen> + Sync>(eyes: &[S], shares: impl Fn(u32, &mut [f64]) + Sync) -> Seen {
+        let eyes: &[&Seen] = &eyes.iter().map(Borrow::borrow).collect::<Vec<_>>();
         let facets = eyes.iter().map(|eye| eye.shown.len()).min().unwrap_or(0);
         let joined: Vec<Seen> = (0..facets.div_ceil(CHUNK))
             .into_par_iter()
@@ -36,15 +39,15 @@ impl Seen {
 
 /// Facets joined one after the other.
 struct Joining<'a> {
-    eyes: &'a [Seen],
+    eyes: &'a [&'a Seen],
     /// The next polygon of each eye.
     next: Vec<usize>,
     out: Seen,
 }
 
 impl<'a> Joining<'a> {
-    fn new(eyes: &'a [Seen], first_facet: usize) -> Self {
-        let next = |eye: &Seen| eye.polygon_facet.partition_point(|f| (*f as usize) < first_facet);
+    fn new(eyes: &'a [&'a Seen], first_facet: usize) -> Self {
+        let next = |eye: &&Seen| eye.polygon_facet.partition_point(|f| (*f as usize) < first_facet);
         let out = Seen { polygon_start: vec![0], ..Seen::default() };
         Joining { eyes, next: eyes.iter().map(next).collect(), out }
     }
@@ -142,6 +145,6 @@ mod tests {
         let alone = eye(&[Shown::Part, Shown::Whole, Shown::Nothing]);
         let seen = Seen::together(std::slice::from_ref(&alone), |_, out| out.fill(1.0));
         assert_eq!((&seen.shown, &seen.uv, seen.polygon_share), (&alone.shown, &alone.uv, vec![1.0]));
-        assert_eq!(Seen::together(&[], |_, _| ()).shown.len(), 0);
+        assert_eq!(Seen::together::<Seen>(&[], |_, _| ()).shown.len(), 0);
     }
 }

@@ -4,7 +4,8 @@ use glam::DVec3;
 use mmxrt::geometry::{MaterialId, Mesh};
 use mmxrt::progress::unwatched;
 use mmxrt::scene::Scene;
-use mmxrt::study::chart::{Case, Method, Question, RayTree, Shadows, chart};
+use mmxrt::study::chart::{Case, Method, Question, Shadows, chart};
+use mmxrt::visibility::RayTree;
 use mmxrt::visibility::Topology;
 
 use crate::cli::run;

@@ -154,6 +154,7 @@ fn eclipses_are_one_choice() {
 
 /// What is stated, and what is not, comes back from a written scene and from DART.
 #[test]
+#[cfg_attr(not(feature = "sqlite"), ignore = "SKIPPED: needs the feature sqlite")]
 fn what_is_stated_is_written() {
     let scratch = Scratch::new();
     let stated = site(

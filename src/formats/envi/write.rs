@@ -1,5 +1,6 @@
 //! Cubes and backplanes are written: their numbers, and their headers.
 
+use std::borrow::Cow;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -230,26 +231,41 @@ fn tile<S: Sample>(slab: &Slab, pixels: Range<usize>, bands: Range<usize>, band_
 /// # Errors
 /// [`Error::Io`] if a file cannot be written; [`Error::Invalid`] for a plane of another size than the image.
 pub fn write_backplanes(path: &Path, planes: &Backplanes, precision: Precision, description: &str) -> Result<()> {
-    let pixels = planes.samples * planes.lines;
-    if let Some(plane) = planes.planes.iter().find(|p| p.values.len() != pixels) {
-        let message = format!("{} values for an image of {} x {}", plane.values.len(), planes.samples, planes.lines);
-        return Err(Error::invalid(Location::item(format!("backplane {}", plane.name)), message));
-    }
+    let all = planes.planes.iter().map(Cow::Borrowed);
+    write_planes(path, [planes.samples, planes.lines], all, precision, description)
+}
+
+/// The same of planes that come one after the other.
+///
+/// # Errors
+/// As [`write_backplanes`].
+pub fn write_planes<'p>(
+    path: &Path,
+    [samples, lines]: [usize; 2],
+    planes: impl ExactSizeIterator<Item = Cow<'p, Plane>>,
+    precision: Precision,
+    description: &str,
+) -> Result<()> {
     let writing = |e| Error::io(path, "writing", e);
-    let (samples, lines, bands) = (planes.samples, planes.lines, planes.planes.len());
+    let bands = planes.len();
     let flat = Flat::new([lines, samples, bands], precision.data_type(), AxisOrder::BandRowColumn);
     let mut file = FlatFile::create(path, flat, &[]).map_err(writing)?;
-    for (band, plane) in planes.planes.iter().enumerate() {
+    let mut names = Vec::new();
+    for (band, plane) in planes.enumerate() {
+        if plane.values.len() != samples * lines {
+            let message = format!("{} values for an image of {samples} x {lines}", plane.values.len());
+            return Err(Error::invalid(Location::item(format!("backplane {}", plane.name)), message));
+        }
         file.tile(0..lines, band..band + 1, &plane.values).map_err(writing)?;
+        names.push(match plane.unit.as_str() {
+            "" | "1" => plain(&plane.name),
+            unit => plain(&format!("{} ({unit})", plane.name)),
+        });
     }
     let size = [samples, lines, bands];
     let mut text = HeaderText::of_image(Some(description), size, precision.data_type(), Interleave::Bsq);
     text.field("data ignore value", "nan");
     // ENVI has one unit for a file; ours differ, so that a plane's name carries its own.
-    let name = |p: &Plane| match p.unit.as_str() {
-        "" | "1" => plain(&p.name),
-        unit => plain(&format!("{} ({unit})", p.name)),
-    };
-    text.list("band names", planes.planes.iter().map(name));
+    text.list("band names", names.into_iter());
     text.write(&path.with_extension("hdr"))
 }

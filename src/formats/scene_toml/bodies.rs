@@ -1,20 +1,25 @@
 //! Bodies of the sky besides Mars.
 
-use glam::DVec3;
-
 use super::types::{BodyToml, Values};
 use super::{Quantity, TomlReader};
 use crate::error::number;
-use crate::scene::Globe;
+use crate::scene::{Globe, Motion};
 use crate::spectral::{Extend, solar_mean};
 
 impl TomlReader<'_> {
-    /// All bodies; those that cannot be used are problems.
-    pub(super) fn bodies(&mut self, bodies: &[BodyToml]) -> Vec<Globe> {
-        (0..bodies.len()).filter_map(|i| self.body(&format!("bodies[{i}]"), &bodies[i])).collect()
+    /// All bodies; those that cannot be used are problems. `motion` says where those are that state no position.
+    pub(super) fn bodies(&mut self, bodies: &[BodyToml], motion: Option<Option<&Motion>>) -> Vec<Globe> {
+        (0..bodies.len()).filter_map(|i| self.body(&format!("bodies[{i}]"), &bodies[i], motion)).collect()
     }
 
-    fn body(&mut self, item: &str, toml: &BodyToml) -> Option<Globe> {
+    fn body(&mut self, item: &str, toml: &BodyToml, motion: Option<Option<&Motion>>) -> Option<Globe> {
+        // A body that flight dynamics does not know may state where it is, and stays there.
+        let placed = match (toml.position_m, motion) {
+            (Some(_), Some(Some(motion))) if !motion.knows(&toml.name, motion.start) => None,
+            (_, Some(Some(motion))) => Some(self.taken(item, motion.seen_m(&toml.name, motion.start))),
+            (_, unknown) => unknown.map(|_| None),
+        };
+        let centre_m = self.place(item, toml.position_m, placed);
         let radius_m = self.positive(&format!("{item}.radius_m"), toml.radius_m);
         let reflectance =
             self.fraction_spectrum(&format!("{item}.albedo"), &toml.albedo, Quantity::Albedo, Extend::Error);
@@ -40,7 +45,7 @@ impl TomlReader<'_> {
         };
         Some(Globe {
             name: toml.name.clone(),
-            centre_m: DVec3::from_array(toml.position_m) - self.origin_m,
+            centre_m: centre_m? - self.origin_m,
             radius_m: radius_m?,
             reflectance: reflectance?,
             bond_albedo: bond_albedo?,

@@ -7,6 +7,7 @@ mod angles;
 mod atlas;
 mod attitude;
 mod bodies;
+mod flight;
 pub(super) mod format;
 mod lamps;
 mod lens;
@@ -27,8 +28,8 @@ use crate::geometry::{Direction, Pose};
 use crate::physics::sun_disc::DiscRule;
 use crate::progress::{Progress, Watch};
 use crate::scene::{
-    FARTHEST_M, Fixed, Globe, MARS_ALBEDO, MARS_DAY_NIGHT_K, MarsModel, Models, Rotation, STEPS_OF_A_DAY, Scene,
-    SceneParts, Sky, Sun, SunModel, Surface, Texture, Thermal,
+    FARTHEST_M, Fixed, Globe, MARS_ALBEDO, MARS_DAY_NIGHT_K, MarsModel, Models, Motion, Rotation, STEPS_OF_A_DAY,
+    Scene, SceneParts, Sky, Sun, SunModel, Surface, Texture, Thermal, Timing,
 };
 use crate::spectral::{Extend, Spectrum, SunTotal, solar_e490};
 use crate::units::{AU_M, MARS_RADIUS_M, SUN_RADIUS_M, TSI_1AU_W_M2};
@@ -68,6 +69,8 @@ pub struct SceneFile {
     pub notes: Vec<String>,
     /// Every file that was read: the scene file first.
     pub inputs: Vec<InputFile>,
+    /// How it moves, and when what of the image is taken; none of a scene that states places and no time.
+    pub motion: Option<(Motion, Timing)>,
     /// What this version reads and cannot simulate: the first such key, and why.
     unsimulated: Option<(Location, String)>,
 }
@@ -142,15 +145,24 @@ pub fn read(path: &Path, watch: Watch<'_>) -> Result<SceneFile> {
         reader.problems.sort_by_key(|p| (!here(p), p.at.span.filter(|_| here(p))));
         return Err(Error::Invalid(reader.problems));
     };
-    let scene = scene.check().map_err(|e| reader.placed(e))?;
+    let mut scene = scene.check().map_err(|e| reader.placed(e))?;
+    if let Some((motion, timing)) = &reader.motion {
+        scene = at_reference(&scene, motion, timing).map_err(|e| reader.placed(e))?;
+    }
     let mesh = &scene.body.mesh;
     tracing::info!(vertices = mesh.vertices_m.len(), facets = mesh.facets.len(), "read {}", path.display());
     let unsimulated = match scene.simulable() {
         Err(Error::Unsupported { at, feature }) => Some((reader.document.at(&reader.item_of(&at)), feature)),
         _ => None,
     };
-    let TomlReader { defaults, notes, inputs, .. } = reader;
-    Ok(SceneFile { scene, defaults, notes, inputs, unsimulated })
+    let TomlReader { defaults, notes, inputs, motion, .. } = reader;
+    Ok(SceneFile { scene, defaults, notes, inputs, motion, unsimulated })
+}
+
+/// A moving scene at its reference exposure.
+fn at_reference(scene: &Scene, motion: &Motion, timing: &Timing) -> Result<Scene> {
+    let middle_s = timing.middle_s(timing.reference(&scene.exposure));
+    motion.at(scene, scene.exposure.clone(), motion.start.after_s(middle_s))
 }
 
 /// The JSON Schema of `scene.toml`.
@@ -169,6 +181,7 @@ pub(super) struct TomlReader<'a> {
     /// Whether it is no scene file: its defaults are reported as notes.
     is_beside_scene: bool,
     inputs: Vec<InputFile>,
+    motion: Option<(Motion, Timing)>,
     watch: Watch<'a>,
     /// The caller has asked to stop.
     interrupted: bool,
@@ -186,6 +199,7 @@ impl<'a> TomlReader<'a> {
             notes: Vec::new(),
             is_beside_scene: true,
             inputs: vec![input],
+            motion: None,
             watch,
             interrupted: false,
         }
@@ -236,24 +250,36 @@ impl TomlReader<'_> {
         }
         let mesh = self.meshes(&toml.mesh, &mut dictionary);
         let by_angles = toml.geometry.as_ref().map(|geometry| self.by_angles(geometry)).unwrap_or_default();
-        let sun = self.sun(&toml.sun, by_angles.sun);
-        let mars = toml.mars.as_ref().map(|mars| self.mars(mars));
+        let timing = self.timing(&toml.sensor, toml.flight.is_some());
+        let flies = toml.flight.as_ref().map(|flight| {
+            let motion = self.motion(flight)?;
+            let placed = self.placed_by(&motion, timing?, toml.mars.is_some())?;
+            Some((motion, placed))
+        });
+        let placed = flies.as_ref().map(|known| known.as_ref().map(|(_, placed)| placed));
+        let sun = match placed {
+            Some(placed) => self.sun_placed(&toml.sun, placed).and_then(|toml| self.sun(&toml, by_angles.sun)),
+            None => self.sun(&toml.sun, by_angles.sun),
+        };
+        let mars = toml.mars.as_ref().map(|mars| self.mars(mars, placed.map(|placed| placed?.mars_m)));
         let mars_light = toml.mars.as_ref().map(|mars| self.mars_light(mars)).unwrap_or_default();
         let thermal = self.thermal(toml.thermal.as_ref());
         let stores_heat = dictionary.materials.iter().flatten().any(|material| material.thermal_inertia > 0.0);
         let (rotation, conduction) = self.day(toml.thermal.as_ref(), stores_heat);
         let beams = self.lamps(&toml.lamps);
         let sun_model = self.sun_model(&toml.sun);
-        let bodies = self.bodies(&toml.bodies);
+        let bodies = self.bodies(&toml.bodies, flies.as_ref().map(|known| known.as_ref().map(|(motion, _)| motion)));
         let eclipses = self.eclipses(toml);
         let mars_heat = toml.mars.as_ref().and_then(|mars| mars.heat);
         let mars_shadows = self.rule("mars.points", toml.mars.as_ref().and_then(|mars| mars.points));
-        let pose = self.camera_pose(toml.observer.as_ref(), by_angles.camera);
+        let by_flight = placed.map(|placed| placed.map(|placed| placed.pose));
+        let pose = self.camera_pose(toml.observer.as_ref(), by_angles.camera, by_flight);
         let exposure = self.exposure(&toml.sensor, pose, mesh.as_ref());
         if let (Some(mesh), Some(exposure)) = (&mesh, &exposure) {
             self.suspect_scale(&toml.mesh, mesh, &exposure.camera);
         }
         let textures = self.textures(toml, &dictionary.names, mesh.as_ref());
+        self.motion = flies.flatten().map(|(motion, _)| motion).zip(timing);
         Some(SceneParts {
             surface: Surface { origin_m: self.origin_m, mesh: mesh?, materials: dictionary.materials?, textures },
             sky: Sky {
@@ -423,17 +449,30 @@ impl TomlReader<'_> {
     }
 
     /// The camera's pose, from the one of two tables that states it.
-    fn camera_pose(&mut self, observer: Option<&ObserverToml>, by_angles: Option<Option<Pose>>) -> Option<Pose> {
-        match (observer, by_angles) {
-            (Some(observer), None) => self.observer(observer),
-            (None, Some(pose)) => pose,
-            (None, None) => {
-                let help = "or place the camera by angles: `emission_deg` and more in `[geometry]`";
+    fn camera_pose(
+        &mut self,
+        observer: Option<&ObserverToml>,
+        by_angles: Option<Option<Pose>>,
+        by_flight: Option<Option<Pose>>,
+    ) -> Option<Pose> {
+        match (observer, by_angles, by_flight) {
+            (Some(observer), None, None) => self.observer(observer),
+            (None, Some(pose), None) | (None, None, Some(pose)) => pose,
+            (None, None, None) => {
+                let help = "or place the camera by angles (`emission_deg` and more in `[geometry]`), or by `[flight]`";
                 self.helped("observer", "is missing: where the camera is, and where it looks", help);
                 None
             }
-            (Some(_), Some(_)) => {
+            (_, Some(_), Some(_)) => {
+                self.problem("geometry", "`flight` places the camera too: leave one of them out");
+                None
+            }
+            (Some(_), Some(_), None) => {
                 self.problem("observer", "`geometry.emission_deg` places the camera too: leave one of them out");
+                None
+            }
+            (Some(_), None, Some(_)) => {
+                self.problem("observer", "`flight` places the camera too: leave one of them out");
                 None
             }
         }
@@ -627,7 +666,8 @@ impl TomlReader<'_> {
         Some((spectrum.map(|v| v * (wanted / total)), wanted))
     }
 
-    fn mars(&mut self, toml: &MarsToml) -> Option<Globe> {
+    /// Mars, at a position that flight dynamics may give, if it could be used.
+    fn mars(&mut self, toml: &MarsToml, placed: Option<Option<DVec3>>) -> Option<Globe> {
         let radius_m = match toml.radius_m {
             Some(r) => {
                 if r > 0.0 && r < 1e5 {
@@ -663,7 +703,7 @@ impl TomlReader<'_> {
             }
             None => Some(self.default("mars.thermal_exitance_w_m2", MARS_THERMAL_EXITANCE_W_M2)),
         };
-        let centre_m = DVec3::from_array(toml.position_m) - self.origin_m;
+        let centre_m = self.place("mars", toml.position_m, placed)? - self.origin_m;
         if centre_m.length() <= radius_m? {
             let message = format!("the origin is {:.0} m from the centre of Mars, inside it", centre_m.length());
             self.helped("mars.position_m", message, "positions are in metres: is this in km?");
@@ -678,6 +718,22 @@ impl TomlReader<'_> {
             thermal_exitance_w_m2: thermal_exitance_w_m2?,
             day_night_k: [toml.day_k.unwrap_or(MARS_DAY_NIGHT_K[0]), toml.night_k.unwrap_or(MARS_DAY_NIGHT_K[1])],
         })
+    }
+
+    /// Where a body of the sky is, from the body's centre, m: as the scene says, or as flight dynamics does, if it could be used.
+    fn place(&mut self, item: &str, stated_m: Option<[f64; 3]>, placed: Option<Option<DVec3>>) -> Option<DVec3> {
+        match (stated_m, placed) {
+            (Some(stated_m), None) => Some(DVec3::from_array(stated_m)),
+            (None, Some(placed_m)) => placed_m,
+            (None, None) => {
+                self.problem(item, "`position_m` is missing");
+                None
+            }
+            (Some(_), Some(_)) => {
+                self.problem(&format!("{item}.position_m"), "`flight` places this body too: leave one of them out");
+                None
+            }
+        }
     }
 
     fn mars_light(&mut self, toml: &MarsToml) -> MarsModel {

@@ -25,7 +25,8 @@ pub(crate) struct SceneToml {
     /// What the surface is made of. The key is a material's name in the mesh, or its colour: `"#b03020"` (sRGB);
     /// `default` is for faces without a material.
     pub(crate) materials: BTreeMap<String, MaterialToml>,
-    /// The Sun.
+    /// The Sun; it may be left out if `flight` says where it is.
+    #[serde(default)]
     pub(crate) sun: SunToml,
     /// Mars as a second source; leave it out for none.
     pub(crate) mars: Option<MarsToml>,
@@ -39,8 +40,10 @@ pub(crate) struct SceneToml {
     pub(crate) thermal: Option<ThermalToml>,
     /// Sun, camera or both by angles above a target, instead of their positions.
     pub(crate) geometry: Option<GeometryToml>,
-    /// Where the camera is, and where it looks; left out if `geometry` says so.
+    /// Where the camera is, and where it looks; left out if `geometry` or `flight` says so.
     pub(crate) observer: Option<ObserverToml>,
+    /// Sun, Mars and camera by flight dynamics: where they are at a moment, and what moves between the bands or lines of an image.
+    pub(crate) flight: Option<FlightToml>,
     /// The camera.
     pub(crate) sensor: SensorToml,
 }
@@ -473,7 +476,7 @@ pub(crate) struct PlaneToml {
 }
 
 /// A number for all wavelengths, or a table.
-#[derive(Debug, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub(crate) enum Values {
     /// The same at all wavelengths.
@@ -504,12 +507,12 @@ pub(crate) enum Frame {
 }
 
 /// The Sun: a position, or a direction and a distance. Both are taken from `origin_m`.
-#[derive(Debug, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SunToml {
     /// What `position_m` and `direction` are given in. Default "body".
     pub(crate) frame: Option<Frame>,
-    /// Position in the body-fixed frame, from the body's centre, m.
+    /// Position in the body-fixed frame, from the body's centre, m; left out if `flight` says it.
     pub(crate) position_m: Option<[f64; 3]>,
     /// Towards the Sun from `origin_m`, axes of the body; any length.
     pub(crate) direction: Option<[f64; 3]>,
@@ -552,8 +555,8 @@ pub(crate) struct LampToml {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct MarsToml {
-    /// Position of its centre in the body-fixed frame, from the body's centre, m.
-    pub(crate) position_m: [f64; 3],
+    /// Position of its centre in the body-fixed frame, from the body's centre, m; left out if `flight` says it.
+    pub(crate) position_m: Option<[f64; 3]>,
     /// Radius, m. Default 3389500.
     pub(crate) radius_m: Option<f64>,
     /// Lambert reflectance, 0 to 1: a number, or the path of a CSV table. Default 0.25.
@@ -585,8 +588,8 @@ pub(crate) struct MarsToml {
 pub(crate) struct BodyToml {
     /// What it is called: letters, digits, `-` and `_`.
     pub(crate) name: String,
-    /// Position of its centre in the body-fixed frame, from the body's centre, m.
-    pub(crate) position_m: [f64; 3],
+    /// Position of its centre in the body-fixed frame, from the body's centre, m; left out if `flight` says it.
+    pub(crate) position_m: Option<[f64; 3]>,
     /// Radius, m.
     pub(crate) radius_m: f64,
     /// Lambert reflectance, 0 to 1: a number, or the path of a CSV table.
@@ -701,6 +704,127 @@ pub(crate) enum Top {
     Sun,
 }
 
+/// Where things are over time: from files, by a quasi-satellite orbit, or both. It says where the Sun, Mars (if there is a table `mars`), further
+/// bodies whose names it knows, and the camera are; their positions are then left out elsewhere.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct FlightToml {
+    /// When the (first) exposure is, as "2027-05-01T06:00:00 UTC"; scales are UTC, TAI, TT, TDB and GPS.
+    pub(crate) epoch: String,
+    /// Paths of files: OEM, AEM, SPICE kernels and meta-kernels, tables. Of two that know the same, the later one holds. Mars about the Sun, and
+    /// Phobos and Deimos about Mars, are known roughly without (1800 to 2050: the Sun's direction to 0.02 deg, Mars' to 3 deg).
+    #[serde(default)]
+    pub(crate) files: Vec<String>,
+    /// The body that is looked at. Default "PHOBOS".
+    pub(crate) body: Option<String>,
+    /// Its own frame, in which the mesh does not move. Default: `IAU_` and its name.
+    pub(crate) frame: Option<String>,
+    /// What carries the camera, by its name in the files; or `orbit`.
+    pub(crate) spacecraft: Option<String>,
+    /// A quasi-satellite orbit about Phobos by its size in km, as "qso-20x27": qso-20x27, qso-22x31, qso-30x49, qso-50x94, qso-100x198 are the mission's, any
+    /// other size will do; "3d-qso-30x49x20" starts 20 km above the equator.
+    pub(crate) orbit: Option<String>,
+    /// When the orbit is on the line from Phobos to Mars. Default: at `epoch`.
+    pub(crate) orbit_epoch: Option<String>,
+    /// What light does on its way from Sun and bodies. Default "none": it arrives at once.
+    pub(crate) correction: Option<CorrectionToml>,
+    /// Where the camera looks. Default: at the body's centre, north up.
+    pub(crate) pointing: Option<PointingToml>,
+}
+
+/// What light does on its way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum CorrectionToml {
+    /// It arrives at once.
+    None,
+    /// It takes time.
+    LightTime,
+    /// It takes time, and the body's velocity shifts from where it comes.
+    LightTimeAndAberration,
+}
+
+/// Where the camera looks: at `target_m`, with a frame of an attitude file (`frame`), without turning in a frame (`fixed_in`), or at the body's centre.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct PointingToml {
+    /// A point of the body, from its centre along its axes, m, that the boresight follows.
+    pub(crate) target_m: Option<[f64; 3]>,
+    /// A frame that an attitude file or kernel turns, as the spacecraft's.
+    pub(crate) frame: Option<String>,
+    /// A frame in which the camera does not turn, as "J2000" or "IAU_PHOBOS".
+    pub(crate) fixed_in: Option<String>,
+    /// How the sensor stands in `frame` or `fixed_in`: unit quaternion (x, y, z, w) that carries sensor axes (x sample, y line, z boresight) into
+    /// those of the frame. Default: they are the same.
+    pub(crate) frame_from_sensor_xyzw: Option<[f64; 4]>,
+    /// What is at the top of the image, where the boresight follows a point: "north" (the default), "backward", "sun", or a direction, axes of the body.
+    pub(crate) up: Option<UpToml>,
+    /// A steady turn about an axis of the sensor on top of that, as of a scan mirror.
+    pub(crate) scan: Option<ScanToml>,
+    /// A steady error about the sensor's axes, mrad.
+    pub(crate) bias_mrad: Option<[f64; 3]>,
+    /// An unsteady error.
+    pub(crate) jitter: Option<JitterToml>,
+}
+
+/// What is at the top of an image.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(crate) enum UpToml {
+    /// By name.
+    Named(UpNameToml),
+    /// A direction, axes of the body; any length.
+    Direction([f64; 3]),
+}
+
+/// Tops of images with a name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum UpNameToml {
+    /// The body's +z.
+    North,
+    /// Against the way over the ground: lines that are taken later lie below.
+    Backward,
+    /// The Sun.
+    Sun,
+}
+
+/// A steady turn.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ScanToml {
+    /// About which axis of the sensor, by the right hand.
+    pub(crate) axis: SensorAxisToml,
+    /// Angle at `epoch`, deg. Default 0.
+    pub(crate) start_deg: Option<f64>,
+    /// deg/s.
+    pub(crate) rate_deg_s: f64,
+}
+
+/// Axes of a sensor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum SensorAxisToml {
+    /// Along a line: the turn moves what is seen from line to line.
+    X,
+    /// From line to line: the turn moves what is seen along the line.
+    Y,
+    /// The boresight.
+    Z,
+}
+
+/// An unsteady error of pointing: random waves with a flat spectrum.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct JitterToml {
+    /// Root mean square about the sensor's axes, mrad.
+    pub(crate) rms_mrad: [f64; 3],
+    /// Lowest and highest frequency, Hz.
+    pub(crate) band_hz: [f64; 2],
+    /// The same seed, the same waves. Default 1.
+    pub(crate) seed: Option<u64>,
+}
+
 /// Where the camera is, and one of: `target_m` and `up`; `h`, `v` and `u`; `world_from_sensor_xyzw`. Or all of it as `camera_to_world`.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -745,10 +869,18 @@ pub(crate) enum ConventionToml {
     Mitsuba,
 }
 
-/// A frame camera, by preset or by its own numbers; keys given besides a preset override it.
+/// A camera, by preset or by its own numbers; keys given besides a preset override it.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SensorToml {
+    /// What is taken at once: "frame" (the default), all of the image; "tunable_filter", one band after the other; "push_broom", one line after the other.
+    pub(crate) kind: Option<KindToml>,
+    /// From the beginning of a band, or of a line, to that of the next, s: of a sensor that does not take all at once.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub(crate) period_s: Option<f64>,
+    /// For how long light is gathered, s: of the motion meanwhile the middle is taken. Default: all of `period_s`.
+    #[schemars(range(min = 0))]
+    pub(crate) exposure_s: Option<f64>,
     /// "macromega": 256 x 256 pixels, 300 bands from 0.95 to 3.6 um, IFOV 0.5 mrad.
     pub(crate) preset: Option<Preset>,
     /// Name of the instrument.
@@ -789,6 +921,18 @@ pub(crate) struct SensorToml {
     pub(crate) fit: Option<Fit>,
     /// Bands.
     pub(crate) bands: Option<BandsToml>,
+}
+
+/// What a sensor takes at once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum KindToml {
+    /// All of the image.
+    Frame,
+    /// An image in one band.
+    TunableFilter,
+    /// A line in all bands.
+    PushBroom,
 }
 
 /// A focal length in pixels.

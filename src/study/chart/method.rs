@@ -3,7 +3,6 @@
 use rayon::prelude::*;
 
 use super::case::{Case, Planned, Seconds};
-use super::rays::RayTree;
 use super::sampled;
 use super::shading::{Shading, Share};
 use crate::error::Result;
@@ -15,6 +14,7 @@ use crate::progress::Watch;
 use crate::scene::{Body, Models, Scene, Setup, SunModel};
 use crate::solve::{self, ImagePart};
 use crate::study::plan::decide;
+use crate::visibility::RayTree;
 
 /// What methods of a kind vary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -8,7 +8,6 @@ mod case;
 mod errors;
 mod method;
 mod outside;
-mod rays;
 mod sampled;
 mod shading;
 
@@ -27,7 +26,6 @@ pub use case::{Case, Planned};
 pub use errors::{BandErrors, FLOOR, Ground, Spread, pixel_error, reference_radiance};
 pub use method::{Bands, Family, Method, Question, Shadows};
 pub use outside::{Outside, lambert_sunlight};
-pub use rays::{Hit, RayTree};
 pub use sampled::{by_rays, facing_the_sun, lit_at_centroid};
 
 /// CPU time of this process so far, s, over all its threads: the library has no clock.

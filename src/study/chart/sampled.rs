@@ -5,7 +5,6 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::rays::RayTree;
 use super::shading::{Shading, Share};
 use crate::error::Result;
 use crate::geometry::{SphereImage, SphereShown};
@@ -13,6 +12,7 @@ use crate::product::{FacetTable, Sees};
 use crate::progress::{Watch, tell};
 use crate::scene::{Scene, SunModel};
 use crate::solve::{self, ImagePart};
+use crate::visibility::RayTree;
 use crate::visibility::{Seen, Shown};
 
 /// Radiance of every pixel, `[band, pixel]`, by this many rays in each.

@@ -2,6 +2,7 @@
 
 use super::{Bound, by_globes};
 use crate::geometry::Direction;
+use crate::physics::bounds;
 use crate::physics::mars_directions::Directions;
 use crate::physics::reflectance::{Brdf, Lambert};
 use crate::physics::sun::Eclipse;
@@ -446,6 +447,17 @@ impl<'a> Given<'a> {
         let towards_sun = self.scene.sky.sun.direction.vec();
         let site = &self.extremes.site;
         self.extremes.throw_m.unwrap_or_else(|| site.longest_ray_m(site.up.map_or(0.0, |up| up.dot(towards_sun))))
+    }
+
+    /// How long, s, shadows may be taken to go steadily from where they are to where they will be, if the Sun goes on at this rate, rad/s: what a pixel's light is off
+    /// by is then within a tolerance, over the median sunlit radiance.
+    ///
+    /// A straight edge that sweeps d across a pixel's border is off by at most d / 4 between the two: as behind a disc as wide as the Sun's way, of which a point
+    /// misses half.
+    pub(in crate::study) fn steady_s(&self, rate_rad_s: f64, tolerance: f64) -> f64 {
+        let per_s =
+            bounds::shadow_edge(0.5, 0.5 * rate_rad_s, self.throw_m(), self.pixel_m(), self.median_brightness());
+        tolerance / per_s
     }
 
     /// Median brightness in sunlight of what is sunlit, over that of a Lambert surface under a Sun at the zenith; 1 if nothing is.

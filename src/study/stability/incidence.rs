@@ -7,7 +7,8 @@ use super::painter::painted_sunlight;
 use super::scenes::{above, by_rays, cells, cuboid, facets, joined, lit_by, scene, sun};
 use super::{Hazard, Point, Sweep};
 use crate::error::Result;
-use crate::study::chart::{RayTree, lit_at_centroid};
+use crate::study::chart::lit_at_centroid;
+use crate::visibility::RayTree;
 
 const HEIGHT_M: f64 = 5.0;
 

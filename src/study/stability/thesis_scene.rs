@@ -9,7 +9,8 @@ use super::{Hazard, Point, Sweep};
 use crate::error::Result;
 use crate::geometry::{Direction, Mesh};
 use crate::scene::Scene;
-use crate::study::chart::{RayTree, facing_the_sun, lit_at_centroid};
+use crate::study::chart::{facing_the_sun, lit_at_centroid};
+use crate::visibility::RayTree;
 
 const RED: f64 = 0.3;
 const GREEN: f64 = 0.6;

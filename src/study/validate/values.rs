@@ -68,6 +68,9 @@ impl Oracle<'_> {
             "crater" => self.crater(kind),
             "penumbra" => self.penumbra(kind),
             "pushbroom" => self.pushbroom(kind),
+            "time" => self.time(kind),
+            "iau" => self.iau(),
+            "qso" => self.qso(kind),
             _ => None,
         };
         answers.unwrap_or_default()

@@ -14,9 +14,8 @@ use serde_json::json;
 
 use crate::scratch::Scratch;
 
-/// Whether Mitsuba is there, and LLVM (Debian: libllvm19), with which it compiles.
-const MITSUBA: &str =
-    "import mitsuba as mi; mi.set_variant('llvm_ad_mono'); import drjit as dr; dr.eval(mi.Float([1.0, 2.0]) + 1.0)";
+/// Whether Mitsuba is there, and LLVM (Debian: libllvm19), with which it compiles: older ones know no minimum and end the process.
+const MITSUBA: &str = "import mitsuba as mi; mi.set_variant('llvm_ad_mono'); import drjit as dr; dr.eval(dr.minimum(mi.Float([1.0, 2.0]), 1.5))";
 const HEAT1D: &str = "import importlib.util as u, sys; sys.exit(u.find_spec('heat1d') is None)";
 
 /// An interpreter that runs this, if there is one.

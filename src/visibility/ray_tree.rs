@@ -1,6 +1,6 @@
 //! Where a ray first meets a mesh: a tree of boxes (surface area heuristic with bins; Wald 2007), double precision, both sides of facets.
 //!
-//! It serves the comparison alone: what the product computes is exact and casts no rays.
+//! It answers single questions, as of `locate`, and serves the comparison with renderers: images are exact, and cast no rays.
 
 use glam::DVec3;
 

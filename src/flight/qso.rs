@@ -1,0 +1,96 @@
+//! Quasi-satellite orbits about Phobos by name.
+
+use super::hill::{Hill, QuasiSatellite};
+use super::trajectory::{Path, Segment, Span, Trajectory};
+use super::{Epoch, State, body_name};
+
+/// By how much the second number of a name may be off, km: names have whole kilometres.
+const NAME_KM: f64 = 0.75;
+
+/// A quasi-satellite orbit by its size, as `qso-20x27`: 20 km from Phobos' centre on the line to Mars, 27 km along the orbit of Phobos. A third
+/// number, as in `3d-qso-30x49x20`, is the height above Phobos' equator in which it starts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Qso {
+    /// On the line to Mars, m.
+    pub x0_m: f64,
+    /// Above the equator, m.
+    pub height_m: f64,
+    found: QuasiSatellite,
+}
+
+impl Qso {
+    /// Those that the mission planned: QSO-LC, LB, LA, M and H, and two in space.
+    pub const NAMES: [&str; 7] =
+        ["qso-20x27", "qso-22x31", "qso-30x49", "qso-50x94", "qso-100x198", "3d-qso-30x49x20", "3d-qso-50x94x30"];
+
+    /// By its name; any size will do.
+    ///
+    /// # Errors
+    /// What is wrong with the name, as a sentence.
+    pub fn named(name: &str) -> Result<Self, String> {
+        let expected = || format!("{name:?}: expected a quasi-satellite orbit as {}", Self::NAMES.join(", "));
+        let (sizes, is_3d) = match (name.strip_prefix("qso-"), name.strip_prefix("3d-qso-")) {
+            (Some(sizes), _) => (sizes, false),
+            (_, Some(sizes)) => (sizes, true),
+            _ => return Err(expected()),
+        };
+        let km: Option<Vec<f64>> =
+            sizes.split('x').map(|size| size.parse().ok().filter(|km| (0.0..1000.0).contains(km))).collect();
+        let (x0_km, y_km, height_km) = match (km.as_deref(), is_3d) {
+            (Some([x0, y]), false) => (*x0, *y, 0.0),
+            (Some([x0, y, height]), true) => (*x0, *y, *height),
+            _ => return Err(expected()),
+        };
+        let (x0_m, height_m) = (1e3 * x0_km, 1e3 * height_km);
+        let hill = Hill::PHOBOS;
+        let planar = hill
+            .quasi_satellite(x0_m)
+            .ok_or_else(|| format!("{name:?}: there is no such orbit {x0_km} km from Phobos' centre"))?;
+        let long_km = planar.farthest.position_m.y.abs() / 1e3;
+        if (long_km - y_km).abs() > NAME_KM {
+            return Err(format!(
+                "{name:?}: an orbit of {x0_km} km is {long_km:.1} km long: call it {}qso-{x0_km}x{long_km:.0}{}",
+                if is_3d { "3d-" } else { "" },
+                if is_3d { format!("x{height_km}") } else { String::new() }
+            ));
+        }
+        let found = match is_3d {
+            false => planar,
+            true => {
+                hill.quasi_satellite_3d(x0_m, height_m).ok_or_else(|| format!("{name:?}: there is no such orbit"))?
+            }
+        };
+        Ok(Qso { x0_m, height_m, found })
+    }
+
+    /// How long it takes, s; of one in space, until it is over the same point of the plane.
+    pub fn period_s(&self) -> f64 {
+        self.found.period_s
+    }
+
+    /// Its state on the line to Mars, along Phobos' axes.
+    pub fn start(&self) -> State {
+        self.found.start
+    }
+
+    /// The trajectory of something that is at its start (on the side of Mars) at a moment, over a span. Its axes are Phobos' own, whose swing
+    /// about Mars is left out.
+    ///
+    /// # Errors
+    /// If it does not last that long, as a sentence.
+    pub fn trajectory(&self, name: &str, target: &str, at: Epoch, span: Span) -> Result<Trajectory, String> {
+        let span = Span {
+            start: if at < span.start { at } else { span.start },
+            end: if span.end < at { at } else { span.end },
+        };
+        let orbit = Hill::PHOBOS.orbit(self.found.start, at, span);
+        let orbit = orbit.ok_or_else(|| format!("{name} does not last from {} to {}", span.start, span.end))?;
+        Ok(Trajectory {
+            target: body_name(target),
+            centre: "PHOBOS".to_owned(),
+            frame: "IAU_PHOBOS".to_owned(),
+            source: name.to_owned(),
+            segments: vec![Segment { span, path: Path::Orbit(orbit) }],
+        })
+    }
+}

@@ -1,0 +1,242 @@
+//! Flight dynamics in a scene: its files, orbits and laws of pointing.
+
+use std::sync::Arc;
+
+use glam::{DMat3, DVec3};
+
+use super::TomlReader;
+use super::types::{
+    CorrectionToml, FlightToml, JitterToml, KindToml, PointingToml, ScanToml, SensorAxisToml, SensorToml, SunToml,
+    UpNameToml, UpToml,
+};
+use crate::flight::{Aim, Almanac, Correction, Epoch, Jitter, Pointing, Qso, Scan, Span, Up, body_name, frame_name};
+use crate::formats::{InputFile, ephemeris};
+use crate::geometry::Pose;
+use crate::scene::{Motion, Readout, Timing};
+
+/// What carries the camera on an orbit by name, where nothing else is said.
+const SPACECRAFT: &str = "SPACECRAFT";
+/// An orbit by name is known for so long before and after the scene, s: ten days.
+const ORBIT_S: f64 = 864_000.0;
+
+/// Where things are at the moment of a scene, along the body's axes from its centre, m.
+pub(super) struct Placed {
+    pub(super) sun_m: DVec3,
+    pub(super) mars_m: Option<DVec3>,
+    pub(super) pose: Pose,
+}
+
+impl TomlReader<'_> {
+    pub(super) fn motion(&mut self, toml: &FlightToml) -> Option<Motion> {
+        let mut almanac = Almanac::rough();
+        let mut all_read = true;
+        for (i, name) in toml.files.iter().enumerate() {
+            let path = self.path(name);
+            let read = ephemeris::furnish(&path, &mut almanac);
+            all_read &= self.taken(&format!("flight.files[{i}]"), read).is_some();
+            if let Ok(input) = InputFile::hashed(&path) {
+                self.inputs.push(input);
+            }
+        }
+        let start = self.epoch("flight.epoch", &toml.epoch, &almanac);
+        let body = match &toml.body {
+            Some(name) => body_name(name),
+            None => {
+                self.stated("flight.body", "PHOBOS");
+                "PHOBOS".to_owned()
+            }
+        };
+        let frame = toml.frame.as_deref().map_or_else(|| format!("IAU_{body}"), frame_name);
+        let spacecraft = self.spacecraft(toml, &body, start, &mut almanac);
+        let pointing = self.pointing(toml.pointing.as_ref().unwrap_or(&PointingToml::default()));
+        let correction = match toml.correction {
+            None | Some(CorrectionToml::None) => Correction::None,
+            Some(CorrectionToml::LightTime) => Correction::LightTime,
+            Some(CorrectionToml::LightTimeAndAberration) => Correction::LightTimeAndAberration,
+        };
+        all_read.then_some(())?;
+        Some(Motion {
+            almanac: Arc::new(almanac),
+            body,
+            frame,
+            origin_m: self.origin_m,
+            spacecraft: spacecraft?,
+            pointing: pointing?,
+            correction,
+            start: start?,
+        })
+    }
+
+    fn epoch(&mut self, item: &str, text: &str, almanac: &Almanac) -> Option<Epoch> {
+        match Epoch::parse(text, None, &almanac.leap) {
+            Ok(epoch) => Some(epoch),
+            Err(why) => {
+                self.problem(item, why);
+                None
+            }
+        }
+    }
+
+    /// The name of what carries the camera, whose orbit, if it has a name, goes into the almanac.
+    fn spacecraft(
+        &mut self,
+        toml: &FlightToml,
+        body: &str,
+        start: Option<Epoch>,
+        almanac: &mut Almanac,
+    ) -> Option<String> {
+        let Some(name) = &toml.orbit else {
+            if toml.orbit_epoch.is_some() {
+                self.problem("flight.orbit_epoch", "goes with `orbit` alone");
+                return None;
+            }
+            let Some(spacecraft) = &toml.spacecraft else {
+                let help = "give `spacecraft`, a name that `files` know, or `orbit`, as \"qso-20x27\"";
+                self.helped("flight", "nothing says what carries the camera", help);
+                return None;
+            };
+            return Some(body_name(spacecraft));
+        };
+        if body != "PHOBOS" {
+            self.problem("flight.orbit", format!("orbits by name are about PHOBOS, not {body}"));
+            return None;
+        }
+        let orbit = Qso::named(name).map_err(|why| self.problem("flight.orbit", why).message.clone()).ok();
+        let at = match &toml.orbit_epoch {
+            Some(text) => self.epoch("flight.orbit_epoch", text, almanac)?,
+            None => start?,
+        };
+        let start = start?;
+        let span = Span { start: start.after_s(-ORBIT_S), end: start.after_s(ORBIT_S) };
+        let spacecraft = toml.spacecraft.as_deref().unwrap_or(SPACECRAFT);
+        match orbit?.trajectory(name, spacecraft, at, span) {
+            Ok(trajectory) => almanac.trajectories.push(trajectory),
+            Err(why) => {
+                self.problem("flight.orbit", why);
+                return None;
+            }
+        }
+        Some(body_name(spacecraft))
+    }
+
+    fn pointing(&mut self, toml: &PointingToml) -> Option<Pointing> {
+        let item = |key: &str| format!("flight.pointing.{key}");
+        let frame_from_sensor = match toml.frame_from_sensor_xyzw {
+            Some(xyzw) => self.rotation(&item("frame_from_sensor_xyzw"), xyzw)?,
+            None => DMat3::IDENTITY,
+        };
+        let turned = toml.frame.is_some() || toml.fixed_in.is_some();
+        if !turned && toml.frame_from_sensor_xyzw.is_some() {
+            self.problem(&item("frame_from_sensor_xyzw"), "goes with `frame` or `fixed_in`");
+            return None;
+        }
+        if turned && toml.up.is_some() {
+            self.problem(&item("up"), "goes with a boresight that follows a point: an attitude says all");
+            return None;
+        }
+        let aim = match (toml.target_m, &toml.frame, &toml.fixed_in) {
+            (None, None, None) => Aim::Nadir,
+            (Some(target_m), None, None) => Aim::Target(DVec3::from_array(target_m)),
+            (None, Some(frame), None) => Aim::Frame(frame_name(frame), frame_from_sensor),
+            (None, None, Some(frame)) => Aim::Fixed(frame_name(frame), frame_from_sensor),
+            _ => {
+                self.problem(
+                    "flight.pointing",
+                    "give one of `target_m`, `frame` and `fixed_in`, or none of them: nadir",
+                );
+                return None;
+            }
+        };
+        let up = match toml.up {
+            None | Some(UpToml::Named(UpNameToml::North)) => Up::North,
+            Some(UpToml::Named(UpNameToml::Backward)) => Up::Backward,
+            Some(UpToml::Named(UpNameToml::Sun)) => Up::Sun,
+            Some(UpToml::Direction(up)) => Up::Vector(DVec3::from_array(up)),
+        };
+        let jitter = match &toml.jitter {
+            Some(jitter) => Some(self.jitter(jitter)?),
+            None => None,
+        };
+        Some(Pointing {
+            aim,
+            up,
+            scan: toml.scan.as_ref().map(scan),
+            bias_rad: DVec3::from_array(toml.bias_mrad.unwrap_or_default()) * 1e-3,
+            jitter,
+        })
+    }
+
+    fn jitter(&mut self, toml: &JitterToml) -> Option<Jitter> {
+        let [low, high] = toml.band_hz;
+        if !(0.0..=high).contains(&low) {
+            self.problem("flight.pointing.jitter.band_hz", format!("{low} to {high} Hz is no band of frequencies"));
+            return None;
+        }
+        if toml.rms_mrad.iter().any(|rms| *rms < 0.0) {
+            self.problem("flight.pointing.jitter.rms_mrad", "a root mean square is not negative");
+            return None;
+        }
+        let rms_rad = DVec3::from_array(toml.rms_mrad) * 1e-3;
+        Some(Jitter { seed: toml.seed.unwrap_or(1), rms_rad, band_hz: toml.band_hz })
+    }
+
+    /// Where things are in the middle of the first exposure.
+    pub(super) fn placed_by(&mut self, motion: &Motion, timing: Timing, has_mars: bool) -> Option<Placed> {
+        let epoch = motion.start.after_s(timing.middle_s(0));
+        let sun_m = motion.seen_m("SUN", epoch);
+        let mars_m = has_mars.then(|| motion.seen_m("MARS", epoch)).transpose();
+        let pose = motion.pose(epoch);
+        let (sun_m, mars_m, pose) =
+            (self.taken("flight", sun_m), self.taken("flight", mars_m), self.taken("flight", pose));
+        Some(Placed { sun_m: sun_m?, mars_m: mars_m?, pose: pose? })
+    }
+
+    /// When what of the image is taken.
+    pub(super) fn timing(&mut self, toml: &SensorToml, flies: bool) -> Option<Timing> {
+        let readout = match toml.kind {
+            None | Some(KindToml::Frame) => Readout::Frame,
+            Some(KindToml::TunableFilter) => Readout::Band,
+            Some(KindToml::PushBroom) => Readout::Line,
+        };
+        if readout == Readout::Frame {
+            if toml.period_s.is_some() {
+                self.problem("sensor.period_s", "goes with `kind` = \"tunable_filter\" or \"push_broom\"");
+                return None;
+            }
+            return Some(Timing { readout, period_s: 0.0, exposure_s: toml.exposure_s.unwrap_or(0.0) });
+        }
+        if !flies {
+            let help = "or leave `kind` out: all of the image is then taken at once";
+            self.helped("sensor.kind", "needs `[flight]`, which says what moves meanwhile", help);
+            return None;
+        }
+        let Some(period_s) = toml.period_s else {
+            self.problem("sensor", "`period_s` is missing: the time from one to the next");
+            return None;
+        };
+        let exposure_s = toml.exposure_s.unwrap_or(period_s);
+        if exposure_s > period_s && readout == Readout::Band {
+            self.problem("sensor.exposure_s", format!("{exposure_s} s is longer than `period_s`, {period_s} s"));
+            return None;
+        }
+        Some(Timing { readout, period_s, exposure_s })
+    }
+
+    /// What a scene says of the Sun, with the position that flight dynamics gives it.
+    pub(super) fn sun_placed(&mut self, toml: &SunToml, placed: Option<&Placed>) -> Option<SunToml> {
+        if toml.position_m.is_some() || toml.direction.is_some() || toml.distance_au.is_some() {
+            self.problem("sun", "`flight` places the Sun too: leave its position, direction and distance out");
+            return None;
+        }
+        Some(SunToml { frame: None, position_m: Some(placed?.sun_m.to_array()), ..toml.clone() })
+    }
+}
+
+fn scan(toml: &ScanToml) -> Scan {
+    let axis = match toml.axis {
+        SensorAxisToml::X => DVec3::X,
+        SensorAxisToml::Y => DVec3::Y,
+        SensorAxisToml::Z => DVec3::Z,
+    };
+    Scan { axis, start_rad: toml.start_deg.unwrap_or(0.0).to_radians(), rate_rad_s: toml.rate_deg_s.to_radians() }
+}

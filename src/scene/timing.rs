@@ -1,0 +1,91 @@
+//! What a sensor takes at once, and what it takes one after the other.
+
+use std::ops::Range;
+
+use super::Exposure;
+
+/// What a sensor takes at once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Readout {
+    /// All of the image.
+    #[default]
+    Frame,
+    /// An image in one band, as through a tunable filter.
+    Band,
+    /// A line in all bands: a push-broom.
+    Line,
+}
+
+/// When a sensor takes what.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Timing {
+    /// What it takes at once.
+    pub readout: Readout,
+    /// From the beginning of one to that of the next, s.
+    pub period_s: f64,
+    /// For how long light is gathered, s.
+    pub exposure_s: f64,
+}
+
+/// A part of a cube that is taken at once.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Take {
+    /// The middle of its exposure, s after the start.
+    pub middle_s: f64,
+    /// Its lines in the cube.
+    pub lines: Range<usize>,
+    /// Its bands in the cube.
+    pub bands: Range<usize>,
+}
+
+impl Timing {
+    /// How many parts there are.
+    pub fn count(&self, exposure: &Exposure) -> usize {
+        match self.readout {
+            Readout::Frame => 1,
+            Readout::Band => exposure.bands.len(),
+            Readout::Line => exposure.camera.lines as usize,
+        }
+    }
+
+    /// The parts of a cube, in the order of time.
+    pub fn takes(&self, exposure: &Exposure) -> impl Iterator<Item = Take> + use<> {
+        let (timing, all_lines, all_bands) = (*self, 0..exposure.camera.lines as usize, 0..exposure.bands.len());
+        (0..self.count(exposure)).map(move |i| {
+            let (lines, bands) = match timing.readout {
+                Readout::Frame => (all_lines.clone(), all_bands.clone()),
+                Readout::Band => (all_lines.clone(), i..i + 1),
+                Readout::Line => (i..i + 1, all_bands.clone()),
+            };
+            Take { middle_s: timing.middle_s(i), lines, bands }
+        })
+    }
+
+    /// The exposure that the account of an image, and what is relative to one, refer to: the middle one.
+    pub fn reference(&self, exposure: &Exposure) -> usize {
+        self.count(exposure) / 2
+    }
+
+    /// The middle of an exposure, s after the start of the first.
+    #[allow(clippy::cast_precision_loss, reason = "fewer than 2^53 exposures")]
+    pub fn middle_s(&self, i: usize) -> f64 {
+        i as f64 * self.period_s + 0.5 * self.exposure_s
+    }
+
+    /// From the start of the first exposure to the end of the last, s.
+    pub fn duration_s(&self, exposure: &Exposure) -> f64 {
+        self.middle_s(self.count(exposure).saturating_sub(1)) + 0.5 * self.exposure_s
+    }
+}
+
+impl Take {
+    /// What is exposed: of a frame camera or filter all lines; of a push-broom its slit, which lies where the frame's boresight does.
+    pub fn exposure(&self, all: &Exposure) -> Exposure {
+        let mut exposure = Exposure { bands: all.bands[self.bands.clone()].to_vec(), ..all.clone() };
+        if self.lines.len() != all.camera.lines as usize {
+            exposure.camera.lines = 1;
+            exposure.camera.boresight_px[1] = 0.5;
+        }
+        exposure
+    }
+}

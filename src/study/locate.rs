@@ -1,0 +1,247 @@
+//! Where on the ground a pixel looks, and in which pixel a point of the ground lies: of any sensor, at the moment of each.
+//!
+//! Image coordinates are continuous, pixels from the outer corner of the first pixel. Of a push-broom the line is time: line coordinate l is the moment `start` +
+//! `exposure_s` / 2 + (l - 1/2) `period_s`, and the ray goes through the middle of the slit.
+
+use glam::DVec3;
+
+use crate::error::{Error, Location, Problem, Result};
+use crate::flight::Epoch;
+use crate::geometry::{Camera, FrameCamera, Pose, angle_rad};
+use crate::scene::{Motion, Readout, Scene, Timing};
+use crate::visibility::RayTree;
+
+/// Moments at which it is asked on which side of a push-broom's slit a point is, at least.
+const LOOKS: usize = 64;
+/// Halvings of the time between two of them: to the digits of a number.
+const HALVINGS: usize = 80;
+
+/// A scene, its sensor and its surface, to be asked.
+#[derive(Debug)]
+pub struct Locator<'a> {
+    scene: &'a Scene,
+    motion: Option<(&'a Motion, Timing)>,
+    tree: RayTree,
+}
+
+/// A place of an image.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    /// Along a line, pixels.
+    pub sample: f64,
+    /// From line to line, pixels.
+    pub line: f64,
+}
+
+/// Where a ray through a place of an image meets the surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ground {
+    /// From the body's centre along its axes, m.
+    pub point_m: DVec3,
+    /// The facet.
+    pub facet: u32,
+    /// Whether its outer side is seen.
+    pub front: bool,
+    /// From the camera, m.
+    pub range_m: f64,
+    /// Angle between the facet's normal and the ray back to the camera, rad.
+    pub local_emission_rad: f64,
+    /// When: the middle of the exposure; `None` of a scene without time.
+    pub epoch: Option<Epoch>,
+}
+
+impl Ground {
+    /// Planetocentric latitude and longitude east, deg, 0 to 360.
+    pub fn latitude_longitude_deg(&self) -> [f64; 2] {
+        let p = self.point_m;
+        [p.z.atan2(p.x.hypot(p.y)).to_degrees(), p.y.atan2(p.x).to_degrees().rem_euclid(360.0)]
+    }
+}
+
+/// Where a point of the ground lies in an image.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Seen {
+    /// Where.
+    pub place: Place,
+    /// Whether that is in the image.
+    pub inside: bool,
+    /// The facet that hides it from the camera, if one does.
+    pub hidden_by: Option<u32>,
+    /// From the camera, m.
+    pub range_m: f64,
+    /// When; `None` of a scene without time.
+    pub epoch: Option<Epoch>,
+}
+
+/// A camera at a moment.
+struct Now {
+    camera: FrameCamera,
+    epoch: Option<Epoch>,
+}
+
+impl<'a> Locator<'a> {
+    /// Of a scene, and how it moves, if it does.
+    pub fn new(scene: &'a Scene, motion: Option<(&'a Motion, Timing)>) -> Self {
+        Locator { scene, motion, tree: RayTree::new(&scene.body.mesh) }
+    }
+
+    /// The band, counted from 0, whose geometry stands for the image's: of a filter the middle one.
+    pub fn reference_band(&self) -> usize {
+        match self.motion {
+            Some((_, timing)) if timing.readout == Readout::Band => timing.reference(&self.scene.exposure),
+            _ => 0,
+        }
+    }
+
+    /// What a place of the image shows in a band, counted from 0; `None`: no surface.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if there is no such band, or where something is, is not known then.
+    pub fn ground(&self, place: Place, band: usize) -> Result<Option<Ground>> {
+        let now = self.camera_at(place.line, band)?;
+        let line = if self.readout() == Readout::Line { now.camera.boresight_px[1] } else { place.line };
+        let (from_m, ray) = (now.camera.centre_m(), now.camera.ray(place.sample, line));
+        let Some(hit) = self.tree.nearest(from_m, ray) else { return Ok(None) };
+        let to_m = hit.t * ray;
+        let normal = self.scene.body.mesh.facet(hit.facet as usize).cross_m2();
+        Ok(Some(Ground {
+            point_m: from_m + to_m + self.scene.body.origin_m,
+            facet: hit.facet,
+            front: hit.front,
+            range_m: to_m.length(),
+            local_emission_rad: angle_rad(normal, -ray),
+            epoch: now.epoch,
+        }))
+    }
+
+    /// Where a point of the ground, from the body's centre along its axes, m, lies in the image of a band, counted from 0; `None` if it is never before the
+    /// camera, or never in the slit. Of several moments in the slit the first one counts.
+    ///
+    /// # Errors
+    /// As [`ground`](Locator::ground).
+    pub fn place(&self, point_m: DVec3, band: usize) -> Result<Option<Seen>> {
+        let local_m = point_m - self.scene.body.origin_m;
+        let all = &self.scene.exposure.camera;
+        let found = match self.readout() {
+            Readout::Frame | Readout::Band => {
+                let now = self.camera_at(0.0, band)?;
+                let at = projected(&now.camera, local_m);
+                at.map(|[sample, line]| (Place { sample, line }, now))
+            }
+            Readout::Line => match self.line_of(local_m)? {
+                Some(line) => {
+                    let now = self.camera_at(line, band)?;
+                    let at = projected(&now.camera, local_m);
+                    at.map(|[sample, _]| (Place { sample, line }, now))
+                }
+                None => None,
+            },
+        };
+        let Some((place, now)) = found else { return Ok(None) };
+        let inside = (0.0..=f64::from(all.samples)).contains(&place.sample)
+            && (0.0..=f64::from(all.lines)).contains(&place.line);
+        let to_m = local_m - now.camera.centre_m();
+        // What lies before it by more than rounding hides it.
+        let before = self.tree.nearest(now.camera.centre_m(), to_m).filter(|hit| hit.t < 1.0 - 1e-9);
+        Ok(Some(Seen {
+            place,
+            inside,
+            hidden_by: before.map(|hit| hit.facet),
+            range_m: to_m.length(),
+            epoch: now.epoch,
+        }))
+    }
+
+    fn readout(&self) -> Readout {
+        self.motion.map_or(Readout::Frame, |(_, timing)| timing.readout)
+    }
+
+    /// The camera at a line coordinate of a band; of a push-broom its slit alone.
+    fn camera_at(&self, line: f64, band: usize) -> Result<Now> {
+        let exposure = &self.scene.exposure;
+        if band >= exposure.bands.len() {
+            let message = format!("band {} is not one of {}", band + 1, exposure.bands.len());
+            return Err(Error::Invalid(vec![Problem::new(Location::item("band"), message)]));
+        }
+        let mut camera = exposure.camera.clone();
+        let Some((motion, timing)) = self.motion else { return Ok(Now { camera, epoch: None }) };
+        let middle_s = match timing.readout {
+            Readout::Frame => timing.middle_s(0),
+            Readout::Band => timing.middle_s(band),
+            Readout::Line => {
+                camera.lines = 1;
+                camera.boresight_px[1] = 0.5;
+                timing.middle_s(0) + (line - 0.5) * timing.period_s
+            }
+        };
+        let epoch = motion.start.after_s(middle_s);
+        let pose: Pose = motion.pose(epoch)?;
+        Ok(Now { camera: FrameCamera { world_from_sensor: pose, ..camera }, epoch: Some(epoch) })
+    }
+
+    /// The line coordinate at which a point is in the middle of the slit, from half a line before the first to half a line after the last.
+    fn line_of(&self, local_m: DVec3) -> Result<Option<f64>> {
+        // Which side of the slit's plane it is on, by its distance in pixels; nothing where it is behind the camera.
+        let side = |line: f64| -> Result<Option<f64>> {
+            let now = self.camera_at(line, 0)?;
+            Ok(projected(&now.camera, local_m).map(|[_, y]| y - now.camera.boresight_px[1]))
+        };
+        let lines = f64::from(self.scene.exposure.camera.lines);
+        let looks = LOOKS.max(self.scene.exposure.camera.lines as usize / 16);
+        let at = |i: usize| lines * i as f64 / looks as f64;
+        // The image's ends may be half a line beyond the last exposure, where nothing is known.
+        let look = |i: usize| match side(at(i)) {
+            Err(Error::Invalid(_)) if i == 0 || i == looks => Ok((at(i), None)),
+            side => side.map(|side| (at(i), side)),
+        };
+        let mut before = look(0)?;
+        for i in 1..=looks {
+            let after = look(i)?;
+            if let (Some(a), Some(b)) = (before.1, after.1)
+                && (a <= 0.0) != (b <= 0.0)
+            {
+                return self.crossing((before.0, a), (after.0, b), side).map(Some);
+            }
+            before = after;
+        }
+        // Exactly in the last moment's slit.
+        Ok(before.1.filter(|y| *y == 0.0).map(|_| before.0))
+    }
+
+    /// Between two lines on either side of the slit, the one at which a point is in it: secants that bisection keeps inside.
+    fn crossing(
+        &self,
+        mut low: (f64, f64),
+        mut high: (f64, f64),
+        side: impl Fn(f64) -> Result<Option<f64>>,
+    ) -> Result<f64> {
+        let mut by_secant = true;
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low.0 + high.0);
+            let secant = low.0 - low.1 * (high.0 - low.0) / (high.1 - low.1);
+            let next = if by_secant && low.0 < secant && secant < high.0 { secant } else { middle };
+            if next == low.0 || next == high.0 {
+                break;
+            }
+            let width = high.0 - low.0;
+            match side(next)? {
+                Some(0.0) => return Ok(next),
+                Some(y) if (y <= 0.0) == (low.1 <= 0.0) => low = (next, y),
+                Some(y) => high = (next, y),
+                None => break,
+            }
+            // A secant that gains less than half is followed by a bisection.
+            by_secant = high.0 - low.0 <= 0.5 * width || !by_secant;
+            if (high.0 - low.0) <= 4.0 * f64::EPSILON * high.0.abs() {
+                break;
+            }
+        }
+        Ok(if low.1.abs() <= high.1.abs() { low.0 } else { high.0 })
+    }
+}
+
+/// Where a camera sees a point before it.
+fn projected(camera: &FrameCamera, local_m: DVec3) -> Option<[f64; 2]> {
+    let h = Camera::Frame(camera.clone()).projection().homogeneous(local_m);
+    (h.z > 0.0).then(|| [h.x / h.z, h.y / h.z])
+}
