@@ -91,6 +91,24 @@ const NO_VOLUME: f64 = 64.0 * f64::EPSILON;
 pub const NO_UV: [[f64; 2]; 3] = [[f64::NAN; 2]; 3];
 
 impl Mesh {
+    /// Some of its facets, ascending, with the vertices that they use; each facet's face is that which it had.
+    #[must_use]
+    pub fn part(&self, facets: &[u32]) -> Mesh {
+        let mut used: Vec<u32> = facets.iter().flat_map(|facet| self.facets[*facet as usize]).collect();
+        used.sort_unstable();
+        used.dedup();
+        let place = |vertex: u32| index_u32(used.partition_point(|of| *of < vertex));
+        let of_facet = |facet: &u32| self.face_of_facet.get(*facet as usize).copied().unwrap_or(*facet);
+        let uv = |facet: &u32| self.uv.get(*facet as usize).copied();
+        Mesh {
+            vertices_m: used.iter().map(|vertex| self.vertices_m[*vertex as usize]).collect(),
+            facets: facets.iter().map(|facet| self.facets[*facet as usize].map(place)).collect(),
+            material: facets.iter().map(|facet| self.material[*facet as usize]).collect(),
+            face_of_facet: facets.iter().map(of_facet).collect(),
+            uv: facets.iter().map_while(uv).collect(),
+        }
+    }
+
     /// A facet.
     pub fn facet(&self, facet: usize) -> Facet {
         let [a, b, c] = self.facets[facet];

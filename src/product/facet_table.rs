@@ -91,6 +91,36 @@ pub struct SamplingError {
 }
 
 impl FacetTable {
+    /// The same of some facets, ascending.
+    #[must_use]
+    pub fn part(&self, facets: &[u32]) -> FacetTable {
+        let of =
+            |all: &[f64]| -> Vec<f64> { facets.iter().filter_map(|facet| all.get(*facet as usize).copied()).collect() };
+        let sees = |sees: &Sees| match sees {
+            Sees::All => Sees::All,
+            Sees::Polygons(seen) => Sees::Polygons(seen.part(facets)),
+            Sees::Shares(shares) => Sees::Shares(of(shares)),
+        };
+        let lighting = |of_source: &Lighting| Lighting {
+            source: of_source.source.clone(),
+            field: of_source.field.clone(),
+            irradiance: of(&of_source.irradiance),
+            sees: sees(&of_source.sees),
+        };
+        FacetTable {
+            sources: self.sources.iter().map(lighting).collect(),
+            temperature_lit_k: of(&self.temperature_lit_k),
+            temperature_shaded_k: of(&self.temperature_shaded_k),
+            reflected: self
+                .reflected
+                .iter()
+                .map(|all| Reflected { irradiance: of(&all.irradiance), ..all.clone() })
+                .collect(),
+            sampling: self.sampling,
+            models: self.models,
+        }
+    }
+
     /// Number of facets.
     pub fn facets(&self) -> usize {
         self.sources.first().map_or(0, |sun| sun.irradiance.len())

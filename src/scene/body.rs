@@ -36,7 +36,8 @@ struct Checked {
     surface: Surface,
     bounds_m: Option<(DVec3, DVec3)>,
     topology: OnceLock<Topology>,
-    absorbing: OnceLock<Vec<Option<Absorbing>>>,
+    // Parts of a body are made of the same.
+    absorbing: Arc<OnceLock<Vec<Option<Absorbing>>>>,
 }
 
 /// What a material absorbs by incidence: a table, and the factor of its weights.
@@ -54,8 +55,28 @@ impl Body {
 
     /// Of a surface that has no [problems](Surface::problems).
     pub(super) fn checked(surface: Surface) -> Self {
+        Body::of(surface, Arc::default())
+    }
+
+    fn of(surface: Surface, absorbing: Arc<OnceLock<Vec<Option<Absorbing>>>>) -> Self {
         let bounds_m = surface.mesh.bounds_m();
-        Body(Arc::new(Checked { surface, bounds_m, topology: OnceLock::new(), absorbing: OnceLock::new() }))
+        Body(Arc::new(Checked { surface, bounds_m, topology: OnceLock::new(), absorbing }))
+    }
+
+    /// Some of its facets, ascending, as a body: of the same materials, and each facet's face is that which it had.
+    #[must_use]
+    pub fn part(&self, facets: &[u32]) -> Self {
+        let texture = |texture: &Texture| {
+            let corners = facets.iter().map(|facet| texture.corners[*facet as usize]).collect();
+            Texture { corners, ..texture.clone() }
+        };
+        let surface = Surface {
+            origin_m: self.origin_m,
+            mesh: self.mesh.part(facets),
+            materials: self.materials.clone(),
+            textures: self.textures.iter().map(texture).collect(),
+        };
+        Body::of(surface, self.0.absorbing.clone())
     }
 
     /// Lowest and highest coordinates of its facets, local, m; `None` if it has none.

@@ -8,11 +8,13 @@ use super::observation::{Observation, Put};
 use super::simulate::account_for;
 use crate::error::{Error, Location, Problem, Result};
 use crate::flight::Epoch;
-use crate::integrate::{self, Image, Wanted};
+use crate::geometry::whole;
+use crate::integrate::{self, Wanted};
 use crate::product::{Backplanes, Exposed, Exposures, FacetTable, Plane};
 use crate::progress::{Progress, Watch, tell};
-use crate::scene::{Motion, Readout, Scene, Take, Timing};
+use crate::scene::{Body, Exposure, Motion, Readout, Scene, Setup, Take, Timing};
 use crate::solve;
+use crate::visibility::FacetGroups;
 
 /// A scene at the moment of its reference exposure, and how it moves.
 #[derive(Debug, Clone, Copy)]
@@ -29,12 +31,34 @@ pub struct Moving<'a> {
 const STAGE: &str = "exposures";
 
 impl Moving<'_> {
-    /// The scene at the moment of a part of the cube, with what is exposed then.
-    ///
-    /// # Errors
-    /// As [`Motion::at`].
-    pub fn at(&self, take: &Take) -> Result<Scene> {
-        self.motion.at(self.scene, take.exposure(&self.scene.exposure), self.epoch(take))
+    /// The scene at the moment of a part of the cube, with what is exposed then, of a body or a part of it.
+    fn at(&self, body: &Body, take: &Take) -> Result<Scene> {
+        let Moving { scene, motion, .. } = *self;
+        let sky = motion.sky(&scene.sky, self.epoch(take))?;
+        Scene::new(Setup { body: body.clone(), sky, exposure: self.exposure(take)?, models: scene.models })
+    }
+
+    /// What is exposed of a part of the cube, with the camera where it then is.
+    fn exposure(&self, take: &Take) -> Result<Exposure> {
+        let mut exposure = take.exposure(&self.scene.exposure);
+        exposure.camera.world_from_sensor = self.motion.pose(self.epoch(take))?;
+        Ok(exposure)
+    }
+
+    /// Some exposures, with the part of the body that they may see, if groups of its facets tell.
+    fn block(&self, takes: &[Take], groups: Option<&FacetGroups>) -> Result<Block> {
+        let all = Block { body: self.scene.body.clone(), facets: None, tables: vec![] };
+        let Some(groups) = groups else { return Ok(all) };
+        let mut seen = vec![false; groups.count()];
+        for take in takes {
+            groups.add_seen(&self.exposure(take)?.camera, &mut seen);
+        }
+        let facets = groups.facets(&seen);
+        // A body has facets: where nothing is in view, that is seen of the whole one.
+        if facets.is_empty() || 2 * facets.len() > self.scene.body.mesh.facets.len() {
+            return Ok(all);
+        }
+        Ok(Block { body: self.scene.body.part(&facets), facets: Some(facets), ..all })
     }
 
     /// How long shadows may be taken to move steadily, s.
@@ -77,39 +101,80 @@ pub fn acquire_by_slabs(
     }
     let table = solve::solve(scene, watch)?;
     let mut solved = Solved::new(moving, moving.steady_s(extremes, tolerance)?);
+    let groups = by_line.then(|| FacetGroups::new(&scene.body.mesh));
     let takes: Vec<Take> = timing.takes(&scene.exposure).collect();
-    let mut lines: Vec<Image> = Vec::new();
+    let mut lines = Backplanes::default();
     let mut taken: Vec<Exposed> = Vec::new();
-    tell(watch, STAGE, 0, takes.len() as u64)?;
-    for (i, take) in takes.iter().enumerate() {
-        let then = moving.at(take)?;
-        // The stages of each exposure would only flicker.
-        let quiet = |_: Progress| watch(Progress { stage: STAGE, done: i as u64, total: takes.len() as u64 });
-        let table = solved.at(take, &then, &quiet)?;
-        let mut image = integrate::integrate(&then, &table, Wanted::default(), &quiet)?;
-        let mut slab = std::mem::take(&mut image.slab);
-        (slab.lines, slab.bands) = (take.lines.clone(), take.bands.clone());
-        put(slab)?;
-        if by_line {
-            lines.push(image);
+    let total = takes.len() as u64;
+    for takes in takes.chunks(if by_line { BLOCK } else { 1 }) {
+        let mut block = moving.block(takes, groups.as_ref())?;
+        for take in takes {
+            let done = taken.len() as u64;
+            // The stages of each exposure would only flicker.
+            let quiet = |_: Progress| watch(Progress { stage: STAGE, done, total });
+            let then = moving.at(&block.body, take)?;
+            let table = solved.at(take, &then, &mut block, &quiet)?;
+            let mut image = integrate::integrate(&then, &table, Wanted::default(), &quiet)?;
+            let mut slab = std::mem::take(&mut image.slab);
+            (slab.lines, slab.bands) = (take.lines.clone(), take.bands.clone());
+            put(slab)?;
+            if by_line {
+                block.rename_facets(&mut image.backplanes);
+                add_below(&mut lines, image.backplanes);
+            }
+            taken.push(Exposed {
+                take: take.clone(),
+                epoch: moving.epoch(take),
+                camera: then.exposure.camera.clone(),
+                to_sun: then.sky.sun.direction,
+                sun_m: then.sky.sun.distance_m,
+            });
+            tell(watch, STAGE, done + 1, total)?;
         }
-        taken.push(Exposed {
-            take: take.clone(),
-            epoch: moving.epoch(take),
-            camera: then.exposure.camera.clone(),
-            to_sun: then.sky.sun.direction,
-            sun_m: then.sky.sun.distance_m,
-        });
-        tell(watch, STAGE, i as u64 + 1, takes.len() as u64)?;
     }
     let reference = integrate::integrate(scene, &table, wanted, watch)?;
     let (mut observation, _) = account_for(scene, (&table, extremes), reference, true, watch)?;
     if by_line {
-        observation.backplanes = below_each_other(lines);
+        observation.backplanes = lines;
     }
     let reference = (!by_line).then(|| timing.reference(&scene.exposure));
     observation.exposures = Some(Exposures { origin_m: scene.body.origin_m, taken, reference });
     Ok((table, observation))
+}
+
+/// Lines of a push-broom that look at one part of the body.
+const BLOCK: usize = 16;
+
+/// Some exposures, and the part of the body that they may see.
+struct Block {
+    body: Body,
+    /// Its facets' numbers in the body; `None`: it is all of the body.
+    facets: Option<Vec<u32>>,
+    /// The tables around, of this part, each with its moment.
+    tables: Vec<(f64, FacetTable)>,
+}
+
+impl Block {
+    /// Facets in planes have the numbers that they have in the body.
+    fn rename_facets(&self, planes: &mut Backplanes) {
+        let Some(facets) = &self.facets else { return };
+        for value in planes.planes.iter_mut().filter(|plane| plane.name == "FACET").flat_map(|plane| &mut plane.values)
+        {
+            if value.is_finite() {
+                *value = f64::from(facets[whole(*value)]);
+            }
+        }
+    }
+
+    /// A table of the whole body, of this part: made when it is first asked for.
+    fn of(&mut self, s: f64, table: &FacetTable) -> usize {
+        if let Some(i) = self.tables.iter().position(|(of, _)| *of == s) {
+            return i;
+        }
+        let part = self.facets.as_ref().map_or_else(|| table.clone(), |facets| table.part(facets));
+        self.tables.push((s, part));
+        self.tables.len() - 1
+    }
 }
 
 /// Tables of the moments at which the scene is solved, and of those between them.
@@ -118,36 +183,39 @@ struct Solved<'a> {
     /// From one such moment to the next, s; `None`: it is solved at each.
     step_s: Option<f64>,
     /// The moments around the last one asked for, s after the start.
-    around: Option<[(f64, Rc<FacetTable>); 2]>,
+    around: Vec<(f64, Rc<FacetTable>)>,
 }
 
 impl<'a> Solved<'a> {
     fn new(moving: Moving<'a>, steady_s: f64) -> Self {
         let period_s = moving.timing.period_s;
-        Solved { moving, step_s: (steady_s > 2.0 * period_s).then_some(steady_s), around: None }
+        Solved { moving, step_s: (steady_s > 2.0 * period_s).then_some(steady_s), around: vec![] }
     }
 
-    /// The table at the moment of a part of the cube, of which the scene is given.
-    fn at(&mut self, take: &Take, then: &Scene, watch: Watch<'_>) -> Result<FacetTable> {
-        let Some(step_s) = self.step_s else { return solve::solve(then, watch) };
-        let first_s = (take.middle_s / step_s).floor() * step_s;
+    /// The table at the moment of a part of the cube, of which the scene is given: of the block's part of the body.
+    fn at(&mut self, take: &Take, then: &Scene, block: &mut Block, watch: Watch<'_>) -> Result<FacetTable> {
+        let Some(step_s) = self.step_s else {
+            let table = self.solve(take.middle_s, watch)?;
+            return Ok(block.facets.as_ref().map_or_else(|| FacetTable::clone(&table), |facets| table.part(facets)));
+        };
         // Not beyond the last exposure, where nothing may be known.
-        let last_s =
-            self.moving.timing.middle_s(self.moving.timing.count(&self.moving.scene.exposure).saturating_sub(1));
-        let ends = [first_s, first_s + step_s].map(|s| s.clamp(self.moving.timing.middle_s(0), last_s));
-        let before = match &self.around {
-            Some([(s, table), _]) if *s == ends[0] => table.clone(),
-            Some([_, (s, table)]) if *s == ends[0] => table.clone(),
-            _ => self.solve(ends[0], watch)?,
-        };
-        let after = match &self.around {
-            Some([_, (s, table)]) if *s == ends[1] => table.clone(),
-            _ => self.solve(ends[1], watch)?,
-        };
+        let last = self.moving.timing.count(&self.moving.scene.exposure).saturating_sub(1);
+        let [first_s, last_s] = [0, last].map(|i| self.moving.timing.middle_s(i));
+        let step = ((take.middle_s - first_s) / step_s).floor();
+        let ends = [step, step + 1.0].map(|i| (first_s + i * step_s).min(last_s));
+        let mut places = [0; 2];
+        for (place, s) in places.iter_mut().zip(ends) {
+            if !self.around.iter().any(|(of, _)| *of == s) {
+                self.around.retain(|(of, _)| ends.contains(of));
+                let table = self.solve(s, watch)?;
+                self.around.push((s, table));
+            }
+            let table = self.around.iter().find(|(of, _)| *of == s).map(|(_, table)| table.clone());
+            *place = table.map_or(0, |table| block.of(s, &table));
+        }
+        let [before, after] = places.map(|place| &block.tables[place].1);
         let share = if ends[1] > ends[0] { (take.middle_s - ends[0]) / (ends[1] - ends[0]) } else { 0.0 };
-        let table = solve::between(then, [&before, &after], share);
-        self.around = Some([(ends[0], before), (ends[1], after)]);
-        Ok(table)
+        Ok(solve::between(then, [before, after], share))
     }
 
     fn solve(&self, s: f64, watch: Watch<'_>) -> Result<Rc<FacetTable>> {
@@ -158,30 +226,18 @@ impl<'a> Solved<'a> {
     }
 }
 
-/// Planes of lines as those of one image.
-fn below_each_other(lines: Vec<Image>) -> Backplanes {
-    let mut all = Backplanes::default();
-    for Image { backplanes, .. } in lines {
-        if all.planes.is_empty() {
-            all = backplanes;
-            continue;
-        }
-        all.lines += backplanes.lines;
-        let before = all.samples * (all.lines - backplanes.lines);
-        for Plane { name, unit, values } in backplanes.planes {
-            // A body of the sky may be in view of some lines only.
-            let plane = match all.planes.iter().position(|plane| plane.name == name) {
-                Some(i) => &mut all.planes[i],
-                None => {
-                    all.planes.push(Plane { name, unit, values: vec![0.0; before] });
-                    let last = all.planes.len() - 1;
-                    &mut all.planes[last]
-                }
-            };
-            plane.values.extend(values);
-        }
-        let pixels = all.samples * all.lines;
-        all.planes.iter_mut().for_each(|plane| plane.values.resize(pixels, 0.0));
+/// Adds the planes of a line below those of the lines before.
+fn add_below(all: &mut Backplanes, line: Backplanes) {
+    let before = line.samples * all.lines;
+    (all.samples, all.lines) = (line.samples, all.lines + line.lines);
+    for Plane { name, unit, values } in line.planes {
+        // A body of the sky, and a material, may be in some lines only.
+        let place = all.planes.iter().position(|plane| plane.name == name).unwrap_or_else(|| {
+            all.planes.push(Plane { name, unit, values: vec![0.0; before] });
+            all.planes.len() - 1
+        });
+        all.planes[place].values.extend(values);
     }
-    all
+    let pixels = all.samples * all.lines;
+    all.planes.iter_mut().for_each(|plane| plane.values.resize(pixels, 0.0));
 }

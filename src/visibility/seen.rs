@@ -49,6 +49,23 @@ pub struct Seen {
 }
 
 impl Seen {
+    /// The same of some facets, ascending, which are then counted from 0.
+    #[must_use]
+    pub fn part(&self, facets: &[u32]) -> Seen {
+        let shown = facets.iter().map(|facet| self.shown[*facet as usize]).collect();
+        let mut part = Seen { shown, polygon_start: vec![0], ..Seen::default() };
+        for (place, facet) in facets.iter().enumerate().filter(|(_, facet)| self.shown[**facet as usize] == Shown::Part)
+        {
+            for polygon in self.numbers(*facet) {
+                part.uv.extend_from_slice(&self.uv[self.polygon_start[polygon]..self.polygon_start[polygon + 1]]);
+                part.polygon_facet.push(index_u32(place));
+                part.polygon_start.push(part.uv.len());
+                part.polygon_share.extend(self.polygon_share.get(polygon));
+            }
+        }
+        part
+    }
+
     /// The polygons of a facet that is seen in part.
     pub fn polygons(&self, facet: u32) -> impl ExactSizeIterator<Item = &[[f64; 2]]> {
         self.numbers(facet).map(|i| &self.uv[self.polygon_start[i]..self.polygon_start[i + 1]])

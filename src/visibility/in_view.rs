@@ -1,0 +1,137 @@
+//! Which facets a camera may see, found for groups of them: so that a narrow view costs what is near it, and not all of the mesh.
+
+use glam::DVec3;
+
+use crate::geometry::{Camera, FrameCamera, Mesh, index_u32};
+
+/// Facets of a group.
+const GROUP: usize = 64;
+/// A sum of a few products is rounded by less than this, relative to the sum of their sizes.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+/// Facets in groups that lie near each other.
+#[derive(Debug)]
+pub struct FacetGroups {
+    /// Middle of each group's box, and half its size, m.
+    boxes: Vec<(DVec3, DVec3)>,
+    /// First facet of each group in `facets`, and their number as the last element.
+    start: Vec<usize>,
+    facets: Vec<u32>,
+}
+
+impl FacetGroups {
+    /// Of a mesh: halved along its longest side until groups are small.
+    pub fn new(mesh: &Mesh) -> Self {
+        let middle = |facet: u32| mesh.facet(facet as usize).centroid_m();
+        let mut facets: Vec<(u32, DVec3)> =
+            (0..index_u32(mesh.facets.len())).map(|facet| (facet, middle(facet))).collect();
+        let mut start = Vec::new();
+        halve(&mut facets, 0, &mut start);
+        start.push(facets.len());
+        let facets: Vec<u32> = facets.into_iter().map(|(facet, _)| facet).collect();
+        let box_of = |group: &[usize]| {
+            let corners = facets[group[0]..group[1]].iter().flat_map(|facet| mesh.facet(*facet as usize).corners_m);
+            let (low, high) =
+                corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
+            (0.5 * (low + high), 0.5 * (high - low))
+        };
+        let boxes = start.windows(2).map(box_of).collect();
+        FacetGroups { boxes, start, facets }
+    }
+
+    /// Which groups a camera may see some of; adds to what others may.
+    pub fn add_seen(&self, camera: &FrameCamera, seen: &mut [bool]) {
+        let projection = Camera::Frame(camera.clone()).projection();
+        let rows = projection.linear.transpose();
+        let (x, y, z) = (rows.x_axis, rows.y_axis, rows.z_axis);
+        // Where each of these is below 0, nothing is in view.
+        let planes = [z, x, y, f64::from(camera.samples) * z - x, f64::from(camera.lines) * z - y];
+        for (seen, (middle, half)) in seen.iter_mut().zip(&self.boxes) {
+            let from = *middle - projection.origin_m;
+            *seen |= planes.iter().all(|plane| {
+                let size = plane.abs().dot(from.abs() + *half + projection.origin_m.abs());
+                plane.dot(from) + plane.abs().dot(*half) >= -ROUNDING * size
+            });
+        }
+    }
+
+    /// Number of groups.
+    pub fn count(&self) -> usize {
+        self.boxes.len()
+    }
+
+    /// The facets of some groups, ascending.
+    pub fn facets(&self, seen: &[bool]) -> Vec<u32> {
+        let groups = self.start.windows(2).zip(seen).filter(|(_, seen)| **seen);
+        let mut facets: Vec<u32> = groups.flat_map(|(group, _)| &self.facets[group[0]..group[1]]).copied().collect();
+        facets.sort_unstable();
+        facets
+    }
+}
+
+/// Sorts facets into groups, and notes where each begins.
+fn halve(facets: &mut [(u32, DVec3)], first: usize, start: &mut Vec<usize>) {
+    if facets.len() <= GROUP {
+        start.extend((!facets.is_empty()).then_some(first));
+        return;
+    }
+    let ends = |by: fn(DVec3, DVec3) -> DVec3| facets.iter().map(|(_, p)| *p).reduce(by).unwrap_or_default();
+    let size = ends(DVec3::max) - ends(DVec3::min);
+    let axis = if size.x >= size.y && size.x >= size.z {
+        0
+    } else if size.y >= size.z {
+        1
+    } else {
+        2
+    };
+    let middle = facets.len() / 2;
+    facets.select_nth_unstable_by(middle, |(a, p), (b, q)| p[axis].total_cmp(&q[axis]).then(a.cmp(b)));
+    let (low, high) = facets.split_at_mut(middle);
+    halve(low, first, start);
+    halve(high, first + middle, start);
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DMat3;
+
+    use super::*;
+    use crate::geometry::{MaterialId, Pose};
+
+    /// A square of small facets, and a camera straight above that sees a slit.
+    #[test]
+    fn what_a_slit_sees_is_in_its_groups_and_little_else() {
+        let n = 100_u32;
+        let mut mesh = Mesh::default();
+        for j in 0..=n {
+            mesh.vertices_m.extend((0..=n).map(|i| DVec3::new(f64::from(i), f64::from(j), 0.0)));
+        }
+        for j in 0..n {
+            for i in 0..n {
+                let a = j * (n + 1) + i;
+                mesh.facets.extend([[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]]);
+            }
+        }
+        mesh.material = vec![MaterialId(0); mesh.facets.len()];
+        let groups = FacetGroups::new(&mesh);
+        let rotation = DMat3::from_cols(DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z);
+        let pose = Pose { rotation, translation_m: DVec3::new(50.0, 40.0, 1000.0) };
+        // A pixel is 1 m on the ground: y from 39.5 to 40.5, x from 40 to 60.
+        let camera = FrameCamera::centred(pose, 20, 1, 1e-3);
+        let mut seen = vec![false; groups.count()];
+        groups.add_seen(&camera, &mut seen);
+        let facets = groups.facets(&seen);
+        for facet in 0..index_u32(mesh.facets.len()) {
+            let corners = mesh.facet(facet as usize).corners_m;
+            let low = corners.iter().copied().reduce(DVec3::min).unwrap();
+            let high = corners.iter().copied().reduce(DVec3::max).unwrap();
+            let in_view = high.x > 40.0 && low.x < 60.0 && high.y > 39.5 && low.y < 40.5;
+            assert!(!in_view || facets.binary_search(&facet).is_ok(), "{facet}");
+        }
+        assert!(facets.len() < mesh.facets.len() / 10, "{}", facets.len());
+        let behind = FrameCamera { world_from_sensor: Pose { rotation: DMat3::IDENTITY, ..pose }, ..camera };
+        let mut seen = vec![false; groups.count()];
+        groups.add_seen(&behind, &mut seen);
+        assert!(groups.facets(&seen).is_empty());
+    }
+}
