@@ -68,6 +68,8 @@ impl Oracle<'_> {
             "crater" => self.crater(kind),
             "penumbra" => self.penumbra(kind),
             "pushbroom" => self.pushbroom(kind),
+            "spk" => self.spk(),
+            "spice" => self.spice(kind),
             _ => None,
         };
         answers.unwrap_or_default()
