@@ -9,7 +9,9 @@ use mmxrt::formats::located::Document;
 use mmxrt::formats::mtl::{self, ObjMaterial};
 use mmxrt::formats::report_json::{self, FORMAT_VERSION, ProductReport, Run};
 use mmxrt::formats::spectrum_csv::{self, Quantity};
-use mmxrt::formats::{envi, exr_cube, gltf, npz, obj, pixel, product_folder, radiance_map, recipe_toml, registry};
+use mmxrt::formats::{
+    envi, ephemeris, exr_cube, gltf, npz, obj, pixel, product_folder, radiance_map, recipe_toml, registry, spice,
+};
 use mmxrt::job::{self, CurveSheet, SurfaceFacts, Survey};
 use mmxrt::physics::reflectance::Preset;
 use mmxrt::spectral::{Extend, SunTotal, solar_e490};
@@ -23,7 +25,7 @@ use super::surface::Written;
 #[derive(clap::Args)]
 #[command(group(clap::ArgGroup::new("written").args(["csv", "picture"]).multiple(true)))]
 pub(crate) struct Arguments {
-    /// A product folder, image (ENVI, ILWIS, OpenEXR, NumPy, PNG, CSV), .npz, .json report, scene, recipe, spectrum (.csv), .obj, .mtl, .gltf, .glb, DART simulation, output or optical database, .sli or .txt; or `e490`, the built-in spectrum of the Sun, or the name of a surface: phobos_assumed, deimos_assumed, moon, mars, thesis
+    /// A product folder, image (ENVI, ILWIS, OpenEXR, NumPy, PNG, CSV), .npz, .json report, scene, recipe, spectrum (.csv), .obj, .mtl, .gltf, .glb, DART simulation, output or optical database, .sli or .txt, a kernel of SPICE; or `e490`, the built-in spectrum of the Sun, or the name of a surface: phobos_assumed, deimos_assumed, moon, mars, thesis
     file: PathBuf,
     /// Show the spectrum and planes of this pixel of a product folder, counted from 0
     #[arg(long, value_name = "SAMPLE,LINE", value_parser = pixel)]
@@ -82,6 +84,9 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         let message = "has no single spectrum to write: use --csv with --pixel, or with `e490`";
         return Err(Error::invalid(Location::file(path), message));
     }
+    if arguments.picture.is_none() && path.is_file() && ephemeris::is_kernel(path)? {
+        return tell(kernel(path)?, arguments, console);
+    }
     // Of a product, the cube is the image.
     let cube = path.join("cube.img");
     let path = if arguments.picture.is_some() && cube.is_file() { &cube } else { path };
@@ -97,10 +102,15 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         _ if is_scene(path)? => return super::dry_run::run(path, console),
         _ => inspect(path, found, console)?,
     };
+    tell(facts, arguments, console)
+}
+
+/// Prints facts, on request as JSON.
+fn tell(facts: Facts, arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let text = facts.iter().map(|(name, value)| line(name, value)).collect::<String>();
     let json: serde_json::Map<String, Value> =
         facts.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
-    match arguments.picture {
+    match &arguments.picture {
         Some(_) => console.done(&text, &Value::Object(json)),
         None => console.result(&text, &Value::Object(json))?,
     }
@@ -211,6 +221,38 @@ fn inspect(path: &Path, format: Option<&Format>, console: &Console) -> Result<Fa
             Err(e) => Error::io(path, "reading", e),
         }),
     }
+}
+
+/// What a kernel of SPICE holds.
+fn kernel(path: &Path) -> Result<Facts> {
+    let found = spice::contents(path)?;
+    let segment = |of: &spice::SegmentFacts| {
+        let (number, is_read) = of.data_type;
+        json!({
+            "name": of.of, "segment": of.name, "frame": of.frame, "type": number, "read": is_read, "from": of.span[0], "to": of.span[1],
+        })
+    };
+    let mut facts = vec![("kind", json!(format!("SPICE {}", found.kind)))];
+    let segments: Vec<Value> = found.segments.iter().map(segment).collect();
+    let gaps = found.gaps.iter().map(|[of, from, to]| json!({ "name": of, "from": from, "to": to })).collect();
+    for (name, values) in [("segments", segments), ("gaps", gaps)] {
+        if !found.segments.is_empty() {
+            facts.push((name, Value::Array(values)));
+        }
+    }
+    let lists = [
+        ("kernels", &found.kernels),
+        ("rotations", &found.rotations),
+        ("radii", &found.radii),
+        ("names", &found.names),
+        ("frames", &found.frames),
+        ("clocks", &found.clocks),
+    ];
+    facts.extend(lists.into_iter().filter(|(_, list)| !list.is_empty()).map(|(name, list)| (name, json!(list))));
+    if let Some((count, last_s)) = found.leap_seconds {
+        facts.push(("leap_seconds", json!({ "steps": count, "tai_minus_utc_s": last_s })));
+    }
+    Ok(facts)
 }
 
 fn mesh(path: &Path) -> Result<Facts> {

@@ -1,8 +1,9 @@
 //! `mmxrt validate`: compares what the program computes with independent numbers.
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use mmxrt::formats::ephemeris;
 use mmxrt::study::validate::{self, By, Row, Verdict};
 use mmxrt::{Result, formats};
 
@@ -17,6 +18,9 @@ pub(crate) struct Arguments {
     /// File of cases, by group and inputs, to run instead of the built-in ones; unknown cases are SKIPPED and counted
     #[arg(long, value_name = "FILE")]
     oracles: Option<PathBuf>,
+    /// Folder of the files that cases name (kernels), two levels deep. Default: that of the file of cases
+    #[arg(long, value_name = "FOLDER", requires = "oracles")]
+    data: Option<PathBuf>,
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
@@ -24,7 +28,9 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         None => validate::closed_forms()?,
         Some(path) => {
             let (text, _) = formats::text(path, LIMIT)?;
-            validate::oracles(&text, path)?
+            let beside = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+            let folder = arguments.data.as_deref().unwrap_or(beside);
+            validate::oracles(&text, path, Some(&|names| ephemeris::of_names(folder, names)))?
         }
     };
     let count = |verdict| validate::count(&rows, verdict);

@@ -2,11 +2,11 @@
 
 use glam::{DMat3, DQuat, DVec3};
 
-use super::names::{body_name, frame_name};
+use super::names::{Names, frame_name};
 use super::orientation::{Orientation, Turn, Turning};
 use super::rotation_model::RotationModel;
-use super::trajectory::known;
-use super::{ECLIPTIC, Epoch, J2000, LeapSeconds, State, Trajectory, mars_system};
+use super::trajectory::{KM_M, known};
+use super::{ECLIPTIC, Epoch, J2000, LeapSeconds, Pool, State, Trajectory, mars_system};
 use crate::error::{Error, Location, Problem, Result};
 use crate::geometry::Direction;
 use crate::units::LIGHT_SPEED_M_S;
@@ -31,10 +31,16 @@ pub enum Correction {
 pub struct Almanac {
     /// Where things are.
     pub trajectories: Vec<Trajectory>,
+    /// Where things are, roughly: for where nothing else is known.
+    pub rough: Vec<Trajectory>,
     /// How frames are turned.
     pub orientations: Vec<Orientation>,
     /// Leap seconds, by which UTC in files was read.
     pub leap: LeapSeconds,
+    /// Names that files give to bodies.
+    pub names: Names,
+    /// Variables of text kernels.
+    pub pool: Pool,
 }
 
 impl Default for Almanac {
@@ -53,14 +59,21 @@ impl Default for Almanac {
             let model = model.map(Turning::Model);
             orientations.extend(model.map(|model| orientation(&format!("IAU_{body}"), model, "IAU 2015")));
         }
-        Almanac { trajectories: vec![], orientations, leap: LeapSeconds::default() }
+        Almanac {
+            trajectories: vec![],
+            rough: vec![],
+            orientations,
+            leap: LeapSeconds::default(),
+            names: Names::default(),
+            pool: Pool::default(),
+        }
     }
 }
 
 impl Almanac {
-    /// With rough trajectories of Mars and its moons: see [`Elements`](super::Elements). What files say comes later, and stands before them.
-    pub fn rough() -> Self {
-        Almanac { trajectories: mars_system::roughly(), ..Almanac::default() }
+    /// With rough trajectories of Mars and its moons: see [`Elements`](super::Elements).
+    pub fn with_rough_trajectories() -> Self {
+        Almanac { rough: mars_system::roughly(), ..Almanac::default() }
     }
 
     /// The state of a target about a centre, along the axes of a frame, as that frame's axes at the moment see it: of a turning frame the
@@ -69,13 +82,15 @@ impl Almanac {
     /// # Errors
     /// [`Error::Invalid`] that says what is not known, and when it would be.
     pub fn state(&self, target: &str, centre: &str, frame: &str, epoch: Epoch) -> Result<State> {
-        let (target, centre) = (body_name(target), body_name(centre));
-        let links =
-            chain(&self.trajectories, &target, &centre, |of| (&of.target, &of.centre), |of| of.state(epoch).is_some());
+        let (target, centre) = (self.names.body(target), self.names.body(centre));
+        // Rough ones serve only where others do not lead.
+        let all: Vec<&Trajectory> = self.rough.iter().chain(&self.trajectories).collect();
+        let exact = way(&all[self.rough.len()..], &target, &centre, epoch);
+        let links = exact.or_else(|| way(&all, &target, &centre, epoch));
         let Some(links) = links else { return Err(self.no_way(&target, &centre, epoch)) };
         let mut sum = State::ZERO;
         for (link, is_forward) in links {
-            let Some(state) = link.state(epoch) else { continue };
+            let Some(state) = link.state(epoch)? else { continue };
             let rotation = self.rotation(frame, &link.frame, epoch)?;
             let sign = if is_forward { 1.0 } else { -1.0 };
             sum.position_m += rotation * state.position_m * sign;
@@ -90,13 +105,11 @@ impl Almanac {
     /// [`Error::Invalid`] that says what is not known, and when it would be.
     pub fn rotation(&self, to: &str, from: &str, epoch: Epoch) -> Result<DMat3> {
         let (to, from) = (frame_name(to), frame_name(from));
-        let known_then =
-            |of: &Orientation| of.turns.iter().any(|turn| turn.span.is_none_or(|span| span.contains(epoch)));
-        let links = chain(&self.orientations, &to, &from, |of| (&of.frame, &of.base), known_then);
+        let links = chain(&self.orientations, &to, &from, |of| (&of.frame, &of.base), |of| of.knows(epoch));
         let Some(links) = links else { return Err(self.no_turn(&to, &from, epoch)) };
         let mut rotation = DMat3::IDENTITY;
         for (link, is_forward) in links {
-            let Some(turn) = link.frame_from_base(epoch) else { continue };
+            let Some(turn) = link.frame_from_base(epoch)? else { continue };
             rotation *= if is_forward { turn } else { turn.transpose() };
         }
         Ok(rotation)
@@ -140,13 +153,32 @@ impl Almanac {
         Ok((self.rotation(frame, J2000, epoch)? * to_m, light_s))
     }
 
+    /// Half axes of a body, m, if a text kernel has them (`BODYn_RADII`).
+    pub fn radii_m(&self, body: &str) -> Option<DVec3> {
+        match self.of_body(body, "RADII")? {
+            [a, b, c] => Some(DVec3::new(*a, *b, *c) * KM_M),
+            _ => None,
+        }
+    }
+
+    /// The constant of gravitation times the mass of a body, m^3/s^2, if a text kernel has it (`BODYn_GM`).
+    pub fn gm_m3_s2(&self, body: &str) -> Option<f64> {
+        self.of_body(body, "GM")?.first().map(|gm| gm * KM_M.powi(3))
+    }
+
+    /// Numbers of a body in text kernels.
+    fn of_body(&self, body: &str, what: &str) -> Option<&[f64]> {
+        let id = self.names.id(&self.names.body(body))?;
+        self.pool.numbers(&format!("BODY{id}_{what}")).ok()?
+    }
+
     /// The body about which both are known and that moves least: the barycentre of the solar system, the Sun, or the observer itself.
     fn base_of(&self, target: &str, observer: &str, epoch: Epoch) -> String {
         let reaches = |base: &&str| {
             self.state(target, base, J2000, epoch).is_ok() && self.state(observer, base, J2000, epoch).is_ok()
         };
         let base = ["SOLAR SYSTEM BARYCENTER", "SUN", "MARS BARYCENTER", "MARS"].into_iter().find(reaches);
-        base.map_or_else(|| body_name(observer), str::to_owned)
+        base.map_or_else(|| self.names.body(observer), str::to_owned)
     }
 
     /// Why a state is not known.
@@ -213,8 +245,60 @@ struct Reached<'a, T> {
     by: Option<Step<'a, T>>,
 }
 
-/// The steps that lead from `to` to `from`: the fewest, and of as many the links that come later in the list.
+/// The steps that lead from a target to a centre at a moment.
+fn way<'a>(
+    all: &'a [&'a Trajectory],
+    target: &'a str,
+    centre: &'a str,
+    at: Epoch,
+) -> Option<Vec<Step<'a, &'a Trajectory>>> {
+    chain(all, target, centre, |of| (&of.target, &of.centre), |of| of.knows(at))
+}
+
+/// The steps that lead from `to` to `from`. As in SPICE, each thing is where the last link that knows it says: up from both ends, to where
+/// the ways meet. If they do not meet, links may also be gone back: the fewest steps, and of as many the later links.
 fn chain<'a, T>(
+    links: &'a [T],
+    to: &'a str,
+    from: &'a str,
+    ends: impl Fn(&'a T) -> (&'a String, &'a String),
+    holds: impl Fn(&'a T) -> bool,
+) -> Option<Vec<Step<'a, T>>> {
+    let (up, down) = (climb(links, to, &ends, &holds), climb(links, from, &ends, &holds));
+    let base =
+        |way: &[&'a T], i: usize, first: &'a str| i.checked_sub(1).map_or(first, |last| ends(way[last]).1.as_str());
+    for i in 0..=up.len() {
+        let meeting = (0..=down.len()).find(|j| base(&down, *j, from) == base(&up, i, to));
+        if let Some(j) = meeting {
+            let back = down[..j].iter().rev().map(|link| (*link, false));
+            return Some(up[..i].iter().map(|link| (*link, true)).chain(back).collect());
+        }
+    }
+    search(links, to, from, ends, holds)
+}
+
+/// From a thing to its base by the last link that knows it, from there on likewise, until nothing is known or it was there before.
+fn climb<'a, T>(
+    links: &'a [T],
+    first: &'a str,
+    ends: &impl Fn(&'a T) -> (&'a String, &'a String),
+    holds: &impl Fn(&'a T) -> bool,
+) -> Vec<&'a T> {
+    let (mut way, mut passed) = (Vec::new(), vec![first]);
+    let mut here = first;
+    while let Some(link) = links.iter().rev().find(|link| ends(link).0 == here && holds(link)) {
+        here = ends(link).1;
+        if passed.contains(&here) {
+            break;
+        }
+        passed.push(here);
+        way.push(link);
+    }
+    way
+}
+
+/// The fewest steps that lead from `to` to `from`, and of as many the links that come later in the list.
+fn search<'a, T>(
     links: &'a [T],
     to: &'a str,
     from: &str,

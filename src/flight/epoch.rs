@@ -90,25 +90,29 @@ impl Default for LeapSeconds {
 }
 
 impl LeapSeconds {
-    /// From (year, month, day, TAI - UTC in s) in the order of time, and NAIF's numbers for TDB: K, EB, M0 and M1.
+    /// From (days from 2000-01-01 to the day from which it holds, TAI - UTC in s) in the order of time, and NAIF's numbers for TDB: K, EB,
+    /// M0 and M1.
     ///
     /// # Errors
     /// What is wrong with them, as a sentence.
-    pub fn new(since: &[([i64; 3], f64)], [k, eb, m0, m1]: [f64; 4]) -> Result<Self, String> {
-        let mut steps = Vec::new();
-        for ([year, month, day], offset_s) in since {
-            if !is_date(*year, *month, *day) {
-                return Err(format!("{year}-{month:02}-{day:02} is not a date"));
-            }
-            steps.push((day_number(*year, *month, *day), *offset_s));
-        }
+    pub fn new(steps: Vec<(i64, f64)>, [k, eb, m0, m1]: [f64; 4]) -> Result<Self, String> {
         if steps.is_empty() || !steps.windows(2).all(|two| two[0].0 < two[1].0) {
             return Err("leap seconds are not in the order of time".into());
         }
-        if ![k, eb, m0, m1].iter().chain(since.iter().map(|(_, offset_s)| offset_s)).all(|v| v.is_finite()) {
+        if ![k, eb, m0, m1].iter().chain(steps.iter().map(|(_, offset_s)| offset_s)).all(|v| v.is_finite()) {
             return Err("a number of the leap seconds is not finite".into());
         }
         Ok(LeapSeconds { steps, amplitude_s: k, eccentricity: eb, anomaly: [m0, m1] })
+    }
+
+    /// How many steps there are, and the last: (days from 2000-01-01, TAI - UTC in s).
+    pub fn last_step(&self) -> (usize, Option<(i64, f64)>) {
+        (self.steps.len(), self.steps.last().copied())
+    }
+
+    /// Seconds of TDB since J2000, from seconds of TT since J2000.
+    pub fn tdb_of_tt_s(&self, tt_s: f64) -> f64 {
+        tt_s + self.periodic_s(tt_s)
     }
 
     /// TAI - UTC on a day, s; `None` before 1972.
@@ -341,6 +345,13 @@ fn is_date(year: i64, month: i64, day: i64) -> bool {
         _ => return false,
     };
     (-99_999..=999_999).contains(&year) && (1..=days).contains(&day)
+}
+
+/// Seconds from 2000-01-01 12:00 to a date and a time of the day of the Gregorian calendar, without leap seconds; `None` if there is no such date.
+pub(crate) fn calendar_s(date: [i64; 3], second_s: f64) -> Option<f64> {
+    let [year, month, day] = date;
+    #[allow(clippy::cast_precision_loss, reason = "days of a million years are whole numbers of an f64")]
+    is_date(year, month, day).then(|| (day_number(year, month, day) as f64 - 0.5) * DAY_S + second_s)
 }
 
 /// Days from 2000-01-01 to a date of the Gregorian calendar. Years begin in March, so that a leap day is their last.

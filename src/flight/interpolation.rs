@@ -25,7 +25,7 @@ pub const MOST_NODES: usize = 28;
 
 /// The nodes to interpolate between: as many as asked for, as even about `x` as the ends of the data allow. `xs` ascend, and are not empty.
 ///
-/// Of an even number as many lie before as after; of an odd number the nearest is in the middle. So SPICE chooses them too.
+/// Of an even number as many lie before as after; of an odd number the nearest is in the middle, the later of two. So SPICE chooses them too.
 pub fn window(xs: &[f64], x: f64, nodes: usize) -> Range<usize> {
     let nodes = nodes.clamp(1, xs.len());
     // The last node at or before x.
@@ -34,7 +34,7 @@ pub fn window(xs: &[f64], x: f64, nodes: usize) -> Range<usize> {
         0 => (before + 1).saturating_sub(nodes / 2),
         _ => {
             let next = (before + 1).min(xs.len() - 1);
-            let nearest = if xs[next] - x < x - xs[before] { next } else { before };
+            let nearest = if xs[next] - x <= x - xs[before] { next } else { before };
             nearest.saturating_sub(nodes / 2)
         }
     };
@@ -115,6 +115,7 @@ mod tests {
         assert_eq!(window(&xs, 2.0, 2), 2..4, "on a node, from there on");
         assert_eq!(window(&xs, 2.4, 3), 1..4, "2 is nearest");
         assert_eq!(window(&xs, 2.6, 3), 2..5, "3 is nearest");
+        assert_eq!(window(&xs, 2.5, 3), 2..5, "of two, the later");
         assert_eq!(window(&xs, 0.1, 4), 0..4);
         assert_eq!(window(&xs, 5.0, 4), 2..6);
         assert_eq!(window(&xs, -1.0, 2), 0..2);

@@ -27,21 +27,27 @@ mod mars_system;
 mod names;
 mod orientation;
 mod pointing;
+mod pool;
 mod qso;
 mod rotation_model;
 mod trajectory;
+mod unread;
 
 pub use almanac::{Almanac, Correction};
 pub use chebyshev::Chebyshev;
+pub(crate) use epoch::calendar_s;
 pub use epoch::{Epoch, LeapSeconds, Scale};
 pub use hill::{Hill, Orbit, PHOBOS_GM_M3_S2, PHOBOS_MEAN_MOTION_RAD_S, QuasiSatellite};
 pub use kepler::Elements;
-pub use names::{body_id, body_name, frame_name};
-pub use orientation::{Attitudes, Between, Orientation, Turn, Turning};
+pub use names::{Names, body_id, body_name, frame_name};
+pub use orientation::{Attitudes, Between, Orientation, Spin, Turn, Turning};
 pub use pointing::{Aim, Circumstances, Jitter, Pointing, Scan, Up};
+pub(crate) use pool::whole;
+pub use pool::{Pool, Values, Variable};
 pub use qso::Qso;
 pub use rotation_model::{Angle, RotationModel};
 pub use trajectory::{Interpolation, Nodes, Path, Segment, Span, State, Trajectory};
+pub use unread::Unread;
 
 /// The inertial frame that all others are turned in: J2000, as SPICE has it, which takes it for the ICRF.
 pub const J2000: &str = "J2000";

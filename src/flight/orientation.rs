@@ -1,11 +1,12 @@
 //! How one frame is turned in another, over the times that a file or a model knows.
 
-use glam::{DMat3, DQuat, DVec4};
+use glam::{DMat3, DQuat, DVec3, DVec4};
 
 use super::interpolation::{hermite, lagrange, window};
 use super::rotation_model::RotationModel;
 use super::trajectory::joined;
-use super::{Chebyshev, Epoch, Span};
+use super::{Chebyshev, Epoch, Span, Unread};
+use crate::error::Result;
 
 /// How to go between attitudes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -100,6 +101,29 @@ pub enum Turning {
     Angles(Chebyshev),
     /// It does not turn: frame from base.
     Fixed(DMat3),
+    /// It turns steadily about an axis that is at rest in both.
+    Spin(Spin),
+    /// It is there, but not read.
+    Unread(Unread),
+}
+
+/// A steady turn without end.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spin {
+    /// When it is turned as `frame_from_base` says.
+    pub since: Epoch,
+    /// The rotation that carries components along the base's axes into components along the frame's, at that moment.
+    pub frame_from_base: DQuat,
+    /// How the frame turns, along the base's axes, rad/s.
+    pub rate_rad_s: DVec3,
+}
+
+impl Spin {
+    fn rotation(&self, epoch: Epoch) -> DQuat {
+        // The frame's axes turn by this, so components along them turn back.
+        let turned = DQuat::from_scaled_axis(self.rate_rad_s * epoch.since_s(self.since));
+        self.frame_from_base * turned.inverse()
+    }
 }
 
 /// A part of an orientation: nothing is interpolated from one to the next.
@@ -125,10 +149,23 @@ pub struct Orientation {
 }
 
 impl Orientation {
+    /// The part that holds at a moment.
+    fn turn(&self, epoch: Epoch) -> Option<&Turn> {
+        self.turns.iter().rev().find(|turn| turn.span.is_none_or(|span| span.contains(epoch)))
+    }
+
+    /// Whether anything is known of a moment.
+    pub fn knows(&self, epoch: Epoch) -> bool {
+        self.turn(epoch).is_some()
+    }
+
     /// The rotation that carries components along the base's axes into components along the frame's; `None` where nothing is known.
-    pub fn frame_from_base(&self, epoch: Epoch) -> Option<DMat3> {
-        let turn = self.turns.iter().rev().find(|turn| turn.span.is_none_or(|span| span.contains(epoch)))?;
-        Some(match &turn.turning {
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`](crate::Error::Unsupported) where what is known is not read.
+    pub fn frame_from_base(&self, epoch: Epoch) -> Result<Option<DMat3>> {
+        let Some(turn) = self.turn(epoch) else { return Ok(None) };
+        Ok(Some(match &turn.turning {
             Turning::Attitudes(attitudes) => DMat3::from_quat(attitudes.rotation(epoch)),
             Turning::Model(model) => model.fixed_from_inertial(epoch),
             Turning::Angles(series) => {
@@ -136,7 +173,9 @@ impl Orientation {
                 super::rotation_model::euler_313(first, second, third)
             }
             Turning::Fixed(rotation) => *rotation,
-        })
+            Turning::Spin(spin) => DMat3::from_quat(spin.rotation(epoch)),
+            Turning::Unread(unread) => return Err(unread.error()),
+        }))
     }
 
     /// When it is known, in the order of time, without gaps in each; `None`: at all times.
@@ -148,8 +187,6 @@ impl Orientation {
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
-
     use super::*;
 
     fn about_z(angle_rad: f64) -> DQuat {

@@ -3,10 +3,11 @@
 use glam::DVec3;
 
 use super::interpolation::{hermite, lagrange, window};
-use super::{Chebyshev, Elements, Epoch, Orbit};
+use super::{Chebyshev, Elements, Epoch, Orbit, Unread};
+use crate::error::Result;
 
 /// Metres of a kilometre: files count in km.
-const KM_M: f64 = 1000.0;
+pub(super) const KM_M: f64 = 1000.0;
 
 /// Position and velocity of one thing about another, along the axes of some frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,6 +100,8 @@ pub enum Path {
     Elements(Elements),
     /// It does not move, m.
     Fixed(DVec3),
+    /// It is there, but not read.
+    Unread(Unread),
 }
 
 /// A part of a trajectory: nothing is interpolated from one to the next.
@@ -126,10 +129,23 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
+    /// The part that holds at a moment.
+    fn segment(&self, epoch: Epoch) -> Option<&Segment> {
+        self.segments.iter().rev().find(|segment| segment.span.contains(epoch))
+    }
+
+    /// Whether anything is known of a moment.
+    pub fn knows(&self, epoch: Epoch) -> bool {
+        self.segment(epoch).is_some()
+    }
+
     /// The state at a moment; `None` where nothing is known.
-    pub fn state(&self, epoch: Epoch) -> Option<State> {
-        let segment = self.segments.iter().rev().find(|segment| segment.span.contains(epoch))?;
-        Some(match &segment.path {
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`](crate::Error::Unsupported) where what is known is not read.
+    pub fn state(&self, epoch: Epoch) -> Result<Option<State>> {
+        let Some(segment) = self.segment(epoch) else { return Ok(None) };
+        Ok(Some(match &segment.path {
             Path::Nodes(nodes) => nodes.state(epoch),
             Path::Chebyshev(series) => {
                 let [position_m, velocity_m_s] = series.at(epoch.tdb_s()).map(|km| DVec3::from_array(km) * KM_M);
@@ -138,7 +154,8 @@ impl Trajectory {
             Path::Orbit(orbit) => orbit.state(epoch),
             Path::Elements(elements) => elements.state(epoch),
             Path::Fixed(position_m) => State { position_m: *position_m, velocity_m_s: DVec3::ZERO },
-        })
+            Path::Unread(unread) => return Err(unread.error()),
+        }))
     }
 
     /// When it is known, in the order of time, without gaps in each.

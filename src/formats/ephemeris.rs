@@ -1,15 +1,54 @@
 //! Files of flight dynamics, whatever their format: what they hold goes into an almanac.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use crate::error::{Location, Problem, Result};
+use super::format::ending;
+use super::{input, spice};
+use crate::error::{Error, Location, Result};
 use crate::flight::Almanac;
+
+/// This much of a file is read to recognise its format, bytes.
+const BEGINNING: usize = 1 << 16;
+/// Levels of folders in which files are looked for by their names.
+const LEVELS: usize = 2;
 
 /// Reads a file of trajectories, attitudes, rotations or leap seconds into an almanac; what it knows stands before what is there.
 ///
 /// # Errors
 /// Whatever is wrong with the file, or that its format is none of these.
-pub fn furnish(path: &Path, _almanac: &mut Almanac) -> Result<()> {
-    let message = "is not a file of flight dynamics that is known";
-    Err(crate::error::Error::Invalid(vec![Problem::new(Location::file(path), message)]))
+pub fn furnish(path: &Path, almanac: &mut Almanac) -> Result<()> {
+    let beginning = input::beginning(path, BEGINNING)?;
+    if spice::is_kernel(&beginning) {
+        return spice::furnish(&[path.to_owned()], almanac);
+    }
+    Err(Error::invalid(Location::file(path), "is not a file of flight dynamics that is known"))
+}
+
+/// Whether a file is a kernel of SPICE, by how it begins.
+///
+/// # Errors
+/// [`Error::Io`].
+pub fn is_kernel(path: &Path) -> Result<bool> {
+    Ok(spice::is_kernel(&input::beginning(path, BEGINNING)?))
+}
+
+/// An almanac of the kernels of these names in a folder and its folders, two levels deep; `None` if one is not there, or cannot be read. Leap
+/// seconds are known without their kernel.
+pub fn of_names(folder: &Path, names: &[&str]) -> Option<Almanac> {
+    let needed = names.iter().filter(|name| ending(Path::new(name)) != "tls");
+    let paths: Option<Vec<PathBuf>> = needed.map(|name| find(folder, name, LEVELS)).collect();
+    let mut almanac = Almanac::default();
+    spice::furnish(&paths?, &mut almanac).ok()?;
+    Some(almanac)
+}
+
+/// The file in a folder whose name ends so; of several the first by its path.
+fn find(folder: &Path, name: &str, levels: usize) -> Option<PathBuf> {
+    let mut entries: Vec<PathBuf> = folder.read_dir().ok()?.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    entries.sort();
+    let is_it =
+        |path: &&PathBuf| path.is_file() && path.file_name().is_some_and(|of| of.to_string_lossy().ends_with(name));
+    let here = entries.iter().find(is_it).cloned();
+    let below = || entries.iter().filter(|of| of.is_dir()).find_map(|of| find(of, name, levels.checked_sub(1)?));
+    here.or_else(below)
 }

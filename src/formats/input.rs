@@ -101,6 +101,17 @@ pub(crate) fn bytes(path: &Path, limit: u64) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// At most this many bytes of a file's beginning.
+///
+/// # Errors
+/// [`Error::Io`].
+pub(crate) fn beginning(path: &Path, limit: usize) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let read = open(path).and_then(|file| file.take(limit as u64).read_to_end(&mut bytes));
+    read.map_err(|e| Error::io(path, "reading", e))?;
+    Ok(bytes)
+}
+
 /// Where a name that stands in a file begins: in that file's folder; and if it is a link and there is nothing of that name beside it, in the
 /// folder of what it leads to.
 pub(crate) fn home(file: &Path, name: &Path) -> PathBuf {

@@ -51,6 +51,7 @@ pub mod coloured_mesh;
 mod spectral_heading;
 mod spectral_table;
 mod spelling;
+pub mod spice;
 mod subject;
 mod table;
 pub mod xml;

@@ -1,6 +1,5 @@
 //! The list of all formats, and recognising a file's: by how it begins and what lies next to it, and otherwise by its name.
 
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::dart::format::SIMULATION;
@@ -38,7 +37,7 @@ pub static ALL: &[&Format] = &[
 ];
 
 /// This much of a file is read to recognise its format, bytes.
-const BEGINNING: u64 = 1 << 16;
+const BEGINNING: usize = 1 << 16;
 /// Extensions of companion files, which may have an ENVI header next to them by chance.
 const COMPANIONS: [&str; 2] = ["json", "mtl"];
 
@@ -52,7 +51,7 @@ pub fn named(name: &str) -> Option<&'static Format> {
 /// # Errors
 /// [`Error::Io`]; [`Error::Unsupported`] for an image in a format that is not read; [`Error::Invalid`] if there is no telling.
 pub fn of_input(path: &Path) -> Result<(&'static Format, PathBuf)> {
-    let beginning = if path.is_dir() { Vec::new() } else { beginning(path)? };
+    let beginning = if path.is_dir() { Vec::new() } else { input::beginning(path, BEGINNING)? };
     if holds_numbers_alone(path) {
         return Ok((of_name(path).unwrap_or(&ENVI), path.to_owned()));
     }
@@ -89,7 +88,7 @@ pub fn of_output(path: &Path) -> Result<&'static Format> {
 /// The format of a file that should hold spectra; `None` if it is not one of these.
 pub fn of_spectra(path: &Path) -> Option<&'static Format> {
     // Whether it exists is found out when it is read.
-    let beginning = beginning(path).unwrap_or_default();
+    let beginning = input::beginning(path, BEGINNING).unwrap_or_default();
     let found = told(path, &beginning, Format::is_spectral).map(|(format, _)| format);
     found.or_else(|| called(path, Format::is_spectral))
 }
@@ -109,7 +108,7 @@ pub fn of_spectra(path: &Path) -> Option<&'static Format> {
 /// [`Error::Io`]; [`Error::Syntax`] and [`Error::Invalid`] at all places of a header that cannot be used, for a file that is
 /// not as long as its header says, and a partner that is not there; [`Error::Unsupported`] for what is not read.
 pub fn image(path: &Path) -> Result<Raster> {
-    let beginning = beginning(path)?;
+    let beginning = input::beginning(path, BEGINNING)?;
     let called = called(path, Format::is_image);
     let format = if holds_numbers_alone(path) {
         called.unwrap_or(&ENVI)
@@ -139,7 +138,7 @@ pub fn image(path: &Path) -> Result<Raster> {
 /// # Errors
 /// What the format's reader says; [`Error::Invalid`] if it is no mesh, or in a format that is not read.
 pub fn mesh(path: &Path, outside: bool) -> Result<MeshFile> {
-    let beginning = beginning(path)?;
+    let beginning = input::beginning(path, BEGINNING)?;
     let found = told(path, &beginning, Format::is_mesh).map(|(format, _)| format);
     // A file recognised as something else is no mesh, whatever its name.
     let other = || marks::named(&beginning).filter(|name| !name.starts_with("text")).map(str::to_owned);
@@ -172,13 +171,6 @@ pub fn endings(of: impl Fn(&Format) -> bool) -> Vec<&'static str> {
 pub(super) fn is_folder(path: &Path) -> bool {
     let is_number = |ending: &str| ending.trim_start_matches(['v', 'V']).starts_with(|c: char| c.is_ascii_digit());
     path.is_dir() || path.extension().is_none_or(|ending| ending.to_str().is_some_and(is_number))
-}
-
-fn beginning(path: &Path) -> Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    let read = input::open(path).and_then(|file| file.take(BEGINNING).read_to_end(&mut bytes));
-    read.map_err(|e| Error::io(path, "reading", e))?;
-    Ok(bytes)
 }
 
 /// The first of some formats that recognises the file or folder.

@@ -55,6 +55,8 @@ fn mixed(a: &[f64], b: &[f64], share: f64) -> Vec<f64> {
 
 fn seen_between(a: &Sees, b: &Sees, share: f64) -> Sees {
     match (a, b) {
+        // Without a move there is nothing between.
+        (Sees::Polygons(a), Sees::Polygons(b)) if a == b => Sees::Polygons(a.clone()),
         (Sees::Polygons(a), Sees::Polygons(b)) => {
             let shares = |_: u32, out: &mut [f64]| out.copy_from_slice(&[1.0 - share, share]);
             Sees::Polygons(Seen::together(&[a, b], shares))

@@ -177,6 +177,9 @@ impl Block {
     }
 }
 
+/// No acquisition is longer, s.
+const LONGEST_S: f64 = 1e9;
+
 /// Tables of the moments at which the scene is solved, and of those between them.
 struct Solved<'a> {
     moving: Moving<'a>,
@@ -189,7 +192,7 @@ struct Solved<'a> {
 impl<'a> Solved<'a> {
     fn new(moving: Moving<'a>, steady_s: f64) -> Self {
         let period_s = moving.timing.period_s;
-        Solved { moving, step_s: (steady_s > 2.0 * period_s).then_some(steady_s), around: vec![] }
+        Solved { moving, step_s: (steady_s > 2.0 * period_s).then_some(steady_s.min(LONGEST_S)), around: vec![] }
     }
 
     /// The table at the moment of a part of the cube, of which the scene is given: of the block's part of the body.

@@ -179,17 +179,18 @@ impl<'a> Locator<'a> {
         Ok(Now { camera: FrameCamera { world_from_sensor: pose, ..camera }, epoch: Some(epoch) })
     }
 
-    /// The line coordinate at which a point is in the middle of the slit, from half a line before the first to half a line after the last.
+    /// The line coordinate at which a point is in the middle of the slit, from half a line before the image to half a line after it.
     fn line_of(&self, local_m: DVec3) -> Result<Option<f64>> {
         // Which side of the slit's plane it is on, by its distance in pixels; nothing where it is behind the camera.
         let side = |line: f64| -> Result<Option<f64>> {
             let now = self.camera_at(line, 0)?;
             Ok(projected(&now.camera, local_m).map(|[_, y]| y - now.camera.boresight_px[1]))
         };
-        let lines = f64::from(self.scene.exposure.camera.lines);
+        // Half a line beyond both ends, so that what lies on one is not lost by rounding.
+        let lines = f64::from(self.scene.exposure.camera.lines) + 1.0;
         let looks = LOOKS.max(self.scene.exposure.camera.lines as usize / 16);
-        let at = |i: usize| lines * i as f64 / looks as f64;
-        // The image's ends may be half a line beyond the last exposure, where nothing is known.
+        let at = |i: usize| lines * i as f64 / looks as f64 - 0.5;
+        // That may be beyond the last exposure, where nothing is known.
         let look = |i: usize| match side(at(i)) {
             Err(Error::Invalid(_)) if i == 0 || i == looks => Ok((at(i), None)),
             side => side.map(|side| (at(i), side)),

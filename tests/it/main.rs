@@ -96,6 +96,7 @@ mod stability;
 mod stated_choices;
 mod subset;
 mod spectra;
+mod spice;
 mod spectra_from_the_wild;
 mod sun_disc;
 mod textures;

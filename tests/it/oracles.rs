@@ -66,7 +66,7 @@ fn all_oracles_hold() {
 }
 
 fn one(record: &str) -> Vec<Row> {
-    oracles(&format!(r#"{{"oracles": [{record}]}}"#), Path::new("x.json")).unwrap()
+    oracles(&format!(r#"{{"oracles": [{record}]}}"#), Path::new("x.json"), None).unwrap()
 }
 
 #[test]
@@ -136,7 +136,7 @@ fn a_wrong_number_fails_and_an_unknown_one_is_skipped() {
 
 #[test]
 fn a_broken_file_is_told_where() {
-    let run = |text| oracles(text, Path::new("x.json")).unwrap_err();
+    let run = |text| oracles(text, Path::new("x.json"), None).unwrap_err();
     let error = run("{\n \"oracles\": [}");
     assert!(matches!(&error, Error::Syntax { .. }) && error.to_string().starts_with("x.json:2:14"), "{error}");
     let error = run(r#"{"oracles": [{"name": "a", "expected": 1}, {"group": "sun", "name": "b"}]}"#);

@@ -28,7 +28,7 @@ pub(super) struct Placed {
 
 impl TomlReader<'_> {
     pub(super) fn motion(&mut self, toml: &FlightToml) -> Option<Motion> {
-        let mut almanac = Almanac::rough();
+        let mut almanac = Almanac::with_rough_trajectories();
         let mut all_read = true;
         for (i, name) in toml.files.iter().enumerate() {
             let path = self.path(name);

@@ -6,6 +6,7 @@
 
 mod closed_forms;
 mod flight;
+mod kernels;
 mod patch;
 mod reflectance;
 mod scene_cases;
@@ -15,6 +16,8 @@ use std::path::Path;
 
 use serde::Serialize;
 use serde_json::Value;
+
+pub use kernels::Kernels;
 
 use crate::error::{Error, Location, Problem, Result};
 
@@ -79,16 +82,18 @@ pub fn count(rows: &[Row], verdict: Verdict) -> usize {
 /// # Errors
 /// None in practice: the file is part of the program.
 pub fn closed_forms() -> Result<Vec<Row>> {
-    let mut rows = oracles(include_str!("../../../tests/data/oracles.json"), Path::new("tests/data/oracles.json"))?;
+    let mut rows =
+        oracles(include_str!("../../../tests/data/oracles.json"), Path::new("tests/data/oracles.json"), None)?;
     rows.extend(scene_cases::rows()?);
     Ok(rows)
 }
 
-/// Runs a file of oracles, given its text; `path` is what messages call it.
+/// Runs a file of oracles, given its text; `path` is what messages call it. `kernels` finds those that oracles
+/// name; those without are skipped.
 ///
 /// # Errors
 /// [`Error::Syntax`] if the text is not JSON; [`Error::Invalid`] with every oracle that lacks a group, name or expected value.
-pub fn oracles(text: &str, path: &Path) -> Result<Vec<Row>> {
+pub fn oracles(text: &str, path: &Path, kernels: Option<&Kernels<'_>>) -> Result<Vec<Row>> {
     let file: Value = serde_json::from_str(text).map_err(|error| {
         let at = Location { column: Some(error.column()), ..Location::line(path, error.line()) };
         Error::syntax(at, format!("not JSON: {error}"))
@@ -98,7 +103,7 @@ pub fn oracles(text: &str, path: &Path) -> Result<Vec<Row>> {
     };
     let (mut rows, mut problems) = (Vec::new(), Vec::new());
     for (i, record) in list.iter().enumerate() {
-        match Oracle::read(record) {
+        match Oracle::read(record, kernels) {
             Ok(oracle) => oracle.run(&mut rows),
             Err(message) => {
                 problems.push(Problem::new(Location::file(path).with_item(format!("oracles[{i}]")), message));
@@ -124,10 +129,11 @@ struct Oracle<'a> {
     source: &'a str,
     tol_rel: Option<f64>,
     tol_abs: Option<f64>,
+    kernels: Option<&'a Kernels<'a>>,
 }
 
 impl<'a> Oracle<'a> {
-    fn read(record: &'a Value) -> std::result::Result<Self, String> {
+    fn read(record: &'a Value, kernels: Option<&'a Kernels<'a>>) -> std::result::Result<Self, String> {
         let text = |key: &str| record.get(key).and_then(Value::as_str);
         let number = |key: &str| record.get(key).and_then(Value::as_f64);
         let needed = |key: &str| text(key).ok_or_else(|| format!("has no text {key:?}"));
@@ -140,6 +146,7 @@ impl<'a> Oracle<'a> {
             source: text("source").unwrap_or(""),
             tol_rel: number("tol_rel"),
             tol_abs: number("tol_abs"),
+            kernels,
         })
     }
 

@@ -71,6 +71,8 @@ impl Oracle<'_> {
             "time" => self.time(kind),
             "iau" => self.iau(),
             "qso" => self.qso(kind),
+            "spk" => self.spk(),
+            "spice" => self.spice(kind),
             _ => None,
         };
         answers.unwrap_or_default()

@@ -1,0 +1,48 @@
+//! Binary PCK: how bodies are turned, by series of angles. The layouts are those of NAIF's PCK Required Reading.
+
+use std::path::Path;
+
+use super::daf::Daf;
+use super::frames::Frames;
+use super::spk::{series, span};
+use crate::error::{Error, Result};
+use crate::flight::{Almanac, Orientation, Turn, Turning, Unread};
+
+/// Numbers and whole numbers of a summary; two of the whole numbers are addresses.
+pub(super) const SUMMARY: (usize, usize) = (2, 5);
+
+/// Whether segments of a type are read.
+pub(super) fn is_read(kind: i32) -> bool {
+    matches!(kind, 2 | 3)
+}
+
+/// Reads a file's orientations into an almanac.
+pub(super) fn furnish(path: &Path, frames: &Frames, almanac: &mut Almanac) -> Result<()> {
+    let mut daf = Daf::open(path, SUMMARY.0, SUMMARY.1)?;
+    let arrays = std::mem::take(&mut daf.arrays);
+    let first = almanac.orientations.len();
+    for array in &arrays {
+        let [class, base, kind] = array.integers[..] else { continue };
+        let at = daf.at(array.index);
+        let wrong = |message: String| Error::invalid(at.clone(), message);
+        let span = Some(span(array).map_err(wrong)?);
+        let turning = match kind {
+            kind if is_read(kind) => {
+                let each = if kind == 2 { 3 } else { 6 };
+                Turning::Angles(series(daf.words(array)?, each).map_err(wrong)?)
+            }
+            kind => Turning::Unread(Unread { at, what: format!("binary PCK type {kind} (for {class})") }),
+        };
+        let turn = Turn { span, turning };
+        let (frame, base) = (frames.of_class(Frames::PCK, class), frames.of_id(base));
+        let last = almanac.orientations[first..].iter_mut().rev().find(|of| of.frame == frame);
+        match last.filter(|of| of.base == base) {
+            Some(orientation) => orientation.turns.push(turn),
+            None => {
+                let source = path.display().to_string();
+                almanac.orientations.push(Orientation { frame, base, source, turns: vec![turn] });
+            }
+        }
+    }
+    Ok(())
+}
