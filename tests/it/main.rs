@@ -42,6 +42,7 @@ mod exact;
 mod exchange;
 mod facet_radiance;
 mod flat_plane;
+mod flight_scene;
 mod floor;
 mod globes;
 mod globes_in_view;

@@ -6,8 +6,8 @@ use glam::{DMat3, DVec3};
 
 use super::TomlReader;
 use super::types::{
-    CorrectionToml, FlightToml, JitterToml, KindToml, PointingToml, ScanToml, SensorAxisToml, SensorToml, SunToml,
-    UpNameToml, UpToml,
+    CorrectionToml, FlightToml, JitterToml, KindToml, PointingToml, Preset, ScanToml, SensorAxisToml, SensorToml,
+    SunToml, UpNameToml, UpToml,
 };
 use crate::flight::{Aim, Almanac, Correction, Epoch, Jitter, Pointing, Qso, Scan, Span, Up, body_name, frame_name};
 use crate::formats::{InputFile, ephemeris};
@@ -193,8 +193,10 @@ impl TomlReader<'_> {
 
     /// When what of the image is taken.
     pub(super) fn timing(&mut self, toml: &SensorToml, flies: bool) -> Option<Timing> {
+        let preset = toml.preset.map(Preset::instrument).filter(|_| flies);
         let readout = match toml.kind {
-            None | Some(KindToml::Frame) => Readout::Frame,
+            None => preset.map_or(Readout::Frame, |instrument| instrument.readout),
+            Some(KindToml::Frame) => Readout::Frame,
             Some(KindToml::TunableFilter) => Readout::Band,
             Some(KindToml::PushBroom) => Readout::Line,
         };
@@ -210,7 +212,11 @@ impl TomlReader<'_> {
             self.helped("sensor.kind", "needs `[flight]`, which says what moves meanwhile", help);
             return None;
         }
-        let Some(period_s) = toml.period_s else {
+        let by_preset = preset.filter(|of| of.readout == readout).and_then(|of| Some((of.period_s?, of.name)));
+        if let (None, Some((period_s, name))) = (toml.period_s, by_preset) {
+            self.stated("sensor.period_s", format!("{period_s}: {name}"));
+        }
+        let Some(period_s) = toml.period_s.or(by_preset.map(|(period_s, _)| period_s)) else {
             self.problem("sensor", "`period_s` is missing: the time from one to the next");
             return None;
         };

@@ -8,6 +8,7 @@ mod atlas;
 mod attitude;
 mod bodies;
 mod flight;
+mod instruments;
 pub(super) mod format;
 mod lamps;
 mod lens;

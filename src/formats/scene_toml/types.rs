@@ -873,7 +873,7 @@ pub(crate) enum ConventionToml {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SensorToml {
-    /// What is taken at once: "frame" (the default), all of the image; "tunable_filter", one band after the other; "push_broom", one line after the other.
+    /// What is taken at once: "frame" (the default, unless a preset says otherwise and there is a table `flight`), all of the image; "tunable_filter", one band after the other; "push_broom", one line after the other.
     pub(crate) kind: Option<KindToml>,
     /// From the beginning of a band, or of a line, to that of the next, s: of a sensor that does not take all at once.
     #[schemars(extend("exclusiveMinimum" = 0))]
@@ -881,7 +881,8 @@ pub(crate) struct SensorToml {
     /// For how long light is gathered, s: of the motion meanwhile the middle is taken. Default: all of `period_s`.
     #[schemars(range(min = 0))]
     pub(crate) exposure_s: Option<f64>,
-    /// "macromega": 256 x 256 pixels, 300 bands from 0.95 to 3.6 um, IFOV 0.5 mrad.
+    /// "macromega": 256 x 256 pixels, 300 bands from 0.95 to 3.6 um, IFOV 0.5 mrad; with `flight` a tunable filter of a band a second. "mirs": a slit of 165
+    /// pixels, 271 bands of 20 nm from 0.9 to 3.6 um, IFOV 0.35 mrad, a push-broom whose `lines` and `period_s` are given.
     pub(crate) preset: Option<Preset>,
     /// Name of the instrument.
     pub(crate) name: Option<String>,
@@ -1005,6 +1006,8 @@ pub(crate) struct MapSensorToml {
 pub(crate) enum Preset {
     /// MacrOmega on MMX.
     Macromega,
+    /// MIRS on MMX.
+    Mirs,
 }
 
 /// What the field of view is fitted to.

@@ -9,6 +9,7 @@ use crate::scene::{Exposure, LEAST_PITCH};
 use crate::spectral::{Band, Response, Spectrum};
 
 use super::attitude::no_rotation;
+use super::instruments::Instrument;
 use super::lens::Lens;
 use super::types::{
     BandsToml, Coordinates, Frame, Fwhm, LightToml, LightsToml, ObserverToml, Preset, ResponseToml, SensorToml,
@@ -32,24 +33,24 @@ const TOLD: usize = 20;
 impl TomlReader<'_> {
     /// The sensor, at a pose that is `None` if what is wrong with it has been reported.
     pub(super) fn exposure(&mut self, toml: &SensorToml, pose: Option<Pose>, mesh: Option<&Mesh>) -> Option<Exposure> {
-        let preset = toml.preset == Some(Preset::Macromega);
-        let samples = self.given("sensor.samples", toml.samples, preset.then_some(256));
-        let lines = self.given("sensor.lines", toml.lines, preset.then_some(256));
+        let preset = toml.preset.map(Preset::instrument);
+        let samples = self.given("sensor.samples", toml.samples, preset, |of| Some(of.samples));
+        let lines = self.given("sensor.lines", toml.lines, preset, |of| of.lines);
         let bands = match (&toml.bands, preset) {
             (Some(bands), _) => self.bands("sensor.bands", bands),
-            (None, true) => {
-                self.stated("sensor.bands", "MacrOmega: 300 bands from 0.95 to 3.6 um, monochromatic");
-                Some(evenly(0.95, 3.6, 300))
+            (None, Some(instrument)) => {
+                self.stated("sensor.bands", instrument.told());
+                Some(instrument.bands())
             }
-            (None, false) => {
+            (None, None) => {
                 self.problem("sensor", "`bands` is missing");
                 None
             }
         };
         let name = match (&toml.name, preset) {
             (Some(name), _) => name.clone(),
-            (None, true) => "MacrOmega".into(),
-            (None, false) => {
+            (None, Some(instrument)) => instrument.name.into(),
+            (None, None) => {
                 self.stated("sensor.name", SENSOR_NAME);
                 SENSOR_NAME.into()
             }
@@ -63,10 +64,10 @@ impl TomlReader<'_> {
             };
             pitch.map(|pitch| ([pitch; 2], [samples, lines].map(|n| 0.5 * f64::from(n))))
         } else {
-            if preset && !lens.says_field() {
-                self.stated("sensor.ifov_mrad", "0.5: MacrOmega");
+            if let Some(instrument) = preset.filter(|_| !lens.says_field()) {
+                self.stated("sensor.ifov_mrad", format!("{}: {}", instrument.ifov_mrad, instrument.name));
             }
-            self.optics(&lens, [samples, lines], preset.then(|| pitch_of_ifov(0.5)))
+            self.optics(&lens, [samples, lines], preset.map(|of| pitch_of_ifov(of.ifov_mrad)))
         };
         let (pitch, boresight_px) = optics?;
         if let Some(pitch) = pitch.into_iter().find(|pitch| *pitch < LEAST_PITCH) {
@@ -86,13 +87,22 @@ impl TomlReader<'_> {
         Some(Exposure { instrument: name, camera, bands: bands? })
     }
 
-    fn given(&mut self, item: &str, value: Option<u32>, preset: Option<u32>) -> Option<u32> {
-        if let (None, Some(preset)) = (value, preset) {
-            self.stated(item, format!("{preset}: MacrOmega"));
-        } else if value.is_none() {
-            self.problem("sensor", format!("`{}` is missing", item.trim_start_matches("sensor.")));
+    fn given(
+        &mut self,
+        item: &str,
+        value: Option<u32>,
+        preset: Option<&Instrument>,
+        of: impl Fn(&Instrument) -> Option<u32>,
+    ) -> Option<u32> {
+        let by_preset = preset.and_then(|instrument| Some((of(instrument)?, instrument.name)));
+        match (value, by_preset) {
+            (None, Some((number, name))) => self.stated(item, format!("{number}: {name}")),
+            (None, None) => {
+                self.problem("sensor", format!("`{}` is missing", item.trim_start_matches("sensor.")));
+            }
+            (Some(_), _) => {}
         }
-        value.or(preset)
+        value.or(by_preset.map(|(number, _)| number))
     }
 
     /// The pixel pitch with which every vertex in front of the camera is in the image, and one is on its border.
@@ -464,7 +474,7 @@ pub(in crate::formats) fn pitch_of_fov(fov_deg: f64, samples: u32) -> f64 {
 }
 
 /// Bands at equal steps, both ends included.
-fn evenly(start_um: f64, stop_um: f64, count: u32) -> Vec<Band> {
+pub(super) fn evenly(start_um: f64, stop_um: f64, count: u32) -> Vec<Band> {
     let last = count - 1;
     let centre_um = |i: u32| match i {
         0 => start_um,

@@ -1,0 +1,66 @@
+//! Instruments by name: what is published of them, and what is assumed where nothing is.
+
+use super::types::Preset;
+use crate::scene::Readout;
+use crate::spectral::Band;
+
+/// What a preset says where a scene does not.
+pub(super) struct Instrument {
+    pub(super) name: &'static str,
+    pub(super) samples: u32,
+    /// None of a push-broom, which takes as many as it is told to.
+    pub(super) lines: Option<u32>,
+    pub(super) ifov_mrad: f64,
+    /// First and last centre, um, their number, and the width of each, if they have one.
+    pub(super) bands: (f64, f64, u32, Option<f64>),
+    /// What it takes at once where something moves.
+    pub(super) readout: Readout,
+    /// From one exposure to the next, s, if that is known.
+    pub(super) period_s: Option<f64>,
+}
+
+/// MacrOmega (Domagala 2020, I.C): 256 x 256 pixels, a tunable filter, 300 bands of a second each; pixels below 20 m from 25 km. Its field of view is assumed.
+const MACROMEGA: Instrument = Instrument {
+    name: "MacrOmega",
+    samples: 256,
+    lines: Some(256),
+    ifov_mrad: 0.5,
+    bands: (0.95, 3.6, 300, None),
+    readout: Readout::Band,
+    period_s: Some(1.0),
+};
+
+/// MIRS (Barucci et al. 2021, table 2): a slit of 3.3 deg with pixels of 0.35 mrad, 0.9 to 3.6 um, a band of 20 nm every 10 nm. That a pixel is square, and that
+/// bands are Gaussian, is assumed.
+const MIRS: Instrument = Instrument {
+    name: "MIRS",
+    samples: 165,
+    lines: None,
+    ifov_mrad: 0.35,
+    bands: (0.9, 3.6, 271, Some(0.02)),
+    readout: Readout::Line,
+    period_s: None,
+};
+
+impl Preset {
+    pub(super) fn instrument(self) -> &'static Instrument {
+        match self {
+            Preset::Macromega => &MACROMEGA,
+            Preset::Mirs => &MIRS,
+        }
+    }
+}
+
+impl Instrument {
+    pub(super) fn bands(&self) -> Vec<Band> {
+        let (start_um, stop_um, count, fwhm_um) = self.bands;
+        super::view::evenly(start_um, stop_um, count).into_iter().map(|band| Band { fwhm_um, ..band }).collect()
+    }
+
+    /// Its bands, in words.
+    pub(super) fn told(&self) -> String {
+        let (start_um, stop_um, count, fwhm_um) = self.bands;
+        let width = fwhm_um.map_or("monochromatic".to_owned(), |um| format!("{um} um wide"));
+        format!("{}: {count} bands from {start_um} to {stop_um} um, {width}", self.name)
+    }
+}

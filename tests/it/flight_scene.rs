@@ -1,0 +1,153 @@
+//! Scenes with a table `flight`: what follows from it, and what is said where it cannot be.
+
+use glam::DVec3;
+use mmxrt::formats::scene_toml;
+use mmxrt::progress::unwatched;
+use mmxrt::scene::Readout;
+
+use crate::cli::run;
+use crate::scenes::replaced;
+use crate::scratch::Scratch;
+
+/// A site on Phobos' equator, below where `qso-20x27` starts.
+const FLYING: &str = r#"mmxrt_scene = 1
+origin_m = [13000.0, 0.0, 0.0]
+[[mesh]]
+recipe = { version = 1, seed = 7, facets = 1000 }
+pose = "radial"
+[materials]
+phobos_blue = { reflectance = 0.07 }
+phobos_red = { reflectance = 0.05 }
+[mars]
+[flight]
+epoch = "2027-05-01T06:00:00 UTC"
+orbit = "qso-20x27"
+[sensor]
+samples = 8
+lines = 8
+ifov_mrad = 1.0
+bands = { centres_um = [1.0, 2.0, 3.0] }
+"#;
+
+/// The line in which a text has some words.
+fn line_of(text: &str, words: &str) -> usize {
+    1 + text.lines().position(|line| line.contains(words)).unwrap_or_else(|| panic!("{words}"))
+}
+
+#[test]
+fn an_orbit_by_name_places_all() {
+    let scratch = Scratch::new();
+    scratch.write("scene.toml", FLYING);
+    let file = scene_toml::read(&scratch.join("scene.toml"), &unwatched).unwrap();
+    let scene = &file.scene;
+    // It starts on the line to Mars: 20 km from the centre.
+    let eye = scene.exposure.camera.centre_m() + scene.body.origin_m;
+    assert!((eye - DVec3::new(20_000.0, 0.0, 0.0)).length() < 1e-6, "{eye:?}");
+    assert!((scene.exposure.camera.world_from_sensor.rotation.z_axis - DVec3::NEG_X).length() < 1e-12);
+    // The Sun by ERFA's plan94 (Simon et al. 1994) and the rotation of pck00011 by CSPICE.
+    let sun = scene.sky.sun.direction.vec();
+    let expected = DVec3::new(0.2071689, 0.88212296, 0.42301316);
+    assert!((sun - expected).length() < 2e-4, "{sun:?}");
+    let au = scene.sky.sun.distance_m / 149_597_870_700.0;
+    assert!((au - 1.649_975).abs() < 2e-4, "{au}");
+    // Mars straight above, by the rough orbit.
+    let mars = scene.sky.mars.as_ref().unwrap().centre_m + scene.body.origin_m;
+    assert!((mars - DVec3::new(9_376_000.0, 0.0, 0.0)).length() < 1.0, "{mars:?}");
+    // A quarter of its period later it is half-way round: beyond the y axis.
+    let text = replaced(FLYING, &[("orbit = ", "orbit_epoch = \"2027-05-01T04:59:26.345588 UTC\"\norbit = ")]);
+    scratch.write("scene.toml", text);
+    let later = scene_toml::read(&scratch.join("scene.toml"), &unwatched).unwrap().scene;
+    let eye = later.exposure.camera.centre_m() + later.body.origin_m;
+    assert!(eye.x.abs() < 10.0 && (eye.y + 27_051.769_516).abs() < 0.01, "{eye:?}");
+}
+
+#[test]
+fn presets_know_what_they_take_at_once() {
+    let scratch = Scratch::new();
+    let own = "samples = 8\nlines = 8\nifov_mrad = 1.0\nbands = { centres_um = [1.0, 2.0, 3.0] }";
+    let read = |text: String| {
+        scratch.write("scene.toml", text);
+        scene_toml::read(&scratch.join("scene.toml"), &unwatched).unwrap()
+    };
+    let file = read(replaced(FLYING, &[(own, "preset = \"macromega\"")]));
+    let timing = file.motion.as_ref().unwrap().1;
+    assert_eq!((timing.readout, timing.period_s, file.scene.exposure.bands.len()), (Readout::Band, 1.0, 300));
+    // The scene's own moment is that of its middle band.
+    let start_m = DVec3::new(20_000.0, 0.0, 0.0);
+    let moved_m = (file.scene.exposure.camera.centre_m() + file.scene.body.origin_m - start_m).length();
+    assert!((moved_m - 150.5 * 12.187).abs() < 5.0, "{moved_m}");
+    let file = read(replaced(FLYING, &[(own, "preset = \"mirs\"\nlines = 20\nperiod_s = 1.4")]));
+    let (exposure, timing) = (&file.scene.exposure, file.motion.as_ref().unwrap().1);
+    assert_eq!((timing.readout, exposure.camera.samples, exposure.camera.lines), (Readout::Line, 165, 20));
+    // Slit: 165 pixels of 0.35 mrad are 3.3 deg.
+    let bands = &exposure.bands;
+    assert_eq!((bands.len(), bands[1].fwhm_um), (271, Some(0.02)));
+    assert!((bands[1].centre_um - bands[0].centre_um - 0.01).abs() < 1e-12);
+}
+
+/// Wrong tables, and what is said of them.
+#[test]
+fn what_is_wrong_is_said_where_it_is() {
+    let orbit = "orbit = \"qso-20x27\"";
+    let cases: [(&[(&str, &str)], &str, &str); 18] = [
+        (&[("06:00:00 UTC", "06:00:00")], "epoch", "no scale of time"),
+        (&[("06:00:00 UTC", "06:00:60 UTC")], "epoch", "is not a time"),
+        (&[("05-01T06:00:00", "06-30T23:59:60")], "epoch", "no leap second is known"),
+        (&[("2027-05-01", "2027-02-29")], "epoch", "is not a time"),
+        (&[("2027", "1960")], "epoch", "from 1972"),
+        (&[("2027", "2127")], "[flight]", "is not known"),
+        (&[(orbit, "")], "[flight]", "what carries the camera"),
+        (&[(orbit, "spacecraft = \"MMX\"")], "[flight]", "MMX"),
+        (&[(orbit, "orbit = \"qso-20x40\"")], "orbit", "qso-20x27"),
+        (&[(orbit, "orbit = \"qso-2x3\"")], "orbit", "qso-2x3"),
+        (&[(orbit, "orbit = \"halo\"")], "orbit", "qso-20x27"),
+        (&[(orbit, "orbit = \"qso-20x27\"\nbody = \"DEIMOS\"")], "orbit", "about PHOBOS"),
+        (&[(orbit, "orbit = \"qso-20x27\"\nframe = \"IAU_PLUTO\"")], "[flight]", "IAU_PLUTO"),
+        (&[(orbit, "orbit = \"qso-20x27\"\nfiles = [\"none.bsp\"]")], "files", "no such file"),
+        (&[("[mars]", "[mars]\nposition_m = [9376000.0, 0.0, 0.0]")], "position_m", "`flight` places this body too"),
+        (&[("[mars]", "[sun]\ndistance_au = 1.5\n[mars]")], "[sun]", "`flight` places the Sun too"),
+        (&[("samples = 8", "samples = 8\nkind = \"push_broom\"")], "[sensor]", "`period_s` is missing"),
+        (
+            &[(orbit, "orbit = \"qso-20x27\"\npointing = { target_m = [0, 0, 0], frame = \"J2000\" }")],
+            "pointing",
+            "one of",
+        ),
+    ];
+    let scratch = Scratch::new();
+    let scene = scratch.argument("scene.toml");
+    for (edits, place, words) in cases {
+        let text = replaced(FLYING, edits);
+        scratch.write("scene.toml", &text);
+        let (code, _, err) = run(&["inspect", &scene]);
+        assert_eq!(code, 1, "{edits:?}: {err}");
+        assert!(err.contains(words), "{edits:?}: {err}");
+        let line = line_of(&text, place);
+        assert!(err.contains(&format!("scene.toml:{line}")), "{edits:?}, line {line}: {err}");
+    }
+}
+
+/// A filter's cube from the command line: each band at its moment, with the displacement of what the reference shows.
+#[test]
+fn a_filters_cube_comes_with_its_displacement() {
+    let scratch = Scratch::new();
+    let text = replaced(FLYING, &[("samples = 8", "samples = 8\nkind = \"tunable_filter\"\nperiod_s = 2.0")]);
+    scratch.write("scene.toml", text);
+    let (scene, out) = (scratch.argument("scene.toml"), scratch.argument("out"));
+    let (code, _, err) = run(&["simulate", &scene, "-o", &out, "--model", "sunlight"]);
+    assert_eq!(code, 0, "{err}");
+    let table = std::fs::read_to_string(scratch.join("out/exposures.csv")).unwrap();
+    let rows: Vec<&str> = table.lines().collect();
+    assert_eq!(rows.len(), 4);
+    assert!(rows[1].starts_with("1,8,1,1,2027-05-01T06:01:10.18"), "{}", rows[1]);
+    let planes = std::fs::read(scratch.join("out/displacement.img")).unwrap();
+    assert_eq!(planes.len(), 3 * 2 * 64 * 4);
+    let value = |plane: usize, pixel: usize| {
+        let at = 4 * (64 * plane + pixel);
+        f32::from_le_bytes(planes[at..at + 4].try_into().unwrap())
+    };
+    // The reference is the second band. The spacecraft goes 12.187 m/s along -y and looks at the centre 20 km below, so that what it sees goes by at 13 / 20 of
+    // that, to the right: in 2 s 15.8 m, of which a pixel has 7.
+    assert_eq!((value(2, 27), value(3, 27)), (0.0, 0.0));
+    let moved = value(4, 27);
+    assert!((moved - 2.263).abs() < 0.1, "{moved}");
+}
