@@ -53,6 +53,16 @@ def xml():
     add("xml", "mixed", b'<?xml version="1.0"?><a x=\'&#x3bc;&lt;\' y="1"><!-- c --><b/>t&amp;<![CDATA[<]]><?p q?></a>')
 
 
+def ccsds():
+    for path in files(DATA / "flight"):
+        add("ccsds", path.name, path.read_bytes())
+    for name, text in [
+        ("table", "# centre = PHOBOS\nutc,a_x_km,a_y_km,a_z_km,b_q1,b_q2,b_q3,b_qc\n2026-07-01T00:00:00,1,2,3,0,0,0,1\n"),
+        ("xml", "<ndm><aem version='1.0'><body><segment><metadata><OBJECT_NAME>X</OBJECT_NAME></metadata></segment></body></aem></ndm>"),
+    ]:
+        add("ccsds", name, text.encode())
+
+
 def dart_simulation(ours):
     theirs = DATA / "dart" / "boulder_574"
     names = [str(name) for name in folder_seeds("dart_simulation", theirs, b"\0")]
@@ -420,6 +430,7 @@ def main():
         for other in ["check", "mars"]:
             shutil.rmtree(ours / other, ignore_errors=True)
         xml()
+        ccsds()
         dart_simulation(ours)
         database()
         gltf(convert, source)

@@ -16,7 +16,7 @@ use super::{Outcome, file_json};
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// What to convert: a scene, mesh, DART simulation, spectra or image; recognised by its content
+    /// What to convert: a scene, mesh, DART simulation, spectra, image, trajectory or orientation; recognised by its content
     #[arg(required_unless_present = "list")]
     input: Option<PathBuf>,
     /// What to write; the file extension selects the format, no extension means a DART simulation. With --diff, what to compare with
@@ -88,6 +88,9 @@ pub(crate) struct Arguments {
     /// Data type of an image in ENVI and NumPy; by default that of the input
     #[arg(long, value_name = "TYPE", value_parser = data_type)]
     dtype: Option<DataType>,
+    /// Write trajectories and orientations at rows so many seconds apart; by default at those of the input
+    #[arg(long, value_name = "S")]
+    step_s: Option<f64>,
     /// Replace what exists
     #[arg(long)]
     force: bool,
@@ -182,6 +185,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         models: arguments.model.clone(),
         wavelengths: arguments.wavelengths.clone(),
         image_bands: arguments.band.iter().map(|band| *band as usize - 1).collect(),
+        step_s: arguments.step_s,
         data_type: arguments.dtype,
         bands: arguments.bands.clone().map(|bands| bands.0).unwrap_or_default(),
     };

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use mmxrt::flight::{Epoch, LeapSeconds, Span};
 use mmxrt::formats::Format;
 use mmxrt::formats::convert::{self, Content};
 use mmxrt::formats::dart::output;
@@ -12,7 +13,7 @@ use mmxrt::formats::spectrum_csv::{self, Quantity};
 use mmxrt::formats::{
     envi, ephemeris, exr_cube, gltf, npz, obj, pixel, product_folder, radiance_map, recipe_toml, registry, spice,
 };
-use mmxrt::job::{self, CurveSheet, SurfaceFacts, Survey};
+use mmxrt::job::{self, CurveSheet, FlightFacts, PartFacts, SurfaceFacts, Survey};
 use mmxrt::physics::reflectance::Preset;
 use mmxrt::spectral::{Extend, SunTotal, solar_e490};
 use mmxrt::{Error, Location, Problem, Result};
@@ -25,7 +26,7 @@ use super::surface::Written;
 #[derive(clap::Args)]
 #[command(group(clap::ArgGroup::new("written").args(["csv", "picture"]).multiple(true)))]
 pub(crate) struct Arguments {
-    /// A product folder, image (ENVI, ILWIS, OpenEXR, NumPy, PNG, CSV), .npz, .json report, scene, recipe, spectrum (.csv), .obj, .mtl, .gltf, .glb, DART simulation, output or optical database, .sli or .txt, a kernel of SPICE; or `e490`, the built-in spectrum of the Sun, or the name of a surface: phobos_assumed, deimos_assumed, moon, mars, thesis
+    /// A product folder, image (ENVI, ILWIS, OpenEXR, NumPy, PNG, CSV), .npz, .json report, scene, recipe, spectrum (.csv), .obj, .mtl, .gltf, .glb, DART simulation, output or optical database, .sli, .txt, .oem or .aem, a kernel of SPICE; or `e490`, the built-in spectrum of the Sun, or the name of a surface: phobos_assumed, deimos_assumed, moon, mars, thesis
     file: PathBuf,
     /// Show the spectrum and planes of this pixel of a product folder, counted from 0
     #[arg(long, value_name = "SAMPLE,LINE", value_parser = pixel)]
@@ -99,6 +100,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         _ if arguments.picture.is_some() => {
             return Err(Error::invalid(Location::file(path), "is not an image, so no picture can be made of it"));
         }
+        Some(format) if format.is_flight() => flight(path, format.name)?,
         _ if is_scene(path)? => return super::dry_run::run(path, console),
         _ => inspect(path, found, console)?,
     };
@@ -288,13 +290,57 @@ fn converted(path: &Path, console: &Console) -> Result<Facts> {
             let points = |l: &mmxrt::spectral::SpectralLibrary| l.wavelength_um.len();
             libraries.iter().map(|l| json!({ "name": l.name, "points": points(l), "columns": columns(l) })).collect()
         }
-        Content::Raster(_) => vec![],
+        Content::Raster(_) | Content::Flight(_) => vec![],
     };
     Ok(vec![
         ("kind", json!(format.name)),
         ("size", json!(content.size())),
         ("materials", names.into()),
         ("passed_over", report.notes.iter().map(|note| json!(note.to_string())).collect()),
+    ])
+}
+
+/// Trajectories and orientations: of what, when, in which steps.
+fn flight(path: &Path, kind: &str) -> Result<Facts> {
+    let (file, all) = job::flight_facts(path)?;
+    let time =
+        |epoch: Epoch| format!("{} {}", epoch.to_text(file.scale, 3, &LeapSeconds::default()), file.scale.name());
+    let from_to = |span: &Span| json!({ "from": time(span.start), "to": time(span.end) });
+    let part = |of: &FlightFacts, part: &PartFacts| {
+        let span = part.span.as_ref().map_or(json!("at all times"), from_to);
+        let step_s = part.steps.map(|steps| {
+            // Moments of 2026 are told apart by 1.2e-7 s.
+            [steps.min_s, steps.median_s, steps.max_s].map(|s| (s * 1e6).round() / 1e6)
+        });
+        let mut fact = json!({ "name": of.of, "about": of.about, "from": span["from"], "to": span["to"] });
+        for (name, value) in [("frame", json!(of.frame)), ("step_s_min_median_max", json!(step_s))] {
+            if !value.is_null() {
+                fact[name] = value;
+            }
+        }
+        fact["rows"] = json!(part.rows);
+        fact["interpolation"] = json!(part.interpolation);
+        fact
+    };
+    let parts = |is_trajectory: bool| -> Value {
+        let of = all.iter().filter(|facts| facts.frame.is_some() == is_trajectory);
+        of.flat_map(|facts| facts.parts.iter().map(|each| part(facts, each))).collect()
+    };
+    let gaps = all.iter().flat_map(|facts| {
+        facts.gaps.iter().map(|gap| json!({ "name": facts.of, "from": time(gap.start), "to": time(gap.end) }))
+    });
+    let altitudes = all.iter().filter_map(|facts| {
+        let [least, most] = facts.altitude_m?.map(|metres| metres / 1000.0);
+        Some(json!({ "name": facts.of, "above": facts.about, "min": least, "max": most }))
+    });
+    Ok(vec![
+        ("kind", json!(kind)),
+        ("scale_of_time", json!(file.scale.name())),
+        ("trajectories", parts(true)),
+        ("orientations", parts(false)),
+        ("gaps", gaps.collect()),
+        ("altitude_km", altitudes.collect()),
+        ("told", file.report.notes.iter().map(|note| json!(note.to_string())).collect()),
     ])
 }
 

@@ -18,7 +18,7 @@ pub(crate) struct Arguments {
     /// File of cases, by group and inputs, to run instead of the built-in ones; unknown cases are SKIPPED and counted
     #[arg(long, value_name = "FILE")]
     oracles: Option<PathBuf>,
-    /// Folder of the files that cases name (kernels), two levels deep. Default: that of the file of cases
+    /// Folder of the files that cases name (kernels, orbits), two levels deep. Default: that of the file of cases
     #[arg(long, value_name = "FOLDER", requires = "oracles")]
     data: Option<PathBuf>,
 }

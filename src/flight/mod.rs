@@ -15,6 +15,7 @@
 //! | rotation of Mars, Phobos, Deimos | [`RotationModel`] | Archinal et al. (2018) | oracles `iau` |
 //! | Hill's problem, quasi-satellite orbits | [`Hill`] | Hill (1878) | oracles `qso`; Jacobi's constant; a circle without the body |
 //! | Mars about the Sun, roughly | [`Elements`] | Standish & Williams | kernels |
+//! | sizes of bodies, and heights above them | [`altitude_m`] | NAIF's kernel pck00011 | an ellipsoid's axes |
 //! | light time and aberration | [`Almanac::apparent`] | Explanatory Supplement (2013), 7.2 | oracles `spice` |
 
 mod almanac;
@@ -29,6 +30,7 @@ mod orientation;
 mod pointing;
 mod pool;
 mod qso;
+mod radii;
 mod rotation_model;
 mod trajectory;
 mod unread;
@@ -45,6 +47,7 @@ pub use pointing::{Aim, Circumstances, Jitter, Pointing, Scan, Up};
 pub(crate) use pool::whole;
 pub use pool::{Pool, Values, Variable};
 pub use qso::Qso;
+pub use radii::{altitude_m, radii_m};
 pub use rotation_model::{Angle, RotationModel};
 pub use trajectory::{Interpolation, Nodes, Path, Segment, Span, State, Trajectory};
 pub use unread::Unread;

@@ -21,6 +21,18 @@ pub enum Between {
     Hermite(usize),
 }
 
+impl Between {
+    /// The degree of its polynomials, where there are as many attitudes; 1 of a steady turn.
+    pub fn degree(self) -> usize {
+        let numbers = match self {
+            Between::Steps | Between::SteadyTurn => 2,
+            Between::Lagrange(nodes) => nodes,
+            Between::Hermite(nodes) => nodes.saturating_mul(2),
+        };
+        numbers.saturating_sub(1).max(1)
+    }
+}
+
 /// Attitudes at some moments.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Attitudes {

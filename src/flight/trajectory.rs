@@ -1,5 +1,7 @@
 //! Where one thing is about another, over the times that a file or a model knows.
 
+use std::fmt;
+
 use glam::DVec3;
 
 use super::interpolation::{hermite, lagrange, window};
@@ -39,6 +41,12 @@ impl Span {
     }
 }
 
+impl fmt::Display for Span {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} to {}", self.start, self.end)
+    }
+}
+
 /// How to go between nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Interpolation {
@@ -54,6 +62,15 @@ impl Interpolation {
         match self {
             Interpolation::Lagrange(nodes) | Interpolation::Hermite(nodes) => nodes,
         }
+    }
+
+    /// The degree of its polynomials, where there are as many nodes.
+    pub fn degree(self) -> usize {
+        let numbers = match self {
+            Interpolation::Lagrange(nodes) => nodes,
+            Interpolation::Hermite(nodes) => nodes.saturating_mul(2),
+        };
+        numbers.saturating_sub(1).max(1)
     }
 }
 
@@ -71,7 +88,8 @@ pub struct Nodes {
 }
 
 impl Nodes {
-    fn state(&self, epoch: Epoch) -> State {
+    /// The state at a moment, also where the polynomial goes beyond the nodes.
+    pub fn state(&self, epoch: Epoch) -> State {
         let x = epoch.tdb_s();
         let nodes = window(&self.tdb_s, x, self.interpolation.nodes());
         let (xs, position_m) = (&self.tdb_s[nodes.clone()], &self.position_m[nodes.clone()]);

@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use super::format::ending;
-use super::{input, spice};
-use crate::error::{Error, Location, Result};
-use crate::flight::Almanac;
+use super::flight_file::FlightFile;
+use super::format::{Format, Holds, ending};
+use super::{input, registry, spice};
+use crate::error::{Error, Location, Problem, Result};
+use crate::flight::{Almanac, LeapSeconds};
 
 /// This much of a file is read to recognise its format, bytes.
 const BEGINNING: usize = 1 << 16;
@@ -21,7 +22,25 @@ pub fn furnish(path: &Path, almanac: &mut Almanac) -> Result<()> {
     if spice::is_kernel(&beginning) {
         return spice::furnish(&[path.to_owned()], almanac);
     }
-    Err(Error::invalid(Location::file(path), "is not a file of flight dynamics that is known"))
+    let file = read(path, &almanac.leap)?;
+    almanac.trajectories.extend(file.trajectories.into_iter().map(|(_, trajectory)| trajectory));
+    almanac.orientations.extend(file.orientations.into_iter().map(|(_, orientation)| orientation));
+    Ok(())
+}
+
+/// Reads a file of trajectories and orientations that is no kernel, with these leap seconds.
+///
+/// # Errors
+/// Whatever is wrong with the file, or that its format is none of these.
+pub fn read(path: &Path, leap: &LeapSeconds) -> Result<FlightFile> {
+    match registry::of_input(path)?.0.holds {
+        Holds::Flight { read, .. } => read(path, leap),
+        _ => {
+            let problem = Problem::new(Location::file(path), "is not a file of flight dynamics");
+            let help = format!("these are: kernels of SPICE, {}", registry::dotted(Format::is_flight));
+            Err(Error::Invalid(vec![problem.with_help(help)]))
+        }
+    }
 }
 
 /// Whether a file is a kernel of SPICE, by how it begins.
@@ -32,13 +51,17 @@ pub fn is_kernel(path: &Path) -> Result<bool> {
     Ok(spice::is_kernel(&input::beginning(path, BEGINNING)?))
 }
 
-/// An almanac of the kernels of these names in a folder and its folders, two levels deep; `None` if one is not there, or cannot be read. Leap
+/// An almanac of the files of these names in a folder and its folders, two levels deep; `None` if one is not there, or cannot be read. Leap
 /// seconds are known without their kernel.
 pub fn of_names(folder: &Path, names: &[&str]) -> Option<Almanac> {
     let needed = names.iter().filter(|name| ending(Path::new(name)) != "tls");
-    let paths: Option<Vec<PathBuf>> = needed.map(|name| find(folder, name, LEVELS)).collect();
+    let named = |name: &&&str| Some(folder.join(name)).filter(|path| path.is_file());
+    let paths: Option<Vec<PathBuf>> = needed.map(|name| named(&name).or_else(|| find(folder, name, LEVELS))).collect();
+    let (kernels, others): (Vec<PathBuf>, Vec<PathBuf>) =
+        paths?.into_iter().partition(|path| is_kernel(path).unwrap_or(false));
     let mut almanac = Almanac::default();
-    spice::furnish(&paths?, &mut almanac).ok()?;
+    spice::furnish(&kernels, &mut almanac).ok()?;
+    others.iter().try_for_each(|path| furnish(path, &mut almanac)).ok()?;
     Some(almanac)
 }
 

@@ -2,10 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use super::flight_file::FlightFile;
 use super::folder::Staged;
 use super::mesh_file::MeshFile;
 use super::raster::{Raster, Target};
 use crate::error::Result;
+use crate::flight::LeapSeconds;
 use crate::report::Report;
 use crate::spectral::SpectralLibrary;
 
@@ -59,12 +61,23 @@ pub(super) enum Holds {
         /// How it is written to a path; for a format that is only read, what to do instead.
         target: std::result::Result<fn(&Path) -> Target, &'static str>,
     },
+    /// Trajectories and orientations.
+    Flight {
+        /// Reads all, with these leap seconds.
+        read: ReadFlight,
+        /// The text of a file, with rows so many seconds apart, or those that are there; `None` if it is read only.
+        write: Option<WriteFlight>,
+    },
 }
 
 /// The main file or folder of a path whose file begins like this, if it is of the format.
 pub(super) type Told = fn(&Path, &[u8]) -> Option<PathBuf>;
 /// Reads all spectra of a file, and reports what could not be taken over.
 pub(super) type ReadSpectra = fn(&Path) -> Result<(Vec<SpectralLibrary>, Report)>;
+/// Reads trajectories and orientations.
+pub(super) type ReadFlight = fn(&Path, &LeapSeconds) -> Result<FlightFile>;
+/// Trajectories and orientations as text, and what is not carried over.
+pub(super) type WriteFlight = fn(&FlightFile, &LeapSeconds, Option<f64>) -> Result<(String, Report)>;
 /// Writes spectra to a file, which may be replaced if the flag says so, under a hidden name.
 pub(super) type Stage = fn(&Path, &[SpectralLibrary], bool) -> Result<(Staged, Report)>;
 
@@ -82,6 +95,11 @@ impl Format {
     /// Whether it holds an image and nothing else.
     pub fn is_image(&self) -> bool {
         matches!(self.holds, Holds::Image { .. })
+    }
+
+    /// Whether it holds trajectories and orientations.
+    pub fn is_flight(&self) -> bool {
+        matches!(self.holds, Holds::Flight { .. })
     }
 
     /// What `inspect` calls one of its files.

@@ -28,9 +28,10 @@ const TOLD: usize = 100;
 pub(super) const LONGEST_NAME: usize = 400;
 
 /// The keys that identify what a text is, and what to do with it.
-const KINDS: [(&str, &str); 3] = [
+const KINDS: [(&str, &str); 4] = [
     ("mmxrt_scene", "is a scene file: `mmxrt simulate` takes it"),
     ("mmxrt_map", "is a map file: `mmxrt integrate SCENE --radiance` takes it"),
+    ("mmxrt_flight", "is a table of positions: `mmxrt inspect` says what it holds"),
     (
         "seed",
         "is the recipe of a landscape: `mmxrt landscape` makes a mesh of it, and a scene has it as `recipe` in `[[mesh]]`",

@@ -1,8 +1,10 @@
 //! Files: one format, one module. Only here and in the command line is the disk touched.
 
+pub mod ccsds;
 pub mod chart;
 pub mod convert;
 pub mod dart;
+mod decimal;
 pub mod envi;
 pub mod ephemeris;
 pub mod exposures_csv;
@@ -11,6 +13,8 @@ pub mod drawing;
 mod file_name;
 pub mod folder;
 mod flat;
+pub mod flight_file;
+pub mod flight_table;
 mod foreign;
 mod format;
 pub mod gltf;

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::dart::format::SIMULATION;
 use super::dart::{database, text_spectra};
+use super::flight_table;
 use super::foreign;
 use super::format::{Format, Holds, ending};
 use super::gltf::format::{BINARY, TEXT};
@@ -12,7 +13,7 @@ use super::obj::format::OBJ;
 use super::raster::headers::ENVI;
 use super::raster::{self, Raster};
 use super::scene_toml::format::SCENE;
-use super::{envi, input, marks, sli, spectrum_csv};
+use super::{ccsds, envi, input, marks, sli, spectrum_csv};
 use crate::error::{Error, Location, Problem, Result};
 
 /// All formats, in the order in which they are listed and tried on a file.
@@ -30,6 +31,10 @@ pub static ALL: &[&Format] = &[
     &raster::picture::PNG,
     &raster::jpeg::JPEG,
     &database::DATABASE,
+    &ccsds::OEM,
+    &ccsds::AEM,
+    &ccsds::NDM,
+    &flight_table::TABLE,
     &text_spectra::TEXT,
     &sli::SLI,
     &spectrum_csv::CSV,
@@ -158,7 +163,7 @@ pub fn mesh(path: &Path, outside: bool) -> Result<MeshFile> {
 }
 
 /// How names of some formats' files end, for people.
-fn dotted(of: impl Fn(&Format) -> bool) -> String {
+pub(super) fn dotted(of: impl Fn(&Format) -> bool) -> String {
     endings(of).iter().map(|ending| format!(".{ending}")).collect::<Vec<_>>().join(", ")
 }
 

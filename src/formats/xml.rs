@@ -1,6 +1,6 @@
 //! XML as a tree of elements that know where they stand; and such trees written.
 //!
-//! For formats whose content is elements and attributes. Text between elements is ignored and marked
+//! For formats whose content is elements, with attributes or with text. Text between elements is joined and marked
 //! ([`Element::has_text`]); comments and processing instructions are ignored. Nothing is expanded or fetched: a
 //! document type is refused, and so is every entity but the five that XML predefines and character references.
 //! UTF-8 only, with or without a byte order mark; lines may end in CRLF.
@@ -36,7 +36,9 @@ pub struct Element {
     pub attributes: Vec<Attribute>,
     /// Elements within, in the order of the text.
     pub children: Vec<Element>,
-    /// Text other than white space stood within, and is not here.
+    /// Text within, without the white space around it; written only of an element that has no elements within.
+    pub text: String,
+    /// Text other than white space stood within.
     pub has_text: bool,
     file: Option<Arc<Path>>,
     within: Option<Arc<Trail>>,
@@ -79,6 +81,14 @@ impl Element {
     #[must_use]
     pub fn with(mut self, name: impl Into<String>, value: impl Value) -> Self {
         self.attributes.push(Attribute { name: name.into(), value: value.text(), mark: Mark::default() });
+        self
+    }
+
+    /// The same with this text within.
+    #[must_use]
+    pub fn holding(mut self, text: impl Value) -> Self {
+        self.text = text.text();
+        self.has_text = !self.text.is_empty();
         self
     }
 
@@ -172,7 +182,14 @@ impl Element {
             text.push('"');
         }
         if self.children.is_empty() {
-            text.push_str("/>\n");
+            match self.text.as_str() {
+                "" => text.push_str("/>\n"),
+                within => {
+                    text.push('>');
+                    escape(within, text);
+                    text.push_str(&format!("</{}>\n", self.name));
+                }
+            }
             return;
         }
         text.push_str(">\n");
@@ -291,13 +308,21 @@ pub fn parse(text: &str, path: &Path) -> Result<Element> {
             }
             Event::End(_) => tree.close(),
             Event::Text(_) if text[start..end].trim_ascii().is_empty() => {}
-            Event::Text(_) | Event::CData(_) => tree.passed_over(start, end)?,
+            Event::Text(_) => tree.holds(start, end, &text[start..end])?,
+            Event::CData(within) => tree.holds(start, end, &within)?,
             Event::GeneralRef(reference) => {
-                let known = reference.is_char_ref() || ["lt", "gt", "amp", "apos", "quot"].contains(&&*reference);
-                if !known || reference.resolve_char_ref().is_err() {
+                let known = match &*reference {
+                    "lt" => Some('<'),
+                    "gt" => Some('>'),
+                    "amp" => Some('&'),
+                    "apos" => Some('\''),
+                    "quot" => Some('"'),
+                    _ => reference.resolve_char_ref().ok().flatten().filter(|c| is_char(*c)),
+                };
+                let Some(known) = known else {
                     return Err(tree.error(start, end, format!("the entity `&{};` is not resolved", &*reference)));
-                }
-                tree.passed_over(start, end)?;
+                };
+                tree.holds(start, end, known.encode_utf8(&mut [0; 4]))?;
             }
             Event::Decl(declaration) => {
                 if start > 0 {
@@ -447,16 +472,21 @@ impl Tree<'_> {
 
     /// The innermost open element ends. That the name fits has been seen by the reader of events.
     fn close(&mut self) {
-        let Some(element) = self.open.pop() else { return };
+        let Some(mut element) = self.open.pop() else { return };
+        element.text = element.text.trim_ascii().to_owned();
         match self.open.last_mut() {
             Some(parent) => parent.children.push(element),
             None => self.root = Some(element),
         }
     }
 
-    fn passed_over(&mut self, start: usize, end: usize) -> Result<()> {
+    /// Text stands within the innermost open element.
+    fn holds(&mut self, start: usize, end: usize, text: &str) -> Result<()> {
         match self.open.last_mut() {
-            Some(element) => element.has_text = true,
+            Some(element) => {
+                element.has_text = true;
+                element.text.push_str(text);
+            }
             None => {
                 let lead = self.text[start..end].len() - self.text[start..end].trim_ascii_start().len();
                 return Err(self.error(start + lead, end, "text outside the root element"));
@@ -548,6 +578,18 @@ mod tests {
             let error = parsed(text).expect_err(text).to_string();
             assert!(error.starts_with(&format!("a.xml{place}")) && error.contains(message), "{text}: {error}");
         }
+    }
+
+    #[test]
+    fn text_is_joined_and_written() {
+        let text = "<a><b> 1.5&lt;<![CDATA[ x & y ]]>&#x3bc;\r\n</b><c> &#32; </c><d>u<e/> v</d></a>";
+        let root = parsed(text).unwrap();
+        assert_eq!(root.child("b").unwrap().text, "1.5< x & y \u{3bc}");
+        assert_eq!((root.child("c").unwrap().text.as_str(), root.child("d").unwrap().text.as_str()), ("", "u v"));
+        let written = root.write();
+        assert!(written.contains("<b>1.5&lt; x &amp; y \u{3bc}</b>\n") && written.contains("<d>\n        <e/>\n"));
+        assert_eq!(parsed(&written).unwrap().write(), written);
+        assert_eq!(Element::new("f").holding(0.1).write().lines().nth(1), Some("<f>0.1</f>"));
     }
 
     #[test]

@@ -5,6 +5,7 @@
 mod chart;
 mod curve_sheet;
 mod dry_run;
+mod flight_facts;
 mod image_survey;
 mod integrate;
 mod landscape;
@@ -17,6 +18,7 @@ mod surface;
 pub use chart::{Render, chart, stability};
 pub use curve_sheet::CurveSheet;
 pub use dry_run::{Outlook, dry_run, plan};
+pub use flight_facts::{FlightFacts, PartFacts, Steps, flight_facts};
 pub use image_survey::{Picture, Survey, survey};
 pub use integrate::{Radiance, integrate};
 pub use landscape::LandscapeFiles;

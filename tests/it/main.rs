@@ -14,6 +14,7 @@ mod bands;
 mod beams;
 mod bodies;
 mod cameras;
+mod ccsds;
 mod centres;
 mod chart;
 mod chart_attack;

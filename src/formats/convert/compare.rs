@@ -8,7 +8,9 @@ use std::fmt::Debug;
 
 use glam::DVec3;
 
+use crate::flight::{Orientation, Span, Trajectory};
 use crate::formats::dart::{Pinhole, Step};
+use crate::formats::flight_file::FlightFile;
 use crate::formats::mesh_file::ColouredMesh;
 use crate::formats::mtl::ObjMaterial;
 use crate::geometry::{FrameCamera, MaterialId, Mesh, Pose};
@@ -47,6 +49,7 @@ pub fn differences(a: &Content, b: &Content) -> Vec<String> {
             let names = |l: &[SpectralLibrary]| l.iter().map(|l| l.name.clone()).collect::<Vec<_>>();
             lines.each("spectra", &names(a), &names(b), |lines, at, i, j| lines.libraries(at, &a[i], &b[j]));
         }
+        (Content::Flight(a), Content::Flight(b)) => lines.flight_files(a, b),
         _ => lines.0.push(format!("the first holds {}, the second {}: convert one of them", a.kind(), b.kind())),
     }
     lines.0
@@ -462,6 +465,49 @@ impl Lines {
         self.numbers(&format!("{at}.thermal_exitance_w_m2"), *thermal_exitance_w_m2, b.thermal_exitance_w_m2);
         for ((name, a), b) in ["day_k", "night_k"].iter().zip(day_night_k).zip(b.day_night_k) {
             self.numbers(&format!("{at}.{name}"), *a, b);
+        }
+    }
+
+    /// Trajectories and orientations: not who wrote them, when and with which comments.
+    fn flight_files(&mut self, a: &FlightFile, b: &FlightFile) {
+        let FlightFile { trajectories, orientations, scale: _, made: _, comments: _, report: _, input: _ } = a;
+        self.counted("trajectories", trajectories, &b.trajectories, |lines, at, (name, a), (other, b)| {
+            let Trajectory { target, centre, frame, source: _, segments } = a;
+            lines.debugged(&format!("{at} object"), name, other);
+            lines.words(&format!("{at} target"), target, &b.target);
+            lines.words(&format!("{at} centre"), centre, &b.centre);
+            lines.words(&format!("{at} frame"), frame, &b.frame);
+            lines.counted(&format!("{at} segments"), segments, &b.segments, |lines, at, a, b| {
+                lines.words(&format!("{at} span"), &a.span.to_string(), &b.span.to_string());
+                lines.told_if(a.path != b.path, at, "states or their interpolation differ");
+            });
+        });
+        self.counted("orientations", orientations, &b.orientations, |lines, at, (name, a), (other, b)| {
+            let Orientation { frame, base, source: _, turns } = a;
+            lines.debugged(&format!("{at} object"), name, other);
+            lines.words(&format!("{at} frame"), frame, &b.frame);
+            lines.words(&format!("{at} base"), base, &b.base);
+            lines.counted(&format!("{at} turns"), turns, &b.turns, |lines, at, a, b| {
+                let span = |of: Option<Span>| of.map_or_else(|| "at all times".to_owned(), |span| span.to_string());
+                lines.words(&format!("{at} span"), &span(a.span), &span(b.span));
+                lines.told_if(a.turning != b.turning, at, "attitudes or their interpolation differ");
+            });
+        });
+    }
+
+    /// Compares lists item by item, if they are as long.
+    fn counted<T>(&mut self, at: &str, a: &[T], b: &[T], each: impl Fn(&mut Lines, &str, &T, &T)) {
+        if a.len() != b.len() {
+            return self.push(at, a.len(), b.len());
+        }
+        for (i, (a, b)) in a.iter().zip(b).enumerate() {
+            each(self, &format!("{at}[{i}]"), a, b);
+        }
+    }
+
+    fn told_if(&mut self, differs: bool, at: &str, what: &str) {
+        if differs {
+            self.0.push(format!("{at}: {what}"));
         }
     }
 

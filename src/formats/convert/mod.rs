@@ -1,7 +1,7 @@
 //! From one format to another, with a report of all that is not carried over as it was.
 //!
-//! What is read is one of four things: a scene; a surface, which is a mesh with names of materials; a list of spectra; or an
-//! image, which becomes nothing but an image. A
+//! What is read is one of five things: a scene; a surface, which is a mesh with names of materials; a list of spectra; an image, which
+//! becomes nothing but an image; or trajectories and orientations, which become nothing else either. A
 //! surface becomes a scene by assuming what it does not state; a scene becomes a surface, or spectra, by leaving out the
 //! rest; the report says either. Spectra make no scene.
 
@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 use crate::error::{Error, Location, Problem, Result};
+use crate::flight::LeapSeconds;
 use crate::progress::{Watch, tell};
 use crate::report::{Fate, Report};
 use crate::scene::{Photometry, Scene};
@@ -26,6 +27,7 @@ use super::dart::database::DATABASE;
 use super::dart::format::SIMULATION;
 use super::envi::{self, DataType};
 use super::file_name::shortened;
+use super::flight_file::FlightFile;
 use super::folder::{FolderKind, Staged, spares};
 use super::format::{Format, Holds, ending};
 use super::gltf::format::BINARY;
@@ -89,6 +91,8 @@ pub struct Options {
     pub bands: Vec<Band>,
     /// Of an image only these bands, from 0; all if there are none.
     pub image_bands: Vec<usize>,
+    /// Time between rows of trajectories and orientations, s; the rows that are there if not given.
+    pub step_s: Option<f64>,
     /// Type of an image's numbers in ENVI and NumPy; the image's own if not given.
     pub data_type: Option<DataType>,
 }
@@ -119,6 +123,8 @@ pub enum Content {
     Spectra(Vec<SpectralLibrary>),
     /// An image.
     Raster(Box<Raster>),
+    /// Trajectories and orientations.
+    Flight(Box<FlightFile>),
 }
 
 /// The folder of a scene.
@@ -183,6 +189,7 @@ fn without_effect(options: &Options, from: &Format, to: &Format) -> Result<()> {
     only(options.flip, "--flip", is_mesh, "a mesh as input");
     let is_placed = is_mesh && (is_scene(to) || *to == SIMULATION);
     only(options.pose.is_some(), "--pose", is_placed, "a mesh as input and a scene or DART as output");
+    only(options.step_s.is_some(), "--step-s", to.is_flight(), "trajectories and orientations");
     if let Some(unit_m) = options.unit_m.filter(|unit_m| !(*unit_m > 0.0 && unit_m.is_finite())) {
         problems.push(
             Problem::new(Location::item("--unit-m"), format!("{unit_m} is not positive")).with_help("1000 for km"),
@@ -277,6 +284,11 @@ fn read_all(
             sources.extend_from_slice(raster.files());
             (Content::Raster(Box::new(raster)), report)
         }
+        Holds::Flight { read, .. } => {
+            let mut file = read(&path, &LeapSeconds::default())?;
+            let report = std::mem::take(&mut file.report);
+            (Content::Flight(Box::new(file)), report)
+        }
     };
     Ok((format, content, report, sources))
 }
@@ -308,6 +320,7 @@ impl Content {
             Content::Mesh(_) => "a mesh",
             Content::Spectra(_) => "spectra",
             Content::Raster(_) => "an image",
+            Content::Flight(_) => "trajectories or orientations",
         }
     }
 
@@ -318,6 +331,7 @@ impl Content {
             Content::Mesh(surface) => format!("{} facets", surface.mesh.facets.len()),
             Content::Spectra(libraries) => format!("{} spectra", libraries.len()),
             Content::Raster(raster) => raster_size(raster, raster.bands.len()),
+            Content::Flight(file) => file.size(),
         }
     }
 }
@@ -398,6 +412,16 @@ impl Job<'_> {
     fn write(mut self, content: Content, to: &Format) -> Result<bool> {
         match (content, &to.holds) {
             (Content::Raster(mut raster), _) => self.raster(&mut raster, to),
+            (Content::Flight(file), Holds::Flight { .. }) => self.flight(&file, to),
+            (Content::Flight(_), _) => {
+                let message = format!("holds trajectories or orientations: they make no {}", to.name);
+                let help =
+                    format!("end the output's name in {}, or say which with --to", registry::dotted(Format::is_flight));
+                Err(Error::Invalid(vec![Problem::new(Location::file(self.input), message).with_help(help)]))
+            }
+            (content, Holds::Flight { .. }) => {
+                Err(unsupported(self.input, &format!("{} as {}: nothing moves in it", content.kind(), to.name)))
+            }
             (_, Holds::Image { .. }) => Err(unsupported(self.input, &format!("anything but an image as {}", to.name))),
             (Content::Spectra(libraries), Holds::Spectra { .. }) => self.spectra(&libraries, to),
             (Content::Spectra(_), _) => {
@@ -619,6 +643,22 @@ impl Job<'_> {
         }
         files.spares(self.sources.iter().map(PathBuf::as_path))?;
         files.commit()?;
+        Ok(true)
+    }
+
+    fn flight(self, file: &FlightFile, to: &Format) -> Result<bool> {
+        let Holds::Flight { write: Some(write), .. } = to.holds else {
+            return Err(Error::invalid(Location::file(self.output), format!("{} is read, but not written", to.name)));
+        };
+        let (text, report) = write(file, &LeapSeconds::default(), self.options.step_s)?;
+        self.report.notes.extend(report.notes);
+        if self.refused() {
+            return Ok(false);
+        }
+        let staged = Staged::file(self.output, self.options.replace)?;
+        staged.put(staged.path(), |out| out.write_all(text.as_bytes()))?;
+        staged.spares(self.sources.iter().map(PathBuf::as_path))?;
+        staged.commit()?;
         Ok(true)
     }
 

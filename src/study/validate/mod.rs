@@ -5,6 +5,7 @@
 //! given by its group, its name up to the first `(` or `=`, and its inputs; an input that is missing is looked for in the name ("rho=0.07").
 
 mod closed_forms;
+mod ephemerides;
 mod flight;
 mod kernels;
 mod patch;

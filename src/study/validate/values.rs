@@ -73,6 +73,7 @@ impl Oracle<'_> {
             "qso" => self.qso(kind),
             "spk" => self.spk(),
             "spice" => self.spice(kind),
+            "ccsds" => self.ephemeris(),
             _ => None,
         };
         answers.unwrap_or_default()

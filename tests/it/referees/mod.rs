@@ -1,8 +1,9 @@
 //! Other programs as referees: what they make of the same scene, from formulas that are not ours.
 //!
-//! They run where they are there (`MMXRT_TEST_PYTHON` names an interpreter that has Mitsuba, heat1d or spiceypy), and say SKIPPED where they are not.
+//! They run where they are there (`MMXRT_TEST_PYTHON` names an interpreter that has Mitsuba, heat1d, spiceypy or oem), and say SKIPPED where they are not.
 
 mod columns;
+mod ephemerides;
 mod kernels;
 mod plans;
 mod renders;

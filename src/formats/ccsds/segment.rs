@@ -1,0 +1,201 @@
+//! What orbits and attitudes have in common: what a segment is about, when it holds, how to go between its rows.
+
+use super::message::{Block, Column, Place, Reading, shown};
+use crate::flight::interpolation::MOST_NODES;
+use crate::flight::{Epoch, Scale, Span};
+use crate::formats::flight_file::{Object, time_text};
+use crate::report::Fate;
+
+/// Degree of polynomials where a message does not say it.
+const DEGREE: usize = 7;
+/// What a segment is about.
+pub(super) fn object<'a>(block: &Block<'a>, reading: &mut Reading<'a>) -> Option<Object> {
+    let name = reading.needed(block, "OBJECT_NAME")?.value.to_owned();
+    let id = block.entry("OBJECT_ID").filter(|entry| !entry.value.is_empty());
+    Some(Object { id: id.map_or(name.clone(), |id| id.value.to_owned()), name })
+}
+
+/// The rows of a segment, in the order of time.
+#[derive(Default)]
+pub(super) struct Rows<'a> {
+    pub(super) at: Vec<Place<'a>>,
+    pub(super) epochs: Vec<Epoch>,
+    /// Of each its numbers.
+    pub(super) values: Vec<Vec<f64>>,
+}
+
+/// Reads the rows; `None` if any cannot be used.
+pub(super) fn rows<'a>(
+    block: &Block<'a>,
+    columns: &[Column],
+    allowed: &[usize],
+    scale: Scale,
+    reading: &mut Reading<'a>,
+) -> Option<Rows<'a>> {
+    let mut rows = Rows::default();
+    for at in &block.rows {
+        let Some((epoch, values)) = reading.row(*at, columns, allowed, scale) else { continue };
+        match rows.epochs.last() {
+            Some(last) if *last == epoch => reading.wrong(*at, "has the time of the row before it"),
+            Some(last) if *last > epoch => {
+                reading.wrong_with(*at, "is earlier than the row before it", "sort the rows of a segment by time");
+            }
+            _ => {}
+        }
+        rows.at.push(*at);
+        rows.epochs.push(epoch);
+        rows.values.push(values);
+    }
+    if block.rows.is_empty() {
+        reading.wrong(block.at, "has no rows behind its metadata");
+    }
+    let is_ascending = rows.epochs.windows(2).all(|two| two[0] < two[1]);
+    (is_ascending && !rows.epochs.is_empty() && rows.epochs.len() == block.rows.len()).then_some(rows)
+}
+
+/// When a segment holds: where it says so, but not beyond its rows.
+pub(super) fn span<'a>(block: &Block<'a>, rows: &Rows<'a>, scale: Scale, reading: &mut Reading<'a>) -> Option<Span> {
+    let (first, last) = (*rows.epochs.first()?, *rows.epochs.last()?);
+    let mut bound = |key: &str| {
+        let entry = block.entry(key)?;
+        let epoch = reading.epoch(entry.value, scale, entry.at);
+        Some((epoch, entry.at))
+    };
+    let [start, stop, from, to] =
+        ["START_TIME", "STOP_TIME", "USEABLE_START_TIME", "USEABLE_STOP_TIME"].map(&mut bound);
+    // Those that cannot be read have been told.
+    let all_read = [start, stop, from, to].iter().flatten().all(|(epoch, _)| epoch.is_some());
+    if !all_read {
+        return None;
+    }
+    let read = |found: Option<(Option<Epoch>, Place<'a>)>| found.and_then(|(epoch, _)| epoch);
+    for (found, key, row) in [(start, "START_TIME", first), (stop, "STOP_TIME", last)] {
+        if found.is_none() {
+            let row = time_text(row, scale, reading.leap);
+            reading.note(Fate::Defaulted, block.at, format!("{key}, which is missing: that of its rows, {row}"));
+        }
+    }
+    let total = Span { start: read(start).unwrap_or(first), end: read(stop).unwrap_or(last) };
+    for (at, epoch) in rows.at.iter().zip(&rows.epochs) {
+        if !total.contains(*epoch) {
+            let side = if *epoch < total.start { "before START_TIME" } else { "after STOP_TIME" };
+            reading.wrong(*at, format!("lies {side} of this segment"));
+        }
+    }
+    let useable = Span { start: read(from).unwrap_or(total.start), end: read(to).unwrap_or(total.end) };
+    for (found, key) in [(from, "USEABLE_START_TIME"), (to, "USEABLE_STOP_TIME")] {
+        if let Some((Some(epoch), at)) = found
+            && !total.contains(epoch)
+        {
+            reading.wrong(at, format!("{key} does not lie between START_TIME and STOP_TIME"));
+        }
+    }
+    let span = Span {
+        start: if useable.start < first { first } else { useable.start },
+        end: if useable.end > last { last } else { useable.end },
+    };
+    if useable.start > useable.end {
+        reading.wrong(block.at, "holds at no time: it stops before it starts");
+    } else if span.start > span.end {
+        reading.wrong(block.at, "has no rows at the times at which it holds");
+    } else if span != useable {
+        let text = |epoch| time_text(epoch, scale, reading.leap);
+        let message = format!(
+            "it says that it holds from {} to {}, but its rows reach from {} to {}: nothing is extrapolated",
+            text(useable.start),
+            text(useable.end),
+            text(first),
+            text(last)
+        );
+        reading.note(Fate::Approximated, block.at, message);
+    }
+    Some(span)
+}
+
+/// How to go between rows, with how many of them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Method {
+    Linear,
+    Lagrange(usize),
+    Hermite(usize),
+}
+
+/// What a segment says of interpolation. `slopes` are what Hermite's polynomial needs, if the rows have them: their name, and whether.
+pub(super) fn method<'a>(
+    block: &Block<'a>,
+    key: &str,
+    (slopes, has_slopes): (&str, bool),
+    otherwise: Method,
+    reading: &mut Reading<'a>,
+) -> Option<Method> {
+    let degree = match block.entry("INTERPOLATION_DEGREE") {
+        None => None,
+        Some(entry) => match entry.value.parse::<usize>() {
+            Ok(degree) if degree > 0 => Some((degree, entry.at)),
+            _ => {
+                let message = format!("`{}` is not a degree of polynomials: 1, 2, 3 ...", shown(entry.value));
+                reading.wrong(entry.at, message);
+                return None;
+            }
+        },
+    };
+    let Some(entry) = block.entry(key) else {
+        let taken = match otherwise {
+            Method::Linear => "a steady change from one to the next".to_owned(),
+            Method::Lagrange(_) => format!("Lagrange's polynomials of degree {DEGREE}"),
+            Method::Hermite(_) => format!("Hermite's polynomials of degree {DEGREE}"),
+        };
+        reading.note(Fate::Defaulted, block.at, format!("{key}, which is missing: {taken}"));
+        return Some(within(otherwise, block.at, block, reading));
+    };
+    let name = entry.value.to_ascii_uppercase();
+    if name == "LINEAR" {
+        return Some(within(Method::Linear, entry.at, block, reading));
+    }
+    if !["LAGRANGE", "HERMITE"].contains(&name.as_str()) {
+        let message = format!("`{}` is not a way to interpolate: LINEAR, LAGRANGE or HERMITE", shown(entry.value));
+        reading.wrong(entry.at, message);
+        return None;
+    }
+    let (degree, at) = degree.unwrap_or_else(|| {
+        let message = format!("INTERPOLATION_DEGREE, which is missing: {DEGREE}");
+        reading.note(Fate::Defaulted, entry.at, message);
+        (DEGREE, entry.at)
+    });
+    let method = match name.as_str() {
+        "HERMITE" if has_slopes => Method::Hermite((degree.saturating_add(2) / 2).max(2)),
+        "HERMITE" => {
+            let message =
+                format!("Hermite's polynomials need {slopes}, which the rows do not have: Lagrange's instead");
+            reading.note(Fate::Approximated, entry.at, message);
+            Method::Lagrange(degree.saturating_add(1))
+        }
+        _ => Method::Lagrange(degree.saturating_add(1)),
+    };
+    Some(within(method, at, block, reading))
+}
+
+/// The method with no more rows than are of use.
+fn within<'a>(method: Method, at: Place<'a>, block: &Block<'a>, reading: &mut Reading<'a>) -> Method {
+    let (Method::Lagrange(wanted) | Method::Hermite(wanted)) = method else { return method };
+    let rows = block.rows.len();
+    if wanted > rows {
+        let message = format!("its polynomials go through {wanted} rows, and there are {rows}: all of them are used");
+        reading.note(Fate::Approximated, at, message);
+    } else if wanted > MOST_NODES {
+        let message = format!("its polynomials go through {wanted} rows: {MOST_NODES} are used, as more lose digits");
+        reading.note(Fate::Approximated, at, message);
+    }
+    let nodes = wanted.min(MOST_NODES);
+    match method {
+        Method::Hermite(_) => Method::Hermite(nodes),
+        _ => Method::Lagrange(nodes),
+    }
+}
+
+impl Method {
+    /// Polynomials of the degree that is taken where none is said: Hermite's through positions and velocities, or Lagrange's.
+    pub(super) fn by_default(has_slopes: bool) -> Self {
+        if has_slopes { Method::Hermite(DEGREE.div_ceil(2)) } else { Method::Lagrange(DEGREE + 1) }
+    }
+}
