@@ -18,14 +18,32 @@ const LEVELS: usize = 2;
 /// # Errors
 /// Whatever is wrong with the file, or that its format is none of these.
 pub fn furnish(path: &Path, almanac: &mut Almanac) -> Result<()> {
-    let beginning = input::beginning(path, BEGINNING)?;
-    if spice::is_kernel(&beginning) {
-        return spice::furnish(&[path.to_owned()], almanac);
+    furnish_all(&[path.to_owned()], almanac).map(|_| ())
+}
+
+/// Reads files into an almanac, and returns all that were read: those that meta-kernels name too. Kernels come first, because names and leap seconds of theirs
+/// say what other files mean; of two files that know the same, the later one of either kind holds, and one that is no kernel stands before kernels.
+///
+/// # Errors
+/// As [`furnish`].
+pub fn furnish_all(paths: &[PathBuf], almanac: &mut Almanac) -> Result<Vec<PathBuf>> {
+    let (mut kernels, mut others) = (Vec::new(), Vec::new());
+    for path in paths {
+        let of_its_kind = if is_kernel(path)? { &mut kernels } else { &mut others };
+        of_its_kind.push(path.clone());
     }
-    let file = read(path, &almanac.leap)?;
-    almanac.trajectories.extend(file.trajectories.into_iter().map(|(_, trajectory)| trajectory));
-    almanac.orientations.extend(file.orientations.into_iter().map(|(_, orientation)| orientation));
-    Ok(())
+    let mut all = spice::furnish(&kernels, almanac)?;
+    for path in others {
+        let file = read(&path, &almanac.leap)?;
+        for (_, mut trajectory) in file.trajectories {
+            trajectory.target = almanac.names.body(&trajectory.target);
+            trajectory.centre = almanac.names.body(&trajectory.centre);
+            almanac.trajectories.push(trajectory);
+        }
+        almanac.orientations.extend(file.orientations.into_iter().map(|(_, orientation)| orientation));
+        all.push(path);
+    }
+    Ok(all)
 }
 
 /// Reads a file of trajectories and orientations that is no kernel, with these leap seconds.
@@ -57,11 +75,8 @@ pub fn of_names(folder: &Path, names: &[&str]) -> Option<Almanac> {
     let needed = names.iter().filter(|name| ending(Path::new(name)) != "tls");
     let named = |name: &&&str| Some(folder.join(name)).filter(|path| path.is_file());
     let paths: Option<Vec<PathBuf>> = needed.map(|name| named(&name).or_else(|| find(folder, name, LEVELS))).collect();
-    let (kernels, others): (Vec<PathBuf>, Vec<PathBuf>) =
-        paths?.into_iter().partition(|path| is_kernel(path).unwrap_or(false));
     let mut almanac = Almanac::default();
-    spice::furnish(&kernels, &mut almanac).ok()?;
-    others.iter().try_for_each(|path| furnish(path, &mut almanac)).ok()?;
+    furnish_all(&paths?, &mut almanac).ok()?;
     Some(almanac)
 }
 

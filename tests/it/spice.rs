@@ -159,7 +159,7 @@ fn copied() -> Scratch {
 fn try_furnish(folder: &Path, files: &[&str]) -> Result<Almanac, mmxrt::Error> {
     let mut almanac = Almanac::default();
     let paths: Vec<PathBuf> = files.iter().map(|file| folder.join(file)).collect();
-    spice::furnish(&paths, &mut almanac).map(|()| almanac)
+    spice::furnish(&paths, &mut almanac).map(|_| almanac)
 }
 
 fn refused(scratch: &Scratch, files: &[&str]) -> String {

@@ -1,5 +1,6 @@
 //! Flight dynamics in a scene: its files, orbits and laws of pointing.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
@@ -29,13 +30,19 @@ pub(super) struct Placed {
 impl TomlReader<'_> {
     pub(super) fn motion(&mut self, toml: &FlightToml) -> Option<Motion> {
         let mut almanac = Almanac::with_rough_trajectories();
+        let paths: Vec<PathBuf> = toml.files.iter().map(|name| self.path(name)).collect();
         let mut all_read = true;
-        for (i, name) in toml.files.iter().enumerate() {
-            let path = self.path(name);
-            let read = ephemeris::furnish(&path, &mut almanac);
-            all_read &= self.taken(&format!("flight.files[{i}]"), read).is_some();
-            if let Ok(input) = InputFile::hashed(&path) {
-                self.inputs.push(input);
+        for (i, path) in paths.iter().enumerate().filter(|(_, path)| !path.is_file()) {
+            all_read = false;
+            self.problem(&format!("flight.files[{i}]"), format!("{}: there is no such file", path.display()));
+        }
+        if all_read {
+            let read = ephemeris::furnish_all(&paths, &mut almanac);
+            let read = self.taken("flight.files", read);
+            all_read = read.is_some();
+            for path in read.into_iter().flatten() {
+                let input = self.taken("flight.files", InputFile::hashed(&path));
+                self.inputs.extend(input.filter(|input| !self.inputs.contains(input)));
             }
         }
         let start = self.epoch("flight.epoch", &toml.epoch, &almanac);

@@ -90,14 +90,14 @@ struct Listed {
     is_named: bool,
 }
 
-/// Reads kernels into an almanac; of two that know the same, the later one holds.
+/// Reads kernels into an almanac, and returns those that were read, with those that meta-kernels name; of two that know the same, the later one holds.
 ///
 /// Text kernels are read first, whatever their order, because clocks, frames and names say what binary kernels mean. A kernel of shapes or
 /// events that a meta-kernel names is passed over: it says nothing of where things are.
 ///
 /// # Errors
 /// Whatever is wrong with a file; [`Error::Unsupported`] for a kernel of a kind that is not read.
-pub fn furnish(paths: &[PathBuf], almanac: &mut Almanac) -> Result<()> {
+pub fn furnish(paths: &[PathBuf], almanac: &mut Almanac) -> Result<Vec<PathBuf>> {
     let mut all = Vec::new();
     for path in paths {
         let kernel = listed(path, false)?;
@@ -135,7 +135,7 @@ pub fn furnish(paths: &[PathBuf], almanac: &mut Almanac) -> Result<()> {
             Kind::Text | Kind::Other(_) => {}
         }
     }
-    Ok(())
+    Ok(all.into_iter().map(|kernel| kernel.path).collect())
 }
 
 /// The error for a kernel of a kind that is not read.
