@@ -103,7 +103,7 @@ impl FacetTable {
         };
         let lighting = |of_source: &Lighting| Lighting {
             source: of_source.source.clone(),
-            field: of_source.field.clone(),
+            field: of_source.field,
             irradiance: of(&of_source.irradiance),
             sees: sees(&of_source.sees),
         };

@@ -102,10 +102,10 @@ fn the_command_answers_as_a_table() {
     let row: Vec<&str> = out.lines().nth(1).unwrap().split(',').collect();
     let near = |text: &str| (text.parse::<f64>().unwrap() - 4.0).abs() < 1e-6;
     assert!(near(row[0]) && near(row[1]), "{out}");
-    scratch.write("points.csv", "sample,line\n1,2\n3,x\n4\n".to_owned());
+    scratch.write("points.csv", "sample,line\n1,2\n3,x\n4\n");
     let (code, _, err) = run(&["locate", &scene, "--points", &scratch.argument("points.csv")]);
     assert!(code == 1 && err.contains("points.csv:3") && err.contains("points.csv:4"), "{err}");
-    scratch.write("points.csv", "a,b\n1,2\n".to_owned());
+    scratch.write("points.csv", "a,b\n1,2\n");
     let (code, _, err) = run(&["locate", &scene, "--points", &scratch.argument("points.csv")]);
     assert!(code == 1 && err.contains("sample, line"), "{err}");
     let (code, _, err) = run(&["locate", &scene]);

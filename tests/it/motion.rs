@@ -185,8 +185,7 @@ fn without_motion_all_lines_are_one() {
     let relief = grid(200.0, 24, |x, y| 8.0 * (0.05 * x).sin() * (0.07 * y).cos());
     let scene = moving_scene(relief, [16, 5], 10.0, &[1.0], &motion, timing);
     let (cube, _) = taken(&scene, &motion, timing);
-    let band = cube.band(0);
-    let band: Vec<f64> = band.iter().copied().collect();
+    let band = cube.band(0).to_vec();
     assert!(band[..16].iter().all(|l| *l > 0.0));
     (1..5).for_each(|line| assert_eq!(band[..16], band[16 * line..16 * (line + 1)]));
 }
