@@ -185,8 +185,9 @@ impl Almanac {
     fn no_way(&self, target: &str, centre: &str, epoch: Epoch) -> Error {
         let at = Location::item("flight");
         let about: Vec<String> = self
-            .trajectories
+            .rough
             .iter()
+            .chain(&self.trajectories)
             .filter(|of| of.target == *target || of.centre == *target || of.target == *centre || of.centre == *centre)
             .map(|of| format!("{} knows {} about {} {}", of.source, of.target, of.centre, known(&of.spans(), epoch)))
             .collect();

@@ -68,6 +68,18 @@ impl Band {
         Band { name: String::new(), centre_um, fwhm_um, response: Response::Gaussian, light: Light::Both }
     }
 
+    /// Monochromatic bands at even steps from one wavelength to another, um, both included.
+    pub fn evenly(start_um: f64, stop_um: f64, count: u32) -> Vec<Self> {
+        let last = count.saturating_sub(1);
+        let centre_um = |i: u32| match i {
+            0 => start_um,
+            // Not a rounding error beyond the end: tables may end there too.
+            i if i == last => stop_um,
+            i => start_um + (stop_um - start_um) * (f64::from(i) / f64::from(last)),
+        };
+        (0..count).map(|i| Band::new(centre_um(i), None)).collect()
+    }
+
     /// The same response all over a full width, um.
     pub fn boxed(centre_um: f64, width_um: f64) -> Self {
         Band { response: Response::Box, ..Band::new(centre_um, Some(width_um)) }

@@ -147,7 +147,7 @@ fn a_filters_cube_comes_with_its_displacement() {
     };
     // The reference is the second band. The spacecraft goes 12.187 m/s along -y and looks at the centre 20 km below, so that what it sees goes by at 13 / 20 of
     // that, to the right: in 2 s 15.8 m, of which a pixel has 7.
-    assert_eq!((value(2, 27), value(3, 27)), (0.0, 0.0));
+    assert!(value(2, 27).abs() < 1e-9 && value(3, 27).abs() < 1e-9);
     let moved = value(4, 27);
     assert!((moved - 2.263).abs() < 0.1, "{moved}");
 }

@@ -16,7 +16,7 @@ impl TomlReader<'_> {
         // A body that flight dynamics does not know may state where it is, and stays there.
         let placed = match (toml.position_m, motion) {
             (Some(_), Some(Some(motion))) if !motion.knows(&toml.name, motion.start) => None,
-            (_, Some(Some(motion))) => Some(self.taken(item, motion.seen_m(&toml.name, motion.start))),
+            (_, Some(Some(motion))) => Some(self.known(item, motion.seen_m(&toml.name, motion.start))),
             (_, unknown) => unknown.map(|_| None),
         };
         let centre_m = self.place(item, toml.position_m, placed);

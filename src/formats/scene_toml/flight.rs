@@ -10,6 +10,7 @@ use super::types::{
     CorrectionToml, FlightToml, JitterToml, KindToml, PointingToml, Preset, ScanToml, SensorAxisToml, SensorToml,
     SunToml, UpNameToml, UpToml,
 };
+use crate::error::{Error, Problem, Result};
 use crate::flight::{Aim, Almanac, Correction, Epoch, Jitter, Pointing, Qso, Scan, Span, Up, body_name, frame_name};
 use crate::formats::{InputFile, ephemeris};
 use crate::geometry::Pose;
@@ -193,8 +194,9 @@ impl TomlReader<'_> {
         let sun_m = motion.seen_m("SUN", epoch);
         let mars_m = has_mars.then(|| motion.seen_m("MARS", epoch)).transpose();
         let pose = motion.pose(epoch);
-        let (sun_m, mars_m, pose) =
-            (self.taken("flight", sun_m), self.taken("flight", mars_m), self.taken("flight", pose));
+        let sun_m = self.known("flight", sun_m);
+        let mars_m = self.known("flight", mars_m);
+        let pose = self.known("flight", pose);
         Some(Placed { sun_m: sun_m?, mars_m: mars_m?, pose: pose? })
     }
 
@@ -233,6 +235,18 @@ impl TomlReader<'_> {
             return None;
         }
         Some(Timing { readout, period_s, exposure_s })
+    }
+
+    /// What flight dynamics say, or the problem of the item that asks for it.
+    pub(super) fn known<T>(&mut self, item: &str, said: Result<T>) -> Option<T> {
+        let at = self.document.at(item);
+        let here = |error| match error {
+            Error::Invalid(problems) => {
+                Error::Invalid(problems.into_iter().map(|problem| Problem { at: at.clone(), ..problem }).collect())
+            }
+            other => other,
+        };
+        self.taken(item, said.map_err(here))
     }
 
     /// What a scene says of the Sun, with the position that flight dynamics gives it.

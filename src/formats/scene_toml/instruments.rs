@@ -54,7 +54,7 @@ impl Preset {
 impl Instrument {
     pub(super) fn bands(&self) -> Vec<Band> {
         let (start_um, stop_um, count, fwhm_um) = self.bands;
-        super::view::evenly(start_um, stop_um, count).into_iter().map(|band| Band { fwhm_um, ..band }).collect()
+        Band::evenly(start_um, stop_um, count).into_iter().map(|band| Band { fwhm_um, ..band }).collect()
     }
 
     /// Its bands, in words.

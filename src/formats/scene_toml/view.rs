@@ -398,7 +398,7 @@ impl TomlReader<'_> {
                     self.problem(&format!("{item}.count"), message);
                     return None;
                 }
-                Some(evenly(start, stop, count))
+                Some(Band::evenly(start, stop, count))
             }
             (None, None, None, Some(centres)) => {
                 Some(centres.iter().map(|&centre_um| Band::new(centre_um, None)).collect())
@@ -471,16 +471,4 @@ pub(in crate::formats) fn pitch_of_ifov(ifov_mrad: f64) -> f64 {
 /// The pitch of `samples` pixels whose line subtends this angle, deg.
 pub(in crate::formats) fn pitch_of_fov(fov_deg: f64, samples: u32) -> f64 {
     FrameCamera::pitch_of_angle(fov_deg.to_radians(), samples)
-}
-
-/// Bands at equal steps, both ends included.
-pub(super) fn evenly(start_um: f64, stop_um: f64, count: u32) -> Vec<Band> {
-    let last = count - 1;
-    let centre_um = |i: u32| match i {
-        0 => start_um,
-        // Not a rounding error beyond the end: tables may end there too.
-        i if i == last => stop_um,
-        i => start_um + (stop_um - start_um) * (f64::from(i) / f64::from(last)),
-    };
-    (0..count).map(|i| Band::new(centre_um(i), None)).collect()
 }
