@@ -67,6 +67,8 @@ pub struct Wanted<'m> {
     pub maps: Option<&'m Maps<'m>>,
     /// Which facets each pixel sees.
     pub footprints: bool,
+    /// Radiance alone: no backplanes.
+    pub radiance_alone: bool,
 }
 
 /// What a line of the image comes to.
@@ -104,7 +106,8 @@ pub fn integrate(scene: &Scene, table: &FacetTable, wanted: Wanted<'_>, watch: W
     let census = Census::new(mesh.facets.len());
     let (samples, rows) = (camera.samples as usize, camera.lines as usize);
     // Each plane asks for zeroed memory of its own: a clone would write it.
-    let mut values: Vec<Vec<f64>> = (0..planes.count()).map(|_| vec![0.0; samples * rows]).collect();
+    let plane_count = if wanted.radiance_alone { 0 } else { planes.count() };
+    let mut values: Vec<Vec<f64>> = (0..plane_count).map(|_| vec![0.0; samples * rows]).collect();
     // Each line of the image writes its own part of every plane.
     let mut parts: Vec<Vec<&mut [f64]>> = std::iter::repeat_with(Vec::new).take(rows).collect();
     for plane in &mut values {
@@ -138,7 +141,9 @@ pub fn integrate(scene: &Scene, table: &FacetTable, wanted: Wanted<'_>, watch: W
             }
             weights.gather_globes(pixel);
             weights.end(&mut gathered.weights);
-            planes.gather(pixel, &mut planes_part);
+            if !wanted.radiance_alone {
+                planes.gather(pixel, &mut planes_part);
+            }
             if wanted.footprints {
                 footprints::gather(pixel, &mut gathered.footprints);
             }
@@ -146,7 +151,10 @@ pub fn integrate(scene: &Scene, table: &FacetTable, wanted: Wanted<'_>, watch: W
         Ok(gathered)
     };
     let mut lines = sweep::sweep(&drawing, parts, ("image", watch), start, look)?;
-    let mut backplanes = planes.name(values, samples, rows);
+    let mut backplanes = match wanted.radiance_alone {
+        true => Backplanes::default(),
+        false => planes.name(values, samples, rows),
+    };
     let maps = wanted.maps.map(|maps| {
         let (image, planes) = maps::join(maps, lines.iter_mut().map(|line| std::mem::take(&mut line.maps)));
         backplanes.planes.extend(planes);

@@ -114,7 +114,8 @@ pub fn acquire_by_slabs(
             let quiet = |_: Progress| watch(Progress { stage: STAGE, done, total });
             let then = moving.at(&block.body, take)?;
             let table = solved.at(take, &then, &mut block, &quiet)?;
-            let mut image = integrate::integrate(&then, &table, Wanted::default(), &quiet)?;
+            let only = Wanted { radiance_alone: !by_line, ..Wanted::default() };
+            let mut image = integrate::integrate(&then, &table, only, &quiet)?;
             let mut slab = std::mem::take(&mut image.slab);
             (slab.lines, slab.bands) = (take.lines.clone(), take.bands.clone());
             put(slab)?;

@@ -197,8 +197,12 @@ pub fn observe_maps_by_slabs(
         },
         adds_solved: options.add_solved,
     };
-    let mut image =
-        integrate::integrate(scene, table, Wanted { maps: Some(&maps), footprints: options.footprints }, watch)?;
+    let mut image = integrate::integrate(
+        scene,
+        table,
+        Wanted { maps: Some(&maps), footprints: options.footprints, ..Wanted::default() },
+        watch,
+    )?;
     let on_scene = image.maps.take().unwrap_or_default();
     drop(maps);
     let unverified = unverified(&terms);
