@@ -8,7 +8,7 @@ use super::observation::{Observation, Put};
 use super::simulate::account_for;
 use crate::error::{Error, Location, Problem, Result};
 use crate::flight::Epoch;
-use crate::geometry::whole;
+use crate::geometry::{Camera, FrameCamera, whole};
 use crate::integrate::{self, Wanted};
 use crate::product::{Backplanes, Exposed, Exposures, FacetTable, Plane};
 use crate::progress::{Progress, Watch, tell};
@@ -27,6 +27,8 @@ pub struct Moving<'a> {
     pub timing: Timing,
 }
 
+/// A smear of fewer pixels is not worth a word.
+const SMEAR_PX: f64 = 0.05;
 /// What a stage of progress is called here.
 const STAGE: &str = "exposures";
 
@@ -74,6 +76,36 @@ impl Moving<'_> {
         let most_rad = towards.windows(2).map(|two| two[0].angle_rad(two[1])).fold(0.0, f64::max);
         let rate_rad_s = if duration_s > 0.0 { most_rad / (0.5 * duration_s) } else { 0.0 };
         Ok(Given::new(scene, extremes, &extremes.sunlit).steady_s(rate_rad_s, tolerance))
+    }
+
+    /// By how many pixels what is in the middle of the mesh moves during the reference exposure; `None` where that is not before the camera, or not known.
+    fn smear_px(&self) -> Option<f64> {
+        let Moving { scene, motion, timing } = *self;
+        let (low_m, high_m) = scene.body.bounds_m()?;
+        let middle_s = timing.middle_s(timing.reference(&scene.exposure));
+        let seen = |s: f64| {
+            let pose = motion.pose(motion.start.after_s(s)).ok()?;
+            let camera = FrameCamera { world_from_sensor: pose, ..scene.exposure.camera.clone() };
+            let h = Camera::Frame(camera).projection().homogeneous(0.5 * (low_m + high_m));
+            (h.z > 0.0).then(|| [h.x / h.z, h.y / h.z])
+        };
+        let half_s = 0.5 * timing.exposure_s;
+        let ([x0, y0], [x1, y1]) = (seen(middle_s - half_s)?, seen(middle_s + half_s)?);
+        Some((x1 - x0).hypot(y1 - y0))
+    }
+
+    /// What a reader of the result should know of how it was taken.
+    fn remarks(&self, step_s: Option<f64>, tolerance: f64) -> Vec<String> {
+        let smear = self.smear_px().filter(|px| *px > SMEAR_PX).map(|px| {
+            format!("what is seen moves by {px:.2} pixels during an exposure, of which the middle is taken: the smear is left out")
+        });
+        let between = step_s.map(|s| {
+            format!(
+                "shadows are found every {} and go steadily between: at their edges a pixel is off by at most {tolerance} of the median sunlit radiance",
+                if s < 0.1 * LONGEST_S { format!("{s:.3} s") } else { "time from the first exposure to the last".to_owned() }
+            )
+        });
+        smear.into_iter().chain(between).collect()
     }
 
     fn epoch(&self, take: &Take) -> Epoch {
@@ -139,6 +171,7 @@ pub fn acquire_by_slabs(
         observation.backplanes = lines;
     }
     let reference = (!by_line).then(|| timing.reference(&scene.exposure));
+    observation.warnings.extend(moving.remarks(solved.step_s, tolerance));
     observation.exposures = Some(Exposures { origin_m: scene.body.origin_m, taken, reference });
     Ok((table, observation))
 }
