@@ -6,7 +6,7 @@ use crate::formats::product_folder::{Product, ProductFolder, Written};
 use crate::formats::report_json::Run;
 use crate::integrate::Wanted;
 use crate::progress::Watch;
-use crate::scene::{Readout, Timing};
+use crate::scene::Timing;
 use crate::solve;
 use crate::study::{self, Moving, Request};
 
@@ -28,7 +28,7 @@ pub fn simulate(
     let (extremes, plan) = super::plan::decide(&mut subject, request, watch)?;
     let mut product = folder.open(&subject.scene)?;
     let mut put = |slab| product.put(slab, watch);
-    let (scene, moves) = (&subject.scene, |(_, timing): &&(_, Timing)| timing.readout != Readout::Frame);
+    let (scene, moves) = (&subject.scene, |(_, timing): &&(_, Timing)| timing.is_in_parts());
     let (table, observation) = match subject.motion.as_ref().filter(moves) {
         Some((motion, timing)) => {
             let moving = Moving { scene, motion, timing: *timing };

@@ -25,6 +25,8 @@ pub struct Timing {
     pub period_s: f64,
     /// For how long light is gathered, s.
     pub exposure_s: f64,
+    /// Poses of the camera that stand for its motion meanwhile, at even steps: 1 is the middle alone. 0 counts as 1.
+    pub poses: u32,
 }
 
 /// A part of a cube that is taken at once.
@@ -39,6 +41,11 @@ pub struct Take {
 }
 
 impl Timing {
+    /// Whether an image is more than one look from one place.
+    pub fn is_in_parts(&self) -> bool {
+        self.readout != Readout::Frame || self.poses > 1
+    }
+
     /// How many parts there are.
     pub fn count(&self, exposure: &Exposure) -> usize {
         match self.readout {
@@ -70,6 +77,24 @@ impl Timing {
     #[allow(clippy::cast_precision_loss, reason = "fewer than 2^53 exposures")]
     pub fn middle_s(&self, i: usize) -> f64 {
         i as f64 * self.period_s + 0.5 * self.exposure_s
+    }
+
+    /// Moments of a part's poses, s after the start: the middles of even shares of its exposure.
+    pub fn poses_s(&self, take: &Take) -> impl Iterator<Item = f64> + use<> {
+        let (count, middle_s, exposure_s) = (self.poses.max(1), take.middle_s, self.exposure_s);
+        (0..count).map(move |k| middle_s + exposure_s * ((f64::from(k) + 0.5) / f64::from(count) - 0.5))
+    }
+
+    /// What a pixel may be off by, over the brightest of what moves through it, if that moves so many pixels during an exposure: at a straight edge, which enters or
+    /// leaves the pixel between two poses, d / (8 n^2); with one pose, all of d.
+    pub fn smear_error(&self, moved_px: f64) -> f64 {
+        let poses = f64::from(self.poses.max(1));
+        if poses > 1.0 { moved_px / (8.0 * poses * poses) } else { moved_px }.min(1.0)
+    }
+
+    /// How many poses keep that within a tolerance.
+    pub fn poses_for(moved_px: f64, tolerance: f64) -> f64 {
+        (moved_px / (8.0 * tolerance)).sqrt().ceil().max(2.0)
     }
 
     /// From the start of the first exposure to the end of the last, s.

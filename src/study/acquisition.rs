@@ -9,8 +9,8 @@ use super::simulate::account_for;
 use crate::error::{Error, Location, Problem, Result};
 use crate::flight::Epoch;
 use crate::geometry::{Camera, FrameCamera, whole};
-use crate::integrate::{self, Wanted};
-use crate::product::{Backplanes, Exposed, Exposures, FacetTable, Plane};
+use crate::integrate::{self, Image, Wanted};
+use crate::product::{Backplanes, Exposed, Exposures, FacetTable, Plane, Slab};
 use crate::progress::{Progress, Watch, tell};
 use crate::scene::{Body, Exposure, Motion, Readout, Scene, Setup, Take, Timing};
 use crate::solve;
@@ -42,9 +42,44 @@ impl Moving<'_> {
 
     /// What is exposed of a part of the cube, with the camera where it then is.
     fn exposure(&self, take: &Take) -> Result<Exposure> {
+        self.exposure_at(take, take.middle_s)
+    }
+
+    fn exposure_at(&self, take: &Take, s: f64) -> Result<Exposure> {
         let mut exposure = take.exposure(&self.scene.exposure);
-        exposure.camera.world_from_sensor = self.motion.pose(self.epoch(take))?;
+        exposure.camera.world_from_sensor = self.motion.pose(self.motion.start.after_s(s))?;
         Ok(exposure)
+    }
+
+    /// The radiance of a part of the cube: the mean of its poses, under the sky of its middle; of a line also the planes of its middle.
+    fn looked_at(
+        &self,
+        take: &Take,
+        then: &Scene,
+        table: &FacetTable,
+        watch: Watch<'_>,
+    ) -> Result<(Slab, Option<Backplanes>)> {
+        let by_line = self.timing.readout == Readout::Line;
+        if self.timing.poses <= 1 {
+            let wanted = Wanted { radiance_alone: !by_line, ..Wanted::default() };
+            let Image { slab, backplanes, .. } = integrate::integrate(then, table, wanted, watch)?;
+            return Ok((slab, by_line.then_some(backplanes)));
+        }
+        let planes = || Ok::<_, Error>(integrate::integrate(then, table, Wanted::default(), watch)?.backplanes);
+        let planes = by_line.then(planes).transpose()?;
+        let mut parts = Vec::new();
+        let alone = Wanted { radiance_alone: true, ..Wanted::default() };
+        let share = 1.0 / f64::from(self.timing.poses);
+        for s in self.timing.poses_s(take) {
+            let scene = then.seen_by(self.exposure_at(take, s)?)?;
+            parts.push((share, integrate::integrate(&scene, table, alone, watch)?.slab));
+        }
+        let Some(slab) = Slab::sum(&parts) else {
+            let message =
+                "poses of one exposure have not the same spectra: a body of the sky comes into view; take one pose";
+            return Err(Error::invalid(Location::item("sensor.exposure_poses"), message));
+        };
+        Ok((slab, planes))
     }
 
     /// Some exposures, with the part of the body that they may see, if groups of its facets tell.
@@ -53,7 +88,9 @@ impl Moving<'_> {
         let Some(groups) = groups else { return Ok(all) };
         let mut seen = vec![false; groups.count()];
         for take in takes {
-            groups.add_seen(&self.exposure(take)?.camera, &mut seen);
+            for s in self.timing.poses_s(take).chain([take.middle_s]) {
+                groups.add_seen(&self.exposure_at(take, s)?.camera, &mut seen);
+            }
         }
         let facets = groups.facets(&seen);
         // A body has facets: where nothing is in view, that is seen of the whole one.
@@ -97,7 +134,17 @@ impl Moving<'_> {
     /// What a reader of the result should know of how it was taken.
     fn remarks(&self, step_s: Option<f64>, tolerance: f64) -> Vec<String> {
         let smear = self.smear_px().filter(|px| *px > SMEAR_PX).map(|px| {
-            format!("what is seen moves by {px:.2} pixels during an exposure, of which the middle is taken: the smear is left out")
+            let moves = format!("what is seen moves by {px:.2} pixels during an exposure");
+            match self.timing.poses {
+                0 | 1 => format!(
+                    "{moves}, of which the middle is taken: `sensor.exposure_poses = {}` keeps errors at edges within {tolerance}",
+                    Timing::poses_for(px, tolerance)
+                ),
+                poses => format!(
+                    "{moves}, for which {poses} poses stand: at an edge a pixel is off by at most {:.1e} of the contrast",
+                    self.timing.smear_error(px)
+                ),
+            }
         });
         let between = step_s.map(|s| {
             format!(
@@ -146,14 +193,12 @@ pub fn acquire_by_slabs(
             let quiet = |_: Progress| watch(Progress { stage: STAGE, done, total });
             let then = moving.at(&block.body, take)?;
             let table = solved.at(take, &then, &mut block, &quiet)?;
-            let only = Wanted { radiance_alone: !by_line, ..Wanted::default() };
-            let mut image = integrate::integrate(&then, &table, only, &quiet)?;
-            let mut slab = std::mem::take(&mut image.slab);
+            let (mut slab, planes) = moving.looked_at(take, &then, &table, &quiet)?;
             (slab.lines, slab.bands) = (take.lines.clone(), take.bands.clone());
             put(slab)?;
-            if by_line {
-                block.rename_facets(&mut image.backplanes);
-                add_below(&mut lines, image.backplanes);
+            if let Some(mut planes) = planes {
+                block.rename_facets(&mut planes);
+                add_below(&mut lines, planes);
             }
             taken.push(Exposed {
                 take: take.clone(),
@@ -170,7 +215,7 @@ pub fn acquire_by_slabs(
     if by_line {
         observation.backplanes = lines;
     }
-    let reference = (!by_line).then(|| timing.reference(&scene.exposure));
+    let reference = (timing.readout == Readout::Band).then(|| timing.reference(&scene.exposure));
     observation.warnings.extend(moving.remarks(solved.step_s, tolerance));
     observation.exposures = Some(Exposures { origin_m: scene.body.origin_m, taken, reference });
     Ok((table, observation))

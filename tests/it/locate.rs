@@ -18,7 +18,7 @@ fn relief() -> Mesh {
 }
 
 fn timing(readout: Readout) -> Timing {
-    Timing { readout, period_s: if readout == Readout::Frame { 0.0 } else { 1.7 }, exposure_s: 1.0 }
+    Timing { readout, period_s: if readout == Readout::Frame { 0.0 } else { 1.7 }, exposure_s: 1.0, poses: 1 }
 }
 
 /// A camera that drifts, scans and shakes: there and back is the same place, to 1e-6 of a pixel, at the image's ends as in its middle.

@@ -120,7 +120,7 @@ fn patches(r: f64, n: u32) -> Mesh {
 }
 
 fn push_broom(period_s: f64) -> Timing {
-    Timing { readout: Readout::Line, period_s, exposure_s: 0.0 }
+    Timing { readout: Readout::Line, period_s, exposure_s: 0.0, poses: 1 }
 }
 
 /// Over flat ground, square to the way, a push-broom's image is that of a frame camera: each line lies where the frame has it.
@@ -211,7 +211,7 @@ fn a_scan_looks_along_the_tangent_of_its_angle() {
 /// Each band of a filter is the image of its own moment, to the last bit; and what moved by how much is known for every pixel.
 #[test]
 fn each_band_of_a_filter_is_taken_at_its_moment() {
-    let timing = Timing { readout: Readout::Band, period_s: 2.0, exposure_s: 1.0 };
+    let timing = Timing { readout: Readout::Band, period_s: 2.0, exposure_s: 1.0, poses: 1 };
     let velocity = DVec3::new(3.0, -4.0, 0.0);
     let motion = steady(velocity, 6.0, sun(55.0, 200.0).vec(), down());
     let relief = grid(200.0, 24, |x, y| 8.0 * (0.05 * x).sin() * (0.07 * y).cos());
@@ -245,10 +245,61 @@ fn each_band_of_a_filter_is_taken_at_its_moment() {
     }
 }
 
+/// An edge that moves 0.6 pixel during an exposure, from 0.4 to 1.0 of a pixel: a mean of 0.7 of it is beyond; and what moves inside the image loses no light.
+#[test]
+fn a_smear_is_the_mean_over_the_way() {
+    // Bright ground at x < edge on dark ground of a hundredth: it is lit alike, so that contrast alone counts.
+    let bright = |from: f64, to: f64| {
+        let strip = quad([from, -500.0, 0.0], [to, -500.0, 0.0], [to, 500.0, 0.0], [from, 500.0, 0.0]);
+        crate::shapes::of_material(strip, 1)
+    };
+    let dark = |from: f64, to: f64| quad([from, -500.0, 0.0], [to, -500.0, 0.0], [to, 500.0, 0.0], [from, 500.0, 0.0]);
+    let pixel_m = 10.0;
+    // In 1 s the camera goes 6 m along -x: what is seen goes 0.6 pixel to the right.
+    let velocity = DVec3::NEG_X * 6.0;
+    let seen = |mesh: Mesh, poses: u32| {
+        let timing = Timing { readout: Readout::Frame, period_s: 0.0, exposure_s: 1.0, poses };
+        let motion = steady(velocity, 0.5, DVec3::Z, down());
+        let scene = moving_scene(mesh, [20, 4], pixel_m, &[1.0], &motion, timing);
+        let scene = edited(&scene, |parts| {
+            parts.surface.materials[0] = lambert(0, "dark", Spectrum::constant(0.002));
+            parts.surface.materials[1] = lambert(1, "bright", Spectrum::constant(0.2));
+        });
+        taken(&scene, &motion, timing).0.band(0).to_vec()
+    };
+    // In the middle of the exposure the edge is at 0.7 of pixel 12: x = (12.7 - 10) pixels.
+    let edge_m = (12.7 - 10.0) * pixel_m;
+    let [full, least] = [0, 19].map(|pixel| seen(joined(&[bright(-500.0, edge_m), dark(edge_m, 500.0)]), 1)[pixel]);
+    let share = |poses: u32| {
+        let line = seen(joined(&[bright(-500.0, edge_m), dark(edge_m, 500.0)]), poses);
+        (line[12] - least) / (full - least)
+    };
+    for poses in [2_u32, 5, 16] {
+        // The edge does not leave the pixel: any number of poses has the mean.
+        assert!((share(poses) - 0.7).abs() < 1e-9, "{poses}: {}", share(poses));
+    }
+    // From 0.7 to 1.3: 0.925 of the pixel, and the next one has the rest; within d / (8 n^2) of it.
+    let edge_m = (13.0 - 10.0) * pixel_m;
+    for poses in [2_u32, 3, 7, 50] {
+        let line = seen(joined(&[bright(-500.0, edge_m), dark(edge_m, 500.0)]), poses);
+        let [in_it, beyond] = [12, 13].map(|pixel| (line[pixel] - least) / (full - least));
+        let bound = 0.6 / (8.0 * f64::from(poses * poses)) + 1e-9;
+        assert!((in_it - 0.925).abs() <= bound && (beyond - 0.075).abs() <= bound, "{poses}: {in_it} {beyond}");
+        assert!((in_it + beyond - 1.0).abs() < 1e-9, "{poses}");
+    }
+    // A bright strip inside the image sends as much as when it stands still.
+    let strip = || joined(&[dark(-500.0, -23.0), bright(-23.0, 14.0), dark(14.0, 500.0)]);
+    let sum = |poses: u32| -> f64 { seen(strip(), poses)[..20].iter().sum() };
+    let still = sum(1);
+    for poses in [2, 9] {
+        assert!((sum(poses) / still - 1.0).abs() < 1e-12, "{poses}: {} {still}", sum(poses));
+    }
+}
+
 /// Where nothing is known, nothing is made up.
 #[test]
 fn beyond_the_data_there_is_no_image() {
-    let timing = Timing { readout: Readout::Band, period_s: 4000.0, exposure_s: 1.0 };
+    let timing = Timing { readout: Readout::Band, period_s: 4000.0, exposure_s: 1.0, poses: 1 };
     let motion = steady(DVec3::X, 0.0, DVec3::Z, down());
     let scene = moving_scene(plane(1e5, 0.0), [4, 4], 10.0, &[1.0, 2.0, 3.0], &motion, timing);
     let scene =

@@ -209,12 +209,21 @@ impl TomlReader<'_> {
             Some(KindToml::TunableFilter) => Readout::Band,
             Some(KindToml::PushBroom) => Readout::Line,
         };
+        let poses = toml.exposure_poses.unwrap_or(1);
+        if poses > 1 && !flies {
+            self.helped(
+                "sensor.exposure_poses",
+                "needs `[flight]`, which says how the camera moves",
+                "or leave it out",
+            );
+            return None;
+        }
         if readout == Readout::Frame {
             if toml.period_s.is_some() {
                 self.problem("sensor.period_s", "goes with `kind` = \"tunable_filter\" or \"push_broom\"");
                 return None;
             }
-            return Some(Timing { readout, period_s: 0.0, exposure_s: toml.exposure_s.unwrap_or(0.0) });
+            return Some(Timing { readout, period_s: 0.0, exposure_s: toml.exposure_s.unwrap_or(0.0), poses });
         }
         if !flies {
             let help = "or leave `kind` out: all of the image is then taken at once";
@@ -234,7 +243,7 @@ impl TomlReader<'_> {
             self.problem("sensor.exposure_s", format!("{exposure_s} s is longer than `period_s`, {period_s} s"));
             return None;
         }
-        Some(Timing { readout, period_s, exposure_s })
+        Some(Timing { readout, period_s, exposure_s, poses })
     }
 
     /// What flight dynamics say, or the problem of the item that asks for it.

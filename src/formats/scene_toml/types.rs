@@ -878,9 +878,13 @@ pub(crate) struct SensorToml {
     /// From the beginning of a band, or of a line, to that of the next, s: of a sensor that does not take all at once.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub(crate) period_s: Option<f64>,
-    /// For how long light is gathered, s: of the motion meanwhile the middle is taken. Default: all of `period_s`.
+    /// For how long light is gathered, s. Default: all of `period_s`; of a frame camera 0.
     #[schemars(range(min = 0))]
     pub(crate) exposure_s: Option<f64>,
+    /// Poses of the camera that stand for its motion during an exposure, at even steps; with n of them a pixel at an edge is off by at most d / (8 n^2) of the contrast, d
+    /// the pixels that the edge moves. Default 1: the middle alone.
+    #[schemars(range(min = 1, max = 1000))]
+    pub(crate) exposure_poses: Option<u32>,
     /// "macromega": 256 x 256 pixels, 300 bands from 0.95 to 3.6 um, IFOV 0.5 mrad; with `flight` a tunable filter of a band a second. "mirs": a slit of 165
     /// pixels, 271 bands of 20 nm from 0.9 to 3.6 um, IFOV 0.35 mrad, a push-broom whose `lines` and `period_s` are given.
     pub(crate) preset: Option<Preset>,
