@@ -8,12 +8,15 @@ use glam::DVec3;
 use super::{FARTHEST_M, Material, Texture};
 use crate::error::{Error, Location, Problem, Result};
 use crate::geometry::Mesh;
-use crate::physics::reflectance::DirectionalAlbedos;
+use crate::physics::reflectance::{DirectionalAlbedos, Separated};
 use crate::progress::{Watch, tell};
 use crate::visibility::Topology;
 
 /// A facet's number and one of its edges are kept in 31 bits.
 pub(crate) const MOST_FACETS: usize = 1 << 29;
+
+/// Relative error that the albedo in an emissivity may have by being separated.
+const EMISSIVITY_TOLERANCE: f64 = 1e-6;
 
 /// A surface and what it is made of: plain, unchecked values.
 #[derive(Debug, Clone)]
@@ -37,7 +40,14 @@ struct Checked {
     bounds_m: Option<(DVec3, DVec3)>,
     topology: OnceLock<Topology>,
     // Parts of a body are made of the same.
-    absorbing: Arc<OnceLock<Vec<Option<Absorbing>>>>,
+    albedos: Arc<Albedos>,
+}
+
+/// What follows from the materials alone, found when it is first asked for.
+#[derive(Default)]
+struct Albedos {
+    absorbing: OnceLock<Vec<Option<Absorbing>>>,
+    emitting: OnceLock<Vec<Option<(Separated, DirectionalAlbedos)>>>,
 }
 
 /// What a material absorbs by incidence: a table, and the factor of its weights.
@@ -58,9 +68,9 @@ impl Body {
         Body::of(surface, Arc::default())
     }
 
-    fn of(surface: Surface, absorbing: Arc<OnceLock<Vec<Option<Absorbing>>>>) -> Self {
+    fn of(surface: Surface, albedos: Arc<Albedos>) -> Self {
         let bounds_m = surface.mesh.bounds_m();
-        Body(Arc::new(Checked { surface, bounds_m, topology: OnceLock::new(), absorbing }))
+        Body(Arc::new(Checked { surface, bounds_m, topology: OnceLock::new(), albedos }))
     }
 
     /// Some of its facets, ascending, as a body: of the same materials, and each facet's face is that which it had.
@@ -76,7 +86,7 @@ impl Body {
             materials: self.materials.clone(),
             textures: self.textures.iter().map(texture).collect(),
         };
-        Body::of(surface, self.0.absorbing.clone())
+        Body::of(surface, self.0.albedos.clone())
     }
 
     /// Lowest and highest coordinates of its facets, local, m; `None` if it has none.
@@ -87,7 +97,18 @@ impl Body {
     /// Of each material the directional albedo that its Bond albedo gives a model, as a table and the factor of its weights: found when it is first asked for.
     pub fn absorbing(&self) -> &[Option<(DirectionalAlbedos, f64)>] {
         let of = |material: &Material| material.photometry.model()?.absorbing(material.bond_albedo);
-        self.0.absorbing.get_or_init(|| self.materials.iter().map(of).collect())
+        self.0.albedos.absorbing.get_or_init(|| self.materials.iter().map(of).collect())
+    }
+
+    /// Of each material whose emissivity follows from its model: the model as products, and the directional albedo of each. Found when it is first asked for.
+    pub fn emitting(&self) -> &[Option<(Separated, DirectionalAlbedos)>] {
+        let of = |material: &Material| {
+            let model = material.photometry.model().filter(|_| material.has_kirchhoff_emissivity())?;
+            let separated = model.separated(EMISSIVITY_TOLERANCE);
+            let albedos = DirectionalAlbedos::new(&separated);
+            Some((separated, albedos))
+        };
+        self.0.albedos.emitting.get_or_init(|| self.materials.iter().map(of).collect())
     }
 
     /// What hangs together with what: found when it is first asked for.

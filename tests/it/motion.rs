@@ -132,7 +132,8 @@ fn over_flat_ground_a_push_broom_sees_what_a_frame_camera_sees() {
     let velocity = DVec3::NEG_Y * pixel_m / period_s;
     let to_sun = sun(50.0, 40.0).vec();
     let motion = steady(velocity, 11.5 * period_s, to_sun, down());
-    let scene = moving_scene(patches(150.0, 40), [20, lines], pixel_m, &[1.0, 2.0, 3.0], &motion, timing);
+    // Ground far beyond the strip, of which each line looks at its part.
+    let scene = moving_scene(patches(900.0, 91), [20, lines], pixel_m, &[1.0, 2.0, 3.0], &motion, timing);
     let (cube, observation) = taken(&scene, &motion, timing);
     // A frame camera over the middle: the Sun is a point far away, where it moves by nothing.
     let over_middle = motion.at(&scene, scene.exposure.clone(), motion.start.after_s(11.5 * period_s)).unwrap();
@@ -145,6 +146,9 @@ fn over_flat_ground_a_push_broom_sees_what_a_frame_camera_sees() {
         }
     }
     assert!(brightest > 1.0);
+    // Facets have the numbers of the whole mesh.
+    let facets = |of: &mmxrt::product::Backplanes| of.plane("FACET").unwrap().values.clone();
+    assert_eq!(facets(&observation.backplanes), facets(&frame.backplanes));
     let coverage = &observation.backplanes.plane("COVERAGE").unwrap().values;
     assert_eq!(coverage.len(), 20 * lines as usize);
     assert!(coverage.iter().all(|share| (share - 1.0).abs() < 1e-9));

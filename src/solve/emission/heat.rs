@@ -9,7 +9,7 @@ use super::temperature_grid::{POINTS, TemperatureGrid};
 use crate::physics::blackbody;
 use crate::physics::reflectance::{DirectionalAlbedos, Separated};
 use crate::product::FacetTable;
-use crate::scene::{Material, Model, Scene};
+use crate::scene::Scene;
 use crate::spectral::Band;
 
 #[derive(Debug)]
@@ -20,37 +20,28 @@ pub(super) struct Heat<'a> {
     shaded_k: &'a [f64],
     bands: usize,
     /// Of each material.
-    surfaces: Vec<Surface>,
+    surfaces: Vec<Surface<'a>>,
     /// Thermal radiance of [spectrum of a material, temperature, band], W m-2 sr-1 um-1.
     radiance: Vec<f64>,
 }
 
 /// What a material emits: its own spectrum, less those of the products that its albedo is the sum of.
 #[derive(Debug)]
-struct Surface {
+struct Surface<'a> {
     /// Number of its first spectrum.
     first: usize,
-    albedos: Option<DirectionalAlbedos>,
+    albedos: Option<&'a DirectionalAlbedos>,
 }
-
-/// Relative error that the albedo in an emissivity may have by being separated.
-const TOLERANCE: f64 = 1e-6;
 
 /// Whether there are so few bands that each gets a row: that takes fewer weights than temperatures would.
 pub(super) fn has_row_per_band(bands: usize) -> bool {
     bands <= POINTS
 }
 
-/// The model of a material whose emissivity follows from it.
-fn by_direction(material: &Material) -> Option<(&Model, Separated)> {
-    let model = material.photometry.model().filter(|_| material.has_kirchhoff_emissivity())?;
-    Some((model, model.separated(TOLERANCE)))
-}
-
 impl<'a> Heat<'a> {
     /// `None` if nothing is warm. `quadrature` gives wavelengths, um, and weights of a band.
     pub(super) fn new(
-        scene: &Scene,
+        scene: &'a Scene,
         table: &'a FacetTable,
         quadrature: impl Fn(&Band) -> Vec<(f64, f64)>,
     ) -> Option<Self> {
@@ -61,22 +52,22 @@ impl<'a> Heat<'a> {
         }
         let (bands, materials) = (&scene.exposure.bands, &scene.body.materials);
         let temperatures_k: Vec<f64> = grid.temperatures_k().collect();
-        let separated: Vec<Option<(&Model, Separated)>> = materials.iter().map(by_direction).collect();
+        let emitting = scene.body.emitting();
         let mut spectra = 0;
-        let surface = |of: &Option<(&Model, Separated)>| {
+        let surface = |of: &'a Option<(Separated, DirectionalAlbedos)>| {
             let first = spectra;
-            spectra += 1 + of.as_ref().map_or(0, |(_, separated)| separated.terms());
-            Surface { first, albedos: of.as_ref().map(|(_, separated)| DirectionalAlbedos::new(separated)) }
+            spectra += 1 + of.as_ref().map_or(0, |(separated, _)| separated.terms());
+            Surface { first, albedos: of.as_ref().map(|(_, albedos)| albedos) }
         };
-        let surfaces: Vec<Surface> = separated.iter().map(surface).collect();
+        let surfaces: Vec<Surface> = emitting.iter().map(surface).collect();
         let mut radiance = vec![0.0; spectra * temperatures_k.len() * bands.len()];
         for (b, band) in bands.iter().enumerate().filter(|(_, band)| band.light.glows()) {
             for (um, weight) in quadrature(band) {
                 let black: Vec<f64> = temperatures_k.iter().map(|t| blackbody::radiance_w_m2_sr_um(um, *t)).collect();
-                for ((material, separated), Surface { first, .. }) in materials.iter().zip(&separated).zip(&surfaces) {
-                    let factors = match separated {
+                for ((material, emitting), Surface { first, .. }) in materials.iter().zip(emitting).zip(&surfaces) {
+                    let factors = match emitting.as_ref().zip(material.photometry.model()) {
                         None => vec![at(&material.emissivity, um)],
-                        Some((model, separated)) => [vec![1.0], separated.rows(at(&model.albedo, um))].concat(),
+                        Some(((separated, _), model)) => [vec![1.0], separated.rows(at(&model.albedo, um))].concat(),
                     };
                     for (i, factor) in factors.into_iter().enumerate() {
                         for (k, black) in black.iter().enumerate() {
