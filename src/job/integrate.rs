@@ -40,6 +40,13 @@ pub fn integrate(
     run: impl FnOnce() -> Run,
     watch: Watch<'_>,
 ) -> Result<Written> {
+    if subject.motion.as_ref().is_some_and(|(_, timing)| timing.is_in_parts()) {
+        let at = Location::item("sensor.kind");
+        return Err(Error::Unsupported {
+            at,
+            feature: "radiance from elsewhere for an image that is taken in parts".to_owned(),
+        });
+    }
     let Radiance { table, maps, choice, texels, fill } = radiance;
     let footprints = folder.options().footprints;
     let given = table.as_ref().map(|path| Ok((path.clone(), subject.read_table(path)?))).transpose()?;

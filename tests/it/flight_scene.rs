@@ -139,6 +139,16 @@ fn a_filters_cube_comes_with_its_displacement() {
     let rows: Vec<&str> = table.lines().collect();
     assert_eq!(rows.len(), 4);
     assert!(rows[1].starts_with("1,8,1,1,2027-05-01T06:01:10.18"), "{}", rows[1]);
+    // What goes elsewhere is one moment of it, and that is said; radiance of one moment is no filter's cube.
+    let (code, said, err) = run(&["convert", &scene, &scratch.argument("other/scene.toml")]);
+    assert!(code == 0 && (said + &err).contains("how it moves is not written"));
+    let (code, _, err) = run(&["convert", &scene, &scratch.argument("strict/scene.toml"), "--strict"]);
+    assert_eq!(code, 3, "{err}");
+    let table = scratch.argument("table.npz");
+    let (code, _, err) = run(&["solve", &scene, "-o", &table]);
+    assert_eq!(code, 0, "{err}");
+    let (code, _, err) = run(&["integrate", &scene, "--table", &table, "-o", &scratch.argument("never")]);
+    assert!(code == 1 && err.contains("sensor.kind"), "{err}");
     let planes = std::fs::read(scratch.join("out/displacement.img")).unwrap();
     assert_eq!(planes.len(), 3 * 2 * 64 * 4);
     let value = |plane: usize, pixel: usize| {

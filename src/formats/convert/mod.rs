@@ -249,6 +249,14 @@ fn read_all(
             for default in &file.defaults {
                 report.note(Fate::Defaulted, Location::file(&path).with_item(&default.item), &default.value);
             }
+            if let Some((motion, timing)) = &file.motion {
+                let middle_s = timing.middle_s(timing.reference(&file.scene.exposure));
+                let message = format!(
+                    "the scene is that of {}, with all of the image taken at once: how it moves is not written",
+                    motion.start.after_s(middle_s)
+                );
+                report.note(Fate::Approximated, Location::file(&path).with_item("flight"), message);
+            }
             (Content::Scene(Box::new(file.scene), Flights::new()), report)
         }
         Holds::Mesh { read } => {
