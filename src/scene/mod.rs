@@ -232,6 +232,7 @@ impl Setup {
             Some(format!("materials.{:?}.{key}: {}", material.name, material.photometry.below_nothing()?))
         };
         let mut all: Vec<String> = self.body.materials.iter().filter_map(of_material).collect();
+        all.extend(self.finer_than_sunlight());
         let Some(i) = (0..bands.len()).max_by(|&i, &j| shares[i].total_cmp(&shares[j]).then(j.cmp(&i))) else {
             return all;
         };
@@ -252,6 +253,30 @@ impl Setup {
             }
         ));
         all
+    }
+
+    /// Bands that are narrower than the steps in which sunlight is known there: its lines are not in them.
+    fn finer_than_sunlight(&self) -> Option<String> {
+        let known_um = self.sky.sun.irradiance_1au.wavelength_um();
+        let step_um = |um: f64| {
+            let after = known_um.partition_point(|known| *known <= um);
+            Some(known_um.get(after)? - known_um.get(after.checked_sub(1)?)?)
+        };
+        // Tables are rounded: what is as wide as a step is no finer.
+        let finer = |band: &&Band| {
+            let width_um = band.fwhm_um.filter(|_| band.light.is_lit());
+            width_um.zip(step_um(band.centre_um)).is_some_and(|(width_um, step_um)| width_um < 0.99 * step_um)
+        };
+        let bands: Vec<&Band> = self.exposure.bands.iter().filter(finer).collect();
+        let first = bands.first()?;
+        Some(format!(
+            "{} of {} bands are narrower than the steps of the solar spectrum: that at {} um is {} um wide, and a step there is {:.3} um",
+            bands.len(),
+            self.exposure.bands.len(),
+            first.centre_um,
+            first.fwhm_um.unwrap_or(0.0),
+            step_um(first.centre_um).unwrap_or(0.0)
+        ))
     }
 
     /// Whether this version can simulate the scene: a scene can hold more than can be computed.
