@@ -83,10 +83,11 @@ impl Almanac {
     /// [`Error::Invalid`] that says what is not known, and when it would be.
     pub fn state(&self, target: &str, centre: &str, frame: &str, epoch: Epoch) -> Result<State> {
         let (target, centre) = (self.names.body(target), self.names.body(centre));
-        // Rough ones serve only where others do not lead.
         let all: Vec<&Trajectory> = self.rough.iter().chain(&self.trajectories).collect();
-        let exact = way(&all[self.rough.len()..], &target, &centre, epoch);
-        let links = exact.or_else(|| way(&all, &target, &centre, epoch));
+        let exact = &all[self.rough.len()..];
+        // Rough ones serve only what no file knows at any time.
+        let serving = if is_known(exact, &target, &centre) { exact } else { &all };
+        let links = way(serving, &target, &centre, epoch);
         let Some(links) = links else { return Err(self.no_way(&target, &centre, epoch)) };
         let mut sum = State::ZERO;
         for (link, is_forward) in links {
@@ -97,6 +98,12 @@ impl Almanac {
             sum.velocity_m_s += rotation * state.velocity_m_s * sign;
         }
         Ok(sum)
+    }
+
+    /// Whether where a target is about a centre is known by the rough trajectories alone.
+    pub fn is_rough(&self, target: &str, centre: &str) -> bool {
+        let exact: Vec<&Trajectory> = self.trajectories.iter().collect();
+        !self.rough.is_empty() && !is_known(&exact, &self.names.body(target), &self.names.body(centre))
     }
 
     /// The rotation that carries components along one frame's axes into components along another's.
@@ -185,9 +192,8 @@ impl Almanac {
     fn no_way(&self, target: &str, centre: &str, epoch: Epoch) -> Error {
         let at = Location::item("flight");
         let about: Vec<String> = self
-            .rough
+            .trajectories
             .iter()
-            .chain(&self.trajectories)
             .filter(|of| of.target == *target || of.centre == *target || of.target == *centre || of.centre == *centre)
             .map(|of| format!("{} knows {} about {} {}", of.source, of.target, of.centre, known(&of.spans(), epoch)))
             .collect();
@@ -244,6 +250,11 @@ struct Reached<'a, T> {
     name: &'a str,
     from: usize,
     by: Option<Step<'a, T>>,
+}
+
+/// Whether some trajectories lead from a target to a centre, at whatever time.
+fn is_known(all: &[&Trajectory], target: &str, centre: &str) -> bool {
+    search(all, target, centre, |of| (&of.target, &of.centre), |_| true).is_some()
 }
 
 /// The steps that lead from a target to a centre at a moment.

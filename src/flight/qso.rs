@@ -7,6 +7,9 @@ use super::{Epoch, State, body_name};
 /// By how much the second number of a name may be off, km: names have whole kilometres.
 const NAME_KM: f64 = 0.75;
 
+/// Longest half axis of Phobos, km (NAIF's kernel pck00011).
+const PHOBOS_KM: f64 = 13.0;
+
 /// A quasi-satellite orbit by its size, as `qso-20x27`: 20 km from Phobos' centre on the line to Mars, 27 km along the orbit of Phobos. A third
 /// number, as in `3d-qso-30x49x20`, is the height above Phobos' equator in which it starts.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,6 +44,11 @@ impl Qso {
             (Some([x0, y, height]), true) => (*x0, *y, *height),
             _ => return Err(expected()),
         };
+        if x0_km.hypot(height_km) <= PHOBOS_KM {
+            return Err(format!(
+                "{name:?}: {x0_km} km from its centre is inside Phobos, whose longest half axis has {PHOBOS_KM} km"
+            ));
+        }
         let (x0_m, height_m) = (1e3 * x0_km, 1e3 * height_km);
         let hill = Hill::PHOBOS;
         let planar = hill

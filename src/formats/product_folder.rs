@@ -130,6 +130,11 @@ impl ProductFolder {
             return Err(Error::invalid(Location::item("options"), message));
         }
         Conversion::new(quantity, &subject.scene)?;
+        let in_parts = subject.motion.as_ref().is_some_and(|(_, timing)| timing.is_in_parts());
+        if in_parts && quantity == Quantity::ReflectanceFactor {
+            let message = "the Sun's incidence is another one for each part of this image: take the radiance factor";
+            return Err(Error::invalid(Location::item("options"), message));
+        }
         if has_maps && (split || table) {
             let message = "neither a facet table nor a thermal part belongs to what maps send";
             return Err(Error::invalid(Location::item("options"), message));

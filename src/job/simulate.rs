@@ -36,7 +36,11 @@ pub fn simulate(
         }
         None => {
             let table = solve::solve(scene, watch)?;
-            let observation = study::observe_by_slabs(scene, (&table, &extremes), wanted, &mut put, watch)?;
+            let mut observation = study::observe_by_slabs(scene, (&table, &extremes), wanted, &mut put, watch)?;
+            if let Some((motion, timing)) = &subject.motion {
+                let moving = Moving { scene, motion, timing: *timing };
+                study::tell_exposure(moving, request.tolerance, &mut observation);
+            }
             (table, observation)
         }
     };

@@ -2,6 +2,8 @@
 
 use std::rc::Rc;
 
+use glam::DVec2;
+
 use super::effects::Given;
 use super::extremes::Extremes;
 use super::observation::{Observation, Put};
@@ -27,6 +29,15 @@ pub struct Moving<'a> {
     pub timing: Timing,
 }
 
+/// Between two moments that tell a rate, s.
+const BESIDE_S: f64 = 1.0;
+/// Moments at which the Sun's rate is looked at.
+const RATES: u32 = 65;
+/// The Sun goes no farther than this, rad, from one solved moment to the next.
+const MOST_RAD: f64 = 0.02;
+/// Exposures whose smear is looked at, and steps in each.
+const SMEARS: usize = 16;
+const SMEAR_STEPS: u32 = 8;
 /// A smear of fewer pixels is not worth a word.
 const SMEAR_PX: f64 = 0.05;
 /// What a stage of progress is called here.
@@ -104,31 +115,40 @@ impl Moving<'_> {
     fn steady_s(&self, extremes: &Extremes, tolerance: f64) -> Result<f64> {
         let Moving { scene, motion, timing } = *self;
         let duration_s = timing.middle_s(timing.count(&scene.exposure).saturating_sub(1)) - timing.middle_s(0);
-        let mut towards = Vec::new();
-        // The Sun's way is so even that its ends and its middle tell its rate.
-        for share in [0.0, 0.5, 1.0] {
-            let epoch = motion.start.after_s(timing.middle_s(0) + share * duration_s);
-            towards.push(motion.sky(&scene.sky, epoch)?.sun.direction);
+        // From a moment to one beside it: further apart, a body may have turned round meanwhile.
+        let beside_s = duration_s.min(BESIDE_S);
+        let mut rate_rad_s = 0.0_f64;
+        for i in 0..RATES {
+            let s = timing.middle_s(0) + (duration_s - beside_s) * f64::from(i) / f64::from(RATES - 1);
+            let towards = |s: f64| Ok::<_, Error>(motion.sky(&scene.sky, motion.start.after_s(s))?.sun.direction);
+            let angle_rad = towards(s)?.angle_rad(towards(s + beside_s)?);
+            rate_rad_s = rate_rad_s.max(if beside_s > 0.0 { angle_rad / beside_s } else { 0.0 });
         }
-        let most_rad = towards.windows(2).map(|two| two[0].angle_rad(two[1])).fold(0.0, f64::max);
-        let rate_rad_s = if duration_s > 0.0 { most_rad / (0.5 * duration_s) } else { 0.0 };
-        Ok(Given::new(scene, extremes, &extremes.sunlit).steady_s(rate_rad_s, tolerance))
+        // What is interpolated of light between facets, and of temperatures, is off by an eighth of the square of this.
+        let all_else_s = MOST_RAD / rate_rad_s;
+        Ok(Given::new(scene, extremes, &extremes.sunlit).steady_s(rate_rad_s, tolerance).min(all_else_s))
     }
 
-    /// By how many pixels what is in the middle of the mesh moves during the reference exposure; `None` where that is not before the camera, or not known.
+    /// By how many pixels what is in the middle of the mesh moves during an exposure at most, of some of them; `None` where that is not before the
+    /// camera, or not known.
     fn smear_px(&self) -> Option<f64> {
         let Moving { scene, motion, timing } = *self;
         let (low_m, high_m) = scene.body.bounds_m()?;
-        let middle_s = timing.middle_s(timing.reference(&scene.exposure));
         let seen = |s: f64| {
             let pose = motion.pose(motion.start.after_s(s)).ok()?;
             let camera = FrameCamera { world_from_sensor: pose, ..scene.exposure.camera.clone() };
             let h = Camera::Frame(camera).projection().homogeneous(0.5 * (low_m + high_m));
-            (h.z > 0.0).then(|| [h.x / h.z, h.y / h.z])
+            (h.z > 0.0).then(|| DVec2::new(h.x / h.z, h.y / h.z))
         };
-        let half_s = 0.5 * timing.exposure_s;
-        let ([x0, y0], [x1, y1]) = (seen(middle_s - half_s)?, seen(middle_s + half_s)?);
-        Some((x1 - x0).hypot(y1 - y0))
+        let count = timing.count(&scene.exposure);
+        let of_exposure = |i: usize| {
+            let at = |k: u32| timing.middle_s(i) + timing.exposure_s * (f64::from(k) / f64::from(SMEAR_STEPS) - 0.5);
+            let places: Option<Vec<DVec2>> = (0..=SMEAR_STEPS).map(|k| seen(at(k))).collect();
+            let places = places?;
+            let end = |by: fn(DVec2, DVec2) -> DVec2| places.iter().copied().reduce(by);
+            Some((end(DVec2::max)? - end(DVec2::min)?).length())
+        };
+        (0..count).step_by(count.div_ceil(SMEARS).max(1)).filter_map(of_exposure).reduce(f64::max)
     }
 
     /// What a reader of the result should know of how it was taken.
@@ -306,6 +326,21 @@ impl<'a> Solved<'a> {
         let then = scene.under(motion.sky(&scene.sky, epoch)?)?;
         Ok(Rc::new(solve::solve(&then, watch)?))
     }
+}
+
+/// Adds to the account of a frame that was taken at once when and from where it was.
+pub fn tell_exposure(moving: Moving<'_>, tolerance: f64, observation: &mut Observation<()>) {
+    let Moving { scene, timing, .. } = moving;
+    let taken = timing.takes(&scene.exposure).map(|take| Exposed {
+        epoch: moving.epoch(&take),
+        take,
+        camera: scene.exposure.camera.clone(),
+        to_sun: scene.sky.sun.direction,
+        sun_m: scene.sky.sun.distance_m,
+    });
+    let exposures = Exposures { origin_m: scene.body.origin_m, taken: taken.collect(), reference: None };
+    observation.exposures = Some(exposures);
+    observation.warnings.extend(moving.remarks(None, tolerance));
 }
 
 /// Adds the planes of a line below those of the lines before.

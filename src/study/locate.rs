@@ -190,10 +190,17 @@ impl<'a> Locator<'a> {
         let lines = f64::from(self.scene.exposure.camera.lines) + 1.0;
         let looks = LOOKS.max(self.scene.exposure.camera.lines as usize / 16);
         let at = |i: usize| lines * i as f64 / looks as f64 - 0.5;
-        // That may be beyond the last exposure, where nothing is known.
-        let look = |i: usize| match side(at(i)) {
-            Err(Error::Invalid(_)) if i == 0 || i == looks => Ok((at(i), None)),
-            side => side.map(|side| (at(i), side)),
+        // That may be beyond what is known: only if nothing is, at any of them, that is an error.
+        let (mut unknown, mut known) = (None, 0);
+        let mut look = |i: usize| match side(at(i)) {
+            Err(Error::Invalid(problems)) => {
+                unknown.get_or_insert(problems);
+                Ok((at(i), None))
+            }
+            side => {
+                known += 1;
+                side.map(|side| (at(i), side))
+            }
         };
         let mut before = look(0)?;
         for i in 1..=looks {
@@ -204,6 +211,9 @@ impl<'a> Locator<'a> {
                 return self.crossing((before.0, a), (after.0, b), side).map(Some);
             }
             before = after;
+        }
+        if let Some(problems) = unknown.filter(|_| known == 0) {
+            return Err(Error::Invalid(problems));
         }
         // Exactly in the last moment's slit.
         Ok(before.1.filter(|y| *y == 0.0).map(|_| before.0))

@@ -27,7 +27,7 @@ mod table_id;
 pub mod validate;
 mod warnings;
 
-pub use acquisition::{Moving, acquire_by_slabs};
+pub use acquisition::{Moving, acquire_by_slabs, tell_exposure};
 pub use coarser::Coarser;
 pub use cost::{WITHIN, has_room, memory_bytes, product_bytes};
 pub use dry_run::{DryRun, dry_run};

@@ -139,6 +139,11 @@ fn a_filters_cube_comes_with_its_displacement() {
     let rows: Vec<&str> = table.lines().collect();
     assert_eq!(rows.len(), 4);
     assert!(rows[1].starts_with("1,8,1,1,2027-05-01T06:01:10.18"), "{}", rows[1]);
+    let (code, _, err) = run(&["simulate", &scene, "-o", &out, "--model", "sunlight", "--force"]);
+    assert_eq!(code, 0, "{err}");
+    let factor = ["--quantity", "reflectance_factor", "--force"];
+    let (code, _, err) = run(&[&["simulate", &scene, "-o", &out][..], &factor].concat());
+    assert!(code == 1 && err.contains("radiance factor"), "{err}");
     // What goes elsewhere is one moment of it, and that is said; radiance of one moment is no filter's cube.
     let (code, said, err) = run(&["convert", &scene, &scratch.argument("other/scene.toml")]);
     assert!(code == 0 && (said + &err).contains("how it moves is not written"));
@@ -160,4 +165,27 @@ fn a_filters_cube_comes_with_its_displacement() {
     assert!(value(2, 27).abs() < 1e-9 && value(3, 27).abs() < 1e-9);
     let moved = value(4, 27);
     assert!((moved - 2.263).abs() < 0.1, "{moved}");
+}
+
+/// What a file knows ends where it ends: what is known roughly does not take over, not even in the middle of an image.
+#[test]
+fn a_file_that_ends_is_not_continued_roughly() {
+    let scratch = Scratch::new();
+    let oem = "CCSDS_OEM_VERS = 2.0\nCREATION_DATE = 2026-01-01T00:00:00\nORIGINATOR = TEST\nMETA_START\nOBJECT_NAME = SUN\nOBJECT_ID = 10\n\
+               CENTER_NAME = PHOBOS\nREF_FRAME = IAU_PHOBOS\nTIME_SYSTEM = UTC\nSTART_TIME = 2027-05-01T05:00:00\n\
+               STOP_TIME = 2027-05-01T06:00:03\nINTERPOLATION = LAGRANGE\nINTERPOLATION_DEGREE = 1\nMETA_STOP\n\
+               2027-05-01T05:00:00 2.0e8 1.0e8 0.0 0 0 0\n2027-05-01T06:00:03 2.0e8 1.1e8 0.0 0 0 0\n";
+    scratch.write("sun.oem", oem);
+    let with = |period: &str| {
+        let kind = format!("samples = 8\nkind = \"tunable_filter\"\nperiod_s = {period}\nexposure_s = 0.1");
+        replaced(FLYING, &[("samples = 8", &kind), ("orbit = ", "files = [\"sun.oem\"]\norbit = ")])
+    };
+    scratch.write("scene.toml", with("1.0"));
+    let file = scene_toml::read(&scratch.join("scene.toml"), &unwatched).unwrap();
+    // Three bands, the middle one 1.05 s after six: by the line between the two rows.
+    let sun = file.scene.sky.sun.direction.vec();
+    assert!((sun.y / sun.x - 0.549_973).abs() < 1e-5, "{sun:?}");
+    scratch.write("scene.toml", with("2.0"));
+    let (code, _, err) = run(&["inspect", &scratch.argument("scene.toml")]);
+    assert!(code == 1 && err.contains("SUN about PHOBOS is not known") && err.contains("sun.oem knows"), "{err}");
 }

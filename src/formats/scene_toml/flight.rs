@@ -21,6 +21,9 @@ const SPACECRAFT: &str = "SPACECRAFT";
 /// An orbit by name is known for so long before and after the scene, s: ten days.
 const ORBIT_S: f64 = 864_000.0;
 
+/// Moments are 0.12 us apart: of a shorter period that would be more than 1 %.
+const LEAST_PERIOD_S: f64 = 1e-5;
+
 /// Where things are at the moment of a scene, along the body's axes from its centre, m.
 pub(super) struct Placed {
     pub(super) sun_m: DVec3,
@@ -35,7 +38,8 @@ impl TomlReader<'_> {
         let mut all_read = true;
         for (i, path) in paths.iter().enumerate().filter(|(_, path)| !path.is_file()) {
             all_read = false;
-            self.problem(&format!("flight.files[{i}]"), format!("{}: there is no such file", path.display()));
+            let why = if path.is_dir() { "is a folder, but a file is needed" } else { "there is no such file" };
+            self.problem(&format!("flight.files[{i}]"), format!("{}: {why}", path.display()));
         }
         if all_read {
             let read = ephemeris::furnish_all(&paths, &mut almanac);
@@ -117,6 +121,12 @@ impl TomlReader<'_> {
         let start = start?;
         let span = Span { start: start.after_s(-ORBIT_S), end: start.after_s(ORBIT_S) };
         let spacecraft = toml.spacecraft.as_deref().unwrap_or(SPACECRAFT);
+        if almanac.trajectories.iter().any(|of| of.target == almanac.names.body(spacecraft)) {
+            let message =
+                format!("`files` know where {spacecraft} is: leave `orbit` out, or give what flies it another name");
+            self.problem("flight.orbit", message);
+            return None;
+        }
         match orbit?.trajectory(name, spacecraft, at, span) {
             Ok(trajectory) => almanac.trajectories.push(trajectory),
             Err(why) => {
@@ -194,6 +204,15 @@ impl TomlReader<'_> {
         let sun_m = motion.seen_m("SUN", epoch);
         let mars_m = has_mars.then(|| motion.seen_m("MARS", epoch)).transpose();
         let pose = motion.pose(epoch);
+        if motion.almanac.is_rough("SUN", &motion.body) {
+            self.stated("flight", "where the Sun is: roughly, by mean elements of Mars; give files for more");
+        }
+        if has_mars && motion.almanac.is_rough("MARS", &motion.body) {
+            self.stated(
+                "flight",
+                "where Mars is: roughly, opposite to where the body's long axis points; give files for more",
+            );
+        }
         let sun_m = self.known("flight", sun_m);
         let mars_m = self.known("flight", mars_m);
         let pose = self.known("flight", pose);
@@ -238,6 +257,11 @@ impl TomlReader<'_> {
             self.problem("sensor", "`period_s` is missing: the time from one to the next");
             return None;
         };
+        if period_s < LEAST_PERIOD_S {
+            let message = format!("{period_s} s is shorter than moments can be told apart, some {LEAST_PERIOD_S:e} s");
+            self.problem("sensor.period_s", message);
+            return None;
+        }
         let exposure_s = toml.exposure_s.unwrap_or(period_s);
         if exposure_s > period_s && readout == Readout::Band {
             self.problem("sensor.exposure_s", format!("{exposure_s} s is longer than `period_s`, {period_s} s"));

@@ -162,6 +162,10 @@ pub fn read(path: &Path, watch: Watch<'_>) -> Result<SceneFile> {
 
 /// A moving scene at its reference exposure.
 fn at_reference(scene: &Scene, motion: &Motion, timing: &Timing) -> Result<Scene> {
+    // What is not known at the end is better said now than then.
+    let last = motion.start.after_s(timing.middle_s(timing.count(&scene.exposure).saturating_sub(1)));
+    motion.pose(last)?;
+    motion.sky(&scene.sky, last)?;
     let middle_s = timing.middle_s(timing.reference(&scene.exposure));
     motion.at(scene, scene.exposure.clone(), motion.start.after_s(middle_s))
 }
