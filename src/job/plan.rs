@@ -3,11 +3,17 @@
 use crate::error::Result;
 use crate::formats::Subject;
 use crate::progress::Watch;
+use crate::scene::Readout;
 use crate::study::{self, Extremes, Plan, Request};
 
 /// Decides by which models a scene is simulated, gives it these, and warns of what was asked for and does not come about.
 pub(super) fn decide(subject: &mut Subject, request: &Request, watch: Watch<'_>) -> Result<(Extremes, Plan)> {
-    let (models, extremes, plan) = study::decide(&subject.scene, request, watch)?;
+    let (models, extremes, mut plan) = study::decide(&subject.scene, request, watch)?;
+    // Each band of a filter is an image; what effects cost is found much more rarely.
+    if let Some((_, timing)) = subject.motion.as_ref().filter(|(_, timing)| timing.readout == Readout::Band) {
+        let more = timing.count(&subject.scene.exposure).saturating_sub(1);
+        plan.cpu_s += (plan.cpu_s - plan.cost_s()).max(0.0) * more as f64;
+    }
     subject.warnings.extend(study::unheeded(&subject.scene, request, &models, &plan));
     subject.scene = subject.scene.by(models)?;
     Ok((extremes, plan))
