@@ -22,7 +22,7 @@ use glam::DVec3;
 
 use crate::error::{Error, Location, Problem, Result};
 use crate::geometry::signed_solid_angle_sr;
-use crate::spectral::{ALL_UM, Band, Light, MOST_BEYOND, Spectrum};
+use crate::spectral::{ALL_UM, Band, Light, MOST_BEYOND, Spectrum, solar_e490};
 use coverage::{percent, uncovered};
 
 pub use body::{Body, Surface};
@@ -255,9 +255,10 @@ impl Setup {
         all
     }
 
-    /// Bands that are narrower than the steps in which sunlight is known there: its lines are not in them.
+    /// Bands that are narrower than the steps of the built-in sunlight: its lines are not in them. Who gives a table knows how fine it is.
     fn finer_than_sunlight(&self) -> Option<String> {
-        let known_um = self.sky.sun.irradiance_1au.wavelength_um();
+        let known_um =
+            Some(self.sky.sun.irradiance_1au.wavelength_um()).filter(|um| *um == solar_e490().wavelength_um())?;
         let step_um = |um: f64| {
             let after = known_um.partition_point(|known| *known <= um);
             Some(known_um.get(after)? - known_um.get(after.checked_sub(1)?)?)
@@ -270,7 +271,7 @@ impl Setup {
         let bands: Vec<&Band> = self.exposure.bands.iter().filter(finer).collect();
         let first = bands.first()?;
         Some(format!(
-            "{} of {} bands are narrower than the steps of the solar spectrum: that at {} um is {} um wide, and a step there is {:.3} um",
+            "{} of {} bands are narrower than the steps of the solar spectrum (E490): that at {} um is {} um wide, and a step there is {:.3} um",
             bands.len(),
             self.exposure.bands.len(),
             first.centre_um,

@@ -132,8 +132,10 @@ fn over_flat_ground_a_push_broom_sees_what_a_frame_camera_sees() {
     let velocity = DVec3::NEG_Y * pixel_m / period_s;
     let to_sun = sun(50.0, 40.0).vec();
     let motion = steady(velocity, 11.5 * period_s, to_sun, down());
-    // Ground far beyond the strip, of which each line looks at its part.
-    let scene = moving_scene(patches(900.0, 91), [20, lines], pixel_m, &[1.0, 2.0, 3.0], &motion, timing);
+    // Ground far beyond the strip, of which each line looks at its part; shifted, so that no edge halves a pixel.
+    let mut ground = patches(900.0, 91);
+    ground.vertices_m.iter_mut().for_each(|vertex| *vertex += DVec3::new(1.37, 2.71, 0.0));
+    let scene = moving_scene(ground, [20, lines], pixel_m, &[1.0, 2.0, 3.0], &motion, timing);
     let (cube, observation) = taken(&scene, &motion, timing);
     // A frame camera over the middle: the Sun is a point far away, where it moves by nothing.
     let over_middle = motion.at(&scene, scene.exposure.clone(), motion.start.after_s(11.5 * period_s)).unwrap();
