@@ -187,5 +187,8 @@ fn a_file_that_ends_is_not_continued_roughly() {
     assert!((sun.y / sun.x - 0.549_973).abs() < 1e-5, "{sun:?}");
     scratch.write("scene.toml", with("2.0"));
     let (code, _, err) = run(&["inspect", &scratch.argument("scene.toml")]);
-    assert!(code == 1 && err.contains("where SUN is about PHOBOS is not known") && err.contains("sun.oem knows"), "{err}");
+    assert!(
+        code == 1 && err.contains("where SUN is about PHOBOS is not known") && err.contains("sun.oem knows"),
+        "{err}"
+    );
 }
