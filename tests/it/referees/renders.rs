@@ -79,15 +79,9 @@ fn of_hapke(parts: &mut SceneParts) {
 /// Of one pair of angles for a facet in a pixel: CONVENTIONS.md has 1.4e-4. What single precision adds is less.
 const OWN: f64 = 2e-4;
 
-/// Ratios of difference and noise, root mean square and largest; our own tolerance counts as noise. Of few images a pixel's noise is known badly: where an edge is
-/// met by few rays, none of them may tell. It counts as no less than that of half of the pixels.
+/// Ratios of difference and noise, root mean square and largest; our own tolerance counts as noise.
 fn in_noise(ours: &[f64], theirs: &[(f64, f64)], level: f64) -> (f64, f64) {
-    let mut all: Vec<f64> = theirs.iter().map(|(_, noise)| *noise).collect();
-    all.sort_by(f64::total_cmp);
-    let usual = all[all.len() / 2];
-    let ratio = |(ours, (theirs, noise)): (&f64, &(f64, f64))| {
-        (ours - theirs) / noise.max(usual).hypot(OWN * theirs.max(level))
-    };
+    let ratio = |(ours, (theirs, noise)): (&f64, &(f64, f64))| (ours - theirs) / noise.hypot(OWN * theirs.max(level));
     let ratios: Vec<f64> = ours.iter().zip(theirs).map(ratio).collect();
     let rms = (ratios.iter().map(|r| r * r).sum::<f64>() / ratios.len() as f64).sqrt();
     (rms, ratios.iter().fold(0.0, |most, r| f64::max(most, r.abs())))
