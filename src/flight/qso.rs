@@ -1,14 +1,14 @@
 //! Quasi-satellite orbits about Phobos by name.
 
+use glam::DVec3;
+
 use super::hill::{Hill, QuasiSatellite};
+use super::radii::{altitude_m, radii_m};
 use super::trajectory::{Path, Segment, Span, Trajectory};
 use super::{Epoch, State, body_name};
 
 /// By how much the second number of a name may be off, km: names have whole kilometres.
 const NAME_KM: f64 = 0.75;
-
-/// Longest half axis of Phobos, km (NAIF's kernel pck00011).
-const PHOBOS_KM: f64 = 13.0;
 
 /// A quasi-satellite orbit by its size, as `qso-20x27`: 20 km from Phobos' centre on the line to Mars, 27 km along the orbit of Phobos. A third
 /// number, as in `3d-qso-30x49x20`, is the height above Phobos' equator in which it starts.
@@ -44,10 +44,9 @@ impl Qso {
             (Some([x0, y, height]), true) => (*x0, *y, *height),
             _ => return Err(expected()),
         };
-        if x0_km.hypot(height_km) <= PHOBOS_KM {
-            return Err(format!(
-                "{name:?}: {x0_km} km from its centre is inside Phobos, whose longest half axis has {PHOBOS_KM} km"
-            ));
+        let altitude_m = radii_m("PHOBOS").map(|radii_m| altitude_m(DVec3::new(x0_km, 0.0, height_km) * 1e3, radii_m));
+        if altitude_m.is_some_and(|altitude_m| altitude_m.is_nan() || altitude_m <= 0.0) {
+            return Err(format!("{name:?}: {x0_km} km from its centre is inside Phobos"));
         }
         let (x0_m, height_m) = (1e3 * x0_km, 1e3 * height_km);
         let hill = Hill::PHOBOS;
