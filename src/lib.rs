@@ -76,6 +76,7 @@ pub mod error;
 pub mod progress;
 pub mod report;
 pub mod units;
+pub mod random;
 pub mod geometry;
 pub mod flight;
 pub mod visibility;

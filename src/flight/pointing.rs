@@ -7,6 +7,7 @@ use std::f64::consts::{SQRT_2, TAU};
 use glam::{DMat3, DQuat, DVec3};
 
 use crate::geometry::Direction;
+use crate::random::Draws;
 
 /// Sines of which a jitter is made.
 const WAVES: u32 = 64;
@@ -65,14 +66,8 @@ pub struct Jitter {
 impl Jitter {
     /// Turns about the axes, rad, some seconds after the start.
     pub fn at(&self, t_s: f64) -> DVec3 {
-        let mut state = self.seed;
-        let mut share = move || {
-            // SplitMix64 (Steele, Lea & Flood 2014).
-            state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-            let z = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-            ((z ^ (z >> 31)) >> 11) as f64 * (1.0 / (1_u64 << 53) as f64)
-        };
+        let mut draws = Draws::new(self.seed);
+        let mut share = || draws.unit();
         let [low, high] = self.band_hz;
         let mut sum = DVec3::ZERO;
         for wave in 0..WAVES {

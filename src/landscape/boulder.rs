@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 
 use glam::{DMat3, DQuat, DVec3};
 
-use super::random::{Draws, Purpose, key};
+use super::random::{Purpose, key};
 use super::recipe::Boulders;
 use crate::geometry::index_u32;
+use crate::random::Draws;
 
 /// Planes that cut a boulder from its ball.
 const CUTS: usize = 12;

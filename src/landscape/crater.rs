@@ -1,7 +1,8 @@
 //! Bowl craters: a parabola up to the rim, ejecta beyond.
 
-use super::random::{Draws, Purpose, key};
+use super::random::{Purpose, key};
 use super::recipe::Craters;
+use crate::random::Draws;
 
 /// How far the ejecta reach, in rim radii from the centre.
 const REACH: f64 = 3.0;

@@ -1,7 +1,8 @@
 //! Rolling ground: a sum of gradient noises, each with half the wavelength of the one before.
 
-use super::random::{Purpose, key, mix};
+use super::random::{Purpose, key};
 use super::recipe::Relief;
+use crate::random::{STEP, mix};
 
 /// Variance of [`gradient_noise`]: gradients are independent with unit variance along each axis, so it is
 /// 8 A B with A = int w^2 dt = 181/462 and B = int t^2 w^2 dt = 535/18018 over 0 to 1, w = 1 - t^3 (10 - 15 t + 6 t^2).
@@ -83,7 +84,7 @@ fn gradient_noise(key: u64, u: f64, v: f64) -> f64 {
 
 /// A lattice point's gradient: each component is the sum of two even numbers, scaled to mean 0 and variance 1.
 fn gradient(key: u64, i: i64, j: i64) -> [f64; 2] {
-    let bits = mix(key ^ mix((i as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ (j as u64)));
+    let bits = mix(key ^ mix((i as u64).wrapping_mul(STEP) ^ (j as u64)));
     #[expect(clippy::cast_possible_truncation, reason = "sixteen of the bits")]
     let part = |shift: u32| f64::from((bits >> shift) as u16) + 0.5;
     let component = |a: f64, b: f64| ((a + b) / 65536.0 - 1.0) * 6f64.sqrt();

@@ -5,6 +5,7 @@ use glam::DVec3;
 use crate::geometry::Mesh;
 use crate::physics::reflectance::hapke::{Parameters, Roughness};
 use crate::physics::reflectance::{Parameter, Shape};
+use crate::random::{STEP, mix};
 use crate::scene::{Material, Setup};
 
 /// What fitted mean slopes stand for: slopes at lengths below the pixels of the images they were fitted to, some tens to hundreds of metres, m.
@@ -46,7 +47,7 @@ fn mean_slope(mesh: &Mesh, size_m: f64) -> Option<Roughness> {
     let every = (mesh.facets.len() / SAMPLE).max(1) as u64;
     let mut facets: Vec<(u64, u32)> = Vec::new();
     for (f, index) in (0..mesh.facets.len()).zip(0_u32..) {
-        let cell = mix((mesh.facet(f).centroid_m() / size_m).floor());
+        let cell = number((mesh.facet(f).centroid_m() / size_m).floor());
         // All facets of a cube, or none.
         if cell.is_multiple_of(every) {
             facets.push((cell, index));
@@ -69,14 +70,9 @@ fn mean_slope(mesh: &Mesh, size_m: f64) -> Option<Roughness> {
     (weights > 0.0).then(|| Roughness::of_tangents(tangents / weights))
 }
 
-/// A cube's number, spread evenly over 64 bits: SplitMix64 (Steele, Lea & Flood 2014).
-fn mix(cell: DVec3) -> u64 {
-    cell.to_array().into_iter().fold(0, |hash: u64, x| {
-        let z = (hash ^ x.to_bits()).wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    })
+/// A cube's number, spread evenly over 64 bits.
+fn number(cell: DVec3) -> u64 {
+    cell.to_array().into_iter().fold(0, |hash: u64, x| mix((hash ^ x.to_bits()).wrapping_add(STEP)))
 }
 
 #[cfg(test)]

@@ -136,6 +136,7 @@ pub fn kirchhoff_emissivity(hemispherical_reflectance: f64) -> f64 {
 mod tests {
     use super::hapke::{HFormula, Parameters, Roughness, Surge};
     use super::*;
+    use crate::random::Draws;
     use crate::physics::GaussLegendre;
     use glam::DVec3;
 
@@ -233,23 +234,11 @@ mod tests {
         ]
     }
 
-    /// Even over 0 to 1: SplitMix64 (Steele, Lea & Flood 2014).
-    struct Draws(u64);
-
-    impl Draws {
-        fn unit(&mut self) -> f64 {
-            self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-            let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-            ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-        }
-
-        /// Even over the upper hemisphere.
-        fn direction(&mut self) -> DVec3 {
-            let (z, azimuth) = (self.unit(), 2.0 * PI * self.unit());
-            let level = (1.0 - z * z).sqrt();
-            DVec3::new(level * azimuth.cos(), level * azimuth.sin(), z)
-        }
+    /// Even over the upper hemisphere.
+    fn direction(draws: &mut Draws) -> DVec3 {
+        let (z, azimuth) = (draws.unit(), 2.0 * PI * draws.unit());
+        let level = (1.0 - z * z).sqrt();
+        DVec3::new(level * azimuth.cos(), level * azimuth.sin(), z)
     }
 
     #[test]
@@ -407,10 +396,10 @@ mod tests {
 
     #[test]
     fn light_and_view_change_places() {
-        let mut draws = Draws(1);
+        let mut draws = Draws::new(1);
         let angles: Vec<_> = (0..100_000)
             .map(|_| {
-                let (source, observer) = (draws.direction(), draws.direction());
+                let (source, observer) = (direction(&mut draws), direction(&mut draws));
                 [
                     PhotometricAngles::of_directions(DVec3::Z, source, observer),
                     PhotometricAngles::of_directions(DVec3::Z, observer, source),

@@ -1,0 +1,97 @@
+//! Numbers that look random and are a pure function of a seed and of the order in which they are drawn: SplitMix64 (Steele, Lea and Flood 2014, "Fast
+//! splittable pseudorandom number generators", OOPSLA; constants of Stafford's mix 13).
+
+use std::f64::consts::TAU;
+
+/// Weyl increment of SplitMix64: 2^64 over the golden ratio, made odd.
+pub const STEP: u64 = 0x9e37_79b9_7f4a_7c15;
+
+/// The finaliser: a bijection in which every input bit moves about half of the output bits.
+pub fn mix(z: u64) -> u64 {
+    let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+/// The numbers of one thing, in the order in which they are drawn.
+#[derive(Debug, Clone)]
+pub struct Draws(u64);
+
+impl Draws {
+    /// Of a seed, or of a key that is [mixed](mix) from one and from what the numbers are for.
+    pub fn new(key: u64) -> Self {
+        Draws(key)
+    }
+
+    /// Even over 0 to 1, 1 excluded.
+    pub fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(STEP);
+        (mix(self.0) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// Even over `lo` to `hi`.
+    pub fn between(&mut self, lo: f64, hi: f64) -> f64 {
+        lo + (hi - lo) * self.unit()
+    }
+
+    /// Normal, of mean 0 and variance 1 (Box and Muller 1958; of the two numbers of a pair one, so that each draw takes as many).
+    pub fn normal(&mut self) -> f64 {
+        // 1 - unit is never 0.
+        (-2.0 * (1.0 - self.unit()).ln()).sqrt() * (TAU * self.unit()).cos()
+    }
+
+    /// A size from `lo` to `hi` out of a population in which the number larger than D goes as D^-exponent.
+    ///
+    /// Inverse of the truncated power law's distribution function, taken relative to `lo` so that no power overflows.
+    pub fn power_law(&mut self, lo: f64, hi: f64, exponent: f64) -> f64 {
+        let largest = (hi / lo).powf(-exponent);
+        let share = 1.0 - self.unit() * (1.0 - largest);
+        (lo * share.powf(-1.0 / exponent)).clamp(lo, hi)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn draws_are_splitmix64() {
+        // First outputs for seed 1234567, as published with the reference code (https://prng.di.unimi.it/splitmix64.c)
+        // and listed at https://rosettacode.org/wiki/Pseudo-random_numbers/Splitmix64.
+        let published = [6457827717110365317_u64, 3203168211198807973, 9817491932198370423];
+        let mut draws = Draws::new(1234567);
+        for value in published {
+            assert_eq!(draws.unit(), (value >> 11) as f64 / (1u64 << 53) as f64);
+        }
+    }
+
+    #[test]
+    fn sizes_follow_the_power_law() {
+        let mut draws = Draws::new(7);
+        let sizes: Vec<f64> = (0..100_000).map(|_| draws.power_law(2.0, 200.0, 2.0)).collect();
+        assert!(sizes.iter().all(|d| (2.0..=200.0).contains(d)));
+        // N(>4)/N(>2) = 1/4 and N(>20)/N(>2) = 1/100, less the cut at 200 (1e-4); 4 sigma of counting.
+        for (size, share) in [(4.0, 0.25), (20.0, 0.01)] {
+            let expected = 1e5 * (share - 1e-4) / (1.0 - 1e-4);
+            let counted = sizes.iter().filter(|d| **d > size).count() as f64;
+            assert!((counted - expected).abs() < 4.0 * expected.sqrt(), "{counted} above {size}, expected {expected}");
+        }
+    }
+
+    /// Moments of the normal distribution: 0, 1, 0, 3, and 4.55 % beyond two sigma; within 4 sigma of what so many draws leave open.
+    #[test]
+    fn normal_numbers_are_normal() {
+        let (mut draws, n) = (Draws::new(3), 200_000);
+        let (mut sums, mut beyond) = ([0.0; 4], 0.0);
+        for _ in 0..n {
+            let x = draws.normal();
+            (1..=4).for_each(|k| sums[k - 1] += x.powi(k as i32) / f64::from(n));
+            beyond += f64::from(x.abs() > 2.0) / f64::from(n);
+        }
+        // Variances of x, x^2, x^3, x^4: 1, 2, 15, 96.
+        for ((sum, expected), variance) in sums.into_iter().zip([0.0, 1.0, 0.0, 3.0]).zip([1.0, 2.0, 15.0, 96.0]) {
+            assert!((sum - expected).abs() < 4.0 * f64::sqrt(variance / f64::from(n)), "{sum} {expected}");
+        }
+        assert!((beyond - 0.0455).abs() < 4.0 * f64::sqrt(0.0455 / f64::from(n)), "{beyond}");
+    }
+}
