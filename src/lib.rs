@@ -82,6 +82,7 @@ pub mod flight;
 pub mod visibility;
 pub mod spectral;
 pub mod physics;
+pub mod instrument;
 pub mod scene;
 pub mod landscape;
 pub mod product;

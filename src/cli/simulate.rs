@@ -24,13 +24,19 @@ pub(crate) struct Arguments {
     /// Also write the thermal part of the cube (thermal.img); the rest of the cube is reflected light
     #[arg(long)]
     split: bool,
+    /// The radiance at the aperture: neither the optics nor the detector of the scene's sensor
+    #[arg(long)]
+    ideal: bool,
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let watch = |progress| console.watch(progress);
     super::settle_input(&arguments.scene, console)?;
     let folder = arguments.product.stage(arguments.table, arguments.split, console)?;
-    let subject = Subject::open(&arguments.scene, &watch)?;
+    let mut subject = Subject::open(&arguments.scene, &watch)?;
+    if arguments.ideal {
+        subject.chain = None;
+    }
     let written = job::simulate(subject, &arguments.request.request(), folder, || console.run("simulate"), &watch)?;
     if let Some(plan) = &written.product.plan {
         console.note(&in_short(plan));

@@ -5,15 +5,16 @@ use std::path::{Path, PathBuf};
 
 use super::envi::{self, Interleave, Precision};
 use super::folder::Staged;
-use super::report_json::{self, BandEntry, ImageEntry, Input, PlanEntry, ProductReport, Run};
+use super::report_json::{self, BandEntry, ImageEntry, Input, PlanEntry, ProductReport, Run, SignalEntry};
 use super::subject::Subject;
 use super::{exposures_csv, exr_cube, machine, npz, quicklook};
 use crate::error::{Error, Location, Problem, Result};
-use crate::product::{Conversion, CubeAxes, FacetTable, Quantity, ShownBands, Slab};
+use crate::instrument::Detector;
+use crate::product::{Backplanes, Conversion, CubeAxes, FacetTable, Plane, Quantity, ShownBands, Slab};
 use crate::progress::{Watch, tell};
 use crate::scene::Scene;
 use crate::spectral::Band;
-use crate::study::{self, Check, MapAccount, Observation, Plan};
+use crate::study::{self, Check, MapAccount, Observation, Plan, Reader, Reading};
 
 /// How a product is written, and what of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -77,6 +78,8 @@ pub struct ProductFolder {
 #[derive(Debug)]
 pub struct OpenProduct {
     conversion: Conversion,
+    /// What reads the image, and where the numbers go.
+    detector: Option<(Reader, envi::EnviCube)>,
     cube: envi::EnviCube,
     thermal: Option<envi::EnviCube>,
     exr: Option<exr_cube::ExrCube>,
@@ -135,6 +138,13 @@ impl ProductFolder {
             let message = "the Sun's incidence is another one for each part of this image: take the radiance factor";
             return Err(Error::invalid(Location::item("options"), message));
         }
+        if split && subject.chain.is_some() {
+            let message = "what an instrument makes of light has no thermal part of its own: take the light before it (`--ideal`), or leave out `--split`";
+            return Err(Error::invalid(Location::item("options"), message));
+        }
+        if let Some(detector) = subject.chain.as_ref().and_then(|chain| chain.detector.as_ref()) {
+            Reader::new(detector, CubeAxes::of(&subject.scene.exposure), subject.readout())?;
+        }
         if has_maps && (split || table) {
             let message = "neither a facet table nor a thermal part belongs to what maps send";
             return Err(Error::invalid(Location::item("options"), message));
@@ -143,7 +153,8 @@ impl ProductFolder {
         self.staged.spares(inputs.map(PathBuf::as_path))?;
         study::has_room(&subject.scene, has_maps, machine::memory_bytes())?;
         let number_bytes = match precision {
-            Precision::F32 => 4,
+            Precision::U16 => 2,
+            Precision::F32 | Precision::U32 => 4,
             Precision::F64 => 8,
         };
         let cubes_bytes = number_bytes * if split { 2 } else { 1 } + if exr { 4 } else { 0 };
@@ -154,7 +165,8 @@ impl ProductFolder {
     ///
     /// # Errors
     /// [`Error::Io`]; [`Error::Invalid`] if OpenEXR cannot hold the cube.
-    pub fn open(self, scene: &Scene) -> Result<OpenProduct> {
+    pub fn open(self, subject: &Subject) -> Result<OpenProduct> {
+        let scene = &subject.scene;
         let named = |e| self.staged.named(e);
         let file = |name: &str| self.staged.path().join(name);
         let ProductOptions { interleave, precision, exr, split, quantity, .. } = self.options;
@@ -170,10 +182,19 @@ impl ProductFolder {
         let create =
             || exr_cube::ExrCube::create(&file("cube.exr"), &axes, &titled(quantity.title(), scene)).map_err(named);
         let exr = exr.then(create).transpose()?;
+        let detector = subject.chain.as_ref().and_then(|chain| chain.detector.as_ref());
+        let read = |detector: &Detector| {
+            let sent = CubeAxes { quantity: Quantity::Counts, ..axes.clone() };
+            let precision = if detector.bits > 16 { Precision::U32 } else { Precision::U16 };
+            let title = titled(sent.quantity.title(), scene);
+            let numbers = envi::EnviCube::create(&file("dn.img"), sent, interleave, precision, &title).map_err(named)?;
+            Ok::<_, Error>((Reader::new(detector, CubeAxes::of(&scene.exposure), subject.readout())?, numbers))
+        };
+        let detector = detector.map(read).transpose()?;
         let mut bands = report_json::bands_of_statistics(&axes.bands);
         bands.push(quicklook::grey_band(&axes.bands));
         bands.extend(quicklook::colour_bands(&axes.bands));
-        Ok(OpenProduct { conversion, cube, thermal, exr, shown: ShownBands::new(axes, bands), folder: self })
+        Ok(OpenProduct { conversion, detector, cube, thermal, exr, shown: ShownBands::new(axes, bands), folder: self })
     }
 }
 
@@ -183,7 +204,15 @@ impl OpenProduct {
     /// # Errors
     /// Those of [`envi::EnviCube::put`].
     pub fn put(&mut self, slab: Slab, watch: Watch<'_>) -> Result<()> {
-        let OpenProduct { conversion, folder, cube, thermal, exr, shown } = self;
+        let OpenProduct { conversion, detector, folder, cube, thermal, exr, shown } = self;
+        let slab = match detector {
+            None => slab,
+            Some((reader, file)) => {
+                let Reading { radiance, numbers } = reader.read(&slab);
+                file.put(&numbers, watch).map_err(|e| folder.staged.named(e))?;
+                radiance
+            }
+        };
         let put = |slab: Slab| {
             shown.take(&slab)?;
             cube.put(&slab, watch)?;
@@ -200,20 +229,46 @@ impl OpenProduct {
     ///
     /// # Errors
     /// [`Error::Invalid`] with the checks that do not hold; [`Error::Io`]; [`Error::Interrupted`] if `watch` asks to stop.
-    pub fn finish(self, product: Product, run: impl FnOnce() -> Run, watch: Watch<'_>) -> Result<Written> {
+    pub fn finish(self, mut product: Product, run: impl FnOnce() -> Run, watch: Watch<'_>) -> Result<Written> {
         verify(&product.observation.checks, product.table_from.as_deref())?;
-        let OpenProduct { folder: ProductFolder { staged, options }, cube, thermal, exr, shown, .. } = self;
+        let OpenProduct { folder: ProductFolder { staged, options }, detector, cube, thermal, exr, shown, .. } = self;
+        if let Some(chain) = &product.subject.chain {
+            study::tell_instrument(&mut product.observation.effects, chain);
+        }
+        let product = product;
         let write = || {
             cube.end()?;
+            let signal = match detector {
+                None => None,
+                Some((reader, numbers)) => {
+                    numbers.end()?;
+                    Some(write_signal(&staged.path().join("snr.img"), &reader, &product.subject.scene)?)
+                }
+            };
             thermal.map_or(Ok(()), envi::EnviCube::end)?;
             exr.map_or(Ok(()), exr_cube::ExrCube::end)?;
-            write_files(&staged, options.table, &shown, &product, run, watch)
+            write_files(&staged, options.table, &shown, (&product, signal), run, watch)
         };
         let (report, run) = write().map_err(|e| staged.named(e))?;
         let kept = staged.kept().to_vec();
         staged.commit()?;
         Ok(Written { product, report, run, kept })
     }
+}
+
+/// Writes images of signal over noise, and gives the account of it.
+fn write_signal(path: &Path, reader: &Reader, scene: &Scene) -> Result<SignalEntry> {
+    let [mean, lowest, good] = reader.snr_planes();
+    let plane = |name: &str, values| Plane { name: name.to_owned(), unit: "1".to_owned(), values };
+    let planes = vec![
+        plane("SNR_MEAN", mean),
+        plane("SNR_LOWEST", lowest),
+        plane(&format!("BANDS_FROM_{}", study::GOOD), good),
+    ];
+    let CubeAxes { samples, lines, .. } = CubeAxes::of(&scene.exposure);
+    let title = titled("Signal over noise", scene);
+    envi::write_backplanes(path, &Backplanes { samples, lines, planes }, Precision::F32, &title)?;
+    Ok(SignalEntry { dead_elements: reader.dead_elements(), bands: reader.account() })
 }
 
 /// What an image of a scene is called.
@@ -226,7 +281,7 @@ fn write_files(
     staged: &Staged,
     with_table: bool,
     cube: &ShownBands,
-    product: &Product,
+    (product, signal): (&Product, Option<SignalEntry>),
     run: impl FnOnce() -> Run,
     watch: Watch<'_>,
 ) -> Result<(ProductReport, Run)> {
@@ -257,7 +312,7 @@ fn write_files(
     tell(watch, "writing pictures and reports", 0, 1)?;
     quicklook::write_grey(&file("quicklook.png"), cube, quicklook::grey_band(bands), &shown)?;
     quicklook::write_colour(&file("quicklook_rgb.png"), cube, quicklook::colour_bands(bands), &shown)?;
-    let report = report(product, cube, coverage);
+    let report = ProductReport { signal, ..report(product, cube, coverage) };
     report_json::write(&file("report.json"), &report)?;
     tell(watch, "writing pictures and reports", 1, 1)?;
     let mut run = run();
@@ -327,6 +382,7 @@ fn report(product: &Product, cube: &ShownBands, coverage: &[f64]) -> ProductRepo
         checks: observation.checks.clone(),
         counts: observation.counts,
         maps: maps.clone(),
+        signal: None,
         defaults: subject.defaults.iter().map(ToString::to_string).collect(),
         warnings: subject.warnings.iter().chain(&observation.warnings).cloned().collect(),
         statistics: report_json::statistics(cube, coverage, &observation.backplanes),

@@ -17,7 +17,7 @@ use crate::error::{Error, Location, Result};
 use crate::product::{Backplanes, ShownBands};
 use crate::scene::Scene;
 use crate::spectral::Band;
-use crate::study::{Bound, Check, Coarser, Counts, Effect, MapAccount, Plan, SurfaceEntry};
+use crate::study::{BandSignal, Bound, Check, Coarser, Counts, Effect, MapAccount, Plan, SurfaceEntry};
 
 /// Version of both formats.
 pub const FORMAT_VERSION: u32 = 2;
@@ -54,12 +54,25 @@ pub struct ProductReport {
     /// The radiance maps that it was made from, if it was.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub maps: Option<MapAccount>,
+    /// Signal and noise of each band, of an image that a detector has read.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub signal: Option<SignalEntry>,
     /// What the input did not say, and what was taken for it.
     pub defaults: Vec<String>,
     /// What a reader of the result should know.
     pub warnings: Vec<String>,
     /// The numbers of the cube (first, middle and last band, covered pixels) and of every backplane.
     pub statistics: Vec<Statistic>,
+}
+
+/// Signal and noise of an image.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SignalEntry {
+    /// Elements of the detector that see nothing.
+    pub dead_elements: u64,
+    /// Each band.
+    pub bands: Vec<BandSignal>,
 }
 
 /// What was asked of a plan, and what it says of the whole.
@@ -152,7 +165,7 @@ pub struct BandEntry {
     pub centre_um: f64,
     /// Full width at half maximum, um: of a table, its equivalent width; 0 for a monochromatic band.
     pub fwhm_um: f64,
-    /// "monochromatic", "gaussian", "box" or "table".
+    /// "monochromatic", "gaussian", "box", "sinc2" or "table".
     pub response: String,
     /// "sunlight", "heat" or "both".
     pub light: String,

@@ -5,9 +5,10 @@ use std::path::Path;
 use super::scene_toml::{self, SceneFile, Stated};
 use super::{InputFile, npz};
 use crate::error::{Error, Location, Problem, Result};
+use crate::instrument::Chain;
 use crate::product::FacetTable;
 use crate::progress::Watch;
-use crate::scene::{Motion, Scene, Thermal, Timing};
+use crate::scene::{Motion, Readout, Scene, Thermal, Timing};
 use crate::study;
 
 /// A scene, and what its products report about its source.
@@ -19,6 +20,8 @@ pub struct Subject {
     pub scene: Scene,
     /// How it moves, and when what of its image is taken; none if it does not.
     pub motion: Option<(Motion, Timing)>,
+    /// What the instrument makes of the radiance before it; none: the cube is that radiance.
+    pub chain: Option<Chain>,
     /// Its name in products: of what was read, a hash of all of it.
     pub id: String,
     /// Every file that it depends on: the scene file first.
@@ -32,12 +35,17 @@ pub struct Subject {
 impl From<SceneFile> for Subject {
     fn from(file: SceneFile) -> Self {
         let id = scene_toml::id(&file.inputs);
-        let motion = file.motion;
-        Subject { scene: file.scene, motion, id, inputs: file.inputs, defaults: file.defaults, warnings: file.notes }
+        let (motion, chain) = (file.motion, file.chain);
+        Subject { scene: file.scene, motion, chain, id, inputs: file.inputs, defaults: file.defaults, warnings: file.notes }
     }
 }
 
 impl Subject {
+    /// What of an image is taken at once.
+    pub fn readout(&self) -> Readout {
+        self.motion.as_ref().map_or(Readout::Frame, |(_, timing)| timing.readout)
+    }
+
     /// Reads a scene file and all that it names, to simulate it.
     ///
     /// # Errors

@@ -45,6 +45,20 @@ impl FrameCamera {
         }
     }
 
+    /// The same for parts of pixels, so many along and across each, of some lines and of so many pixels more on each side.
+    #[must_use]
+    pub fn refined(&self, parts: u32, more: u32, lines: Range<u32>) -> Self {
+        let larger = |pixels: u32| (pixels + 2 * more) * parts;
+        let ([x, y], [more_px, parts_px]) = (self.boresight_px, [more, parts].map(f64::from));
+        FrameCamera {
+            samples: larger(self.samples),
+            lines: larger(lines.end.saturating_sub(lines.start)),
+            pitch: self.pitch.map(|pitch| pitch / parts_px),
+            boresight_px: [(x + more_px) * parts_px, (y - f64::from(lines.start) + more_px) * parts_px],
+            ..self.clone()
+        }
+    }
+
     /// Whether pixels are square, and the boresight goes through the image's middle.
     pub fn is_centred(&self) -> bool {
         let Self { samples, lines, pitch, boresight_px, .. } = self;

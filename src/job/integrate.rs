@@ -8,6 +8,7 @@ use crate::formats::product_folder::{Product, ProductFolder, Written};
 use crate::formats::radiance_map::{self, Summand};
 use crate::formats::report_json::Run;
 use crate::geometry::Texels;
+use crate::instrument::Chain;
 use crate::integrate::{ViewChoice, Wanted};
 use crate::progress::Watch;
 use crate::study::{Extremes, Fill, MapOptions};
@@ -56,9 +57,11 @@ pub fn integrate(
         folder.admit(&subject, [&path], false)?;
         let wanted = Wanted { footprints, ..Wanted::default() };
         let extremes = Extremes::with_shadows(&subject.scene, watch)?;
-        let mut product = folder.open(&subject.scene)?;
+        let mut product = folder.open(&subject)?;
         let mut put = |slab| product.put(slab, watch);
-        let mut observation = study::observe_by_slabs(&subject.scene, (&table, &extremes), wanted, &mut put, watch)?;
+        let optics = subject.chain.as_ref().and_then(|chain| chain.optics.as_ref());
+        let scene = &subject.scene;
+        let mut observation = study::observe_through(scene, (&table, &extremes), optics, wanted, &mut put, watch)?;
         observation.warnings.extend(study::left_out_of_table(&observation.effects));
         return product.finish(
             Product { subject, table, table_from: Some(path), observation, plan: None, maps: None },
@@ -75,6 +78,11 @@ pub fn integrate(
     }
     let add_solved = sum.table.is_some();
     let (table_from, table) = given.or(sum.table).unzip();
+    if subject.chain.as_ref().is_some_and(|chain| chain.optics.is_some()) {
+        let message = "the sensor's optics do not blur maps in this version: `mmxrt instrument` does that to the cube, about as well as its pixels allow";
+        subject.warnings.push(message.to_owned());
+        subject.chain = subject.chain.map(|chain| Chain { optics: None, ..chain });
+    }
     folder.admit(&subject, &table_from, true)?;
     let table = match table {
         Some(table) => table,
@@ -82,7 +90,7 @@ pub fn integrate(
         None => solve::lit(&subject.scene, watch)?,
     };
     let options = MapOptions { choice: *choice, texels: *texels, fill: *fill, add_solved, footprints };
-    let mut product = folder.open(&subject.scene)?;
+    let mut product = folder.open(&subject)?;
     let mut put = |slab| product.put(slab, watch);
     let (observation, maps) =
         study::observe_maps_by_slabs(&subject.scene, &table, sum.terms, &options, &mut put, watch)?;

@@ -26,19 +26,20 @@ pub fn simulate(
     folder.admit(&subject, [], false)?;
     let wanted = Wanted { footprints: folder.options().footprints, ..Wanted::default() };
     let (extremes, plan) = super::plan::decide(&mut subject, request, watch)?;
-    let mut product = folder.open(&subject.scene)?;
+    let mut product = folder.open(&subject)?;
     let mut put = |slab| product.put(slab, watch);
+    let optics = subject.chain.as_ref().and_then(|chain| chain.optics.as_ref());
     let (scene, moves) = (&subject.scene, |(_, timing): &&(_, Timing)| timing.is_in_parts());
     let (table, observation) = match subject.motion.as_ref().filter(moves) {
         Some((motion, timing)) => {
-            let moving = Moving { scene, motion, timing: *timing };
+            let moving = Moving { scene, motion, timing: *timing, optics };
             study::acquire_by_slabs(moving, (&extremes, request.tolerance), wanted, &mut put, watch)?
         }
         None => {
             let table = solve::solve(scene, watch)?;
-            let mut observation = study::observe_by_slabs(scene, (&table, &extremes), wanted, &mut put, watch)?;
+            let mut observation = study::observe_through(scene, (&table, &extremes), optics, wanted, &mut put, watch)?;
             if let Some((motion, timing)) = &subject.motion {
-                let moving = Moving { scene, motion, timing: *timing };
+                let moving = Moving { scene, motion, timing: *timing, optics };
                 study::tell_exposure(moving, request.tolerance, &mut observation);
             }
             (table, observation)

@@ -40,6 +40,8 @@
 //! | surfaces of Phobos, Deimos, the Moon and Mars; what their uncertain numbers are worth | [`reflectance::Preset`] | told with each | the geometric albedo of Phobos; single scattering |
 //! | albedos, phase integral, emissivity by direction | [`reflectance::albedo`] | Hapke (2012); Kirchhoff | white surfaces; 1 - sqrt(1 - w) H |
 //! | (17) to (19), (22): the scene as a camera at the Sun sees it | [`thesis_projection::SunCamera`] | Domagala (2020) | round trip; where it breaks |
+//! | transfer of a detector's area, smear, jitter, a lens; an edge behind them | [`mtf`] | Fourier transforms; Goodman (2005) | oracles `mtf`, `psf` |
+//! | electrons of a radiance and of a warm surrounding, their noise | [`signal::electrons_per_radiance`], [`signal::background_electrons_s`], [`signal::snr`] | Poisson; etendue of a cone | oracles `snr`; photons of a black body |
 //! | sRGB to linear light and back | [`srgb::linear_from_hex`], [`srgb::hex_from_linear`] | IEC 61966-2-1 | mid grey; the straight part |
 //!
 //! Elsewhere, because they are geometry or sums: (11) to (13) in `solve::Emission`, (16) in `spectral::Band::in_band_w_m2_sr`,
@@ -54,8 +56,10 @@ pub mod mars;
 pub mod mars_directions;
 pub mod mars_light;
 pub mod mars_points;
+pub mod mtf;
 mod quadrature;
 pub mod reflectance;
+pub mod signal;
 pub mod srgb;
 pub mod sun;
 pub mod sun_disc;

@@ -22,6 +22,8 @@ pub enum Quantity {
     ReflectanceFactor,
     /// Temperature of the black body whose mean over the band's response is L.
     BrightnessTemperature,
+    /// Numbers that a detector sends: not of radiance alone.
+    Counts,
 }
 
 impl Quantity {
@@ -33,6 +35,7 @@ impl Quantity {
             Quantity::RadianceFactor => "radiance_factor",
             Quantity::ReflectanceFactor => "reflectance_factor",
             Quantity::BrightnessTemperature => "brightness_temperature",
+            Quantity::Counts => "counts",
         }
     }
 
@@ -44,6 +47,7 @@ impl Quantity {
             Quantity::RadianceFactor => "Radiance factor",
             Quantity::ReflectanceFactor => "Reflectance factor",
             Quantity::BrightnessTemperature => "Brightness temperature",
+            Quantity::Counts => "Numbers sent",
         }
     }
 
@@ -54,6 +58,7 @@ impl Quantity {
             Quantity::BandRadiance => "W m-2 sr-1",
             Quantity::RadianceFactor | Quantity::ReflectanceFactor => "1",
             Quantity::BrightnessTemperature => "K",
+            Quantity::Counts => "DN",
         }
     }
 }
@@ -105,6 +110,10 @@ impl Conversion {
         let mut of_band = |(i, band): (usize, &Band)| {
             let item = || format!("sensor.bands[{i}]");
             match quantity {
+                Quantity::Counts => {
+                    problem("quantity".into(), "numbers follow from a detector, not from radiance alone".into());
+                    OfBand::Times(f64::NAN)
+                }
                 Quantity::Radiance => OfBand::Times(1.0),
                 Quantity::BandRadiance => match band.in_band_w_m2_sr(1.0) {
                     Some(width) => OfBand::Times(width),

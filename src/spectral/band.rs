@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Extend, Light, Spectrum};
+use super::{Extend, Light, Spectrum, sinc_squared};
 use crate::geometry::whole;
 
 /// A band: monochromatic, or a mean over a response.
@@ -28,6 +28,8 @@ pub enum Response {
     Gaussian,
     /// The same within the full width, nothing beyond.
     Box,
+    /// A squared sinc, as of a tunable filter: sinc^2((l - centre) / D), cut [`sinc_squared::CUT_NULLS`] zeros D from the centre.
+    Sinc2,
     /// Linear between points, nothing beyond them: see [`Band::tabulated`].
     Table(Arc<Spectrum>),
 }
@@ -37,7 +39,7 @@ impl Response {
     pub fn table(&self) -> Option<&Spectrum> {
         match self {
             Response::Table(table) => Some(table),
-            Response::Gaussian | Response::Box => None,
+            Response::Gaussian | Response::Box | Response::Sinc2 => None,
         }
     }
 
@@ -46,6 +48,7 @@ impl Response {
         match self {
             Response::Gaussian => "gaussian",
             Response::Box => "box",
+            Response::Sinc2 => "sinc2",
             Response::Table(_) => "table",
         }
     }
@@ -55,6 +58,8 @@ impl Response {
 const CUT_SIGMA: f64 = 6.0;
 /// Simpson intervals between two knots, per standard deviation.
 const STEPS_PER_SIGMA: f64 = 16.0;
+/// Simpson intervals between two knots, from a zero of a squared sinc to the next.
+const STEPS_PER_NULL: f64 = 32.0;
 /// Simpson intervals of other responses between two knots, per wavelength: a black body at 100 K has the scale of a fiftieth of 3 um.
 const STEPS_PER_WAVELENGTH: f64 = 1024.0;
 /// No more of a response may lie where a spectrum is not known: so much of a Gaussian is beyond one of its half-maxima.
@@ -124,6 +129,7 @@ impl Band {
         let reach = match &self.response {
             Response::Gaussian => CUT_SIGMA * self.sigma_um(),
             Response::Box => 0.5 * self.fwhm_um.unwrap_or(0.0),
+            Response::Sinc2 => f64::from(sinc_squared::CUT_NULLS) * self.first_null_um(),
             Response::Table(table) => return table.coverage_um(),
         };
         (self.centre_um - reach, self.centre_um + reach)
@@ -147,6 +153,7 @@ impl Band {
         }
         let whole = match &self.response {
             Response::Gaussian => self.sigma_um() * std::f64::consts::TAU.sqrt(),
+            Response::Sinc2 => self.first_null_um() * sinc_squared::energy_within(sinc_squared::CUT_NULLS),
             Response::Box | Response::Table(_) => width_um,
         };
         let within: f64 = self.nodes(&[], known_um).iter().map(|n| n.1).sum();
@@ -163,6 +170,11 @@ impl Band {
 
     fn sigma_um(&self) -> f64 {
         self.fwhm_um.unwrap_or(0.0) / (8.0 * std::f64::consts::LN_2).sqrt()
+    }
+
+    /// From the centre of a squared sinc to where it is first 0, um.
+    fn first_null_um(&self) -> f64 {
+        0.5 * self.fwhm_um.unwrap_or(0.0) / sinc_squared::HALF_WIDTH
     }
 
     /// Wavelengths and weights (sum 1) whose weighted sum is the band's mean of a function that is smooth between `knots_um`
@@ -204,6 +216,7 @@ impl Band {
                 (-0.5 * z * z).exp()
             }
             Response::Box => 1.0,
+            Response::Sinc2 => sinc_squared::at((um - self.centre_um) / self.first_null_um()),
             Response::Table(table) => table.at(um).unwrap_or(0.0),
         };
         let inside = knots_um.iter().copied().filter(|k| lo < *k && *k < hi);
@@ -212,6 +225,7 @@ impl Band {
         for end in inside.chain([hi]) {
             let wanted = match self.response {
                 Response::Gaussian => (end - start) / sigma * STEPS_PER_SIGMA,
+                Response::Sinc2 => (end - start) / self.first_null_um() * STEPS_PER_NULL,
                 // By the middle: the short end may be 0.
                 _ => (end - start) / (0.5 * (start + end)) * STEPS_PER_WAVELENGTH,
             };
@@ -278,6 +292,20 @@ mod tests {
         let contrast = mean(band, &[], |um| (2.0 * std::f64::consts::PI * nu * (um - 2.0)).cos());
         let expected = (-2.0 * (std::f64::consts::PI * s * nu).powi(2)).exp();
         assert!((contrast - expected).abs() < 1e-7, "{contrast} {expected}");
+    }
+
+    #[test]
+    fn a_cosine_is_damped_by_the_triangle_of_a_squared_sinc() {
+        // Contrast 1 - nu D, D the first null; what is cut off, 1 / (pi^2 N) of the whole at N nulls, is spread over the rest.
+        let (fwhm_um, nu) = (0.02, 25.0);
+        let band = Band { response: Response::Sinc2, ..Band::new(2.0, Some(fwhm_um)) };
+        let first_null_um = fwhm_um / 0.885_892_941_378_904_7;
+        let contrast = mean(band.clone(), &[], |um| (2.0 * std::f64::consts::PI * nu * (um - 2.0)).cos());
+        assert!((contrast - (1.0 - nu * first_null_um)).abs() < 0.007, "{contrast}");
+        // Its width is where it is half as high, and a straight line passes as it is.
+        assert!((mean(band.clone(), &[], |um| 3.0 * um - 1.0) - 5.0).abs() < 1e-12);
+        assert_eq!(band.share_beyond(ALL_UM), 0.0);
+        assert!((band.share_beyond((2.0, 9.0)) - 0.5).abs() < 1e-3);
     }
 
     #[test]

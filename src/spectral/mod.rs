@@ -4,6 +4,7 @@ mod band;
 mod library;
 mod light;
 mod matching;
+pub mod sinc_squared;
 mod solar;
 mod spectrum;
 

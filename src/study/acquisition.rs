@@ -8,11 +8,13 @@ use super::effects::Given;
 use super::extremes::Extremes;
 use super::observation::{Observation, Put};
 use super::simulate::account_for;
+use super::through_optics::{Seen, other_spectra};
 use crate::error::{Error, Location, Problem, Result};
 use crate::flight::Epoch;
 use crate::geometry::{Camera, FrameCamera, whole};
+use crate::instrument::Optics;
 use crate::integrate::{self, Image, Wanted};
-use crate::product::{Backplanes, Exposed, Exposures, FacetTable, Plane, Slab};
+use crate::product::{Backplanes, CubeAxes, Exposed, Exposures, FacetTable, Plane, Slab};
 use crate::progress::{Progress, Watch, tell};
 use crate::scene::{Body, Exposure, Motion, Readout, Scene, Setup, Take, Timing};
 use crate::solve;
@@ -27,6 +29,8 @@ pub struct Moving<'a> {
     pub motion: &'a Motion,
     /// When what is taken.
     pub timing: Timing,
+    /// What blurs an image before it is taken.
+    pub optics: Option<&'a Optics>,
 }
 
 /// Between two moments that tell a rate, s.
@@ -40,6 +44,8 @@ const SMEARS: usize = 16;
 const SMEAR_STEPS: u32 = 8;
 /// A smear of fewer pixels is not worth a word.
 const SMEAR_PX: f64 = 0.05;
+/// Of fewer exposures each is solved for, if no bound says otherwise.
+const WORTH_A_LOOK: usize = 16;
 /// What a stage of progress is called here.
 const STAGE: &str = "exposures";
 
@@ -68,16 +74,24 @@ impl Moving<'_> {
         take: &Take,
         then: &Scene,
         table: &FacetTable,
+        put: &mut dyn FnMut(Slab) -> Result<()>,
         watch: Watch<'_>,
-    ) -> Result<(Slab, Option<Backplanes>)> {
+    ) -> Result<Option<Backplanes>> {
         let by_line = self.timing.readout == Readout::Line;
-        if self.timing.poses <= 1 {
+        if self.timing.poses <= 1 && self.optics.is_none() {
             let wanted = Wanted { radiance_alone: !by_line, ..Wanted::default() };
             let Image { slab, backplanes, .. } = integrate::integrate(then, table, wanted, watch)?;
-            return Ok((slab, by_line.then_some(backplanes)));
+            put(slab)?;
+            return Ok(by_line.then_some(backplanes));
         }
         let planes = || Ok::<_, Error>(integrate::integrate(then, table, Wanted::default(), watch)?.backplanes);
         let planes = by_line.then(planes).transpose()?;
+        if let Some(optics) = self.optics {
+            let at = |s| then.seen_by(self.exposure_at(take, s)?);
+            let poses: Vec<Scene> = self.timing.poses_s(take).map(at).collect::<Result<_>>()?;
+            Seen { poses: &poses, table, optics }.by_slabs(put, watch)?;
+            return Ok(planes);
+        }
         let mut parts = Vec::new();
         let alone = Wanted { radiance_alone: true, ..Wanted::default() };
         let share = 1.0 / f64::from(self.timing.poses);
@@ -85,12 +99,8 @@ impl Moving<'_> {
             let scene = then.seen_by(self.exposure_at(take, s)?)?;
             parts.push((share, integrate::integrate(&scene, table, alone, watch)?.slab));
         }
-        let Some(slab) = Slab::sum(&parts) else {
-            let message =
-                "poses of one exposure have not the same spectra: a body of the sky comes into view; take one pose";
-            return Err(Error::invalid(Location::item("sensor.exposure_poses"), message));
-        };
-        Ok((slab, planes))
+        put(Slab::sum(&parts).ok_or_else(other_spectra)?)?;
+        Ok(planes)
     }
 
     /// Some exposures, with the part of the body that they may see, if groups of its facets tell.
@@ -100,7 +110,10 @@ impl Moving<'_> {
         let mut seen = vec![false; groups.count()];
         for take in takes {
             for s in self.timing.poses_s(take).chain([take.middle_s]) {
-                groups.add_seen(&self.exposure_at(take, s)?.camera, &mut seen);
+                let camera = self.exposure_at(take, s)?.camera;
+                // What is blurred comes from around, too.
+                let more = self.optics.map_or(0, |optics| optics.reach_px);
+                groups.add_seen(&camera.refined(1, more, 0..camera.lines), &mut seen);
             }
         }
         let facets = groups.facets(&seen);
@@ -111,9 +124,9 @@ impl Moving<'_> {
         Ok(Block { body: self.scene.body.part(&facets), facets: Some(facets), ..all })
     }
 
-    /// How long shadows may be taken to move steadily, s.
-    fn steady_s(&self, extremes: &Extremes, tolerance: f64) -> Result<f64> {
-        let Moving { scene, motion, timing } = *self;
+    /// How long shadows may be taken to move steadily, s, so that no pixel is off by more than the tolerance; and how long all else may.
+    fn steady_s(&self, extremes: &Extremes, tolerance: f64) -> Result<[f64; 2]> {
+        let Moving { scene, motion, timing, .. } = *self;
         let duration_s = timing.middle_s(timing.count(&scene.exposure).saturating_sub(1)) - timing.middle_s(0);
         // From a moment to one beside it: further apart, a body may have turned round meanwhile.
         let beside_s = duration_s.min(BESIDE_S);
@@ -126,13 +139,78 @@ impl Moving<'_> {
         }
         // What is interpolated of light between facets, and of temperatures, is off by an eighth of the square of this.
         let all_else_s = MOST_RAD / rate_rad_s;
-        Ok(Given::new(scene, extremes, &extremes.sunlit).steady_s(rate_rad_s, tolerance).min(all_else_s))
+        let shadows_s = Given::new(scene, extremes, &extremes.sunlit).steady_s(rate_rad_s, tolerance);
+        Ok([shadows_s.min(all_else_s), all_else_s])
+    }
+
+    /// The same for all but one in a thousand pixels: by what images between two solved moments are off by, in the middle, at the start and at the end of the acquisition.
+    fn mostly_steady_s(&self, [surely_s, all_else_s]: [f64; 2], tolerance: f64, watch: Watch<'_>) -> Result<f64> {
+        let Moving { scene, timing, .. } = *self;
+        let count = timing.count(&scene.exposure);
+        let (first_s, last_s) = (timing.middle_s(0), timing.middle_s(count.saturating_sub(1)));
+        let least_s = surely_s.max(2.0 * timing.period_s);
+        let longest_s = (last_s - first_s).min(all_else_s);
+        if count < WORTH_A_LOOK || surely_s >= longest_s {
+            return Ok(surely_s);
+        }
+        let mut step_s = longest_s;
+        for place in [0.5, 0.0, 1.0] {
+            while step_s > least_s {
+                let start_s = first_s + place * (last_s - first_s - step_s);
+                let off = self.off_between(start_s, step_s, watch)?;
+                if off <= tolerance {
+                    break;
+                }
+                step_s *= (tolerance / off).clamp(0.25, 0.8);
+            }
+        }
+        Ok(step_s.max(surely_s))
+    }
+
+    /// What all but one in a thousand pixels are at most off by in the middle of two solved moments, over the median of what is bright.
+    fn off_between(&self, start_s: f64, step_s: f64, watch: Watch<'_>) -> Result<f64> {
+        let Moving { scene, motion, timing, .. } = *self;
+        let middle_s = start_s + 0.5 * step_s;
+        let then = scene.under(motion.sky(&scene.sky, motion.start.after_s(middle_s))?)?;
+        let mut exposure = then.exposure.clone();
+        let band = timing.reference(&scene.exposure).min(exposure.bands.len() - 1);
+        exposure.bands = vec![exposure.bands[band].clone()];
+        exposure.camera.world_from_sensor = motion.pose(motion.start.after_s(middle_s))?;
+        let then = then.seen_by(exposure)?;
+        let ends = [self.solve(start_s, watch)?, self.solve(start_s + step_s, watch)?];
+        let CubeAxes { samples, lines, .. } = CubeAxes::of(&then.exposure);
+        let pixels = samples * lines;
+        let radiance = |table: &FacetTable| {
+            let wanted = Wanted { radiance_alone: true, ..Wanted::default() };
+            let slab = integrate::integrate(&then, table, wanted, watch)?.slab;
+            let mut values = vec![0.0; pixels];
+            slab.expand(0..pixels, 0..1, |pixel, _, value| values[pixel] = value[0]);
+            Ok::<_, Error>(values)
+        };
+        let truth = radiance(&*self.solve(middle_s, watch)?)?;
+        let taken = radiance(&solve::between(&then, [&*ends[0], &*ends[1]], 0.5))?;
+        let mut bright: Vec<f64> = truth.iter().copied().filter(|value| *value > 0.0).collect();
+        if bright.is_empty() {
+            return Ok(0.0);
+        }
+        let middle = bright.len() / 2;
+        let median = *bright.select_nth_unstable_by(middle, f64::total_cmp).1;
+        let mut off: Vec<f64> = truth.iter().zip(&taken).map(|(a, b)| (a - b).abs() / median).collect();
+        let rank = off.len() - 1 - off.len() / 1000;
+        Ok(*off.select_nth_unstable_by(rank, f64::total_cmp).1)
+    }
+
+    /// What reaches the facets at a moment.
+    fn solve(&self, s: f64, watch: Watch<'_>) -> Result<Rc<FacetTable>> {
+        let Moving { scene, motion, .. } = *self;
+        let then = scene.under(motion.sky(&scene.sky, motion.start.after_s(s))?)?;
+        Ok(Rc::new(solve::solve(&then, watch)?))
     }
 
     /// By how many pixels what is in the middle of the mesh moves during an exposure at most, of some of them; `None` where that is not before the
     /// camera, or not known.
     fn smear_px(&self) -> Option<f64> {
-        let Moving { scene, motion, timing } = *self;
+        let Moving { scene, motion, timing, .. } = *self;
         let (low_m, high_m) = scene.body.bounds_m()?;
         let seen = |s: f64| {
             let pose = motion.pose(motion.start.after_s(s)).ok()?;
@@ -152,7 +230,9 @@ impl Moving<'_> {
     }
 
     /// What a reader of the result should know of how it was taken.
-    fn remarks(&self, step_s: Option<f64>, tolerance: f64) -> Vec<String> {
+    ///
+    /// `step` is the time between solved moments, s, and how many times as long as one for which no pixel is off by more than the tolerance.
+    fn remarks(&self, step: Option<(f64, f64)>, tolerance: f64) -> Vec<String> {
         let smear = self.smear_px().filter(|px| *px > SMEAR_PX).map(|px| {
             let moves = format!("what is seen moves by {px:.2} pixels during an exposure");
             match self.timing.poses {
@@ -166,11 +246,17 @@ impl Moving<'_> {
                 ),
             }
         });
-        let between = step_s.map(|s| {
-            format!(
-                "shadows are found every {} and go steadily between: at their edges a pixel is off by at most {tolerance} of the median sunlit radiance",
-                if s < 0.1 * LONGEST_S { format!("{s:.3} s") } else { "time from the first exposure to the last".to_owned() }
-            )
+        let between = step.map(|(s, of_sure)| {
+            let every =
+                if s < 0.1 * LONGEST_S { format!("{s:.3} s") } else { "time from the first exposure to the last".to_owned() };
+            let off = match of_sure > 1.0 {
+                true => format!(
+                    "999 of 1000 pixels are off by at most {tolerance} of the median sunlit radiance, by what images of three moments say, and none at a shadow's edge by more than {:.1e}",
+                    (of_sure * tolerance).min(1.0)
+                ),
+                false => format!("at their edges a pixel is off by at most {tolerance} of the median sunlit radiance"),
+            };
+            format!("shadows are found every {every} and go steadily between: {off}")
         });
         smear.into_iter().chain(between).collect()
     }
@@ -199,7 +285,8 @@ pub fn acquire_by_slabs(
         return Err(Error::Invalid(vec![Problem::new(Location::item("--footprints"), message)]));
     }
     let table = solve::solve(scene, watch)?;
-    let mut solved = Solved::new(moving, moving.steady_s(extremes, tolerance)?);
+    let steady_s = moving.steady_s(extremes, tolerance)?;
+    let mut solved = Solved::new(moving, moving.mostly_steady_s(steady_s, tolerance, watch)?);
     let groups = by_line.then(|| FacetGroups::new(&scene.body.mesh));
     let takes: Vec<Take> = timing.takes(&scene.exposure).collect();
     let mut lines = Backplanes::default();
@@ -213,9 +300,12 @@ pub fn acquire_by_slabs(
             let quiet = |_: Progress| watch(Progress { stage: STAGE, done, total });
             let then = moving.at(&block.body, take)?;
             let table = solved.at(take, &then, &mut block, &quiet)?;
-            let (mut slab, planes) = moving.looked_at(take, &then, &table, &quiet)?;
-            (slab.lines, slab.bands) = (take.lines.clone(), take.bands.clone());
-            put(slab)?;
+            let mut put_there = |mut slab: Slab| {
+                slab.lines = take.lines.start + slab.lines.start..take.lines.start + slab.lines.end;
+                slab.bands = take.bands.start + slab.bands.start..take.bands.start + slab.bands.end;
+                put(slab)
+            };
+            let planes = moving.looked_at(take, &then, &table, &mut put_there, &quiet)?;
             if let Some(mut planes) = planes {
                 block.rename_facets(&mut planes);
                 add_below(&mut lines, planes);
@@ -236,7 +326,7 @@ pub fn acquire_by_slabs(
         observation.backplanes = lines;
     }
     let reference = (timing.readout == Readout::Band).then(|| timing.reference(&scene.exposure));
-    observation.warnings.extend(moving.remarks(solved.step_s, tolerance));
+    observation.warnings.extend(moving.remarks(solved.step_s.map(|s| (s, s / steady_s[0])), tolerance));
     observation.exposures = Some(Exposures { origin_m: scene.body.origin_m, taken, reference });
     Ok((table, observation))
 }
@@ -297,7 +387,7 @@ impl<'a> Solved<'a> {
     /// The table at the moment of a part of the cube, of which the scene is given: of the block's part of the body.
     fn at(&mut self, take: &Take, then: &Scene, block: &mut Block, watch: Watch<'_>) -> Result<FacetTable> {
         let Some(step_s) = self.step_s else {
-            let table = self.solve(take.middle_s, watch)?;
+            let table = self.moving.solve(take.middle_s, watch)?;
             return Ok(block.facets.as_ref().map_or_else(|| FacetTable::clone(&table), |facets| table.part(facets)));
         };
         // Not beyond the last exposure, where nothing may be known.
@@ -309,7 +399,7 @@ impl<'a> Solved<'a> {
         for (place, s) in places.iter_mut().zip(ends) {
             if !self.around.iter().any(|(of, _)| *of == s) {
                 self.around.retain(|(of, _)| ends.contains(of));
-                let table = self.solve(s, watch)?;
+                let table = self.moving.solve(s, watch)?;
                 self.around.push((s, table));
             }
             let table = self.around.iter().find(|(of, _)| *of == s).map(|(_, table)| table.clone());
@@ -320,12 +410,6 @@ impl<'a> Solved<'a> {
         Ok(solve::between(then, [before, after], share))
     }
 
-    fn solve(&self, s: f64, watch: Watch<'_>) -> Result<Rc<FacetTable>> {
-        let Moving { scene, motion, .. } = self.moving;
-        let epoch = motion.start.after_s(s);
-        let then = scene.under(motion.sky(&scene.sky, epoch)?)?;
-        Ok(Rc::new(solve::solve(&then, watch)?))
-    }
 }
 
 /// Adds to the account of a frame that was taken at once when and from where it was.

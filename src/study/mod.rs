@@ -16,6 +16,7 @@ mod maps;
 mod observation;
 mod partly_sky;
 mod plan;
+mod reading;
 mod resolved_slopes;
 mod simulate;
 mod site;
@@ -24,6 +25,7 @@ mod summary;
 
 mod surfaces;
 mod table_id;
+mod through_optics;
 pub mod validate;
 mod warnings;
 
@@ -31,12 +33,13 @@ pub use acquisition::{Moving, acquire_by_slabs, tell_exposure};
 pub use coarser::Coarser;
 pub use cost::{WITHIN, has_room, memory_bytes, product_bytes};
 pub use dry_run::{DryRun, dry_run};
-pub use effects::{Bound, Decision, Effect, OwnTolerance, StageShare};
+pub use effects::{Bound, Decision, Effect, OwnTolerance, StageShare, tell_instrument};
 pub use extremes::Extremes;
 pub use maps::{Fill, MapAccount, MapEntry, MapOptions, RegistrationEntry, observe_maps, observe_maps_by_slabs};
 pub use observation::{Check, Counts, Observation, Put};
+pub use reading::{BandSignal, GOOD, Reader, Reading};
 pub use plan::{Choice, Plan, Request, TOLERANCE, decide, left_out_of_table, plan, unheeded};
-pub use simulate::{observe, observe_by_slabs, simulate};
+pub use simulate::{observe, observe_by_slabs, observe_through, simulate};
 pub use summary::Summary;
 pub use surfaces::{
     FactorEntry, NumberEntry, PhaseCurve, PresetEntry, REFERENCE_DEG, SurfaceEntry, surface_of_material,

@@ -6,8 +6,10 @@ use super::effects::{Given, effects_in, mars_seen};
 use super::extremes::{Extremes, sunlit_places};
 use super::observation::{Check, Counts, Observation, Put};
 use super::surfaces::surfaces;
+use super::through_optics::Seen;
 use super::warnings;
 use crate::error::Result;
+use crate::instrument::Optics;
 use crate::integrate::{self, Image, Wanted};
 use crate::physics::bounds;
 use crate::product::{FacetTable, Slab};
@@ -48,11 +50,29 @@ pub fn observe_by_slabs(
     put: Put<'_>,
     watch: Watch<'_>,
 ) -> Result<Observation<()>> {
+    observe_through(scene, (table, extremes), None, wanted, put, watch)
+}
+
+/// As [`observe_by_slabs`], through optics, if there are any: the radiance is what they let through, all else of the scene itself.
+///
+/// # Errors
+/// As [`observe_by_slabs`].
+pub fn observe_through(
+    scene: &Scene,
+    (table, extremes): (&FacetTable, &Extremes),
+    optics: Option<&Optics>,
+    wanted: Wanted<'_>,
+    put: Put<'_>,
+    watch: Watch<'_>,
+) -> Result<Observation<()>> {
     table.fits(scene)?;
     has_room(scene, false, None)?;
     let image = integrate::integrate(scene, table, wanted, watch)?;
     let (observation, slab) = account_for(scene, (table, extremes), image, true, watch)?;
-    put(slab)?;
+    match optics {
+        None => put(slab)?,
+        Some(optics) => Seen { poses: std::slice::from_ref(scene), table, optics }.by_slabs(put, watch)?,
+    }
     Ok(observation)
 }
 

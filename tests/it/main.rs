@@ -52,6 +52,7 @@ mod gltf_extensions;
 mod hazards;
 mod hosts;
 mod inspect_pixel;
+mod instrument;
 mod image_files;
 mod invariance;
 mod layers;

@@ -105,7 +105,7 @@ fn taken(scene: &Scene, motion: &Motion, timing: Timing) -> (Cube, Observation<(
         slabs.push(slab);
         Ok(())
     };
-    let moving = Moving { scene, motion, timing };
+    let moving = Moving { scene, motion, timing, optics: None };
     let (_, observation) =
         acquire_by_slabs(moving, (&Extremes::new(scene), 1e-9), Wanted::default(), &mut put, &unwatched).unwrap();
     (Cube::new(CubeAxes::of(&scene.exposure), slabs).unwrap(), observation)
@@ -310,7 +310,7 @@ fn beyond_the_data_there_is_no_image() {
     let scene = moving_scene(plane(1e5, 0.0), [4, 4], 10.0, &[1.0, 2.0, 3.0], &motion, timing);
     let scene =
         edited(&scene, |parts| parts.exposure.bands = [1.0, 2.0, 3.0, 4.0].map(|um| Band::new(um, None)).to_vec());
-    let moving = Moving { scene: &scene, motion: &motion, timing };
+    let moving = Moving { scene: &scene, motion: &motion, timing, optics: None };
     let outcome =
         acquire_by_slabs(moving, (&Extremes::new(&scene), 1e-9), Wanted::default(), &mut |_| Ok(()), &unwatched)
             .unwrap_err();

@@ -482,11 +482,11 @@ impl Site<'_> {
         let bands = &scene.exposure.bands;
         let monochromatic = bands.iter().filter(|b| b.fwhm_um.is_none()).count();
         for (is_table, message) in [
-            (false, "Gaussian responses; DART's are rectangles of the same width"),
+            (false, "Gaussian responses, or squared sincs; DART's are rectangles of the same width"),
             (true, "tabulated responses; DART's are rectangles of the same centre and equivalent width"),
         ] {
             let is_one = |band: &&Band| match band.response {
-                Response::Gaussian => !is_table && band.fwhm_um.is_some(),
+                Response::Gaussian | Response::Sinc2 => !is_table && band.fwhm_um.is_some(),
                 Response::Table(_) => is_table,
                 Response::Box => false,
             };

@@ -108,6 +108,7 @@ impl UnusualBand {
         let (response, table) = match &b.response {
             Response::Gaussian => (ShapeToml::Gaussian, None),
             Response::Box => (ShapeToml::Box, None),
+            Response::Sinc2 => (ShapeToml::Sinc2, None),
             Response::Table(table) => (ShapeToml::Table, Some(Table::of(table))),
         };
         let is_usual = response == ShapeToml::Gaussian && b.light == Light::Both;
@@ -473,6 +474,7 @@ impl Sidecar {
         let band = match unusual.response {
             ShapeToml::Gaussian => plain,
             ShapeToml::Box => Band { response: Response::Box, ..plain },
+            ShapeToml::Sinc2 => Band { response: Response::Sinc2, ..plain },
             ShapeToml::Table => {
                 let band = Band::tabulated(&unusual.table.as_ref()?.spectrum()?)?;
                 // A centre that was edited is another band's.

@@ -66,6 +66,10 @@ pub enum Precision {
     F32,
     /// Double: as computed.
     F64,
+    /// Whole numbers from 0 to 65535.
+    U16,
+    /// Whole numbers from 0 to 4294967295.
+    U32,
 }
 
 impl Precision {
@@ -74,6 +78,8 @@ impl Precision {
         match self {
             Precision::F32 => DataType::F32,
             Precision::F64 => DataType::F64,
+            Precision::U16 => DataType::U16,
+            Precision::U32 => DataType::U32,
         }
     }
 }

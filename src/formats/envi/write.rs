@@ -12,6 +12,7 @@ use crate::error::{Error, Location, Result};
 use crate::formats::flat::{AxisOrder, Flat, FlatFile};
 use crate::formats::number::single;
 use crate::formats::quicklook;
+use crate::geometry::whole;
 use crate::product::{Backplanes, Cube, CubeAxes, Filling, Plane, Slab};
 use crate::progress::{Watch, tell};
 
@@ -32,6 +33,20 @@ impl Sample for f64 {
     const BYTES: usize = 8;
     fn store(value: f64, at: &mut [u8]) {
         at.copy_from_slice(&value.to_le_bytes());
+    }
+}
+
+impl Sample for u16 {
+    const BYTES: usize = 2;
+    fn store(value: f64, at: &mut [u8]) {
+        at.copy_from_slice(&u16::try_from(whole(value)).unwrap_or(u16::MAX).to_le_bytes());
+    }
+}
+
+impl Sample for u32 {
+    const BYTES: usize = 4;
+    fn store(value: f64, at: &mut [u8]) {
+        at.copy_from_slice(&u32::try_from(whole(value)).unwrap_or(u32::MAX).to_le_bytes());
     }
 }
 
@@ -88,6 +103,8 @@ impl EnviCube {
         match self.precision {
             Precision::F32 => self.stream::<f32>(slab, &so_far)?,
             Precision::F64 => self.stream::<f64>(slab, &so_far)?,
+            Precision::U16 => self.stream::<u16>(slab, &so_far)?,
+            Precision::U32 => self.stream::<u32>(slab, &so_far)?,
         }
         self.filling.add(slab);
         Ok(())

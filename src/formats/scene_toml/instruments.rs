@@ -17,9 +17,27 @@ pub(super) struct Instrument {
     pub(super) readout: Readout,
     /// From one exposure to the next, s, if that is known.
     pub(super) period_s: Option<f64>,
+    /// Focal length over aperture.
+    pub(super) f_number: f64,
+    /// Pitch of pixels, um.
+    pub(super) pixel_um: f64,
+    /// What optics without diffraction pass of half a cycle per pixel.
+    pub(super) gaussian_mtf_nyquist: f64,
+    /// Electrons per photon that enters.
+    pub(super) throughput: f64,
+    /// Width of bands that have none, um.
+    pub(super) width_um: Option<f64>,
+    pub(super) dark_e_s: f64,
+    pub(super) read_e: f64,
+    pub(super) full_well_e: f64,
+    pub(super) step_e: f64,
+    pub(super) offset_dn: f64,
+    pub(super) bits: u32,
+    pub(super) sensitivity_sd: f64,
 }
 
-/// MacrOmega (Domagala 2020, I.C): 256 x 256 pixels, a tunable filter, 300 bands of a second each; pixels below 20 m from 25 km. Its field of view is assumed.
+/// MacrOmega (Domagala 2020, I.C): 256 x 256 pixels, a tunable filter, 300 bands of a second each, less than 10 nm apart; pixels below 20 m from 25 km. Its field of view is assumed, and all of
+/// its optics and detector.
 const MACROMEGA: Instrument = Instrument {
     name: "MacrOmega",
     samples: 256,
@@ -28,10 +46,23 @@ const MACROMEGA: Instrument = Instrument {
     bands: (0.95, 3.6, 300, None),
     readout: Readout::Band,
     period_s: Some(1.0),
+    f_number: 4.0,
+    pixel_um: 30.0,
+    gaussian_mtf_nyquist: 0.7,
+    throughput: 0.2,
+    width_um: Some(0.01),
+    dark_e_s: 1e4,
+    read_e: 100.0,
+    full_well_e: 4e6,
+    step_e: 64.0,
+    offset_dn: 200.0,
+    bits: 16,
+    sensitivity_sd: 0.002,
 };
 
 /// MIRS (Barucci et al. 2021, table 2): a slit of 3.3 deg with pixels of 0.35 mrad, 0.9 to 3.6 um, a band of 20 nm every 10 nm. That a pixel is square, and that
-/// bands are Gaussian, is assumed.
+/// bands are Gaussian, is assumed. Pixels of 30 um are published, and that more than 0.08 passes at Nyquist and that signal over noise is at least 100 from 2.7 to 3.2 um in 2 s; the
+/// rest of its optics and detector is assumed, so that it does.
 const MIRS: Instrument = Instrument {
     name: "MIRS",
     samples: 165,
@@ -40,6 +71,18 @@ const MIRS: Instrument = Instrument {
     bands: (0.9, 3.6, 271, Some(0.02)),
     readout: Readout::Line,
     period_s: None,
+    f_number: 4.0,
+    pixel_um: 30.0,
+    gaussian_mtf_nyquist: 0.5,
+    throughput: 0.2,
+    width_um: None,
+    dark_e_s: 1e4,
+    read_e: 100.0,
+    full_well_e: 4e6,
+    step_e: 64.0,
+    offset_dn: 200.0,
+    bits: 16,
+    sensitivity_sd: 0.002,
 };
 
 impl Preset {

@@ -7,6 +7,7 @@ mod angles;
 mod atlas;
 mod attitude;
 mod bodies;
+mod chain;
 mod flight;
 mod instruments;
 pub(super) mod format;
@@ -26,6 +27,7 @@ use glam::DVec3;
 
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::{Direction, Pose};
+use crate::instrument::Chain;
 use crate::physics::sun_disc::DiscRule;
 use crate::progress::{Progress, Watch};
 use crate::scene::{
@@ -72,6 +74,8 @@ pub struct SceneFile {
     pub inputs: Vec<InputFile>,
     /// How it moves, and when what of the image is taken; none of a scene that states places and no time.
     pub motion: Option<(Motion, Timing)>,
+    /// What the instrument makes of the radiance before it; none: nothing.
+    pub chain: Option<Chain>,
     /// What this version reads and cannot simulate: the first such key, and why.
     unsimulated: Option<(Location, String)>,
 }
@@ -156,8 +160,8 @@ pub fn read(path: &Path, watch: Watch<'_>) -> Result<SceneFile> {
         Err(Error::Unsupported { at, feature }) => Some((reader.document.at(&reader.item_of(&at)), feature)),
         _ => None,
     };
-    let TomlReader { defaults, notes, inputs, motion, .. } = reader;
-    Ok(SceneFile { scene, defaults, notes, inputs, motion, unsimulated })
+    let TomlReader { defaults, notes, inputs, motion, chain, .. } = reader;
+    Ok(SceneFile { scene, defaults, notes, inputs, motion, chain, unsimulated })
 }
 
 /// A moving scene at its reference exposure.
@@ -187,6 +191,7 @@ pub(super) struct TomlReader<'a> {
     is_beside_scene: bool,
     inputs: Vec<InputFile>,
     motion: Option<(Motion, Timing)>,
+    chain: Option<Chain>,
     watch: Watch<'a>,
     /// The caller has asked to stop.
     interrupted: bool,
@@ -205,6 +210,7 @@ impl<'a> TomlReader<'a> {
             is_beside_scene: true,
             inputs: vec![input],
             motion: None,
+            chain: None,
             watch,
             interrupted: false,
         }
@@ -284,6 +290,7 @@ impl TomlReader<'_> {
             self.suspect_scale(&toml.mesh, mesh, &exposure.camera);
         }
         let textures = self.textures(toml, &dictionary.names, mesh.as_ref());
+        self.chain = self.chain(&toml.sensor, timing);
         self.motion = flies.flatten().map(|(motion, _)| motion).zip(timing);
         Some(SceneParts {
             surface: Surface { origin_m: self.origin_m, mesh: mesh?, materials: dictionary.materials?, textures },

@@ -9,6 +9,8 @@ use crate::formats::mesh_file::{NamedPose, Up};
 use crate::landscape::Recipe;
 use crate::spectral::Light;
 
+use super::chain::{DetectorToml, OpticsToml};
+
 /// A scene: a body's surface, what lights it, and what looks at it. Relative paths start at this file's folder.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -886,7 +888,7 @@ pub(crate) struct SensorToml {
     #[schemars(range(min = 1, max = 1000))]
     pub(crate) exposure_poses: Option<u32>,
     /// "macromega": 256 x 256 pixels, 300 bands from 0.95 to 3.6 um, IFOV 0.5 mrad; with `flight` a tunable filter of a band a second. "mirs": a slit of 165
-    /// pixels, 271 bands of 20 nm from 0.9 to 3.6 um, IFOV 0.35 mrad, a push-broom whose `lines` and `period_s` are given.
+    /// pixels, 271 bands of 20 nm from 0.9 to 3.6 um, IFOV 0.35 mrad, a push-broom whose `lines` and `period_s` are given. Both come with optics and a detector, unless `ideal`.
     pub(crate) preset: Option<Preset>,
     /// Name of the instrument.
     pub(crate) name: Option<String>,
@@ -926,6 +928,18 @@ pub(crate) struct SensorToml {
     pub(crate) fit: Option<Fit>,
     /// Bands.
     pub(crate) bands: Option<BandsToml>,
+    /// Focal length over aperture.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub(crate) f_number: Option<f64>,
+    /// Pitch of the detector's pixels, um.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub(crate) pixel_um: Option<f64>,
+    /// What blurs and veils the image.
+    pub(crate) optics: Option<OpticsToml>,
+    /// What counts the light.
+    pub(crate) detector: Option<DetectorToml>,
+    /// Whether the cube is the radiance at the aperture, averaged over pixels: neither `optics` nor `detector`, nor those of a preset. Default false.
+    pub(crate) ideal: Option<bool>,
 }
 
 /// What a sensor takes at once.
@@ -1038,7 +1052,10 @@ pub(crate) struct BandsToml {
     pub(crate) centres_um: Option<Vec<f64>>,
     /// Full width at half maximum of the response, um: one for all, or one for each (0: monochromatic). Default: monochromatic.
     pub(crate) fwhm_um: Option<Fwhm>,
-    /// Shape of responses that have a width: "gaussian" (the default) or "box"; one for all, or one for each. Where centres and
+    /// Full width at half maximum, cm-1, of which that in um follows at each centre (times the wavelength squared, 1e-4): as of a tunable filter. Instead of `fwhm_um`.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub(crate) fwhm_cm_1: Option<f64>,
+    /// Shape of responses that have a width: "gaussian" (the default), "box" or "sinc2" (of a tunable filter); one for all, or one for each. Where centres and
     /// `response` are given, "table" stands for the next column of `response`, whose centre and width count then.
     pub(crate) shape: Option<ShapesToml>,
     /// Path of a CSV table of responses, or of several: `wavelength_nm` or `wavelength_um`, then a column for each band, relative or
@@ -1080,6 +1097,8 @@ pub(crate) enum ShapeToml {
     Gaussian,
     /// The same all over the full width.
     Box,
+    /// A squared sinc.
+    Sinc2,
     /// The next column of `response`.
     Table,
 }

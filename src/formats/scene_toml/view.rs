@@ -7,6 +7,7 @@ use crate::formats::response_csv;
 use crate::geometry::{Direction, FrameCamera, Mesh, Pose};
 use crate::scene::{Exposure, LEAST_PITCH};
 use crate::spectral::{Band, Response, Spectrum};
+use crate::units::cm_1_per_um;
 
 use super::attitude::no_rotation;
 use super::instruments::Instrument;
@@ -243,6 +244,7 @@ impl TomlReader<'_> {
                     ("stop_um", toml.stop_um.is_some()),
                     ("count", toml.count.is_some()),
                     ("fwhm_um", toml.fwhm_um.is_some()),
+                    ("fwhm_cm_1", toml.fwhm_cm_1.is_some()),
                     ("shape", toml.shape.is_some()),
                 ] {
                     if given {
@@ -308,8 +310,11 @@ impl TomlReader<'_> {
             self.problem(&at, message);
             return None;
         }
-        if shapes.contains(&ShapeToml::Box) && bands.iter().all(|b| b.fwhm_um.is_none()) {
-            self.problem(&at, "a box needs its width: give `fwhm_um`");
+        if let Some(shape) = [(ShapeToml::Box, "a box"), (ShapeToml::Sinc2, "a squared sinc")]
+            .iter()
+            .find(|(shape, _)| shapes.contains(shape) && bands.iter().all(|b| b.fwhm_um.is_none()))
+        {
+            self.problem(&at, format!("{} needs its width: give `fwhm_um`", shape.1));
             return None;
         }
         let wanted = shapes.iter().filter(|s| **s == ShapeToml::Table).count();
@@ -332,6 +337,7 @@ impl TomlReader<'_> {
             match shape {
                 ShapeToml::Gaussian => {}
                 ShapeToml::Box => band.response = Response::Box,
+                ShapeToml::Sinc2 => band.response = Response::Sinc2,
                 ShapeToml::Table => *band = tables.next()?,
             }
         }
@@ -446,6 +452,14 @@ impl TomlReader<'_> {
     }
 
     fn widths(&mut self, item: &str, toml: &BandsToml, bands: &mut [Band]) -> Option<()> {
+        if let (Some(_), Some(_)) = (&toml.fwhm_um, toml.fwhm_cm_1) {
+            self.problem(&format!("{item}.fwhm_cm_1"), "does not go with `fwhm_um`: give one of them");
+            return None;
+        }
+        if let Some(fwhm_cm_1) = toml.fwhm_cm_1 {
+            bands.iter_mut().for_each(|band| band.fwhm_um = Some(fwhm_cm_1 / cm_1_per_um(band.centre_um)));
+            return Some(());
+        }
         match &toml.fwhm_um {
             Some(Fwhm::All(fwhm)) => bands.iter_mut().for_each(|band| band.fwhm_um = Some(*fwhm).filter(|w| *w != 0.0)),
             Some(Fwhm::Each(fwhm)) if fwhm.len() == bands.len() => {

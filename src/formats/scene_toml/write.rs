@@ -656,6 +656,7 @@ impl Writer<'_> {
         let shape = |band: &Band| match (&band.response, band.fwhm_um) {
             (Response::Table(_), _) => "table",
             (Response::Box, Some(_)) => "box",
+            (Response::Sinc2, Some(_)) => "sinc2",
             _ => "gaussian",
         };
         let shapes: Vec<&str> = bands.iter().map(shape).collect();

@@ -34,6 +34,7 @@ use crate::scene::{Fixed, Models, SunModel};
 use crate::spectral::Light;
 
 pub use bound::Bound;
+pub use instrument::tell_instrument;
 pub(super) use eclipse::{by_globes, whose};
 pub(super) use given::{Given, mars_seen};
 

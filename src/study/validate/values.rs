@@ -6,12 +6,12 @@ use serde_json::{Value, json};
 use super::closed_forms::{self, Bowl};
 use super::patch::Patch;
 use super::{Answer, By, Oracle, scene_cases};
-use crate::geometry::{Direction, Pose, angle_rad};
+use crate::geometry::{Direction, Pose, angle_rad, whole};
 use crate::physics::mars_light::MARS_LIGHT_ERROR;
 use crate::physics::reflectance::albedo::Measure;
-use crate::physics::{blackbody, bounds, conduction, form_factor, heat, mars, sun, sun_disc};
+use crate::physics::{blackbody, bounds, conduction, form_factor, heat, mars, mtf, signal, sun, sun_disc};
 use crate::scene::Thermal;
-use crate::spectral::{ALL_UM, Band, solar_e490};
+use crate::spectral::{ALL_UM, Band, sinc_squared, solar_e490};
 use crate::units::{AU_M, STEFAN_BOLTZMANN_W_M2_K4};
 
 /// What `simulate` computes in the same way.
@@ -68,6 +68,9 @@ impl Oracle<'_> {
             "crater" => self.crater(kind),
             "penumbra" => self.penumbra(kind),
             "pushbroom" => self.pushbroom(kind),
+            "mtf" => self.mtf(kind),
+            "psf" => self.psf(),
+            "snr" => self.snr(),
             "time" => self.time(kind),
             "iau" => self.iau(),
             "qso" => self.qso(kind),
@@ -435,6 +438,16 @@ impl Oracle<'_> {
                 band.quadrature(&[], ALL_UM).iter().map(|(um, weight)| weight * wave(*um)).sum::<f64>(),
             ));
         }
+        if kind == "sinc2_half_width" {
+            return Some(simulate(sinc_squared::HALF_WIDTH));
+        }
+        if kind == "sinc2_on_cosine" {
+            let cycles = self.input("cycles_per_um")? * 0.5 * self.input("fwhm_um")? / sinc_squared::HALF_WIDTH;
+            return Some(reference(sinc_squared::contrast(cycles)));
+        }
+        if kind.starts_with("sinc2_energy_within") {
+            return Some(simulate(sinc_squared::energy_within(u32::try_from(whole(self.input("N")?)).ok()?)));
+        }
         if kind != "eq16_midpoint_error" {
             return None;
         }
@@ -442,6 +455,42 @@ impl Oracle<'_> {
         let in_band = Band::new(um, Some(width_um)).in_band_w_m2_sr(blackbody::radiance_w_m2_sr_um(um, t_k))?;
         let exact = blackbody::band_radiance_w_m2_sr(um - 0.5 * width_um, um + 0.5 * width_um, t_k);
         Some(reference(in_band / exact - 1.0))
+    }
+
+    /// By the functions that make the image chain's transfer.
+    fn mtf(&self, kind: &str) -> Option<Vec<Answer>> {
+        let f = || self.input("f");
+        let edge = |key| self.input(key);
+        Some(match kind {
+            "linear_smear_nyquist" | "linear_smear" => simulate(mtf::mean(f()?, edge("smear_px")?)),
+            "pixel" => simulate(mtf::mean(f()?, 1.0)),
+            "diffraction_circular" => simulate(mtf::diffraction(edge("nu")?)),
+            "jitter_gaussian" => simulate(mtf::gaussian(f()?, edge("sigma_px")?)),
+            // A pixel, and what drifts through it: 0.6 pixels in its second (Domagala 2020).
+            "macromega_total_nyquist" => simulate(mtf::mean(f()?, 1.0) * mtf::mean(f()?, 0.6)),
+            "smeared_edge_pixel_value" => reference(mtf::smeared_edge(edge("edge_start")?, edge("edge_end")?)),
+            _ => return None,
+        })
+    }
+
+    fn psf(&self) -> Option<Vec<Answer>> {
+        let (x_px, sigma_px) = (self.input("x_px")?, self.input("sigma_px")?);
+        Some(reference(json!({
+            "point": mtf::gaussian_edge(x_px, sigma_px),
+            "pixel_integrated": mtf::gaussian_edge_mean(x_px, sigma_px),
+        })))
+    }
+
+    fn snr(&self) -> Option<Vec<Answer>> {
+        let input = |key| self.input(key);
+        let etendue_m2_sr = signal::etendue_m2_sr(input("pixel_m")?, input("f_number")?);
+        let (um, width_um, t_s) = (input("lambda_um")?, input("dlambda_um")?, input("t_s")?);
+        let per_radiance = signal::electrons_per_radiance(um, width_um, etendue_m2_sr, input("throughput_x_qe")?, t_s);
+        let signal_e = input("L_W_m2_sr_um")? * per_radiance;
+        Some(simulate(json!({
+            "signal_e": signal_e,
+            "snr": signal::snr(signal_e, input("dark_e")?, input("read_noise_e")?, 0.0),
+        })))
     }
 
     fn thermal(&self, kind: &str) -> Option<Vec<Answer>> {

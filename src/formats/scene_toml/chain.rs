@@ -1,0 +1,306 @@
+//! What the instrument makes of the radiance before it: `[sensor.optics]` and `[sensor.detector]`.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use super::TomlReader;
+use super::types::{Preset, SensorToml, Values};
+use crate::error::number;
+use crate::formats::registry;
+use crate::formats::spectrum_csv::Quantity;
+use crate::instrument::{Chain, Detector, Lens, Optics, PointSpread};
+use crate::physics::{mtf, signal};
+use crate::scene::Timing;
+use crate::spectral::{Extend, Spectrum};
+
+/// What blurs and veils an image before the pixels' areas average it. What moves during an exposure is in `exposure_poses` instead.
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct OpticsToml {
+    /// Whether light is spread by diffraction, for which `f_number` and `pixel_um` are needed. Default: if they are given.
+    pub(crate) diffraction: Option<bool>,
+    /// Standard deviation of a Gaussian that stands for aberrations and focus, pixels.
+    #[schemars(range(min = 0, max = 16))]
+    pub(crate) gaussian_px: Option<f64>,
+    /// The same by what passes of half a cycle per pixel; instead of `gaussian_px`.
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 1))]
+    pub(crate) gaussian_mtf_nyquist: Option<f64>,
+    /// Standard deviation of motion that is fast beside an exposure, pixels.
+    #[schemars(range(min = 0, max = 16))]
+    pub(crate) jitter_px: Option<f64>,
+    /// Steady motion during an exposure, along a line and across, pixels: of scenes that don't say how they move.
+    pub(crate) smear_px: Option<[f64; 2]>,
+    /// A measured point spread.
+    pub(crate) point_spread: Option<PointSpreadToml>,
+    /// Share of the light that is scattered evenly over all that is taken at once.
+    #[schemars(range(min = 0), extend("exclusiveMaximum" = 1))]
+    pub(crate) stray: Option<f64>,
+    /// The image is blurred on a grid of so many parts of a pixel, along and across. Default 4: waves of up to 2 cycles per pixel pass as they should.
+    #[schemars(range(min = 1, max = 64))]
+    pub(crate) subpixels: Option<u32>,
+    /// How far light goes, pixels; what would go farther arrives within. Default 4.
+    #[schemars(range(min = 1, max = 64))]
+    pub(crate) reach_px: Option<u32>,
+}
+
+/// A measured point spread: an image of a point, whose place is the image's middle.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct PointSpreadToml {
+    /// Path of an image.
+    pub(crate) file: String,
+    /// From value to value, pixels of the sensor.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub(crate) step_px: f64,
+}
+
+/// What counts the light. Without it, the cube is the radiance itself.
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct DetectorToml {
+    /// Electrons per photon that enters the aperture, over wavelength: a number, or path of a CSV table with a column `reflectance`.
+    pub(crate) throughput: Option<Values>,
+    /// Width of bands that have none, um.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub(crate) width_um: Option<f64>,
+    /// Electrons per second without light. Default 0.
+    #[schemars(range(min = 0))]
+    pub(crate) dark_e_s: Option<f64>,
+    /// Electrons per second of what the instrument itself radiates, or what follows from its warmth. Default 0.
+    pub(crate) background: Option<BackgroundToml>,
+    /// Noise of reading, electrons. Default 0.
+    #[schemars(range(min = 0))]
+    pub(crate) read_e: Option<f64>,
+    /// The most electrons that a pixel holds. Default: what all numbers stand for.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub(crate) full_well_e: Option<f64>,
+    /// Electrons of one step of what is sent (gain).
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub(crate) step_e: Option<f64>,
+    /// Number that is sent for no electrons. Default 0.
+    #[schemars(range(min = 0))]
+    pub(crate) offset_dn: Option<f64>,
+    /// Binary digits of what is sent. Default 16.
+    #[schemars(range(min = 1, max = 32))]
+    pub(crate) bits: Option<u32>,
+    /// Standard deviation of the elements' sensitivity that calibration does not know. Default 0.
+    #[schemars(range(min = 0, max = 1))]
+    pub(crate) sensitivity_sd: Option<f64>,
+    /// Share of elements that see nothing. Default 0.
+    #[schemars(range(min = 0, max = 1))]
+    pub(crate) dead: Option<f64>,
+    /// The same seed, the same noise. Default 1.
+    pub(crate) seed: Option<u64>,
+}
+
+/// What the instrument itself radiates.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(crate) enum BackgroundToml {
+    /// Electrons per second.
+    Electrons(#[schemars(range(min = 0))] f64),
+    /// What follows from its warmth.
+    Warm(WarmToml),
+}
+
+/// A warm instrument, as its detector sees it.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct WarmToml {
+    /// Its temperature, K.
+    #[schemars(range(min = 0))]
+    pub(crate) temperature_k: f64,
+    /// Its emissivity, times electrons per photon.
+    #[schemars(range(min = 0, max = 1))]
+    pub(crate) emissivity: f64,
+    /// Longest wavelength that the detector sees, um.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub(crate) to_um: f64,
+}
+
+impl TomlReader<'_> {
+    /// What the instrument does, if it does anything: what the text says, over what is known of a preset.
+    pub(super) fn chain(&mut self, toml: &SensorToml, timing: Option<Timing>) -> Option<Chain> {
+        if toml.ideal == Some(true) {
+            for (key, given) in [("optics", toml.optics.is_some()), ("detector", toml.detector.is_some())] {
+                if given {
+                    self.note(&format!("sensor.{key}"), "not used: `sensor.ideal` says so");
+                }
+            }
+            return None;
+        }
+        let preset = toml.preset.map(Preset::instrument);
+        if let Some(instrument) = preset.filter(|_| toml.optics.is_none() && toml.detector.is_none()) {
+            let message = format!("those of {}: {}", instrument.name, instrument.chain_told());
+            self.stated("sensor.optics, sensor.detector", message);
+        }
+        let f_number = toml.f_number.or(preset.map(|of| of.f_number));
+        let pixel_um = toml.pixel_um.or(preset.map(|of| of.pixel_um));
+        let lens = f_number.zip(pixel_um).map(|(f_number, pixel_um)| Lens { f_number, pixel_um });
+        let optics = match (&toml.optics, preset) {
+            (Some(optics), _) => Some(self.blurring(optics, lens)?),
+            (None, preset) => preset.map(|of| of.optics(lens)),
+        };
+        let detector = match (&toml.detector, preset) {
+            (None, None) => None,
+            (given, _) => {
+                let exposure_s = timing.map(|timing| timing.exposure_s).filter(|s| *s > 0.0);
+                let exposure_s = exposure_s.or(preset.and_then(|of| of.period_s));
+                Some(self.counting(given.as_ref(), preset.map(|of| of.detector()), lens, exposure_s)?)
+            }
+        };
+        let problems = [
+            optics.as_ref().map(|optics| optics.problems("sensor.optics")),
+            detector.as_ref().map(|detector| detector.problems("sensor.detector")),
+        ];
+        for problem in problems.into_iter().flatten().flatten() {
+            let item = problem.at.item.clone().unwrap_or_default();
+            self.problem(&item, problem.message);
+        }
+        let chain = Chain { optics, detector };
+        (!chain.is_ideal()).then_some(chain)
+    }
+
+    fn blurring(&mut self, toml: &OpticsToml, lens: Option<Lens>) -> Option<Optics> {
+        if toml.diffraction == Some(true) && lens.is_none() {
+            self.problem("sensor.optics.diffraction", "needs `sensor.f_number` and `sensor.pixel_um`");
+            return None;
+        }
+        if toml.gaussian_px.is_some() && toml.gaussian_mtf_nyquist.is_some() {
+            self.problem("sensor.optics.gaussian_mtf_nyquist", "does not go with `gaussian_px`: give one of them");
+            return None;
+        }
+        let plain = Optics::default();
+        let measured = match &toml.point_spread {
+            Some(spread) => Some(self.point_spread(spread)?),
+            None => None,
+        };
+        Some(Optics {
+            lens: lens.filter(|_| toml.diffraction != Some(false)),
+            gaussian_px: toml.gaussian_px.or(toml.gaussian_mtf_nyquist.map(mtf::sigma_px)).unwrap_or(0.0),
+            jitter_px: toml.jitter_px.unwrap_or(0.0),
+            smear_px: toml.smear_px.unwrap_or_default(),
+            measured,
+            stray: toml.stray.unwrap_or(0.0),
+            subpixels: toml.subpixels.unwrap_or(plain.subpixels),
+            reach_px: toml.reach_px.unwrap_or(plain.reach_px),
+        })
+    }
+
+    fn point_spread(&mut self, toml: &PointSpreadToml) -> Option<PointSpread> {
+        let item = "sensor.optics.point_spread.file";
+        let path = self.path(&toml.file);
+        let mut raster = self.taken(item, registry::image(&path))?;
+        if raster.take_image(None).is_err() || raster.bands.len() != 1 {
+            self.problem(item, format!("{} has {} bands: one is wanted", path.display(), raster.bands.len()));
+            return None;
+        }
+        let mut values = Vec::new();
+        self.taken(item, raster.read(0, &mut values))?;
+        let inputs = self.taken(item, raster.inputs())?;
+        self.inputs.extend(inputs);
+        if values.iter().any(|value| !value.is_finite()) {
+            self.problem(item, "not all of its values are numbers");
+            return None;
+        }
+        Some(PointSpread { samples: raster.columns, values, step_px: toml.step_px })
+    }
+
+    fn counting(
+        &mut self,
+        toml: Option<&DetectorToml>,
+        preset: Option<Detector>,
+        lens: Option<Lens>,
+        exposure_s: Option<f64>,
+    ) -> Option<Detector> {
+        let none = DetectorToml::default();
+        let toml = toml.unwrap_or(&none);
+        let Some(lens) = lens else {
+            self.problem("sensor.detector", "needs `sensor.f_number` and `sensor.pixel_um`");
+            return None;
+        };
+        let Some(exposure_s) = exposure_s else {
+            self.problem("sensor.detector", "needs `sensor.exposure_s`: for how long light is gathered");
+            return None;
+        };
+        let throughput = match (&toml.throughput, &preset) {
+            (Some(values), _) => {
+                self.fraction_spectrum("sensor.detector.throughput", values, Quantity::Reflectance, Extend::Error)
+            }
+            (None, Some(preset)) => Some(preset.throughput.clone()),
+            (None, None) => {
+                self.problem("sensor.detector", "`throughput` is missing: electrons per photon that enters");
+                None
+            }
+        };
+        let Some(step_e) = toml.step_e.or(preset.as_ref().map(|of| of.step_e)) else {
+            self.problem("sensor.detector", "`step_e` is missing: electrons of one step of what is sent");
+            return None;
+        };
+        let of_preset = |value: fn(&Detector) -> f64| preset.as_ref().map_or(0.0, value);
+        let background_e_s = match &toml.background {
+            None => of_preset(|of| of.background_e_s),
+            Some(BackgroundToml::Electrons(e_s)) => *e_s,
+            Some(BackgroundToml::Warm(WarmToml { temperature_k, emissivity, to_um })) => {
+                let etendue_m2_sr = signal::etendue_m2_sr(lens.pixel_um * 1e-6, lens.f_number);
+                let e_s = signal::background_electrons_s(*temperature_k, *emissivity, etendue_m2_sr, *to_um);
+                self.stated("sensor.detector.background", format!("{} electrons per second", number(e_s)));
+                e_s
+            }
+        };
+        let bits = toml.bits.or(preset.as_ref().map(|of| of.bits)).unwrap_or(16);
+        let all_e = step_e * 2.0_f64.powi(bits.cast_signed());
+        Some(Detector {
+            lens,
+            throughput: throughput?,
+            exposure_s,
+            width_um: toml.width_um.or(preset.as_ref().and_then(|of| of.width_um)),
+            dark_e_s: toml.dark_e_s.unwrap_or(of_preset(|of| of.dark_e_s)),
+            background_e_s,
+            read_e: toml.read_e.unwrap_or(of_preset(|of| of.read_e)),
+            full_well_e: toml.full_well_e.or(preset.as_ref().map(|of| of.full_well_e)).unwrap_or(all_e),
+            step_e,
+            offset_dn: toml.offset_dn.unwrap_or(of_preset(|of| of.offset_dn)),
+            bits,
+            sensitivity_sd: toml.sensitivity_sd.unwrap_or(of_preset(|of| of.sensitivity_sd)),
+            dead: toml.dead.unwrap_or(of_preset(|of| of.dead)),
+            seed: toml.seed.unwrap_or(1),
+        })
+    }
+}
+
+impl super::instruments::Instrument {
+    /// What is assumed of its optics.
+    fn optics(&self, lens: Option<Lens>) -> Optics {
+        Optics { lens, gaussian_px: mtf::sigma_px(self.gaussian_mtf_nyquist), ..Optics::default() }
+    }
+
+    /// What is assumed of its detector, but for light and time.
+    fn detector(&self) -> Detector {
+        Detector {
+            lens: Lens { f_number: self.f_number, pixel_um: self.pixel_um },
+            throughput: Spectrum::constant(self.throughput),
+            exposure_s: 1.0,
+            width_um: self.width_um,
+            dark_e_s: self.dark_e_s,
+            background_e_s: 0.0,
+            read_e: self.read_e,
+            full_well_e: self.full_well_e,
+            step_e: self.step_e,
+            offset_dn: self.offset_dn,
+            bits: self.bits,
+            sensitivity_sd: self.sensitivity_sd,
+            dead: 0.0,
+            seed: 1,
+        }
+    }
+
+    /// That, in words.
+    fn chain_told(&self) -> String {
+        format!(
+            "f/{}, pixels of {} um, a Gaussian that passes {} at Nyquist, throughput {}, {} dark electrons a second, {} read, {} a step, {} bits: assumed but for the pixels; \
+             `ideal = true` leaves them out",
+            self.f_number, self.pixel_um, self.gaussian_mtf_nyquist, self.throughput, self.dark_e_s, self.read_e, self.step_e, self.bits
+        )
+    }
+}

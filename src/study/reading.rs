@@ -1,0 +1,207 @@
+//! A detector reads an image: numbers that are sent, the radiance they are taken for, and an account of signal and noise.
+
+use rayon::prelude::*;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Error, Location, Problem, Result};
+use crate::instrument::{Counting, Detector, Element};
+use crate::product::{Added, CubeAxes, Slab};
+use crate::scene::Readout;
+
+/// A detector at work on one cube.
+#[derive(Debug, Clone)]
+pub struct Reader {
+    detector: Detector,
+    axes: CubeAxes,
+    readout: Readout,
+    bands: Vec<Counting>,
+    account: Vec<BandSignal>,
+    /// Of each pixel: what its signal over noise adds up to over bands, the lowest of them, and how many are at least [`GOOD`].
+    snr: [Vec<f64>; 3],
+}
+
+/// A slab as it was read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reading {
+    /// Radiance, W m-2 sr-1 um-1, that the numbers are taken for.
+    pub radiance: Slab,
+    /// The numbers that are sent.
+    pub numbers: Slab,
+}
+
+/// Signal and noise of a band: of the radiance before the detector, and of what was made of it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BandSignal {
+    /// Centre, um.
+    pub centre_um: f64,
+    /// Lowest radiance of a pixel that shows something, W m-2 sr-1 um-1.
+    pub lowest: f64,
+    /// Mean radiance of these pixels.
+    pub mean: f64,
+    /// Highest radiance.
+    pub highest: f64,
+    /// The brightest radiance that is not saturated.
+    pub brightest: f64,
+    /// Electrons of the mean radiance.
+    pub signal_e: f64,
+    /// Electrons that are no signal.
+    pub others_e: f64,
+    /// Noise of counting signal and others, electrons.
+    pub shot_e: f64,
+    /// Noise of reading, electrons.
+    pub read_e: f64,
+    /// Noise of rounding to whole steps, electrons.
+    pub rounding_e: f64,
+    /// Signal over noise of the lowest radiance.
+    pub snr_lowest: f64,
+    /// Signal over noise of the mean radiance.
+    pub snr_mean: f64,
+    /// Pixels that show something.
+    pub pixels: u64,
+    /// Pixels that were too bright.
+    pub saturated: u64,
+}
+
+/// A signal over noise that is asked for of instruments like these.
+pub const GOOD: f64 = 100.0;
+
+impl Reader {
+    /// For the cube of an exposure, of which this much is read at once.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with each band that has no width.
+    pub fn new(detector: &Detector, axes: CubeAxes, readout: Readout) -> Result<Self> {
+        let bands: Vec<Option<Counting>> = axes.bands.iter().map(|band| detector.counting(band)).collect();
+        let problem = |(i, _): (usize, &Option<Counting>)| {
+            let message = format!("a band at {} um without a width has no electrons", axes.bands[i].centre_um);
+            Problem::new(Location::item(&format!("sensor.bands[{i}]")), message)
+                .with_help("give `sensor.bands.fwhm_um`, or `sensor.detector.width_um` for all of them")
+        };
+        let problems: Vec<Problem> = bands.iter().enumerate().filter(|(_, b)| b.is_none()).map(problem).take(20).collect();
+        if !problems.is_empty() {
+            return Err(Error::Invalid(problems));
+        }
+        let bands: Vec<Counting> = bands.into_iter().flatten().collect();
+        let empty = |(band, counting): (&crate::spectral::Band, &Counting)| BandSignal {
+            centre_um: band.centre_um,
+            lowest: f64::INFINITY,
+            mean: 0.0,
+            highest: 0.0,
+            brightest: counting.brightest(),
+            signal_e: 0.0,
+            others_e: counting.others_e,
+            shot_e: 0.0,
+            read_e: counting.read_e,
+            rounding_e: counting.step_e / 12.0_f64.sqrt(),
+            snr_lowest: 0.0,
+            snr_mean: 0.0,
+            pixels: 0,
+            saturated: 0,
+        };
+        let account = axes.bands.iter().zip(&bands).map(empty).collect();
+        let pixels = axes.samples * axes.lines;
+        let snr = [vec![0.0; pixels], vec![f64::INFINITY; pixels], vec![0.0; pixels]];
+        Ok(Reader { detector: detector.clone(), axes, readout, bands, account, snr })
+    }
+
+    /// Reads a slab of radiance.
+    pub fn read(&mut self, slab: &Slab) -> Reading {
+        let Reader { detector, axes, readout, bands, .. } = &*self;
+        let (samples, lines, all_bands) = (axes.samples, slab.lines.len(), slab.bands.len());
+        let pixels = samples * lines;
+        let first = slab.lines.start * samples;
+        // What a push-broom's slit is dispersed over is read anew for each line; other sensors have an element for each pixel.
+        let element = |pixel: usize, band: usize| match readout {
+            Readout::Line => (band * samples + pixel % samples) as u64,
+            Readout::Frame | Readout::Band => (first + pixel) as u64,
+        };
+        let by_pixel: Vec<Element> = match readout {
+            Readout::Line => vec![],
+            _ => (0..pixels).into_par_iter().map(|pixel| detector.element(element(pixel, 0))).collect(),
+        };
+        let dense = |_| Added::zeros((0..pixels).map(|_| true), all_bands);
+        let [mut radiance, mut numbers] = [0, 1].map(dense);
+        let each = radiance.radiance.par_chunks_exact_mut(pixels.max(1)).zip(numbers.radiance.par_chunks_exact_mut(pixels.max(1)));
+        let made: Vec<(BandSignal, Vec<f64>)> = each
+            .enumerate()
+            .map(|(i, (radiance, numbers))| {
+                let band = slab.bands.start + i;
+                let counting = &bands[band];
+                let mut sums = BandSignal { ..self.account[band] };
+                let mut snr = vec![0.0; pixels];
+                let noise_of = |pixel: usize| detector.noise((band * axes.samples * axes.lines + first + pixel) as u64);
+                slab.expand(0..pixels, i..i + 1, |pixel, _, value| {
+                    let light = value[0];
+                    let element =
+                        by_pixel.get(pixel).copied().unwrap_or_else(|| detector.element(element(pixel, band)));
+                    let measured = counting.measure(light, element, noise_of(pixel));
+                    (radiance[pixel], numbers[pixel]) = (measured.radiance, measured.dn);
+                    sums.saturated += u64::from(measured.is_saturated);
+                    if light > 0.0 {
+                        sums.lowest = sums.lowest.min(light);
+                        sums.highest = sums.highest.max(light);
+                        // A sum for now.
+                        sums.mean += light;
+                        sums.pixels += 1;
+                    }
+                    snr[pixel] = counting.snr(light.max(0.0));
+                });
+                (sums, snr)
+            })
+            .collect();
+        for (i, (sums, snr)) in made.into_iter().enumerate() {
+            self.account[slab.bands.start + i] = sums;
+            let [sum, least, good] = &mut self.snr;
+            for (pixel, snr) in snr.into_iter().enumerate() {
+                let pixel = first + pixel;
+                sum[pixel] += snr;
+                least[pixel] = least[pixel].min(snr);
+                good[pixel] += f64::from(snr >= GOOD);
+            }
+        }
+        let like = |added| Slab {
+            lines: slab.lines.clone(),
+            bands: slab.bands.clone(),
+            row_start: vec![0; pixels + 1],
+            first_thermal_row: 0,
+            added,
+            ..Slab::default()
+        };
+        Reading { radiance: like(radiance), numbers: like(numbers) }
+    }
+
+    /// Signal and noise of each band, of all that was read.
+    pub fn account(&self) -> Vec<BandSignal> {
+        let finished = |(sums, counting): (&BandSignal, &Counting)| {
+            let mean = if sums.pixels > 0 { sums.mean / sums.pixels as f64 } else { 0.0 };
+            let lowest = if sums.pixels > 0 { sums.lowest } else { 0.0 };
+            let signal_e = mean * counting.electrons_per_radiance;
+            BandSignal {
+                mean,
+                lowest,
+                signal_e,
+                shot_e: (signal_e + sums.others_e).sqrt(),
+                snr_lowest: counting.snr(lowest),
+                snr_mean: counting.snr(mean),
+                ..*sums
+            }
+        };
+        self.account.iter().zip(&self.bands).map(finished).collect()
+    }
+
+    /// Images of signal over noise: the mean over bands, the lowest of them, and the share of bands in which it is at least [`GOOD`].
+    pub fn snr_planes(&self) -> [Vec<f64>; 3] {
+        let share = 1.0 / self.bands.len() as f64;
+        let [sum, least, good] = &self.snr;
+        [sum.iter().map(|s| s * share).collect(), least.clone(), good.iter().map(|g| g * share).collect()]
+    }
+
+    /// Elements that see nothing.
+    pub fn dead_elements(&self) -> u64 {
+        let CubeAxes { samples, lines, bands, .. } = &self.axes;
+        let count = if self.readout == Readout::Line { samples * bands.len() } else { samples * lines };
+        (0..count as u64).into_par_iter().filter(|i| self.detector.element(*i).is_dead).count() as u64
+    }
+}
