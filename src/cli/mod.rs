@@ -5,6 +5,7 @@ mod console;
 mod convert;
 mod dry_run;
 mod inspect;
+mod instrument;
 mod integrate;
 mod landscape;
 mod locate;
@@ -65,6 +66,8 @@ enum Command {
     Plan(plan::Arguments),
     /// Turn a scene and its facet table, or radiance maps, into the products of `simulate`
     Integrate(integrate::Arguments),
+    /// Make of a radiance cube what an instrument would: blur, noise, and numbers that are sent
+    Instrument(instrument::Arguments),
     /// Say where on the ground pixels look, and in which pixels points of the ground lie
     Locate(locate::Arguments),
     /// Generate a landscape from a recipe
@@ -133,6 +136,7 @@ fn dispatch(command: Command, console: &Console) -> mmxrt::Result<Outcome> {
         Command::Solve(arguments) => solve::run(&arguments, console),
         Command::Plan(arguments) => plan::run(&arguments, console),
         Command::Integrate(arguments) => integrate::run(&arguments, console),
+        Command::Instrument(arguments) => instrument::run(&arguments, console),
         Command::Locate(arguments) => locate::run(&arguments, console),
         Command::Landscape(arguments) => landscape::run(&arguments, console),
         Command::Convert(arguments) => convert::run(&arguments, console),

@@ -127,10 +127,9 @@ fn exr_unit(quantity: Quantity) -> &'static str {
     match quantity {
         Quantity::Radiance => "W.m^-2.sr^-1.um^-1",
         Quantity::BandRadiance => "W.m^-2.sr^-1",
-        Quantity::RadianceFactor
-        | Quantity::ReflectanceFactor
-        | Quantity::BrightnessTemperature
-        | Quantity::Counts => quantity.unit(),
+        Quantity::RadianceFactor | Quantity::ReflectanceFactor | Quantity::BrightnessTemperature | Quantity::Counts => {
+            quantity.unit()
+        }
     }
 }
 

@@ -1,10 +1,12 @@
 //! A product folder: cube, backplanes, pictures, reports, and what else is asked for.
 
 use std::borrow::Cow;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::envi::{self, Interleave, Precision};
 use super::folder::Staged;
+use super::product_curves::{self, Spread};
 use super::report_json::{self, BandEntry, ImageEntry, Input, PlanEntry, ProductReport, Run, SignalEntry};
 use super::subject::Subject;
 use super::{exposures_csv, exr_cube, machine, npz, quicklook};
@@ -187,7 +189,8 @@ impl ProductFolder {
             let sent = CubeAxes { quantity: Quantity::Counts, ..axes.clone() };
             let precision = if detector.bits > 16 { Precision::U32 } else { Precision::U16 };
             let title = titled(sent.quantity.title(), scene);
-            let numbers = envi::EnviCube::create(&file("dn.img"), sent, interleave, precision, &title).map_err(named)?;
+            let numbers =
+                envi::EnviCube::create(&file("dn.img"), sent, interleave, precision, &title).map_err(named)?;
             Ok::<_, Error>((Reader::new(detector, CubeAxes::of(&scene.exposure), subject.readout())?, numbers))
         };
         let detector = detector.map(read).transpose()?;
@@ -205,21 +208,21 @@ impl OpenProduct {
     /// Those of [`envi::EnviCube::put`].
     pub fn put(&mut self, slab: Slab, watch: Watch<'_>) -> Result<()> {
         let OpenProduct { conversion, detector, folder, cube, thermal, exr, shown } = self;
-        let slab = match detector {
-            None => slab,
-            Some((reader, file)) => {
-                let Reading { radiance, numbers } = reader.read(&slab);
-                file.put(&numbers, watch).map_err(|e| folder.staged.named(e))?;
-                radiance
-            }
-        };
-        let put = |slab: Slab| {
+        let mut put = |slab: Slab| {
             shown.take(&slab)?;
             cube.put(&slab, watch)?;
             thermal.as_mut().map_or(Ok(()), |file| file.put(&slab.thermal(), watch))?;
             exr.as_mut().map_or(Ok(()), |file| file.put(&slab, watch))
         };
-        conversion.slabs(slab, put).map_err(|e| folder.staged.named(e))
+        let mut put = |slab: Slab| conversion.slabs(slab, &mut put);
+        let done = match detector {
+            None => put(slab),
+            Some((reader, file)) => reader.read(&slab, |Reading { radiance, numbers }| {
+                file.put(&numbers, watch)?;
+                put(radiance)
+            }),
+        };
+        done.map_err(|e| folder.staged.named(e))
     }
 
     /// Writes all else and gives the folder its name. A product of which a check does not hold, or whose cube slabs have not filled,
@@ -260,11 +263,8 @@ impl OpenProduct {
 fn write_signal(path: &Path, reader: &Reader, scene: &Scene) -> Result<SignalEntry> {
     let [mean, lowest, good] = reader.snr_planes();
     let plane = |name: &str, values| Plane { name: name.to_owned(), unit: "1".to_owned(), values };
-    let planes = vec![
-        plane("SNR_MEAN", mean),
-        plane("SNR_LOWEST", lowest),
-        plane(&format!("BANDS_FROM_{}", study::GOOD), good),
-    ];
+    let planes =
+        vec![plane("SNR_MEAN", mean), plane("SNR_LOWEST", lowest), plane(&format!("BANDS_FROM_{}", study::GOOD), good)];
     let CubeAxes { samples, lines, .. } = CubeAxes::of(&scene.exposure);
     let title = titled("Signal over noise", scene);
     envi::write_backplanes(path, &Backplanes { samples, lines, planes }, Precision::F32, &title)?;
@@ -298,10 +298,22 @@ fn write_files(
         if exposures.reference.is_some() {
             tell(watch, "writing displacements", 0, 1)?;
             let title = titled("Displacement of what the reference image shows", &subject.scene);
-            let plane = |i: usize| exposures.displacement(planes, i / 2, i % 2).unwrap_or_default();
-            let all = (0..2 * exposures.taken.len()).map(|i| Cow::Owned(plane(i)));
+            let mut spreads = Vec::new();
+            let plane = |i: usize| {
+                let plane = exposures.displacement(planes, i / 2, i % 2).unwrap_or_default();
+                spreads.push(Spread::of(&plane));
+                plane
+            };
+            let all = (0..2 * exposures.taken.len()).map(plane).map(Cow::Owned);
             envi::write_planes(&file("displacement.img"), [planes.samples, planes.lines], all, Precision::F32, &title)?;
+            staged.put(&file("displacement.svg"), |out| {
+                out.write_all(product_curves::displacement_svg(&spreads).as_bytes())
+            })?;
         }
+    }
+    if let Some(signal) = &signal {
+        let svg = product_curves::signal_svg(bands, &signal.bands);
+        staged.put(&file("snr.svg"), |out| out.write_all(svg.as_bytes()))?;
     }
     if let Some(footprints) = &observation.footprints {
         npz::write_footprints(&file("footprints.npz"), footprints, &subject.id)?;

@@ -75,6 +75,23 @@ pub struct SignalEntry {
     pub bands: Vec<BandSignal>,
 }
 
+/// What is said of a cube that an instrument was put over.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct InstrumentReport {
+    /// Version of this format.
+    pub format_version: u32,
+    /// Version of mmxrt.
+    pub mmxrt: String,
+    /// Every file the result depends on.
+    pub inputs: Vec<Input>,
+    /// Signal and noise of each band, if a detector has read it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub signal: Option<SignalEntry>,
+    /// What a reader of the result should know.
+    pub warnings: Vec<String>,
+}
+
 /// What was asked of a plan, and what it says of the whole.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -36,7 +36,15 @@ impl From<SceneFile> for Subject {
     fn from(file: SceneFile) -> Self {
         let id = scene_toml::id(&file.inputs);
         let (motion, chain) = (file.motion, file.chain);
-        Subject { scene: file.scene, motion, chain, id, inputs: file.inputs, defaults: file.defaults, warnings: file.notes }
+        Subject {
+            scene: file.scene,
+            motion,
+            chain,
+            id,
+            inputs: file.inputs,
+            defaults: file.defaults,
+            warnings: file.notes,
+        }
     }
 }
 

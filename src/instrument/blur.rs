@@ -187,16 +187,22 @@ mod tests {
         for um in [1.0, 3.0] {
             for f in [[0.25_f64, 0.0], [0.5, 0.0], [0.0, 0.5], [0.375, 0.25], [0.75, 0.0], [1.25, 0.0], [0.0, 1.5]] {
                 let r = f[0].hypot(f[1]);
-                let expected = mtf::mean(f[0], 1.0) * mtf::mean(f[1], 1.0) * mtf::mean(f[0], 0.6)
+                let expected = mtf::mean(f[0], 1.0)
+                    * mtf::mean(f[1], 1.0)
+                    * mtf::mean(f[0], 0.6)
                     * mtf::diffraction(r * um * 4.0 / 30.0)
-                    * mtf::gaussian(r, 0.2) * mtf::gaussian(r, 0.1);
+                    * mtf::gaussian(r, 0.2)
+                    * mtf::gaussian(r, 0.1);
                 let found = contrast(&optics(), um, f);
                 assert!((found - expected).abs() < 1e-12, "{um} um, {f:?}: {found} {expected}");
             }
             // Waves that do not fit into the window pass between those that do.
             let found = contrast(&optics(), um, [0.3, 0.0]);
-            let expected = mtf::mean(0.3, 1.0) * mtf::mean(0.3, 0.6) * mtf::diffraction(0.3 * um * 4.0 / 30.0)
-                * mtf::gaussian(0.3, 0.2) * mtf::gaussian(0.3, 0.1);
+            let expected = mtf::mean(0.3, 1.0)
+                * mtf::mean(0.3, 0.6)
+                * mtf::diffraction(0.3 * um * 4.0 / 30.0)
+                * mtf::gaussian(0.3, 0.2)
+                * mtf::gaussian(0.3, 0.1);
             assert!((found - expected).abs() < 1e-3, "{um} um: {found} {expected}");
         }
     }
@@ -251,8 +257,7 @@ mod tests {
         let spread = crate::instrument::PointSpread { samples: 33, values: (0..33 * 33).map(value).collect(), step_px };
         let optics = Optics { measured: Some(spread), ..Optics::default() };
         for f in [[0.25_f64, 0.0], [0.5, 0.5], [0.0, 0.75]] {
-            let expected =
-                mtf::gaussian(f[0].hypot(f[1]), sigma_px) * mtf::mean(f[0], 1.0) * mtf::mean(f[1], 1.0);
+            let expected = mtf::gaussian(f[0].hypot(f[1]), sigma_px) * mtf::mean(f[0], 1.0) * mtf::mean(f[1], 1.0);
             assert!((contrast(&optics, 1.0, f) - expected).abs() < 1e-6);
         }
     }
@@ -261,7 +266,8 @@ mod tests {
     fn any_size_is_taken() {
         for pixels in [[1, 1], [7, 1], [1, 13]] {
             for (subpixels, reach_px) in [(1, 1), (3, 2), (2, 5)] {
-                let blur = Blur::new(&Optics { subpixels, reach_px, gaussian_px: 0.4, ..Optics::default() }, 2.0, pixels);
+                let blur =
+                    Blur::new(&Optics { subpixels, reach_px, gaussian_px: 0.4, ..Optics::default() }, 2.0, pixels);
                 let [width, height] = blur.fine_size();
                 let means = blur.pixels(&vec![1.0; width * height]);
                 assert_eq!(means.len(), pixels[0] * pixels[1]);

@@ -409,7 +409,6 @@ impl<'a> Solved<'a> {
         let share = if ends[1] > ends[0] { (take.middle_s - ends[0]) / (ends[1] - ends[0]) } else { 0.0 };
         Ok(solve::between(then, [before, after], share))
     }
-
 }
 
 /// Adds to the account of a frame that was taken at once when and from where it was.

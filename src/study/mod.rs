@@ -14,6 +14,7 @@ pub mod locate;
 mod map_light;
 mod maps;
 mod observation;
+pub mod over_cube;
 mod partly_sky;
 mod plan;
 mod reading;
@@ -37,8 +38,8 @@ pub use effects::{Bound, Decision, Effect, OwnTolerance, StageShare, tell_instru
 pub use extremes::Extremes;
 pub use maps::{Fill, MapAccount, MapEntry, MapOptions, RegistrationEntry, observe_maps, observe_maps_by_slabs};
 pub use observation::{Check, Counts, Observation, Put};
-pub use reading::{BandSignal, GOOD, Reader, Reading};
 pub use plan::{Choice, Plan, Request, TOLERANCE, decide, left_out_of_table, plan, unheeded};
+pub use reading::{BandSignal, GOOD, Reader, Reading};
 pub use simulate::{observe, observe_by_slabs, observe_through, simulate};
 pub use summary::Summary;
 pub use surfaces::{

@@ -1,5 +1,7 @@
 //! A detector reads an image: numbers that are sent, the radiance they are taken for, and an account of signal and noise.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -64,6 +66,8 @@ pub struct BandSignal {
     pub saturated: u64,
 }
 
+/// Lines are read together up to this size of their numbers.
+const LINES_BYTES: usize = 64 << 20;
 /// A signal over noise that is asked for of instruments like these.
 pub const GOOD: f64 = 100.0;
 
@@ -79,7 +83,8 @@ impl Reader {
             Problem::new(Location::item(&format!("sensor.bands[{i}]")), message)
                 .with_help("give `sensor.bands.fwhm_um`, or `sensor.detector.width_um` for all of them")
         };
-        let problems: Vec<Problem> = bands.iter().enumerate().filter(|(_, b)| b.is_none()).map(problem).take(20).collect();
+        let problems: Vec<Problem> =
+            bands.iter().enumerate().filter(|(_, b)| b.is_none()).map(problem).take(20).collect();
         if !problems.is_empty() {
             return Err(Error::Invalid(problems));
         }
@@ -106,12 +111,26 @@ impl Reader {
         Ok(Reader { detector: detector.clone(), axes, readout, bands, account, snr })
     }
 
-    /// Reads a slab of radiance.
-    pub fn read(&mut self, slab: &Slab) -> Reading {
+    /// Reads a slab of radiance; `put` takes what comes of it, some lines at a time.
+    ///
+    /// # Errors
+    /// What `put` says.
+    pub fn read(&mut self, slab: &Slab, mut put: impl FnMut(Reading) -> Result<()>) -> Result<()> {
+        let step = (LINES_BYTES / (8 * self.axes.samples * slab.bands.len()).max(1)).max(1);
+        for start in (0..slab.lines.len()).step_by(step) {
+            let reading = self.read_lines(slab, start..slab.lines.len().min(start + step));
+            put(reading)?;
+        }
+        Ok(())
+    }
+
+    /// Reads some lines of a slab, counted from its first.
+    fn read_lines(&mut self, slab: &Slab, lines: Range<usize>) -> Reading {
         let Reader { detector, axes, readout, bands, .. } = &*self;
-        let (samples, lines, all_bands) = (axes.samples, slab.lines.len(), slab.bands.len());
-        let pixels = samples * lines;
-        let first = slab.lines.start * samples;
+        let (samples, all_bands) = (axes.samples, slab.bands.len());
+        let pixels = samples * lines.len();
+        let in_slab = lines.start * samples;
+        let first = slab.lines.start * samples + in_slab;
         // What a push-broom's slit is dispersed over is read anew for each line; other sensors have an element for each pixel.
         let element = |pixel: usize, band: usize| match readout {
             Readout::Line => (band * samples + pixel % samples) as u64,
@@ -123,7 +142,10 @@ impl Reader {
         };
         let dense = |_| Added::zeros((0..pixels).map(|_| true), all_bands);
         let [mut radiance, mut numbers] = [0, 1].map(dense);
-        let each = radiance.radiance.par_chunks_exact_mut(pixels.max(1)).zip(numbers.radiance.par_chunks_exact_mut(pixels.max(1)));
+        let each = radiance
+            .radiance
+            .par_chunks_exact_mut(pixels.max(1))
+            .zip(numbers.radiance.par_chunks_exact_mut(pixels.max(1)));
         let made: Vec<(BandSignal, Vec<f64>)> = each
             .enumerate()
             .map(|(i, (radiance, numbers))| {
@@ -132,8 +154,8 @@ impl Reader {
                 let mut sums = BandSignal { ..self.account[band] };
                 let mut snr = vec![0.0; pixels];
                 let noise_of = |pixel: usize| detector.noise((band * axes.samples * axes.lines + first + pixel) as u64);
-                slab.expand(0..pixels, i..i + 1, |pixel, _, value| {
-                    let light = value[0];
+                slab.expand(in_slab..in_slab + pixels, i..i + 1, |pixel, _, value| {
+                    let (pixel, light) = (pixel - in_slab, value[0]);
                     let element =
                         by_pixel.get(pixel).copied().unwrap_or_else(|| detector.element(element(pixel, band)));
                     let measured = counting.measure(light, element, noise_of(pixel));
@@ -162,7 +184,7 @@ impl Reader {
             }
         }
         let like = |added| Slab {
-            lines: slab.lines.clone(),
+            lines: slab.lines.start + lines.start..slab.lines.start + lines.end,
             bands: slab.bands.clone(),
             row_start: vec![0; pixels + 1],
             first_thermal_row: 0,

@@ -28,6 +28,11 @@ impl Seen<'_> {
     /// The image in slabs of lines, counted from 0, which `put` takes.
     pub(super) fn by_slabs(&self, put: &mut dyn FnMut(Slab) -> Result<()>, watch: Watch<'_>) -> Result<()> {
         let Some(first) = self.poses.first() else { return Ok(()) };
+        // Where light stays in its place, pixels have no parts.
+        let plain = Optics { subpixels: 1, reach_px: 1, ..self.optics.clone() };
+        if !self.optics.blurs() && self.optics.subpixels > 1 {
+            return Seen { optics: &plain, ..*self }.by_slabs(put, watch);
+        }
         let exposure = &first.exposure;
         let veil = self.veil(watch)?;
         let (lines, reach, parts) = (exposure.camera.lines, self.optics.reach_px, self.optics.subpixels as usize);

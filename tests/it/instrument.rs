@@ -140,7 +140,9 @@ fn a_detector_counts_what_it_should_and_as_noisily() {
 
 #[test]
 fn noise_is_the_same_bytes_at_any_thread_count_and_another_with_another_seed() {
-    let scratch = scratch(&format!("{DETECTOR}dead = 0.1\nsensitivity_sd = 0.01\n[sensor.optics]\ngaussian_px = 0.3\njitter_px = 0.1\n"));
+    let scratch = scratch(&format!(
+        "{DETECTOR}dead = 0.1\nsensitivity_sd = 0.01\n[sensor.optics]\ngaussian_px = 0.3\njitter_px = 0.1\n"
+    ));
     let one = simulate(&scratch, "one", &["--threads", "1"]);
     let two = simulate(&scratch, "two", &["--threads", "2"]);
     assert_eq!(one, two);
@@ -184,9 +186,21 @@ fn presets_have_optics_and_a_detector_unless_ideal() {
 fn what_is_wrong_is_said_where_it_is() {
     for (sensor, item, words) in [
         ("[sensor.detector]\nthroughput = 0.3\nstep_e = 5\n", "sensor.detector", "f_number"),
-        ("f_number = 4\npixel_um = 30\n[sensor.detector]\nthroughput = 0.3\nstep_e = 5\n", "sensor.detector", "exposure_s"),
-        ("f_number = 4\npixel_um = 30\nexposure_s = 1\n[sensor.detector]\nstep_e = 5\n", "sensor.detector", "throughput"),
-        ("f_number = 4\npixel_um = 30\nexposure_s = 1\n[sensor.detector]\nthroughput = 30\nstep_e = 5\n", "sensor.detector.throughput", "0.3"),
+        (
+            "f_number = 4\npixel_um = 30\n[sensor.detector]\nthroughput = 0.3\nstep_e = 5\n",
+            "sensor.detector",
+            "exposure_s",
+        ),
+        (
+            "f_number = 4\npixel_um = 30\nexposure_s = 1\n[sensor.detector]\nstep_e = 5\n",
+            "sensor.detector",
+            "throughput",
+        ),
+        (
+            "f_number = 4\npixel_um = 30\nexposure_s = 1\n[sensor.detector]\nthroughput = 30\nstep_e = 5\n",
+            "sensor.detector.throughput",
+            "0.3",
+        ),
         ("[sensor.optics]\ngaussian_px = 0.2\ngaussian_mtf_nyquist = 0.5\n", "gaussian_mtf_nyquist", "one of them"),
         ("[sensor.optics]\ngaussian_px = -1\n", "sensor.optics.gaussian_px", "-1"),
         ("[sensor.optics]\nstray = 1.0\n", "sensor.optics.stray", "1"),
@@ -211,4 +225,73 @@ fn what_is_wrong_is_said_where_it_is() {
     assert!(code != 0 && err.contains("--ideal"), "{err}");
     let (code, _, err) = run(&["simulate", &scratch.argument("scene.toml"), "-o", &out, "--split", "--ideal"]);
     assert_eq!(code, 0, "{err}");
+}
+
+#[test]
+fn a_cube_is_read_as_its_scene_would_be() {
+    let scratch = scratch("");
+    let ideal = simulate(&scratch, "ideal", &[]);
+    let (cube, file, out) =
+        (scratch.argument("ideal/cube.img"), scratch.argument("instrument.toml"), scratch.argument("out"));
+    scratch.write("instrument.toml", format!("mmxrt_instrument = 1\n{}", DETECTOR.replace("[sensor.", "[")));
+    let read = |more: &[&str]| {
+        run(&[&["instrument", cube.as_str(), "--instrument", file.as_str(), "-o", out.as_str()], more].concat())
+    };
+    let (code, _, err) = read(&[]);
+    assert_eq!(code, 0, "{err}");
+    // The same detector in the scene sends the same numbers: noise belongs to places.
+    let in_scene = self::scratch(DETECTOR);
+    simulate(&in_scene, "out", &[]);
+    let sent = |scratch: &Scratch| std::fs::read(scratch.join("out/dn.img")).unwrap();
+    assert_eq!(sent(&scratch), sent(&in_scene));
+    // Optics blur means of pixels if that is said to be good enough.
+    scratch.write("instrument.toml", "mmxrt_instrument = 1\n[optics]\ngaussian_px = 0.45\n");
+    let (code, _, err) = read(&["--force"]);
+    assert!(code != 0 && err.contains("--approximate"), "{err}");
+    let (code, _, err) = read(&["--force", "--approximate"]);
+    assert!(code == 0 && err.contains("approximation"), "{err}");
+    let bytes = std::fs::read(scratch.join("out/cube.img")).unwrap();
+    let blurred: Vec<f64> =
+        bytes.chunks_exact(4).map(|b| f64::from(f32::from_le_bytes(b.try_into().unwrap()))).collect();
+    assert!(!scratch.join("out/dn.img").exists());
+    let sum = |cube: &[f64]| cube[..192].iter().sum::<f64>();
+    assert!((sum(&blurred) / sum(&ideal) - 1.0).abs() < 1e-6);
+    // What has no wavelengths, is no radiance, or says nothing.
+    for (text, words) in [
+        ("mmxrt_instrument = 1\n", "optics"),
+        ("mmxrt_instrument = 1\npreset = \"mirs\"\n", "exposure_s"),
+        ("mmxrt_instrument = 2\n", "mmxrt_instrument"),
+        ("mmxrt_instrument = 1\n[detector]\nthroughput = 0.5\n", "f_number"),
+    ] {
+        scratch.write("instrument.toml", text);
+        let (code, _, err) = read(&["--force", "--approximate"]);
+        assert!(code != 0 && err.contains(words), "{text}: {err}");
+    }
+    scratch.write("instrument.toml", "mmxrt_instrument = 1\npreset = \"macromega\"\n");
+    let planes = scratch.argument("ideal/backplanes.img");
+    let (code, _, err) = run(&["instrument", &planes, "--instrument", &file, "-o", &out, "--force", "--approximate"]);
+    assert!(code != 0 && err.contains("wavelength"), "{err}");
+}
+
+/// A push-broom without motion along its way takes the same line again and again; through optics, and without, what it takes is the frame's.
+#[test]
+fn a_push_broom_sees_through_optics_what_a_frame_does() {
+    let scene = |sensor: &str| {
+        let text = replaced(
+            crate::flight_scene::FLYING,
+            &[("samples = 8\nlines = 8\nifov_mrad = 1.0\nbands = { centres_um = [1.0, 2.0, 3.0] }", sensor)],
+        );
+        let scratch = Scratch::new();
+        scratch.write("scene.toml", text);
+        scratch
+    };
+    let optics = "[sensor.optics]\ngaussian_px = 0.6\n";
+    let sensor = "samples = 9\nlines = 1\nifov_mrad = 4.0\nbands = { centres_um = [1.0, 2.0] }\n";
+    let frame = scene(&format!("{sensor}exposure_s = 1.0\n{optics}"));
+    let broom = scene(&format!("{sensor}kind = \"push_broom\"\nperiod_s = 1.0\n{optics}"));
+    let (frame, broom) = (simulate(&frame, "out", &[]), simulate(&broom, "out", &[]));
+    assert_eq!(frame.len(), 18);
+    for (a, b) in frame.iter().zip(&broom) {
+        assert!((a - b).abs() <= 1e-9 * a.abs(), "{a} {b}");
+    }
 }

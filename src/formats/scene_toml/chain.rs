@@ -118,9 +118,21 @@ pub(crate) struct WarmToml {
     pub(crate) to_um: f64,
 }
 
+/// What a file says of an instrument.
+pub(in crate::formats) struct Said<'t> {
+    /// What its keys begin with.
+    pub(in crate::formats) at: &'static str,
+    pub(in crate::formats) preset: Option<Preset>,
+    pub(in crate::formats) f_number: Option<f64>,
+    pub(in crate::formats) pixel_um: Option<f64>,
+    pub(in crate::formats) exposure_s: Option<f64>,
+    pub(in crate::formats) optics: Option<&'t OpticsToml>,
+    pub(in crate::formats) detector: Option<&'t DetectorToml>,
+}
+
 impl TomlReader<'_> {
-    /// What the instrument does, if it does anything: what the text says, over what is known of a preset.
-    pub(super) fn chain(&mut self, toml: &SensorToml, timing: Option<Timing>) -> Option<Chain> {
+    /// What a scene's instrument does, if it does anything.
+    pub(super) fn sensor_chain(&mut self, toml: &SensorToml, timing: Option<Timing>) -> Option<Chain> {
         if toml.ideal == Some(true) {
             for (key, given) in [("optics", toml.optics.is_some()), ("detector", toml.detector.is_some())] {
                 if given {
@@ -129,29 +141,42 @@ impl TomlReader<'_> {
             }
             return None;
         }
-        let preset = toml.preset.map(Preset::instrument);
-        if let Some(instrument) = preset.filter(|_| toml.optics.is_none() && toml.detector.is_none()) {
+        self.chain(&Said {
+            at: "sensor.",
+            preset: toml.preset,
+            f_number: toml.f_number,
+            pixel_um: toml.pixel_um,
+            exposure_s: timing.map(|timing| timing.exposure_s).filter(|s| *s > 0.0),
+            optics: toml.optics.as_ref(),
+            detector: toml.detector.as_ref(),
+        })
+    }
+
+    /// What an instrument does, if it does anything: what the text says, over what is known of a preset.
+    pub(in crate::formats) fn chain(&mut self, said: &Said<'_>) -> Option<Chain> {
+        let at = said.at;
+        let preset = said.preset.map(Preset::instrument);
+        if let Some(instrument) = preset.filter(|_| said.optics.is_none() && said.detector.is_none()) {
             let message = format!("those of {}: {}", instrument.name, instrument.chain_told());
-            self.stated("sensor.optics, sensor.detector", message);
+            self.stated(&format!("{at}optics, {at}detector"), message);
         }
-        let f_number = toml.f_number.or(preset.map(|of| of.f_number));
-        let pixel_um = toml.pixel_um.or(preset.map(|of| of.pixel_um));
+        let f_number = said.f_number.or(preset.map(|of| of.f_number));
+        let pixel_um = said.pixel_um.or(preset.map(|of| of.pixel_um));
         let lens = f_number.zip(pixel_um).map(|(f_number, pixel_um)| Lens { f_number, pixel_um });
-        let optics = match (&toml.optics, preset) {
-            (Some(optics), _) => Some(self.blurring(optics, lens)?),
+        let optics = match (said.optics, preset) {
+            (Some(optics), _) => Some(self.blurring(at, optics, lens)?),
             (None, preset) => preset.map(|of| of.optics(lens)),
         };
-        let detector = match (&toml.detector, preset) {
+        let detector = match (said.detector, preset) {
             (None, None) => None,
             (given, _) => {
-                let exposure_s = timing.map(|timing| timing.exposure_s).filter(|s| *s > 0.0);
-                let exposure_s = exposure_s.or(preset.and_then(|of| of.period_s));
-                Some(self.counting(given.as_ref(), preset.map(|of| of.detector()), lens, exposure_s)?)
+                let exposure_s = said.exposure_s.or(preset.and_then(|of| of.period_s));
+                Some(self.counting(at, given, preset.map(|of| of.detector()), lens.zip(exposure_s))?)
             }
         };
         let problems = [
-            optics.as_ref().map(|optics| optics.problems("sensor.optics")),
-            detector.as_ref().map(|detector| detector.problems("sensor.detector")),
+            optics.as_ref().map(|optics| optics.problems(&format!("{at}optics"))),
+            detector.as_ref().map(|detector| detector.problems(&format!("{at}detector"))),
         ];
         for problem in problems.into_iter().flatten().flatten() {
             let item = problem.at.item.clone().unwrap_or_default();
@@ -161,18 +186,21 @@ impl TomlReader<'_> {
         (!chain.is_ideal()).then_some(chain)
     }
 
-    fn blurring(&mut self, toml: &OpticsToml, lens: Option<Lens>) -> Option<Optics> {
+    fn blurring(&mut self, at: &str, toml: &OpticsToml, lens: Option<Lens>) -> Option<Optics> {
         if toml.diffraction == Some(true) && lens.is_none() {
-            self.problem("sensor.optics.diffraction", "needs `sensor.f_number` and `sensor.pixel_um`");
+            self.problem(&format!("{at}optics.diffraction"), format!("needs `{at}f_number` and `{at}pixel_um`"));
             return None;
         }
         if toml.gaussian_px.is_some() && toml.gaussian_mtf_nyquist.is_some() {
-            self.problem("sensor.optics.gaussian_mtf_nyquist", "does not go with `gaussian_px`: give one of them");
+            self.problem(
+                &format!("{at}optics.gaussian_mtf_nyquist"),
+                "does not go with `gaussian_px`: give one of them",
+            );
             return None;
         }
         let plain = Optics::default();
         let measured = match &toml.point_spread {
-            Some(spread) => Some(self.point_spread(spread)?),
+            Some(spread) => Some(self.point_spread(&format!("{at}optics.point_spread.file"), spread)?),
             None => None,
         };
         Some(Optics {
@@ -187,8 +215,7 @@ impl TomlReader<'_> {
         })
     }
 
-    fn point_spread(&mut self, toml: &PointSpreadToml) -> Option<PointSpread> {
-        let item = "sensor.optics.point_spread.file";
+    fn point_spread(&mut self, item: &str, toml: &PointSpreadToml) -> Option<PointSpread> {
         let path = self.path(&toml.file);
         let mut raster = self.taken(item, registry::image(&path))?;
         if raster.take_image(None).is_err() || raster.bands.len() != 1 {
@@ -208,33 +235,35 @@ impl TomlReader<'_> {
 
     fn counting(
         &mut self,
+        at: &str,
         toml: Option<&DetectorToml>,
         preset: Option<Detector>,
-        lens: Option<Lens>,
-        exposure_s: Option<f64>,
+        light: Option<(Lens, f64)>,
     ) -> Option<Detector> {
         let none = DetectorToml::default();
         let toml = toml.unwrap_or(&none);
-        let Some(lens) = lens else {
-            self.problem("sensor.detector", "needs `sensor.f_number` and `sensor.pixel_um`");
-            return None;
-        };
-        let Some(exposure_s) = exposure_s else {
-            self.problem("sensor.detector", "needs `sensor.exposure_s`: for how long light is gathered");
+        let Some((lens, exposure_s)) = light else {
+            self.problem(
+                &format!("{at}detector"),
+                format!("needs `{at}f_number`, `{at}pixel_um` and `{at}exposure_s`: how much light it gets"),
+            );
             return None;
         };
         let throughput = match (&toml.throughput, &preset) {
-            (Some(values), _) => {
-                self.fraction_spectrum("sensor.detector.throughput", values, Quantity::Reflectance, Extend::Error)
-            }
+            (Some(values), _) => self.fraction_spectrum(
+                &format!("{at}detector.throughput"),
+                values,
+                Quantity::Reflectance,
+                Extend::Error,
+            ),
             (None, Some(preset)) => Some(preset.throughput.clone()),
             (None, None) => {
-                self.problem("sensor.detector", "`throughput` is missing: electrons per photon that enters");
+                self.problem(&format!("{at}detector"), "`throughput` is missing: electrons per photon that enters");
                 None
             }
         };
         let Some(step_e) = toml.step_e.or(preset.as_ref().map(|of| of.step_e)) else {
-            self.problem("sensor.detector", "`step_e` is missing: electrons of one step of what is sent");
+            self.problem(&format!("{at}detector"), "`step_e` is missing: electrons of one step of what is sent");
             return None;
         };
         let of_preset = |value: fn(&Detector) -> f64| preset.as_ref().map_or(0.0, value);
@@ -244,7 +273,7 @@ impl TomlReader<'_> {
             Some(BackgroundToml::Warm(WarmToml { temperature_k, emissivity, to_um })) => {
                 let etendue_m2_sr = signal::etendue_m2_sr(lens.pixel_um * 1e-6, lens.f_number);
                 let e_s = signal::background_electrons_s(*temperature_k, *emissivity, etendue_m2_sr, *to_um);
-                self.stated("sensor.detector.background", format!("{} electrons per second", number(e_s)));
+                self.stated(&format!("{at}detector.background"), format!("{} electrons per second", number(e_s)));
                 e_s
             }
         };
@@ -300,7 +329,14 @@ impl super::instruments::Instrument {
         format!(
             "f/{}, pixels of {} um, a Gaussian that passes {} at Nyquist, throughput {}, {} dark electrons a second, {} read, {} a step, {} bits: assumed but for the pixels; \
              `ideal = true` leaves them out",
-            self.f_number, self.pixel_um, self.gaussian_mtf_nyquist, self.throughput, self.dark_e_s, self.read_e, self.step_e, self.bits
+            self.f_number,
+            self.pixel_um,
+            self.gaussian_mtf_nyquist,
+            self.throughput,
+            self.dark_e_s,
+            self.read_e,
+            self.step_e,
+            self.bits
         )
     }
 }

@@ -7,7 +7,7 @@ mod angles;
 mod atlas;
 mod attitude;
 mod bodies;
-mod chain;
+pub(super) mod chain;
 mod flight;
 mod instruments;
 pub(super) mod format;
@@ -290,7 +290,7 @@ impl TomlReader<'_> {
             self.suspect_scale(&toml.mesh, mesh, &exposure.camera);
         }
         let textures = self.textures(toml, &dictionary.names, mesh.as_ref());
-        self.chain = self.chain(&toml.sensor, timing);
+        self.chain = self.sensor_chain(&toml.sensor, timing);
         self.motion = flies.flatten().map(|(motion, _)| motion).zip(timing);
         Some(SceneParts {
             surface: Surface { origin_m: self.origin_m, mesh: mesh?, materials: dictionary.materials?, textures },
@@ -346,6 +346,13 @@ impl TomlReader<'_> {
         };
         self.problems.push(Problem::new(at, message));
         self.problems.last_mut().expect("one was pushed")
+    }
+
+    /// Reports a problem if none has been.
+    pub(super) fn unless_told(&mut self, item: &str, message: &str) {
+        if self.problems.is_empty() {
+            self.problem(item, message);
+        }
     }
 
     pub(super) fn helped(&mut self, item: &str, message: impl Into<String>, help: impl Into<String>) {

@@ -25,10 +25,12 @@ pub fn tell_instrument(effects: &mut [Effect], chain: &Chain) {
         let veil = if optics.stray > 0.0 { " and scatter" } else { "" };
         format!("optics that blur{veil}, on parts of 1/{} of a pixel", optics.subpixels)
     });
-    let detector = chain.detector.as_ref().map(|detector| format!("a detector of {} bits, seed {}", detector.bits, detector.seed));
+    let detector =
+        chain.detector.as_ref().map(|detector| format!("a detector of {} bits, seed {}", detector.bits, detector.seed));
     let told: Vec<String> = optics.into_iter().chain(detector).collect();
     effect.decision = Decision::Kept;
     effect.step = Some("study::Reader".to_owned());
     effect.note = told.join("; ");
-    effect.because = "the scene's sensor has it; how much it changes is not a bound but a noise: `signal` says it".to_owned();
+    effect.because =
+        "the scene's sensor has it; how much it changes is not a bound but a noise: `signal` says it".to_owned();
 }

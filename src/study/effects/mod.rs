@@ -34,9 +34,9 @@ use crate::scene::{Fixed, Models, SunModel};
 use crate::spectral::Light;
 
 pub use bound::Bound;
-pub use instrument::tell_instrument;
 pub(super) use eclipse::{by_globes, whose};
 pub(super) use given::{Given, mars_seen};
+pub use instrument::tell_instrument;
 
 /// All effects, in the order of the report.
 pub(super) const ALL: [EffectKind; 18] = [

@@ -1,0 +1,119 @@
+//! A cube of radiance becomes what an instrument would have made of it.
+
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Location, Problem, Result};
+use crate::formats::envi::{EnviCube, Interleave, Precision};
+use crate::formats::folder::Staged;
+use crate::formats::instrument_toml::InstrumentFile;
+use crate::formats::registry;
+use crate::formats::report_json::{self, InstrumentReport, Run, SignalEntry};
+use crate::instrument::Chain;
+use crate::product::{CubeAxes, Quantity};
+use crate::progress::{Watch, tell};
+use crate::scene::Readout;
+use crate::spectral::Band;
+use crate::study::{Reader, Reading, over_cube};
+
+/// What is asked for.
+#[derive(Debug, Clone)]
+pub struct Asked {
+    /// The cube: radiance, W m-2 sr-1 um-1, with wavelengths.
+    pub cube: PathBuf,
+    /// What is made of it.
+    pub instrument: InstrumentFile,
+    /// Whether optics may blur means of pixels, which is an approximation.
+    pub approximate: bool,
+    /// Whether lines of the cube are read by the same elements, as of a push-broom.
+    pub by_line: bool,
+}
+
+/// Makes of a cube what an instrument would, and writes it into a folder: `cube.img`, of a detector `dn.img`, and reports; `run` is asked at the end what `run.json` is
+/// to say.
+///
+/// # Errors
+/// [`Error::Invalid`] if the cube has no wavelengths, or is no radiance; if optics blur and no approximation is wanted; [`Error::Io`]; [`Error::Interrupted`].
+pub fn instrument(
+    asked: &Asked,
+    (folder, replace): (&Path, bool),
+    run: impl FnOnce() -> Run,
+    watch: Watch<'_>,
+) -> Result<InstrumentReport> {
+    let Chain { optics, detector } = &asked.instrument.chain;
+    let remark = over_cube::remark(&asked.instrument.chain);
+    if remark.is_some() && !asked.approximate {
+        let problem = Problem::new(
+            Location::file(&asked.cube),
+            "optics blur what lies within pixels, which their means do not hold",
+        )
+        .with_help("take `simulate` with these optics in the scene; or say --approximate, to blur means of pixels");
+        return Err(Error::Invalid(vec![problem]));
+    }
+    let staged = Staged::folder(folder, replace)?;
+    let mut raster = registry::image(&asked.cube)?;
+    let is_radiance = raster.unit.as_deref().is_none_or(|unit| unit == Quantity::Radiance.unit());
+    let centres: Option<Vec<Band>> = raster
+        .bands
+        .iter()
+        .map(|band| Some(Band { name: band.name.clone(), ..Band::new(band.centre_um?, band.fwhm_um) }))
+        .collect();
+    let problem = |message: String| Err(Error::invalid(Location::file(&asked.cube), message));
+    let Some(bands) = centres else { return problem("has bands without a wavelength".to_owned()) };
+    if !is_radiance {
+        let unit = raster.unit.clone().unwrap_or_default();
+        return problem(format!("is in {unit}: radiance in {} is wanted", Quantity::Radiance.unit()));
+    }
+    let inputs = raster.inputs()?;
+    let all = inputs.iter().chain(&asked.instrument.inputs).map(|input| input.path.as_path());
+    staged.spares(all)?;
+    let axes = CubeAxes { samples: raster.columns, lines: raster.rows, bands, quantity: Quantity::Radiance };
+    let readout = if asked.by_line { Readout::Line } else { Readout::Frame };
+    let mut reader = detector.as_ref().map(|detector| Reader::new(detector, axes.clone(), readout)).transpose()?;
+    let create = |name: &str, axes: CubeAxes, precision| {
+        let title = format!("{} by mmxrt {}", axes.quantity.title(), env!("CARGO_PKG_VERSION"));
+        EnviCube::create(&staged.path().join(name), axes, Interleave::Bsq, precision, &title)
+    };
+    let write = || -> Result<InstrumentReport> {
+        let mut cube = create("cube.img", axes.clone(), Precision::F32)?;
+        let sent = CubeAxes { quantity: Quantity::Counts, ..axes.clone() };
+        let wide = detector.as_ref().is_some_and(|detector| detector.bits > 16);
+        let precision = if wide { Precision::U32 } else { Precision::U16 };
+        let mut numbers = detector.as_ref().map(|_| create("dn.img", sent, precision)).transpose()?;
+        let (mut values, quiet) = (Vec::new(), crate::progress::unwatched);
+        for (i, band) in axes.bands.iter().enumerate() {
+            tell(watch, "bands", i as u64, axes.bands.len() as u64)?;
+            raster.read(i, &mut values)?;
+            let through = match optics {
+                Some(optics) => over_cube::blurred(optics, band.centre_um, &values, [axes.samples, axes.lines]),
+                None => values.clone(),
+            };
+            let slab = over_cube::slab_of_band(&axes, i, through);
+            match (&mut reader, &mut numbers) {
+                (Some(reader), Some(file)) => reader.read(&slab, |Reading { radiance, numbers }| {
+                    file.put(&numbers, &quiet)?;
+                    cube.put(&radiance, &quiet)
+                })?,
+                _ => cube.put(&slab, &quiet)?,
+            }
+        }
+        cube.end()?;
+        numbers.map_or(Ok(()), EnviCube::end)?;
+        let signal = reader
+            .as_ref()
+            .map(|reader| SignalEntry { dead_elements: reader.dead_elements(), bands: reader.account() });
+        let inputs = inputs.iter().chain(&asked.instrument.inputs).map(report_json::Input::from).collect();
+        let report = InstrumentReport {
+            format_version: report_json::FORMAT_VERSION,
+            mmxrt: env!("CARGO_PKG_VERSION").to_owned(),
+            inputs,
+            signal,
+            warnings: asked.instrument.notes.iter().cloned().chain(remark.clone()).collect(),
+        };
+        report_json::write(&staged.path().join("report.json"), &report)?;
+        report_json::write(&staged.path().join("run.json"), &run())?;
+        Ok(report)
+    };
+    let report = write().map_err(|e| staged.named(e))?;
+    staged.commit()?;
+    Ok(report)
+}

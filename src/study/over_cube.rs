@@ -1,0 +1,51 @@
+//! An instrument over a cube of pixels' means, instead of over a scene: optics blur whole pixels, for want of anything finer.
+
+use crate::instrument::{Blur, Chain, Optics};
+use crate::product::{Added, CubeAxes, Slab};
+
+/// A band of a cube, line by line, as the optics of an instrument let it through: means of pixels are taken for light that is even within a pixel, and what lies beyond the border for what
+/// lies at it. NaN, which is no light, is taken for none, and stays NaN.
+pub fn blurred(optics: &Optics, lambda_um: f64, values: &[f64], size: [usize; 2]) -> Vec<f64> {
+    let [samples, lines] = size;
+    let light: Vec<f64> = values.iter().map(|value| if value.is_finite() { *value } else { 0.0 }).collect();
+    let mean = light.iter().sum::<f64>() / light.len().max(1) as f64;
+    let whole = Optics { subpixels: 1, ..optics.clone() };
+    let spread = if optics.blurs() {
+        let blur = Blur::new(&whole, lambda_um, size);
+        let [width, height] = blur.fine_size();
+        let reach = optics.reach_px as usize;
+        let at = |i: usize, reach: usize, count: usize| i.saturating_sub(reach).min(count - 1);
+        let fine: Vec<f64> = (0..width * height)
+            .map(|i| light[at(i / width, reach, lines) * samples + at(i % width, reach, samples)])
+            .collect();
+        blur.pixels(&fine)
+    } else {
+        light
+    };
+    let veiled = |value: f64| value + optics.stray * (mean - value);
+    spread.into_iter().zip(values).map(|(to, from)| if from.is_nan() { f64::NAN } else { veiled(to) }).collect()
+}
+
+/// A band of a cube as a slab of it.
+pub fn slab_of_band(axes: &CubeAxes, band: usize, values: Vec<f64>) -> Slab {
+    let pixels = axes.samples * axes.lines;
+    let mut added = Added::zeros((0..pixels).map(|_| true), 1);
+    added.radiance = values;
+    Slab {
+        lines: 0..axes.lines,
+        bands: band..band + 1,
+        row_start: vec![0; pixels + 1],
+        first_thermal_row: 0,
+        added,
+        ..Slab::default()
+    }
+}
+
+/// What a reader of such a cube should know.
+pub fn remark(chain: &Chain) -> Option<String> {
+    chain.optics.as_ref().filter(|optics| optics.blurs()).map(|_| {
+        "an approximation: the optics blur means of pixels, which hold no detail below a pixel; waves near and above half a cycle per pixel pass otherwise than they should. \
+         `simulate` with these optics in the scene blurs before the means are taken"
+            .to_owned()
+    })
+}
