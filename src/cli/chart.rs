@@ -36,6 +36,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     super::settle(&arguments.output, console)?;
     let folder = ChartFolder::stage(&arguments.output, arguments.force)?;
     let subject = Subject::open(scene, &watch)?;
+    subject.one_moment().iter().for_each(|said| console.note(&format!("warning: {said}")));
     let threads = rayon::current_num_threads();
     let timed = format!("CPU times of this machine, {threads} {}.", if threads == 1 { "thread" } else { "threads" });
     let render = |path: &Path| arguments.mitsuba.as_deref().map_or(Ok(()), |python| render(python, path, console));

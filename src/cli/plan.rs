@@ -98,6 +98,7 @@ fn text(outlook: &Outlook, plan: &Plan, explain: bool) -> String {
         size(outlook.dry_run.memory_bytes),
         size(outlook.dry_run.product_bytes),
     ));
+    lines.extend(plan.moving.iter().cloned());
     lines.extend(plan.coarser.as_ref().map(|mesh| about_mesh(mesh, plan)));
     if !explain {
         lines.push("how each bound comes about: --explain".to_owned());

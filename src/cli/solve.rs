@@ -37,6 +37,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     product::say_defaults(&subject, console);
     let tell = |warnings: &[String]| warnings.iter().for_each(|warning| console.note(&format!("warning: {warning}")));
     tell(&subject.warnings);
+    tell(subject.one_moment().as_slice());
     let told = subject.warnings.len();
     let table = job::solve(&mut subject, &arguments.request.request(), files, &watch)?;
     tell(&subject.warnings[told..]);

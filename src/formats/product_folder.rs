@@ -238,6 +238,9 @@ impl OpenProduct {
         if let Some(chain) = &product.subject.chain {
             study::tell_instrument(&mut product.observation.effects, chain);
         }
+        if let Some((motion, _)) = &product.subject.motion {
+            study::tell_correction(&mut product.observation.effects, motion.correction);
+        }
         let product = product;
         let write = || {
             cube.end()?;

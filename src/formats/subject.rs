@@ -64,6 +64,16 @@ impl Subject {
         Ok(file.into())
     }
 
+    /// Of a scene that is taken in parts, of which of them something that knows one moment alone is.
+    pub fn one_moment(&self) -> Option<String> {
+        let (_, timing) = self.motion.as_ref()?;
+        let (count, reference) = (timing.count(&self.scene.exposure), timing.reference(&self.scene.exposure));
+        (count > 1).then(|| {
+            let middle_s = timing.middle_s(reference);
+            format!("the scene moves, and is taken in {count} parts: this is of the middle of part {}, {middle_s} s after the start", reference + 1)
+        })
+    }
+
     /// Reads a table of the facets of this scene, which from then on is by the models that the table was solved by.
     ///
     /// # Errors

@@ -65,7 +65,7 @@ fn outlook(subject: Subject, extremes: &Extremes, plan: &Plan, simulable: Result
         tight("memory", dry_run.memory_bytes, free_memory_bytes),
         tight("the disk of the current folder", dry_run.product_bytes, free_disk_bytes),
     ];
-    let told = subject.warnings.iter().chain(&dry_run.warnings).cloned();
+    let told = subject.warnings.iter().chain(&plan.moving).chain(&dry_run.warnings).cloned();
     let warnings = told.chain(shortages.into_iter().flatten()).collect();
     Outlook { subject, dry_run, free_memory_bytes, free_disk_bytes, warnings, error }
 }

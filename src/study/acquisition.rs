@@ -411,6 +411,21 @@ impl<'a> Solved<'a> {
     }
 }
 
+/// What is known before of how a scene is taken: by how much it moves during an exposure, and what moment other commands take for all of it.
+pub fn foreseen(moving: Moving<'_>, tolerance: f64) -> Vec<String> {
+    let Moving { scene, timing, .. } = moving;
+    let count = timing.count(&scene.exposure);
+    let parts = (count > 1).then(|| {
+        let reference = timing.reference(&scene.exposure);
+        format!(
+            "the image is taken in {count} parts over {:.1} s: bounds, and what is said of the scene, are of the middle of part {}",
+            timing.duration_s(&scene.exposure),
+            reference + 1
+        )
+    });
+    parts.into_iter().chain(moving.remarks(None, tolerance)).collect()
+}
+
 /// Adds to the account of a frame that was taken at once when and from where it was.
 pub fn tell_exposure(moving: Moving<'_>, tolerance: f64, observation: &mut Observation<()>) {
     let Moving { scene, timing, .. } = moving;

@@ -30,11 +30,11 @@ mod through_optics;
 pub mod validate;
 mod warnings;
 
-pub use acquisition::{Moving, acquire_by_slabs, tell_exposure};
+pub use acquisition::{Moving, acquire_by_slabs, foreseen, tell_exposure};
 pub use coarser::Coarser;
 pub use cost::{WITHIN, has_room, memory_bytes, product_bytes};
 pub use dry_run::{DryRun, dry_run};
-pub use effects::{Bound, Decision, Effect, OwnTolerance, StageShare, tell_instrument};
+pub use effects::{Bound, Decision, Effect, OwnTolerance, StageShare, tell_correction, tell_instrument};
 pub use extremes::Extremes;
 pub use maps::{Fill, MapAccount, MapEntry, MapOptions, RegistrationEntry, observe_maps, observe_maps_by_slabs};
 pub use observation::{Check, Counts, Observation, Put};

@@ -105,6 +105,9 @@ pub struct Plan {
     /// Where the mesh is far finer than pixels: one that would do.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coarser: Option<Coarser>,
+    /// What is said of a scene that moves: how much during an exposure, and what stands for it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub moving: Vec<String>,
     /// Each effect. Bounds are of before the image was made.
     pub effects: Vec<Effect>,
 }
@@ -245,6 +248,7 @@ pub(super) fn account(scene: &Scene, given: &Given, request: &Request) -> Plan {
         remaining: sum(Decision::Kept, &|effect| effect.remaining.or(effect.bound.map(|_| Bound::NOTHING))),
         cpu_s: 0.0,
         coarser: None,
+        moving: vec![],
         effects,
     };
     plan.cpu_s = cost::cpu_s(scene, &Workload::of(scene, given.extremes)) + plan.cost_s();

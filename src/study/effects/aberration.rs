@@ -1,6 +1,7 @@
 //! Where things are seen, and where they are.
 
-use super::{EffectKind, Finding, Given};
+use super::{Decision, Effect, EffectKind, Finding, Given};
+use crate::flight::Correction;
 
 /// Stellar aberration at Mars: its largest orbital speed and Phobos' own, 28.6 km/s, over that of light; rad.
 const ABERRATION_RAD: f64 = 9.6e-5;
@@ -14,6 +15,21 @@ pub(super) const KIND: EffectKind = EffectKind {
     switch: None,
     find,
 };
+
+/// Says of a scene whose places are from flight dynamics that they are apparent ones, if they are.
+pub fn tell_correction(effects: &mut [Effect], correction: Correction) {
+    let what = match correction {
+        Correction::None => return,
+        Correction::LightTime => {
+            "bodies are where their light left them; their directions are not turned by the motion of the surface"
+        }
+        Correction::LightTimeAndAberration => "bodies are where they appear: light time and aberration",
+    };
+    let Some(effect) = effects.iter_mut().find(|effect| effect.key == KIND.key) else { return };
+    effect.decision = Decision::Kept;
+    effect.step = Some("flight::Almanac::apparent".to_owned());
+    effect.note = what.to_owned();
+}
 
 fn find(given: &Given) -> Finding {
     let (ray_m, pixel_m) = (given.throw_m(), given.pixel_m());

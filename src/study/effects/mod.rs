@@ -33,6 +33,7 @@ use crate::product::{FacetTable, Sampling};
 use crate::scene::{Fixed, Models, SunModel};
 use crate::spectral::Light;
 
+pub use aberration::tell_correction;
 pub use bound::Bound;
 pub(super) use eclipse::{by_globes, whose};
 pub(super) use given::{Given, mars_seen};
