@@ -8,7 +8,7 @@ use mmxrt::formats::convert::{self, Content};
 use mmxrt::formats::dart::output;
 use mmxrt::formats::located::Document;
 use mmxrt::formats::mtl::{self, ObjMaterial};
-use mmxrt::formats::report_json::{self, FORMAT_VERSION, ProductReport, Run};
+use mmxrt::formats::report_json::{self, FORMAT_VERSION, InstrumentReport, ProductReport, Run};
 use mmxrt::formats::spectrum_csv::{self, Quantity};
 use mmxrt::formats::{
     envi, ephemeris, exr_cube, gltf, npz, obj, pixel, product_folder, radiance_map, recipe_toml, registry, spice,
@@ -496,7 +496,11 @@ fn report(path: &Path) -> Result<Facts> {
     }
     // Older versions have effects of another form.
     if value["format_version"].as_u64().is_none_or(|version| version >= u64::from(FORMAT_VERSION)) {
-        report_json::read::<ProductReport>(path)?;
+        // Of a cube that an instrument was put over there is no scene to tell of.
+        match value.get("scene").or(value.get("image")) {
+            Some(_) => _ = report_json::read::<ProductReport>(path)?,
+            None => _ = report_json::read::<InstrumentReport>(path)?,
+        }
     }
     let all = [
         "mmxrt",
@@ -508,6 +512,7 @@ fn report(path: &Path) -> Result<Facts> {
         "effects",
         "surfaces",
         "checks",
+        "signal",
         "defaults",
         "warnings",
         "statistics",

@@ -69,7 +69,9 @@ const MOST: u32 = 64;
 /// The largest length that blurs, pixels.
 const MOST_PX: f64 = 16.0;
 /// The most values of a measured point spread.
-const MOST_VALUES: usize = 1 << 20;
+const MOST_VALUES: usize = 1 << 16;
+/// The kernel reaches no farther, parts of pixels.
+const MOST_PARTS: u32 = 512;
 
 impl Optics {
     /// What passes of a wave of so many cycles per pixel along a line and across, before the detector's area: 1 is all of it.
@@ -111,6 +113,10 @@ impl Optics {
             if !(1..=MOST).contains(&number) {
                 problem(key, format!("{number} is not from 1 to {MOST}"));
             }
+        }
+        if self.subpixels.saturating_mul(self.reach_px) > MOST_PARTS {
+            let message = format!("{} x {} parts of pixels are more than {MOST_PARTS}", self.subpixels, self.reach_px);
+            problem("reach_px", message);
         }
         if let Some(lens) = self.lens {
             for (key, value) in [("f_number", lens.f_number), ("pixel_um", lens.pixel_um)] {

@@ -26,8 +26,8 @@ distance_au = 1.5
 [thermal]
 model = "off"
 [observer]
-position_m = [0.0, 0.0, 1000.0]
-target_m = [0.0, 0.0, 0.0]
+position_m = [0.0, 0.0, 2000.0]
+target_m = [0.0, 0.0, 1000.0]
 up = [0.0, 1.0, 0.0]
 [sensor]
 samples = 16
@@ -244,6 +244,8 @@ fn a_cube_is_read_as_its_scene_would_be() {
     simulate(&in_scene, "out", &[]);
     let sent = |scratch: &Scratch| std::fs::read(scratch.join("out/dn.img")).unwrap();
     assert_eq!(sent(&scratch), sent(&in_scene));
+    let (code, said, err) = run(&["inspect", &out]);
+    assert!(code == 0 && said.contains("snr_mean"), "{said}{err}");
     // Optics blur means of pixels if that is said to be good enough.
     scratch.write("instrument.toml", "mmxrt_instrument = 1\n[optics]\ngaussian_px = 0.45\n");
     let (code, _, err) = read(&["--force"]);

@@ -8,6 +8,7 @@ mod atlas;
 mod attitude;
 mod bodies;
 pub(super) mod chain;
+pub(super) mod chain_types;
 mod flight;
 mod instruments;
 pub(super) mod format;
@@ -18,6 +19,7 @@ mod mesh;
 mod rasters;
 mod shapes;
 pub(super) mod types;
+mod values;
 mod view;
 mod write;
 

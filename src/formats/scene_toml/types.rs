@@ -9,7 +9,8 @@ use crate::formats::mesh_file::{NamedPose, Up};
 use crate::landscape::Recipe;
 use crate::spectral::Light;
 
-use super::chain::{DetectorToml, OpticsToml};
+use super::chain_types::{DetectorToml, OpticsToml};
+pub(crate) use super::values::Values;
 
 /// A scene: a body's surface, what lights it, and what looks at it. Relative paths start at this file's folder.
 #[derive(Debug, Deserialize, JsonSchema)]
@@ -475,16 +476,6 @@ pub(crate) struct PlaneToml {
     pub(crate) towards: Option<[f64; 3]>,
     /// Whether positions are local to `origin_m` of the scene, or start at the body's centre. Axes are those of the body. Default "local".
     pub(crate) coordinates: Option<Coordinates>,
-}
-
-/// A number for all wavelengths, or a table.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
-#[serde(untagged)]
-pub(crate) enum Values {
-    /// The same at all wavelengths.
-    Constant(f64),
-    /// Path of a CSV table.
-    File(String),
 }
 
 /// Values of a table beyond its ends.
