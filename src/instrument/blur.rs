@@ -3,6 +3,7 @@
 //! The kernel is a window of `reach_px` pixels to each side whose discrete transform is the optics' transfer at all waves that fit into it: it lets through what the optics do, loses
 //! no light, and what would go farther arrives within. Frequencies above half of the grid's do not exist on it.
 
+use std::cmp::Ordering;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -78,10 +79,19 @@ impl Blur {
             .map(|i| optics.transfer([wave(i / window), wave(i % window)], lambda_um) / (window * window) as f64);
         let of_window = Plane::new([window; 2], &mut planner, false).inverse(of_window.collect());
         let mut kernel = vec![Complex::ZERO; size[0] * size[1]];
-        let place = |i: usize, n: usize| if 2 * i < window { i } else { n + i - window };
+        // What is as far to one side as to the other belongs to both.
+        let places = |i: usize, n: usize| match (2 * i).cmp(&window) {
+            Ordering::Less => [i, i],
+            Ordering::Equal => [i, n - i],
+            Ordering::Greater => [n + i - window; 2],
+        };
         for (i, value) in of_window.into_iter().enumerate() {
-            // A point spread is real; waves of half a cycle per step have no other side.
-            kernel[place(i / window, size[1]) * size[0] + place(i % window, size[0])] = value.re.into();
+            for y in places(i / window, size[1]) {
+                for x in places(i % window, size[0]) {
+                    // A point spread is real; waves of half a cycle per step have no other side.
+                    kernel[y * size[0] + x] += 0.25 * value.re;
+                }
+            }
         }
         let mut transfer = fine.forward(kernel);
         // The mean of a pixel's parts, and the place of its first, as a sum of waves.

@@ -9,15 +9,13 @@ pub fn blurred(optics: &Optics, lambda_um: f64, values: &[f64], size: [usize; 2]
     let [samples, lines] = size;
     let light: Vec<f64> = values.iter().map(|value| if value.is_finite() { *value } else { 0.0 }).collect();
     let mean = light.iter().sum::<f64>() / light.len().max(1) as f64;
-    let whole = Optics { subpixels: 1, ..optics.clone() };
     let spread = if optics.blurs() {
-        let blur = Blur::new(&whole, lambda_um, size);
+        let blur = Blur::new(optics, lambda_um, size);
         let [width, height] = blur.fine_size();
-        let reach = optics.reach_px as usize;
-        let at = |i: usize, reach: usize, count: usize| i.saturating_sub(reach).min(count - 1);
-        let fine: Vec<f64> = (0..width * height)
-            .map(|i| light[at(i / width, reach, lines) * samples + at(i % width, reach, samples)])
-            .collect();
+        let (reach, parts) = (optics.reach_px as usize, optics.subpixels as usize);
+        let at = |part: usize, count: usize| (part / parts).saturating_sub(reach).min(count - 1);
+        let fine: Vec<f64> =
+            (0..width * height).map(|i| light[at(i / width, lines) * samples + at(i % width, samples)]).collect();
         blur.pixels(&fine)
     } else {
         light
