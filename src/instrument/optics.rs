@@ -49,7 +49,7 @@ pub struct Optics {
 }
 
 impl Default for Optics {
-    /// Nothing blurs; if something does, by quarters of pixels, within four of them.
+    /// Nothing blurs; if something does, by quarters of pixels, within eight of them.
     fn default() -> Self {
         Optics {
             lens: None,
@@ -59,7 +59,7 @@ impl Default for Optics {
             measured: None,
             stray: 0.0,
             subpixels: 4,
-            reach_px: 4,
+            reach_px: 8,
         }
     }
 }

@@ -8,7 +8,7 @@ use super::effects::Given;
 use super::extremes::Extremes;
 use super::observation::{Observation, Put};
 use super::simulate::account_for;
-use super::through_optics::{Seen, other_spectra};
+use super::through_optics::{Blurs, Seen, other_spectra};
 use crate::error::{Error, Location, Problem, Result};
 use crate::flight::Epoch;
 use crate::geometry::{Camera, FrameCamera, whole};
@@ -74,7 +74,7 @@ impl Moving<'_> {
         take: &Take,
         then: &Scene,
         table: &FacetTable,
-        put: &mut dyn FnMut(Slab) -> Result<()>,
+        (blurs, put): (Option<&Blurs>, &mut dyn FnMut(Slab) -> Result<()>),
         watch: Watch<'_>,
     ) -> Result<Option<Backplanes>> {
         let by_line = self.timing.readout == Readout::Line;
@@ -89,7 +89,11 @@ impl Moving<'_> {
         if let Some(optics) = self.optics {
             let at = |s| then.seen_by(self.exposure_at(take, s)?);
             let poses: Vec<Scene> = self.timing.poses_s(take).map(at).collect::<Result<_>>()?;
-            Seen { poses: &poses, table, optics }.by_slabs(put, watch)?;
+            let seen = Seen { poses: &poses, table, optics };
+            match blurs {
+                Some(blurs) => seen.by_slabs(blurs, put, watch)?,
+                None => seen.by_slabs(&Blurs::new(optics, &then.exposure), put, watch)?,
+            }
             return Ok(planes);
         }
         let mut parts = Vec::new();
@@ -289,6 +293,9 @@ pub fn acquire_by_slabs(
     let mut solved = Solved::new(moving, moving.mostly_steady_s(steady_s, tolerance, watch)?);
     let groups = by_line.then(|| FacetGroups::new(&scene.body.mesh));
     let takes: Vec<Take> = timing.takes(&scene.exposure).collect();
+    // Lines have the same bands; images of a filter each their own.
+    let of_line = takes.first().filter(|_| by_line).map(|take| take.exposure(&scene.exposure));
+    let blurs = of_line.zip(moving.optics).map(|(exposure, optics)| Blurs::new(optics, &exposure));
     let mut lines = Backplanes::default();
     let mut taken: Vec<Exposed> = Vec::new();
     let total = takes.len() as u64;
@@ -305,7 +312,7 @@ pub fn acquire_by_slabs(
                 slab.bands = take.bands.start + slab.bands.start..take.bands.start + slab.bands.end;
                 put(slab)
             };
-            let planes = moving.looked_at(take, &then, &table, &mut put_there, &quiet)?;
+            let planes = moving.looked_at(take, &then, &table, (blurs.as_ref(), &mut put_there), &quiet)?;
             if let Some(mut planes) = planes {
                 block.rename_facets(&mut planes);
                 add_below(&mut lines, planes);

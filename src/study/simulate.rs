@@ -6,7 +6,7 @@ use super::effects::{Given, effects_in, mars_seen};
 use super::extremes::{Extremes, sunlit_places};
 use super::observation::{Check, Counts, Observation, Put};
 use super::surfaces::surfaces;
-use super::through_optics::Seen;
+use super::through_optics::{Blurs, Seen};
 use super::warnings;
 use crate::error::Result;
 use crate::instrument::Optics;
@@ -71,7 +71,10 @@ pub fn observe_through(
     let (observation, slab) = account_for(scene, (table, extremes), image, true, watch)?;
     match optics {
         None => put(slab)?,
-        Some(optics) => Seen { poses: std::slice::from_ref(scene), table, optics }.by_slabs(put, watch)?,
+        Some(optics) => {
+            let seen = Seen { poses: std::slice::from_ref(scene), table, optics };
+            seen.by_slabs(&Blurs::new(optics, &scene.exposure), put, watch)?;
+        }
     }
     Ok(observation)
 }

@@ -1,6 +1,7 @@
 //! What optics let through: an image is looked at on a grid finer than pixels, with what lies around it, blurred there, and averaged over pixels.
 
 use std::ops::Range;
+use std::sync::OnceLock;
 
 use rayon::prelude::*;
 
@@ -11,8 +12,48 @@ use crate::product::{Added, FacetTable, Slab};
 use crate::progress::Watch;
 use crate::scene::{Exposure, Scene};
 
+/// Bands that are expanded together: what [`Slab::expand`] computes at once.
+const TOGETHER: usize = 16;
 /// Parts of pixels that are looked at together: lines of an image come in strips of so many, or one by one.
 const STRIP: usize = 400_000;
+
+/// Kernels are kept up to this size.
+const KEPT_BYTES: usize = 512 << 20;
+
+/// Kernels of the bands of an image, for strips of the same size; made when they are first asked for.
+pub(super) struct Blurs {
+    size: [usize; 2],
+    of_bands: Vec<OnceLock<Blur>>,
+}
+
+impl Blurs {
+    /// For the images of an exposure.
+    pub(super) fn new(optics: &Optics, exposure: &Exposure) -> Self {
+        let camera = &exposure.camera;
+        let size = [camera.samples as usize, strip_lines(optics, exposure).min(camera.lines) as usize];
+        let parts: usize =
+            size.iter().map(|n| (n + 2 * optics.reach_px as usize) * optics.subpixels as usize).product();
+        let bands = exposure.bands.len();
+        let is_kept = parts.saturating_mul(bands).saturating_mul(size_of::<[f64; 2]>()) <= KEPT_BYTES;
+        Blurs { size, of_bands: (0..if is_kept { bands } else { 0 }).map(|_| OnceLock::new()).collect() }
+    }
+
+    /// Blurs an image of parts of pixels in a band.
+    fn pixels(&self, optics: &Optics, exposure: &Exposure, band: usize, size: [usize; 2], fine: &[f64]) -> Vec<f64> {
+        let make = || Blur::new(optics, exposure.bands[band].centre_um, size);
+        match self.of_bands.get(band).filter(|_| size == self.size) {
+            Some(kept) => kept.get_or_init(make).pixels(fine),
+            None => make().pixels(fine),
+        }
+    }
+}
+
+/// Lines of an image that are looked at together.
+fn strip_lines(optics: &Optics, exposure: &Exposure) -> u32 {
+    let parts = optics.subpixels as usize;
+    let line_parts = (exposure.camera.samples as usize + 2 * optics.reach_px as usize) * parts * parts;
+    u32::try_from((STRIP / line_parts.max(1)).max(2 * optics.reach_px as usize)).unwrap_or(u32::MAX).max(1)
+}
 
 /// What is seen through optics: from one pose, or from several that share the time of an exposure.
 pub(super) struct Seen<'a> {
@@ -26,20 +67,24 @@ pub(super) struct Seen<'a> {
 
 impl Seen<'_> {
     /// The image in slabs of lines, counted from 0, which `put` takes.
-    pub(super) fn by_slabs(&self, put: &mut dyn FnMut(Slab) -> Result<()>, watch: Watch<'_>) -> Result<()> {
+    /// `blurs` are those of its optics and exposure.
+    pub(super) fn by_slabs(
+        &self,
+        blurs: &Blurs,
+        put: &mut dyn FnMut(Slab) -> Result<()>,
+        watch: Watch<'_>,
+    ) -> Result<()> {
         let Some(first) = self.poses.first() else { return Ok(()) };
         // Where light stays in its place, pixels have no parts.
         let plain = Optics { subpixels: 1, reach_px: 1, ..self.optics.clone() };
         if !self.optics.blurs() && self.optics.subpixels > 1 {
-            return Seen { optics: &plain, ..*self }.by_slabs(put, watch);
+            return Seen { optics: &plain, ..*self }.by_slabs(&Blurs::new(&plain, &first.exposure), put, watch);
         }
         let exposure = &first.exposure;
         let veil = self.veil(watch)?;
-        let (lines, reach, parts) = (exposure.camera.lines, self.optics.reach_px, self.optics.subpixels as usize);
-        let line_parts = (exposure.camera.samples + 2 * reach) as usize * parts * parts;
-        let step = u32::try_from((STRIP / line_parts.max(1)).max(2 * reach as usize)).unwrap_or(u32::MAX);
-        for start in (0..lines).step_by(step.max(1) as usize) {
-            let mut slab = self.strip(start..lines.min(start.saturating_add(step)), watch)?;
+        let (lines, step) = (exposure.camera.lines, strip_lines(self.optics, exposure));
+        for start in (0..lines).step_by(step as usize) {
+            let mut slab = self.strip(start..lines.min(start.saturating_add(step)), blurs, watch)?;
             let pixels = pixels_of(exposure, &slab);
             for (band, veil) in slab.added.radiance.chunks_exact_mut(pixels).zip(&veil) {
                 band.iter_mut().for_each(|value| *value += self.optics.stray * (veil - *value));
@@ -68,7 +113,7 @@ impl Seen<'_> {
     }
 
     /// Some lines of the image, from all poses.
-    fn strip(&self, lines: Range<u32>, watch: Watch<'_>) -> Result<Slab> {
+    fn strip(&self, lines: Range<u32>, blurs: &Blurs, watch: Watch<'_>) -> Result<Slab> {
         let Optics { subpixels, reach_px, .. } = *self.optics;
         let mut parts = Vec::new();
         for scene in self.poses {
@@ -79,16 +124,20 @@ impl Seen<'_> {
         let fine = if parts.len() == 1 { parts.pop().map(|(_, slab)| slab) } else { Slab::sum(&parts) };
         let Some(fine) = fine else { return Err(other_spectra()) };
         let Some(first) = self.poses.first() else { return Err(other_spectra()) };
-        let (bands, samples) = (&first.exposure.bands, first.exposure.camera.samples as usize);
-        let size = [samples, lines.len()];
+        let (exposure, samples) = (&first.exposure, first.exposure.camera.samples as usize);
+        let (bands, size) = (&exposure.bands, [samples, lines.len()]);
         let pixels = samples * lines.len();
+        let parts = fine.row_start.len().saturating_sub(1);
         let mut added = Added::zeros((0..pixels).map(|_| true), bands.len());
-        added.radiance.par_chunks_exact_mut(pixels).enumerate().for_each(|(band, to)| {
-            let blur = Blur::new(self.optics, bands[band].centre_um, size);
-            let [width, height] = blur.fine_size();
-            let mut values = vec![0.0; width * height];
-            fine.expand(0..width * height, band..band + 1, |part, _, value| values[part] = value[0]);
-            to.copy_from_slice(&blur.pixels(&values));
+        added.radiance.par_chunks_mut(pixels * TOGETHER).enumerate().for_each(|(chunk, to)| {
+            let first = chunk * TOGETHER;
+            let mut values = vec![0.0; parts * (to.len() / pixels)];
+            fine.expand(0..parts, first..first + to.len() / pixels, |part, band, of_bands| {
+                of_bands.iter().enumerate().for_each(|(k, value)| values[(band - first + k) * parts + part] = *value);
+            });
+            for (k, (to, fine)) in to.chunks_exact_mut(pixels).zip(values.chunks_exact(parts)).enumerate() {
+                to.copy_from_slice(&blurs.pixels(self.optics, exposure, first + k, size, fine));
+            }
         });
         Ok(Slab {
             lines: lines.start as usize..lines.end as usize,

@@ -30,7 +30,7 @@ pub(crate) struct OpticsToml {
     /// The image is blurred on a grid of so many parts of a pixel, along and across. Default 4: waves of up to 2 cycles per pixel pass as they should.
     #[schemars(range(min = 1, max = 64))]
     pub(crate) subpixels: Option<u32>,
-    /// How far light goes, pixels; what would go farther arrives within. Default 4.
+    /// How far light goes, pixels; what would go farther arrives within. Default 8.
     #[schemars(range(min = 1, max = 64))]
     pub(crate) reach_px: Option<u32>,
 }
