@@ -10,7 +10,7 @@ use super::observation::{Observation, Put};
 use super::simulate::account_for;
 use crate::error::{Error, Location, Problem, Result};
 use crate::flight::Epoch;
-use crate::geometry::{Camera, FrameCamera, whole};
+use crate::geometry::{FrameCamera, whole};
 use crate::integrate::{self, Image, Wanted};
 use crate::product::{Backplanes, Exposed, Exposures, FacetTable, Plane, Slab};
 use crate::progress::{Progress, Watch, tell};
@@ -137,8 +137,7 @@ impl Moving<'_> {
         let seen = |s: f64| {
             let pose = motion.pose(motion.start.after_s(s)).ok()?;
             let camera = FrameCamera { world_from_sensor: pose, ..scene.exposure.camera.clone() };
-            let h = Camera::Frame(camera).projection().homogeneous(0.5 * (low_m + high_m));
-            (h.z > 0.0).then(|| DVec2::new(h.x / h.z, h.y / h.z))
+            camera.place(0.5 * (low_m + high_m)).map(DVec2::from)
         };
         let count = timing.count(&scene.exposure);
         let of_exposure = |i: usize| {

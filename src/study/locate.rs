@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use crate::error::{Error, Location, Problem, Result};
 use crate::flight::Epoch;
-use crate::geometry::{Camera, FrameCamera, Pose, angle_rad};
+use crate::geometry::{FrameCamera, Pose, angle_rad};
 use crate::scene::{Motion, Readout, Scene, Timing};
 use crate::visibility::RayTree;
 
@@ -101,7 +101,8 @@ impl<'a> Locator<'a> {
         let now = self.camera_at(place.line, band)?;
         let line = if self.readout() == Readout::Line { now.camera.boresight_px[1] } else { place.line };
         let (from_m, ray) = (now.camera.centre_m(), now.camera.ray(place.sample, line));
-        let Some(hit) = self.tree.nearest(from_m, ray) else { return Ok(None) };
+        // A lens shows nothing beyond its fold.
+        let Some(hit) = self.tree.nearest(from_m, ray).filter(|_| ray.is_finite()) else { return Ok(None) };
         let to_m = hit.t * ray;
         let normal = self.scene.body.mesh.facet(hit.facet as usize).cross_m2();
         Ok(Some(Ground {
@@ -125,13 +126,13 @@ impl<'a> Locator<'a> {
         let found = match self.readout() {
             Readout::Frame | Readout::Band => {
                 let now = self.camera_at(0.0, band)?;
-                let at = projected(&now.camera, local_m);
+                let at = now.camera.place(local_m);
                 at.map(|[sample, line]| (Place { sample, line }, now))
             }
             Readout::Line => match self.line_of(local_m)? {
                 Some(line) => {
                     let now = self.camera_at(line, band)?;
-                    let at = projected(&now.camera, local_m);
+                    let at = now.camera.place(local_m);
                     at.map(|[sample, _]| (Place { sample, line }, now))
                 }
                 None => None,
@@ -184,7 +185,7 @@ impl<'a> Locator<'a> {
         // Which side of the slit's plane it is on, by its distance in pixels; nothing where it is behind the camera.
         let side = |line: f64| -> Result<Option<f64>> {
             let now = self.camera_at(line, 0)?;
-            Ok(projected(&now.camera, local_m).map(|[_, y]| y - now.camera.boresight_px[1]))
+            Ok(now.camera.place(local_m).map(|[_, y]| y - now.camera.boresight_px[1]))
         };
         // Half a line beyond both ends, so that what lies on one is not lost by rounding.
         let lines = f64::from(self.scene.exposure.camera.lines) + 1.0;
@@ -249,10 +250,4 @@ impl<'a> Locator<'a> {
         }
         Ok(if low.1.abs() <= high.1.abs() { low.0 } else { high.0 })
     }
-}
-
-/// Where a camera sees a point before it.
-fn projected(camera: &FrameCamera, local_m: DVec3) -> Option<[f64; 2]> {
-    let h = Camera::Frame(camera.clone()).projection().homogeneous(local_m);
-    (h.z > 0.0).then(|| [h.x / h.z, h.y / h.z])
 }

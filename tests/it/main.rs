@@ -36,6 +36,7 @@ mod dart_write;
 mod determinism;
 mod differences;
 mod disk;
+mod distortion;
 mod dry_run;
 mod eclipse;
 mod envi_headers;

@@ -922,6 +922,12 @@ pub(crate) struct SensorToml {
     pub(crate) shift: Option<[f64; 2]>,
     /// The image is a window of a larger one, which the keys above are about.
     pub(crate) window: Option<WindowToml>,
+    /// What the lens does to the image of an ideal pinhole, whose keys are those above.
+    pub(crate) distortion: Option<DistortionToml>,
+    /// Path of a table of where pixels look, instead of the keys above: for the centre of each pixel, line by line, tangents (x right, y down, for 1 along the boresight)
+    /// or vectors (x, y, z) along the sensor's axes, as an `.npy` array (lines, samples, 2 or 3) or as CSV with a header `x,y` or `x,y,z`. Corners of pixels are the means
+    /// of the four centres around.
+    pub(crate) directions: Option<String>,
     /// "scene": the smallest field of view that holds every vertex in front of the camera; the boresight stays.
     pub(crate) fit: Option<Fit>,
     /// Bands.
@@ -972,6 +978,23 @@ pub(crate) struct WindowToml {
     pub(crate) of_px: [u32; 2],
 }
 
+/// The distortion of a lens, as OpenCV defines it: with tangents x, y of a direction, and r2 = x^2 + y^2, the image has it at
+/// x (1 + k1 r2 + k2 r2^2 + k3 r2^3) + 2 p1 x y + p2 (r2 + 2 x^2) and y (1 + ...) + p1 (r2 + 2 y^2) + 2 p2 x y.
+#[derive(Debug, Clone, Copy, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct DistortionToml {
+    /// Of r^2. Default 0.
+    pub(crate) k1: f64,
+    /// Of r^4. Default 0.
+    pub(crate) k2: f64,
+    /// Of r^6. Default 0.
+    pub(crate) k3: f64,
+    /// Tangential. Default 0.
+    pub(crate) p1: f64,
+    /// Tangential. Default 0.
+    pub(crate) p2: f64,
+}
+
 /// The lens of a camera whose samples and lines are an image's: one of `ifov_mrad`, `fov_deg`, `focal_px`, and `focal_mm` with `sensor_mm`.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -1002,6 +1025,12 @@ pub(crate) struct MapSensorToml {
     pub(crate) shift: Option<[f64; 2]>,
     /// The image is a window of a larger one, which the keys above are about.
     pub(crate) window: Option<WindowToml>,
+    /// What the lens does to the image of an ideal pinhole, whose keys are those above.
+    pub(crate) distortion: Option<DistortionToml>,
+    /// Path of a table of where pixels look, instead of the keys above: for the centre of each pixel, line by line, tangents (x right, y down, for 1 along the boresight)
+    /// or vectors (x, y, z) along the sensor's axes, as an `.npy` array (lines, samples, 2 or 3) or as CSV with a header `x,y` or `x,y,z`. Corners of pixels are the means
+    /// of the four centres around.
+    pub(crate) directions: Option<String>,
 }
 
 /// Known instruments.
