@@ -59,13 +59,14 @@ impl FrameCamera {
     pub fn is_within_lens(&self) -> bool {
         let Some(lens) = &self.lens else { return true };
         let (size, of_px) = ([self.samples, self.lines], lens.boresight_px());
-        // Where a window begins is a difference of two numbers.
-        let rounding = |k: usize| 1e-6 + 4.0 * f64::EPSILON * of_px[k].abs();
+        // Where a window begins is a difference of two numbers; a band of a slit may look somewhat beyond its ends, where a lens goes on.
+        let is_slit = lens.size()[1] == 1;
+        let rounding = |k: usize| if is_slit { 17.0 } else { 1e-6 + 4.0 * f64::EPSILON * of_px[k].abs() };
         let is_within = |k: usize| {
             let first = of_px[k] - self.boresight_px[k];
             first >= -rounding(k) && first + f64::from(size[k]) <= f64::from(lens.size()[k]) + rounding(k)
         };
-        lens.pitch() == self.pitch && is_within(0) && (lens.size()[1] == 1 || is_within(1))
+        lens.pitch() == self.pitch && is_within(0) && (is_slit || is_within(1))
     }
 
     /// The projection centre, m.

@@ -427,11 +427,12 @@ mod tests {
         let of = BrownConrady { radial: [-0.1, 0.05, 0.02], tangential: [0.01, -0.02] };
         let (at, step) = ([0.3, -0.2], 1e-6);
         let jacobian = of.map(at).1;
-        for k in 0..2 {
-            let moved = |by: f64| of.map([0, 1].map(|i| at[i] + if i == k { by } else { 0.0 })).0;
-            for i in 0..2 {
-                let rate = (moved(step)[i] - moved(-step)[i]) / (2.0 * step);
-                assert!((rate - jacobian[i][k]).abs() < 1e-9, "{i} {k}");
+        for axis in 0..2 {
+            let moved = |by: f64| of.map([0, 1].map(|i| at[i] + if i == axis { by } else { 0.0 })).0;
+            let (ahead, behind) = (moved(step), moved(-step));
+            for (row, by) in jacobian.iter().enumerate() {
+                let rate = (ahead[row] - behind[row]) / (2.0 * step);
+                assert!((rate - by[axis]).abs() < 1e-9, "{row} {axis}");
             }
         }
     }

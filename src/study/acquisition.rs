@@ -8,6 +8,7 @@ use super::effects::Given;
 use super::extremes::Extremes;
 use super::observation::{Observation, Put};
 use super::simulate::account_for;
+use super::spectrometer;
 use crate::error::{Error, Location, Problem, Result};
 use crate::flight::Epoch;
 use crate::geometry::{FrameCamera, whole};
@@ -58,7 +59,7 @@ impl Moving<'_> {
 
     fn exposure_at(&self, take: &Take, s: f64) -> Result<Exposure> {
         let mut exposure = take.exposure(&self.scene.exposure);
-        exposure.camera.world_from_sensor = self.motion.pose(self.motion.start.after_s(s))?;
+        exposure.camera.world_from_sensor = take.pose(self.motion.pose(self.motion.start.after_s(s))?, s);
         Ok(exposure)
     }
 
@@ -70,20 +71,22 @@ impl Moving<'_> {
         table: &FacetTable,
         watch: Watch<'_>,
     ) -> Result<(Slab, Option<Backplanes>)> {
-        let by_line = self.timing.readout == Readout::Line;
+        let by_line = self.timing.readout.is_along_the_way();
         if self.timing.poses <= 1 {
             let wanted = Wanted { radiance_alone: !by_line, ..Wanted::default() };
-            let Image { slab, backplanes, .. } = integrate::integrate(then, table, wanted, watch)?;
+            let Image { mut slab, backplanes, .. } = integrate::integrate(then, table, wanted, watch)?;
+            if !then.exposure.spectrometer.is_ideal() {
+                slab = spectrometer::radiance(then, table, watch)?;
+            }
             return Ok((slab, by_line.then_some(backplanes)));
         }
         let planes = || Ok::<_, Error>(integrate::integrate(then, table, Wanted::default(), watch)?.backplanes);
         let planes = by_line.then(planes).transpose()?;
         let mut parts = Vec::new();
-        let alone = Wanted { radiance_alone: true, ..Wanted::default() };
         let share = 1.0 / f64::from(self.timing.poses);
         for s in self.timing.poses_s(take) {
             let scene = then.seen_by(self.exposure_at(take, s)?)?;
-            parts.push((share, integrate::integrate(&scene, table, alone, watch)?.slab));
+            parts.push((share, spectrometer::radiance(&scene, table, watch)?));
         }
         let Some(slab) = Slab::sum(&parts) else {
             let message =
@@ -133,6 +136,11 @@ impl Moving<'_> {
     /// camera, or not known.
     fn smear_px(&self) -> Option<f64> {
         let Moving { scene, motion, timing } = *self;
+        if let Readout::Sample(mirror) = timing.readout {
+            // The mirror is what moves.
+            let turned_rad = mirror.step_rad.abs() * timing.exposure_s / mirror.sample_s;
+            return Some(turned_rad / scene.exposure.camera.pitch[0]);
+        }
         let (low_m, high_m) = scene.body.bounds_m()?;
         let seen = |s: f64| {
             let pose = motion.pose(motion.start.after_s(s)).ok()?;
@@ -192,9 +200,9 @@ pub fn acquire_by_slabs(
     watch: Watch<'_>,
 ) -> Result<(FacetTable, Observation<()>)> {
     let Moving { scene, timing, .. } = moving;
-    let by_line = timing.readout == Readout::Line;
+    let by_line = timing.readout.is_along_the_way();
     if by_line && wanted.footprints {
-        let message = "footprints of a push-broom are not written by this version";
+        let message = "footprints of a push-broom or whisk-broom are not written by this version";
         return Err(Error::Invalid(vec![Problem::new(Location::item("--footprints"), message)]));
     }
     let table = solve::solve(scene, watch)?;
@@ -202,6 +210,7 @@ pub fn acquire_by_slabs(
     let groups = by_line.then(|| FacetGroups::new(&scene.body.mesh));
     let takes: Vec<Take> = timing.takes(&scene.exposure).collect();
     let mut lines = Backplanes::default();
+    let mut sweep: (Vec<Slab>, Vec<Backplanes>) = Default::default();
     let mut taken: Vec<Exposed> = Vec::new();
     let total = takes.len() as u64;
     for takes in takes.chunks(if by_line { BLOCK } else { 1 }) {
@@ -214,10 +223,21 @@ pub fn acquire_by_slabs(
             let table = solved.at(take, &then, &mut block, &quiet)?;
             let (mut slab, planes) = moving.looked_at(take, &then, &table, &quiet)?;
             (slab.lines, slab.bands) = (take.lines.clone(), take.bands.clone());
-            put(slab)?;
-            if let Some(mut planes) = planes {
+            let planes = planes.map(|mut planes| {
                 block.rename_facets(&mut planes);
-                add_below(&mut lines, planes);
+                planes
+            });
+            if take.mirror.is_some() {
+                sweep.0.push(slab);
+                sweep.1.extend(planes);
+                if take.samples.end == scene.exposure.camera.samples as usize {
+                    let (slabs, planes) = std::mem::take(&mut sweep);
+                    put(Slab::beside(&slabs))?;
+                    add_below(&mut lines, Backplanes::beside(&planes));
+                }
+            } else {
+                put(slab)?;
+                planes.into_iter().for_each(|planes| add_below(&mut lines, planes));
             }
             taken.push(Exposed {
                 take: take.clone(),

@@ -19,6 +19,7 @@ mod plan;
 mod resolved_slopes;
 mod simulate;
 mod site;
+mod spectrometer;
 pub mod stability;
 mod summary;
 

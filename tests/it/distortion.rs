@@ -65,7 +65,7 @@ fn areas(camera: &FrameCamera, corner: impl Fn([f64; 2]) -> [f64; 2]) -> Vec<f64
 
 /// Ground with a post that throws a shadow, all of it well within 24 x 24 pixels of 0.03, 20 m below.
 fn post() -> (Mesh, FrameCamera) {
-    let mesh = joined(&[plane(4.0, 0.0), cuboid([-0.5, -0.7, 0.0], [0.5, 0.5, 2.0])]);
+    let mesh = joined(&[plane(4.0, 0.0), cuboid([-0.53, -0.71, 0.0], [0.46, 0.52, 2.0])]);
     (mesh, camera([0.6, -0.9, 20.0], [0.3, 0.2, 0.0], [0.1, 1.0, 0.0], 24, 0.03))
 }
 
@@ -172,7 +172,7 @@ fn radiance_of_textures_and_globes_is_conserved_too() {
         }];
         // One globe before the ground, one behind it, in part.
         parts.sky.bodies =
-            vec![globe("near", DVec3::new(1.0, 1.0, 8.0), 0.5), globe("far", DVec3::new(4.0, 1.0, -30.0), 4.0)];
+            vec![globe("near", DVec3::new(1.0, 1.0, 8.0), 0.5), globe("far", DVec3::new(12.0, 1.0, -30.0), 4.0)];
         parts.models.bodies = 0;
     });
     let total = |scene: &Scene, areas: &[f64]| {
@@ -229,7 +229,7 @@ fn a_centred_disc_has_the_area_of_its_distorted_circle() {
         let radius = 0.3 * (1.0 + k1 * 0.09) / 0.006;
         let expected = PI * radius * radius * sides;
         // Shares are of straight quadrilaterals, and pixels on the rim are not even: quadratic in a pixel.
-        assert!((area_px / expected - 1.0).abs() < if k1 == 0.0 { 1e-12 } else { 2e-5 }, "{k1}: {area_px} {expected}");
+        assert!((area_px / expected - 1.0).abs() < if k1 == 0.0 { 1e-12 } else { 5e-5 }, "{k1}: {area_px} {expected}");
     }
 }
 
@@ -251,7 +251,8 @@ fn a_marker_is_where_opencv_has_it() {
     assert!((0..2).all(|k| (at[k] - expected[k]).abs() < 1e-11), "{at:?} {expected:?}");
     // Behind, and so far aside that the image has folded before: nowhere.
     assert_eq!(camera.place(DVec3::new(0.0, 0.0, 11.0)), None);
-    let folded = with(&plain, [-0.3, 0.0, 0.0, 0.0, 0.0]);
+    let small = FrameCamera { samples: 320, lines: 240, boresight_px: [160.5, 120.0], ..plain };
+    let folded = with(&small, [-0.3, 0.0, 0.0, 0.0, 0.0]);
     assert_eq!(folded.place(DVec3::new(11.0, 0.0, 0.0)), None);
     assert!(folded.place(DVec3::new(10.0, 0.0, 0.0)).is_some());
 }
@@ -330,7 +331,8 @@ fn lenses_are_read_written_and_refused_where_they_are_wrong() {
     for lens in [distorted, table] {
         write(lens);
         let before = read("scene.toml").unwrap().scene.exposure.camera.clone();
-        let (code, _, err) = run(&["convert", &bench.0.argument("scene.toml"), &bench.0.argument("again/scene.toml")]);
+        let (code, _, err) =
+            run(&["convert", &bench.0.argument("scene.toml"), &bench.0.argument("again/scene.toml"), "--force"]);
         assert_eq!(code, 0, "{err}");
         let after = read("again/scene.toml").unwrap().scene.exposure.camera.clone();
         assert!(before == after && before.lens.is_some());
@@ -348,7 +350,7 @@ fn lenses_are_read_written_and_refused_where_they_are_wrong() {
         assert!(messages.iter().all(|message| error.contains(message)), "{error}");
     };
     wrong(&distorted.replace("-0.1", "-40.0"), &["sensor.distortion", "folded", "scene.toml:"]);
-    wrong(&distorted.replace("-0.1", "nan"), &["a coefficient is NaN"]);
+    wrong(&distorted.replace("-0.1", "nan"), &["not a finite number"]);
     wrong(&distorted.replace("p1 =", "p3 ="), &["p3"]);
     wrong(&format!("{table}fov_deg = 3\n"), &["sensor.directions", "says all"]);
     wrong(&format!("{table}distortion = {{ k1 = 0.1 }}\n"), &["sensor.directions", "says all"]);
@@ -371,4 +373,25 @@ fn lenses_are_read_written_and_refused_where_they_are_wrong() {
     wrong(&csv, &["1 directions for 2 x 2 pixels"]);
     bench.0.write("d.csv", "u,v\n1,2\n");
     wrong(&csv, &["d.csv:1", "header"]);
+}
+
+#[test]
+fn a_map_of_a_distorted_camera_is_laid_where_it_was_seen() {
+    let bench = Bench::new();
+    // 24 x 24 pixels of the square's 8 m, 8 m wide at r = 0.004: k1 r2 = -0.064 at the sides, 0.8 pixels.
+    let lens = "samples = 24\nlines = 24\nfov_deg = 0.45836379150820084\ndistortion = { k1 = -4000 }\n";
+    bench.0.write("scene.toml", crate::scenes::SQUARE.replace(LENS, lens));
+    let rows = |i: u32| (0..24).map(move |j| f64::from((i * 7 + j * 11) % 5) + 1.0);
+    let text: Vec<String> = (0..24).map(|i| rows(i).map(|x| x.to_string()).collect::<Vec<_>>().join(",")).collect();
+    bench.0.write("m.csv", text.join("\n") + "\n");
+    bench.map(
+        "mmxrt_map = 1\nquantity = \"radiance\"\nunit = \"W m-2 sr-1 um-1\"\nbands = { centres_um = [1.0] }\nplacement = \"camera\"\nscene = \"scene.toml\"\n",
+    );
+    let image = bench.integrate(&["--radiance", "{}m.csv", "--unknown", "nan", "--quantity", "radiance"]);
+    let raster: Vec<f64> = (0..24).flat_map(rows).collect();
+    // Pixels all of the square, whose sides are at 4 m / 1 km of r: the image of 0.00368 is 0.88 of the way to the border.
+    let inner = (0..576).filter(|i| (3..21).contains(&(i % 24)) && (3..21).contains(&(i / 24)));
+    let off = inner.map(|i| (image[i] - raster[i]).abs()).fold(0.0, f64::max);
+    // Borders of texels are curved, of pixels straight: by 0.006 pixels at most, of a difference of 4 on each of four sides.
+    assert!(off < 0.1, "{off}");
 }

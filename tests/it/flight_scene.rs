@@ -10,7 +10,7 @@ use crate::scenes::replaced;
 use crate::scratch::Scratch;
 
 /// A site on Phobos' equator, below where `qso-20x27` starts.
-const FLYING: &str = r#"mmxrt_scene = 1
+pub(crate) const FLYING: &str = r#"mmxrt_scene = 1
 origin_m = [13000.0, 0.0, 0.0]
 [[mesh]]
 recipe = { version = 1, seed = 7, facets = 1000 }

@@ -402,7 +402,10 @@ impl Lines {
     }
 
     fn exposures(&mut self, a: &Exposure, b: &Exposure) {
-        let Exposure { instrument, camera, bands } = a;
+        let Exposure { instrument, camera, bands, spectrometer } = a;
+        if *spectrometer != b.spectrometer {
+            self.push("sensor.smile_um", format!("{spectrometer:?}"), format!("{:?}", b.spectrometer));
+        }
         let FrameCamera {
             world_from_sensor: Pose { rotation, translation_m },
             samples,

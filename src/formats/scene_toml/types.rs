@@ -878,7 +878,14 @@ pub(crate) struct SensorToml {
     /// From the beginning of a band, or of a line, to that of the next, s: of a sensor that does not take all at once.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub(crate) period_s: Option<f64>,
-    /// For how long light is gathered, s. Default: all of `period_s`; of a frame camera 0.
+    /// Of a whisk-broom: how its mirror sweeps; `period_s` is from sweep to sweep.
+    pub(crate) mirror: Option<MirrorToml>,
+    /// Of a push-broom: smile, by how much the centres of bands are larger at a sample, um: coefficients of 1, u, u^2, ..., with u from -1 at the left border of the slit to 1
+    /// at the right one.
+    pub(crate) smile_um: Option<Vec<f64>>,
+    /// Of a push-broom: keystone, how many pixels farther to the right a band looks: coefficients of 1, w, w^2, ..., with w from -1 at the shortest centre to 1 at the longest.
+    pub(crate) keystone_px: Option<Vec<f64>>,
+    /// For how long light is gathered, s. Default: all of `period_s`; of a whisk-broom all of a sample's time, of a frame camera 0.
     #[schemars(range(min = 0))]
     pub(crate) exposure_s: Option<f64>,
     /// Poses of the camera that stand for its motion during an exposure, at even steps; with n of them a pixel at an edge is off by at most d / (8 n^2) of the contrast, d
@@ -944,6 +951,24 @@ pub(crate) enum KindToml {
     TunableFilter,
     /// A line in all bands.
     PushBroom,
+    /// A sample in all bands, of one line or of a few: what `mirror` sweeps across the way.
+    WhiskBroom,
+}
+
+/// How a mirror sweeps.
+#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct MirrorToml {
+    /// Angle of a sweep, from the outer border of its first sample to that of its last, about the boresight, deg: the line of sight turns from left to right, or if
+    /// it is negative from right to left.
+    #[schemars(range(min = -180, max = 180))]
+    pub(crate) field_deg: f64,
+    /// Share of `period_s` in which samples are taken, from its beginning. Default 1.
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1))]
+    pub(crate) active: Option<f64>,
+    /// Detector elements in a column along the way: lines of a sweep. Default 1.
+    #[schemars(range(min = 1, max = 16384))]
+    pub(crate) elements: Option<u32>,
 }
 
 /// A focal length in pixels.

@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3};
 use crate::error::number;
 use crate::formats::response_csv;
 use crate::geometry::{Direction, FrameCamera, Mesh, Pose};
-use crate::scene::{Exposure, LEAST_PITCH};
+use crate::scene::{Exposure, LEAST_PITCH, Spectrometer};
 use crate::spectral::{Band, Response, Spectrum};
 
 use super::attitude::no_rotation;
@@ -91,7 +91,19 @@ impl TomlReader<'_> {
             return None;
         }
         let camera = FrameCamera { world_from_sensor: pose?, samples, lines, pitch, boresight_px, lens };
-        Some(Exposure { instrument: name, camera, bands: bands? })
+        let spectrometer = self.spectrometer(toml, is_slit)?;
+        Some(Exposure { instrument: name, camera, bands: bands?, spectrometer })
+    }
+
+    /// Smile and keystone, which a slit alone has.
+    fn spectrometer(&mut self, toml: &SensorToml, is_slit: bool) -> Option<Spectrometer> {
+        let given = [("smile_um", &toml.smile_um), ("keystone_px", &toml.keystone_px)];
+        if let Some((key, _)) = given.iter().find(|(_, given)| given.is_some() && !is_slit) {
+            self.problem(&format!("sensor.{key}"), "goes with `kind` = \"push_broom\"");
+            return None;
+        }
+        let [smile_um, keystone_px] = given.map(|(_, given)| given.clone().unwrap_or_default());
+        Some(Spectrometer { smile_um, keystone_px })
     }
 
     fn given(

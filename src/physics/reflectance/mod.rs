@@ -136,8 +136,8 @@ pub fn kirchhoff_emissivity(hemispherical_reflectance: f64) -> f64 {
 mod tests {
     use super::hapke::{HFormula, Parameters, Roughness, Surge};
     use super::*;
-    use crate::random::Draws;
     use crate::physics::GaussLegendre;
+    use crate::random::Draws;
     use glam::DVec3;
 
     fn lommel_seeliger(albedo: f64) -> Brdf {
