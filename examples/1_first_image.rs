@@ -9,7 +9,7 @@ use glam::{DMat3, DVec3};
 use mmxrt::geometry::{Direction, FrameCamera, Pose};
 use mmxrt::landscape::{self, Recipe};
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{Exposure, Material, Models, Photometry, SceneParts, Sky, Sun, Surface, Thermal};
+use mmxrt::scene::{Exposure, Material, Models, Photometry, SceneParts, Sky, Spectrometer, Sun, Surface, Thermal};
 use mmxrt::spectral::{Band, Extend, Spectrum, solar_e490};
 use mmxrt::units::{AU_M, TSI_1AU_W_M2};
 use mmxrt::{Result, study};
@@ -64,6 +64,7 @@ fn main() -> Result<()> {
             instrument: "first camera".into(),
             camera: FrameCamera::centred(world_from_sensor, 64, 64, 0.02), // 10 m a pixel
             bands: [1.0, 2.0, 3.0, 3.6].map(|centre_um| Band::new(centre_um, None)).into(),
+            spectrometer: Spectrometer::default(),
         },
     }
     .check()?;

@@ -11,7 +11,8 @@ use glam::{DMat3, DVec3};
 use mmxrt::geometry::{Direction, FrameCamera, MaterialId, Mesh, Pose, Texels};
 use mmxrt::progress::unwatched;
 use mmxrt::scene::{
-    Exposure, Material, Models, Photometry, Scene, SceneParts, Sky, Sun, Surface, Texture, TextureKind, Thermal,
+    Exposure, Material, Models, Photometry, Scene, SceneParts, Sky, Spectrometer, Sun, Surface, Texture, TextureKind,
+    Thermal,
 };
 use mmxrt::spectral::{Band, Spectrum};
 use mmxrt::units::AU_M;
@@ -122,7 +123,12 @@ fn scene(camera: FrameCamera) -> Result<Scene> {
             beams: vec![],
             rotation: None,
         },
-        exposure: Exposure { instrument: "walker".into(), camera, bands: vec![Band::new(1.0, None)] },
+        exposure: Exposure {
+            instrument: "walker".into(),
+            camera,
+            bands: vec![Band::new(1.0, None)],
+            spectrometer: Spectrometer::default(),
+        },
         models: Models { thermal: Thermal::Off, ..Models::default() },
     }
     .check()

@@ -11,7 +11,7 @@
 //! use glam::{DMat3, DVec3};
 //! use mmxrt::geometry::{Direction, FrameCamera, MaterialId, Mesh, Pose};
 //! use mmxrt::progress::unwatched;
-//! use mmxrt::scene::{Exposure, Material, Models, SceneParts, Photometry, Sky, Sun, Surface, Thermal};
+//! use mmxrt::scene::{Exposure, Material, Models, SceneParts, Photometry, Sky, Spectrometer, Sun, Surface, Thermal};
 //! use mmxrt::spectral::{Band, Spectrum};
 //! use mmxrt::units::AU_M;
 //!
@@ -52,6 +52,7 @@
 //!         instrument: "tour".into(),
 //!         camera: FrameCamera::centred(world_from_sensor, 4, 4, 5e-4),
 //!         bands: vec![Band::new(1.0, None)],
+//!         spectrometer: Spectrometer::default(),
 //!     },
 //! }
 //! .check()?;

@@ -10,7 +10,9 @@ use crate::geometry::{Direction, FrameCamera, Mesh, Pose, body_from_site, signed
 use crate::physics::reflectance::kirchhoff_emissivity;
 use crate::physics::srgb::hex_from_linear;
 use crate::report::{Fate, Report};
-use crate::scene::{Exposure, Material, Models, Photometry, Scene, SceneParts, Sky, Sun, Surface, Thermal};
+use crate::scene::{
+    Exposure, Material, Models, Photometry, Scene, SceneParts, Sky, Spectrometer, Sun, Surface, Thermal,
+};
 use crate::spectral::{Band, Spectrum, solar_e490};
 use crate::units::{AU_M, TSI_1AU_W_M2};
 
@@ -175,6 +177,7 @@ impl ColouredMesh {
                 instrument: SENSOR_NAME.into(),
                 camera: FrameCamera::centred(world_from_sensor, PIXELS, PIXELS, pitch),
                 bands: vec![Band::new(1.0, None)],
+                spectrometer: Spectrometer::default(),
             },
             models: Models { thermal: Thermal::Equilibrium, ..Models::default() },
         }

@@ -5,6 +5,7 @@ pub mod chart;
 pub mod convert;
 pub mod dart;
 mod decimal;
+mod directions;
 pub mod envi;
 pub mod ephemeris;
 pub mod exposures_csv;

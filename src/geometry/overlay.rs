@@ -26,6 +26,12 @@ impl Chart {
         Chart { s: row(0), t: row(1), w: [0.0, 0.0, 1.0] }
     }
 
+    /// Texel coordinates of a point; `None` where it has no place in the image.
+    pub fn at(&self, p: Point) -> Option<Point> {
+        let Vertex { s, t, w, .. } = self.vertex(p);
+        (w > 0.0).then(|| [s / w, t / w])
+    }
+
     /// With texel coordinates half a texel larger: borders of its cells are centres of texels.
     fn shifted_by_half(&self) -> Self {
         let plus_half = |f: [f64; 3]| [0, 1, 2].map(|k| f[k] + 0.5 * self.w[k]);

@@ -7,7 +7,7 @@
 use glam::DVec3;
 
 use super::pixel::Pixel;
-use crate::geometry::angle_rad;
+use crate::geometry::{FrameCamera, angle_rad};
 use crate::product::{Backplanes, Plane};
 use crate::scene::{Material, Scene};
 
@@ -109,6 +109,8 @@ impl SurfacePoint {
 /// Computes the planes.
 pub(super) struct Planes<'a> {
     scene: &'a Scene,
+    /// The pinhole of the drawing.
+    camera: FrameCamera,
     towards_sun: DVec3,
     /// Names of the dictionary entries that are no mixtures: each has a plane of area fractions, and one of lit area fractions.
     entries: Vec<String>,
@@ -165,7 +167,8 @@ impl<'a> Planes<'a> {
         let of = |m: &Material| m.mixture.iter().map(|(entry, share)| (place(*entry), *share)).collect();
         let shares = scene.body.materials.iter().map(of).collect();
         let globes = scene.globes_in_view().into_iter().map(|(globe, _)| globe.name.clone()).collect();
-        Planes { scene, towards_sun: scene.sky.sun.direction.vec(), entries, shares, globes }
+        let camera = scene.exposure.camera.drawn().pinhole;
+        Planes { scene, camera, towards_sun: scene.sky.sun.direction.vec(), entries, shares, globes }
     }
 
     pub(super) fn count(&self) -> usize {
@@ -222,13 +225,15 @@ impl<'a> Planes<'a> {
         let most = area_of_material.iter().copied().enumerate().chain(more_materials);
         let material = most.fold((0, 0.0), |m, (i, area)| if area > m.1 { (i, area) } else { m }).0;
         let mean_m = position_m / coverage;
-        let to_observer = self.scene.exposure.camera.centre_m() - mean_m;
+        let to_observer = self.camera.centre_m() - mean_m;
         let mean = SurfacePoint {
             range_m: range_m / coverage,
             local_incidence_rad: local_incidence / coverage,
             local_emission_rad: local_emission / coverage,
             ..self.place(mean_m, to_observer)
         };
+        // Of a square pixel of the same area.
+        let pitch = self.camera.mean_pitch() / pixel.site.per_cell.sqrt();
         let [x, y] = pixel.site.centre;
         let centre = pixel.centre.map(|facet| self.hit(facet, x, y));
         let of_centre = |hit: &Hit| SurfacePoint {
@@ -243,7 +248,7 @@ impl<'a> Planes<'a> {
             largest,
             face: f64::from(mesh.face(largest.1 as usize)),
             material: material as f64,
-            resolution_m: centre.as_ref().map_or(f64::NAN, |hit| hit.range_m * self.scene.exposure.camera.mean_pitch()),
+            resolution_m: centre.as_ref().map_or(f64::NAN, |hit| hit.range_m * pitch),
             centre_is_lit: centre.as_ref().map_or(f64::NAN, |_| f64::from(u8::from(pixel.centre_is_lit))),
             centre: centre.as_ref().map_or(SurfacePoint::NONE, of_centre),
             mean,
@@ -267,7 +272,7 @@ impl<'a> Planes<'a> {
 
     /// Where the ray through an image point meets the plane of a facet.
     fn hit(&self, facet: u32, x_px: f64, y_px: f64) -> Hit {
-        let camera = &self.scene.exposure.camera;
+        let camera = &self.camera;
         let facet = self.scene.body.mesh.facet(facet as usize);
         let ray = camera.ray(x_px, y_px);
         let away = facet.met_by(camera.centre_m(), ray);

@@ -1,6 +1,6 @@
 //! Which facets each pixel sees, as a product.
 
-use super::detector::draw;
+use super::detector::{Detector, draw};
 use super::globes::Globes;
 use super::lit_area::LitArea;
 use super::parts::Polygons;
@@ -38,8 +38,8 @@ pub(super) fn join(lines: impl Iterator<Item = Footprints>) -> Footprints {
 
 /// The facets that each pixel sees and the share of them that is lit: exact area fractions.
 pub fn footprints(mesh: &Mesh, topology: &Topology, sunlit: &Seen, camera: &FrameCamera) -> Footprints {
-    let drawing = draw(mesh, topology, mesh.bounds_m(), camera);
-    seen(&drawing, sunlit, &[], camera).0
+    let (drawing, detector) = draw(mesh, topology, mesh.bounds_m(), camera);
+    seen((&drawing, &detector), sunlit, &[]).0
 }
 
 /// What a pixel shows of bodies of the sky, by their places among those in view.
@@ -48,16 +48,15 @@ pub type GlobesShown = Vec<(usize, SphereShown)>;
 /// The same of a scene with bodies of the sky, and what each pixel shows of these.
 pub fn footprints_among_globes(scene: &Scene, sunlit: &Seen) -> (Footprints, Vec<GlobesShown>) {
     let camera = &scene.exposure.camera;
-    let drawing = draw(&scene.body.mesh, scene.body.topology(), scene.body.bounds_m(), camera);
+    let (drawing, detector) = draw(&scene.body.mesh, scene.body.topology(), scene.body.bounds_m(), camera);
     let globes: Vec<SphereImage> = scene.globes_in_view().into_iter().map(|(_, seen)| seen).collect();
-    seen(&drawing, sunlit, &globes, camera)
+    seen((&drawing, &detector), sunlit, &globes)
 }
 
 fn seen(
-    drawing: &Drawing,
+    (drawing, detector): (&Drawing, &Detector),
     sunlit: &Seen,
     globes: &[SphereImage],
-    camera: &FrameCamera,
 ) -> (Footprints, Vec<GlobesShown>) {
     let polygons = Polygons::of_seen(sunlit);
     let start = || {
@@ -77,9 +76,9 @@ fn seen(
         )?;
         Ok((footprints, shown))
     };
-    let parts = vec![(); camera.lines as usize];
+    let parts = vec![(); detector.size[1] as usize];
     // Nothing asks to stop.
-    let lines = sweep(drawing, parts, ("footprints", &unwatched), start, look).unwrap_or_default();
+    let lines = sweep((drawing, detector), parts, ("footprints", &unwatched), start, look).unwrap_or_default();
     let (footprints, shown): (Vec<Footprints>, Vec<Vec<GlobesShown>>) = lines.into_iter().unzip();
     (join(footprints.into_iter()), shown.concat())
 }

@@ -3,7 +3,8 @@
 //! A facet and a globe do not touch, so one of them hides the other wherever both are on one ray. What a pixel shows of facets is known as signed
 //! convex pieces. Of those behind a globe, what lies in its outline is taken away again; from the globe, what lies behind the others is.
 
-use crate::geometry::polygon::{Point, Rect, area, intersect};
+use super::detector::PixelSite;
+use crate::geometry::polygon::{Point, area, intersect};
 use crate::geometry::{Mesh, SphereImage, SphereShown};
 
 /// Facets that leave less of a pixel than this hide all that is behind them, pixels: rounding of areas.
@@ -34,14 +35,18 @@ impl<'a> Globes<'a> {
     }
 
     /// Begins a pixel.
-    pub(super) fn start(&mut self, rect: &Rect) {
+    pub(super) fn start(&mut self, site: &PixelSite) {
+        let rect = &site.rect;
         self.here.clear();
         self.pieces.clear();
         self.shown.clear();
         for (i, globe) in self.all.iter().enumerate().filter(|(_, globe)| globe.may_touch(rect)) {
             let mut outline = Vec::new();
             globe.outline_within(rect, &mut outline);
-            self.here.push((i, outline));
+            match site.outline {
+                None => self.here.push((i, outline)),
+                Some(pixel) => self.here.extend(common(&outline, &pixel).map(|outline| (i, outline))),
+            }
         }
     }
 
@@ -76,8 +81,9 @@ impl<'a> Globes<'a> {
     }
 
     /// Finds what is left of each globe, once all facets are known.
-    pub(super) fn finish(&mut self, rect: &Rect) {
+    pub(super) fn finish(&mut self, site: &PixelSite) {
         let Some(mesh) = self.mesh else { return };
+        let corners = site.corners();
         // What globes in front show, as signed pieces.
         let mut before: Vec<(f64, Vec<Point>)> = Vec::new();
         for (n, (i, outline)) in self.here.iter().enumerate() {
@@ -85,10 +91,10 @@ impl<'a> Globes<'a> {
             let is_before = |facet: u32| !globe.hides(mesh.facet(facet as usize).corners_m);
             let hiding: Vec<_> = self.pieces.iter().filter(|(facet, ..)| is_before(*facet)).collect();
             let covered: f64 = hiding.iter().map(|(_, sign, piece)| sign * area(piece)).sum();
-            if covered >= rect.area() - COVERED {
+            if covered >= area(&corners) - COVERED {
                 continue;
             }
-            let mut shown = globe.shown(&rect.corners());
+            let mut shown = globe.shown(&corners);
             for (_, sign, piece) in &hiding {
                 shown.add(-sign, &globe.shown(piece));
             }
@@ -96,7 +102,9 @@ impl<'a> Globes<'a> {
                 shown.add(-sign, &globe.shown(piece));
             }
             if shown.area > COVERED * globe.area_px().min(1.0) {
-                self.shown.push((*i, shown));
+                let mut of_pixel = SphereShown::default();
+                of_pixel.add(site.per_cell, &shown);
+                self.shown.push((*i, of_pixel));
             }
             if n + 1 < self.here.len() {
                 let hidden = |sign: f64, piece: &[Point]| Some((-sign, common(piece, outline)?));

@@ -23,8 +23,8 @@ impl<'a> LitArea<'a> {
         LitArea { drawing, sunlit, polygons, parts: Parts::new(drawing, polygons), clipped: vec![], spare: vec![] }
     }
 
-    pub(super) fn new_line(&mut self, row: u32) {
-        self.parts.new_line(row);
+    pub(super) fn new_line(&mut self, rows: [u32; 2]) {
+        self.parts.new_line(rows);
     }
 
     /// Lit area, pixels, of what `window` shows of a facet's image; `seen` is the area of all that it shows.

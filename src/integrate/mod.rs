@@ -95,7 +95,7 @@ pub fn integrate(scene: &Scene, table: &FacetTable, wanted: Wanted<'_>, watch: W
     let map_polygons: Vec<Vec<_>> =
         prepared.iter().map(|views| views.iter().map(|p| p.polygons(mesh.facets.len())).collect()).collect();
     tell(watch, "image", 0, 1)?;
-    let drawing = detector::draw(mesh, topology, scene.body.bounds_m(), camera);
+    let (drawing, detector) = detector::draw(mesh, topology, scene.body.bounds_m(), camera);
     // Of each source that is known by parts: the Sun first.
     let lit: Vec<_> = table.sources.iter().filter_map(|lighting| lighting.seen()).collect();
     let lit_polygons: Vec<Polygons> = lit.iter().map(|seen| Polygons::of_seen(seen)).collect();
@@ -124,10 +124,10 @@ pub fn integrate(scene: &Scene, table: &FacetTable, wanted: Wanted<'_>, watch: W
     let look = |(pixel, weights, map_texels): &mut (Pixel, Weights, Option<PixelTexels>),
                 line: &mut sweep::Line,
                 mut planes_part: Vec<&mut [f64]>| {
-        let (mut gathered, row) = (Gathered::default(), line.row);
-        weights.new_line(row);
+        let (mut gathered, rows) = (Gathered::default(), line.pixels.rows);
+        weights.new_line(rows);
         if let Some(map_texels) = map_texels {
-            gathered.maps = map_texels.new_line(row);
+            gathered.maps = map_texels.new_line(rows);
         }
         let varies = |pixel: &Pixel| pixel.wants_moments && weights::varies(&emission, pixel);
         line.each(pixel, varies, |pixel| {
@@ -150,7 +150,7 @@ pub fn integrate(scene: &Scene, table: &FacetTable, wanted: Wanted<'_>, watch: W
         })?;
         Ok(gathered)
     };
-    let mut lines = sweep::sweep(&drawing, parts, ("image", watch), start, look)?;
+    let mut lines = sweep::sweep((&drawing, &detector), parts, ("image", watch), start, look)?;
     let mut backplanes = match wanted.radiance_alone {
         true => Backplanes::default(),
         false => planes.name(values, samples, rows),

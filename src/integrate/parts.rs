@@ -115,7 +115,8 @@ impl<'a> Polygons<'a> {
 pub(super) struct Parts<'a> {
     drawing: &'a Drawing<'a>,
     polygons: &'a Polygons<'a>,
-    row: u32,
+    /// Rows of cells of the line at hand: the first, and the one after the last.
+    rows: [u32; 2],
     /// Of facets with many parts: those that reach the line at hand, by their left border.
     line: BTreeMap<u32, Vec<Reaching>>,
     /// Of the facet looked at last: its parts in the image, each with its bounds and where it ends in `mapped`.
@@ -134,7 +135,7 @@ impl<'a> Parts<'a> {
         Parts {
             drawing,
             polygons,
-            row: 0,
+            rows: [0; 2],
             line: BTreeMap::new(),
             last: None,
             reach: vec![],
@@ -144,8 +145,8 @@ impl<'a> Parts<'a> {
         }
     }
 
-    pub(super) fn new_line(&mut self, row: u32) {
-        self.row = row;
+    pub(super) fn new_line(&mut self, rows: [u32; 2]) {
+        self.rows = rows;
         self.line.clear();
     }
 
@@ -215,7 +216,7 @@ impl<'a> Parts<'a> {
     }
 
     fn line_parts(&mut self, facet: u32, polygons: std::ops::Range<usize>) -> &[Reaching] {
-        let (low, high) = (f64::from(self.row), f64::from(self.row) + 1.0);
+        let [low, high] = self.rows.map(f64::from);
         let view = self.on_facet(facet);
         let uv = self.polygons;
         self.line.entry(facet).or_insert_with(|| {

@@ -1,7 +1,7 @@
 //! What one pixel sees: the facets, their areas in the image, and how much of that is lit.
 
 use crate::error::Result;
-use crate::geometry::polygon::{Point, Rect, area, area_and_moment, clip_to_rect, holds, may_touch};
+use crate::geometry::polygon::{Point, Rect, area, area_and_moment, clip_to_rect, holds, intersect, may_touch};
 use crate::visibility::{Drawing, Scratch, Side, Visit};
 
 use super::detector::PixelSite;
@@ -79,7 +79,7 @@ impl<'a> Pixel<'a> {
             centre_is_lit: false,
             is_beside: false,
             subtracted: false,
-            site: PixelSite::of(drawing, 0, 0),
+            site: PixelSite::cell(0, 0, drawing.grid.cell(0, 0)),
             clipped: vec![],
             spare: vec![],
         }
@@ -92,20 +92,22 @@ impl<'a> Pixel<'a> {
     pub(super) fn look(
         &mut self,
         coverage: &crate::visibility::Coverage,
-        [sample, line]: [u32; 2],
+        site: PixelSite,
         scratch: &mut Scratch,
     ) -> Result<()> {
         self.entries.clear();
         self.further.clear();
         self.pieces.clear();
-        self.subtracted = false;
+        // What a pixel has of a cell beside it is less than rounding.
+        self.subtracted = site.outline.is_some();
         self.centre = None;
-        self.site = PixelSite::of(self.drawing, sample, line);
+        self.site = site;
         self.is_beside = false;
-        self.globes.start(&self.site.rect);
-        let [column, row] = self.site.cell;
-        coverage.cell(column, row, scratch, self)?;
-        self.globes.finish(&self.site.rect);
+        self.globes.start(&site);
+        for [column, row] in site.cells() {
+            coverage.cell(column, row, scratch, self)?;
+        }
+        self.globes.finish(&site);
         if self.is_beside {
             self.centre = self.most_around(coverage, scratch)?;
         }
@@ -130,8 +132,9 @@ impl<'a> Pixel<'a> {
                 None => seen.push((facet, area)),
             }
         });
-        let [column, row] = self.site.cell;
-        coverage.cell(column, row, scratch, &mut near)?;
+        for [column, row] in self.site.cells() {
+            coverage.cell(column, row, scratch, &mut near)?;
+        }
         let covered: f64 = seen.iter().map(|s| s.1).sum();
         let most = seen.iter().fold((None, 0.0), |most, s| if s.1 > most.1 { (Some(s.0), s.1) } else { most });
         Ok(if 2.0 * covered > around(self.site.centre).area() { most.0 } else { None })
@@ -164,8 +167,9 @@ impl<'a> Pixel<'a> {
                 lit += sign * sun.of(facet, &Window::Piece(part), area);
             }
         });
-        let [column, row] = self.site.cell;
-        coverage.cell(column, row, scratch, &mut near)?;
+        for [column, row] in self.site.cells() {
+            coverage.cell(column, row, scratch, &mut near)?;
+        }
         Ok(lit > 0.0 && lit >= 0.5 * seen)
     }
 
@@ -211,8 +215,8 @@ impl<'a> Pixel<'a> {
     }
 
     /// Called when a new line of the image begins.
-    pub(super) fn new_line(&mut self, row: u32) {
-        self.lights.iter_mut().for_each(|light| light.new_line(row));
+    pub(super) fn new_line(&mut self, rows: [u32; 2]) {
+        self.lights.iter_mut().for_each(|light| light.new_line(rows));
     }
 
     /// Pieces of a facet become one entry, and what is left of it by rounding alone none.
@@ -246,6 +250,22 @@ impl<'a> Pixel<'a> {
         }
     }
 
+    /// Adds what the pixel has of a piece of a facet in a cell.
+    fn add_piece_of_cell(&mut self, facet: u32, polygon: &[Point], sign: f64) {
+        match self.site.outline {
+            None => self.add(facet, polygon, &Window::Piece(polygon), sign),
+            Some(pixel) => self.add_within(&pixel, facet, polygon, sign),
+        }
+    }
+
+    /// The same of a pixel with this outline.
+    fn add_within(&mut self, pixel: &[Point; 4], facet: u32, polygon: &[Point], sign: f64) {
+        let mut clipped = std::mem::take(&mut self.clipped);
+        intersect(polygon, pixel, &mut clipped, &mut self.spare);
+        self.add(facet, &clipped, &Window::Piece(&clipped), sign);
+        self.clipped = clipped;
+    }
+
     /// Adds a convex piece of a facet, or with `sign` -1 takes it away again.
     fn add(&mut self, facet: u32, polygon: &[Point], window: &Window, sign: f64) {
         self.add_piece(facet, polygon, window, sign);
@@ -263,6 +283,8 @@ impl<'a> Pixel<'a> {
             return;
         }
         let shown = ImagePart { area, moment };
+        // Of the pixel, which is more or less than a cell if a lens distorts it.
+        let times = sign * self.site.per_cell;
         let front = self.drawing.side(facet) == Side::Front;
         let mut lit = ImagePart::default();
         if front {
@@ -274,11 +296,11 @@ impl<'a> Pixel<'a> {
                 };
                 match light {
                     0 => lit = part,
-                    _ => self.further.push((facet, light, part.signed(sign))),
+                    _ => self.further.push((facet, light, part.signed(times))),
                 }
             }
         }
-        self.entries.push(Entry { facet, front, shown: shown.signed(sign), lit: lit.signed(sign) });
+        self.entries.push(Entry { facet, front, shown: shown.signed(times), lit: lit.signed(times) });
     }
 }
 
@@ -287,7 +309,11 @@ impl Visit for Pixel<'_> {
         let outline = self.drawing.outline(triangle);
         let facet = self.drawing.facet(triangle);
         let bounds = Rect::of(&outline);
-        if triangle == facet && rect.contains(&bounds) {
+        if let Some(pixel) = self.site.outline {
+            let mut of_cell = Vec::with_capacity(8);
+            clip_to_rect(&outline, rect, &mut of_cell, &mut self.spare);
+            self.add_within(&pixel, facet, &of_cell, 1.0);
+        } else if triangle == facet && rect.contains(&bounds) {
             self.add(facet, &outline, &Window::Facet, 1.0);
         } else {
             let mut clipped = std::mem::take(&mut self.clipped);
@@ -308,14 +334,14 @@ impl Visit for Pixel<'_> {
 
     fn hidden(&mut self, triangle: u32, _: &Rect, polygon: &[Point]) {
         self.subtracted = true;
-        self.add(self.drawing.facet(triangle), polygon, &Window::Piece(polygon), -1.0);
+        self.add_piece_of_cell(self.drawing.facet(triangle), polygon, -1.0);
     }
 
     fn cut(&mut self, _: u32, _: &Rect) {}
 
     fn piece(&mut self, triangle: u32, _: &Rect, polygon: &[Point]) {
         let facet = self.drawing.facet(triangle);
-        self.add(facet, polygon, &Window::Piece(polygon), 1.0);
+        self.add_piece_of_cell(facet, polygon, 1.0);
         if self.centre.is_none() && may_touch(polygon, &around(self.site.centre)) {
             if holds(polygon, self.site.centre) {
                 self.take_centre(triangle);
@@ -398,14 +424,14 @@ mod tests {
         let rotation = DMat3::from_cols(DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z);
         let pose = Pose { rotation, translation_m: DVec3::new(0.0, 0.0, 1000.0) };
         let camera = FrameCamera::centred(pose, 2, 2, 2e-3);
-        let drawing = draw(&mesh, &topology, mesh.bounds_m(), &camera);
+        let (drawing, detector) = draw(&mesh, &topology, mesh.bounds_m(), &camera);
         let start = || {
             let lights = lit.iter().zip(&polygons).map(|(seen, polygons)| LitArea::new(&drawing, seen, polygons));
             let mut pixel = Pixel::new(&drawing, lights.collect());
             pixel.wants_moments = true;
             pixel
         };
-        let lines = sweep(&drawing, vec![(); 2], ("image", &unwatched), start, |pixel, line, ()| {
+        let lines = sweep((&drawing, &detector), vec![(); 2], ("image", &unwatched), start, |pixel, line, ()| {
             let mut found = Vec::new();
             line.each(
                 pixel,

@@ -22,7 +22,7 @@ pub fn radiance(scene: &Scene, table: &FacetTable, watch: Watch<'_>) -> Result<S
     scene.simulable()?;
     table.fits(scene)?;
     let (camera, mesh) = (&scene.exposure.camera, &scene.body.mesh);
-    let drawing = draw(mesh, scene.body.topology_watched(watch)?, scene.body.bounds_m(), camera);
+    let (drawing, detector) = draw(mesh, scene.body.topology_watched(watch)?, scene.body.bounds_m(), camera);
     let lit: Vec<_> = table.sources.iter().filter_map(|lighting| lighting.seen()).collect();
     let polygons: Vec<Polygons> = lit.iter().map(|seen| Polygons::of_seen(seen)).collect();
     let emission = Emission::new(scene, table);
@@ -37,7 +37,7 @@ pub fn radiance(scene: &Scene, table: &FacetTable, watch: Watch<'_>) -> Result<S
     };
     let look = |(pixel, weights): &mut (Pixel, Weights), line: &mut Line, ()| {
         let mut gathered = WeightLine::default();
-        weights.new_line(line.row);
+        weights.new_line(line.pixels.rows);
         let varies = |pixel: &Pixel| pixel.wants_moments && weights::varies(&emission, pixel);
         line.each(pixel, varies, |pixel| {
             pixel.sort_pieces();
@@ -47,6 +47,6 @@ pub fn radiance(scene: &Scene, table: &FacetTable, watch: Watch<'_>) -> Result<S
         })?;
         Ok(gathered)
     };
-    let lines = sweep(&drawing, vec![(); camera.lines as usize], ("image", watch), start, look)?;
+    let lines = sweep((&drawing, &detector), vec![(); camera.lines as usize], ("image", watch), start, look)?;
     Ok(weights::slab(scene, &emission, lines))
 }

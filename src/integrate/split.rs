@@ -28,6 +28,7 @@ pub(super) fn each(pixel: &mut Pixel, index: usize, parts: u32, mut put: impl Fn
     let (facet, lights, whole) = (pixel.entries[index].facet, pixel.lights(), bounds(pixel, index));
     let (mut clipped, mut spare) = (vec![], vec![]);
     let mut lit = vec![ImagePart::default(); lights];
+    let per_cell = pixel.site.per_cell;
     let side = |k: usize, i: u32| whole.min[k] + (whole.max[k] - whole.min[k]) * f64::from(i) / f64::from(parts);
     for row in 0..parts {
         for column in 0..parts {
@@ -36,20 +37,21 @@ pub(super) fn each(pixel: &mut Pixel, index: usize, parts: u32, mut put: impl Fn
             lit.fill(ImagePart::default());
             for k in pixel.pieces.of(index) {
                 let (_, sign, outline) = pixel.pieces.get(k);
+                let times = sign * per_cell;
                 clip_to_rect(outline, &rect, &mut clipped, &mut spare);
                 let (area, moment) = area_and_moment(&clipped);
                 if area <= 0.0 {
                     continue;
                 }
                 let part = ImagePart { area, moment };
-                shown.add(&part.signed(sign));
+                shown.add(&part.signed(times));
                 for (light, lit) in lit.iter_mut().enumerate() {
                     match pixel.lit_of(light, facet) {
                         Shown::Nothing => {}
-                        Shown::Whole => lit.add(&part.signed(sign)),
+                        Shown::Whole => lit.add(&part.signed(times)),
                         Shown::Part => pixel.lit_parts(light, facet, &Window::Piece(&clipped), |share, common| {
                             let (area, moment) = area_and_moment(common);
-                            lit.add(&ImagePart { area: area.max(0.0), moment }.signed(sign * share));
+                            lit.add(&ImagePart { area: area.max(0.0), moment }.signed(times * share));
                         }),
                     }
                 }

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
-use super::detector;
+use super::detector::{Detector, PixelLine};
 use super::pixel::Pixel;
 use crate::error::Result;
 use crate::progress::{Pulse, Watch, tell};
@@ -15,9 +15,8 @@ pub(super) struct Line<'l, 's> {
     coverage: &'l Coverage<'l>,
     scratch: &'l mut Scratch<'s>,
     samples: u32,
-    line: u32,
-    /// The row of cells in which it lies.
-    pub(super) row: u32,
+    /// Its pixels, and the rows of cells in which they lie.
+    pub(super) pixels: PixelLine<'l>,
 }
 
 impl Line<'_, '_> {
@@ -31,13 +30,13 @@ impl Line<'_, '_> {
         needs_pieces: impl Fn(&Pixel) -> bool,
         mut gather: impl FnMut(&mut Pixel),
     ) -> Result<()> {
-        pixel.new_line(self.row);
+        pixel.new_line(self.pixels.rows);
         for sample in 0..self.samples {
-            pixel.look(self.coverage, [sample, self.line], self.scratch)?;
+            pixel.look(self.coverage, self.pixels.site(sample), self.scratch)?;
             let are_kept = pixel.pieces.are_kept;
             if !are_kept && needs_pieces(pixel) {
                 pixel.pieces.are_kept = true;
-                pixel.look(self.coverage, [sample, self.line], self.scratch)?;
+                pixel.look(self.coverage, self.pixels.site(sample), self.scratch)?;
             }
             gather(pixel);
             pixel.pieces.are_kept = are_kept;
@@ -51,14 +50,14 @@ impl Line<'_, '_> {
 /// # Errors
 /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
 pub(super) fn sweep<S, P: Send, L: Send>(
-    drawing: &Drawing,
+    (drawing, detector): (&Drawing, &Detector),
     parts: Vec<P>,
     (stage, watch): (&'static str, Watch<'_>),
     start: impl Fn() -> S + Sync + Send,
     look: impl Fn(&mut S, &mut Line, P) -> Result<L> + Sync + Send,
 ) -> Result<Vec<L>> {
     let coverage = Coverage::new(drawing);
-    let [samples, lines] = detector::size(drawing);
+    let [samples, lines] = detector.size;
     let (done, total) = (AtomicU64::new(0), u64::from(lines));
     let pulse = || Pulse::new(watch, stage, &done, total);
     parts
@@ -67,7 +66,7 @@ pub(super) fn sweep<S, P: Send, L: Send>(
         .map_init(
             || (Scratch::new(pulse()), start()),
             |(scratch, state), (part, line)| {
-                let mut line = Line { coverage: &coverage, scratch, samples, line, row: detector::row(line) };
+                let mut line = Line { coverage: &coverage, scratch, samples, pixels: detector.line(line) };
                 let made = look(state, &mut line, part)?;
                 tell(watch, stage, done.fetch_add(1, Relaxed) + 1, total)?;
                 Ok(made)

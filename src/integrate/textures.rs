@@ -40,8 +40,8 @@ impl<'a> Textures<'a> {
         }
     }
 
-    pub(super) fn new_line(&mut self, row: u32) {
-        self.lookups.iter_mut().for_each(|lookup| lookup.new_line(row));
+    pub(super) fn new_line(&mut self, rows: [u32; 2]) {
+        self.lookups.iter_mut().for_each(|lookup| lookup.new_line(rows));
     }
 
     /// What the texture is over a pixel's entry `index`, of a material that has one; pieces have been sorted.

@@ -33,8 +33,8 @@ impl<'a> Weights<'a> {
         Weights { scene, emission, textures: Textures::new(scene, drawing), sums, lit: vec![] }
     }
 
-    pub(super) fn new_line(&mut self, row: u32) {
-        self.textures.new_line(row);
+    pub(super) fn new_line(&mut self, rows: [u32; 2]) {
+        self.textures.new_line(rows);
     }
 
     /// Adds the bodies of the sky that a pixel shows.
@@ -103,7 +103,7 @@ impl<'a> Weights<'a> {
 pub(super) fn varies(emission: &Emission, pixel: &Pixel) -> bool {
     let is_split = |entry: &Entry| {
         let fragment = Fragment { facet: entry.facet, shown: entry.shown, lit: std::slice::from_ref(&entry.lit) };
-        entry.front && emission.parts(&fragment, 1.0) > 1
+        entry.front && emission.parts(&fragment, pixel.site.extent()) > 1
     };
     pixel.entries.iter().any(is_split)
 }

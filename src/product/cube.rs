@@ -246,6 +246,73 @@ impl Slab {
         Some(sum)
     }
 
+    /// The same with a factor on each pixel and one on each band; what maps add is not carried over.
+    #[must_use]
+    pub fn scaled(mut self, by_pixel: &[f64], by_band: &[f64]) -> Slab {
+        for (entries, factor) in self.row_start.windows(2).zip(by_pixel) {
+            self.weight[entries[0]..entries[1]].iter_mut().for_each(|weight| *weight *= factor);
+        }
+        self.spectra.iter_mut().zip(by_band.iter().cycle()).for_each(|(value, factor)| *value *= factor);
+        self.added = Added::default();
+        self
+    }
+
+    /// One slab of several of the same pixels and bands, whose radiances add up, each with its own spectra; empty of none. What maps add is not carried over.
+    pub fn over(parts: &[Slab]) -> Slab {
+        let (mut all, numbers) = joined(parts, |_, _| true);
+        let pixels = parts.iter().map(|part| part.row_start.len().saturating_sub(1)).min().unwrap_or(0);
+        let mut entries: Vec<(u32, f64)> = Vec::new();
+        for pixel in 0..pixels {
+            entries.clear();
+            parts.iter().zip(&numbers).for_each(|(part, numbers)| entries.extend(part.renumbered(pixel, numbers)));
+            entries.sort_by_key(|entry| entry.0);
+            all.push_pixel(&entries);
+        }
+        all
+    }
+
+    /// One slab of several of the same bands and number of lines, side by side, each with those of its own spectra that pixels have; empty of none. What maps add is not
+    /// carried over.
+    pub fn beside(parts: &[Slab]) -> Slab {
+        let used: Vec<Vec<bool>> = parts
+            .iter()
+            .map(|part| {
+                let mut used = vec![false; part.rows()];
+                part.row.iter().for_each(|row| used[*row as usize] = true);
+                used
+            })
+            .collect();
+        let (mut all, numbers) = joined(parts, |part, row| used[part][row]);
+        let lines = all.lines.len().max(1);
+        for line in 0..lines {
+            for (part, numbers) in parts.iter().zip(&numbers) {
+                let samples = part.row_start.len().saturating_sub(1) / lines;
+                for pixel in line * samples..(line + 1) * samples {
+                    let entries: Vec<(u32, f64)> = part.renumbered(pixel, numbers).collect();
+                    all.push_pixel(&entries);
+                }
+            }
+        }
+        all
+    }
+
+    /// Number of spectra.
+    fn rows(&self) -> usize {
+        self.spectra.len() / self.bands.len().max(1)
+    }
+
+    /// A pixel's rows, by other numbers, and weights.
+    fn renumbered(&self, pixel: usize, numbers: &[u32]) -> impl Iterator<Item = (u32, f64)> {
+        let of = self.row_start[pixel]..self.row_start[pixel + 1];
+        of.map(|i| (numbers[self.row[i] as usize], self.weight[i]))
+    }
+
+    fn push_pixel(&mut self, entries: &[(u32, f64)]) {
+        self.row.extend(entries.iter().map(|entry| entry.0));
+        self.weight.extend(entries.iter().map(|entry| entry.1));
+        self.row_start.push(self.row.len());
+    }
+
     /// As [`Cube::expand`], of its own pixels and bands: they count from 0.
     pub fn expand(&self, pixels: Range<usize>, bands: Range<usize>, mut put: impl FnMut(usize, usize, &[f64])) {
         // 16 sums stay in registers while the weights stream by.
@@ -282,9 +349,66 @@ impl Slab {
     }
 }
 
+/// A slab without pixels that has the spectra of several, those that are kept (part, row): of all the reflected ones first; and for each part its rows' new numbers.
+fn joined(parts: &[Slab], is_kept: impl Fn(usize, usize) -> bool) -> (Slab, Vec<Vec<u32>>) {
+    let mut all = Slab { row_start: vec![0], ..Slab::default() };
+    if let Some(first) = parts.first() {
+        (all.lines, all.bands) = (first.lines.clone(), first.bands.clone());
+    }
+    let mut numbers: Vec<Vec<u32>> = parts.iter().map(|part| vec![0; part.rows()]).collect();
+    let mut count = 0;
+    for is_thermal in [false, true] {
+        for (place, part) in parts.iter().enumerate() {
+            let bands = part.bands.len();
+            for row in (0..part.rows()).filter(|row| is_kept(place, *row)) {
+                if (row >= part.first_thermal_row as usize) == is_thermal {
+                    all.spectra.extend_from_slice(&part.spectra[row * bands..][..bands]);
+                    numbers[place][row] = count;
+                    count += 1;
+                }
+            }
+        }
+        if !is_thermal {
+            all.first_thermal_row = count;
+        }
+    }
+    (all, numbers)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn slabs_beside_and_over_each_other_keep_their_spectra() {
+        // One band; a: two pixels of one line, sunlight 2 and heat 3; b: sunlight 5, heat 7 unused.
+        let slab = |spectra: [f64; 2], row_start: Vec<usize>, row: Vec<u32>, weight: Vec<f64>| Slab {
+            lines: 4..5,
+            bands: 0..1,
+            row_start,
+            row,
+            weight,
+            spectra: spectra.to_vec(),
+            first_thermal_row: 1,
+            added: Added::default(),
+        };
+        let a = slab([2.0, 3.0], vec![0, 2, 3], vec![0, 1, 1], vec![1.0, 10.0, 1.0]);
+        let b = slab([5.0, 7.0], vec![0, 1, 1], vec![0], vec![2.0]);
+        let radiance = |slab: &Slab| {
+            let mut all = Vec::new();
+            slab.expand(0..slab.row_start.len() - 1, 0..1, |_, _, values| all.push(values[0]));
+            all
+        };
+        let (beside, over) = (Slab::beside(&[a.clone(), b.clone()]), Slab::over(&[a.clone(), b.clone()]));
+        assert_eq!(
+            (radiance(&beside), radiance(&beside.thermal())),
+            (vec![32.0, 3.0, 10.0, 0.0], vec![30.0, 3.0, 0.0, 0.0])
+        );
+        assert_eq!((radiance(&over), radiance(&over.thermal())), (vec![42.0, 3.0], vec![30.0, 3.0]));
+        assert_eq!((beside.spectra, beside.lines.clone()), (vec![2.0, 5.0, 3.0], 4..5));
+        assert_eq!(radiance(&a.scaled(&[1.0, 2.0], &[0.5])), [16.0, 3.0]);
+        assert!(Slab::beside(&[]).problems(0).is_empty());
+    }
 
     /// Two pixels of 21 bands; pixel 0 is 2 a + 3 b, pixel 1 is sky.
     fn cube() -> Cube {

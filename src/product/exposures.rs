@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::{Backplanes, Plane};
 use crate::flight::Epoch;
-use crate::geometry::{Camera, Direction, FrameCamera};
+use crate::geometry::{Direction, FrameCamera};
 use crate::scene::Take;
 
 /// A part of a cube, when and from where it was taken.
@@ -41,12 +41,10 @@ impl Exposures {
         let part = self.taken.get(part)?;
         let place = |axis: &str| Some(&backplanes.plane(&format!("BODYFIXED{axis}"))?.values);
         let (x, y, z) = (place("X")?, place("Y")?, place("Z")?);
-        let projection = Camera::Frame(part.camera.clone()).projection();
         let moved_px = |pixel: usize| {
-            let h = projection.homogeneous(DVec3::new(x[pixel], y[pixel], z[pixel]) - self.origin_m);
+            let at = part.camera.place(DVec3::new(x[pixel], y[pixel], z[pixel]) - self.origin_m);
             let centre = [pixel % backplanes.samples, pixel / backplanes.samples].map(|i| i as f64 + 0.5);
-            let at = [h.x / h.z, h.y / h.z];
-            if h.z > 0.0 { at[axis] - centre[axis] } else { f64::NAN }
+            at.map_or(f64::NAN, |at| at[axis] - centre[axis])
         };
         let along = ["samples", "lines"][axis];
         let name = format!("DISPLACEMENT of band {}, {along}", part.take.bands.start + 1);

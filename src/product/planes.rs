@@ -35,6 +35,28 @@ impl Backplanes {
         shown
     }
 
+    /// Images side by side that have the same number of lines; where one lacks a plane of another, that is 0.
+    pub fn beside(parts: &[Backplanes]) -> Backplanes {
+        let lines = parts.iter().map(|part| part.lines).max().unwrap_or(0);
+        let samples = parts.iter().map(|part| part.samples).sum();
+        let mut all = Backplanes { samples, lines, planes: vec![] };
+        let mut first = 0;
+        for part in parts {
+            for Plane { name, unit, values } in &part.planes {
+                let place = all.planes.iter().position(|plane| plane.name == *name).unwrap_or_else(|| {
+                    let values = vec![0.0; samples * lines];
+                    all.planes.push(Plane { name: name.clone(), unit: unit.clone(), values });
+                    all.planes.len() - 1
+                });
+                for (line, values) in values.chunks(part.samples.max(1)).enumerate().take(lines) {
+                    all.planes[place].values[line * samples + first..][..values.len()].copy_from_slice(values);
+                }
+            }
+            first += part.samples;
+        }
+        all
+    }
+
     /// The plane of a name.
     pub fn plane(&self, name: &str) -> Option<&Plane> {
         self.planes.iter().find(|p| p.name == name)

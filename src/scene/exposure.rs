@@ -1,5 +1,6 @@
 //! What is taken of the surface: by which camera, in which bands.
 
+use super::Spectrometer;
 use super::coverage::percent;
 use crate::error::{Location, Problem};
 use crate::geometry::FrameCamera;
@@ -19,12 +20,14 @@ pub struct Exposure {
     pub camera: FrameCamera,
     /// Its bands, in the order of the cube.
     pub bands: Vec<Band>,
+    /// Smile and keystone of a push-broom.
+    pub spectrometer: Spectrometer,
 }
 
 impl Exposure {
     /// What is wrong with it, whatever it looks at.
     pub(super) fn problems(&self) -> Vec<Problem> {
-        let mut problems = Vec::new();
+        let mut problems = self.spectrometer.problems(self.camera.samples, &self.bands);
         let mut problem = |item: &str, message: String| problems.push(Problem::new(Location::item(item), message));
         check_camera(&self.camera, &mut problem);
         if self.bands.is_empty() {
@@ -68,6 +71,9 @@ fn check_camera(camera: &FrameCamera, problem: &mut impl FnMut(&str, String)) {
                 "pixels of {pitch:e} rad are smaller than {LEAST_PITCH:e}: the digits of coordinates do not tell them apart"
             ),
         );
+    }
+    if !camera.is_within_lens() {
+        problem("sensor", "its lens was made for an image that this one is no part of".into());
     }
     let size_px = f64::from(camera.samples.max(camera.lines));
     if let Some(at) = camera.boresight_px.into_iter().find(|at| at.is_nan() || at.abs() > FARTHEST * size_px) {

@@ -79,11 +79,11 @@ impl Globe {
 impl Setup {
     /// Bodies of the sky that the camera may have in its field, as they appear there; of two that overlap in the image the one in front comes first.
     pub fn globes_in_view(&self) -> Vec<(&Globe, SphereImage)> {
-        let camera = &self.exposure.camera;
+        let camera = self.exposure.camera.drawn().pinhole;
         let image = Rect { min: [0.0; 2], max: [f64::from(camera.samples), f64::from(camera.lines)] };
         let in_view = |globe| {
             let sun = self.sky.sun_on(globe).direction;
-            let seen = SphereImage::new(camera, globe.centre_m, globe.radius_m, sun)?;
+            let seen = SphereImage::new(&camera, globe.centre_m, globe.radius_m, sun)?;
             seen.may_touch(&image).then_some((globe, seen))
         };
         let mut all: Vec<(&Globe, SphereImage)> = self.sky.globes().filter_map(in_view).collect();

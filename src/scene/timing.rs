@@ -2,10 +2,11 @@
 
 use std::ops::Range;
 
-use super::Exposure;
+use super::{Exposure, Mirror};
+use crate::geometry::Pose;
 
 /// What a sensor takes at once.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Readout {
     /// All of the image.
     #[default]
@@ -14,6 +15,15 @@ pub enum Readout {
     Band,
     /// A line in all bands: a push-broom.
     Line,
+    /// A sample of one line, or of a few, in all bands: a whisk-broom.
+    Sample(Mirror),
+}
+
+impl Readout {
+    /// Whether lines of the image are of different moments.
+    pub fn is_along_the_way(self) -> bool {
+        matches!(self, Readout::Line | Readout::Sample(_))
+    }
 }
 
 /// When a sensor takes what.
@@ -21,7 +31,7 @@ pub enum Readout {
 pub struct Timing {
     /// What it takes at once.
     pub readout: Readout,
-    /// From the beginning of one to that of the next, s.
+    /// From the beginning of one to that of the next, s; of a whisk-broom from sweep to sweep.
     pub period_s: f64,
     /// For how long light is gathered, s.
     pub exposure_s: f64,
@@ -34,10 +44,14 @@ pub struct Timing {
 pub struct Take {
     /// The middle of its exposure, s after the start.
     pub middle_s: f64,
+    /// Its samples in the cube.
+    pub samples: Range<usize>,
     /// Its lines in the cube.
     pub lines: Range<usize>,
     /// Its bands in the cube.
     pub bands: Range<usize>,
+    /// The mirror's angle in the middle of its exposure, rad, and how fast it turns, rad/s.
+    pub mirror: Option<(f64, f64)>,
 }
 
 impl Timing {
@@ -52,19 +66,32 @@ impl Timing {
             Readout::Frame => 1,
             Readout::Band => exposure.bands.len(),
             Readout::Line => exposure.camera.lines as usize,
+            Readout::Sample(mirror) => {
+                mirror.samples as usize * (exposure.camera.lines / mirror.elements.max(1)) as usize
+            }
         }
     }
 
     /// The parts of a cube, in the order of time.
     pub fn takes(&self, exposure: &Exposure) -> impl Iterator<Item = Take> + use<> {
         let (timing, all_lines, all_bands) = (*self, 0..exposure.camera.lines as usize, 0..exposure.bands.len());
+        let all_samples = 0..exposure.camera.samples as usize;
         (0..self.count(exposure)).map(move |i| {
+            let mut mirror = None;
+            let mut samples = all_samples.clone();
             let (lines, bands) = match timing.readout {
                 Readout::Frame => (all_lines.clone(), all_bands.clone()),
                 Readout::Band => (all_lines.clone(), i..i + 1),
                 Readout::Line => (i..i + 1, all_bands.clone()),
+                Readout::Sample(of) => {
+                    let (sweep, sample) = of.place(i);
+                    samples = sample..sample + 1;
+                    mirror = Some((of.angle_rad(sample as f64 + 0.5), of.step_rad / of.sample_s));
+                    let lines = of.elements as usize;
+                    (sweep * lines..(sweep + 1) * lines, all_bands.clone())
+                }
             };
-            Take { middle_s: timing.middle_s(i), lines, bands }
+            Take { middle_s: timing.middle_s(i), samples, lines, bands, mirror }
         })
     }
 
@@ -76,7 +103,9 @@ impl Timing {
     /// The middle of an exposure, s after the start of the first.
     #[allow(clippy::cast_precision_loss, reason = "fewer than 2^53 exposures")]
     pub fn middle_s(&self, i: usize) -> f64 {
-        i as f64 * self.period_s + 0.5 * self.exposure_s
+        let Readout::Sample(of) = self.readout else { return i as f64 * self.period_s + 0.5 * self.exposure_s };
+        let (sweep, sample) = of.place(i);
+        sweep as f64 * self.period_s + of.since_s(sample as f64 + 0.5) + 0.5 * self.exposure_s
     }
 
     /// Moments of a part's poses, s after the start: the middles of even shares of its exposure.
@@ -104,10 +133,21 @@ impl Timing {
 }
 
 impl Take {
-    /// What is exposed: of a frame camera or filter all lines; of a push-broom its slit, which lies where the frame's boresight does.
+    /// The pose of what looks out, of the sensor's at a moment, s after the start.
+    pub fn pose(&self, sensor: Pose, s: f64) -> Pose {
+        let Some((middle_rad, rad_s)) = self.mirror else { return sensor };
+        Mirror::turned(sensor, middle_rad + rad_s * (s - self.middle_s))
+    }
+
+    /// What is exposed: of a frame camera or filter all lines; of a push-broom its slit, which lies where the frame's boresight does; of a whisk-broom its column,
+    /// whose middle does.
     pub fn exposure(&self, all: &Exposure) -> Exposure {
         let mut exposure = Exposure { bands: all.bands[self.bands.clone()].to_vec(), ..all.clone() };
-        if self.lines.len() != all.camera.lines as usize {
+        if self.mirror.is_some() {
+            let elements = u32::try_from(self.lines.len()).unwrap_or(u32::MAX);
+            (exposure.camera.samples, exposure.camera.lines) = (1, elements);
+            exposure.camera.boresight_px = [0.5, 0.5 * f64::from(elements)];
+        } else if self.lines.len() != all.camera.lines as usize {
             exposure.camera.lines = 1;
             exposure.camera.boresight_px[1] = 0.5;
         }

@@ -8,10 +8,11 @@ use super::effects::Given;
 use super::extremes::Extremes;
 use super::observation::{Observation, Put};
 use super::simulate::account_for;
-use super::through_optics::{Blurs, Seen, other_spectra};
+use super::spectrometer;
+use super::through_optics::{Blurs, Seen, other_spectra, refined, serves};
 use crate::error::{Error, Location, Problem, Result};
 use crate::flight::Epoch;
-use crate::geometry::{Camera, FrameCamera, whole};
+use crate::geometry::{FrameCamera, whole};
 use crate::instrument::Optics;
 use crate::integrate::{self, Image, Wanted};
 use crate::product::{Backplanes, CubeAxes, Exposed, Exposures, FacetTable, Plane, Slab};
@@ -64,7 +65,7 @@ impl Moving<'_> {
 
     fn exposure_at(&self, take: &Take, s: f64) -> Result<Exposure> {
         let mut exposure = take.exposure(&self.scene.exposure);
-        exposure.camera.world_from_sensor = self.motion.pose(self.motion.start.after_s(s))?;
+        exposure.camera.world_from_sensor = take.pose(self.motion.pose(self.motion.start.after_s(s))?, s);
         Ok(exposure)
     }
 
@@ -77,10 +78,13 @@ impl Moving<'_> {
         (blurs, put): (Option<&Blurs>, &mut dyn FnMut(Slab) -> Result<()>),
         watch: Watch<'_>,
     ) -> Result<Option<Backplanes>> {
-        let by_line = self.timing.readout == Readout::Line;
+        let by_line = self.timing.readout.is_along_the_way();
         if self.timing.poses <= 1 && self.optics.is_none() {
             let wanted = Wanted { radiance_alone: !by_line, ..Wanted::default() };
-            let Image { slab, backplanes, .. } = integrate::integrate(then, table, wanted, watch)?;
+            let Image { mut slab, backplanes, .. } = integrate::integrate(then, table, wanted, watch)?;
+            if !then.exposure.spectrometer.is_ideal() {
+                slab = spectrometer::radiance(then, table, watch)?;
+            }
             put(slab)?;
             return Ok(by_line.then_some(backplanes));
         }
@@ -97,11 +101,10 @@ impl Moving<'_> {
             return Ok(planes);
         }
         let mut parts = Vec::new();
-        let alone = Wanted { radiance_alone: true, ..Wanted::default() };
         let share = 1.0 / f64::from(self.timing.poses);
         for s in self.timing.poses_s(take) {
             let scene = then.seen_by(self.exposure_at(take, s)?)?;
-            parts.push((share, integrate::integrate(&scene, table, alone, watch)?.slab));
+            parts.push((share, spectrometer::radiance(&scene, table, watch)?));
         }
         put(Slab::sum(&parts).ok_or_else(other_spectra)?)?;
         Ok(planes)
@@ -115,9 +118,13 @@ impl Moving<'_> {
         for take in takes {
             for s in self.timing.poses_s(take).chain([take.middle_s]) {
                 let camera = self.exposure_at(take, s)?.camera;
-                // What is blurred comes from around, too.
-                let more = self.optics.map_or(0, |optics| optics.reach_px);
-                groups.add_seen(&camera.refined(1, more, 0..camera.lines), &mut seen);
+                match self.optics {
+                    None => groups.add_seen(&camera, &mut seen),
+                    // What is blurred comes from around, too.
+                    Some(optics) => {
+                        groups.add_seen(&refined(&camera, (1, optics.reach_px), 0..camera.lines)?, &mut seen);
+                    }
+                }
             }
         }
         let facets = groups.facets(&seen);
@@ -215,12 +222,16 @@ impl Moving<'_> {
     /// camera, or not known.
     fn smear_px(&self) -> Option<f64> {
         let Moving { scene, motion, timing, .. } = *self;
+        if let Readout::Sample(mirror) = timing.readout {
+            // The mirror is what moves.
+            let turned_rad = mirror.step_rad.abs() * timing.exposure_s / mirror.sample_s;
+            return Some(turned_rad / scene.exposure.camera.pitch[0]);
+        }
         let (low_m, high_m) = scene.body.bounds_m()?;
         let seen = |s: f64| {
             let pose = motion.pose(motion.start.after_s(s)).ok()?;
             let camera = FrameCamera { world_from_sensor: pose, ..scene.exposure.camera.clone() };
-            let h = Camera::Frame(camera).projection().homogeneous(0.5 * (low_m + high_m));
-            (h.z > 0.0).then(|| DVec2::new(h.x / h.z, h.y / h.z))
+            camera.place(0.5 * (low_m + high_m)).map(DVec2::from)
         };
         let count = timing.count(&scene.exposure);
         let of_exposure = |i: usize| {
@@ -283,11 +294,12 @@ pub fn acquire_by_slabs(
     watch: Watch<'_>,
 ) -> Result<(FacetTable, Observation<()>)> {
     let Moving { scene, timing, .. } = moving;
-    let by_line = timing.readout == Readout::Line;
+    let by_line = timing.readout.is_along_the_way();
     if by_line && wanted.footprints {
-        let message = "footprints of a push-broom are not written by this version";
+        let message = "footprints of a push-broom or whisk-broom are not written by this version";
         return Err(Error::Invalid(vec![Problem::new(Location::item("--footprints"), message)]));
     }
+    serves(moving.optics, timing.readout, &scene.exposure)?;
     let table = solve::solve(scene, watch)?;
     let steady_s = moving.steady_s(extremes, tolerance)?;
     let mut solved = Solved::new(moving, moving.mostly_steady_s(steady_s, tolerance, watch)?);
@@ -297,6 +309,7 @@ pub fn acquire_by_slabs(
     let of_line = takes.first().filter(|_| by_line).map(|take| take.exposure(&scene.exposure));
     let blurs = of_line.zip(moving.optics).map(|(exposure, optics)| Blurs::new(optics, &exposure));
     let mut lines = Backplanes::default();
+    let mut sweep: (Vec<Slab>, Vec<Backplanes>) = Default::default();
     let mut taken: Vec<Exposed> = Vec::new();
     let total = takes.len() as u64;
     for takes in takes.chunks(if by_line { BLOCK } else { 1 }) {
@@ -310,12 +323,26 @@ pub fn acquire_by_slabs(
             let mut put_there = |mut slab: Slab| {
                 slab.lines = take.lines.start + slab.lines.start..take.lines.start + slab.lines.end;
                 slab.bands = take.bands.start + slab.bands.start..take.bands.start + slab.bands.end;
+                if take.mirror.is_some() {
+                    sweep.0.push(slab);
+                    return Ok(());
+                }
                 put(slab)
             };
             let planes = moving.looked_at(take, &then, &table, (blurs.as_ref(), &mut put_there), &quiet)?;
-            if let Some(mut planes) = planes {
+            let planes = planes.map(|mut planes| {
                 block.rename_facets(&mut planes);
-                add_below(&mut lines, planes);
+                planes
+            });
+            if take.mirror.is_some() {
+                sweep.1.extend(planes);
+                if take.samples.end == scene.exposure.camera.samples as usize {
+                    let (slabs, planes) = std::mem::take(&mut sweep);
+                    put(Slab::beside(&slabs))?;
+                    add_below(&mut lines, Backplanes::beside(&planes));
+                }
+            } else {
+                planes.into_iter().for_each(|planes| add_below(&mut lines, planes));
             }
             taken.push(Exposed {
                 take: take.clone(),

@@ -61,7 +61,7 @@ pub(super) fn coarser(scene: &Scene, extremes: &Extremes, effects_s: f64) -> Opt
 
 /// How much sunlight differs among the quarters of a pixel, root mean square over its mean: all but 1 % of the pixels have less.
 fn spread_in_pixels(scene: &Scene) -> f64 {
-    let camera = &scene.exposure.camera;
+    let camera = &scene.exposure.camera.drawn().pinhole;
     let (eye_m, towards_sun) = (camera.centre_m(), scene.sky.sun.direction.vec());
     let projection = Camera::Frame(camera.clone()).projection();
     let sizes = [camera.samples, camera.lines];

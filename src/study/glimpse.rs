@@ -47,7 +47,8 @@ struct Part {
 
 impl Glimpse {
     pub(super) fn new(scene: &Scene) -> Self {
-        let camera = &scene.exposure.camera;
+        // Through a lens, of the cells that cover its pixels.
+        let camera = &scene.exposure.camera.drawn().pinhole;
         let counts = [camera.samples.min(MOST_RAYS), camera.lines.min(MOST_RAYS)];
         let blank = || Part { met: vec![SKY; (counts[0] * counts[1]) as usize], facets_in_frame: 0, faces_sun: false };
         let towards_sun = scene.sky.sun.direction.vec();

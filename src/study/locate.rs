@@ -1,18 +1,21 @@
 //! Where on the ground a pixel looks, and in which pixel a point of the ground lies: of any sensor, at the moment of each.
 //!
 //! Image coordinates are continuous, pixels from the outer corner of the first pixel. Of a push-broom the line is time: line coordinate l is the moment `start` +
-//! `exposure_s` / 2 + (l - 1/2) `period_s`, and the ray goes through the middle of the slit.
+//! `exposure_s` / 2 + (l - 1/2) `period_s`, and the ray goes through the middle of the slit. Of a whisk-broom the sample is time and the mirror's angle, and the line, less those of the
+//! sweeps before, is along the column.
 
 use glam::DVec3;
 
 use crate::error::{Error, Location, Problem, Result};
 use crate::flight::Epoch;
-use crate::geometry::{Camera, FrameCamera, Pose, angle_rad};
-use crate::scene::{Motion, Readout, Scene, Timing};
+use crate::geometry::{FrameCamera, Pose, angle_rad};
+use crate::scene::{Mirror, Motion, Readout, Scene, Timing};
 use crate::visibility::RayTree;
 
 /// Moments at which it is asked on which side of a push-broom's slit a point is, at least.
 const LOOKS: usize = 64;
+/// Turns of a mirror after a point, at most.
+const TURNS: usize = 50;
 /// Halvings of the time between two of them: to the digits of a number.
 const HALVINGS: usize = 80;
 
@@ -98,10 +101,16 @@ impl<'a> Locator<'a> {
     /// # Errors
     /// [`Error::Invalid`] if there is no such band, or where something is, is not known then.
     pub fn ground(&self, place: Place, band: usize) -> Result<Option<Ground>> {
-        let now = self.camera_at(place.line, band)?;
-        let line = if self.readout() == Readout::Line { now.camera.boresight_px[1] } else { place.line };
-        let (from_m, ray) = (now.camera.centre_m(), now.camera.ray(place.sample, line));
-        let Some(hit) = self.tree.nearest(from_m, ray) else { return Ok(None) };
+        let now = self.camera_at(place, band)?;
+        let [sample, line] = match self.readout() {
+            Readout::Frame | Readout::Band => [place.sample, place.line],
+            Readout::Line => [place.sample, now.camera.boresight_px[1]],
+            // The mirror brings the place into the middle of the column.
+            Readout::Sample(mirror) => [0.5, place.line - f64::from(mirror.elements) * self.sweep(&mirror, place.line)],
+        };
+        let (from_m, ray) = (now.camera.centre_m(), now.camera.ray(sample, line));
+        // A lens shows nothing beyond its fold.
+        let Some(hit) = self.tree.nearest(from_m, ray).filter(|_| ray.is_finite()) else { return Ok(None) };
         let to_m = hit.t * ray;
         let normal = self.scene.body.mesh.facet(hit.facet as usize).cross_m2();
         Ok(Some(Ground {
@@ -124,16 +133,20 @@ impl<'a> Locator<'a> {
         let all = &self.scene.exposure.camera;
         let found = match self.readout() {
             Readout::Frame | Readout::Band => {
-                let now = self.camera_at(0.0, band)?;
-                let at = projected(&now.camera, local_m);
+                let now = self.camera_at(Place { sample: 0.0, line: 0.0 }, band)?;
+                let at = now.camera.place(local_m);
                 at.map(|[sample, line]| (Place { sample, line }, now))
             }
             Readout::Line => match self.line_of(local_m)? {
                 Some(line) => {
-                    let now = self.camera_at(line, band)?;
-                    let at = projected(&now.camera, local_m);
+                    let now = self.camera_at(Place { sample: 0.0, line }, band)?;
+                    let at = now.camera.place(local_m);
                     at.map(|[sample, _]| (Place { sample, line }, now))
                 }
+                None => None,
+            },
+            Readout::Sample(mirror) => match self.swept(&mirror, local_m)? {
+                Some(place) => Some((place, self.camera_at(place, band)?)),
                 None => None,
             },
         };
@@ -156,8 +169,8 @@ impl<'a> Locator<'a> {
         self.motion.map_or(Readout::Frame, |(_, timing)| timing.readout)
     }
 
-    /// The camera at a line coordinate of a band; of a push-broom its slit alone.
-    fn camera_at(&self, line: f64, band: usize) -> Result<Now> {
+    /// The camera of a band when a place is taken; of a push-broom its slit alone, of a whisk-broom its column.
+    fn camera_at(&self, place: Place, band: usize) -> Result<Now> {
         let exposure = &self.scene.exposure;
         if band >= exposure.bands.len() {
             let message = format!("band {} is not one of {}", band + 1, exposure.bands.len());
@@ -165,26 +178,84 @@ impl<'a> Locator<'a> {
         }
         let mut camera = exposure.camera.clone();
         let Some((motion, timing)) = self.motion else { return Ok(Now { camera, epoch: None }) };
+        let mut mirror_rad = None;
         let middle_s = match timing.readout {
             Readout::Frame => timing.middle_s(0),
             Readout::Band => timing.middle_s(band),
             Readout::Line => {
                 camera.lines = 1;
                 camera.boresight_px[1] = 0.5;
-                timing.middle_s(0) + (line - 0.5) * timing.period_s
+                timing.middle_s(0) + (place.line - 0.5) * timing.period_s
+            }
+            Readout::Sample(mirror) => {
+                (camera.samples, camera.lines) = (1, mirror.elements);
+                camera.boresight_px = [0.5, 0.5 * f64::from(mirror.elements)];
+                mirror_rad = Some(mirror.angle_rad(place.sample));
+                let in_sweep_s = mirror.since_s(place.sample);
+                timing.middle_s(0) + self.sweep(&mirror, place.line) * timing.period_s + in_sweep_s
             }
         };
         let epoch = motion.start.after_s(middle_s);
         let pose: Pose = motion.pose(epoch)?;
+        let pose = mirror_rad.map_or(pose, |angle_rad| Mirror::turned(pose, angle_rad));
         Ok(Now { camera: FrameCamera { world_from_sensor: pose, ..camera }, epoch: Some(epoch) })
+    }
+
+    /// The sweep, counted from 0, that takes a line coordinate; outside the image the nearest one.
+    fn sweep(&self, mirror: &Mirror, line: f64) -> f64 {
+        let elements = f64::from(mirror.elements);
+        let last = (f64::from(self.scene.exposure.camera.lines) / elements).floor() - 1.0;
+        (line / elements).floor().clamp(0.0, last.max(0.0))
+    }
+
+    /// Where a whisk-broom takes a point: in the sweep that has it in its column, or nearest to that; `None` if it is in none before the camera.
+    fn swept(&self, mirror: &Mirror, local_m: DVec3) -> Result<Option<Place>> {
+        let elements = f64::from(mirror.elements);
+        let sweeps = self.scene.exposure.camera.lines / mirror.elements.max(1);
+        let mut best: Option<(f64, Place)> = None;
+        for sweep in 0..sweeps {
+            let first = f64::from(sweep) * elements;
+            let Some([sample, line]) = self.in_sweep(mirror, first, local_m)? else { continue };
+            // How far it is outside: across the column, and beyond either end of the sweep.
+            let beyond = |at: f64, end: f64| (-at).max(at - end).max(0.0);
+            let off = beyond(line, elements).max(beyond(sample, f64::from(mirror.samples)));
+            if best.as_ref().is_none_or(|(least, _)| off < *least) {
+                best = Some((off, Place { sample, line: first + line }));
+            }
+            if off == 0.0 {
+                break;
+            }
+        }
+        Ok(best.map(|(_, place)| place))
+    }
+
+    /// The sample at which a sweep that begins with a line has a point in the middle of its column's width, and where it then is along the column.
+    ///
+    /// The mirror is what moves most: from the angle at which the point is at one moment, the next one follows.
+    fn in_sweep(&self, mirror: &Mirror, first: f64, local_m: DVec3) -> Result<Option<[f64; 2]>> {
+        let mut sample = 0.5 * f64::from(mirror.samples);
+        for _ in 0..TURNS {
+            let now = self.camera_at(Place { sample, line: first + 0.5 }, 0)?;
+            let at = now.camera.world_from_sensor.inverse().point(local_m);
+            let step = at.x.atan2(at.z) / mirror.step_rad;
+            sample += step;
+            // A turn of more than half of all is behind.
+            if !(at.z > 0.0 || step.abs() < f64::from(mirror.samples)) || !sample.is_finite() {
+                return Ok(None);
+            }
+            if step.abs() <= 1e-10 {
+                return Ok(now.camera.place(local_m).map(|[_, y]| [sample, y]));
+            }
+        }
+        Ok(None)
     }
 
     /// The line coordinate at which a point is in the middle of the slit, from half a line before the image to half a line after it.
     fn line_of(&self, local_m: DVec3) -> Result<Option<f64>> {
         // Which side of the slit's plane it is on, by its distance in pixels; nothing where it is behind the camera.
         let side = |line: f64| -> Result<Option<f64>> {
-            let now = self.camera_at(line, 0)?;
-            Ok(projected(&now.camera, local_m).map(|[_, y]| y - now.camera.boresight_px[1]))
+            let now = self.camera_at(Place { sample: 0.0, line }, 0)?;
+            Ok(now.camera.place(local_m).map(|[_, y]| y - now.camera.boresight_px[1]))
         };
         // Half a line beyond both ends, so that what lies on one is not lost by rounding.
         let lines = f64::from(self.scene.exposure.camera.lines) + 1.0;
@@ -249,10 +320,4 @@ impl<'a> Locator<'a> {
         }
         Ok(if low.1.abs() <= high.1.abs() { low.0 } else { high.0 })
     }
-}
-
-/// Where a camera sees a point before it.
-fn projected(camera: &FrameCamera, local_m: DVec3) -> Option<[f64; 2]> {
-    let h = Camera::Frame(camera.clone()).projection().homogeneous(local_m);
-    (h.z > 0.0).then(|| [h.x / h.z, h.y / h.z])
 }

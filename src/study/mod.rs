@@ -21,6 +21,7 @@ mod reading;
 mod resolved_slopes;
 mod simulate;
 mod site;
+mod spectrometer;
 pub mod stability;
 mod summary;
 

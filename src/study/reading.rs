@@ -134,11 +134,17 @@ impl Reader {
         // What a push-broom's slit is dispersed over is read anew for each line; other sensors have an element for each pixel.
         let element = |pixel: usize, band: usize| match readout {
             Readout::Line => (band * samples + pixel % samples) as u64,
+            Readout::Sample(mirror) => {
+                let elements = mirror.elements.max(1) as usize;
+                (band * elements + (first + pixel) / samples % elements) as u64
+            }
             Readout::Frame | Readout::Band => (first + pixel) as u64,
         };
         let by_pixel: Vec<Element> = match readout {
-            Readout::Line => vec![],
-            _ => (0..pixels).into_par_iter().map(|pixel| detector.element(element(pixel, 0))).collect(),
+            Readout::Line | Readout::Sample(_) => vec![],
+            Readout::Frame | Readout::Band => {
+                (0..pixels).into_par_iter().map(|pixel| detector.element(element(pixel, 0))).collect()
+            }
         };
         let dense = |_| Added::zeros((0..pixels).map(|_| true), all_bands);
         let [mut radiance, mut numbers] = [0, 1].map(dense);
@@ -223,7 +229,11 @@ impl Reader {
     /// Elements that see nothing.
     pub fn dead_elements(&self) -> u64 {
         let CubeAxes { samples, lines, bands, .. } = &self.axes;
-        let count = if self.readout == Readout::Line { samples * bands.len() } else { samples * lines };
+        let count = match self.readout {
+            Readout::Line => samples * bands.len(),
+            Readout::Sample(mirror) => mirror.elements.max(1) as usize * bands.len(),
+            Readout::Frame | Readout::Band => samples * lines,
+        };
         (0..count as u64).into_par_iter().filter(|i| self.detector.element(*i).is_dead).count() as u64
     }
 }

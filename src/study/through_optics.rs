@@ -6,11 +6,12 @@ use std::sync::OnceLock;
 use rayon::prelude::*;
 
 use crate::error::{Error, Location, Result};
+use crate::geometry::FrameCamera;
 use crate::instrument::{Blur, Optics};
 use crate::integrate::{self, Wanted};
 use crate::product::{Added, FacetTable, Slab};
 use crate::progress::Watch;
-use crate::scene::{Exposure, Scene};
+use crate::scene::{Exposure, Readout, Scene};
 
 /// Bands that are expanded together: what [`Slab::expand`] computes at once.
 const TOGETHER: usize = 16;
@@ -117,7 +118,7 @@ impl Seen<'_> {
         let Optics { subpixels, reach_px, .. } = *self.optics;
         let mut parts = Vec::new();
         for scene in self.poses {
-            let camera = scene.exposure.camera.refined(subpixels, reach_px, lines.clone());
+            let camera = refined(&scene.exposure.camera, (subpixels, reach_px), lines.clone())?;
             let fine = scene.seen_by(Exposure { camera, ..scene.exposure.clone() })?;
             parts.push((1.0 / self.poses.len() as f64, alone(&fine, self.table, watch)?));
         }
@@ -148,6 +149,26 @@ impl Seen<'_> {
             ..Slab::default()
         })
     }
+}
+
+/// A camera by parts of pixels.
+pub(super) fn refined(camera: &FrameCamera, (parts, more): (u32, u32), lines: Range<u32>) -> Result<FrameCamera> {
+    camera.refined(parts, more, lines).map_err(|message| Error::invalid(Location::item("sensor.optics"), message))
+}
+
+/// Says if this version does not blur the images of a sensor.
+pub(super) fn serves(optics: Option<&Optics>, readout: Readout, exposure: &Exposure) -> Result<()> {
+    let Some(optics) = optics else { return Ok(()) };
+    let feature = match readout {
+        Readout::Sample(_) => "optics of a whisk-broom: `ideal = true`, or `--ideal`, leaves them out",
+        _ if !exposure.spectrometer.is_ideal() => "optics beside smile and keystone: leave one of them out",
+        _ => {
+            // What its camera says against it, it says before anything is computed.
+            let plain = if optics.blurs() { (optics.subpixels, optics.reach_px) } else { (1, 1) };
+            return refined(&exposure.camera, plain, 0..exposure.camera.lines).map(|_| ());
+        }
+    };
+    Err(Error::Unsupported { at: Location::item("sensor.optics"), feature: feature.to_owned() })
 }
 
 /// Radiance and nothing else.

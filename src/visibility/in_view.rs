@@ -41,6 +41,7 @@ impl FacetGroups {
 
     /// Which groups a camera may see some of; adds to what others may.
     pub fn add_seen(&self, camera: &FrameCamera, seen: &mut [bool]) {
+        let camera = camera.drawn().pinhole;
         let projection = Camera::Frame(camera.clone()).projection();
         let rows = projection.linear.transpose();
         let (x, y, z) = (rows.x_axis, rows.y_axis, rows.z_axis);

@@ -16,7 +16,7 @@ use crate::shapes::*;
 const ALBEDO: f64 = 0.3;
 const SUNLIGHT: f64 = 700.0 / 2.25;
 
-fn globe(name: &str, centre_m: DVec3, radius_m: f64) -> Globe {
+pub(crate) fn globe(name: &str, centre_m: DVec3, radius_m: f64) -> Globe {
     Globe {
         name: name.into(),
         centre_m,

@@ -99,7 +99,7 @@ pub(crate) fn moving_scene(
     motion.at(&scene, scene.exposure.clone(), motion.start.after_s(middle_s)).unwrap()
 }
 
-fn taken(scene: &Scene, motion: &Motion, timing: Timing) -> (Cube, Observation<()>) {
+pub(crate) fn taken(scene: &Scene, motion: &Motion, timing: Timing) -> (Cube, Observation<()>) {
     let mut slabs: Vec<Slab> = Vec::new();
     let mut put = |slab| {
         slabs.push(slab);

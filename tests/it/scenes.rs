@@ -2,7 +2,9 @@
 
 use glam::DVec3;
 use mmxrt::geometry::{Direction, FrameCamera, Mesh};
-use mmxrt::scene::{Exposure, Globe, Material, Models, Photometry, Scene, SceneParts, Sky, Sun, Surface, Thermal};
+use mmxrt::scene::{
+    Exposure, Globe, Material, Models, Photometry, Scene, SceneParts, Sky, Spectrometer, Sun, Surface, Thermal,
+};
 use mmxrt::spectral::{Band, Spectrum};
 use mmxrt::units::AU_M;
 
@@ -116,7 +118,12 @@ pub(crate) fn parts(mesh: Mesh, camera: FrameCamera, towards_sun: Direction) -> 
             beams: vec![],
             rotation: None,
         },
-        exposure: Exposure { instrument: "test".into(), camera, bands: vec![Band::new(1.0, None)] },
+        exposure: Exposure {
+            instrument: "test".into(),
+            camera,
+            bands: vec![Band::new(1.0, None)],
+            spectrometer: Spectrometer::default(),
+        },
         models: Models { thermal: Thermal::Off, ..Models::default() },
     }
 }

@@ -27,7 +27,7 @@ impl ChartFolder {
     pub fn export_mitsuba(&self, known: &Scene) -> Result<PathBuf> {
         let camera = &known.exposure.camera;
         if !camera.is_centred() {
-            let feature = "Mitsuba with pixels that are not square, or a boresight beside the image's middle".into();
+            let feature = "Mitsuba with pixels that are not square, a boresight beside the image's middle, or a lens that distorts".into();
             return Err(Error::Unsupported { at: Location::item("sensor"), feature });
         }
         let folder = self.path().join(FOLDER);

@@ -13,7 +13,7 @@ use crate::formats::dart::{Pinhole, Step};
 use crate::formats::flight_file::FlightFile;
 use crate::formats::mesh_file::ColouredMesh;
 use crate::formats::mtl::ObjMaterial;
-use crate::geometry::{FrameCamera, MaterialId, Mesh, Pose};
+use crate::geometry::{BrownConrady, FrameCamera, Lens, MaterialId, Mesh, Pose};
 use crate::scene::{
     Beam, Exposure, Fixed, Globe, Hapke, Material, Model, Models, Photometry, Rotation, Rpv, Scene, Setup, Sky, Sun,
     Surface, Texture,
@@ -402,9 +402,18 @@ impl Lines {
     }
 
     fn exposures(&mut self, a: &Exposure, b: &Exposure) {
-        let Exposure { instrument, camera, bands } = a;
-        let FrameCamera { world_from_sensor: Pose { rotation, translation_m }, samples, lines, pitch, boresight_px } =
-            camera;
+        let Exposure { instrument, camera, bands, spectrometer } = a;
+        if *spectrometer != b.spectrometer {
+            self.push("sensor.smile_um", format!("{spectrometer:?}"), format!("{:?}", b.spectrometer));
+        }
+        let FrameCamera {
+            world_from_sensor: Pose { rotation, translation_m },
+            samples,
+            lines,
+            pitch,
+            boresight_px,
+            lens,
+        } = camera;
         self.places("observer.position_m", *translation_m, b.camera.world_from_sensor.translation_m);
         for (axis, i) in [("h", 0), ("v", 1), ("u", 2)] {
             let of_b = b.camera.world_from_sensor.rotation.col(i);
@@ -422,6 +431,17 @@ impl Lines {
         // Where the boresight is counts in pixels, and may be 0.
         if !(0..2).all(|k| same(1.0 + boresight_px[k] - b.camera.boresight_px[k], 1.0)) {
             self.push("sensor.boresight_px", format!("{boresight_px:?}"), format!("{:?}", b.camera.boresight_px));
+        }
+        // Of a lens all that counts is in its coefficients, or in its table.
+        if *lens != b.camera.lens {
+            let shown = |lens: &Option<std::sync::Arc<Lens>>| match lens.as_deref().map(Lens::coefficients) {
+                None => "none".to_owned(),
+                Some(Some(BrownConrady { radial: [k1, k2, k3], tangential: [p1, p2] })) => {
+                    format!("k1 {k1}, k2 {k2}, k3 {k3}, p1 {p1}, p2 {p2}")
+                }
+                Some(None) => "a table of directions".to_owned(),
+            };
+            self.push("sensor.distortion", shown(lens), shown(&b.camera.lens));
         }
         if bands.len() != b.bands.len() {
             return self.push("sensor.bands", bands.len(), b.bands.len());

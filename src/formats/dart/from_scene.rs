@@ -426,6 +426,10 @@ impl Site<'_> {
                 ),
             );
         }
+        if camera.lens.is_some() {
+            let message = "what the lens does to the image: DART's camera is a pinhole";
+            report.note(Fate::Dropped, item("sensor.distortion"), message.to_owned());
+        }
         self.sky_notes(report);
         report.note(
             Fate::Carried,

@@ -18,7 +18,8 @@ use crate::geometry::{Direction, FrameCamera, Mesh, Pose};
 use crate::progress::Watch;
 use crate::report::{Fate, Report};
 use crate::scene::{
-    Body, Exposure, Hapke, Material, Models, Photometry, Rpv, Scene, Setup, Sky, Sun, SunModel, Surface, Thermal,
+    Body, Exposure, Hapke, Material, Models, Photometry, Rpv, Scene, Setup, Sky, Spectrometer, Sun, SunModel, Surface,
+    Thermal,
 };
 use crate::spectral::{ALL_UM, Band, Extend, Light, MOST_BEYOND, SpectralLibrary, Spectrum, solar_e490, solar_mean};
 use crate::units::AU_M;
@@ -120,7 +121,7 @@ impl SceneBuilder<'_> {
         let mesh = self.mesh(&place, &material_of)?;
         let camera = self.camera(&place, &mesh);
         let name = self.sidecar.as_ref().map_or("DART camera", Sidecar::sensor_name).to_owned();
-        let exposure = Exposure { instrument: name, camera, bands };
+        let exposure = Exposure { instrument: name, camera, bands, spectrometer: Spectrometer::default() };
         let sky = self.sky(sun, &place);
         let scene = Setup {
             body: Body::new(Surface { origin_m: place.origin_m, mesh, materials, textures: vec![] })?,

@@ -21,7 +21,7 @@ use crate::formats::folder::{FolderKind, Staged};
 use crate::formats::obj;
 use crate::geometry::{Direction, FrameCamera, MaterialId, Mesh, Pose};
 use crate::progress::{Watch, tell};
-use crate::scene::{Exposure, Material, Models, Photometry, SceneParts, Sky, Sun, Surface, Thermal};
+use crate::scene::{Exposure, Material, Models, Photometry, SceneParts, Sky, Spectrometer, Sun, Surface, Thermal};
 use crate::spectral::{Band, Spectrum};
 use crate::units::AU_M;
 
@@ -186,6 +186,7 @@ fn tetrahedron(target: TargetVersion) -> Result<(Package, [Face; 4])> {
                 1.25e-4,
             ),
             bands: vec![Band::new(1.0, Some(0.02))],
+            spectrometer: Spectrometer::default(),
         },
         models: Models { thermal: Thermal::Off, ..Models::default() },
     };

@@ -23,7 +23,7 @@ use super::located::Document;
 use super::raster::Raster;
 use super::raster::headers::ILWIS;
 use super::registry;
-use super::scene_toml::{self, Lens, Tiling, TomlReader};
+use super::scene_toml::{self, Lens, Optics, Tiling, TomlReader};
 use super::{Format, InputFile};
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::{Camera, Direction, FrameCamera, Pose};
@@ -502,8 +502,9 @@ fn camera(
         }
         (None, Some(observer), Some(sensor)) => {
             let pose: Option<Pose> = reader.observer(observer);
-            let (pitch, boresight_px) = reader.optics(&Lens::from(sensor), [samples, lines], None)?;
-            Some(FrameCamera { world_from_sensor: pose?, samples, lines, pitch, boresight_px })
+            let Optics { pitch, boresight_px, lens } =
+                reader.optics(&Lens::from(sensor), [samples, lines], false, None)?;
+            Some(FrameCamera { world_from_sensor: pose?, samples, lines, pitch, boresight_px, lens })
         }
         _ => {
             reader.problem("placement", "a camera needs `observer` and `sensor`, or a `scene` that has them");

@@ -14,7 +14,7 @@ use crate::error::{Error, Problem, Result};
 use crate::flight::{Aim, Almanac, Correction, Epoch, Jitter, Pointing, Qso, Scan, Span, Up, body_name, frame_name};
 use crate::formats::{InputFile, ephemeris};
 use crate::geometry::Pose;
-use crate::scene::{Motion, Readout, Timing};
+use crate::scene::{Mirror, Motion, Readout, Timing};
 
 /// What carries the camera on an orbit by name, where nothing else is said.
 const SPACECRAFT: &str = "SPACECRAFT";
@@ -227,7 +227,12 @@ impl TomlReader<'_> {
             Some(KindToml::Frame) => Readout::Frame,
             Some(KindToml::TunableFilter) => Readout::Band,
             Some(KindToml::PushBroom) => Readout::Line,
+            Some(KindToml::WhiskBroom) => return self.whisk_broom(toml, flies),
         };
+        if toml.mirror.is_some() {
+            self.problem("sensor.mirror", "goes with `kind` = \"whisk_broom\"");
+            return None;
+        }
         let poses = toml.exposure_poses.unwrap_or(1);
         if poses > 1 && !flies {
             self.helped(
@@ -239,7 +244,10 @@ impl TomlReader<'_> {
         }
         if readout == Readout::Frame {
             if toml.period_s.is_some() {
-                self.problem("sensor.period_s", "goes with `kind` = \"tunable_filter\" or \"push_broom\"");
+                self.problem(
+                    "sensor.period_s",
+                    "goes with `kind` = \"tunable_filter\", \"push_broom\" or \"whisk_broom\"",
+                );
                 return None;
             }
             return Some(Timing { readout, period_s: 0.0, exposure_s: toml.exposure_s.unwrap_or(0.0), poses });
@@ -267,6 +275,52 @@ impl TomlReader<'_> {
             self.problem("sensor.exposure_s", format!("{exposure_s} s is longer than `period_s`, {period_s} s"));
             return None;
         }
+        Some(Timing { readout, period_s, exposure_s, poses })
+    }
+
+    /// When a whisk-broom takes its samples.
+    fn whisk_broom(&mut self, toml: &SensorToml, flies: bool) -> Option<Timing> {
+        if !flies {
+            let help = "or leave `kind` out: all of the image is then taken at once";
+            self.helped("sensor.kind", "needs `[flight]`, which says what moves meanwhile", help);
+            return None;
+        }
+        let (Some(mirror), Some(period_s)) = (toml.mirror, toml.period_s) else {
+            let help = "mirror = { field_deg = 30, active = 0.8 } and period_s = 2";
+            self.helped("sensor", "a whisk-broom needs `mirror`, and `period_s` from sweep to sweep", help);
+            return None;
+        };
+        if toml.distortion.is_some() || toml.directions.is_some() {
+            let message = "does not go with a whisk-broom, whose elements look along the boresight";
+            self.problem(if toml.directions.is_some() { "sensor.directions" } else { "sensor.distortion" }, message);
+            return None;
+        }
+        let (Some(samples), Some(lines)) = (toml.samples, toml.lines) else {
+            self.problem("sensor", "a whisk-broom needs `samples` and `lines`");
+            return None;
+        };
+        let elements = mirror.elements.unwrap_or(1);
+        if elements == 0 || !lines.is_multiple_of(elements) {
+            let message = format!("{lines} lines are no whole number of sweeps of {elements}");
+            self.problem("sensor.lines", message);
+            return None;
+        }
+        let sample_s = mirror.active.unwrap_or(1.0) * period_s / f64::from(samples);
+        if sample_s.is_nan() || sample_s < LEAST_PERIOD_S {
+            let message = format!(
+                "a sample of {sample_s} s is shorter than moments can be told apart, some {LEAST_PERIOD_S:e} s"
+            );
+            self.problem("sensor.period_s", message);
+            return None;
+        }
+        if mirror.field_deg == 0.0 || !mirror.field_deg.is_finite() {
+            self.problem("sensor.mirror.field_deg", format!("{} deg is no sweep", mirror.field_deg));
+            return None;
+        }
+        let exposure_s = toml.exposure_s.unwrap_or(sample_s);
+        let poses = toml.exposure_poses.unwrap_or(1);
+        let step_rad = mirror.field_deg.to_radians() / f64::from(samples);
+        let readout = Readout::Sample(Mirror { samples, sample_s, step_rad, elements });
         Some(Timing { readout, period_s, exposure_s, poses })
     }
 

@@ -1,8 +1,12 @@
 //! From what cameras come with (angles, focal lengths in pixels or mm, shifted lenses, windows of larger images) to one linear camera.
 
+use std::sync::Arc;
+
 use super::TomlReader;
-use super::types::{Fit, FocalToml, MapSensorToml, SensorFitToml, SensorToml, WindowToml};
+use super::types::{DistortionToml, Fit, FocalToml, MapSensorToml, SensorFitToml, SensorToml, WindowToml};
 use crate::error::number;
+use crate::formats::directions;
+use crate::geometry::{self, BrownConrady};
 
 /// What a text says of a camera's lens, in a scene or in a map file.
 pub(in crate::formats) struct Lens<'a> {
@@ -16,10 +20,25 @@ pub(in crate::formats) struct Lens<'a> {
     boresight_px: Option<[f64; 2]>,
     shift: Option<[f64; 2]>,
     window: Option<&'a WindowToml>,
+    distortion: Option<DistortionToml>,
+    directions: Option<&'a str>,
 }
 
+/// Sides of pixels that are curved by more than this, pixels, are worth a word.
+const CURVED_PX: f64 = 1e-3;
+
 /// Size of a pixel over the focal length, and where the boresight is, pixels from the image's corner.
-pub(in crate::formats) type Optics = ([f64; 2], [f64; 2]);
+type Linear = ([f64; 2], [f64; 2]);
+
+/// What makes an image of directions.
+pub(in crate::formats) struct Optics {
+    /// Size of a pixel over the focal length.
+    pub(in crate::formats) pitch: [f64; 2],
+    /// Where the boresight is, pixels from the image's corner.
+    pub(in crate::formats) boresight_px: [f64; 2],
+    /// What the lens does to that.
+    pub(in crate::formats) lens: Option<Arc<geometry::Lens>>,
+}
 
 macro_rules! lens {
     ($toml:expr) => {
@@ -34,6 +53,8 @@ macro_rules! lens {
             boresight_px: $toml.boresight_px,
             shift: $toml.shift,
             window: $toml.window.as_ref(),
+            distortion: $toml.distortion,
+            directions: $toml.directions.as_deref(),
         }
     };
 }
@@ -58,18 +79,73 @@ impl Lens<'_> {
 
     /// Whether nothing moves the boresight from the middle, and pixels are square.
     pub(super) fn is_plain(&self) -> bool {
-        self.pixel_aspect.is_none() && self.boresight_px.is_none() && self.shift.is_none() && self.window.is_none()
+        self.pixel_aspect.is_none()
+            && self.boresight_px.is_none()
+            && self.shift.is_none()
+            && self.window.is_none()
+            && self.distortion.is_none()
     }
 }
 
 impl TomlReader<'_> {
-    /// The lens of an image of `samples` x `lines` pixels; `preset` is the pixel's size over the focal length where nothing is said of it.
+    /// The optics of an image of `samples` x `lines` pixels, of which all are taken at once, or of a slit that is moved along; `preset` is as for `linear`.
     pub(in crate::formats) fn optics(
         &mut self,
         lens: &Lens<'_>,
         [samples, lines]: [u32; 2],
+        is_slit: bool,
         preset: Option<f64>,
     ) -> Option<Optics> {
+        let size = [samples, if is_slit { 1 } else { lines }];
+        if let Some(name) = lens.directions {
+            if lens.says_field() || !lens.is_plain() || lens.sensor_mm.is_some() || lens.sensor_fit.is_some() {
+                let help =
+                    "leave out `ifov_mrad`, `fov_deg`, `focal_px`, `boresight_px`, `window`, `distortion` and the like";
+                self.helped("sensor.directions", "says all of where pixels look", help);
+                return None;
+            }
+            let read = directions::read(&self.path(name), size);
+            let (centres, input) = self.taken("sensor.directions", read)?;
+            self.inputs.push(input);
+            return match geometry::Lens::table(centres, size) {
+                Ok(lens) => {
+                    let (pitch, boresight_px) = (lens.pitch(), lens.boresight_px());
+                    Some(Optics { pitch, boresight_px, lens: Some(Arc::new(lens)) })
+                }
+                Err(message) => {
+                    self.problem("sensor.directions", format!("{name}: {message}"));
+                    None
+                }
+            };
+        }
+        let (pitch, boresight_px) = self.linear(lens, [samples, lines], preset)?;
+        let lens = match lens.distortion {
+            None => None,
+            Some(DistortionToml { k1, k2, k3, p1, p2 }) => {
+                let of = BrownConrady { radial: [k1, k2, k3], tangential: [p1, p2] };
+                // A slit lies where the boresight does.
+                let boresight_px = if is_slit { [boresight_px[0], 0.5] } else { boresight_px };
+                match geometry::Lens::brown_conrady(of, pitch, boresight_px, size) {
+                    Ok(lens) => lens.map(Arc::new),
+                    Err(message) => {
+                        let help = "coefficients are OpenCV's, for tangents, not for pixels or millimetres; too many of them fold the image far from its middle";
+                        self.helped("sensor.distortion", message, help);
+                        return None;
+                    }
+                }
+            }
+        };
+        let sagitta_px = lens.as_ref().map_or(0.0, |lens| lens.sagitta_px());
+        if sagitta_px > CURVED_PX {
+            let message =
+                format!("curves the sides of pixels, which are drawn straight, by up to {sagitta_px:.1e} pixels");
+            self.note("sensor.distortion", message);
+        }
+        Some(Optics { pitch, boresight_px, lens })
+    }
+
+    /// The pinhole of an image of `samples` x `lines` pixels; `preset` is the pixel's size over the focal length where nothing is said of it.
+    fn linear(&mut self, lens: &Lens<'_>, [samples, lines]: [u32; 2], preset: Option<f64>) -> Option<Linear> {
         let at = |key: &str| format!("sensor.{key}");
         let (first_px, of_px) = match lens.window {
             None => ([0.0; 2], [samples, lines]),
@@ -170,12 +246,15 @@ impl TomlReader<'_> {
         if fit.is_none() {
             return Some(false);
         }
-        if lens.says_field() {
+        if lens.says_field() || lens.directions.is_some() {
             self.problem("sensor", "give one of `ifov_mrad`, `fov_deg` and `fit`, or a focal length");
             return None;
         }
         if !lens.is_plain() {
-            self.problem("sensor.fit", "works only with square pixels and a boresight in the middle of the image");
+            self.problem(
+                "sensor.fit",
+                "works only with square pixels, a boresight in the middle of the image, and no distortion",
+            );
             return None;
         }
         Some(true)

@@ -33,8 +33,8 @@ use crate::instrument::Chain;
 use crate::physics::sun_disc::DiscRule;
 use crate::progress::{Progress, Watch};
 use crate::scene::{
-    FARTHEST_M, Fixed, Globe, MARS_ALBEDO, MARS_DAY_NIGHT_K, MarsModel, Models, Motion, Rotation, STEPS_OF_A_DAY,
-    Scene, SceneParts, Sky, Sun, SunModel, Surface, Texture, Thermal, Timing,
+    FARTHEST_M, Fixed, Globe, MARS_ALBEDO, MARS_DAY_NIGHT_K, MarsModel, Models, Motion, Readout, Rotation,
+    STEPS_OF_A_DAY, Scene, SceneParts, Sky, Sun, SunModel, Surface, Texture, Thermal, Timing,
 };
 use crate::spectral::{Extend, Spectrum, SunTotal, solar_e490};
 use crate::units::{AU_M, MARS_RADIUS_M, SUN_RADIUS_M, TSI_1AU_W_M2};
@@ -48,7 +48,7 @@ use super::sli::SLI;
 use super::spectra;
 use super::spectrum_csv::{NOISE, Quantity};
 pub(super) use atlas::Tiling;
-pub(super) use lens::Lens;
+pub(super) use lens::{Lens, Optics};
 pub(super) use materials::EMISSIVITY_BOLOMETRIC;
 pub(super) use view::SENSOR_NAME;
 pub(super) use view::USUAL_UM;
@@ -287,7 +287,8 @@ impl TomlReader<'_> {
         let mars_shadows = self.rule("mars.points", toml.mars.as_ref().and_then(|mars| mars.points));
         let by_flight = placed.map(|placed| placed.map(|placed| placed.pose));
         let pose = self.camera_pose(toml.observer.as_ref(), by_angles.camera, by_flight);
-        let exposure = self.exposure(&toml.sensor, pose, mesh.as_ref());
+        let is_slit = timing.is_some_and(|timing| timing.readout == Readout::Line);
+        let exposure = self.exposure(&toml.sensor, pose, is_slit, mesh.as_ref());
         if let (Some(mesh), Some(exposure)) = (&mesh, &exposure) {
             self.suspect_scale(&toml.mesh, mesh, &exposure.camera);
         }

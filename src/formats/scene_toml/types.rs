@@ -871,7 +871,14 @@ pub(crate) struct SensorToml {
     /// From the beginning of a band, or of a line, to that of the next, s: of a sensor that does not take all at once.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub(crate) period_s: Option<f64>,
-    /// For how long light is gathered, s. Default: all of `period_s`; of a frame camera 0.
+    /// Of a whisk-broom: how its mirror sweeps; `period_s` is from sweep to sweep.
+    pub(crate) mirror: Option<MirrorToml>,
+    /// Of a push-broom: smile, by how much the centres of bands are larger at a sample, um: coefficients of 1, u, u^2, ..., with u from -1 at the left border of the slit to 1
+    /// at the right one.
+    pub(crate) smile_um: Option<Vec<f64>>,
+    /// Of a push-broom: keystone, how many pixels farther to the right a band looks: coefficients of 1, w, w^2, ..., with w from -1 at the shortest centre to 1 at the longest.
+    pub(crate) keystone_px: Option<Vec<f64>>,
+    /// For how long light is gathered, s. Default: all of `period_s`; of a whisk-broom all of a sample's time, of a frame camera 0.
     #[schemars(range(min = 0))]
     pub(crate) exposure_s: Option<f64>,
     /// Poses of the camera that stand for its motion during an exposure, at even steps; with n of them a pixel at an edge is off by at most d / (8 n^2) of the contrast, d
@@ -915,6 +922,12 @@ pub(crate) struct SensorToml {
     pub(crate) shift: Option<[f64; 2]>,
     /// The image is a window of a larger one, which the keys above are about.
     pub(crate) window: Option<WindowToml>,
+    /// What the lens does to the image of an ideal pinhole, whose keys are those above.
+    pub(crate) distortion: Option<DistortionToml>,
+    /// Path of a table of where pixels look, instead of the keys above: for the centre of each pixel, line by line, tangents (x right, y down, for 1 along the boresight)
+    /// or vectors (x, y, z) along the sensor's axes, as an `.npy` array (lines, samples, 2 or 3) or as CSV with a header `x,y` or `x,y,z`. Corners of pixels are the means
+    /// of the four centres around.
+    pub(crate) directions: Option<String>,
     /// "scene": the smallest field of view that holds every vertex in front of the camera; the boresight stays.
     pub(crate) fit: Option<Fit>,
     /// Bands.
@@ -943,6 +956,24 @@ pub(crate) enum KindToml {
     TunableFilter,
     /// A line in all bands.
     PushBroom,
+    /// A sample in all bands, of one line or of a few: what `mirror` sweeps across the way.
+    WhiskBroom,
+}
+
+/// How a mirror sweeps.
+#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct MirrorToml {
+    /// Angle of a sweep, from the outer border of its first sample to that of its last, about the boresight, deg: the line of sight turns from left to right, or if
+    /// it is negative from right to left.
+    #[schemars(range(min = -180, max = 180))]
+    pub(crate) field_deg: f64,
+    /// Share of `period_s` in which samples are taken, from its beginning. Default 1.
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1))]
+    pub(crate) active: Option<f64>,
+    /// Detector elements in a column along the way: lines of a sweep. Default 1.
+    #[schemars(range(min = 1, max = 16384))]
+    pub(crate) elements: Option<u32>,
 }
 
 /// A focal length in pixels.
@@ -977,6 +1008,23 @@ pub(crate) struct WindowToml {
     pub(crate) of_px: [u32; 2],
 }
 
+/// The distortion of a lens, as OpenCV defines it: with tangents x, y of a direction, and r2 = x^2 + y^2, the image has it at
+/// x (1 + k1 r2 + k2 r2^2 + k3 r2^3) + 2 p1 x y + p2 (r2 + 2 x^2) and y (1 + ...) + p1 (r2 + 2 y^2) + 2 p2 x y.
+#[derive(Debug, Clone, Copy, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct DistortionToml {
+    /// Of r^2. Default 0.
+    pub(crate) k1: f64,
+    /// Of r^4. Default 0.
+    pub(crate) k2: f64,
+    /// Of r^6. Default 0.
+    pub(crate) k3: f64,
+    /// Tangential. Default 0.
+    pub(crate) p1: f64,
+    /// Tangential. Default 0.
+    pub(crate) p2: f64,
+}
+
 /// The lens of a camera whose samples and lines are an image's: one of `ifov_mrad`, `fov_deg`, `focal_px`, and `focal_mm` with `sensor_mm`.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -1007,6 +1055,12 @@ pub(crate) struct MapSensorToml {
     pub(crate) shift: Option<[f64; 2]>,
     /// The image is a window of a larger one, which the keys above are about.
     pub(crate) window: Option<WindowToml>,
+    /// What the lens does to the image of an ideal pinhole, whose keys are those above.
+    pub(crate) distortion: Option<DistortionToml>,
+    /// Path of a table of where pixels look, instead of the keys above: for the centre of each pixel, line by line, tangents (x right, y down, for 1 along the boresight)
+    /// or vectors (x, y, z) along the sensor's axes, as an `.npy` array (lines, samples, 2 or 3) or as CSV with a header `x,y` or `x,y,z`. Corners of pixels are the means
+    /// of the four centres around.
+    pub(crate) directions: Option<String>,
 }
 
 /// Known instruments.

@@ -5,13 +5,13 @@ use glam::{DMat3, DVec3};
 use crate::error::number;
 use crate::formats::response_csv;
 use crate::geometry::{Direction, FrameCamera, Mesh, Pose};
-use crate::scene::{Exposure, LEAST_PITCH};
+use crate::scene::{Exposure, LEAST_PITCH, Spectrometer};
 use crate::spectral::{Band, Response, Spectrum};
 use crate::units::cm_1_per_um;
 
 use super::attitude::no_rotation;
 use super::instruments::Instrument;
-use super::lens::Lens;
+use super::lens::{Lens, Optics};
 use super::types::{
     BandsToml, Coordinates, Frame, Fwhm, LightToml, LightsToml, ObserverToml, Preset, ResponseToml, SensorToml,
     ShapeToml, ShapesToml,
@@ -32,8 +32,14 @@ const SLANT: f64 = 1e-6;
 const TOLD: usize = 20;
 
 impl TomlReader<'_> {
-    /// The sensor, at a pose that is `None` if what is wrong with it has been reported.
-    pub(super) fn exposure(&mut self, toml: &SensorToml, pose: Option<Pose>, mesh: Option<&Mesh>) -> Option<Exposure> {
+    /// The sensor, at a pose that is `None` if what is wrong with it has been reported; of a slit that is moved along, or of all of its lines at once.
+    pub(super) fn exposure(
+        &mut self,
+        toml: &SensorToml,
+        pose: Option<Pose>,
+        is_slit: bool,
+        mesh: Option<&Mesh>,
+    ) -> Option<Exposure> {
         let preset = toml.preset.map(Preset::instrument);
         let samples = self.given("sensor.samples", toml.samples, preset, |of| Some(of.samples));
         let lines = self.given("sensor.lines", toml.lines, preset, |of| of.lines);
@@ -63,14 +69,15 @@ impl TomlReader<'_> {
                 (Some(pose), Some(mesh)) => self.fitted(&pose, samples, lines, mesh),
                 _ => None,
             };
-            pitch.map(|pitch| ([pitch; 2], [samples, lines].map(|n| 0.5 * f64::from(n))))
+            let boresight_px = [samples, lines].map(|n| 0.5 * f64::from(n));
+            pitch.map(|pitch| Optics { pitch: [pitch; 2], boresight_px, lens: None })
         } else {
-            if let Some(instrument) = preset.filter(|_| !lens.says_field()) {
+            if let Some(instrument) = preset.filter(|_| !lens.says_field() && toml.directions.is_none()) {
                 self.stated("sensor.ifov_mrad", format!("{}: {}", instrument.ifov_mrad, instrument.name));
             }
-            self.optics(&lens, [samples, lines], preset.map(|of| pitch_of_ifov(of.ifov_mrad)))
+            self.optics(&lens, [samples, lines], is_slit, preset.map(|of| pitch_of_ifov(of.ifov_mrad)))
         };
-        let (pitch, boresight_px) = optics?;
+        let Optics { pitch, boresight_px, lens } = optics?;
         if let Some(pitch) = pitch.into_iter().find(|pitch| *pitch < LEAST_PITCH) {
             let item = match (toml.fit, toml.fov_deg, toml.ifov_mrad) {
                 (Some(_), ..) => "sensor.fit",
@@ -84,8 +91,20 @@ impl TomlReader<'_> {
             self.problem(item, message);
             return None;
         }
-        let camera = FrameCamera { world_from_sensor: pose?, samples, lines, pitch, boresight_px };
-        Some(Exposure { instrument: name, camera, bands: bands? })
+        let camera = FrameCamera { world_from_sensor: pose?, samples, lines, pitch, boresight_px, lens };
+        let spectrometer = self.spectrometer(toml, is_slit)?;
+        Some(Exposure { instrument: name, camera, bands: bands?, spectrometer })
+    }
+
+    /// Smile and keystone, which a slit alone has.
+    fn spectrometer(&mut self, toml: &SensorToml, is_slit: bool) -> Option<Spectrometer> {
+        let given = [("smile_um", &toml.smile_um), ("keystone_px", &toml.keystone_px)];
+        if let Some((key, _)) = given.iter().find(|(_, given)| given.is_some() && !is_slit) {
+            self.problem(&format!("sensor.{key}"), "goes with `kind` = \"push_broom\"");
+            return None;
+        }
+        let [smile_um, keystone_px] = given.map(|(_, given)| given.clone().unwrap_or_default());
+        Some(Spectrometer { smile_um, keystone_px })
     }
 
     fn given(

@@ -19,8 +19,8 @@ use crate::formats::folder::Staged;
 use crate::formats::located::LONGEST_NAME;
 use crate::formats::mtl::{self, ObjMaterial};
 use crate::formats::number::exact;
-use crate::formats::{obj, photometry_csv, reflectance_csv, response_csv};
-use crate::geometry::FrameCamera;
+use crate::formats::{directions, obj, photometry_csv, reflectance_csv, response_csv};
+use crate::geometry::{BrownConrady, FrameCamera, Lens};
 use crate::physics::srgb::linear_from_hex;
 use crate::report::{Fate, Report};
 use crate::scene::{
@@ -634,7 +634,11 @@ impl Writer<'_> {
         }
         let _ = writeln!(text, "samples = {}\nlines = {}", camera.samples, camera.lines);
         let ifov_mrad = 1e3 * camera.ifov_rad();
-        let _ = if !camera.is_centred() {
+        let lens = camera.lens.as_deref();
+        let _ = if let Some((centres, size)) = lens.and_then(|lens| Some((lens.centres()?, lens.size()))) {
+            let name = self.file(".directions", "npy", |out| out.write_all(&directions::array(centres, size)))?;
+            writeln!(text, "directions = {}", quoted(&name))
+        } else if !camera.is_centred() {
             let focal_px = camera.pitch.map(|pitch| exact(1.0 / pitch, |focal_px| 1.0 / focal_px, pitch));
             writeln!(text, "focal_px = {focal_px:?}\nboresight_px = {:?}", camera.boresight_px)
         } else if ifov_mrad <= WIDEST_PIXEL_MRAD {
@@ -644,6 +648,10 @@ impl Writer<'_> {
             let fov_deg = FrameCamera::angle_of_pitch(camera.pitch[0], camera.samples).to_degrees();
             writeln!(text, "fov_deg = {fov_deg:?}")
         };
+        if let Some(BrownConrady { radial: [k1, k2, k3], tangential: [p1, p2] }) = lens.and_then(Lens::coefficients) {
+            let _ =
+                writeln!(text, "distortion = {{ k1 = {k1:?}, k2 = {k2:?}, k3 = {k3:?}, p1 = {p1:?}, p2 = {p2:?} }}");
+        }
         text += &self.bands()?;
         Ok(text)
     }

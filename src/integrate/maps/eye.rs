@@ -39,9 +39,10 @@ fn seen_by(image: &ViewImage, scene: &Scene, watch: Watch<'_>) -> Result<Seen> {
     match &image.camera {
         Camera::Parallel(camera) => Seen::from_afar(mesh, topology, camera.towards, STAGE, watch),
         Camera::Frame(camera) => {
+            let camera = camera.drawn().pinhole;
             let axis = camera.world_from_sensor.rotation.z_axis;
             let axis = Direction::new(axis).unwrap_or(scene.sky.sun.direction);
-            let [samples, lines] = image.size().map(|n| n as f64);
+            let [samples, lines] = [camera.samples, camera.lines].map(f64::from);
             let corners = [[0.0, 0.0], [samples, 0.0], [samples, lines], [0.0, lines]];
             let rays = corners.map(|[x, y]| camera.ray(x, y));
             Seen::from_point(mesh, topology, camera.centre_m(), (axis, &rays), STAGE, watch)
@@ -62,8 +63,9 @@ impl PreparedMap<'_> {
 
 /// Whether some facet of a scene lies, in part, within an image of it: its bounds do.
 pub fn meets(image: &ViewImage, scene: &Scene) -> bool {
-    let frame = Rect { min: [0.0; 2], max: image.size().map(|n| n as f64) };
-    let projection = image.camera.projection();
+    let camera = image.camera.drawn();
+    let frame = Rect { min: [0.0; 2], max: camera.size().map(f64::from) };
+    let projection = camera.projection();
     (0..scene.body.mesh.facets.len()).any(|f| {
         let corners = scene.body.mesh.facet(f).corners_m.map(|p| projection.homogeneous(p));
         let in_front = corners.iter().filter(|c| c.z > 0.0).count();

@@ -2,6 +2,7 @@
 
 use super::PreparedMap;
 use super::charts::{of_corners, of_projection};
+use super::lens::MapLens;
 use super::sums::TexelSums;
 use crate::geometry::polygon::{Point, area, side, split};
 use crate::geometry::{Chart, Overlay, Projection, Texels, index_u32};
@@ -49,9 +50,13 @@ pub(in crate::integrate) struct Lookup<'a> {
     /// For each texel whether nothing of the scene is in it: between texel centres, such a texel does not count.
     sky: &'a [bool],
     parts: Option<Parts<'a>>,
+    /// What distorts it, if anything does.
+    lens: Option<MapLens<'a>>,
     texels: Texels,
     overlay: Overlay,
     piece: Vec<Point>,
+    /// What share of the pixel at hand the area of a cell is.
+    per_cell: f64,
     chart: Option<(u32, Chart)>,
     /// What is seen of the facet, and what of that each source lights that is known by parts.
     pub(in crate::integrate) seen: Share,
@@ -85,8 +90,12 @@ impl<'a> Lookup<'a> {
             }
             Placement::Atlas(atlas) => TexelLayout::Texture(&atlas.corners, [atlas.columns, atlas.rows]),
         };
+        let lens = match prepared.view.placement {
+            Placement::View(image) => MapLens::of(&image.camera),
+            _ => None,
+        };
         let lookup = Lookup::of(scene, drawing, kind, Some(prepared.view.known), polygons, texels);
-        Lookup { sky: prepared.view.sky, ..lookup }
+        Lookup { sky: prepared.view.sky, lens, ..lookup }
     }
 
     pub(in crate::integrate) fn of(
@@ -104,9 +113,11 @@ impl<'a> Lookup<'a> {
             known,
             sky: &[],
             parts: polygons.map(|p| Parts::new(drawing, p)),
+            lens: None,
             texels,
             overlay: Overlay::default(),
             piece: vec![],
+            per_cell: 1.0,
             chart: None,
             seen: Share::default(),
             lit: vec![],
@@ -115,10 +126,10 @@ impl<'a> Lookup<'a> {
         }
     }
 
-    pub(in crate::integrate) fn new_line(&mut self, row: u32) {
+    pub(in crate::integrate) fn new_line(&mut self, rows: [u32; 2]) {
         self.quadrature_error = 0.0;
         if let Some(parts) = &mut self.parts {
-            parts.new_line(row);
+            parts.new_line(rows);
         }
     }
 
@@ -127,6 +138,7 @@ impl<'a> Lookup<'a> {
         self.seen.clear();
         self.lit.resize_with(if wants_lit { pixel.lights() } else { 0 }, Share::default);
         self.lit.iter_mut().for_each(Share::clear);
+        self.per_cell = pixel.site.per_cell;
         let entry = pixel.entries[index];
         if let TexelLayout::Facets = self.kind {
             if self.known.is_none_or(|known| known[entry.facet as usize]) {
@@ -167,6 +179,17 @@ impl<'a> Lookup<'a> {
 
     /// Divides a convex part of a facet's image into convex parts that the map knows and others that it does not: `put(is_known, part)`.
     pub(in crate::integrate) fn divide(&mut self, facet: u32, part: &[Point], mut put: impl FnMut(bool, Vec<Point>)) {
+        let chart = self.chart(facet);
+        let Some((lens, chart)) = self.lens.as_ref().zip(chart) else {
+            return self.divide_by(chart, facet, part, &mut put);
+        };
+        for (chart, part) in lens.flat_parts(&chart, part) {
+            self.divide_by(chart, facet, &part, &mut put);
+        }
+    }
+
+    /// The same by a chart of the whole part.
+    fn divide_by(&mut self, chart: Option<Chart>, facet: u32, part: &[Point], put: &mut dyn FnMut(bool, Vec<Point>)) {
         let (mut inside, mut outside) = (vec![part.to_vec()], Vec::new());
         match &self.kind {
             TexelLayout::Facets => {
@@ -180,7 +203,7 @@ impl<'a> Lookup<'a> {
                 });
             }
             TexelLayout::View(..) | TexelLayout::Texture(..) => {
-                let Some(chart) = self.chart(facet) else { return put(false, part.to_vec()) };
+                let Some(chart) = chart else { return put(false, part.to_vec()) };
                 let size = self.size();
                 let [width, height] = size.map(|n| n as f64);
                 // The borders of the image; between them w is positive.
@@ -273,10 +296,11 @@ impl<'a> Lookup<'a> {
         if part.len() < 3 {
             return;
         }
+        let times = sign * self.per_cell;
         match &self.kind {
             TexelLayout::Facets => {
                 if self.known.is_none_or(|known| known[facet as usize]) {
-                    share(light, &mut self.seen, &mut self.lit).take(facet, sign * area(part));
+                    share(light, &mut self.seen, &mut self.lit).take(facet, times * area(part));
                 }
                 return;
             }
@@ -287,15 +311,27 @@ impl<'a> Lookup<'a> {
                 parts.each(facet, &Window::Piece(part), |i, common| {
                     let (texel, common) = (patches.polygon_texel[i], area(common));
                     if common > 0.0 && known.is_none_or(|known| known[texel as usize]) {
-                        share.take(texel, sign * common);
+                        share.take(texel, times * common);
                     }
                 });
                 return;
             }
             TexelLayout::View(..) | TexelLayout::Texture(..) => {}
         }
-        let size = self.size();
         let Some(chart) = self.chart(facet) else { return };
+        match &self.lens {
+            None => self.lay_by(&chart, facet, part, (times, light)),
+            Some(lens) => {
+                for (chart, part) in lens.flat_parts(&chart, part) {
+                    chart.iter().for_each(|chart| self.lay_by(chart, facet, &part, (times, light)));
+                }
+            }
+        }
+    }
+
+    /// The same of an image, by a chart of the whole part; it counts so many times.
+    fn lay_by(&mut self, chart: &Chart, facet: u32, part: &[Point], (times, light): (f64, Option<usize>)) {
+        let (size, per_cell) = (self.size(), self.per_cell);
         let seen = match &self.kind {
             TexelLayout::View(_, _, Some(seen)) => seen.shown[facet as usize],
             _ => Shown::Whole,
@@ -306,28 +342,28 @@ impl<'a> Lookup<'a> {
         let number = |column: usize, row: usize| index_u32(row * size[0] + column);
         let shows = |column: usize, row: usize| !is_sky(sky, row * size[0] + column);
         let mut lay = |part: &[Point]| match texels {
-            Texels::Nearest => overlay.texels(&chart, part, size, |column, row, area| {
+            Texels::Nearest => overlay.texels(chart, part, size, |column, row, area| {
                 if known(column, row) && shows(column, row) {
-                    share.take(number(column, row), sign * area);
+                    share.take(number(column, row), times * area);
                 }
             }),
-            Texels::Bilinear => overlay.centres(&chart, part, size, |around, area, error| {
+            Texels::Bilinear => overlay.centres(chart, part, size, |around, area, error| {
                 let counts = |(column, row, _): &(usize, usize, f64)| shows(*column, *row);
                 if !around.iter().all(counts) {
                     // Those that show the scene share what is between them all.
                     let shown: f64 = around.iter().filter(|c| counts(c)).map(|c| c.2).sum();
                     if shown > 0.0 && around.iter().filter(|c| counts(c)).all(|(column, row, _)| known(*column, *row)) {
-                        let scale = sign * area / shown;
+                        let scale = times * area / shown;
                         let counting = around.iter().filter(|c| counts(c));
                         share
                             .texels
                             .extend(counting.map(|(column, row, weight)| (number(*column, *row), scale * weight)));
-                        share.area += sign * area;
+                        share.area += times * area;
                     }
                 } else if around.iter().all(|(column, row, _)| known(*column, *row)) {
-                    *quadrature_error = quadrature_error.max(error);
-                    share.texels.extend(around.map(|(column, row, weight)| (number(column, row), sign * weight)));
-                    share.area += sign * area;
+                    *quadrature_error = quadrature_error.max(per_cell * error);
+                    share.texels.extend(around.map(|(column, row, weight)| (number(column, row), times * weight)));
+                    share.area += times * area;
                 }
             }),
         };

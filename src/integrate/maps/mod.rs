@@ -4,6 +4,7 @@
 mod charts;
 mod choice;
 mod eye;
+mod lens;
 mod lookup;
 mod sums;
 mod texels_of_pixel;

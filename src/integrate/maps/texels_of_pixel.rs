@@ -4,7 +4,7 @@ use super::choice::{ViewChoice, views_shares};
 use super::lookup::{Lookup, TexelLayout};
 use super::together::{Together, differ};
 use super::{Maps, PreparedMap, Unknown};
-use crate::geometry::{Eye, angle_rad};
+use crate::geometry::{Eye, FrameCamera, angle_rad};
 use crate::integrate::parts::Polygons;
 use crate::integrate::pixel::{Entry, Pixel};
 use crate::product::TexelLine;
@@ -36,6 +36,8 @@ pub(in crate::integrate) struct MapLine {
 /// Looks maps up, pixel by pixel.
 pub(in crate::integrate) struct PixelTexels<'a> {
     scene: &'a Scene,
+    /// The pinhole of the drawing.
+    camera: FrameCamera,
     terms: Vec<Vec<Lookup<'a>>>,
     together: Together,
     choice: ViewChoice,
@@ -65,12 +67,24 @@ impl<'a> PixelTexels<'a> {
         let terms: Vec<Vec<Lookup>> = prepared.iter().zip(polygons).map(lookups).collect();
         let angles = terms.iter().map(|views| vec![f64::NAN; views.len()]).collect();
         let (together, choice, unknown) = (Together::default(), maps.choice, maps.unknown);
-        PixelTexels { scene, terms, together, choice, unknown, angles, shares: vec![], lit_rest: vec![], parts: vec![] }
+        let camera = scene.exposure.camera.drawn().pinhole;
+        PixelTexels {
+            scene,
+            camera,
+            terms,
+            together,
+            choice,
+            unknown,
+            angles,
+            shares: vec![],
+            lit_rest: vec![],
+            parts: vec![],
+        }
     }
 
-    pub(in crate::integrate) fn new_line(&mut self, row: u32) -> MapLine {
+    pub(in crate::integrate) fn new_line(&mut self, rows: [u32; 2]) -> MapLine {
         for lookup in self.terms.iter_mut().flatten() {
-            lookup.new_line(row);
+            lookup.new_line(rows);
         }
         MapLine {
             weights: self.terms.iter().map(|t| vec![TexelLine::default(); t.len()]).collect(),
@@ -188,7 +202,7 @@ impl<'a> PixelTexels<'a> {
     /// For each term and map the angle between its direction and that to the camera, rad, where what is seen of a facet lies.
     fn measure_angles(&mut self, pixel: &Pixel, entry: &Entry) {
         let [x, y] = entry.centroid(&pixel.site.rect);
-        let camera = &self.scene.exposure.camera;
+        let camera = &self.camera;
         let ray = camera.ray(x, y);
         let facet = self.scene.body.mesh.facet(entry.facet as usize);
         let point_m = camera.centre_m() + facet.met_by(camera.centre_m(), ray) * ray;

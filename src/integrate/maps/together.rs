@@ -95,7 +95,7 @@ impl Together {
             for cell in &self.cells {
                 if cell.knowing.is_empty() {
                     for (light, rest) in self.lit_rest.iter_mut().enumerate() {
-                        *rest += sign * lit_area(pixel, light, facet, &cell.outline);
+                        *rest += sign * pixel.site.per_cell * lit_area(pixel, light, facet, &cell.outline);
                     }
                     continue;
                 }

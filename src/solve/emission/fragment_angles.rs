@@ -30,10 +30,10 @@ impl Observer {
 }
 
 /// From where fragments are seen.
-#[derive(Debug, Clone, Copy)]
-enum Eye<'a> {
-    /// By the pixels of an image.
-    Camera(&'a FrameCamera),
+#[derive(Debug, Clone)]
+enum Eye {
+    /// By the cells of a drawing.
+    Camera(FrameCamera),
     /// As whole facets.
     Observer(Observer),
 }
@@ -41,7 +41,7 @@ enum Eye<'a> {
 /// Who looks at what.
 #[derive(Debug, Clone)]
 pub(super) struct FragmentAngles<'a> {
-    eye: Eye<'a>,
+    eye: Eye,
     mesh: &'a Mesh,
     /// Of each source, if it is a sphere in the near field.
     spheres: Vec<Option<Sphere<'a>>>,
@@ -81,7 +81,7 @@ impl<'a> Sphere<'a> {
 impl<'a> FragmentAngles<'a> {
     pub(super) fn of(scene: &'a Scene) -> Self {
         let disc_distance_m = (scene.models.sun != SunModel::Point).then_some(scene.sky.sun.distance_m);
-        let eye = Eye::Camera(&scene.exposure.camera);
+        let eye = Eye::Camera(scene.exposure.camera.drawn().pinhole);
         let mesh = &scene.body.mesh;
         let sphere = |source: &Source<'a>| Sphere::of(scene, source);
         FragmentAngles { eye, mesh, spheres: scene.sources().iter().map(sphere).collect(), disc_distance_m }
@@ -101,7 +101,7 @@ impl<'a> FragmentAngles<'a> {
     pub(super) fn view(&self, fragment: &Fragment) -> (f64, DVec3) {
         let facet = self.mesh.facet(fragment.facet as usize);
         let [x_px, y_px] = fragment.shown.centroid_px().unwrap_or_default();
-        let to_viewer = match self.eye {
+        let to_viewer = match &self.eye {
             Eye::Camera(camera) => -camera.ray(x_px, y_px).normalize_or_zero(),
             Eye::Observer(observer) => observer.seen_from(&facet),
         };
@@ -110,7 +110,7 @@ impl<'a> FragmentAngles<'a> {
 
     /// The angle that a pixel's diagonal takes at most, rad.
     pub(super) fn pixel_rad(&self) -> f64 {
-        let Eye::Camera(camera) = self.eye else { return 0.0 };
+        let Eye::Camera(camera) = &self.eye else { return 0.0 };
         let [across, down] = camera.pitch;
         (across * across + down * down).sqrt().min(std::f64::consts::PI)
     }
@@ -135,7 +135,7 @@ impl<'a> FragmentAngles<'a> {
     ) {
         let facet = self.mesh.facet(fragment.facet as usize);
         let normal = facet.cross_m2().normalize_or_zero();
-        let (to_viewer, seen_along) = match self.eye {
+        let (to_viewer, seen_along) = match &self.eye {
             Eye::Camera(camera) => {
                 let [x_px, y_px] = light.centroid_px(fragment);
                 let ray = camera.ray(x_px, y_px);

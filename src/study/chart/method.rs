@@ -286,13 +286,14 @@ fn by_share(scene: &Scene, watch: Watch<'_>) -> Result<Bands> {
     let lit_share: Vec<Vec<f64>> = lights.iter().map(of).collect();
     let Some(sunlit) = table.sunlit() else { return exact_image(scene, &table, watch) };
     let camera = &scene.exposure.camera;
+    let drawn = camera.drawn();
     let (footprints, globes) = integrate::footprints_among_globes(scene, sunlit);
     let globes_in_view = scene.globes_in_view().len();
     let shading = Shading::new(scene, &table);
     let samples = camera.samples as usize;
     let of_pixel = |pixel: usize| {
         // Footprints have no centroids: angles are those at the pixel's centre.
-        let [x, y] = [pixel % samples, pixel / samples].map(|i| i as f64 + 0.5);
+        let [x, y] = drawn.at([pixel % samples, pixel / samples].map(|i| i as f64 + 0.5));
         let faces = |facet: u32| {
             let facet = scene.body.mesh.facet(facet as usize);
             facet.cross_m2().dot(camera.centre_m() - facet.corners_m[0]) > 0.0

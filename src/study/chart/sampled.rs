@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::shading::{Shading, Share};
 use crate::error::Result;
-use crate::geometry::{SphereImage, SphereShown};
+use crate::geometry::{FrameCamera, SphereImage, SphereShown};
 use crate::product::{FacetTable, Sees};
 use crate::progress::{Watch, tell};
 use crate::scene::{Scene, SunModel};
@@ -31,12 +31,13 @@ pub fn by_rays(scene: &Scene, rays: u32, watch: Watch<'_>) -> Result<Vec<Vec<f64
     let suns = suns(scene, rays);
     let sunlight = table.sources.first().map_or(&[][..], |sun| &sun.irradiance);
     let globes: Vec<SphereImage> = scene.globes_in_view().into_iter().map(|(_, seen)| seen).collect();
+    // Rays are even over pixels, and their places are those of the drawing.
+    let drawn = scene.exposure.camera.drawn();
     let cast = |at, area, sun: &DiscPoint, shares: &mut Vec<Share>| {
-        cast(scene, &tree, (&sources, sun, sunlight), at, area, shares);
+        cast((scene, &drawn.pinhole), &tree, (&sources, sun, sunlight), at, area, shares);
     };
-    let camera = &scene.exposure.camera;
     let places = places(rays);
-    let (samples, lines) = (camera.samples, camera.lines);
+    let [samples, lines] = [scene.exposure.camera.samples, scene.exposure.camera.lines];
     let (done, total) = (AtomicU64::new(0), u64::from(lines));
     let of_line = |line: u32| {
         let mut radiance = Vec::with_capacity(samples as usize);
@@ -46,8 +47,8 @@ pub fn by_rays(scene: &Scene, rays: u32, watch: Watch<'_>) -> Result<Vec<Vec<f64
             shares.clear();
             shown.fill(SphereShown::default());
             for ([x, y], sun) in places.iter().zip(suns.iter().cycle()) {
-                let (at, area) = ([f64::from(sample) + x, f64::from(line) + y], 1.0 / f64::from(rays));
-                match globe_before(scene, &tree, &globes, at) {
+                let (at, area) = (drawn.at([f64::from(sample) + x, f64::from(line) + y]), 1.0 / f64::from(rays));
+                match globe_before(&drawn.pinhole, &tree, &globes, at) {
                     Some((globe, cosine)) => shown[globe].add(area, &point(cosine)),
                     None => cast(at, area, sun, &mut shares),
                 }
@@ -105,10 +106,9 @@ fn inverse(mut i: u32, base: u32) -> f64 {
     value
 }
 
-/// The body of the sky that a ray through an image point meets before all facets, and the cosine of the Sun's incidence there. Of those it meets the
+/// The body of the sky that a ray through a point of the drawing meets before all facets, and the cosine of the Sun's incidence there. Of those it meets the
 /// first in the list is in front.
-fn globe_before(scene: &Scene, tree: &RayTree, globes: &[SphereImage], at: [f64; 2]) -> Option<(usize, f64)> {
-    let camera = &scene.exposure.camera;
+fn globe_before(camera: &FrameCamera, tree: &RayTree, globes: &[SphereImage], at: [f64; 2]) -> Option<(usize, f64)> {
     let (globe, (along, cosine)) = globes.iter().enumerate().find_map(|(i, globe)| Some((i, globe.met(at)?)))?;
     let facet = tree.nearest(camera.centre_m(), camera.ray(at[0], at[1]));
     facet.is_none_or(|hit| along < hit.t).then_some((globe, cosine))
@@ -120,16 +120,15 @@ fn point(cosine: f64) -> SphereShown {
     SphereShown { area: 1.0, facing: faces, cosine: cosine.max(0.0) }
 }
 
-/// What a ray through an image point adds to a pixel; `sun` is where its shadow ray goes, and `sunlight` the facets' irradiance by all of the disc.
+/// What a ray through a point of the drawing adds to a pixel; `sun` is where its shadow ray goes, and `sunlight` the facets' irradiance by all of the disc.
 fn cast(
-    scene: &Scene,
+    (scene, camera): (&Scene, &FrameCamera),
     tree: &RayTree,
     (sources, sun, sunlight): (&[DVec3], &DiscPoint, &[f64]),
     at: [f64; 2],
     area: f64,
     shares: &mut Vec<Share>,
 ) {
-    let camera = &scene.exposure.camera;
     let (eye_m, ray) = (camera.centre_m(), camera.ray(at[0], at[1]));
     let Some(hit) = tree.nearest(eye_m, ray).filter(|hit| hit.front) else { return };
     let part = ImagePart { area, moment: at.map(|x| x * area) };

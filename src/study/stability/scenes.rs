@@ -8,7 +8,9 @@ use crate::error::{Error, Location, Result};
 use crate::geometry::{Direction, FrameCamera, MaterialId, Mesh, Pose, index_u32};
 use crate::integrate;
 use crate::progress::unwatched;
-use crate::scene::{Exposure, Material, Models, Photometry, Scene, SceneParts, Sky, Sun, Surface, Thermal};
+use crate::scene::{
+    Exposure, Material, Models, Photometry, Scene, SceneParts, Sky, Spectrometer, Sun, Surface, Thermal,
+};
 use crate::solve;
 use crate::spectral::{Band, Spectrum};
 use crate::units::AU_M;
@@ -159,7 +161,12 @@ pub(super) fn scene(mesh: Mesh, reflectances: &[f64], sun: Direction, camera: Fr
             beams: vec![],
             rotation: None,
         },
-        exposure: Exposure { instrument: "stability".into(), camera, bands: vec![Band::new(1.0, None)] },
+        exposure: Exposure {
+            instrument: "stability".into(),
+            camera,
+            bands: vec![Band::new(1.0, None)],
+            spectrometer: Spectrometer::default(),
+        },
         models: Models { thermal: Thermal::Off, ..Models::default() },
     }
     .check()

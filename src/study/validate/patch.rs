@@ -6,7 +6,9 @@ use crate::geometry::{Direction, FrameCamera, MaterialId, Mesh, Pose};
 use crate::integrate::Wanted;
 use crate::product::{Backplanes, FacetTable};
 use crate::progress::unwatched;
-use crate::scene::{Exposure, Globe, Material, Models, Photometry, Scene, SceneParts, Sky, Sun, Surface, Thermal};
+use crate::scene::{
+    Exposure, Globe, Material, Models, Photometry, Scene, SceneParts, Sky, Spectrometer, Sun, Surface, Thermal,
+};
 use crate::spectral::{Band, Spectrum};
 use crate::study::{observe, simulate};
 use crate::units::AU_M;
@@ -139,6 +141,7 @@ impl Patch {
                 instrument: "frame camera".to_owned(),
                 camera: camera(self.observer_m, 1, 0.1 / self.observer_m.length())?,
                 bands: vec![Band::new(self.wavelength_um, None)],
+                spectrometer: Spectrometer::default(),
             },
             models: Models { thermal: self.thermal, ..Models::default() },
         };

@@ -10,7 +10,7 @@ use crate::error::{Error, Location, Result};
 use crate::geometry::{Direction, FrameCamera, MaterialId, Mesh, Pose, index_u32};
 use crate::integrate;
 use crate::progress::unwatched;
-use crate::scene::{Exposure, Material, Models, Photometry, SceneParts, Sky, Sun, Surface, Thermal};
+use crate::scene::{Exposure, Material, Models, Photometry, SceneParts, Sky, Spectrometer, Sun, Surface, Thermal};
 use crate::spectral::{Band, Spectrum, solar_e490};
 use crate::study::simulate;
 use crate::units::AU_M;
@@ -142,7 +142,12 @@ fn look(mesh: Mesh, reflectance: f64, sun: Sun, camera: FrameCamera) -> Result<V
     let parts = SceneParts {
         surface: Surface { origin_m: TARGET_M, mesh, materials: vec![material], textures: vec![] },
         sky: Sky { sun, mars: None, bodies: vec![], beams: vec![], rotation: None },
-        exposure: Exposure { instrument: "frame camera".to_owned(), camera, bands },
+        exposure: Exposure {
+            instrument: "frame camera".to_owned(),
+            camera,
+            bands,
+            spectrometer: Spectrometer::default(),
+        },
         models: Models { thermal: Thermal::Off, ..Models::default() },
     };
     let (_, observation) = simulate(&parts.check()?, &unwatched)?;

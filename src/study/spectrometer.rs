@@ -1,0 +1,113 @@
+//! What a push-broom's spectrometer makes of a line: smile, by which a band's centre is another one at each sample, and keystone, by which each band looks somewhat farther
+//! on along the slit.
+//!
+//! The line is looked at with a few shifts of both, exactly; between them radiance is interpolated: over keystone linearly, over smile by the parabola through three. Each look
+//! is a slab of its own, whose weights count by sample and whose spectra by band.
+
+use crate::error::Result;
+use crate::integrate::{self, Wanted};
+use crate::product::{FacetTable, Slab};
+use crate::progress::Watch;
+use crate::scene::{Exposure, Scene};
+
+/// Looks along the slit for each pixel of keystone: at an edge a pixel is off by a quarter of their distance at most, times the contrast.
+const LOOKS_A_PIXEL: f64 = 32.0;
+/// Bands with no more keystones than this are looked at one by one.
+const FEW: u32 = 16;
+
+/// The radiance of a scene's image, with the smile and the keystone of its sensor.
+///
+/// # Errors
+/// As [`integrate`](integrate::integrate), and as [`Scene::seen_by`] for shifted bands.
+pub(super) fn radiance(scene: &Scene, table: &FacetTable, watch: Watch<'_>) -> Result<Slab> {
+    let wanted = Wanted { radiance_alone: true, ..Wanted::default() };
+    let Exposure { camera, bands, spectrometer, .. } = &scene.exposure;
+    if spectrometer.is_ideal() {
+        return Ok(integrate::integrate(scene, table, wanted, watch)?.slab);
+    }
+    let (smiles_um, by_sample) = parabolas(&spectrometer.smiles_um(camera.samples));
+    let (keystones_px, by_band) = hats(&spectrometer.keystones_px(bands));
+    let mut parts = Vec::new();
+    for (keystone_px, by_band) in keystones_px.iter().zip(&by_band) {
+        for (smile_um, by_sample) in smiles_um.iter().zip(&by_sample) {
+            let mut exposure = scene.exposure.clone();
+            exposure.camera.boresight_px[0] -= keystone_px;
+            exposure.bands.iter_mut().for_each(|band| band.centre_um += smile_um);
+            let then = scene.seen_by(exposure)?;
+            let slab = integrate::integrate(&then, table, wanted, watch)?.slab;
+            let by_pixel: Vec<f64> = by_sample.iter().copied().cycle().take(slab.row_start.len() - 1).collect();
+            parts.push(slab.scaled(&by_pixel, by_band));
+        }
+    }
+    Ok(Slab::over(&parts))
+}
+
+/// A few shifts, and for each of them its share in each of all: of three the parabola's.
+fn parabolas(all: &[f64]) -> (Vec<f64>, Vec<Vec<f64>>) {
+    let (low, high) = ends(all);
+    if low == high {
+        return (vec![low], vec![vec![1.0; all.len()]]);
+    }
+    let nodes = vec![low, 0.5 * (low + high), high];
+    let share = |node: usize| {
+        let others = [0, 1, 2].into_iter().filter(move |k| *k != node);
+        let of = |at: &f64| others.clone().map(|k| (at - nodes[k]) / (nodes[node] - nodes[k])).product();
+        all.iter().map(of).collect()
+    };
+    let shares = (0..3).map(share).collect();
+    (nodes, shares)
+}
+
+/// The same, linearly between neighbours: of a few shifts each is one.
+fn hats(all: &[f64]) -> (Vec<f64>, Vec<Vec<f64>>) {
+    let mut nodes = all.to_vec();
+    nodes.sort_by(f64::total_cmp);
+    nodes.dedup();
+    if nodes.len() > FEW as usize {
+        let (low, high) = ends(all);
+        let count = crate::geometry::whole_u32(((high - low) * LOOKS_A_PIXEL).ceil()).max(FEW - 1);
+        nodes = (0..=count).map(|i| low + (high - low) * f64::from(i) / f64::from(count)).collect();
+    }
+    let share = |node: usize, at: f64| {
+        let beside = |other: Option<&f64>| other.map_or(0.0, |other| 1.0 - (at - nodes[node]) / (other - nodes[node]));
+        match at.total_cmp(&nodes[node]) {
+            std::cmp::Ordering::Equal => 1.0,
+            std::cmp::Ordering::Less => beside(node.checked_sub(1).and_then(|k| nodes.get(k))).max(0.0),
+            std::cmp::Ordering::Greater => beside(nodes.get(node + 1)).max(0.0),
+        }
+    };
+    let shares = (0..nodes.len()).map(|node| all.iter().map(|at| share(node, *at)).collect()).collect();
+    (nodes, shares)
+}
+
+fn ends(all: &[f64]) -> (f64, f64) {
+    all.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (x.min(low), x.max(high)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_give_lines_and_parabolas() {
+        let all: Vec<f64> = (0..40).map(|i| 0.3 + f64::from(i) * 0.05).collect();
+        for (nodes, shares, of) in [
+            {
+                let (n, s) = hats(&all);
+                (n, s, (|x: f64| 2.0 - 3.0 * x) as fn(f64) -> f64)
+            },
+            {
+                let (n, s) = parabolas(&all);
+                (n, s, |x: f64| 2.0 - 3.0 * x + x * x)
+            },
+        ] {
+            for (i, at) in all.iter().enumerate() {
+                let value: f64 = nodes.iter().zip(&shares).map(|(node, shares)| shares[i] * of(*node)).sum();
+                assert!((value - of(*at)).abs() < 1e-12, "{at}: {value}");
+                assert!((shares.iter().map(|s| s[i]).sum::<f64>() - 1.0).abs() < 1e-12);
+            }
+        }
+        assert_eq!(hats(&[0.5, -0.5, 0.5]).0, [-0.5, 0.5]);
+        assert_eq!(parabolas(&[0.0; 3]).1, [[1.0; 3]]);
+    }
+}
