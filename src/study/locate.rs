@@ -4,11 +4,13 @@
 //! `exposure_s` / 2 + (l - 1/2) `period_s`, and the ray goes through the middle of the slit. Of a whisk-broom the sample is time and the mirror's angle, and the line, less those of the
 //! sweeps before, is along the column.
 
+use std::sync::OnceLock;
+
 use glam::DVec3;
 
 use crate::error::{Error, Location, Problem, Result};
 use crate::flight::Epoch;
-use crate::geometry::{FrameCamera, Pose, angle_rad};
+use crate::geometry::{FrameCamera, Pose, angle_rad, whole};
 use crate::scene::{Mirror, Motion, Readout, Scene, Timing};
 use crate::visibility::RayTree;
 
@@ -25,6 +27,8 @@ pub struct Locator<'a> {
     scene: &'a Scene,
     motion: Option<(&'a Motion, Timing)>,
     tree: RayTree,
+    /// The camera in the middle of each exposure, found when it is first asked for: many places are of the same moment.
+    middles: Vec<OnceLock<Now>>,
 }
 
 /// A place of an image.
@@ -77,6 +81,7 @@ pub struct Seen {
 }
 
 /// A camera at a moment.
+#[derive(Debug, Clone)]
 struct Now {
     camera: FrameCamera,
     epoch: Option<Epoch>,
@@ -85,7 +90,12 @@ struct Now {
 impl<'a> Locator<'a> {
     /// Of a scene, and how it moves, if it does.
     pub fn new(scene: &'a Scene, motion: Option<(&'a Motion, Timing)>) -> Self {
-        Locator { scene, motion, tree: RayTree::new(&scene.body.mesh) }
+        let exposures = motion.map_or(1, |(_, timing)| match timing.readout {
+            Readout::Sample(_) => 0,
+            Readout::Frame | Readout::Band | Readout::Line => timing.count(&scene.exposure),
+        });
+        let middles = (0..exposures).map(|_| OnceLock::new()).collect();
+        Locator { scene, motion, tree: RayTree::new(&scene.body.mesh), middles }
     }
 
     /// The band, counted from 0, whose geometry stands for the image's: of a filter the middle one.
@@ -171,6 +181,21 @@ impl<'a> Locator<'a> {
 
     /// The camera of a band when a place is taken; of a push-broom its slit alone, of a whisk-broom its column.
     fn camera_at(&self, place: Place, band: usize) -> Result<Now> {
+        let exposure = match self.readout() {
+            Readout::Frame => Some(0),
+            Readout::Band => Some(band),
+            Readout::Line => Some(whole(place.line)).filter(|line| place.line == *line as f64 + 0.5),
+            Readout::Sample(_) => None,
+        };
+        let Some(kept) = exposure.and_then(|i| self.middles.get(i)) else { return self.camera_then(place, band) };
+        if let Some(now) = kept.get() {
+            return Ok(now.clone());
+        }
+        let now = self.camera_then(place, band)?;
+        Ok(kept.get_or_init(|| now).clone())
+    }
+
+    fn camera_then(&self, place: Place, band: usize) -> Result<Now> {
         let exposure = &self.scene.exposure;
         if band >= exposure.bands.len() {
             let message = format!("band {} is not one of {}", band + 1, exposure.bands.len());
