@@ -104,6 +104,7 @@ mod spectrometer;
 mod spice;
 mod spectra_from_the_wild;
 mod sun_disc;
+mod taken_in_parts;
 mod textures;
 mod told;
 mod truth;
