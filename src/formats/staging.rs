@@ -340,6 +340,11 @@ pub fn settle(path: &Path, is_output: bool) -> Result<Vec<String>> {
     Ok(said)
 }
 
+/// Whether there is a hidden folder of an output: somebody is writing it, or was killed doing so.
+pub(super) fn is_staged(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| folder_of(path).join(hidden_name(name)).exists())
+}
+
 /// The folder that a path is in.
 pub(super) fn folder_of(path: &Path) -> &Path {
     match path.parent() {
@@ -380,8 +385,14 @@ fn busy(target: &Path, folder: &Path) -> Error {
         "choose another name, or wait until that process has ended; if there is none, remove {}",
         folder.display()
     );
-    let message = "another process is writing it: when that has ended, it exists";
-    Error::Invalid(vec![Problem::new(Location::file(target), message).with_help(help)])
+    Error::Invalid(vec![Problem::new(Location::file(target), BUSY).with_help(help)])
+}
+
+const BUSY: &str = "another process is writing it: when that has ended, it exists";
+
+/// Whether an error says that another process is writing an output.
+pub(super) fn is_busy(error: &Error) -> bool {
+    error.problems().iter().any(|problem| problem.message == BUSY)
 }
 
 /// Takes the lock of a hidden folder.

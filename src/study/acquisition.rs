@@ -59,7 +59,7 @@ impl Moving<'_> {
     }
 
     /// What is exposed of a part of the cube, with the camera where it then is.
-    fn exposure(&self, take: &Take) -> Result<Exposure> {
+    pub(super) fn exposure(&self, take: &Take) -> Result<Exposure> {
         self.exposure_at(take, take.middle_s)
     }
 
@@ -116,7 +116,7 @@ impl Moving<'_> {
     }
 
     /// Some exposures, with the part of the body that they may see, if groups of its facets tell.
-    fn block(&self, takes: &[Take], groups: Option<&FacetGroups>) -> Result<Block> {
+    pub(super) fn block(&self, takes: &[Take], groups: Option<&FacetGroups>) -> Result<Block> {
         let all = Block { body: self.scene.body.clone(), facets: None, tables: vec![] };
         let Some(groups) = groups else { return Ok(all) };
         let mut seen = vec![false; groups.count()];
@@ -416,8 +416,8 @@ fn acquire(
 const BLOCK: usize = 16;
 
 /// Some exposures, and the part of the body that they may see.
-struct Block {
-    body: Body,
+pub(super) struct Block {
+    pub(super) body: Body,
     /// Its facets' numbers in the body; `None`: it is all of the body.
     facets: Option<Vec<u32>>,
     /// The tables around, of this part, each with its moment.
@@ -425,6 +425,11 @@ struct Block {
 }
 
 impl Block {
+    /// The number in the body of a facet of this part.
+    pub(super) fn facet_of_body(&self, facet: u32) -> u32 {
+        self.facets.as_ref().map_or(facet, |facets| facets[facet as usize])
+    }
+
     /// Facets in planes and footprints have the numbers that they have in the body.
     fn rename_facets(&self, (planes, footprints): &mut Ground) {
         let Some(facets) = &self.facets else { return };
