@@ -378,7 +378,7 @@ fn mistakes_are_told_where_they_are() {
         (&[("name = \"site\"", "name = \"../site\"")], "campaign.toml:9:8 acquisitions[1].name: \"../site\" begins"),
         (
             &[(site, "epochs = [\"2027-05-01T06:00:00 UTC\", \"2027-05-01T06:00:00 UTC\"]")],
-            "campaign.toml:10:39 acquisitions[1].epochs[1]: is not after",
+            "campaign.toml:10:38 acquisitions[1].epochs[1]: is not after",
         ),
         (&[(site, "epochs = []")], "expected a list of at least 1, found 0"),
         (&[(site, "epoch = \"2027-05-01 06:00\"")], "campaign.toml:10:9 acquisitions[1].epoch: "),
@@ -459,7 +459,7 @@ fn mistakes_are_told_where_they_are() {
 #[test]
 fn a_point_is_found_in_both_looks_of_a_pair() {
     let scratch = scratch();
-    let pair = "mmxrt_campaign = 1\nscene = \"scene.toml\"\n[[acquisitions]]\nname = \"a\"\noffset_s = 0\n[[acquisitions]]\nname = \"b\"\noffset_s = 600\n";
+    let pair = "mmxrt_campaign = 1\nscene = \"scene.toml\"\n[[acquisitions]]\nname = \"a\"\noffset_s = 0\n[[acquisitions]]\nname = \"b\"\noffset_s = 200\n";
     let file = scratch.write("pair.toml", pair).to_str().unwrap().to_owned();
     let ask = |name: &str, what: &str, of: &str| -> Vec<String> {
         let (code, out, err) = run(&["locate", &file, "--acquisition", name, &format!("--{what}={of}")]);
@@ -472,7 +472,7 @@ fn a_point_is_found_in_both_looks_of_a_pair() {
     assert!((place(&a)[0] - 2.5).abs() < 1e-6 && (place(&a)[1] - 3.5).abs() < 1e-6);
     assert_eq!((a[12].as_str(), b[12].as_str()), ("true", "true"), "{a:?} {b:?}");
     // By hand from where the camera then is: it looks at the centre, north up, through pixels of 60 mrad.
-    let later = "epoch = \"2027-05-01T06:10:00 UTC\"\norbit_epoch = \"2027-05-01T06:00:00 UTC\"";
+    let later = "epoch = \"2027-05-01T06:03:20 UTC\"\norbit_epoch = \"2027-05-01T06:00:00 UTC\"";
     scratch.write("later.toml", replaced(SCENE, &[("epoch = \"2027-05-01T06:00:00 UTC\"", later)]));
     let scene = scene_toml::read(&scratch.join("later.toml"), &unwatched).unwrap().scene;
     let from_m = scene.exposure.camera.centre_m();

@@ -96,8 +96,10 @@ fn a_whole_disc_is_the_cap_within_its_horizon() {
         assert!((lit / all - 0.5).abs() < 0.11 / 2.0_f64.powi(n), "{n}: {}", lit / all);
         // Below the camera: straight down, and the Sun on the horizon.
         let nearest = seen.iter().min_by(|a, b| a.emission_deg.total_cmp(&b.emission_deg)).unwrap();
-        let edge_deg = (1.2 / 2.0_f64.powi(n + 1)).to_degrees();
-        assert!(nearest.emission_deg < edge_deg && (nearest.incidence_deg - 90.0).abs() < edge_deg);
+        // Edges of an icosahedron are 63.4 deg, and some of their parts a fifth longer than others: the middle of a facet is at most 0.58 of one from straight
+        // below. Emission grows by that, and by what the camera looks aside: r / (d - r) of it.
+        let off_deg = 0.58 * 1.2 * 63.4 / 2.0_f64.powi(n);
+        assert!(nearest.emission_deg < off_deg * D / (D - R) && (nearest.incidence_deg - 90.0).abs() < off_deg);
     }
     assert!(errors[1] < 5e-3 && errors[1] < 0.5 * errors[0], "{errors:?}");
 }
@@ -185,6 +187,12 @@ fn facets_fill_their_pixels() {
     }
     assert!(checked > 800 && partly > 20, "{checked} {partly}");
     for (facet, (found, expected)) in sums.iter().zip(&filled).enumerate() {
+        let plane = mesh.facet(facet);
+        if (scene.exposure.camera.centre_m() - plane.centroid_m()).dot(plane.normal()) < 0.0 {
+            // Inner sides only block.
+            assert_eq!(*found, [0.0; 2]);
+            continue;
+        }
         for k in 0..2 {
             // The camera is 20 km away: over a facet of 13 m its scale changes by some 1e-3.
             assert!((found[k] - expected[k]).abs() <= 2e-3 * expected[0] + 1e-9, "{facet}: {found:?} {expected:?}");
