@@ -130,7 +130,8 @@ impl CampaignFolder {
         let Ok(report) = report_json::read::<ProductReport>(&folder.join("report.json")) else { return false };
         let image = &report.image;
         let width = match options.precision {
-            Precision::F32 => 4,
+            Precision::U16 => 2,
+            Precision::F32 | Precision::U32 => 4,
             Precision::F64 => 8,
         };
         let cube_bytes = image.samples * image.lines * image.bands * width;
@@ -141,6 +142,8 @@ impl CampaignFolder {
             (options.split, "thermal.img"),
             (options.table, "table.npz"),
             (options.footprints, "footprints.npz"),
+            (report.signal.is_some(), "dn.img"),
+            (report.signal.is_some(), "snr.img"),
         ];
         parts.extend(more.iter().filter(|(is_wanted, _)| *is_wanted).map(|(_, part)| *part));
         report.scene == id && bytes("cube.img") == cube_bytes && parts.iter().all(|part| bytes(part) > 0)

@@ -93,7 +93,8 @@ fn add(facets: &mut BTreeMap<u32, Looks>, scene: &Scene, seen: &Seen, camera: &F
             _ => vec![WHOLE.to_vec()],
         };
         let facet = name(i);
-        let (sampling_m, cos_emission) = sampling(&scene.body.mesh.facet(facet as usize), &polygons, (camera, &pinhole));
+        let (sampling_m, cos_emission) =
+            sampling(&scene.body.mesh.facet(facet as usize), &polygons, (camera, &pinhole));
         match facets.get_mut(&facet) {
             None => _ = facets.insert(facet, Looks { polygons, sampling_m, cos_emission }),
             Some(looks) => {

@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Coverage, Drawing, Grid, OnFacet, Scratch, Side, Topology, View, Visit, cells_of};
 use super::seen_through_lens::in_pixels;
+use super::{Coverage, Drawing, Grid, OnFacet, Scratch, Side, Topology, View, Visit, cells_of};
 use crate::error::Result;
 use crate::geometry::polygon::{Point, Rect, area, clip_to_rect, side};
 use crate::geometry::{Direction, FrameCamera, GroupSizes, Groups, Mesh, index_u32, whole_u32};

@@ -9,9 +9,12 @@ const WHOLE: [Point; 3] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
 /// A facet of which clipping leaves all but this share is whole.
 const ROUNDING: f64 = 1e-12;
 
+/// A pixel, and around it.
+type Pixel = (Rect, [Point; 4]);
+
 /// The pixels of an image in a drawing: quadrilaterals that fit together, line by line, and a rectangle that lies inside all of them.
 struct Pixels {
-    lines: Vec<(Rect, Vec<(Rect, [Point; 4])>)>,
+    lines: Vec<(Rect, Vec<Pixel>)>,
     inner: Rect,
 }
 
