@@ -163,8 +163,9 @@ fn a_swath_is_as_wide_and_as_long_as_geometry_says() {
 /// by half a pixel.
 #[test]
 fn facets_fill_their_pixels() {
-    // How much a facet of 13 m differs from its middle: by what is 20 km away, and by the lens, whose scale changes by 2 % a pixel.
-    for (k1, within) in [(0.0, [2e-3; 2]), (-400.0, [4e-3, 2e-2])] {
+    // How much a facet of 13 m differs from its middle: by what is 20 km away; and by the lens, whose scale changes by 2 % a pixel, as it is at a part of a facet, and in a
+    // pixel's middle.
+    for (k1, within) in [(0.0, [2e-3; 2]), (-400.0, [2e-2, 4e-2])] {
         fill_their_pixels(k1, within);
     }
 }
