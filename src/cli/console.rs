@@ -200,6 +200,11 @@ impl Console {
         }
     }
 
+    /// A result of many, as a line of JSON unless quiet.
+    pub(crate) fn line(&self, json: &serde_json::Value) -> Result<()> {
+        if self.quiet { Ok(()) } else { self.print(&json.to_string()) }
+    }
+
     /// A line on standard output. A reader that closed it early, such as `head`, has what it wants.
     fn print(&self, text: &str) -> Result<()> {
         let mut out = std::io::stdout().lock();

@@ -2,11 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use mmxrt::flight::{Epoch, LeapSeconds, Span};
+use mmxrt::flight::{Epoch, LeapSeconds, Scale, Span};
 use mmxrt::formats::Format;
+use mmxrt::formats::campaign_toml::{Acquisition, Campaign};
 use mmxrt::formats::convert::{self, Content};
 use mmxrt::formats::dart::output;
 use mmxrt::formats::located::Document;
+use mmxrt::formats::manifest_json::{self, Manifest};
 use mmxrt::formats::mtl::{self, ObjMaterial};
 use mmxrt::formats::report_json::{self, FORMAT_VERSION, InstrumentReport, ProductReport, Run};
 use mmxrt::formats::spectrum_csv::{self, Quantity};
@@ -101,6 +103,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
             return Err(Error::invalid(Location::file(path), "is not an image, so no picture can be made of it"));
         }
         Some(format) if format.is_flight() => flight(path, format.name)?,
+        _ if is_campaign(path)? => campaign(path, console)?,
         _ if is_scene(path)? => return super::dry_run::run(path, console),
         _ => inspect(path, found, console)?,
     };
@@ -368,6 +371,25 @@ fn is_scene(path: &Path) -> Result<bool> {
     Ok(!document.has("seed") && !radiance_map::is_map(&document))
 }
 
+fn is_campaign(path: &Path) -> Result<bool> {
+    Ok(path.is_file() && extension(path) == "toml" && Document::open(path)?.0.has("mmxrt_campaign"))
+}
+
+fn campaign(path: &Path, console: &Console) -> Result<Facts> {
+    let campaign = Campaign::open(path, &|progress| console.watch(progress))?;
+    let leap = campaign.leap();
+    let acquisition = |of: &Acquisition| json!({ "name": of.name, "epoch": format!("{} UTC", of.epoch.to_text(Scale::Utc, 3, &leap)) });
+    let all = &campaign.acquisitions;
+    Ok(vec![
+        ("kind", json!("campaign")),
+        ("acquisitions", json!(all.len())),
+        ("first", json!(all.first().map(acquisition))),
+        ("last", json!(all.last().map(acquisition))),
+        ("inputs", campaign.inputs().iter().map(|input| json!(input.path.display().to_string())).collect()),
+        ("facets", json!(campaign.body().mesh.facets.len())),
+    ])
+}
+
 fn extension(path: &Path) -> String {
     path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
 }
@@ -493,6 +515,16 @@ fn report(path: &Path) -> Result<Facts> {
         groups.sort_unstable();
         groups.dedup();
         return Ok(vec![("kind", json!("oracles")), ("count", json!(oracles.len())), ("groups", json!(groups))]);
+    }
+    if value["format"] == manifest_json::FORMAT {
+        let manifest: Manifest = report_json::read(path)?;
+        return Ok(vec![
+            ("kind", json!("campaign manifest")),
+            ("mmxrt", json!(manifest.mmxrt)),
+            ("acquisitions", json!(manifest.acquisitions.len())),
+            ("failed", json!(manifest.failed())),
+            ("coverage", value["coverage"].clone()),
+        ]);
     }
     // Older versions have effects of another form.
     if value["format_version"].as_u64().is_none_or(|version| version >= u64::from(FORMAT_VERSION)) {

@@ -14,8 +14,11 @@ use super::console::Console;
 #[derive(clap::Args)]
 #[command(group(clap::ArgGroup::new("asked").required(true).multiple(true)))]
 pub(crate) struct Arguments {
-    /// The scene file
+    /// The scene file, or a campaign's
     scene: PathBuf,
+    /// Of a campaign, which acquisition
+    #[arg(long, value_name = "NAME")]
+    acquisition: Option<String>,
     /// A place of the image, pixels from the outer corner of the first pixel: the middle of the first pixel is 0.5,0.5
     #[arg(long, value_name = "SAMPLE,LINE", group = "asked", value_parser = pixel, allow_hyphen_values = true)]
     pixel: Vec<Place>,
@@ -60,7 +63,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     if let Some(path) = &arguments.points {
         questions.extend(points_csv::read(path)?.into_iter().map(|of| Question { band: of.band.or(band), ..of }));
     }
-    let answers = job::locate(&arguments.scene, &questions, &watch)?;
+    let answers = job::locate(&arguments.scene, arguments.acquisition.as_deref(), &questions, &watch)?;
     let rows: Vec<String> = questions
         .iter()
         .zip(&answers)

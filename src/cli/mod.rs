@@ -1,5 +1,6 @@
 //! The command line: parses, calls the library, writes. Nothing is computed here.
 
+mod campaign;
 mod chart;
 mod console;
 mod convert;
@@ -68,6 +69,8 @@ enum Command {
     Integrate(integrate::Arguments),
     /// Make of a radiance cube what an instrument would: blur, noise, and numbers that are sent
     Instrument(instrument::Arguments),
+    /// Make many acquisitions of a scene, and a record of what of the surface they see
+    Campaign(campaign::Arguments),
     /// Say where on the ground pixels look, and in which pixels points of the ground lie
     Locate(locate::Arguments),
     /// Generate a landscape from a recipe
@@ -137,6 +140,7 @@ fn dispatch(command: Command, console: &Console) -> mmxrt::Result<Outcome> {
         Command::Plan(arguments) => plan::run(&arguments, console),
         Command::Integrate(arguments) => integrate::run(&arguments, console),
         Command::Instrument(arguments) => instrument::run(&arguments, console),
+        Command::Campaign(arguments) => campaign::run(&arguments, console),
         Command::Locate(arguments) => locate::run(&arguments, console),
         Command::Landscape(arguments) => landscape::run(&arguments, console),
         Command::Convert(arguments) => convert::run(&arguments, console),

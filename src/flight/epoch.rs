@@ -172,6 +172,18 @@ impl Epoch {
         Epoch((self.0 + seconds).clamp(-Self::MOST_S, Self::MOST_S))
     }
 
+    /// Later by some seconds of clocks on the ground (TT, and UTC between two leaps), which TDB runs ahead of and behind by turns.
+    #[must_use]
+    pub fn after_tt_s(self, seconds: f64, leap: &LeapSeconds) -> Self {
+        Epoch(leap.tdb_of_tt_s(self.tt_s(leap) + seconds).clamp(-Self::MOST_S, Self::MOST_S))
+    }
+
+    /// Seconds of terrestrial time since J2000.
+    pub fn tt_s(self, leap: &LeapSeconds) -> f64 {
+        // TDB - TT changes by less than 4e-10 s while it passes.
+        self.0 - leap.periodic_s(self.0 - leap.periodic_s(self.0))
+    }
+
     /// Seconds from another moment to this one.
     pub fn since_s(self, other: Epoch) -> f64 {
         self.0 - other.0
@@ -228,8 +240,7 @@ impl Epoch {
     /// A day, counted from 2000-01-01, and seconds in it.
     fn clock(self, scale: Scale, leap: &LeapSeconds) -> (i64, f64) {
         let tdb_s = self.0;
-        // TDB - TT changes by less than 4e-10 s while it passes.
-        let tt_s = tdb_s - leap.periodic_s(tdb_s - leap.periodic_s(tdb_s));
+        let tt_s = self.tt_s(leap);
         let split = |since_noon_s: f64| {
             let day = (since_noon_s / DAY_S + 0.5).floor();
             #[allow(clippy::cast_possible_truncation, reason = "within 100,000 years")]

@@ -28,9 +28,10 @@ const TOLD: usize = 100;
 pub(super) const LONGEST_NAME: usize = 400;
 
 /// The keys that identify what a text is, and what to do with it.
-const KINDS: [(&str, &str); 4] = [
+const KINDS: [(&str, &str); 5] = [
     ("mmxrt_scene", "is a scene file: `mmxrt simulate` takes it"),
     ("mmxrt_map", "is a map file: `mmxrt integrate SCENE --radiance` takes it"),
+    ("mmxrt_campaign", "is a campaign: `mmxrt campaign` takes it, and `mmxrt locate` with --acquisition NAME"),
     ("mmxrt_flight", "is a table of positions: `mmxrt inspect` says what it holds"),
     (
         "seed",
@@ -56,7 +57,7 @@ fn other_kind(path: &Path) -> Option<(&'static str, String)> {
 /// A TOML text as a tree whose items know their places.
 ///
 /// Items are named as in `sensor.bands.start_um`, `mesh[0].obj` and `materials."blue unit".reflectance`.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Document {
     path: PathBuf,
     text: String,
@@ -178,6 +179,11 @@ impl Document {
             known = parent(known);
         }
         Location::file(&self.path).with_item(item)
+    }
+
+    /// An element of a list of tables.
+    pub(super) fn element(&self, list: &str, i: usize) -> Option<&Map<String, Value>> {
+        self.tree.get(list)?.get(i)?.as_object()
     }
 
     /// Whether the text has an item.

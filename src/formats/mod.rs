@@ -1,8 +1,12 @@
 //! Files: one format, one module. Only here and in the command line is the disk touched.
 
+pub mod campaign_folder;
+pub mod campaign_toml;
 pub mod ccsds;
 pub mod chart;
 pub mod convert;
+mod coverage_csv;
+mod coverage_map;
 pub mod dart;
 mod decimal;
 mod directions;
@@ -26,6 +30,7 @@ mod key_units;
 mod wave_unit;
 pub mod located;
 pub mod machine;
+pub mod manifest_json;
 mod marks;
 pub mod mesh_file;
 pub mod mtl;

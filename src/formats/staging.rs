@@ -317,7 +317,12 @@ pub fn settle(path: &Path, is_output: bool) -> Result<Vec<String>> {
         for hidden in found {
             let folder = parent.join(&hidden);
             let is_begun = folder.join(COMMIT).is_file();
-            let is_left = is_output && wanted.as_ref() == Some(&hidden) && folder.join(LOCK).is_file();
+            let is_of_output = is_output && wanted.as_ref() == Some(&hidden);
+            let is_left = is_of_output && folder.join(LOCK).is_file();
+            if is_of_output && !is_left {
+                // Without its lock it is empty: it was being made or removed. Who has just made it finds it gone, and makes it again.
+                let _ = fs::remove_dir(&folder);
+            }
             if !is_begun && !is_left {
                 continue;
             }
@@ -338,6 +343,11 @@ pub fn settle(path: &Path, is_output: bool) -> Result<Vec<String>> {
         }
     }
     Ok(said)
+}
+
+/// Whether there is a hidden folder of an output: somebody is writing it, or was killed doing so.
+pub(super) fn is_staged(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| folder_of(path).join(hidden_name(name)).exists())
 }
 
 /// The folder that a path is in.
@@ -380,8 +390,14 @@ fn busy(target: &Path, folder: &Path) -> Error {
         "choose another name, or wait until that process has ended; if there is none, remove {}",
         folder.display()
     );
-    let message = "another process is writing it: when that has ended, it exists";
-    Error::Invalid(vec![Problem::new(Location::file(target), message).with_help(help)])
+    Error::Invalid(vec![Problem::new(Location::file(target), BUSY).with_help(help)])
+}
+
+const BUSY: &str = "another process is writing it: when that has ended, it exists";
+
+/// Whether an error says that another process is writing an output.
+pub(super) fn is_busy(error: &Error) -> bool {
+    error.problems().iter().any(|problem| problem.message == BUSY)
 }
 
 /// Takes the lock of a hidden folder.
@@ -634,6 +650,20 @@ mod tests {
         alive.commit(false).unwrap();
         drop(alive);
         assert_eq!(names(&top).unwrap(), ["x.hdr", "x.img"]);
+        fs::remove_dir_all(top).unwrap();
+    }
+
+    /// A process may be killed after it has made the hidden folder and before it has its lock, or while it removes it.
+    #[test]
+    fn a_hidden_folder_without_a_lock_goes_if_it_is_empty() {
+        let top = empty_folder("unlocked");
+        fs::create_dir(top.join(".x.partial")).unwrap();
+        fs::create_dir_all(top.join(".y.partial/main")).unwrap();
+        assert_eq!(settle(&top.join("x"), false).unwrap(), [""; 0]);
+        assert_eq!(names(&top).unwrap(), [".x.partial", ".y.partial"]);
+        assert_eq!(settle(&top.join("x"), true).unwrap(), [""; 0]);
+        settle(&top.join("y"), true).unwrap();
+        assert_eq!(names(&top).unwrap(), [".y.partial"]);
         fs::remove_dir_all(top).unwrap();
     }
 

@@ -11,7 +11,7 @@ use crate::geometry::Texels;
 use crate::instrument::Chain;
 use crate::integrate::{ViewChoice, Wanted};
 use crate::progress::Watch;
-use crate::study::{Extremes, Fill, MapOptions};
+use crate::study::{Extremes, Fill, MapOptions, Moving};
 use crate::{solve, study};
 
 /// Where the radiance of facets comes from.
@@ -41,11 +41,12 @@ pub fn integrate(
     run: impl FnOnce() -> Run,
     watch: Watch<'_>,
 ) -> Result<Written> {
-    if subject.motion.as_ref().is_some_and(|(_, timing)| timing.is_in_parts()) {
+    let in_parts = subject.motion.clone().filter(|(_, timing)| timing.is_in_parts());
+    if in_parts.is_some() && !radiance.maps.is_empty() {
         let at = Location::item("sensor.kind");
         return Err(Error::Unsupported {
             at,
-            feature: "radiance from elsewhere for an image that is taken in parts".to_owned(),
+            feature: "maps of radiance for an image that is taken in parts: give `--table`, or none".to_owned(),
         });
     }
     let Radiance { table, maps, choice, texels, fill } = radiance;
@@ -61,7 +62,13 @@ pub fn integrate(
         let mut put = |slab| product.put(slab, watch);
         let optics = subject.chain.as_ref().and_then(|chain| chain.optics.as_ref());
         let scene = &subject.scene;
-        let mut observation = study::observe_through(scene, (&table, &extremes), optics, wanted, &mut put, watch)?;
+        let mut observation = match &in_parts {
+            Some((motion, timing)) => {
+                let moving = Moving { scene, motion, timing: *timing, optics };
+                study::acquire_by_table(moving, &table, (&extremes, study::TOLERANCE), wanted, &mut put, watch)?
+            }
+            None => study::observe_through(scene, (&table, &extremes), optics, wanted, &mut put, watch)?,
+        };
         observation.warnings.extend(study::left_out_of_table(&observation.effects));
         return product.finish(
             Product { subject, table, table_from: Some(path), observation, plan: None, maps: None },

@@ -2,6 +2,7 @@
 //!
 //! A job touches no file but through [`formats`](crate::formats), prints nothing, and reads no clock: it returns what it has to report.
 
+mod campaign;
 mod chart;
 mod curve_sheet;
 mod dry_run;
@@ -16,6 +17,7 @@ mod simulate;
 mod solve;
 mod surface;
 
+pub use campaign::{Finished, Order, Shard, State, Status, campaign};
 pub use chart::{Render, chart, stability};
 pub use curve_sheet::CurveSheet;
 pub use dry_run::{Outlook, dry_run, plan};

@@ -25,6 +25,36 @@ impl Footprints {
         self.pixel(pixel).map(|(_, fraction, _)| fraction).sum()
     }
 
+    /// Adds the pixels of another after its own.
+    pub fn append(&mut self, other: &Footprints) {
+        let base = self.facet.len();
+        // The end of the one is the beginning of the other.
+        self.row_start.pop();
+        self.row_start.extend(other.row_start.iter().map(|start| base + start));
+        self.facet.extend_from_slice(&other.facet);
+        self.fraction.extend_from_slice(&other.fraction);
+        self.lit_fraction.extend_from_slice(&other.lit_fraction);
+    }
+
+    /// Those of images of so many lines, side by side.
+    pub fn beside(parts: &[Footprints], lines: usize) -> Footprints {
+        let mut all = Footprints { row_start: vec![0], ..Footprints::default() };
+        for line in 0..lines {
+            for part in parts {
+                let samples = part.row_start.len().saturating_sub(1) / lines;
+                for pixel in line * samples..(line + 1) * samples {
+                    for (facet, fraction, lit_fraction) in part.pixel(pixel) {
+                        all.facet.push(facet);
+                        all.fraction.push(fraction);
+                        all.lit_fraction.push(lit_fraction);
+                    }
+                    all.row_start.push(all.facet.len());
+                }
+            }
+        }
+        all
+    }
+
     /// Says what is inconsistent; `Ok` if nothing is.
     ///
     /// # Errors

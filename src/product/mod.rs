@@ -2,6 +2,7 @@
 
 mod added;
 mod planes;
+mod coverage;
 mod cube;
 mod exposures;
 mod facet_table;
@@ -11,9 +12,11 @@ mod quantity;
 mod radiance_map;
 mod reflected;
 mod shown_bands;
+mod sights;
 mod texel_weights;
 
 pub use added::Added;
+pub use coverage::{Coverage, CoverageRule, SurfaceShare};
 pub use cube::{Cube, CubeAxes, Slab};
 pub use exposures::{Exposed, Exposures};
 pub(crate) use facet_table::warmest_k;
@@ -25,4 +28,5 @@ pub use quantity::{Conversion, Quantity};
 pub use radiance_map::{Atlas, Patches, Placement, RadianceMap, Registration, SkyShare, TexelSource, ViewImage};
 pub use reflected::{Reflected, ReflectedPart};
 pub use shown_bands::ShownBands;
+pub use sights::{Sight, Sights};
 pub use texel_weights::{TexelLine, TexelWeights};

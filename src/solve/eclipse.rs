@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::physics::sun_disc::share_beside_sphere;
-use crate::scene::{Setup, Sun};
+use crate::scene::{Setup, Sky, Sun};
 
 /// Bodies that may hide some of the Sun from some of the mesh.
 pub(super) struct Eclipse<'a> {
@@ -41,10 +41,18 @@ impl<'a> Eclipse<'a> {
 
     /// Whether a body is seen from a place, local, m, in this direction.
     pub(super) fn hides(&self, place_m: DVec3, towards: DVec3) -> bool {
-        self.spheres.iter().any(|(centre_m, radius_m)| {
-            let to_centre_m = *centre_m - place_m;
-            to_centre_m.dot(towards) > 0.0
-                && to_centre_m.cross(towards).length_squared() < (radius_m * radius_m) * towards.length_squared()
-        })
+        self.spheres.iter().any(|sphere| hides(*sphere, place_m, towards))
     }
+}
+
+/// Whether a body of the sky hides the middle of the Sun from a place, local, m.
+pub fn is_eclipsed(sky: &Sky, place_m: DVec3) -> bool {
+    sky.spheres().any(|sphere| hides(sphere, place_m, sky.sun.direction.vec()))
+}
+
+/// Whether a sphere is seen from a place, local, m, in this direction.
+fn hides((centre_m, radius_m): (DVec3, f64), place_m: DVec3, towards: DVec3) -> bool {
+    let to_centre_m = centre_m - place_m;
+    to_centre_m.dot(towards) > 0.0
+        && to_centre_m.cross(towards).length_squared() < (radius_m * radius_m) * towards.length_squared()
 }

@@ -18,6 +18,7 @@ use crate::scene::{Scene, Thermal};
 use crate::visibility::Seen;
 
 pub use between::between;
+pub use eclipse::is_eclipsed;
 pub use emission::{Emission, Fragment, ImagePart, Modulation, Observer, interpolation_error};
 pub use exchange::spectra_error;
 pub use facet_radiance::FacetRadiance;

@@ -10,12 +10,12 @@ use super::observation::{Observation, Put};
 use super::simulate::account_for;
 use super::spectrometer;
 use super::through_optics::{Blurs, Seen, other_spectra, refined, serves};
-use crate::error::{Error, Location, Problem, Result};
+use crate::error::{Error, Result};
 use crate::flight::Epoch;
 use crate::geometry::{FrameCamera, whole};
 use crate::instrument::Optics;
 use crate::integrate::{self, Image, Wanted};
-use crate::product::{Backplanes, CubeAxes, Exposed, Exposures, FacetTable, Plane, Slab};
+use crate::product::{Backplanes, CubeAxes, Exposed, Exposures, FacetTable, Footprints, Plane, Slab};
 use crate::progress::{Progress, Watch, tell};
 use crate::scene::{Body, Exposure, Motion, Readout, Scene, Setup, Take, Timing};
 use crate::solve;
@@ -51,15 +51,15 @@ const WORTH_A_LOOK: usize = 16;
 const STAGE: &str = "exposures";
 
 impl Moving<'_> {
-    /// The scene at the moment of a part of the cube, with what is exposed then, of a body or a part of it.
-    fn at(&self, body: &Body, take: &Take) -> Result<Scene> {
+    /// The scene at the moment of a part of the cube, with what is exposed then, of a body or a part of it; under a sky that moves, or stands still.
+    fn at(&self, body: &Body, take: &Take, is_still: bool) -> Result<Scene> {
         let Moving { scene, motion, .. } = *self;
-        let sky = motion.sky(&scene.sky, self.epoch(take))?;
+        let sky = if is_still { scene.sky.clone() } else { motion.sky(&scene.sky, self.epoch(take))? };
         Scene::new(Setup { body: body.clone(), sky, exposure: self.exposure(take)?, models: scene.models })
     }
 
     /// What is exposed of a part of the cube, with the camera where it then is.
-    fn exposure(&self, take: &Take) -> Result<Exposure> {
+    pub(super) fn exposure(&self, take: &Take) -> Result<Exposure> {
         self.exposure_at(take, take.middle_s)
     }
 
@@ -69,27 +69,32 @@ impl Moving<'_> {
         Ok(exposure)
     }
 
-    /// The radiance of a part of the cube: the mean of its poses, under the sky of its middle; of a line also the planes of its middle.
+    /// The radiance of a part of the cube: the mean of its poses, under the sky of its middle; of a line also the planes and footprints of its middle.
     fn looked_at(
         &self,
         take: &Take,
         then: &Scene,
         table: &FacetTable,
+        footprints: bool,
         (blurs, put): (Option<&Blurs>, &mut dyn FnMut(Slab) -> Result<()>),
         watch: Watch<'_>,
-    ) -> Result<Option<Backplanes>> {
+    ) -> Result<Option<Ground>> {
         let by_line = self.timing.readout.is_along_the_way();
         if self.timing.poses <= 1 && self.optics.is_none() {
-            let wanted = Wanted { radiance_alone: !by_line, ..Wanted::default() };
-            let Image { mut slab, backplanes, .. } = integrate::integrate(then, table, wanted, watch)?;
+            let wanted = Wanted { radiance_alone: !by_line, footprints: by_line && footprints, ..Wanted::default() };
+            let Image { mut slab, backplanes, footprints, .. } = integrate::integrate(then, table, wanted, watch)?;
             if !then.exposure.spectrometer.is_ideal() {
                 slab = spectrometer::radiance(then, table, watch)?;
             }
             put(slab)?;
-            return Ok(by_line.then_some(backplanes));
+            return Ok(by_line.then_some((backplanes, footprints)));
         }
-        let planes = || Ok::<_, Error>(integrate::integrate(then, table, Wanted::default(), watch)?.backplanes);
-        let planes = by_line.then(planes).transpose()?;
+        let ground = || {
+            let wanted = Wanted { footprints, ..Wanted::default() };
+            let Image { backplanes, footprints, .. } = integrate::integrate(then, table, wanted, watch)?;
+            Ok::<_, Error>((backplanes, footprints))
+        };
+        let ground = by_line.then(ground).transpose()?;
         if let Some(optics) = self.optics {
             let at = |s| then.seen_by(self.exposure_at(take, s)?);
             let poses: Vec<Scene> = self.timing.poses_s(take).map(at).collect::<Result<_>>()?;
@@ -98,7 +103,7 @@ impl Moving<'_> {
                 Some(blurs) => seen.by_slabs(blurs, put, watch)?,
                 None => seen.by_slabs(&Blurs::new(optics, &then.exposure), put, watch)?,
             }
-            return Ok(planes);
+            return Ok(ground);
         }
         let mut parts = Vec::new();
         let share = 1.0 / f64::from(self.timing.poses);
@@ -107,11 +112,11 @@ impl Moving<'_> {
             parts.push((share, spectrometer::radiance(&scene, table, watch)?));
         }
         put(Slab::sum(&parts).ok_or_else(other_spectra)?)?;
-        Ok(planes)
+        Ok(ground)
     }
 
     /// Some exposures, with the part of the body that they may see, if groups of its facets tell.
-    fn block(&self, takes: &[Take], groups: Option<&FacetGroups>) -> Result<Block> {
+    pub(super) fn block(&self, takes: &[Take], groups: Option<&FacetGroups>) -> Result<Block> {
         let all = Block { body: self.scene.body.clone(), facets: None, tables: vec![] };
         let Some(groups) = groups else { return Ok(all) };
         let mut seen = vec![false; groups.count()];
@@ -281,6 +286,9 @@ impl Moving<'_> {
     }
 }
 
+/// Planes of lines, and which facets their pixels see, if that is wanted.
+type Ground = (Backplanes, Option<Footprints>);
+
 /// Looks at a moving scene: `put` takes the slabs of the cube as they are made. Backplanes of a filter are those of the reference exposure, of
 /// a push-broom those of its lines. The account is of the reference exposure.
 ///
@@ -293,23 +301,54 @@ pub fn acquire_by_slabs(
     put: Put<'_>,
     watch: Watch<'_>,
 ) -> Result<(FacetTable, Observation<()>)> {
+    let table = solve::solve(moving.scene, watch)?;
+    let steady_s = moving.steady_s(extremes, tolerance)?;
+    let solved =
+        Solved { steady_s: steady_s[0], ..Solved::new(moving, moving.mostly_steady_s(steady_s, tolerance, watch)?) };
+    let observation = acquire((moving, solved), &table, (extremes, tolerance), wanted, put, watch)?;
+    Ok((table, observation))
+}
+
+/// The same by a table that is given: light, temperatures and bodies of the sky stay what they are in it, while the camera moves.
+///
+/// # Errors
+/// As [`acquire_by_slabs`]; [`Error::Invalid`] if the table is not of this scene.
+pub fn acquire_by_table(
+    moving: Moving<'_>,
+    table: &FacetTable,
+    (extremes, tolerance): (&Extremes, f64),
+    wanted: Wanted<'_>,
+    put: Put<'_>,
+    watch: Watch<'_>,
+) -> Result<Observation<()>> {
+    let solved = Solved { given: Some(table), ..Solved::new(moving, 0.0) };
+    let mut observation = acquire((moving, solved), table, (extremes, tolerance), wanted, put, watch)?;
+    let message = "the facet table is of one moment: light stands still while the image is taken";
+    observation.warnings.push(message.to_owned());
+    Ok(observation)
+}
+
+/// The same by tables as they are asked for, and one of the reference exposure.
+fn acquire(
+    (moving, mut solved): (Moving<'_>, Solved<'_>),
+    table: &FacetTable,
+    (extremes, tolerance): (&Extremes, f64),
+    wanted: Wanted<'_>,
+    put: Put<'_>,
+    watch: Watch<'_>,
+) -> Result<Observation<()>> {
     let Moving { scene, timing, .. } = moving;
     let by_line = timing.readout.is_along_the_way();
-    if by_line && wanted.footprints {
-        let message = "footprints of a push-broom or whisk-broom are not written by this version";
-        return Err(Error::Invalid(vec![Problem::new(Location::item("--footprints"), message)]));
-    }
     serves(moving.optics, timing.readout, &scene.exposure)?;
-    let table = solve::solve(scene, watch)?;
-    let steady_s = moving.steady_s(extremes, tolerance)?;
-    let mut solved = Solved::new(moving, moving.mostly_steady_s(steady_s, tolerance, watch)?);
     let groups = by_line.then(|| FacetGroups::new(&scene.body.mesh));
     let takes: Vec<Take> = timing.takes(&scene.exposure).collect();
     // Lines have the same bands; images of a filter each their own.
     let of_line = takes.first().filter(|_| by_line).map(|take| take.exposure(&scene.exposure));
     let blurs = of_line.zip(moving.optics).map(|(exposure, optics)| Blurs::new(optics, &exposure));
     let mut lines = Backplanes::default();
-    let mut sweep: (Vec<Slab>, Vec<Backplanes>) = Default::default();
+    let mut footprints = wanted.footprints.then(|| Footprints { row_start: vec![0], ..Footprints::default() });
+    // Samples of a sweep that is not yet whole.
+    let mut sweep: (Vec<Slab>, Vec<Ground>) = Default::default();
     let mut taken: Vec<Exposed> = Vec::new();
     let total = takes.len() as u64;
     for takes in takes.chunks(if by_line { BLOCK } else { 1 }) {
@@ -318,7 +357,7 @@ pub fn acquire_by_slabs(
             let done = taken.len() as u64;
             // The stages of each exposure would only flicker.
             let quiet = |_: Progress| watch(Progress { stage: STAGE, done, total });
-            let then = moving.at(&block.body, take)?;
+            let then = moving.at(&block.body, take, solved.given.is_some())?;
             let table = solved.at(take, &then, &mut block, &quiet)?;
             let mut put_there = |mut slab: Slab| {
                 slab.lines = take.lines.start + slab.lines.start..take.lines.start + slab.lines.end;
@@ -329,20 +368,28 @@ pub fn acquire_by_slabs(
                 }
                 put(slab)
             };
-            let planes = moving.looked_at(take, &then, &table, (blurs.as_ref(), &mut put_there), &quiet)?;
-            let planes = planes.map(|mut planes| {
-                block.rename_facets(&mut planes);
-                planes
+            let to = (blurs.as_ref(), &mut put_there as &mut dyn FnMut(Slab) -> Result<()>);
+            let ground = moving.looked_at(take, &then, &table, wanted.footprints, to, &quiet)?;
+            let mut ground = ground.map(|mut ground| {
+                block.rename_facets(&mut ground);
+                ground
             });
             if take.mirror.is_some() {
-                sweep.1.extend(planes);
+                sweep.1.extend(ground.take());
                 if take.samples.end == scene.exposure.camera.samples as usize {
-                    let (slabs, planes) = std::mem::take(&mut sweep);
+                    let (slabs, parts) = std::mem::take(&mut sweep);
+                    let (planes, seen): (Vec<Backplanes>, Vec<Option<Footprints>>) = parts.into_iter().unzip();
+                    let seen: Option<Vec<Footprints>> = seen.into_iter().collect();
                     put(Slab::beside(&slabs))?;
-                    add_below(&mut lines, Backplanes::beside(&planes));
+                    ground = Some((
+                        Backplanes::beside(&planes),
+                        seen.map(|seen| Footprints::beside(&seen, take.lines.len())),
+                    ));
                 }
-            } else {
-                planes.into_iter().for_each(|planes| add_below(&mut lines, planes));
+            }
+            if let Some((planes, seen)) = ground {
+                add_below(&mut lines, planes);
+                footprints.iter_mut().zip(&seen).for_each(|(all, seen)| all.append(seen));
             }
             taken.push(Exposed {
                 take: take.clone(),
@@ -354,23 +401,23 @@ pub fn acquire_by_slabs(
             tell(watch, STAGE, done + 1, total)?;
         }
     }
-    let reference = integrate::integrate(scene, &table, wanted, watch)?;
-    let (mut observation, _) = account_for(scene, (&table, extremes), reference, true, watch)?;
+    let reference = integrate::integrate(scene, table, wanted, watch)?;
+    let (mut observation, _) = account_for(scene, (table, extremes), reference, true, watch)?;
     if by_line {
-        observation.backplanes = lines;
+        (observation.backplanes, observation.footprints) = (lines, footprints);
     }
     let reference = (timing.readout == Readout::Band).then(|| timing.reference(&scene.exposure));
-    observation.warnings.extend(moving.remarks(solved.step_s.map(|s| (s, s / steady_s[0])), tolerance));
+    observation.warnings.extend(moving.remarks(solved.step_s.map(|s| (s, s / solved.steady_s)), tolerance));
     observation.exposures = Some(Exposures { origin_m: scene.body.origin_m, taken, reference });
-    Ok((table, observation))
+    Ok(observation)
 }
 
 /// Lines of a push-broom that look at one part of the body.
 const BLOCK: usize = 16;
 
 /// Some exposures, and the part of the body that they may see.
-struct Block {
-    body: Body,
+pub(super) struct Block {
+    pub(super) body: Body,
     /// Its facets' numbers in the body; `None`: it is all of the body.
     facets: Option<Vec<u32>>,
     /// The tables around, of this part, each with its moment.
@@ -378,9 +425,16 @@ struct Block {
 }
 
 impl Block {
-    /// Facets in planes have the numbers that they have in the body.
-    fn rename_facets(&self, planes: &mut Backplanes) {
+    /// The number in the body of a facet of this part.
+    pub(super) fn facet_of_body(&self, facet: u32) -> u32 {
+        self.facets.as_ref().map_or(facet, |facets| facets[facet as usize])
+    }
+
+    /// Facets in planes and footprints have the numbers that they have in the body.
+    fn rename_facets(&self, (planes, footprints): &mut Ground) {
         let Some(facets) = &self.facets else { return };
+        // Ascending in the part as in the body.
+        footprints.iter_mut().flat_map(|of| &mut of.facet).for_each(|facet| *facet = facets[*facet as usize]);
         for value in planes.planes.iter_mut().filter(|plane| plane.name == "FACET").flat_map(|plane| &mut plane.values)
         {
             if value.is_finite() {
@@ -406,6 +460,10 @@ const LONGEST_S: f64 = 1e9;
 /// Tables of the moments at which the scene is solved, and of those between them.
 struct Solved<'a> {
     moving: Moving<'a>,
+    /// For how long light is steady within the tolerance everywhere, s.
+    steady_s: f64,
+    /// The table of all moments, if it is given.
+    given: Option<&'a FacetTable>,
     /// From one such moment to the next, s; `None`: it is solved at each.
     step_s: Option<f64>,
     /// The moments around the last one asked for, s after the start.
@@ -415,11 +473,21 @@ struct Solved<'a> {
 impl<'a> Solved<'a> {
     fn new(moving: Moving<'a>, steady_s: f64) -> Self {
         let period_s = moving.timing.period_s;
-        Solved { moving, step_s: (steady_s > 2.0 * period_s).then_some(steady_s.min(LONGEST_S)), around: vec![] }
+        Solved {
+            moving,
+            steady_s: f64::NAN,
+            given: None,
+            step_s: (steady_s > 2.0 * period_s).then_some(steady_s.min(LONGEST_S)),
+            around: vec![],
+        }
     }
 
     /// The table at the moment of a part of the cube, of which the scene is given: of the block's part of the body.
     fn at(&mut self, take: &Take, then: &Scene, block: &mut Block, watch: Watch<'_>) -> Result<FacetTable> {
+        if let Some(table) = self.given {
+            let place = block.of(f64::NEG_INFINITY, table);
+            return Ok(block.tables[place].1.clone());
+        }
         let Some(step_s) = self.step_s else {
             let table = self.moving.solve(take.middle_s, watch)?;
             return Ok(block.facets.as_ref().map_or_else(|| FacetTable::clone(&table), |facets| table.part(facets)));

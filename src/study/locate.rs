@@ -11,7 +11,7 @@ use glam::DVec3;
 use crate::error::{Error, Location, Problem, Result};
 use crate::flight::Epoch;
 use crate::geometry::{FrameCamera, Pose, angle_rad, whole};
-use crate::scene::{Mirror, Motion, Readout, Scene, Timing};
+use crate::scene::{Body, Mirror, Motion, Readout, Scene, Timing};
 use crate::visibility::RayTree;
 
 /// Moments at which it is asked on which side of a push-broom's slit a point is, at least.
@@ -78,6 +78,18 @@ pub struct Seen {
     pub range_m: f64,
     /// When; `None` of a scene without time.
     pub epoch: Option<Epoch>,
+}
+
+/// The outermost facet at a planetocentric latitude and longitude east, deg, and where it is there: from the body's centre along its axes, m.
+pub fn outermost_at(tree: &RayTree, body: &Body, [latitude_deg, longitude_deg]: [f64; 2]) -> Option<(u32, DVec3)> {
+    let (low_m, high_m) = body.bounds_m()?;
+    let [latitude, longitude] = [latitude_deg, longitude_deg].map(f64::to_radians);
+    let up = DVec3::new(latitude.cos() * longitude.cos(), latitude.cos() * longitude.sin(), latitude.sin());
+    // From outside all of it towards the centre, and no farther.
+    let reach_m = (low_m + body.origin_m).abs().max((high_m + body.origin_m).abs()).length();
+    let from_m = up * (2.0 * reach_m);
+    let hit = tree.nearest(from_m - body.origin_m, -up).filter(|hit| hit.t <= 2.0 * reach_m)?;
+    Some((hit.facet, from_m - up * hit.t))
 }
 
 /// A camera at a moment.

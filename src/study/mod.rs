@@ -19,11 +19,13 @@ mod partly_sky;
 mod plan;
 mod reading;
 mod resolved_slopes;
+mod sights;
 mod simulate;
 mod site;
 mod spectrometer;
 pub mod stability;
 mod summary;
+mod surface_map;
 
 mod surfaces;
 mod table_id;
@@ -31,7 +33,7 @@ mod through_optics;
 pub mod validate;
 mod warnings;
 
-pub use acquisition::{Moving, acquire_by_slabs, foreseen, tell_exposure};
+pub use acquisition::{Moving, acquire_by_slabs, acquire_by_table, foreseen, tell_exposure};
 pub use coarser::Coarser;
 pub use cost::{WITHIN, has_room, memory_bytes, product_bytes};
 pub use dry_run::{DryRun, dry_run};
@@ -41,8 +43,10 @@ pub use maps::{Fill, MapAccount, MapEntry, MapOptions, RegistrationEntry, observ
 pub use observation::{Check, Counts, Observation, Put};
 pub use plan::{Choice, Plan, Request, TOLERANCE, decide, left_out_of_table, plan, unheeded};
 pub use reading::{BandSignal, GOOD, Reader, Reading};
+pub use sights::sights;
 pub use simulate::{observe, observe_by_slabs, observe_through, simulate};
 pub use summary::Summary;
+pub use surface_map::SurfaceMap;
 pub use surfaces::{
     FactorEntry, NumberEntry, PhaseCurve, PresetEntry, REFERENCE_DEG, SurfaceEntry, surface_of_material,
     surface_of_preset,

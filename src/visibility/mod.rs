@@ -22,6 +22,7 @@ mod partition;
 mod penumbra;
 mod ray_tree;
 mod seen;
+mod seen_through_lens;
 mod seen_together;
 mod topology;
 mod visit;

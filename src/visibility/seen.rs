@@ -5,10 +5,11 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::seen_through_lens::in_pixels;
 use super::{Coverage, Drawing, Grid, OnFacet, Scratch, Side, Topology, View, Visit, cells_of};
 use crate::error::Result;
 use crate::geometry::polygon::{Point, Rect, area, clip_to_rect, side};
-use crate::geometry::{Direction, GroupSizes, Groups, Mesh, index_u32, whole_u32};
+use crate::geometry::{Direction, FrameCamera, GroupSizes, Groups, Mesh, index_u32, whole_u32};
 use crate::progress::{Pulse, Watch, tell};
 
 /// Mean number of facets in a cell of the view from afar: fewer make more work at cell borders, more are quartered.
@@ -208,6 +209,40 @@ impl Seen {
         let offset = [0, 1].map(|k| -frame.min[k] * scale);
         let view = View::pinhole(mesh.bounds_m(), centre_m, [h, v, u], [scale; 2], offset);
         seen(&Drawing::new(mesh, topology, view, Grid { columns, rows }), stage, watch)
+    }
+
+    /// What a camera sees within its image, whatever the number of its pixels; `stage` is the name reported to `watch`.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
+    pub fn from_camera(
+        mesh: &Mesh,
+        topology: &Topology,
+        camera: &FrameCamera,
+        stage: &'static str,
+        watch: Watch<'_>,
+    ) -> Result<Self> {
+        tell(watch, stage, 0, 1)?;
+        // Pixels are joined or divided into cells of a few facets each: what is seen does not depend on them.
+        let drawn = camera.drawn();
+        let pinhole = &drawn.pinhole;
+        let cells = (mesh.facets.len() as f64 / FACETS_PER_CELL).clamp(1.0, 4096.0 * 4096.0);
+        let [samples, lines] = [pinhole.samples, pinhole.lines].map(f64::from);
+        let scale = (cells / (samples * lines)).sqrt();
+        let [columns, rows] = [samples, lines].map(|n| whole_u32((n * scale).ceil().clamp(1.0, 16384.0)));
+        let by = [f64::from(columns) / samples, f64::from(rows) / lines];
+        let cells = FrameCamera {
+            samples: columns,
+            lines: rows,
+            pitch: [0, 1].map(|k| pinhole.pitch[k] / by[k]),
+            boresight_px: [0, 1].map(|k| pinhole.boresight_px[k] * by[k]),
+            ..pinhole.clone()
+        };
+        let (view, grid) = View::of_frame(&cells, mesh.bounds_m());
+        let drawing = Drawing::new(mesh, topology, view, grid);
+        let all = seen(&drawing, stage, watch)?;
+        let size = [camera.samples, camera.lines];
+        Ok(if drawn.is_distorted() { in_pixels(&all, &drawing, &drawn, size, by) } else { all })
     }
 }
 

@@ -2,12 +2,14 @@
 
 use std::path::Path;
 
-use mmxrt::formats::{instrument_toml, radiance_map, report_json, scene_toml};
+use mmxrt::formats::{campaign_toml, instrument_toml, manifest_json, radiance_map, report_json, scene_toml};
 
 #[test]
 fn schemas_are_those_of_the_types() {
     let generated = [
         ("instrument.schema.json", instrument_toml::schema()),
+        ("campaign.schema.json", campaign_toml::schema()),
+        ("manifest.schema.json", manifest_json::schema()),
         ("map.schema.json", radiance_map::schema()),
         ("dart_map.schema.json", radiance_map::dart_schema()),
         ("report.schema.json", report_json::report_schema()),

@@ -238,6 +238,12 @@ impl Npz {
         Ok(data.as_chunks::<8>().0.iter().map(|b| f64::from_le_bytes(*b)).collect())
     }
 
+    /// Of a plain list in single precision.
+    pub(super) fn f32s(&mut self, name: &str, problems: &mut Vec<Problem>) -> Result<Vec<f64>> {
+        let data = self.data(name, &["<f4"], 1, true, problems)?.1;
+        Ok(data.as_chunks::<4>().0.iter().map(|b| f64::from(f32::from_le_bytes(*b))).collect())
+    }
+
     pub(super) fn u32s(&mut self, name: &str, problems: &mut Vec<Problem>) -> Result<Vec<u32>> {
         let data = self.data(name, &["<u4"], 1, true, problems)?.1;
         Ok(data.as_chunks::<4>().0.iter().map(|b| u32::from_le_bytes(*b)).collect())

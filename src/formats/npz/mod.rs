@@ -4,6 +4,7 @@
 
 mod archive;
 mod radiance;
+mod sights;
 mod table;
 mod write;
 
@@ -22,6 +23,7 @@ pub use self::archive::{ArrayInfo, Shaped, list, read_f64s};
 pub(super) use self::archive::{Member, beginning, members, text};
 pub(in crate::formats) use self::radiance::{FACET_RADIANCE, RADIANCE};
 pub use self::radiance::{RadianceOfFacets, write_facet_radiance};
+pub use self::sights::{read_sights, sights_id, write_sights};
 pub use self::table::{read_table, write_table};
 
 /// What the header of a facet table says it is.

@@ -36,6 +36,8 @@ impl<'a> Column<'a> {
 
 pub(super) enum Values<'a> {
     F64(&'a [f64]),
+    /// In single precision.
+    F32(&'a [f64]),
     U32(&'a [u32]),
     /// Ends of lists, ascending: `<u4` if the last fits, else `<u8`.
     Ends(&'a [usize]),
@@ -172,6 +174,11 @@ fn start<W: Write + Seek>(
     zip.write_all(&npy::written(descr, shape))
 }
 
+#[expect(clippy::cast_possible_truncation, reason = "single precision is what is asked for")]
+fn single(x: f64) -> f32 {
+    x as f32
+}
+
 /// Whether ends, the last of which is the largest, fit into 32 bits.
 fn fits(ends: &[usize]) -> bool {
     ends.last().is_none_or(|last| u32::try_from(*last).is_ok())
@@ -187,6 +194,7 @@ impl Column<'_> {
     fn write<W: Write + Seek>(&self, zip: &mut ZipWriter<W>) -> std::io::Result<()> {
         let (descr, shape, bytes) = match &self.values {
             Values::F64(v) => ("<f8", format!("({},)", v.len()), 8 * v.len()),
+            Values::F32(v) => ("<f4", format!("({},)", v.len()), 4 * v.len()),
             Values::U32(v) => ("<u4", format!("({},)", v.len()), 4 * v.len()),
             Values::Ends(v) if fits(v) => ("<u4", format!("({},)", v.len()), 4 * v.len()),
             Values::Ends(v) => ("<u8", format!("({},)", v.len()), 8 * v.len()),
@@ -198,6 +206,7 @@ impl Column<'_> {
         start(zip, &self.name, descr, &shape, bytes)?;
         match &self.values {
             Values::F64(v) => pieces(zip, v, |x| x.to_le_bytes()),
+            Values::F32(v) => pieces(zip, v, |x| single(*x).to_le_bytes()),
             Values::U32(v) => pieces(zip, v, |x| x.to_le_bytes()),
             Values::Ends(v) if fits(v) => pieces(zip, v, short),
             Values::Ends(v) => pieces(zip, v, |x| (*x as u64).to_le_bytes()),

@@ -18,8 +18,10 @@ use crate::scene::{Mirror, Motion, Readout, Timing};
 
 /// What carries the camera on an orbit by name, where nothing else is said.
 const SPACECRAFT: &str = "SPACECRAFT";
-/// An orbit by name is known for so long before and after the scene, s: ten days.
+/// An orbit by name is known for so long before and after the scene, and what else it is looked at, s: ten days.
 const ORBIT_S: f64 = 864_000.0;
+/// Such moments farther away than this are left unknown, s: 400 days, after which an orbit that is computed is no spacecraft's.
+const MOST_ORBIT_S: f64 = 3.456e7;
 
 /// Moments are 0.12 us apart: of a shorter period that would be more than 1 %.
 const LEAST_PERIOD_S: f64 = 1e-5;
@@ -119,7 +121,11 @@ impl TomlReader<'_> {
             None => start?,
         };
         let start = start?;
-        let span = Span { start: start.after_s(-ORBIT_S), end: start.after_s(ORBIT_S) };
+        let alone = Span { start, end: start };
+        let around = self.moments.map_or(alone, |moments| moments(start, &almanac.leap));
+        let [before_s, after_s] = [start.since_s(around.start), around.end.since_s(start)]
+            .map(|beside_s| beside_s.clamp(0.0, MOST_ORBIT_S) + ORBIT_S);
+        let span = Span { start: start.after_s(-before_s), end: start.after_s(after_s) };
         let spacecraft = toml.spacecraft.as_deref().unwrap_or(SPACECRAFT);
         if almanac.trajectories.iter().any(|of| of.target == almanac.names.body(spacecraft)) {
             let message =
@@ -137,7 +143,7 @@ impl TomlReader<'_> {
         Some(body_name(spacecraft))
     }
 
-    fn pointing(&mut self, toml: &PointingToml) -> Option<Pointing> {
+    pub(super) fn pointing(&mut self, toml: &PointingToml) -> Option<Pointing> {
         let item = |key: &str| format!("flight.pointing.{key}");
         let frame_from_sensor = match toml.frame_from_sensor_xyzw {
             Some(xyzw) => self.rotation(&item("frame_from_sensor_xyzw"), xyzw)?,
@@ -326,7 +332,7 @@ impl TomlReader<'_> {
 
     /// What flight dynamics say, or the problem of the item that asks for it.
     pub(super) fn known<T>(&mut self, item: &str, said: Result<T>) -> Option<T> {
-        let at = self.document.at(item);
+        let at = self.place_of(item);
         let here = |error| match error {
             Error::Invalid(problems) => {
                 Error::Invalid(problems.into_iter().map(|problem| Problem { at: at.clone(), ..problem }).collect())

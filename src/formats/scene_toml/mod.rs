@@ -18,6 +18,7 @@ mod materials;
 mod mesh;
 mod rasters;
 mod shapes;
+mod template;
 pub(super) mod types;
 mod values;
 mod view;
@@ -28,12 +29,13 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 use crate::error::{Error, Location, Problem, Result, number};
+use crate::flight::{Epoch, LeapSeconds, Span};
 use crate::geometry::{Direction, Pose};
 use crate::instrument::Chain;
 use crate::physics::sun_disc::DiscRule;
 use crate::progress::{Progress, Watch};
 use crate::scene::{
-    FARTHEST_M, Fixed, Globe, MARS_ALBEDO, MARS_DAY_NIGHT_K, MarsModel, Models, Motion, Readout, Rotation,
+    Exposure, FARTHEST_M, Fixed, Globe, MARS_ALBEDO, MARS_DAY_NIGHT_K, MarsModel, Models, Motion, Readout, Rotation,
     STEPS_OF_A_DAY, Scene, SceneParts, Sky, Sun, SunModel, Surface, Texture, Thermal, Timing,
 };
 use crate::spectral::{Extend, Spectrum, SunTotal, solar_e490};
@@ -50,6 +52,7 @@ use super::spectrum_csv::{NOISE, Quantity};
 pub(super) use atlas::Tiling;
 pub(super) use lens::{Lens, Optics};
 pub(super) use materials::EMISSIVITY_BOLOMETRIC;
+pub(super) use template::{Changes, Template, Variant};
 pub(super) use view::SENSOR_NAME;
 pub(super) use view::USUAL_UM;
 pub(super) use view::pitch_of_fov;
@@ -131,10 +134,16 @@ const MARS_THERMAL_EXITANCE_W_M2: f64 = 110.0;
 /// [`Error::Invalid`] with all problems of the text, or of the values and the files named, or of the whole;
 /// [`Error::Interrupted`] if `watch` asks to stop.
 pub fn read(path: &Path, watch: Watch<'_>) -> Result<SceneFile> {
+    Ok(read_for(path, None, watch)?.0)
+}
+
+/// The same, and what the file says, for a scene that is looked at at other moments too.
+fn read_for(path: &Path, moments: Option<Moments<'_>>, watch: Watch<'_>) -> Result<(SceneFile, SceneToml)> {
     let (document, input) = Document::open(path)?;
     let toml: SceneToml = document.read()?;
     let mut reader = TomlReader::new(path, document, DVec3::from_array(toml.origin_m), input, watch);
     reader.is_beside_scene = false;
+    reader.moments = moments;
     reader.tell("reading the scene", 0, 1);
     let scene = reader.scene(&toml);
     reader.tell("reading the scene", 1, 1);
@@ -154,7 +163,7 @@ pub fn read(path: &Path, watch: Watch<'_>) -> Result<SceneFile> {
     };
     let mut scene = scene.check().map_err(|e| reader.placed(e))?;
     if let Some((motion, timing)) = &reader.motion {
-        scene = at_reference(&scene, motion, timing).map_err(|e| reader.placed(e))?;
+        scene = at_reference(&scene, &scene.exposure, motion, timing).map_err(|e| reader.placed(e))?;
     }
     let mesh = &scene.body.mesh;
     tracing::info!(vertices = mesh.vertices_m.len(), facets = mesh.facets.len(), "read {}", path.display());
@@ -163,23 +172,26 @@ pub fn read(path: &Path, watch: Watch<'_>) -> Result<SceneFile> {
         _ => None,
     };
     let TomlReader { defaults, notes, inputs, motion, chain, .. } = reader;
-    Ok(SceneFile { scene, defaults, notes, inputs, motion, chain, unsimulated })
+    Ok((SceneFile { scene, defaults, notes, inputs, motion, chain, unsimulated }, toml))
 }
 
-/// A moving scene at its reference exposure.
-fn at_reference(scene: &Scene, motion: &Motion, timing: &Timing) -> Result<Scene> {
+/// A moving scene at the reference exposure of an image.
+fn at_reference(scene: &Scene, exposure: &Exposure, motion: &Motion, timing: &Timing) -> Result<Scene> {
     // What is not known at the end is better said now than then.
-    let last = motion.start.after_s(timing.middle_s(timing.count(&scene.exposure).saturating_sub(1)));
+    let last = motion.start.after_s(timing.middle_s(timing.count(exposure).saturating_sub(1)));
     motion.pose(last)?;
     motion.sky(&scene.sky, last)?;
-    let middle_s = timing.middle_s(timing.reference(&scene.exposure));
-    motion.at(scene, scene.exposure.clone(), motion.start.after_s(middle_s))
+    let middle_s = timing.middle_s(timing.reference(exposure));
+    motion.at(scene, exposure.clone(), motion.start.after_s(middle_s))
 }
 
 /// The JSON Schema of `scene.toml`.
 pub fn schema() -> schemars::Schema {
     schemars::schema_for!(SceneToml)
 }
+
+/// The span of the moments at which a scene is looked at besides its own, which is given, by leap seconds that its files may have.
+pub(super) type Moments<'a> = &'a dyn Fn(Epoch, &LeapSeconds) -> Span;
 
 /// What the parts of a scene file are read with, and of other files that share them.
 pub(super) struct TomlReader<'a> {
@@ -194,6 +206,10 @@ pub(super) struct TomlReader<'a> {
     inputs: Vec<InputFile>,
     motion: Option<(Motion, Timing)>,
     chain: Option<Chain>,
+    /// When else the scene is looked at, beside its own moment.
+    moments: Option<Moments<'a>>,
+    /// The item of another file that changes some of the scene, as `acquisitions[2]`: its keys are those of `flight`.
+    entry: Option<String>,
     watch: Watch<'a>,
     /// The caller has asked to stop.
     interrupted: bool,
@@ -213,8 +229,19 @@ impl<'a> TomlReader<'a> {
             inputs: vec![input],
             motion: None,
             chain: None,
+            moments: None,
+            entry: None,
             watch,
             interrupted: false,
+        }
+    }
+
+    /// The place of an item of the scene, in the file that states it.
+    fn place_of(&self, item: &str) -> Location {
+        let Some(entry) = &self.entry else { return self.document.at(item) };
+        match item.strip_prefix("flight").map(|key| key.trim_start_matches('.')).unwrap_or(item) {
+            "" => self.document.at(entry),
+            key => self.document.at(&format!("{entry}.{key}")),
         }
     }
 
@@ -344,7 +371,7 @@ impl TomlReader<'_> {
     pub(super) fn problem(&mut self, item: &str, message: impl Into<String>) -> &mut Problem {
         // Finding a line means counting from the beginning of the text: beyond this many problems only the item is reported.
         let at = match self.problems.len() {
-            0..PLACED => self.document.at(item),
+            0..PLACED => self.place_of(item),
             _ => Location::file(&self.inputs[0].path).with_item(item),
         };
         self.problems.push(Problem::new(at, message));

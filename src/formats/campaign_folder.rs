@@ -1,0 +1,259 @@
+//! The folder of a campaign: what each acquisition has come to, and what all of them have seen.
+//!
+//! ```text
+//! products/NAME/      the product folder of an acquisition
+//! sights/NAME.npz     what it sees of each facet
+//! failed/NAME.json    why it could not be made, until it is
+//! manifest.json       all of them, once each is there or has failed
+//! coverage.csv        how each facet has been seen; coverage_sampling.png and coverage_count.png: maps of it
+//! ```
+//!
+//! Each of these appears when it is whole, and carries a hash of what it was made from: that is all the state there is, so that several processes can
+//! work in one folder, and any of them can be killed.
+
+use std::fs;
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::folder::{self, Staged, settle};
+use super::manifest_json::{FORMAT, Manifest};
+use super::product_folder::{self, ProductFolder, ProductOptions};
+use super::report_json::{self, ProductReport, Run};
+use super::{coverage_csv, coverage_map, npz, staging};
+use crate::error::{Error, Location, Problem, Result};
+use crate::formats::envi::Precision;
+use crate::product::{Coverage, Sights};
+use crate::scene::Body;
+use crate::study::SurfaceMap;
+
+/// What run.json of a campaign's products says that they were made by.
+pub const COMMAND: &str = "campaign";
+const PRODUCTS: &str = "products";
+const SIGHTS: &str = "sights";
+const FAILED: &str = "failed";
+const MANIFEST: &str = "manifest.json";
+const COVERAGE: [&str; 3] = ["coverage.csv", "coverage_sampling.png", "coverage_count.png"];
+
+/// A campaign's folder.
+#[derive(Debug)]
+pub struct CampaignFolder(PathBuf);
+
+/// Why an acquisition could not be made.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Failure {
+    /// What it was asked to be.
+    pub entry: String,
+    /// All that was wrong.
+    pub errors: Vec<String>,
+}
+
+impl CampaignFolder {
+    /// Takes a folder that is one of a campaign, or empty, or not there yet, and in which nothing lies that the campaign is made from.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if it is something else; [`Error::Io`].
+    pub fn open<'a>(path: &Path, inputs: impl IntoIterator<Item = &'a Path>) -> Result<Self> {
+        let refused = |message: &str| {
+            let help = "choose another folder, or one that is not there yet";
+            Err(Error::Invalid(vec![Problem::new(Location::file(path), message).with_help(help)]))
+        };
+        let folder = CampaignFolder(path.to_owned());
+        match path.read_dir() {
+            Err(e) if e.kind() == ErrorKind::NotFound => {}
+            Err(_) if path.is_file() => return refused("is a file"),
+            Err(e) => return Err(Error::io(path, "reading", e)),
+            Ok(entries) => {
+                let mut names =
+                    entries.filter_map(|entry| Some(entry.ok()?.file_name().into_string().unwrap_or_default()));
+                let is_ours = [PRODUCTS, SIGHTS, FAILED].iter().any(|name| path.join(name).is_dir());
+                let says_so = || fs::read_to_string(path.join(MANIFEST)).is_ok_and(|text| text.contains(FORMAT));
+                if !is_ours && !says_so() && names.any(|name| !name.starts_with('.')) {
+                    return refused("holds something else than a campaign");
+                }
+            }
+        }
+        let made = [PRODUCTS, SIGHTS, FAILED, MANIFEST].iter().chain(&COVERAGE);
+        folder::spares(&made.map(|name| path.join(name)).collect::<Vec<_>>(), inputs)?;
+        Ok(folder)
+    }
+
+    /// Whether an error says that another process is making the same.
+    pub fn is_busy(error: &Error) -> bool {
+        staging::is_busy(error)
+    }
+
+    /// Where the product of an acquisition is.
+    pub fn product(&self, name: &str) -> PathBuf {
+        self.0.join(PRODUCTS).join(name)
+    }
+
+    /// Where it is written what an acquisition sees of each facet.
+    pub fn sights(&self, name: &str) -> PathBuf {
+        self.0.join(SIGHTS).join(format!("{name}.npz"))
+    }
+
+    fn failure_path(&self, name: &str) -> PathBuf {
+        self.0.join(FAILED).join(format!("{name}.json"))
+    }
+
+    /// Where the manifest is.
+    pub fn manifest(&self) -> PathBuf {
+        self.0.join(MANIFEST)
+    }
+
+    /// Finishes or removes what killed runs have left of an acquisition; says so.
+    ///
+    /// # Errors
+    /// Those of [`settle`].
+    pub fn settle(&self, name: &str) -> Result<Vec<String>> {
+        let mut said = Vec::new();
+        for path in [self.product(name), self.sights(name), self.failure_path(name)] {
+            // To look at a name is cheaper than to read a folder of thousands.
+            if staging::is_staged(&path) {
+                said.extend(settle(&path, true)?);
+            }
+        }
+        Ok(said)
+    }
+
+    /// Whether what an acquisition sees is there, whole, and made from this.
+    pub fn has_sights(&self, name: &str, id: &str) -> bool {
+        npz::sights_id(&self.sights(name)).is_ok_and(|found| found == id)
+    }
+
+    /// Whether the product of an acquisition is there, with all its parts, and made from this.
+    pub fn has_product(&self, name: &str, id: &str, options: &ProductOptions) -> bool {
+        let folder = self.product(name);
+        let Ok(report) = report_json::read::<ProductReport>(&folder.join("report.json")) else { return false };
+        let image = &report.image;
+        let width = match options.precision {
+            Precision::U16 => 2,
+            Precision::F32 | Precision::U32 => 4,
+            Precision::F64 => 8,
+        };
+        let cube_bytes = image.samples * image.lines * image.bands * width;
+        let bytes = |part: &str| folder.join(part).metadata().map_or(0, |about| about.len());
+        let mut parts = vec!["cube.hdr", "backplanes.img", "backplanes.hdr", "run.json", "exposures.csv"];
+        let more = [
+            (options.exr, "cube.exr"),
+            (options.split, "thermal.img"),
+            (options.table, "table.npz"),
+            (options.footprints, "footprints.npz"),
+            (report.signal.is_some(), "dn.img"),
+            (report.signal.is_some(), "snr.img"),
+        ];
+        parts.extend(more.iter().filter(|(is_wanted, _)| *is_wanted).map(|(_, part)| *part));
+        report.scene == id && bytes("cube.img") == cube_bytes && parts.iter().all(|part| bytes(part) > 0)
+    }
+
+    /// Writes what an acquisition sees.
+    ///
+    /// # Errors
+    /// Those of [`Staged::file`]; [`Error::Io`].
+    pub fn put_sights(&self, name: &str, sights: &Sights, id: &str) -> Result<()> {
+        let staged = Staged::file(&self.sights(name), true)?;
+        npz::write_sights(staged.path(), sights, id).map_err(|e| staged.named(e))?;
+        staged.commit()
+    }
+
+    /// What an acquisition that is there sees of a mesh of so many facets.
+    ///
+    /// # Errors
+    /// Those of [`npz::read_sights`].
+    pub fn read_sights(&self, name: &str, facets: usize) -> Result<Sights> {
+        Ok(npz::read_sights(&self.sights(name), facets)?.0)
+    }
+
+    /// Begins the product of an acquisition, which takes the place of an older one that a campaign made.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a product that no campaign made; those of [`ProductFolder::stage`].
+    pub fn stage(&self, name: &str, options: ProductOptions) -> Result<ProductFolder> {
+        let path = self.product(name);
+        if report_json::read::<Run>(&path.join("run.json")).is_ok_and(|run| run.command != COMMAND) {
+            let help = "move it away, or give the acquisition another name";
+            let problem = Problem::new(Location::file(&path), "is a product that no campaign made");
+            return Err(Error::Invalid(vec![problem.with_help(help)]));
+        }
+        ProductFolder::stage(&path, true, options)
+    }
+
+    /// Notes why an acquisition could not be made.
+    ///
+    /// # Errors
+    /// Those of [`Staged::file`]; [`Error::Io`].
+    pub fn put_failure(&self, name: &str, failure: &Failure) -> Result<()> {
+        let staged = Staged::file(&self.failure_path(name), true)?;
+        let text = serde_json::to_string_pretty(failure).unwrap_or_default();
+        staged.put(staged.path(), |out| writeln!(out, "{text}"))?;
+        staged.commit()
+    }
+
+    /// Why an acquisition that was to be this could not be made, if that is noted.
+    pub fn failure(&self, name: &str, entry: &str) -> Option<Failure> {
+        let text = fs::read_to_string(self.failure_path(name)).ok()?;
+        serde_json::from_str(&text).ok().filter(|failure: &Failure| failure.entry == entry)
+    }
+
+    /// An acquisition has been made: there is nothing left to note.
+    ///
+    /// # Errors
+    /// [`Error::Io`].
+    pub fn clear_failure(&self, name: &str) -> Result<()> {
+        let path = self.failure_path(name);
+        match fs::remove_file(&path) {
+            Ok(()) => {
+                // It goes with the last of them.
+                let _ = fs::remove_dir(self.0.join(FAILED));
+                Ok(())
+            }
+            Err(e) if e.kind() == ErrorKind::NotFound => Ok(()),
+            Err(e) => Err(Error::io(&path, "removing", e)),
+        }
+    }
+
+    /// Writes what the campaign has come to: manifest, table and maps, all of which take their places together. `false` if another process is doing so.
+    ///
+    /// # Errors
+    /// [`Error::Io`].
+    pub fn finish(&self, manifest: &Manifest, coverage: &Coverage, body: &Body) -> Result<bool> {
+        let mut staged = match Staged::file(&self.manifest(), true) {
+            Err(error) if staging::is_busy(&error) => return Ok(false),
+            staged => staged?,
+        };
+        let [table, sampling, count] = COVERAGE.map(|name| staged.beside(&self.0.join(name)));
+        let (table, sampling, count) = (table?, sampling?, count?);
+        staged.put(&table, |out| coverage_csv::write(out, coverage, body))?;
+        let map = SurfaceMap::new(body);
+        let percent = |share: f64| format!("{:.1}", 100.0 * share);
+        let seen = &manifest.coverage.seen;
+        let said = format!(
+            "{} acquisitions; {} to {} % of the surface seen{}",
+            manifest.acquisitions.len(),
+            percent(seen.at_least),
+            percent(seen.at_most),
+            if coverage.rule.in_sunlight { " in sunlight" } else { "" }
+        );
+        for (path, png) in [
+            (sampling, coverage_map::sampling(&map, coverage, &said)),
+            (count, coverage_map::count(&map, coverage, &said)),
+        ] {
+            staged.put(&path, |out| out.write_all(&png))?;
+        }
+        let text = serde_json::to_string_pretty(manifest).unwrap_or_default();
+        staged.put(staged.path(), |out| writeln!(out, "{text}"))?;
+        staged.commit()?;
+        Ok(true)
+    }
+
+    /// Products that are of no acquisition of the campaign, by their names.
+    pub fn others<'a>(&self, names: impl Iterator<Item = &'a str>) -> Vec<String> {
+        let mut known: Vec<&str> = names.collect();
+        known.sort_unstable();
+        let found = product_folder::files(&self.0.join(PRODUCTS)).unwrap_or_default().into_iter().map(|(name, _)| name);
+        found.filter(|name| !name.starts_with('.') && known.binary_search(&name.as_str()).is_err()).collect()
+    }
+}
