@@ -130,7 +130,7 @@ impl Detector {
     pub fn problems(&self, item: &str) -> Vec<Problem> {
         let mut problems = Vec::new();
         let mut problem =
-            |key: &str, message: String| problems.push(Problem::new(Location::item(&format!("{item}.{key}")), message));
+            |key: &str, message: String| problems.push(Problem::new(Location::item(format!("{item}.{key}")), message));
         for (key, value) in [
             ("f_number", self.lens.f_number),
             ("pixel_um", self.lens.pixel_um),

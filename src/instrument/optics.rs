@@ -96,7 +96,7 @@ impl Optics {
     pub fn problems(&self, item: &str) -> Vec<Problem> {
         let mut problems = Vec::new();
         let mut problem =
-            |key: &str, message: String| problems.push(Problem::new(Location::item(&format!("{item}.{key}")), message));
+            |key: &str, message: String| problems.push(Problem::new(Location::item(format!("{item}.{key}")), message));
         let is_length = |px: f64| (0.0..=MOST_PX).contains(&px);
         for (key, px) in [("gaussian_px", self.gaussian_px), ("jitter_px", self.jitter_px)] {
             if !is_length(px) {

@@ -80,7 +80,7 @@ impl Reader {
         let bands: Vec<Option<Counting>> = axes.bands.iter().map(|band| detector.counting(band)).collect();
         let problem = |(i, _): (usize, &Option<Counting>)| {
             let message = format!("a band at {} um without a width has no electrons", axes.bands[i].centre_um);
-            Problem::new(Location::item(&format!("sensor.bands[{i}]")), message)
+            Problem::new(Location::item(format!("sensor.bands[{i}]")), message)
                 .with_help("give `sensor.bands.fwhm_um`, or `sensor.detector.width_um` for all of them")
         };
         let problems: Vec<Problem> =
