@@ -145,7 +145,7 @@ impl ProductFolder {
             return Err(Error::invalid(Location::item("options"), message));
         }
         if let Some(detector) = subject.chain.as_ref().and_then(|chain| chain.detector.as_ref()) {
-            Reader::new(detector, CubeAxes::of(&subject.scene.exposure), subject.readout())?;
+            Reader::new(detector, CubeAxes::of(&subject.scene.exposure), (subject.readout(), subject.occasion()))?;
         }
         if has_maps && (split || table) {
             let message = "neither a facet table nor a thermal part belongs to what maps send";
@@ -191,7 +191,10 @@ impl ProductFolder {
             let title = titled(sent.quantity.title(), scene);
             let numbers =
                 envi::EnviCube::create(&file("dn.img"), sent, interleave, precision, &title).map_err(named)?;
-            Ok::<_, Error>((Reader::new(detector, CubeAxes::of(&scene.exposure), subject.readout())?, numbers))
+            Ok::<_, Error>((
+                Reader::new(detector, CubeAxes::of(&scene.exposure), (subject.readout(), subject.occasion()))?,
+                numbers,
+            ))
         };
         let detector = detector.map(read).transpose()?;
         let mut bands = report_json::bands_of_statistics(&axes.bands);

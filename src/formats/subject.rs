@@ -64,6 +64,11 @@ impl Subject {
         Ok(file.into())
     }
 
+    /// When it is taken, as a number that tells occasions apart; 0 of a scene without time.
+    pub fn occasion(&self) -> u64 {
+        self.motion.as_ref().map_or(0, |(motion, _)| motion.start.tdb_s().to_bits())
+    }
+
     /// Of a scene that is taken in parts, of which of them something that knows one moment alone is.
     pub fn one_moment(&self) -> Option<String> {
         let (_, timing) = self.motion.as_ref()?;

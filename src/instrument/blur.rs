@@ -12,6 +12,9 @@ use rustfft::{Fft, FftPlanner};
 
 use super::Optics;
 
+/// Of the brightest part of an image: below it a value is rounding.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
 /// Blurs images of one size at one wavelength.
 pub struct Blur {
     fine: Plane,
@@ -133,8 +136,11 @@ impl Blur {
             }
         }
         let image = self.coarse.inverse(folded);
+        // What transforms leave where there is no light is no light.
+        let rounding = ROUNDING * fine.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
         let ([samples, lines], reach) = (self.pixels, self.reach);
         let line = |y: usize| image[(reach + y) * coarse_width + reach..][..samples].iter().map(|value| value.re);
+        let line = |y: usize| line(y).map(|value| if value.abs() > rounding { value } else { 0.0 });
         (0..lines).flat_map(line).collect()
     }
 }
@@ -220,12 +226,16 @@ mod tests {
     #[test]
     fn no_light_is_lost_or_made() {
         // One part of a pixel in the middle is bright; what it sends arrives in the pixels around, all of it.
-        let blur = Blur::new(&optics(), 3.0, PIXELS);
+        let blur = Blur::new(&optics(), 3.0, [24, 20]);
         let [width, height] = blur.fine_size();
         let mut fine = vec![0.0; width * height];
         fine[height / 2 * width + width / 2 + 1] = 16.0;
         let pixels = blur.pixels(&fine);
         assert!((pixels.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+        // Where none arrives there is none: rounding is no signal.
+        let mut aside = vec![0.0; width * height];
+        aside[0] = 16.0;
+        assert!(blur.pixels(&aside)[1..].iter().all(|value| *value == 0.0));
         // A uniform image stays as it is, up to its sides.
         let pixels = blur.pixels(&vec![7.0; width * height]);
         assert!(pixels.iter().all(|value| (value - 7.0).abs() < 1e-12));

@@ -117,9 +117,9 @@ impl Detector {
         Element { sensitivity: sensitivity.max(0.0), is_dead: draws(Purpose::Death).unit() < self.dead }
     }
 
-    /// The numbers that make the noise of a value of a cube, by its place in it.
-    pub fn noise(&self, place: u64) -> Draws {
-        Draws::new(self.key(Purpose::Noise, place))
+    /// The numbers that make the noise of a value of a cube, by its place in it and by the occasion on which it is taken.
+    pub fn noise(&self, occasion: u64, place: u64) -> Draws {
+        Draws::new(mix(self.key(Purpose::Noise, place) ^ mix(occasion)))
     }
 
     fn key(&self, purpose: Purpose, number: u64) -> u64 {
@@ -231,7 +231,7 @@ mod tests {
         let counting = detector.counting(&Band::new(3.0, Some(0.01))).unwrap();
         let (radiance, n) = (0.4, 40_000_u32);
         let measured: Vec<f64> =
-            (0..n).map(|i| counting.measure(radiance, PLAIN, detector.noise(u64::from(i))).radiance).collect();
+            (0..n).map(|i| counting.measure(radiance, PLAIN, detector.noise(0, u64::from(i))).radiance).collect();
         let mean = measured.iter().sum::<f64>() / f64::from(n);
         let variance = measured.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / f64::from(n - 1);
         let noise = radiance / counting.snr(radiance);
@@ -248,15 +248,15 @@ mod tests {
         let one = counting.radiance(101.0);
         assert!((one * counting.electrons_per_radiance - 40.0).abs() < 1e-12);
         // Too bright for the pixel: 2e6 electrons are 50 000 steps.
-        let bright = counting.measure(10.0 * counting.brightest(), PLAIN, detector.noise(0));
+        let bright = counting.measure(10.0 * counting.brightest(), PLAIN, detector.noise(0, 0));
         assert_eq!((bright.dn, bright.is_saturated), (50_100.0, true));
         // Too bright for the number.
         let few = Detector { bits: 8, ..detector.clone() }.counting(&Band::new(2.0, Some(0.01))).unwrap();
-        let bright = few.measure(1e3, PLAIN, detector.noise(0));
+        let bright = few.measure(1e3, PLAIN, detector.noise(0, 0));
         assert_eq!((bright.dn, bright.is_saturated), (255.0, true));
         // No light, and what sees none.
-        assert_eq!(counting.measure(0.0, PLAIN, detector.noise(5)).radiance, 0.0);
-        let dead = counting.measure(1.0, Element { is_dead: true, ..PLAIN }, detector.noise(5));
+        assert_eq!(counting.measure(0.0, PLAIN, detector.noise(0, 5)).radiance, 0.0);
+        let dead = counting.measure(1.0, Element { is_dead: true, ..PLAIN }, detector.noise(0, 5));
         assert_eq!((dead.dn, dead.radiance), (100.0, 0.0));
     }
 
@@ -269,5 +269,9 @@ mod tests {
         let variance = elements.iter().map(|e| (e.sensitivity - 1.0).powi(2)).sum::<f64>() / 5e4;
         assert!((variance / 1e-4 - 1.0).abs() < 4.5 * (2.0_f64 / 5e4).sqrt(), "{variance}");
         assert_eq!(detector.element(7), detector.element(7));
+        // Elements stay what they are; noise is another one on another occasion, and at another place.
+        let first = |occasion, place| detector.noise(occasion, place).unit();
+        assert_eq!(first(1, 5), first(1, 5));
+        assert!(first(1, 5) != first(2, 5) && first(1, 5) != first(1, 6) && first(2, 1) != first(1, 2));
     }
 }

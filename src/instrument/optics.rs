@@ -84,6 +84,12 @@ impl Optics {
         measured * (lens * motion * mtf::gaussian(f, sigma_px))
     }
 
+    /// The same; where light stays in its place, on a grid of whole pixels.
+    #[must_use]
+    pub fn on_grid(self) -> Self {
+        if self.blurs() { self } else { Optics { subpixels: 1, reach_px: 1, ..self } }
+    }
+
     /// Whether light leaves its place at all, but for what is scattered evenly.
     pub fn blurs(&self) -> bool {
         self.lens.is_some()

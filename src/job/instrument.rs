@@ -9,7 +9,7 @@ use crate::formats::instrument_toml::InstrumentFile;
 use crate::formats::registry;
 use crate::formats::report_json::{self, InstrumentReport, Run, SignalEntry};
 use crate::instrument::Chain;
-use crate::product::{CubeAxes, Quantity};
+use crate::product::{CubeAxes, Quantity, Slab};
 use crate::progress::{Watch, tell};
 use crate::scene::Readout;
 use crate::spectral::Band;
@@ -68,7 +68,7 @@ pub fn instrument(
     staged.spares(all)?;
     let axes = CubeAxes { samples: raster.columns, lines: raster.rows, bands, quantity: Quantity::Radiance };
     let readout = if asked.by_line { Readout::Line } else { Readout::Frame };
-    let mut reader = detector.as_ref().map(|detector| Reader::new(detector, axes.clone(), readout)).transpose()?;
+    let mut reader = detector.as_ref().map(|detector| Reader::new(detector, axes.clone(), (readout, 0))).transpose()?;
     let create = |name: &str, axes: CubeAxes, precision| {
         let title = format!("{} by mmxrt {}", axes.quantity.title(), env!("CARGO_PKG_VERSION"));
         EnviCube::create(&staged.path().join(name), axes, Interleave::Bsq, precision, &title)
@@ -87,7 +87,7 @@ pub fn instrument(
                 Some(optics) => over_cube::blurred(optics, band.centre_um, &values, [axes.samples, axes.lines]),
                 None => values.clone(),
             };
-            let slab = over_cube::slab_of_band(&axes, i, through);
+            let slab = Slab::dense(0..axes.lines, i..i + 1, through);
             match (&mut reader, &mut numbers) {
                 (Some(reader), Some(file)) => reader.read(&slab, |Reading { radiance, numbers }| {
                     file.put(&numbers, &quiet)?;

@@ -16,8 +16,7 @@ pub(super) fn decide(subject: &mut Subject, request: &Request, watch: Watch<'_>)
     }
     if let Some((motion, timing)) = &subject.motion {
         study::tell_correction(&mut plan.effects, motion.correction);
-        let optics = None;
-        let moving = Moving { scene: &subject.scene, motion, timing: *timing, optics };
+        let moving = Moving { scene: &subject.scene, motion, timing: *timing, optics: None };
         plan.moving = study::foreseen(moving, request.tolerance);
     }
     if let Some(chain) = &subject.chain {

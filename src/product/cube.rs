@@ -152,6 +152,13 @@ impl Cube {
 }
 
 impl Slab {
+    /// Of radiance that has no weights: [band, pixel], of so many lines from each line to the next.
+    pub fn dense(lines: Range<usize>, bands: Range<usize>, radiance: Vec<f64>) -> Self {
+        let pixels = radiance.len() / bands.len().max(1);
+        let added = Added { start: (0..=pixels).collect(), radiance };
+        Slab { lines, bands, row_start: vec![0; pixels + 1], added, ..Slab::default() }
+    }
+
     /// What does not fit together in it, as a slab of this many pixels: a sentence for each problem.
     pub(super) fn problems(&self, pixels: usize) -> Vec<String> {
         let Slab { bands, row_start, row, weight, spectra, added, .. } = self;

@@ -52,6 +52,8 @@ pub struct Take {
     pub bands: Range<usize>,
     /// The mirror's angle in the middle of its exposure, rad, and how fast it turns, rad/s.
     pub mirror: Option<(f64, f64)>,
+    /// Whether it is a line of a push-broom, even of one that takes a single line.
+    pub is_slit: bool,
 }
 
 impl Timing {
@@ -91,7 +93,8 @@ impl Timing {
                     (sweep * lines..(sweep + 1) * lines, all_bands.clone())
                 }
             };
-            Take { middle_s: timing.middle_s(i), samples, lines, bands, mirror }
+            let is_slit = timing.readout == Readout::Line;
+            Take { middle_s: timing.middle_s(i), samples, lines, bands, mirror, is_slit }
         })
     }
 
@@ -147,7 +150,7 @@ impl Take {
             let elements = u32::try_from(self.lines.len()).unwrap_or(u32::MAX);
             (exposure.camera.samples, exposure.camera.lines) = (1, elements);
             exposure.camera.boresight_px = [0.5, 0.5 * f64::from(elements)];
-        } else if self.lines.len() != all.camera.lines as usize {
+        } else if self.is_slit {
             exposure.camera.lines = 1;
             exposure.camera.boresight_px[1] = 0.5;
         }

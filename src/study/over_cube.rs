@@ -1,7 +1,6 @@
 //! An instrument over a cube of pixels' means, instead of over a scene: optics blur whole pixels, for want of anything finer.
 
 use crate::instrument::{Blur, Chain, Optics};
-use crate::product::{Added, CubeAxes, Slab};
 
 /// A band of a cube, line by line, as the optics of an instrument let it through: means of pixels are taken for light that is even within a pixel, and what lies beyond the border for what
 /// lies at it. NaN, which is no light, is taken for none, and stays NaN.
@@ -22,21 +21,6 @@ pub fn blurred(optics: &Optics, lambda_um: f64, values: &[f64], size: [usize; 2]
     };
     let veiled = |value: f64| value + optics.stray * (mean - value);
     spread.into_iter().zip(values).map(|(to, from)| if from.is_nan() { f64::NAN } else { veiled(to) }).collect()
-}
-
-/// A band of a cube as a slab of it.
-pub fn slab_of_band(axes: &CubeAxes, band: usize, values: Vec<f64>) -> Slab {
-    let pixels = axes.samples * axes.lines;
-    let mut added = Added::zeros((0..pixels).map(|_| true), 1);
-    added.radiance = values;
-    Slab {
-        lines: 0..axes.lines,
-        bands: band..band + 1,
-        row_start: vec![0; pixels + 1],
-        first_thermal_row: 0,
-        added,
-        ..Slab::default()
-    }
 }
 
 /// What a reader of such a cube should know.

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Location, Problem, Result};
 use crate::instrument::{Counting, Detector, Element};
-use crate::product::{Added, CubeAxes, Slab};
+use crate::product::{CubeAxes, Slab};
 use crate::scene::Readout;
 
 /// A detector at work on one cube.
@@ -17,6 +17,7 @@ pub struct Reader {
     detector: Detector,
     axes: CubeAxes,
     readout: Readout,
+    occasion: u64,
     bands: Vec<Counting>,
     account: Vec<BandSignal>,
     /// Of each pixel: what its signal over noise adds up to over bands, the lowest of them, and how many are at least [`GOOD`].
@@ -72,11 +73,11 @@ const LINES_BYTES: usize = 64 << 20;
 pub const GOOD: f64 = 100.0;
 
 impl Reader {
-    /// For the cube of an exposure, of which this much is read at once.
+    /// For the cube of an exposure, of which this much is read at once. Noise is another one on another occasion; elements are the same.
     ///
     /// # Errors
     /// [`Error::Invalid`] with each band that has no width.
-    pub fn new(detector: &Detector, axes: CubeAxes, readout: Readout) -> Result<Self> {
+    pub fn new(detector: &Detector, axes: CubeAxes, (readout, occasion): (Readout, u64)) -> Result<Self> {
         let bands: Vec<Option<Counting>> = axes.bands.iter().map(|band| detector.counting(band)).collect();
         let problem = |(i, _): (usize, &Option<Counting>)| {
             let message = format!("a band at {} um without a width has no electrons", axes.bands[i].centre_um);
@@ -108,7 +109,7 @@ impl Reader {
         let account = axes.bands.iter().zip(&bands).map(empty).collect();
         let pixels = axes.samples * axes.lines;
         let snr = [vec![0.0; pixels], vec![f64::INFINITY; pixels], vec![0.0; pixels]];
-        Ok(Reader { detector: detector.clone(), axes, readout, bands, account, snr })
+        Ok(Reader { detector: detector.clone(), axes, readout, occasion, bands, account, snr })
     }
 
     /// Reads a slab of radiance; `put` takes what comes of it, some lines at a time.
@@ -126,7 +127,7 @@ impl Reader {
 
     /// Reads some lines of a slab, counted from its first.
     fn read_lines(&mut self, slab: &Slab, lines: Range<usize>) -> Reading {
-        let Reader { detector, axes, readout, bands, .. } = &*self;
+        let Reader { detector, axes, readout, occasion, bands, .. } = &*self;
         let (samples, all_bands) = (axes.samples, slab.bands.len());
         let pixels = samples * lines.len();
         let in_slab = lines.start * samples;
@@ -146,12 +147,8 @@ impl Reader {
                 (0..pixels).into_par_iter().map(|pixel| detector.element(element(pixel, 0))).collect()
             }
         };
-        let dense = |_| Added::zeros((0..pixels).map(|_| true), all_bands);
-        let [mut radiance, mut numbers] = [0, 1].map(dense);
-        let each = radiance
-            .radiance
-            .par_chunks_exact_mut(pixels.max(1))
-            .zip(numbers.radiance.par_chunks_exact_mut(pixels.max(1)));
+        let [mut radiance, mut numbers] = [0, 1].map(|_| vec![0.0; pixels * all_bands]);
+        let each = radiance.par_chunks_exact_mut(pixels.max(1)).zip(numbers.par_chunks_exact_mut(pixels.max(1)));
         let made: Vec<(BandSignal, Vec<f64>)> = each
             .enumerate()
             .map(|(i, (radiance, numbers))| {
@@ -159,13 +156,16 @@ impl Reader {
                 let counting = &bands[band];
                 let mut sums = BandSignal { ..self.account[band] };
                 let mut snr = vec![0.0; pixels];
-                let noise_of = |pixel: usize| detector.noise((band * axes.samples * axes.lines + first + pixel) as u64);
+                let noise_of =
+                    |pixel: usize| detector.noise(*occasion, (band * axes.samples * axes.lines + first + pixel) as u64);
                 slab.expand(in_slab..in_slab + pixels, i..i + 1, |pixel, _, value| {
                     let (pixel, light) = (pixel - in_slab, value[0]);
                     let element =
                         by_pixel.get(pixel).copied().unwrap_or_else(|| detector.element(element(pixel, band)));
                     let measured = counting.measure(light, element, noise_of(pixel));
-                    (radiance[pixel], numbers[pixel]) = (measured.radiance, measured.dn);
+                    // Where nothing is known, nothing is measured; a number is sent all the same.
+                    radiance[pixel] = if light.is_nan() { light } else { measured.radiance };
+                    numbers[pixel] = measured.dn;
                     sums.saturated += u64::from(measured.is_saturated);
                     if light > 0.0 {
                         sums.lowest = sums.lowest.min(light);
@@ -189,13 +189,9 @@ impl Reader {
                 good[pixel] += f64::from(snr >= GOOD);
             }
         }
-        let like = |added| Slab {
-            lines: slab.lines.start + lines.start..slab.lines.start + lines.end,
-            bands: slab.bands.clone(),
-            row_start: vec![0; pixels + 1],
-            first_thermal_row: 0,
-            added,
-            ..Slab::default()
+        let like = |values| {
+            let lines = slab.lines.start + lines.start..slab.lines.start + lines.end;
+            Slab::dense(lines, slab.bands.clone(), values)
         };
         Reading { radiance: like(radiance), numbers: like(numbers) }
     }

@@ -9,7 +9,7 @@ use crate::error::{Error, Location, Result};
 use crate::geometry::FrameCamera;
 use crate::instrument::{Blur, Optics};
 use crate::integrate::{self, Wanted};
-use crate::product::{Added, FacetTable, Slab};
+use crate::product::{FacetTable, Slab};
 use crate::progress::Watch;
 use crate::scene::{Exposure, Readout, Scene};
 
@@ -67,8 +67,7 @@ pub(super) struct Seen<'a> {
 }
 
 impl Seen<'_> {
-    /// The image in slabs of lines, counted from 0, which `put` takes.
-    /// `blurs` are those of its optics and exposure.
+    /// The image in slabs of lines, counted from 0, which `put` takes; `blurs` are those of its optics and exposure.
     pub(super) fn by_slabs(
         &self,
         blurs: &Blurs,
@@ -76,11 +75,6 @@ impl Seen<'_> {
         watch: Watch<'_>,
     ) -> Result<()> {
         let Some(first) = self.poses.first() else { return Ok(()) };
-        // Where light stays in its place, pixels have no parts.
-        let plain = Optics { subpixels: 1, reach_px: 1, ..self.optics.clone() };
-        if !self.optics.blurs() && self.optics.subpixels > 1 {
-            return Seen { optics: &plain, ..*self }.by_slabs(&Blurs::new(&plain, &first.exposure), put, watch);
-        }
         let exposure = &first.exposure;
         let veil = self.veil(watch)?;
         let (lines, step) = (exposure.camera.lines, strip_lines(self.optics, exposure));
@@ -129,8 +123,8 @@ impl Seen<'_> {
         let (bands, size) = (&exposure.bands, [samples, lines.len()]);
         let pixels = samples * lines.len();
         let parts = fine.row_start.len().saturating_sub(1);
-        let mut added = Added::zeros((0..pixels).map(|_| true), bands.len());
-        added.radiance.par_chunks_mut(pixels * TOGETHER).enumerate().for_each(|(chunk, to)| {
+        let mut radiance = vec![0.0; pixels * bands.len()];
+        radiance.par_chunks_mut(pixels * TOGETHER).enumerate().for_each(|(chunk, to)| {
             let first = chunk * TOGETHER;
             let mut values = vec![0.0; parts * (to.len() / pixels)];
             fine.expand(0..parts, first..first + to.len() / pixels, |part, band, of_bands| {
@@ -140,14 +134,7 @@ impl Seen<'_> {
                 to.copy_from_slice(&blurs.pixels(self.optics, exposure, first + k, size, fine));
             }
         });
-        Ok(Slab {
-            lines: lines.start as usize..lines.end as usize,
-            bands: 0..bands.len(),
-            row_start: vec![0; pixels + 1],
-            first_thermal_row: 0,
-            added,
-            ..Slab::default()
-        })
+        Ok(Slab::dense(lines.start as usize..lines.end as usize, 0..bands.len(), radiance))
     }
 }
 
@@ -162,10 +149,10 @@ pub(super) fn serves(optics: Option<&Optics>, readout: Readout, exposure: &Expos
     let feature = match readout {
         Readout::Sample(_) => "optics of a whisk-broom: `ideal = true`, or `--ideal`, leaves them out",
         _ if !exposure.spectrometer.is_ideal() => "optics beside smile and keystone: leave one of them out",
+        // What its camera says against it, it says before anything is computed.
         _ => {
-            // What its camera says against it, it says before anything is computed.
-            let plain = if optics.blurs() { (optics.subpixels, optics.reach_px) } else { (1, 1) };
-            return refined(&exposure.camera, plain, 0..exposure.camera.lines).map(|_| ());
+            let by = (optics.subpixels, optics.reach_px);
+            return refined(&exposure.camera, by, 0..exposure.camera.lines).map(|_| ());
         }
     };
     Err(Error::Unsupported { at: Location::item("sensor.optics"), feature: feature.to_owned() })

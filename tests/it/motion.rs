@@ -431,3 +431,18 @@ fn lines_of_a_push_broom_lose_no_facet() {
         assert!(off[off.len() - 1] < 1e-12, "{seed}: {}", off[off.len() - 1]);
     }
 }
+
+/// The slit of a push-broom lies on the boresight, however many lines it takes, and wherever a frame's boresight would be.
+#[test]
+fn a_single_line_is_a_slit_too() {
+    let timing = push_broom(1.0);
+    for lines in [1, 5] {
+        let motion = steady(DVec3::NEG_Y, 0.0, DVec3::Z, down());
+        let scene = moving_scene(plane(1e3, 0.0), [4, lines], 10.0, &[1.0], &motion, timing);
+        let scene = edited(&scene, |parts| parts.exposure.camera.boresight_px[1] = 3.0);
+        for take in timing.takes(&scene.exposure) {
+            let camera = take.exposure(&scene.exposure).camera;
+            assert_eq!((camera.lines, camera.boresight_px[1]), (1, 0.5));
+        }
+    }
+}

@@ -75,7 +75,7 @@ impl TomlReader<'_> {
             let item = problem.at.item.clone().unwrap_or_default();
             self.problem(&item, problem.message);
         }
-        let chain = Chain { optics, detector };
+        let chain = Chain { optics: optics.map(Optics::on_grid), detector };
         (!chain.is_ideal()).then_some(chain)
     }
 
@@ -204,14 +204,14 @@ impl super::instruments::Instrument {
             throughput: Spectrum::constant(self.throughput),
             exposure_s: 1.0,
             width_um: self.width_um,
-            dark_e_s: self.dark_e_s,
+            dark_e_s: self.reading.dark_e_s,
             background_e_s: 0.0,
-            read_e: self.read_e,
-            full_well_e: self.full_well_e,
-            step_e: self.step_e,
-            offset_dn: self.offset_dn,
-            bits: self.bits,
-            sensitivity_sd: self.sensitivity_sd,
+            read_e: self.reading.read_e,
+            full_well_e: self.reading.full_well_e,
+            step_e: self.reading.step_e,
+            offset_dn: self.reading.offset_dn,
+            bits: self.reading.bits,
+            sensitivity_sd: self.reading.sensitivity_sd,
             dead: 0.0,
             seed: 1,
         }
@@ -226,10 +226,10 @@ impl super::instruments::Instrument {
             self.pixel_um,
             self.gaussian_mtf_nyquist,
             self.throughput,
-            self.dark_e_s,
-            self.read_e,
-            self.step_e,
-            self.bits
+            self.reading.dark_e_s,
+            self.reading.read_e,
+            self.reading.step_e,
+            self.reading.bits
         )
     }
 }

@@ -27,14 +27,38 @@ pub(super) struct Instrument {
     pub(super) throughput: f64,
     /// Width of bands that have none, um.
     pub(super) width_um: Option<f64>,
+    /// How its detector counts.
+    pub(super) reading: &'static Reading,
+}
+
+/// How a detector counts.
+pub(super) struct Reading {
+    /// Electrons per second without light.
     pub(super) dark_e_s: f64,
+    /// Noise of reading, electrons.
     pub(super) read_e: f64,
+    /// The most electrons that a pixel holds.
     pub(super) full_well_e: f64,
+    /// Electrons of a step of what is sent.
     pub(super) step_e: f64,
+    /// What is sent for none.
     pub(super) offset_dn: f64,
+    /// Binary digits of what is sent.
     pub(super) bits: u32,
+    /// Standard deviation of the elements' sensitivity.
     pub(super) sensitivity_sd: f64,
 }
+
+/// Nothing of this is published of either instrument: what detectors of this kind have, so that sunlit ground fills them to three quarters in a second.
+const ASSUMED: Reading = Reading {
+    dark_e_s: 1e4,
+    read_e: 100.0,
+    full_well_e: 4e6,
+    step_e: 64.0,
+    offset_dn: 200.0,
+    bits: 16,
+    sensitivity_sd: 0.002,
+};
 
 /// MacrOmega (Domagala 2020, I.C): 256 x 256 pixels, a tunable filter, 300 bands of a second each, less than 10 nm apart; pixels below 20 m from 25 km. Its field of view is assumed, and all of
 /// its optics and detector.
@@ -51,13 +75,7 @@ const MACROMEGA: Instrument = Instrument {
     gaussian_mtf_nyquist: 0.7,
     throughput: 0.2,
     width_um: Some(0.01),
-    dark_e_s: 1e4,
-    read_e: 100.0,
-    full_well_e: 4e6,
-    step_e: 64.0,
-    offset_dn: 200.0,
-    bits: 16,
-    sensitivity_sd: 0.002,
+    reading: &ASSUMED,
 };
 
 /// MIRS (Barucci et al. 2021, table 2): a slit of 3.3 deg with pixels of 0.35 mrad, 0.9 to 3.6 um, a band of 20 nm every 10 nm. That a pixel is square, and that
@@ -76,13 +94,7 @@ const MIRS: Instrument = Instrument {
     gaussian_mtf_nyquist: 0.5,
     throughput: 0.2,
     width_um: None,
-    dark_e_s: 1e4,
-    read_e: 100.0,
-    full_well_e: 4e6,
-    step_e: 64.0,
-    offset_dn: 200.0,
-    bits: 16,
-    sensitivity_sd: 0.002,
+    reading: &ASSUMED,
 };
 
 impl Preset {

@@ -29,7 +29,8 @@ pub fn tell_instrument(effects: &mut [Effect], chain: &Chain) {
         chain.detector.as_ref().map(|detector| format!("a detector of {} bits, seed {}", detector.bits, detector.seed));
     let told: Vec<String> = optics.into_iter().chain(detector).collect();
     effect.decision = Decision::Kept;
-    effect.step = Some("study::Reader".to_owned());
+    let step = if chain.detector.is_some() { "study::Reader" } else { "instrument::Blur" };
+    effect.step = Some(step.to_owned());
     effect.note = told.join("; ");
     effect.because =
         "the scene's sensor has it; how much it changes is not a bound but a noise: `signal` says it".to_owned();

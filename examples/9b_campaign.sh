@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# A stereo pair: two looks at one site from one pass, and the same point of the ground in both: bash examples/9_campaign.sh
+# A stereo pair: two looks at one site from one pass, and the same point of the ground in both: bash examples/9b_campaign.sh
 set -euo pipefail
 cd "$(dirname "$0")/.."
 out=$(mktemp -d)

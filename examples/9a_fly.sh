@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# An orbit, and two instruments over the same site: bash examples/9_fly.sh [full]
+# An orbit, and two instruments over the same site: bash examples/9a_fly.sh [full]
 # MacrOmega takes a band a second and follows the site; MIRS takes a strip, line by line. Without `full` both take little: a quarter of an hour becomes a minute.
 set -euo pipefail
 cd "$(dirname "$0")/.."
