@@ -193,6 +193,11 @@ impl<'a> Locator<'a> {
 
     /// The camera of a band when a place is taken; of a push-broom its slit alone, of a whisk-broom its column.
     fn camera_at(&self, place: Place, band: usize) -> Result<Now> {
+        let bands = self.scene.exposure.bands.len();
+        if band >= bands {
+            let message = format!("band {} is not one of {bands}", band + 1);
+            return Err(Error::Invalid(vec![Problem::new(Location::item("band"), message)]));
+        }
         let exposure = match self.readout() {
             Readout::Frame => Some(0),
             Readout::Band => Some(band),
@@ -209,10 +214,6 @@ impl<'a> Locator<'a> {
 
     fn camera_then(&self, place: Place, band: usize) -> Result<Now> {
         let exposure = &self.scene.exposure;
-        if band >= exposure.bands.len() {
-            let message = format!("band {} is not one of {}", band + 1, exposure.bands.len());
-            return Err(Error::Invalid(vec![Problem::new(Location::item("band"), message)]));
-        }
         let mut camera = exposure.camera.clone();
         let Some((motion, timing)) = self.motion else { return Ok(Now { camera, epoch: None }) };
         let mut mirror_rad = None;
