@@ -18,7 +18,7 @@ if [ "${1:-}" = full ]; then
 else
     # The same five minutes in 10 bands of 48 x 48 pixels, and a strip of 24 lines; a coarser site.
     sed -e 's/facets = 200_000/facets = 20_000/' $scenes/macromega.toml > "$out/flight/macromega.toml"
-    sed -e 's/facets = 200_000/facets = 20_000/' -e 's/^lines = .*/lines = 24/' $scenes/mirs.toml > "$out/flight/mirs.toml"
+    sed -e 's/facets = 200_000/facets = 20_000/' -e 's/^lines = .*/lines = 24/' -e 's/06:37:50/06:39:45/' $scenes/mirs.toml > "$out/flight/mirs.toml"
     cat >> "$out/flight/macromega.toml" <<'SENSOR'
 samples = 48
 lines = 48

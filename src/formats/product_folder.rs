@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::envi::{self, Interleave, Precision};
 use super::folder::Staged;
-use super::product_curves::{self, Spread};
+use super::product_curves;
 use super::report_json::{self, BandEntry, ImageEntry, Input, PlanEntry, ProductReport, Run, SignalEntry};
 use super::subject::Subject;
 use super::{exposures_csv, exr_cube, machine, npz, quicklook};
@@ -304,16 +304,16 @@ fn write_files(
         if exposures.reference.is_some() {
             tell(watch, "writing displacements", 0, 1)?;
             let title = titled("Displacement of what the reference image shows", &subject.scene);
-            let mut spreads = Vec::new();
+            let mut within_px = Vec::new();
             let plane = |i: usize| {
                 let plane = exposures.displacement(planes, i / 2, i % 2).unwrap_or_default();
-                spreads.push(Spread::of(&plane));
+                within_px.push(product_curves::within_px(&plane));
                 plane
             };
             let all = (0..2 * exposures.taken.len()).map(plane).map(Cow::Owned);
             envi::write_planes(&file("displacement.img"), [planes.samples, planes.lines], all, Precision::F32, &title)?;
             staged.put(&file("displacement.svg"), |out| {
-                out.write_all(product_curves::displacement_svg(&spreads).as_bytes())
+                out.write_all(product_curves::displacement_svg(&within_px).as_bytes())
             })?;
         }
     }

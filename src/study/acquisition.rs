@@ -170,9 +170,15 @@ impl Moving<'_> {
             return Ok(surely_s);
         }
         let mut step_s = longest_s;
+        let mut looked_at = None;
         for place in [0.5, 0.0, 1.0] {
             while step_s > least_s {
                 let start_s = first_s + place * (last_s - first_s - step_s);
+                // A step as long as all of the acquisition has one place.
+                if looked_at == Some((start_s, step_s)) {
+                    break;
+                }
+                looked_at = Some((start_s, step_s));
                 let off = self.off_between(start_s, step_s, watch)?;
                 if off <= tolerance {
                     break;
