@@ -7,7 +7,7 @@ out=${OUT:-$(mktemp -d)}
 [ -n "${OUT:-}" ] || trap 'rm -rf "$out"' EXIT
 mmxrt() {
     echo "+ mmxrt $*"
-    cargo run --profile quick --quiet -- "$@"
+    ${MMXRT:-cargo run --profile quick --quiet --} "$@"
 }
 
 scenes=scenes/phobos_flight

@@ -6,7 +6,7 @@ out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 mmxrt() {
     echo "+ mmxrt $*"
-    cargo run --profile quick --quiet -- "$@"
+    ${MMXRT:-cargo run --profile quick --quiet --} "$@"
 }
 
 pair=scenes/phobos_flight/stereo.toml
