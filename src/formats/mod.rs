@@ -32,6 +32,7 @@ pub mod located;
 pub mod machine;
 pub mod manifest_json;
 mod marks;
+pub mod matches_csv;
 pub mod mesh_file;
 pub mod mtl;
 mod npy;

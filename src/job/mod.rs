@@ -4,6 +4,7 @@
 
 mod campaign;
 mod chart;
+mod coregister;
 mod curve_sheet;
 mod dry_run;
 mod flight_facts;
@@ -19,6 +20,7 @@ mod surface;
 
 pub use campaign::{Finished, Order, Shard, State, Status, campaign};
 pub use chart::{Render, chart, stability};
+pub use coregister::coregister;
 pub use curve_sheet::CurveSheet;
 pub use dry_run::{Outlook, dry_run, plan};
 pub use flight_facts::{FlightFacts, PartFacts, Steps, flight_facts};

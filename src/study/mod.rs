@@ -1,6 +1,7 @@
 //! Studies: work that spans several layers. Takes values and callbacks, does not access the disk.
 
 pub mod chart;
+pub mod coregister;
 mod acquisition;
 mod coarser;
 mod cost;

@@ -23,6 +23,7 @@ mod cli;
 mod clipping;
 mod conduction;
 mod convert;
+mod coregister;
 #[cfg(feature = "sqlite")]
 mod dart_database;
 #[cfg(feature = "sqlite")]
