@@ -4,6 +4,7 @@ pub mod campaign_folder;
 pub mod campaign_toml;
 pub mod ccsds;
 pub mod chart;
+mod compass;
 pub mod convert;
 mod coverage_csv;
 mod coverage_map;

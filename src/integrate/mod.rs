@@ -69,6 +69,8 @@ pub struct Wanted<'m> {
     pub footprints: bool,
     /// Radiance alone: no backplanes.
     pub radiance_alone: bool,
+    /// Of a filter that takes one band after the other: bands, from 0, whose exposures have backplanes of their own.
+    pub planes_of: &'m [usize],
 }
 
 /// What a line of the image comes to.

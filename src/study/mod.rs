@@ -17,6 +17,7 @@ mod maps;
 mod observation;
 pub mod over_cube;
 mod partly_sky;
+mod orientation;
 mod plan;
 mod reading;
 mod resolved_slopes;
@@ -42,6 +43,7 @@ pub use effects::{Bound, Decision, Effect, OwnTolerance, StageShare, tell_correc
 pub use extremes::Extremes;
 pub use maps::{Fill, MapAccount, MapEntry, MapOptions, RegistrationEntry, observe_maps, observe_maps_by_slabs};
 pub use observation::{Check, Counts, Observation, Put};
+pub use orientation::Orientation;
 pub use plan::{Choice, Plan, Request, TOLERANCE, decide, left_out_of_table, plan, unheeded};
 pub use reading::{BandSignal, GOOD, Reader, Reading};
 pub use sights::sights;

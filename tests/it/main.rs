@@ -99,6 +99,7 @@ mod shared_body;
 mod sides;
 mod sights;
 mod slabs;
+mod slopes;
 mod stability;
 mod stated_choices;
 mod subset;
