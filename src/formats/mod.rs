@@ -68,6 +68,7 @@ mod spelling;
 pub mod spice;
 mod subject;
 mod table;
+pub mod track_picture;
 pub mod xml;
 
 pub use format::Format;

@@ -111,6 +111,7 @@ mod sun_disc;
 mod taken_in_parts;
 mod textures;
 mod told;
+mod tracks;
 mod truth;
 mod units_of_spectra;
 mod unsaid;
