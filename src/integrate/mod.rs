@@ -8,6 +8,7 @@ mod census;
 mod detector;
 mod footprints;
 mod globes;
+mod ground;
 mod lit_area;
 mod maps;
 mod parts;
@@ -37,6 +38,7 @@ use weights::{WeightLine, Weights};
 
 pub use backplanes::plane_count;
 pub use footprints::{GlobesShown, footprints, footprints_among_globes};
+pub use ground::{GroundPiece, ground_pieces};
 pub use maps::{MapImage, MapView, Maps, Unknown, ViewChoice, meets, texels_seen};
 pub use radiance::radiance;
 
