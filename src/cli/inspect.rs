@@ -42,7 +42,7 @@ pub(crate) struct Arguments {
     /// Write the spectrum of the pixel, or of the Sun, or the phase curve of the material, as a table
     #[arg(long, value_name = "OUT.csv")]
     csv: Option<PathBuf>,
-    /// Write a picture of an image (.png: grey, or three bands in colour), or of the spectrum of a pixel or of the Sun, or the phase curve of a material (.svg)
+    /// Write a picture of an image (.png: grey, or three bands in colour), or of the spectrum of a pixel or of the Sun, or the phase curve of a material (.svg), or of an orbit or attitude (.svg or .png)
     #[arg(long, value_name = "OUT")]
     picture: Option<PathBuf>,
     /// The band to show, counted from 1; given three times, those for red, green and blue
@@ -99,10 +99,16 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     };
     let facts = match found {
         Some(format) if format.is_image() => image(path, format, arguments, console)?,
+        Some(format) if format.is_flight() => {
+            if let Some(target) = &arguments.picture {
+                super::settle(target, console)?;
+                job::draw_flight(path, target, arguments.force)?;
+            }
+            flight(path, format.name)?
+        }
         _ if arguments.picture.is_some() => {
             return Err(Error::invalid(Location::file(path), "is not an image, so no picture can be made of it"));
         }
-        Some(format) if format.is_flight() => flight(path, format.name)?,
         _ if is_campaign(path)? => campaign(path, console)?,
         _ if is_scene(path)? => return super::dry_run::run(path, console),
         _ => inspect(path, found, console)?,

@@ -1,20 +1,24 @@
 //! `mmxrt locate`: where on the ground a pixel looks, and in which pixel a point of the ground lies.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use mmxrt::formats::points_csv::{self, Asked, Question};
+use mmxrt::job::Mapped;
+use mmxrt::study::MapWish;
+use mmxrt::study::knowledge::{Row, Spread};
 use mmxrt::study::locate::Place;
 use mmxrt::{Result, job};
 use serde_json::json;
 
 use super::Outcome;
 use super::console::Console;
+use super::dry_run::short;
 
 #[derive(clap::Args)]
 #[command(group(clap::ArgGroup::new("asked").required(true).multiple(true)))]
 pub(crate) struct Arguments {
-    /// The scene file, or a campaign's
+    /// The scene file, or a campaign's; with --ortho also a product folder, whose image is mapped
     scene: PathBuf,
     /// Of a campaign, which acquisition
     #[arg(long, value_name = "NAME")]
@@ -28,13 +32,28 @@ pub(crate) struct Arguments {
     /// A table of places (columns sample, line) or points (x_m, y_m, z_m), each of a `band` if it has that column
     #[arg(long, value_name = "FILE.csv", group = "asked")]
     points: Option<PathBuf>,
+    /// How far off pixels are placed by who knows pointing, orbit, clock, lens and shape as well as this file says (schemas/knowledge.schema.json)
+    #[arg(long, value_name = "KNOWLEDGE.toml", group = "asked", conflicts_with_all = ["pixel", "ground", "points"])]
+    knowledge: Option<PathBuf>,
+    /// With --knowledge: one pixel of N in either direction. Default: so that at most 256 are told; 1 is all
+    #[arg(long, value_name = "N", requires = "knowledge", value_parser = clap::value_parser!(u32).range(1..))]
+    every: Option<u32>,
+    /// Lay the image on a map: `tangent:CELL`, the plane through the scene's origin, m, or `plate-carree:CELL`, longitudes and latitudes, deg
+    #[arg(long, value_name = "MAP:CELL", group = "asked", conflicts_with_all = ["pixel", "ground", "points", "knowledge", "acquisition"], requires = "output", value_parser = map)]
+    ortho: Option<MapWish>,
+    /// With --ortho: west, south, east and north borders of the map, in its unit; default: around what the image shows
+    #[arg(long, value_name = "W,S,E,N", requires = "ortho", value_parser = borders, allow_hyphen_values = true)]
+    borders: Option<[f64; 4]>,
+    /// Write the camera for other programs: image support data (ISD) for the models of usgscsm
+    #[arg(long, value_name = "OUT.json", group = "asked", conflicts_with_all = ["pixel", "ground", "points", "knowledge", "ortho", "output"])]
+    isd: Option<PathBuf>,
     /// The band, counted from 1, of a sensor that takes one after the other. Default: the reference, the middle one
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     band: Option<u32>,
-    /// Write the answers as a table, instead of printing them
-    #[arg(long, short, value_name = "FILE.csv")]
+    /// Write the answers as a table, instead of printing them; with --knowledge a folder with errors.csv, errors.img (of the pixels told) and errors.json, with --ortho one with ortho.img, lookup.npz and ortho.json
+    #[arg(long, short, value_name = "FILE.csv|FOLDER")]
     output: Option<PathBuf>,
-    /// Replace that file if it is there
+    /// Replace that file or folder if it is there
     #[arg(long)]
     force: bool,
 }
@@ -49,6 +68,25 @@ fn pixel(text: &str) -> std::result::Result<Place, String> {
     numbers(text, "128.5,0.5").map(|[sample, line]| Place { sample, line })
 }
 
+fn borders(text: &str) -> std::result::Result<[f64; 4], String> {
+    numbers(text, "-100,-50,100,50")
+}
+
+fn map(text: &str) -> std::result::Result<MapWish, String> {
+    let known = |(name, cell): (&str, &str)| {
+        let plate_carree = match name {
+            "tangent" => false,
+            "plate-carree" => true,
+            _ => return None,
+        };
+        let cell = cell.trim().parse().ok().filter(|cell: &f64| *cell > 0.0 && cell.is_finite())?;
+        Some(MapWish { plate_carree, cell, borders: None })
+    };
+    text.split_once(':')
+        .and_then(known)
+        .ok_or_else(|| "give tangent:CELL, as tangent:5 (m), or plate-carree:CELL, as plate-carree:0.01 (deg)".into())
+}
+
 fn point(text: &str) -> std::result::Result<DVec3, String> {
     numbers(text, "-2743.6,11860.0,0.5").map(DVec3::from_array)
 }
@@ -57,6 +95,21 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let watch = |progress| console.watch(progress);
     super::settle_input(&arguments.scene, console)?;
     let band = arguments.band.map(|band| band as usize - 1);
+    if let Some(known) = &arguments.knowledge {
+        return errors(arguments, known, band, console);
+    }
+    if let Some(target) = &arguments.isd {
+        super::settle(target, console)?;
+        job::write_isd((&arguments.scene, arguments.acquisition.as_deref()), band, (target, arguments.force), &watch)?;
+        console.done(
+            &format!("{}: image support data", target.display()),
+            &json!({ "isd": target.display().to_string() }),
+        );
+        return Ok(Outcome::Done);
+    }
+    if let (Some(wish), Some(target)) = (arguments.ortho, &arguments.output) {
+        return mapped(arguments, (MapWish { borders: arguments.borders, ..wish }, band), target, console);
+    }
     let question = |asked| Question { asked, band };
     let mut questions: Vec<Question> = arguments.pixel.iter().map(|place| question(Asked::Pixel(*place))).collect();
     questions.extend(arguments.ground.iter().map(|point_m| question(Asked::Ground(*point_m))));
@@ -79,4 +132,58 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         None => console.result(&text, &json!({ "columns": points_csv::COLUMNS, "rows": rows }))?,
     }
     Ok(Outcome::Done)
+}
+
+/// How far off pixels are placed.
+fn errors(arguments: &Arguments, known: &Path, band: Option<usize>, console: &Console) -> Result<Outcome> {
+    let watch = |progress| console.watch(progress);
+    if let Some(target) = &arguments.output {
+        super::settle(target, console)?;
+    }
+    let folder = arguments.output.as_deref().map(|target| (target, arguments.force));
+    let (rows, json) = job::locate_errors(
+        (&arguments.scene, arguments.acquisition.as_deref()),
+        known,
+        (arguments.every, band),
+        folder,
+        &watch,
+    )?;
+    let text = summary_text(&rows);
+    match &arguments.output {
+        Some(target) => console.done(&format!("{}:\n{text}", target.display()), &json),
+        None => console.result(&text, &json)?,
+    }
+    Ok(Outcome::Done)
+}
+
+/// The image as a map.
+fn mapped(arguments: &Arguments, wish: (MapWish, Option<usize>), target: &Path, console: &Console) -> Result<Outcome> {
+    let watch = |progress| console.watch(progress);
+    super::settle(target, console)?;
+    let Mapped { grid, entries, bands } = job::ortho(&arguments.scene, wish, (target, arguments.force), &watch)?;
+    let text =
+        format!("{}: {} x {} cells, {entries} entries, {bands} bands", target.display(), grid.columns, grid.rows);
+    let json = json!({
+        "map": target.display().to_string(), "columns": grid.columns, "rows": grid.rows, "entries": entries, "bands": bands
+    });
+    console.done(&text, &json);
+    Ok(Outcome::Done)
+}
+
+/// How far off pixels are along the ground, by source.
+fn summary_text(rows: &[Row]) -> String {
+    let heading =
+        ["source", "pixels", "mean, m", "rms, m", "p95, m", "max, m", "rms, px", "p95, px"].map(str::to_owned);
+    let of_row = |row: &Row| {
+        let Spread { mean, rms, p95, max } = row.level_m;
+        let [mean, rms, p95, max, rms_px, p95_px] =
+            [mean, rms, p95, max, row.level_px.rms, row.level_px.p95].map(short);
+        [row.source.to_owned(), row.pixels.to_string(), mean, rms, p95, max, rms_px, p95_px]
+    };
+    let lines = std::iter::once(heading).chain(rows.iter().map(of_row));
+    let told = lines.map(|cells| {
+        let (source, others) = (&cells[0], cells[1..].iter().map(|cell| format!("{cell:>12}")));
+        format!("{source:14}{}", others.collect::<String>())
+    });
+    told.collect::<Vec<_>>().join("\n")
 }

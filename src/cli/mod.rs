@@ -4,6 +4,7 @@ mod campaign;
 mod chart;
 mod console;
 mod convert;
+mod coregister;
 mod dry_run;
 mod inspect;
 mod instrument;
@@ -73,6 +74,8 @@ enum Command {
     Campaign(campaign::Arguments),
     /// Say where on the ground pixels look, and in which pixels points of the ground lie
     Locate(locate::Arguments),
+    /// Match windows between two bands of a tunable filter's product, and say how far off the matches are
+    Coregister(coregister::Arguments),
     /// Generate a landscape from a recipe
     Landscape(landscape::Arguments),
     /// Convert between formats: scenes, meshes, spectra, images, and inputs of DART
@@ -142,6 +145,7 @@ fn dispatch(command: Command, console: &Console) -> mmxrt::Result<Outcome> {
         Command::Instrument(arguments) => instrument::run(&arguments, console),
         Command::Campaign(arguments) => campaign::run(&arguments, console),
         Command::Locate(arguments) => locate::run(&arguments, console),
+        Command::Coregister(arguments) => coregister::run(&arguments, console),
         Command::Landscape(arguments) => landscape::run(&arguments, console),
         Command::Convert(arguments) => convert::run(&arguments, console),
         Command::Inspect(arguments) => inspect::run(&arguments, console),

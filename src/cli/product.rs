@@ -39,6 +39,9 @@ pub(crate) struct ProductArguments {
     /// Also write which facets each pixel sees
     #[arg(long)]
     footprints: bool,
+    /// Also write the backplanes of these bands' exposures of a tunable filter, as backplanes.BAND.img
+    #[arg(long, value_name = "BAND,...", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
+    planes_of: Vec<u32>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -95,7 +98,8 @@ impl ProductArguments {
             QuantityName::BrightnessTemperature => Quantity::BrightnessTemperature,
         };
         let (exr, footprints) = (self.exr, self.footprints);
-        let options = ProductOptions { interleave, precision, exr, footprints, table, split, quantity };
+        let planes_of = self.planes_of.iter().map(|band| *band as usize - 1).collect();
+        let options = ProductOptions { interleave, precision, exr, footprints, planes_of, table, split, quantity };
         ProductFolder::stage(&self.output, self.force, options)
     }
 

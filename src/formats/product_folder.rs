@@ -14,12 +14,12 @@ use crate::error::{Error, Location, Problem, Result};
 use crate::instrument::Detector;
 use crate::product::{Backplanes, Conversion, CubeAxes, FacetTable, Plane, Quantity, ShownBands, Slab};
 use crate::progress::{Watch, tell};
-use crate::scene::Scene;
+use crate::scene::{Readout, Scene};
 use crate::spectral::Band;
-use crate::study::{self, Check, MapAccount, Observation, Plan, Reader, Reading};
+use crate::study::{self, Check, MapAccount, Observation, Orientation, Plan, Reader, Reading};
 
 /// How a product is written, and what of it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ProductOptions {
     /// Order of the cube's numbers.
     pub interleave: Interleave,
@@ -29,6 +29,8 @@ pub struct ProductOptions {
     pub exr: bool,
     /// Which facets each pixel sees as well.
     pub footprints: bool,
+    /// Bands, from 0, of a tunable filter whose exposures' own backplanes are written as well.
+    pub planes_of: Vec<usize>,
     /// The facet table as well: not of what maps send.
     pub table: bool,
     /// The thermal part of the cube as well: not of what maps send.
@@ -45,6 +47,7 @@ impl Default for ProductOptions {
             precision: Precision::F32,
             exr: false,
             footprints: false,
+            planes_of: vec![],
             table: false,
             split: false,
             quantity: Quantity::Radiance,
@@ -150,6 +153,16 @@ impl ProductFolder {
         if has_maps && (split || table) {
             let message = "neither a facet table nor a thermal part belongs to what maps send";
             return Err(Error::invalid(Location::item("options"), message));
+        }
+        let is_filter = subject.motion.as_ref().is_some_and(|(_, timing)| timing.readout == Readout::Band);
+        let bands = subject.scene.exposure.bands.len();
+        let has_exposure = |band: &&usize| !has_maps && is_filter && **band < bands;
+        if let Some(other) = self.options.planes_of.iter().find(|band| !has_exposure(band)) {
+            let message = format!(
+                "band {} has no exposure of its own: each band of a simulated scene with a `[flight]` and `kind = \"tunable_filter\"` has",
+                other.saturating_add(1)
+            );
+            return Err(Error::invalid(Location::item("--planes-of"), message));
         }
         let inputs = subject.inputs.iter().map(|input| &input.path).chain(more_inputs);
         self.staged.spares(inputs.map(PathBuf::as_path))?;
@@ -300,6 +313,12 @@ fn write_files(
     // Always in double precision: positions in metres have more digits than f32 holds.
     envi::write_backplanes(&file("backplanes.img"), planes, Precision::F64, &titled("Backplanes", &subject.scene))?;
     if let Some(exposures) = &observation.exposures {
+        for part in &exposures.taken {
+            let Some(planes) = &part.backplanes else { continue };
+            let band = part.take.bands.start + 1;
+            let title = titled(&format!("Backplanes of the exposure of band {band}"), &subject.scene);
+            envi::write_backplanes(&file(&format!("backplanes.{band}.img")), planes, Precision::F64, &title)?;
+        }
         exposures_csv::write(&file("exposures.csv"), exposures)?;
         if exposures.reference.is_some() {
             tell(watch, "writing displacements", 0, 1)?;
@@ -328,8 +347,9 @@ fn write_files(
         npz::write_table(&file("table.npz"), table, &study::table_id(&subject.scene))?;
     }
     tell(watch, "writing pictures and reports", 0, 1)?;
-    quicklook::write_grey(&file("quicklook.png"), cube, quicklook::grey_band(bands), &shown)?;
-    quicklook::write_colour(&file("quicklook_rgb.png"), cube, quicklook::colour_bands(bands), &shown)?;
+    let compass = Orientation::of(&subject.scene);
+    quicklook::write_grey(&file("quicklook.png"), cube, quicklook::grey_band(bands), &shown, Some(&compass))?;
+    quicklook::write_colour(&file("quicklook_rgb.png"), cube, quicklook::colour_bands(bands), &shown, Some(&compass))?;
     let report = ProductReport { signal, ..report(product, cube, coverage) };
     report_json::write(&file("report.json"), &report)?;
     tell(watch, "writing pictures and reports", 1, 1)?;
@@ -393,6 +413,7 @@ fn report(product: &Product, cube: &ShownBands, coverage: &[f64]) -> ProductRepo
             quicklook_band: quicklook::grey_band(bands) as u64 + 1,
             quicklook_rgb_bands: quicklook::colour_bands(bands).map(|band| band as u64 + 1),
         },
+        orientation: Some(Orientation::of(&subject.scene)),
         bands: BandEntry::of(&subject.scene),
         plan: plan.as_ref().map(PlanEntry::from),
         effects: observation.effects.clone(),

@@ -8,11 +8,12 @@ use std::fs::File;
 use std::io::{BufReader, BufWriter, Write};
 use std::path::Path;
 
-use super::input;
+use super::{compass, input};
 use crate::error::{Error, Location, Result};
 use crate::geometry::whole;
 use crate::product::ShownBands;
 use crate::spectral::Band;
+use crate::study::Orientation;
 
 /// Black and white are the radiances that these shares of the covered pixels are below.
 const BLACK_WHITE: (f64, f64) = (0.005, 0.995);
@@ -56,27 +57,44 @@ pub fn colour_bands(bands: &[Band]) -> [usize; 3] {
 }
 
 /// Writes one band as a grey PNG of 8 bits, from the 0.5th to the 99.5th percentile of the covered pixels.
-/// `coverage`: share of each pixel that shows the surface or a body of the sky; pixels without any are black.
+/// `coverage`: share of each pixel that shows the surface or a body of the sky; pixels without any are black. `compass`: which way arrows point in its corner, if it
+/// is large enough.
 ///
 /// # Errors
 /// [`Error::Io`] if the file cannot be written; [`Error::Invalid`] for an image without pixels.
-pub fn write_grey(path: &Path, cube: &ShownBands, band: usize, coverage: &[f64]) -> Result<()> {
-    let (pixels, text) = channel(cube, band, coverage);
-    write(path, [cube.axes.samples, cube.axes.lines], png::ColorType::Grayscale, &pixels, &text)
+pub fn write_grey(
+    path: &Path,
+    cube: &ShownBands,
+    band: usize,
+    coverage: &[f64],
+    compass: Option<&Orientation>,
+) -> Result<()> {
+    let (mut pixels, text) = channel(cube, band, coverage);
+    let size = [cube.axes.samples, cube.axes.lines];
+    compass.into_iter().for_each(|orientation| compass::draw(&mut pixels, size, 1, orientation));
+    write(path, size, png::ColorType::Grayscale, &pixels, &text)
 }
 
 /// Writes three bands as a colour PNG, each stretched separately: colours show differences, not true colour.
 ///
 /// # Errors
 /// As [`write_grey`].
-pub fn write_colour(path: &Path, cube: &ShownBands, bands: [usize; 3], coverage: &[f64]) -> Result<()> {
+pub fn write_colour(
+    path: &Path,
+    cube: &ShownBands,
+    bands: [usize; 3],
+    coverage: &[f64],
+    compass: Option<&Orientation>,
+) -> Result<()> {
     let red = channel(cube, bands[0], coverage);
     let other = |band: usize| if band == bands[0] { red.clone() } else { channel(cube, band, coverage) };
     let ((green, green_text), (blue, blue_text)) = (other(bands[1]), other(bands[2]));
     let (red, red_text) = &red;
-    let pixels: Vec<u8> = (0..red.len()).flat_map(|i| [red[i], green[i], blue[i]]).collect();
+    let mut pixels: Vec<u8> = (0..red.len()).flat_map(|i| [red[i], green[i], blue[i]]).collect();
     let text = format!("red: {red_text}; green: {green_text}; blue: {blue_text}");
-    write(path, [cube.axes.samples, cube.axes.lines], png::ColorType::Rgb, &pixels, &text)
+    let size = [cube.axes.samples, cube.axes.lines];
+    compass.into_iter().for_each(|orientation| compass::draw(&mut pixels, size, 3, orientation));
+    write(path, size, png::ColorType::Rgb, &pixels, &text)
 }
 
 /// Writes one band as grey, or three as red, green and blue, of any image: [row, column], each stretched separately and called

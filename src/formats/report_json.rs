@@ -17,7 +17,7 @@ use crate::error::{Error, Location, Result};
 use crate::product::{Backplanes, ShownBands};
 use crate::scene::Scene;
 use crate::spectral::Band;
-use crate::study::{BandSignal, Bound, Check, Coarser, Counts, Effect, MapAccount, Plan, SurfaceEntry};
+use crate::study::{BandSignal, Bound, Check, Coarser, Counts, Effect, MapAccount, Orientation, Plan, SurfaceEntry};
 
 /// Version of both formats.
 pub const FORMAT_VERSION: u32 = 2;
@@ -36,6 +36,9 @@ pub struct ProductReport {
     pub inputs: Vec<Input>,
     /// Size of the image.
     pub image: ImageEntry,
+    /// Which way is which in it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub orientation: Option<Orientation>,
     /// Its bands, if one of them is not Gaussian or monochromatic, has not both sunlight and heat, or is cut.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub bands: Vec<BandEntry>,

@@ -71,7 +71,7 @@ pub fn draw(title: &str, x_label: &str, y_label: &str, x: &[f64], curves: &[(&st
 }
 
 /// Least and greatest finite value; apart, so that a single value has an axis too.
-fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+pub(super) fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let (low, high) = values
         .filter(|v| v.is_finite())
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
@@ -83,7 +83,7 @@ fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
 }
 
 /// Some four to eight round numbers in a range, and how they are written.
-fn ticks(low: f64, high: f64) -> Vec<(f64, String)> {
+pub(super) fn ticks(low: f64, high: f64) -> Vec<(f64, String)> {
     let power = 10f64.powf(((high - low) / 5.0).log10().floor());
     let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|step| (high - low) / step <= 8.0);
     let step = step.unwrap_or(high - low);

@@ -6,10 +6,15 @@
 
 use glam::DVec3;
 
+use super::detector::PixelSite;
 use super::pixel::Pixel;
-use crate::geometry::{FrameCamera, angle_rad};
+use crate::geometry::polygon::Point;
+use crate::geometry::{FrameCamera, angle_rad, body_from_site};
 use crate::product::{Backplanes, Plane};
 use crate::scene::{Material, Scene};
+
+/// A slope below this, rad, is rounding.
+const LEVEL: f64 = 16.0 * f64::EPSILON;
 
 /// A plane that every product has.
 struct PlaneKind {
@@ -32,6 +37,7 @@ const KINDS: &[PlaneKind] = &[
     plane("MATERIAL", "index from 0", |of| of.material),
     plane("LATITUDE", "deg", |of| of.centre.latitude_deg),
     plane("LONGITUDE", "deg", |of| of.centre.longitude_deg),
+    plane("RADIUS", "m", |of| of.centre.body_m.length()),
     plane("BODYFIXEDX", "m", |of| of.centre.body_m.x),
     plane("BODYFIXEDY", "m", |of| of.centre.body_m.y),
     plane("BODYFIXEDZ", "m", |of| of.centre.body_m.z),
@@ -43,9 +49,14 @@ const KINDS: &[PlaneKind] = &[
     plane("LOCALEMISSION", "deg", |of| of.centre.local_emission_rad.to_degrees()),
     plane("PIXELRESOLUTION", "m", |of| of.resolution_m),
     plane("OBLIQUEDETECTORRESOLUTION", "m", |of| of.resolution_m / of.centre.local_emission_rad.cos().abs()),
+    plane("GSD_SAMPLE", "m", |of| of.gsd_m[0]),
+    plane("GSD_LINE", "m", |of| of.gsd_m[1]),
+    plane("SLOPE", "deg", |of| of.centre.slope_rad.to_degrees()),
+    plane("SLOPEAZIMUTH", "deg", |of| of.centre.slope_azimuth_deg),
     plane("SUNILLUMINATIONMASK", "1", |of| of.centre_is_lit),
     plane("LATITUDE_MEAN", "deg", |of| of.mean.latitude_deg),
     plane("LONGITUDE_MEAN", "deg", |of| of.mean.longitude_deg),
+    plane("RADIUS_MEAN", "m", |of| of.mean.body_m.length()),
     plane("BODYFIXEDX_MEAN", "m", |of| of.mean.body_m.x),
     plane("BODYFIXEDY_MEAN", "m", |of| of.mean.body_m.y),
     plane("BODYFIXEDZ_MEAN", "m", |of| of.mean.body_m.z),
@@ -55,6 +66,8 @@ const KINDS: &[PlaneKind] = &[
     plane("EMISSION_MEAN", "deg", |of| of.mean.emission_rad.to_degrees()),
     plane("LOCALINCIDENCE_MEAN", "deg", |of| of.mean.local_incidence_rad.to_degrees()),
     plane("LOCALEMISSION_MEAN", "deg", |of| of.mean.local_emission_rad.to_degrees()),
+    plane("SLOPE_MEAN", "deg", |of| of.mean.slope_rad.to_degrees()),
+    plane("SLOPEAZIMUTH_MEAN", "deg", |of| of.mean.slope_azimuth_deg),
 ];
 
 /// What a pixel's planes are made from.
@@ -73,6 +86,8 @@ struct Sums {
     centre_is_lit: f64,
     /// Width of a pixel there, square to the ray, m.
     resolution_m: f64,
+    /// From the middle of a pixel to that of the next one along a line, and to that of the next line, on the facet's plane there, m.
+    gsd_m: [f64; 2],
     /// The mean of all that is seen.
     mean: SurfacePoint,
 }
@@ -90,6 +105,10 @@ struct SurfacePoint {
     /// On the facet.
     local_incidence_rad: f64,
     local_emission_rad: f64,
+    /// Of the facet's normal from the radius.
+    slope_rad: f64,
+    /// Where it goes down, from north by east; 0 where it is level.
+    slope_azimuth_deg: f64,
 }
 
 impl SurfacePoint {
@@ -103,6 +122,8 @@ impl SurfacePoint {
         emission_rad: f64::NAN,
         local_incidence_rad: f64::NAN,
         local_emission_rad: f64::NAN,
+        slope_rad: f64::NAN,
+        slope_azimuth_deg: f64::NAN,
     };
 }
 
@@ -139,6 +160,19 @@ impl Hit {
     fn local_emission_rad(&self) -> f64 {
         angle_rad(self.normal, -self.ray)
     }
+
+    fn slope_rad(&self, planes: &Planes) -> f64 {
+        angle_rad(self.normal, self.point_m + planes.scene.body.origin_m)
+    }
+}
+
+/// Where a plane goes down at a place of the body: the azimuth of its normal, from north by east, 0 to 360 deg; 0 where it is level.
+fn downhill_deg(normal: DVec3, body_m: DVec3) -> f64 {
+    let site = body_from_site(body_m).map_or(DVec3::ZERO, |axes| axes.transpose() * normal);
+    // Rounding of the axes does not tilt what is level.
+    let is_level = site.x.hypot(site.y) <= LEVEL * site.z.abs();
+    let azimuth_deg = site.x.atan2(site.y).to_degrees().rem_euclid(360.0);
+    if is_level { 0.0 } else { azimuth_deg }
 }
 
 /// The dictionary entries that materials are mixed of, ascending.
@@ -196,7 +230,7 @@ impl<'a> Planes<'a> {
     fn sums(&self, pixel: &Pixel, coverage: f64, mut add: impl FnMut(usize, f64)) -> Sums {
         let mesh = &self.scene.body.mesh;
         let (mut position_m, mut range_m, mut lit) = (DVec3::ZERO, 0.0, 0.0);
-        let (mut local_incidence, mut local_emission) = (0.0, 0.0);
+        let (mut local_incidence, mut local_emission, mut slope, mut normals) = (0.0, 0.0, 0.0, DVec3::ZERO);
         let mut area_of_material = [0.0; 8];
         let mut more_materials = std::collections::BTreeMap::new();
         let mut largest = (0.0, 0);
@@ -208,6 +242,8 @@ impl<'a> Planes<'a> {
             range_m += area * hit.range_m;
             local_incidence += area * hit.local_incidence_rad(self);
             local_emission += area * hit.local_emission_rad();
+            slope += area * hit.slope_rad(self);
+            normals += area * hit.normal.normalize_or_zero();
             lit += e.lit.area;
             if area > largest.0 {
                 largest = (area, e.facet);
@@ -230,6 +266,8 @@ impl<'a> Planes<'a> {
             range_m: range_m / coverage,
             local_incidence_rad: local_incidence / coverage,
             local_emission_rad: local_emission / coverage,
+            slope_rad: slope / coverage,
+            slope_azimuth_deg: downhill_deg(normals, mean_m + self.scene.body.origin_m),
             ..self.place(mean_m, to_observer)
         };
         // Of a square pixel of the same area.
@@ -240,6 +278,8 @@ impl<'a> Planes<'a> {
             range_m: hit.range_m,
             local_incidence_rad: hit.local_incidence_rad(self),
             local_emission_rad: hit.local_emission_rad(),
+            slope_rad: hit.slope_rad(self),
+            slope_azimuth_deg: downhill_deg(hit.normal, hit.point_m + self.scene.body.origin_m),
             ..self.place(hit.point_m, -hit.ray)
         };
         Sums {
@@ -249,6 +289,7 @@ impl<'a> Planes<'a> {
             face: f64::from(mesh.face(largest.1 as usize)),
             material: material as f64,
             resolution_m: centre.as_ref().map_or(f64::NAN, |hit| hit.range_m * pitch),
+            gsd_m: centre.as_ref().map_or([f64::NAN; 2], |hit| self.gsd_m(hit, &pixel.site)),
             centre_is_lit: centre.as_ref().map_or(f64::NAN, |_| f64::from(u8::from(pixel.centre_is_lit))),
             centre: centre.as_ref().map_or(SurfacePoint::NONE, of_centre),
             mean,
@@ -278,6 +319,23 @@ impl<'a> Planes<'a> {
         let away = facet.met_by(camera.centre_m(), ray);
         let point_m = camera.centre_m() + away * ray;
         Hit { point_m, range_m: away * ray.length(), ray, normal: facet.cross_m2() }
+    }
+
+    /// How far a hit moves on its facet's plane if the ray moves by a pixel, along a line and from line to line, m.
+    fn gsd_m(&self, hit: &Hit, site: &PixelSite) -> [f64; 2] {
+        let away = hit.range_m / hit.ray.length();
+        let [a, b, c, d] = site.corners();
+        // Between the middles of opposite sides.
+        let moved_m = |[from, to]: [[Point; 2]; 2]| {
+            let middle =
+                |side: [Point; 2]| self.camera.ray(0.5 * (side[0][0] + side[1][0]), 0.5 * (side[0][1] + side[1][1]));
+            let way_m = away * (middle(to) - middle(from));
+            let across_m = hit.normal.dot(way_m);
+            // A facet that is seen edge on has no sampling across; along it nothing is divided by nothing.
+            let along = if across_m == 0.0 { 0.0 } else { across_m / hit.normal.dot(hit.ray) };
+            (way_m - hit.ray * along).length()
+        };
+        [[[a, d], [b, c]], [[a, b], [d, c]]].map(moved_m)
     }
 
     /// Puts names to the planes.

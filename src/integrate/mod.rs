@@ -8,6 +8,7 @@ mod census;
 mod detector;
 mod footprints;
 mod globes;
+mod ground;
 mod lit_area;
 mod maps;
 mod parts;
@@ -37,6 +38,7 @@ use weights::{WeightLine, Weights};
 
 pub use backplanes::plane_count;
 pub use footprints::{GlobesShown, footprints, footprints_among_globes};
+pub use ground::{GroundPiece, ground_pieces};
 pub use maps::{MapImage, MapView, Maps, Unknown, ViewChoice, meets, texels_seen};
 pub use radiance::radiance;
 
@@ -69,6 +71,8 @@ pub struct Wanted<'m> {
     pub footprints: bool,
     /// Radiance alone: no backplanes.
     pub radiance_alone: bool,
+    /// Of a filter that takes one band after the other: bands, from 0, whose exposures have backplanes of their own.
+    pub planes_of: &'m [usize],
 }
 
 /// What a line of the image comes to.

@@ -187,7 +187,7 @@ fn one(
         folder.put_sights(name, &study::sights(moving, watch)?, &sights_id)?;
     }
     if needs_product {
-        let product = folder.stage(name, campaign.options)?;
+        let product = folder.stage(name, campaign.options.clone())?;
         super::simulate(subject, &campaign.request, product, run, watch)?;
     }
     Ok(State::Done)

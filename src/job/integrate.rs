@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use crate::error::{Error, Location, Result};
 use crate::formats::Subject;
-use crate::formats::product_folder::{Product, ProductFolder, Written};
+use crate::formats::product_folder::{Product, ProductFolder, ProductOptions, Written};
 use crate::formats::radiance_map::{self, Summand};
 use crate::formats::report_json::Run;
 use crate::geometry::Texels;
@@ -50,13 +50,13 @@ pub fn integrate(
         });
     }
     let Radiance { table, maps, choice, texels, fill } = radiance;
-    let footprints = folder.options().footprints;
+    let ProductOptions { footprints, planes_of, .. } = folder.options().clone();
     let given = table.as_ref().map(|path| Ok((path.clone(), subject.read_table(path)?))).transpose()?;
     if maps.is_empty() {
         let (path, table) =
             given.ok_or_else(|| Error::invalid(Location::item("--table"), "give `--table`, `--radiance`, or both"))?;
         folder.admit(&subject, [&path], false)?;
-        let wanted = Wanted { footprints, ..Wanted::default() };
+        let wanted = Wanted { footprints, planes_of: &planes_of, ..Wanted::default() };
         let extremes = Extremes::with_shadows(&subject.scene, watch)?;
         let mut product = folder.open(&subject)?;
         let mut put = |slab| product.put(slab, watch);

@@ -4,13 +4,15 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use crate::error::{Error, Problem, Result};
+use crate::error::{Error, Location, Problem, Result};
 use crate::formats::Subject;
 use crate::formats::campaign_toml::Campaign;
 use crate::formats::folder::Staged;
 use crate::formats::points_csv::{Asked, Found, Question};
-use crate::formats::scene_toml;
+use crate::formats::{isd_json, knowledge_table, knowledge_toml, scene_toml};
 use crate::progress::{Watch, tell};
+use crate::study;
+use crate::study::knowledge::{self, Row};
 use crate::study::locate::Locator;
 
 /// At most this many acquisitions are named.
@@ -38,10 +40,7 @@ pub fn locate(
     questions: &[Question],
     watch: Watch<'_>,
 ) -> Result<Vec<(usize, Found)>> {
-    let subject = match acquisition {
-        Some(name) => acquired(file, name, watch)?,
-        None => Subject::from(scene_toml::read(file, watch)?),
-    };
+    let subject = opened(file, acquisition, watch)?;
     tell(watch, "tree", 0, 1)?;
     let motion = subject.motion.as_ref().map(|(motion, timing)| (motion, *timing));
     let locator = Locator::new(&subject.scene, motion);
@@ -60,6 +59,14 @@ pub fn locate(
         .collect()
 }
 
+/// A scene, or the acquisition of this name of a campaign.
+fn opened(file: &Path, acquisition: Option<&str>, watch: Watch<'_>) -> Result<Subject> {
+    match acquisition {
+        Some(name) => acquired(file, name, watch),
+        None => Ok(Subject::from(scene_toml::read(file, watch)?)),
+    }
+}
+
 /// An acquisition of a campaign.
 fn acquired(file: &Path, name: &str, watch: Watch<'_>) -> Result<Subject> {
     let mut campaign = Campaign::open(file, watch)?;
@@ -72,4 +79,72 @@ fn acquired(file: &Path, name: &str, watch: Watch<'_>) -> Result<Subject> {
     };
     let look = campaign.look(&acquisition)?;
     campaign.subject(&acquisition, look)
+}
+
+/// Without a word about it, of at most so many pixels the errors are told.
+const PIXELS: u32 = 256;
+
+/// How far off the pixels of a scene, or of an acquisition of a campaign, are placed by what a file says is known; on request a folder (whether it may be replaced) receives the table, images and numbers.
+///
+/// # Errors
+/// Those of [`scene_toml::read`], [`knowledge_toml::read`], [`knowledge::budget`] and [`Staged::folder_of`]; [`Error::Io`](crate::Error::Io).
+pub fn locate_errors(
+    (file, acquisition): (&Path, Option<&str>),
+    known: &Path,
+    (every, band): (Option<u32>, Option<usize>),
+    folder: Option<(&Path, bool)>,
+    watch: Watch<'_>,
+) -> Result<(Vec<Row>, serde_json::Value)> {
+    let staged = |(target, replace)| Staged::folder_of(&knowledge_table::FOLDER, target, replace);
+    let folder = folder.map(staged).transpose()?;
+    let file = opened(file, acquisition, watch)?;
+    let known = knowledge_toml::read(known, file.scene.body.origin_m)?;
+    if let Some(folder) = &folder {
+        let inputs = file.inputs.iter().chain(&known.inputs);
+        folder.spares(inputs.map(|input| input.path.as_path()))?;
+    }
+    tell(watch, "tree", 0, 1)?;
+    let locator = Locator::new(&file.scene, file.motion.as_ref().map(|(motion, timing)| (motion, *timing)));
+    tell(watch, "tree", 1, 1)?;
+    let camera = &file.scene.exposure.camera;
+    let pixels = |every: &u32| camera.samples.div_ceil(*every).saturating_mul(camera.lines.div_ceil(*every));
+    let few = || (1..=u32::MAX).find(|every| pixels(every) <= PIXELS).unwrap_or(1);
+    let asked = knowledge::Asked {
+        band: band.unwrap_or_else(|| locator.reference_band()),
+        every: every.unwrap_or_else(few),
+        draws: known.draws,
+        seed: known.seed,
+    };
+    let budget = knowledge::budget(&locator, &known.knowledge, asked, watch).map_err(|error| known.placed(error))?;
+    let rows = knowledge::summary(&budget);
+    let summary = knowledge_table::summary_json(&budget, asked, &rows);
+    if let Some(folder) = folder {
+        knowledge_table::write(folder.path(), &budget, &summary).map_err(|error| folder.named(error))?;
+        folder.commit()?;
+    }
+    Ok((rows, summary))
+}
+
+/// Writes the image support data of a scene, or of an acquisition of a campaign, for CSM, of a tunable filter in a band, from 0: without one the reference.
+///
+/// # Errors
+/// Those of [`scene_toml::read`], [`isd_json::isd`] and [`Staged::file`]; [`Error::Invalid`](crate::Error::Invalid) if an input would be replaced;
+/// [`Error::Io`](crate::Error::Io).
+pub fn write_isd(
+    (file, acquisition): (&Path, Option<&str>),
+    band: Option<usize>,
+    (target, replace): (&Path, bool),
+    watch: Watch<'_>,
+) -> Result<()> {
+    let file = opened(file, acquisition, watch)?;
+    let motion = file.motion.as_ref().map(|(motion, timing)| (motion, *timing));
+    let band = band.unwrap_or_else(|| study::reference_band(&file.scene, motion));
+    let count = file.scene.exposure.bands.len();
+    if band >= count {
+        let message = format!("band {} is not one of {count}", band.saturating_add(1));
+        return Err(Error::invalid(Location::item("--band"), message));
+    }
+    let isd = isd_json::isd(&file.scene, motion, band)?;
+    let inputs: Vec<&Path> = file.inputs.iter().map(|input| input.path.as_path()).collect();
+    write_answers(target, replace, &format!("{isd:#}\n"), &inputs)
 }

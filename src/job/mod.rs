@@ -4,14 +4,17 @@
 
 mod campaign;
 mod chart;
+mod coregister;
 mod curve_sheet;
 mod dry_run;
 mod flight_facts;
+mod flight_tracks;
 mod image_survey;
 mod instrument;
 mod integrate;
 mod landscape;
 mod locate;
+mod ortho;
 mod plan;
 mod simulate;
 mod solve;
@@ -19,14 +22,17 @@ mod surface;
 
 pub use campaign::{Finished, Order, Shard, State, Status, campaign};
 pub use chart::{Render, chart, stability};
+pub use coregister::coregister;
 pub use curve_sheet::CurveSheet;
 pub use dry_run::{Outlook, dry_run, plan};
 pub use flight_facts::{FlightFacts, PartFacts, Steps, flight_facts};
+pub use flight_tracks::{draw_flight, flight_sheet};
 pub use image_survey::{Picture, Survey, survey};
 pub use instrument::{Asked, instrument};
 pub use integrate::{Radiance, integrate};
 pub use landscape::LandscapeFiles;
-pub use locate::{locate, write_answers};
+pub use locate::{locate, locate_errors, write_answers, write_isd};
+pub use ortho::{Mapped, ortho};
 pub use simulate::simulate;
 pub use solve::{TableFiles, Towards, radiance_path, solve};
 pub use surface::SurfaceFacts;

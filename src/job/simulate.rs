@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::formats::Subject;
-use crate::formats::product_folder::{Product, ProductFolder, Written};
+use crate::formats::product_folder::{Product, ProductFolder, ProductOptions, Written};
 use crate::formats::report_json::Run;
 use crate::integrate::Wanted;
 use crate::progress::Watch;
@@ -24,7 +24,8 @@ pub fn simulate(
     watch: Watch<'_>,
 ) -> Result<Written> {
     folder.admit(&subject, [], false)?;
-    let wanted = Wanted { footprints: folder.options().footprints, ..Wanted::default() };
+    let ProductOptions { footprints, planes_of, .. } = folder.options().clone();
+    let wanted = Wanted { footprints, planes_of: &planes_of, ..Wanted::default() };
     let (extremes, plan) = super::plan::decide(&mut subject, request, watch)?;
     let mut product = folder.open(&subject)?;
     let mut put = |slab| product.put(slab, watch);

@@ -20,6 +20,8 @@ pub struct Exposed {
     pub to_sun: Direction,
     /// From the origin to the Sun, m.
     pub sun_m: f64,
+    /// Its own backplanes, if they were wanted: those of a product are the reference's.
+    pub backplanes: Option<Backplanes>,
 }
 
 /// All parts of a cube, in the order of time.

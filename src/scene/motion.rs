@@ -60,7 +60,10 @@ impl Motion {
     }
 
     /// The velocity of the spacecraft over the turning body, m/s; to one side where the other is not known.
-    fn velocity_m_s(&self, epoch: Epoch, position_m: DVec3) -> Result<DVec3> {
+    ///
+    /// # Errors
+    /// As [`position_m`](Motion::position_m).
+    pub fn velocity_m_s(&self, epoch: Epoch, position_m: DVec3) -> Result<DVec3> {
         let beside = |by_s: f64| self.position_m(epoch.after_s(by_s));
         match (beside(-BESIDE_S), beside(BESIDE_S)) {
             (Ok(before), Ok(after)) => Ok((after - before) / (2.0 * BESIDE_S)),

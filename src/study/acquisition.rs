@@ -10,7 +10,7 @@ use super::observation::{Observation, Put};
 use super::simulate::account_for;
 use super::spectrometer;
 use super::through_optics::{Blurs, Seen, other_spectra, refined, serves};
-use crate::error::{Error, Result};
+use crate::error::{Error, Location, Problem, Result};
 use crate::flight::Epoch;
 use crate::geometry::{FrameCamera, whole};
 use crate::instrument::Optics;
@@ -69,32 +69,32 @@ impl Moving<'_> {
         Ok(exposure)
     }
 
-    /// The radiance of a part of the cube: the mean of its poses, under the sky of its middle; of a line also the planes and footprints of its middle.
+    /// The radiance of a part of the cube: the mean of its poses, under the sky of its middle; if they are wanted also the planes and footprints of its middle.
     fn looked_at(
         &self,
-        take: &Take,
+        (take, with_planes): (&Take, bool),
         then: &Scene,
         table: &FacetTable,
         footprints: bool,
         (blurs, put): (Option<&Blurs>, &mut dyn FnMut(Slab) -> Result<()>),
         watch: Watch<'_>,
     ) -> Result<Option<Ground>> {
-        let by_line = self.timing.readout.is_along_the_way();
         if self.timing.poses <= 1 && self.optics.is_none() {
-            let wanted = Wanted { radiance_alone: !by_line, footprints: by_line && footprints, ..Wanted::default() };
+            let wanted =
+                Wanted { radiance_alone: !with_planes, footprints: with_planes && footprints, ..Wanted::default() };
             let Image { mut slab, backplanes, footprints, .. } = integrate::integrate(then, table, wanted, watch)?;
             if !then.exposure.spectrometer.is_ideal() {
                 slab = spectrometer::radiance(then, table, watch)?;
             }
             put(slab)?;
-            return Ok(by_line.then_some((backplanes, footprints)));
+            return Ok(with_planes.then_some((backplanes, footprints)));
         }
         let ground = || {
             let wanted = Wanted { footprints, ..Wanted::default() };
             let Image { backplanes, footprints, .. } = integrate::integrate(then, table, wanted, watch)?;
             Ok::<_, Error>((backplanes, footprints))
         };
-        let ground = by_line.then(ground).transpose()?;
+        let ground = with_planes.then(ground).transpose()?;
         if let Some(optics) = self.optics {
             let at = |s| then.seen_by(self.exposure_at(take, s)?);
             let poses: Vec<Scene> = self.timing.poses_s(take).map(at).collect::<Result<_>>()?;
@@ -345,6 +345,12 @@ fn acquire(
 ) -> Result<Observation<()>> {
     let Moving { scene, timing, .. } = moving;
     let by_line = timing.readout.is_along_the_way();
+    let of_band = |band: &&usize| timing.readout == Readout::Band && **band < scene.exposure.bands.len();
+    if let Some(other) = wanted.planes_of.iter().find(|band| !of_band(band)) {
+        let message =
+            format!("band {} has no exposure of its own: each band of a tunable filter has", other.saturating_add(1));
+        return Err(Error::Invalid(vec![Problem::new(Location::item("--planes-of"), message)]));
+    }
     serves(moving.optics, timing.readout, &scene.exposure)?;
     let groups = by_line.then(|| FacetGroups::new(&scene.body.mesh));
     let takes: Vec<Take> = timing.takes(&scene.exposure).collect();
@@ -374,8 +380,10 @@ fn acquire(
                 }
                 put(slab)
             };
+            let with_planes = by_line || wanted.planes_of.contains(&take.bands.start);
             let to = (blurs.as_ref(), &mut put_there as &mut dyn FnMut(Slab) -> Result<()>);
-            let ground = moving.looked_at(take, &then, &table, wanted.footprints, to, &quiet)?;
+            let with_footprints = by_line && wanted.footprints;
+            let ground = moving.looked_at((take, with_planes), &then, &table, with_footprints, to, &quiet)?;
             let mut ground = ground.map(|mut ground| {
                 block.rename_facets(&mut ground);
                 ground
@@ -393,6 +401,8 @@ fn acquire(
                     ));
                 }
             }
+            // Those of a filter's image stay its own.
+            let own = ground.take_if(|_| !by_line).map(|(planes, _)| planes);
             if let Some((planes, seen)) = ground {
                 add_below(&mut lines, planes);
                 footprints.iter_mut().zip(&seen).for_each(|(all, seen)| all.append(seen));
@@ -403,6 +413,7 @@ fn acquire(
                 camera: then.exposure.camera.clone(),
                 to_sun: then.sky.sun.direction,
                 sun_m: then.sky.sun.distance_m,
+                backplanes: own,
             });
             tell(watch, STAGE, done + 1, total)?;
         }
@@ -543,6 +554,7 @@ pub fn tell_exposure(moving: Moving<'_>, tolerance: f64, observation: &mut Obser
         camera: scene.exposure.camera.clone(),
         to_sun: scene.sky.sun.direction,
         sun_m: scene.sky.sun.distance_m,
+        backplanes: None,
     });
     let exposures = Exposures { origin_m: scene.body.origin_m, taken: taken.collect(), reference: None };
     observation.exposures = Some(exposures);

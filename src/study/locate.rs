@@ -24,9 +24,9 @@ const HALVINGS: usize = 80;
 /// A scene, its sensor and its surface, to be asked.
 #[derive(Debug)]
 pub struct Locator<'a> {
-    scene: &'a Scene,
-    motion: Option<(&'a Motion, Timing)>,
-    tree: RayTree,
+    pub(super) scene: &'a Scene,
+    pub(super) motion: Option<(&'a Motion, Timing)>,
+    pub(super) tree: RayTree,
     /// The camera in the middle of each exposure, found when it is first asked for: many places are of the same moment.
     middles: Vec<OnceLock<Now>>,
 }
@@ -94,9 +94,9 @@ pub fn outermost_at(tree: &RayTree, body: &Body, [latitude_deg, longitude_deg]: 
 
 /// A camera at a moment.
 #[derive(Debug, Clone)]
-struct Now {
-    camera: FrameCamera,
-    epoch: Option<Epoch>,
+pub(super) struct Now {
+    pub(super) camera: FrameCamera,
+    pub(super) epoch: Option<Epoch>,
 }
 
 impl<'a> Locator<'a> {
@@ -124,13 +124,7 @@ impl<'a> Locator<'a> {
     /// [`Error::Invalid`] if there is no such band, or where something is, is not known then.
     pub fn ground(&self, place: Place, band: usize) -> Result<Option<Ground>> {
         let now = self.camera_at(place, band)?;
-        let [sample, line] = match self.readout() {
-            Readout::Frame | Readout::Band => [place.sample, place.line],
-            Readout::Line => [place.sample, now.camera.boresight_px[1]],
-            // The mirror brings the place into the middle of the column.
-            Readout::Sample(mirror) => [0.5, place.line - f64::from(mirror.elements) * self.sweep(&mirror, place.line)],
-        };
-        let (from_m, ray) = (now.camera.centre_m(), now.camera.ray(sample, line));
+        let (from_m, ray) = (now.camera.centre_m(), self.ray(&now, place));
         // A lens shows nothing beyond its fold.
         let Some(hit) = self.tree.nearest(from_m, ray).filter(|_| ray.is_finite()) else { return Ok(None) };
         let to_m = hit.t * ray;
@@ -191,6 +185,17 @@ impl<'a> Locator<'a> {
         self.motion.map_or(Readout::Frame, |(_, timing)| timing.readout)
     }
 
+    /// The direction in which the camera that takes a place of the image looks through it.
+    pub(super) fn ray(&self, now: &Now, place: Place) -> DVec3 {
+        let [sample, line] = match self.readout() {
+            Readout::Frame | Readout::Band => [place.sample, place.line],
+            Readout::Line => [place.sample, now.camera.boresight_px[1]],
+            // The mirror brings the place into the middle of the column.
+            Readout::Sample(mirror) => [0.5, place.line - f64::from(mirror.elements) * self.sweep(&mirror, place.line)],
+        };
+        now.camera.ray(sample, line)
+    }
+
     /// The camera of a band when a place is taken; of a push-broom its slit alone, of a whisk-broom its column.
     fn camera_at(&self, place: Place, band: usize) -> Result<Now> {
         let bands = self.scene.exposure.bands.len();
@@ -204,15 +209,19 @@ impl<'a> Locator<'a> {
             Readout::Line => Some(whole(place.line)).filter(|line| place.line == *line as f64 + 0.5),
             Readout::Sample(_) => None,
         };
-        let Some(kept) = exposure.and_then(|i| self.middles.get(i)) else { return self.camera_then(place, band) };
+        let now = || self.camera_later(place, band, 0.0);
+        // What is asked of no band is an error, also of a moment that is known.
+        let of_band = exposure.filter(|_| band < self.scene.exposure.bands.len());
+        let Some(kept) = of_band.and_then(|i| self.middles.get(i)) else { return now() };
         if let Some(now) = kept.get() {
             return Ok(now.clone());
         }
-        let now = self.camera_then(place, band)?;
+        let now = now()?;
         Ok(kept.get_or_init(|| now).clone())
     }
 
-    fn camera_then(&self, place: Place, band: usize) -> Result<Now> {
+    /// The same so many seconds later; a mirror stands as it does.
+    pub(super) fn camera_later(&self, place: Place, band: usize, by_s: f64) -> Result<Now> {
         let exposure = &self.scene.exposure;
         let mut camera = exposure.camera.clone();
         let Some((motion, timing)) = self.motion else { return Ok(Now { camera, epoch: None }) };
@@ -233,7 +242,7 @@ impl<'a> Locator<'a> {
                 timing.middle_s(0) + self.sweep(&mirror, place.line) * timing.period_s + in_sweep_s
             }
         };
-        let epoch = motion.start.after_s(middle_s);
+        let epoch = motion.start.after_s(middle_s + by_s);
         let pose: Pose = motion.pose(epoch)?;
         let pose = mirror_rad.map_or(pose, |angle_rad| Mirror::turned(pose, angle_rad));
         Ok(Now { camera: FrameCamera { world_from_sensor: pose, ..camera }, epoch: Some(epoch) })

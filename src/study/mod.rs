@@ -1,6 +1,7 @@
 //! Studies: work that spans several layers. Takes values and callbacks, does not access the disk.
 
 pub mod chart;
+pub mod coregister;
 mod acquisition;
 mod coarser;
 mod cost;
@@ -10,12 +11,15 @@ mod dry_run;
 mod effects;
 mod extremes;
 mod glimpse;
+pub mod knowledge;
 pub mod locate;
 mod map_light;
 mod maps;
 mod observation;
 pub mod over_cube;
 mod partly_sky;
+mod ortho;
+mod orientation;
 mod plan;
 mod reading;
 mod resolved_slopes;
@@ -41,6 +45,8 @@ pub use effects::{Bound, Decision, Effect, OwnTolerance, StageShare, tell_correc
 pub use extremes::Extremes;
 pub use maps::{Fill, MapAccount, MapEntry, MapOptions, RegistrationEntry, observe_maps, observe_maps_by_slabs};
 pub use observation::{Check, Counts, Observation, Put};
+pub use orientation::Orientation;
+pub use ortho::{MapWish, ortho, reference_band};
 pub use plan::{Choice, Plan, Request, TOLERANCE, decide, left_out_of_table, plan, unheeded};
 pub use reading::{BandSignal, GOOD, Reader, Reading};
 pub use sights::sights;

@@ -80,7 +80,8 @@ fn look(scratch: &Scratch, mesh: &Mesh, text: &str) -> Observation {
 /// Planes that depend on where the body's centre is.
 fn is_body_fixed(name: &str) -> bool {
     let name = name.trim_end_matches("_MEAN");
-    ["LATITUDE", "LONGITUDE", "BODYFIXEDX", "BODYFIXEDY", "BODYFIXEDZ", "INCIDENCE", "EMISSION"].contains(&name)
+    let by_radius = ["RADIUS", "INCIDENCE", "EMISSION", "SLOPE", "SLOPEAZIMUTH"];
+    ["LATITUDE", "LONGITUDE", "BODYFIXEDX", "BODYFIXEDY", "BODYFIXEDZ"].contains(&name) || by_radius.contains(&name)
 }
 
 fn bits(values: &[f64]) -> Vec<u64> {

@@ -275,8 +275,8 @@ fn a_full_disk_is_an_error_that_names_the_file() {
         exr_cube::write(&path, &cube, "", &unwatched),
         npz::write_table(&path, &table(), "scene"),
         npz::write_footprints(&path, &Footprints { row_start: vec![0], ..Default::default() }, "scene"),
-        quicklook::write_grey(&path, &shown(&cube), 0, &[1.0; 64 * 64]),
-        quicklook::write_colour(&path, &shown(&cube), [0, 1, 2], &[1.0; 64 * 64]),
+        quicklook::write_grey(&path, &shown(&cube), 0, &[1.0; 64 * 64], None),
+        quicklook::write_colour(&path, &shown(&cube), [0, 1, 2], &[1.0; 64 * 64], None),
         report_json::write(&path, &image),
     ];
     for (i, result) in results.into_iter().enumerate() {
@@ -558,13 +558,13 @@ fn quick_looks_are_pictures_of_the_cube_and_say_how_they_are_stretched() {
     let scratch = Scratch::new();
     let (grey, colour) = (scratch.join("grey.png"), scratch.join("colour.png"));
     let coverage = [1.0, 1.0, 0.5, 0.0];
-    quicklook::write_grey(&grey, &shown(&small_cube()), 1, &coverage).unwrap();
+    quicklook::write_grey(&grey, &shown(&small_cube()), 1, &coverage, None).unwrap();
     let (kind, pixels, text) = decode(&grey);
     assert_eq!((kind, pixels), (png::ColorType::Grayscale, vec![0, 128, 255, 0]));
     let [long, short] = ["3.6 um, black 1.0000e1, white 3.0000e1", "0.95 um, black 1.0000e0, white 3.0000e0"]
         .map(|text| format!("{text} W m-2 sr-1 um-1, power 1.000"));
     assert_eq!(text, long);
-    quicklook::write_colour(&colour, &shown(&small_cube()), [1, 0, 0], &coverage).unwrap();
+    quicklook::write_colour(&colour, &shown(&small_cube()), [1, 0, 0], &coverage, None).unwrap();
     assert_eq!([&grey, &colour].map(|p| quicklook::read_info(p).unwrap()), [(2, 2, false), (2, 2, true)]);
     assert!(matches!(quicklook::read_info(&scratch.join("none.png")), Err(Error::Io { .. })));
     let (kind, pixels, text) = decode(&colour);

@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use mmxrt::formats::{campaign_toml, instrument_toml, manifest_json, radiance_map, report_json, scene_toml};
+use mmxrt::formats::{
+    campaign_toml, instrument_toml, knowledge_toml, manifest_json, radiance_map, report_json, scene_toml,
+};
 
 #[test]
 fn schemas_are_those_of_the_types() {
@@ -10,6 +12,7 @@ fn schemas_are_those_of_the_types() {
         ("instrument.schema.json", instrument_toml::schema()),
         ("campaign.schema.json", campaign_toml::schema()),
         ("manifest.schema.json", manifest_json::schema()),
+        ("knowledge.schema.json", knowledge_toml::schema()),
         ("map.schema.json", radiance_map::schema()),
         ("dart_map.schema.json", radiance_map::dart_schema()),
         ("report.schema.json", report_json::report_schema()),

@@ -270,6 +270,7 @@ fn options(toml: &OutputToml) -> ProductOptions {
         table: toml.table,
         split: toml.split,
         quantity: toml.quantity.map_or(by_default.quantity, Into::into),
+        ..by_default
     }
 }
 

@@ -9,7 +9,7 @@ mod write;
 pub use self::pair::pair;
 pub use self::read_header::{Header, parse_header, read_header};
 pub use self::statistics::{BandStatistics, statistics};
-pub use self::write::{EnviCube, write_backplanes, write_cube, write_planes};
+pub use self::write::{EnviCube, write_backplanes, write_cube, write_map, write_planes};
 pub use super::number::DataType;
 
 pub(super) use self::pair::{ENDINGS, header_of};

@@ -258,10 +258,34 @@ pub fn write_backplanes(path: &Path, planes: &Backplanes, precision: Precision, 
 /// As [`write_backplanes`].
 pub fn write_planes<'p>(
     path: &Path,
-    [samples, lines]: [usize; 2],
+    size: [usize; 2],
     planes: impl ExactSizeIterator<Item = Cow<'p, Plane>>,
     precision: Precision,
     description: &str,
+) -> Result<()> {
+    write_placed(path, size, planes, precision, (description, None))
+}
+
+/// The same of a map, whose header says where it lies (`map info`).
+///
+/// # Errors
+/// As [`write_backplanes`].
+pub fn write_map<'p>(
+    path: &Path,
+    size: [usize; 2],
+    planes: impl ExactSizeIterator<Item = Cow<'p, Plane>>,
+    precision: Precision,
+    (description, map_info): (&str, &str),
+) -> Result<()> {
+    write_placed(path, size, planes, precision, (description, Some(map_info)))
+}
+
+fn write_placed<'p>(
+    path: &Path,
+    [samples, lines]: [usize; 2],
+    planes: impl ExactSizeIterator<Item = Cow<'p, Plane>>,
+    precision: Precision,
+    (description, map_info): (&str, Option<&str>),
 ) -> Result<()> {
     let writing = |e| Error::io(path, "writing", e);
     let bands = planes.len();
@@ -282,6 +306,7 @@ pub fn write_planes<'p>(
     let size = [samples, lines, bands];
     let mut text = HeaderText::of_image(Some(description), size, precision.data_type(), Interleave::Bsq);
     text.field("data ignore value", "nan");
+    map_info.into_iter().for_each(|place| text.field("map info", format_args!("{{{place}}}")));
     // ENVI has one unit for a file; ours differ, so that a plane's name carries its own.
     text.list("band names", names.into_iter());
     text.write(&path.with_extension("hdr"))

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use self::write::{About, Column, Values, write};
 use crate::error::Result;
-use crate::product::{Footprints, ReflectedPart, Sampling};
+use crate::product::{CellPart, Footprints, MapGrid, ReflectedPart, Sampling};
 use crate::scene::Models;
 use crate::spectral::Light;
 
@@ -33,11 +33,14 @@ const FOOTPRINTS: &str = "mmxrt footprints";
 const TABLE_VERSIONS: &[u32] = &[1, 2, 3];
 /// The version of footprints that is written.
 const FOOTPRINTS_VERSION: u32 = 1;
+const LOOKUP: &str = "mmxrt map lookup";
+/// The version of look-up tables that is written.
+const LOOKUP_VERSION: u32 = 1;
 
 /// What the member `header` says.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Header {
-    /// What the file holds: `mmxrt facet table`, `mmxrt footprints` or `mmxrt facet radiance`.
+    /// What the file holds: `mmxrt facet table`, `mmxrt footprints`, `mmxrt map lookup` or `mmxrt facet radiance`.
     pub format: String,
     /// Version of that format.
     pub format_version: u32,
@@ -102,6 +105,24 @@ pub struct Field {
     pub unit: String,
     /// Meaning.
     pub meaning: String,
+}
+
+/// Writes the look-up table of a map: which pixels are in which of its cells, and what each counts there.
+///
+/// # Errors
+/// [`Error::Io`](crate::Error::Io) if the file cannot be written.
+pub fn write_lookup(path: &Path, grid: &MapGrid, parts: &[CellPart], scene: &str) -> Result<()> {
+    let column = |name, meaning, values| Column::new(name, "1", meaning, values);
+    let of = |part: fn(&CellPart) -> u32| parts.iter().map(part).collect::<Vec<u32>>();
+    let (cell, sample, line) = (of(|part| part.cell), of(|part| part.sample), of(|part| part.line));
+    let weight = grid.weights(parts);
+    let columns = [
+        column("cell", "cell of the map, from 0, row after row", Values::U32(&cell)),
+        column("sample", "sample of a pixel in it, from 0", Values::U32(&sample)),
+        column("line", "line of that pixel, from 0", Values::U32(&line)),
+        column("weight", "share of what is seen of the cell that the pixel sees", Values::F64(&weight)),
+    ];
+    write(path, (LOOKUP, LOOKUP_VERSION), scene, About::default(), &columns)
 }
 
 /// Writes footprints: which facets each pixel sees, as a sparse matrix [pixel, facet] (CSR).

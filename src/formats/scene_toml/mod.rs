@@ -53,6 +53,7 @@ pub(super) use atlas::Tiling;
 pub(super) use lens::{Lens, Optics};
 pub(super) use materials::EMISSIVITY_BOLOMETRIC;
 pub(super) use template::{Changes, Template, Variant};
+pub(super) use types::Coordinates;
 pub(super) use view::SENSOR_NAME;
 pub(super) use view::USUAL_UM;
 pub(super) use view::pitch_of_fov;

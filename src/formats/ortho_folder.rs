@@ -1,0 +1,53 @@
+//! A folder with an image as a map: `ortho.img` (what is seen of each cell, and its value in each band), `lookup.npz`, `ortho.json`.
+
+use std::borrow::Cow;
+use std::path::Path;
+
+use serde_json::json;
+
+use super::envi::{self, Precision};
+use super::folder::FolderKind;
+use super::npz;
+use crate::error::{Error, Result};
+use crate::product::{CellPart, MapGrid, Plane, Projection};
+
+/// Such a folder.
+pub const FOLDER: FolderKind =
+    FolderKind { marks: &["ortho.json"], parts: &["ortho.json", "ortho.img", "ortho.hdr", "lookup.npz"] };
+
+/// What ENVI calls where a map lies: pixel coordinates are 1 at the outer corner of the first cell.
+fn map_info(grid: &MapGrid) -> String {
+    let ([west, north], cell) = (grid.west_north, grid.cell);
+    let (name, units) = match grid.projection {
+        Projection::Tangent { .. } => ("Arbitrary", "Meters"),
+        Projection::PlateCarree { .. } => ("Geographic Lat/Lon", "Degrees"),
+    };
+    format!("{name}, 1, 1, {west}, {north}, {cell}, {cell}, units={units}")
+}
+
+/// Fills the folder; `bands` are the values of cells by name, NaN where nothing is seen.
+///
+/// # Errors
+/// [`Error::Io`].
+pub fn write(folder: &Path, grid: &MapGrid, parts: &[CellPart], bands: Vec<Plane>, scene: &str) -> Result<()> {
+    let mut planes = vec![Plane { name: "COVERAGE".into(), unit: "1".into(), values: grid.coverage(parts) }];
+    planes.extend(bands);
+    let description = "Means of the pixels that see each cell, by area; NaN where none does";
+    let all = planes.iter().map(Cow::Borrowed);
+    let size = [grid.columns, grid.rows];
+    envi::write_map(&folder.join("ortho.img"), size, all, Precision::F64, (description, &map_info(grid)))?;
+    npz::write_lookup(&folder.join("lookup.npz"), grid, parts, scene)?;
+    let projection = match grid.projection {
+        Projection::Tangent { origin_m, axes } => json!({
+            "name": "tangent", "origin_m": origin_m.to_array(),
+            "east": axes.x_axis.to_array(), "north": axes.y_axis.to_array(), "up": axes.z_axis.to_array(),
+        }),
+        Projection::PlateCarree { middle_deg } => json!({ "name": "plate-carree", "middle_deg": middle_deg }),
+    };
+    let about = json!({
+        "mmxrt": env!("CARGO_PKG_VERSION"), "scene": scene, "projection": projection, "west": grid.west_north[0], "north": grid.west_north[1],
+        "cell": grid.cell, "columns": grid.columns, "rows": grid.rows, "planes": planes.iter().map(|plane| &plane.name).collect::<Vec<_>>(),
+    });
+    let path = folder.join("ortho.json");
+    std::fs::write(&path, format!("{about:#}\n")).map_err(|e| Error::io(&path, "writing", e))
+}

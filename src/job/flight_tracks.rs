@@ -1,0 +1,145 @@
+//! What a file of flight dynamics knows, to look at: ground tracks, heights and phase angles of trajectories, directions and rates of frames that turn.
+
+use std::path::Path;
+
+use glam::DVec3;
+
+use crate::error::{Error, Location, Result};
+use crate::flight::{Almanac, Epoch, LeapSeconds, Orientation, Span, Trajectory, altitude_m, radii_m};
+use crate::formats::ephemeris;
+use crate::formats::track_picture::{self, Broken, Track, TrackSheet, unwrapped};
+use crate::geometry::angle_rad;
+
+/// Moments that a span is drawn at.
+const MOMENTS: u32 = 600;
+/// A turn of less than this angle, rad, tells no rate.
+const STILL_RAD: f64 = 1e-12;
+
+/// Draws what a file knows as SVG or PNG.
+///
+/// # Errors
+/// Those of [`flight_sheet`] and of [`track_picture::write`].
+pub fn draw_flight(path: &Path, target: &Path, replace: bool) -> Result<()> {
+    track_picture::write(&flight_sheet(path)?, target, replace, path)
+}
+
+/// What a file knows, to be drawn: of trajectories the point below, if how their centre turns is known; of a file without any where +z of its frames points.
+///
+/// # Errors
+/// Those of its reader; [`Error::Invalid`] if nothing of it can be drawn.
+pub fn flight_sheet(path: &Path) -> Result<TrackSheet> {
+    let file = ephemeris::read(path, &LeapSeconds::default())?;
+    let mut almanac = Almanac::with_rough_trajectories();
+    let trajectories: Vec<Trajectory> = file.trajectories.into_iter().map(|(_, trajectory)| trajectory).collect();
+    let orientations: Vec<Orientation> = file.orientations.into_iter().map(|(_, orientation)| orientation).collect();
+    let spans: Vec<Span> = trajectories
+        .iter()
+        .flat_map(Trajectory::spans)
+        .chain(orientations.iter().flat_map(|of| of.spans().unwrap_or_default()))
+        .collect();
+    let Some(start) = spans.iter().map(|span| span.start).min_by(|a, b| a.tdb_s().total_cmp(&b.tdb_s())) else {
+        return Err(Error::invalid(Location::file(path), "knows no span of time that could be drawn"));
+    };
+    almanac.trajectories.extend(trajectories.iter().cloned());
+    almanac.orientations.extend(orientations.iter().cloned());
+    let name = path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
+    let begins = format!("{} {}", start.to_text(file.scale, 0, &LeapSeconds::default()), file.scale.name());
+    Ok(if trajectories.is_empty() {
+        TrackSheet {
+            title: format!("{name}: where +z points"),
+            map_labels: ["right ascension, deg".into(), "declination, deg".into()],
+            quantities: vec!["turned, deg".into(), "rate, deg/s".into()],
+            begins,
+            tracks: orientations.iter().map(|of| of_orientation(of, start)).collect::<Result<_>>()?,
+        }
+    } else {
+        let fixed = format!("IAU_{}", trajectories[0].centre);
+        let turns = almanac.rotation(&fixed, &trajectories[0].frame, start).is_ok();
+        let [across, upwards] = if turns { ["longitude east", "latitude"] } else { ["right ascension", "declination"] };
+        TrackSheet {
+            title: format!("{name}: about {}", trajectories[0].centre),
+            map_labels: [across, upwards].map(|label| format!("{label}, deg")),
+            quantities: vec!["height, km".into(), "phase angle, deg".into()],
+            begins,
+            tracks: trajectories.iter().map(|of| of_trajectory(of, &almanac, start)).collect::<Result<_>>()?,
+        }
+    })
+}
+
+/// Even moments of a span, both ends included.
+fn moments(span: &Span) -> impl Iterator<Item = Epoch> + use<> {
+    let (start, length_s) = (span.start, span.end.since_s(span.start));
+    let end = span.end;
+    (0..=MOMENTS).map(move |i| match i {
+        MOMENTS => end,
+        _ => start.after_s(length_s * f64::from(i) / f64::from(MOMENTS)),
+    })
+}
+
+/// Longitude, 0 to 360, and latitude of a direction, deg.
+fn directed_deg(p: DVec3) -> [f64; 2] {
+    [p.y.atan2(p.x).to_degrees().rem_euclid(360.0), p.z.atan2(p.x.hypot(p.y)).to_degrees()]
+}
+
+/// Below it, how high it is above its centre's ellipsoid (or how far from the centre), and the angle there between it and the Sun.
+fn of_trajectory(of: &Trajectory, almanac: &Almanac, start: Epoch) -> Result<Track> {
+    let fixed = format!("IAU_{}", of.centre);
+    let radii_m = almanac.radii_m(&of.centre).or_else(|| radii_m(&of.centre));
+    let (mut map, mut heights, mut phases): (Broken, Broken, Broken) = Default::default();
+    for span in of.spans() {
+        let (mut places, mut height, mut phase) = (vec![], vec![], vec![]);
+        for epoch in moments(&span) {
+            let Some(state) = of.state(epoch)? else { continue };
+            let hours = epoch.since_s(start) / 3600.0;
+            let rotation = almanac.rotation(&fixed, &of.frame, epoch).ok();
+            let position_m = rotation.map_or(state.position_m, |rotation| rotation * state.position_m);
+            places.push(directed_deg(position_m));
+            let height_m = match radii_m.filter(|_| rotation.is_some()) {
+                Some(radii_m) => altitude_m(position_m, radii_m),
+                None => position_m.length(),
+            };
+            height.push([hours, height_m / 1000.0]);
+            if let Ok(sun) = almanac.state("SUN", &of.centre, &of.frame, epoch) {
+                phase.push([hours, angle_rad(sun.position_m, state.position_m).to_degrees()]);
+            }
+        }
+        map.extend(unwrapped(places.into_iter()));
+        heights.push(height);
+        phases.push(phase);
+    }
+    Ok(Track { name: of.target.clone(), map, series: vec![heights, phases] })
+}
+
+/// Where its +z points in its base, how far it has turned since the first moment, and how fast it turns.
+fn of_orientation(of: &Orientation, start: Epoch) -> Result<Track> {
+    let (mut map, mut angles, mut rates): (Broken, Broken, Broken) = Default::default();
+    let mut first = None;
+    for span in of.spans().unwrap_or_default() {
+        let (mut places, mut angle, mut rate) = (vec![], vec![], vec![]);
+        let mut before: Option<(f64, glam::DQuat)> = None;
+        for epoch in moments(&span) {
+            let Some(rotation) = of.frame_from_base(epoch)? else { continue };
+            let s = epoch.since_s(start);
+            let turn = glam::DQuat::from_mat3(&rotation);
+            let from = *first.get_or_insert(turn);
+            places.push(directed_deg(rotation.transpose() * DVec3::Z));
+            angle.push([s / 3600.0, between_rad(from, turn).to_degrees()]);
+            if let Some((before_s, before)) = before.filter(|(before_s, _)| s > *before_s) {
+                let turned_rad = between_rad(before, turn);
+                let turned_rad = if turned_rad > STILL_RAD { turned_rad } else { 0.0 };
+                rate.push([0.5 * (before_s + s) / 3600.0, turned_rad.to_degrees() / (s - before_s)]);
+            }
+            before = Some((s, turn));
+        }
+        map.extend(unwrapped(places.into_iter()));
+        angles.push(angle);
+        rates.push(rate);
+    }
+    Ok(Track { name: of.frame.clone(), map, series: vec![angles, rates] })
+}
+
+/// The angle of the turn from one rotation to another, rad: also of a small one, to its last digits.
+fn between_rad(a: glam::DQuat, b: glam::DQuat) -> f64 {
+    let turn = a.inverse() * b;
+    2.0 * turn.xyz().length().atan2(turn.w.abs())
+}
