@@ -9,20 +9,26 @@ use crate::physics::mars_points::{MarsPoint, lit_points};
 use crate::physics::sun_disc::DiscRule;
 use crate::progress::Watch;
 use crate::scene::{Globe, Scene};
-use crate::visibility::Seen;
+
+use super::terrain::Terrain;
 
 /// Of each facet, the share that terrain leaves of what of a globe's light is above its horizon: seen from the middle of the scene, the globe's parts are
 /// in the same directions for all facets.
-pub(super) fn shares(scene: &Scene, globe: &Globe, rule: DiscRule, watch: Watch<'_>) -> Result<Vec<f64>> {
+pub(super) fn shares(
+    scene: &Scene,
+    terrain: &Terrain<'_>,
+    (globe, rule): (&Globe, DiscRule),
+    watch: Watch<'_>,
+) -> Result<Vec<f64>> {
     let mesh = &scene.body.mesh;
-    let (low_m, high_m) = scene.body.bounds_m().unwrap_or_default();
+    let (low_m, high_m) = terrain.body().bounds_m().unwrap_or_default();
     let to_centre_m = globe.centre_m - 0.5 * (low_m + high_m);
     // Light that meets each facet: with terrain, and without.
     let mut sums = vec![[0.0; 2]; mesh.facets.len()];
     for MarsPoint { towards, light } in lit_points(to_centre_m, globe.radius_m, scene.sky.sun_on(globe).direction, rule)
     {
         let Some(direction) = Direction::new(towards) else { continue };
-        let seen = Seen::from_afar(mesh, scene.body.topology(), direction, "Mars-light", watch)?;
+        let seen = terrain.seen(direction, "Mars-light", watch)?;
         sums.par_iter_mut().enumerate().with_min_len(4096).for_each(|(facet, [some, all])| {
             let of_part = light * normal(scene, facet).dot(towards).max(0.0);
             *some += of_part * seen.fraction(index_u32(facet)).min(1.0);

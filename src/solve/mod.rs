@@ -10,11 +10,12 @@ mod facet_radiance;
 mod irradiance;
 mod mars_shadows;
 mod shadows;
+mod terrain;
 
 use crate::error::Result;
 use crate::product::FacetTable;
 use crate::progress::{Watch, tell};
-use crate::scene::{Scene, Thermal};
+use crate::scene::{Models, Scene, Thermal};
 use crate::visibility::Seen;
 
 pub use between::between;
@@ -23,6 +24,7 @@ pub use emission::{Emission, Fragment, ImagePart, Modulation, Observer, interpol
 pub use exchange::spectra_error;
 pub use facet_radiance::FacetRadiance;
 pub use shadows::lit;
+pub use terrain::Terrain;
 
 /// Irradiance, lit polygons and temperature of every facet.
 ///
@@ -38,7 +40,24 @@ pub fn solve(scene: &Scene, watch: Watch<'_>) -> Result<FacetTable> {
 /// # Errors
 /// As [`solve`].
 pub fn solve_sunlit(scene: &Scene, sunlit: Seen, watch: Watch<'_>) -> Result<FacetTable> {
-    filled(scene, shadows::lit_as(scene, Some(sunlit), watch)?, watch)
+    filled(scene, shadows::lit_as(scene, (Some(sunlit), &Terrain::of(scene)), watch)?, watch)
+}
+
+/// The same of a scene whose body is a part of another, which stands in its light. What facets send each other, and what they store, asks for all of them:
+/// there is none of it here.
+///
+/// # Errors
+/// As [`solve`].
+pub fn solve_part(scene: &Scene, terrain: &Terrain<'_>, watch: Watch<'_>) -> Result<FacetTable> {
+    let mut table = shadows::lit_as(scene, (None, terrain), watch)?;
+    irradiance::fill(scene, &mut table);
+    keep_floor(scene, &mut table);
+    Ok(table)
+}
+
+/// Whether a facet's radiance follows from the light on it alone, so that a [part](solve_part) may stand for itself.
+pub fn is_local(models: &Models) -> bool {
+    models.exchange.is_none() && models.conduction.is_none()
 }
 
 fn filled(scene: &Scene, mut table: FacetTable, watch: Watch<'_>) -> Result<FacetTable> {
@@ -52,10 +71,14 @@ fn filled(scene: &Scene, mut table: FacetTable, watch: Watch<'_>) -> Result<Face
     if let Some(day) = day.filter(|_| scene.models.thermal == Thermal::Equilibrium) {
         conduction::fill(scene, &mut table, day, watch)?;
     }
-    // The last of all: what keeps a floor up is not what facets send each other, or store.
+    keep_floor(scene, &mut table);
+    Ok(table)
+}
+
+/// The last of all: what keeps a floor up is not what facets send each other, or store.
+fn keep_floor(scene: &Scene, table: &mut FacetTable) {
     if scene.models.floor_k > 0.0 {
         let temperatures_k = table.temperature_lit_k.iter_mut().chain(&mut table.temperature_shaded_k);
         temperatures_k.for_each(|t_k| *t_k = t_k.max(scene.models.floor_k));
     }
-    Ok(table)
 }

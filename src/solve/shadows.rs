@@ -16,6 +16,7 @@ use crate::visibility::{Seen, Shown};
 
 use super::eclipse::Eclipse;
 use super::mars_shadows;
+use super::terrain::Terrain;
 
 /// Where every facet is lit, and nothing else: irradiances and temperatures are 0. That is all that radiance from elsewhere leaves to
 /// be asked.
@@ -23,15 +24,18 @@ use super::mars_shadows;
 /// # Errors
 /// As [`solve`](super::solve).
 pub fn lit(scene: &Scene, watch: Watch<'_>) -> Result<FacetTable> {
-    lit_as(scene, None, watch)
+    scene.simulable()?;
+    scene.body.topology_watched(watch)?;
+    lit_as(scene, (None, &Terrain::of(scene)), watch)
 }
 
-/// The same; what the Sun sees of each facet is found, unless it is given.
-pub(super) fn lit_as(scene: &Scene, sunlit: Option<Seen>, watch: Watch<'_>) -> Result<FacetTable> {
+/// The same, with what hides light from facets; what the Sun sees of each is found, unless it is given.
+pub(super) fn lit_as(
+    scene: &Scene,
+    (sunlit, terrain): (Option<Seen>, &Terrain<'_>),
+    watch: Watch<'_>,
+) -> Result<FacetTable> {
     scene.simulable()?;
-    if sunlit.is_none() {
-        scene.body.topology_watched(watch)?;
-    }
     let mut sunlit = sunlit;
     let facets = scene.body.mesh.facets.len();
     let mut sources: Vec<Lighting> = Vec::new();
@@ -44,7 +48,7 @@ pub(super) fn lit_as(scene: &Scene, sunlit: Option<Seen>, watch: Watch<'_>) -> R
             (Some(sunlit), _) => Sees::Polygons(sunlit),
             // Terrain is taken to hide as much of a globe's heat as of its light.
             (None, Some(light)) => light.sees.clone(),
-            _ => sees(scene, &source, watch)?,
+            _ => sees(scene, terrain, &source, watch)?,
         };
         let irradiance = vec![0.0; facets];
         sources.push(Lighting { source: source.name.into_owned(), field: source.field, irradiance, sees });
@@ -61,13 +65,13 @@ pub(super) fn lit_as(scene: &Scene, sunlit: Option<Seen>, watch: Watch<'_>) -> R
 }
 
 /// What of each facet a source sees.
-fn sees(scene: &Scene, source: &Source, watch: Watch<'_>) -> Result<Sees> {
+fn sees(scene: &Scene, terrain: &Terrain<'_>, source: &Source, watch: Watch<'_>) -> Result<Sees> {
     if let (SourceKind::Sphere(globe), Some(rule)) = (source.kind, scene.models.mars_shadows) {
-        return Ok(Sees::Shares(mars_shadows::shares(scene, globe, rule, watch)?));
+        return Ok(Sees::Shares(mars_shadows::shares(scene, terrain, (globe, rule), watch)?));
     }
     let (SourceKind::Beam(_), Some(towards)) = (source.kind, source.field.direction()) else { return Ok(Sees::All) };
     let stage = if source.name == Sky::SUN { "sunlight" } else { "beams" };
-    let seen = |towards| Seen::from_afar(&scene.body.mesh, scene.body.topology(), towards, stage, watch);
+    let seen = |towards| terrain.seen(towards, stage, watch);
     match scene.models.sun {
         SunModel::Disc(rule) if source.name == Sky::SUN => {
             let sub_suns = scene.sky.sun.sub_suns(rule);

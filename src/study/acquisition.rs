@@ -12,7 +12,7 @@ use super::spectrometer;
 use super::through_optics::{Blurs, Seen, other_spectra, refined, serves};
 use crate::error::{Error, Location, Problem, Result};
 use crate::flight::Epoch;
-use crate::geometry::{FrameCamera, whole};
+use crate::geometry::{FrameCamera, whole, whole_u32};
 use crate::instrument::Optics;
 use crate::integrate::{self, Image, Wanted};
 use crate::product::{Backplanes, CubeAxes, Exposed, Exposures, FacetTable, Footprints, Plane, Slab};
@@ -47,6 +47,8 @@ const SMEAR_STEPS: u32 = 8;
 const SMEAR_PX: f64 = 0.05;
 /// Of fewer exposures each is solved for, if no bound says otherwise.
 const WORTH_A_LOOK: usize = 16;
+/// Lines that tell how far off an image is that is taken by lines.
+const LINES: u32 = 64;
 /// What a stage of progress is called here.
 const STAGE: &str = "exposures";
 
@@ -115,13 +117,19 @@ impl Moving<'_> {
         Ok(ground)
     }
 
+    /// Groups of the body's facets, where exposures may each see a small part of it.
+    fn groups(&self) -> Option<FacetGroups> {
+        self.timing.readout.is_along_the_way().then(|| FacetGroups::new(&self.scene.body.mesh))
+    }
+
     /// Some exposures, with the part of the body that they may see, if groups of its facets tell.
     pub(super) fn block(&self, takes: &[Take], groups: Option<&FacetGroups>) -> Result<Block> {
-        let all = Block { body: self.scene.body.clone(), facets: None, tables: vec![] };
-        let Some(groups) = groups else { return Ok(all) };
+        let Some(groups) = groups else { return Ok(self.in_view(None)) };
         let mut seen = vec![false; groups.count()];
         for take in takes {
-            for s in self.timing.poses_s(take).chain([take.middle_s]) {
+            // Backplanes are those of the middle, which is the only pose if there is one.
+            let middle_s = (self.timing.poses > 1).then_some(take.middle_s);
+            for s in self.timing.poses_s(take).chain(middle_s) {
                 let camera = self.exposure_at(take, s)?.camera;
                 match self.optics {
                     None => groups.add_seen(&camera, &mut seen),
@@ -132,12 +140,19 @@ impl Moving<'_> {
                 }
             }
         }
+        Ok(self.in_view(Some((groups, seen))))
+    }
+
+    /// The part of the body that is in some groups of its facets, if that is worth while.
+    fn in_view(&self, groups: Option<(&FacetGroups, Vec<bool>)>) -> Block {
+        let all = Block { body: self.scene.body.clone(), part: None, tables: vec![] };
+        let Some((groups, seen)) = groups else { return all };
         let facets = groups.facets(&seen);
         // A body has facets: where nothing is in view, that is seen of the whole one.
         if facets.is_empty() || 2 * facets.len() > self.scene.body.mesh.facets.len() {
-            return Ok(all);
+            return all;
         }
-        Ok(Block { body: self.scene.body.part(&facets), facets: Some(facets), ..all })
+        Block { body: self.scene.body.part(&facets), part: Some((facets, seen)), ..all }
     }
 
     /// How long shadows may be taken to move steadily, s, so that no pixel is off by more than the tolerance; and how long all else may.
@@ -160,7 +175,13 @@ impl Moving<'_> {
     }
 
     /// The same for all but one in a thousand pixels: by what images between two solved moments are off by, in the middle, at the start and at the end of the acquisition.
-    fn mostly_steady_s(&self, [surely_s, all_else_s]: [f64; 2], tolerance: f64, watch: Watch<'_>) -> Result<f64> {
+    fn mostly_steady_s(
+        &self,
+        [surely_s, all_else_s]: [f64; 2],
+        groups: Option<&FacetGroups>,
+        tolerance: f64,
+        watch: Watch<'_>,
+    ) -> Result<f64> {
         let Moving { scene, timing, .. } = *self;
         let count = timing.count(&scene.exposure);
         let (first_s, last_s) = (timing.middle_s(0), timing.middle_s(count.saturating_sub(1)));
@@ -179,7 +200,7 @@ impl Moving<'_> {
                     break;
                 }
                 looked_at = Some((start_s, step_s));
-                let off = self.off_between(start_s, step_s, watch)?;
+                let off = self.off_between(start_s, step_s, groups, watch)?;
                 if off <= tolerance {
                     break;
                 }
@@ -189,17 +210,32 @@ impl Moving<'_> {
         Ok(step_s.max(surely_s))
     }
 
-    /// What all but one in a thousand pixels are at most off by in the middle of two solved moments, over the median of what is bright.
-    fn off_between(&self, start_s: f64, step_s: f64, watch: Watch<'_>) -> Result<f64> {
+    /// What all but one in a thousand pixels are at most off by in the middle of two solved moments, over the median of what is bright: of an image, or of lines in its
+    /// middle if it is taken by them.
+    fn off_between(&self, start_s: f64, step_s: f64, groups: Option<&FacetGroups>, watch: Watch<'_>) -> Result<f64> {
         let Moving { scene, motion, timing, .. } = *self;
         let middle_s = start_s + 0.5 * step_s;
-        let then = scene.under(motion.sky(&scene.sky, motion.start.after_s(middle_s))?)?;
-        let mut exposure = then.exposure.clone();
-        let band = timing.reference(&scene.exposure).min(exposure.bands.len() - 1);
+        let mut exposure = scene.exposure.clone();
+        let band = timing.reference(&exposure).min(exposure.bands.len() - 1);
         exposure.bands = vec![exposure.bands[band].clone()];
         exposure.camera.world_from_sensor = motion.pose(motion.start.after_s(middle_s))?;
-        let then = then.seen_by(exposure)?;
-        let ends = [self.solve(start_s, watch)?, self.solve(start_s + step_s, watch)?];
+        let mut in_view = None;
+        if let Some(groups) = groups {
+            let camera = &exposure.camera;
+            let slit = whole_u32(camera.boresight_px[1]);
+            let first = slit.saturating_sub(LINES / 2).min(camera.lines.saturating_sub(LINES));
+            exposure.camera = camera.window(0..camera.samples, first..(first + LINES).min(camera.lines));
+            let mut seen = vec![false; groups.count()];
+            groups.add_seen(&exposure.camera, &mut seen);
+            in_view = Some((groups, seen));
+        }
+        let block = self.in_view(in_view);
+        let solved = |s: f64| match self.solve_part(s, &block, groups, watch)? {
+            Some(table) => Ok::<_, Error>(table),
+            None => Ok(block.of(&self.solve(s, watch)?)),
+        };
+        let sky = motion.sky(&scene.sky, motion.start.after_s(middle_s))?;
+        let then = Scene::new(Setup { body: block.body.clone(), sky, exposure, models: scene.models })?;
         let CubeAxes { samples, lines, .. } = CubeAxes::of(&then.exposure);
         let pixels = samples * lines;
         let radiance = |table: &FacetTable| {
@@ -209,7 +245,8 @@ impl Moving<'_> {
             slab.expand(0..pixels, 0..1, |pixel, _, value| values[pixel] = value[0]);
             Ok::<_, Error>(values)
         };
-        let truth = radiance(&*self.solve(middle_s, watch)?)?;
+        let truth = radiance(&*solved(middle_s)?)?;
+        let ends = [solved(start_s)?, solved(start_s + step_s)?];
         let taken = radiance(&solve::between(&then, [&*ends[0], &*ends[1]], 0.5))?;
         let mut bright: Vec<f64> = truth.iter().copied().filter(|value| *value > 0.0).collect();
         if bright.is_empty() {
@@ -227,6 +264,29 @@ impl Moving<'_> {
         let Moving { scene, motion, .. } = *self;
         let then = scene.under(motion.sky(&scene.sky, motion.start.after_s(s))?)?;
         Ok(Rc::new(solve::solve(&then, watch)?))
+    }
+
+    /// What reaches the facets of a block at a moment, if they are a part of the body and ask for no others than those that stand in their light.
+    fn solve_part(
+        &self,
+        s: f64,
+        block: &Block,
+        groups: Option<&FacetGroups>,
+        watch: Watch<'_>,
+    ) -> Result<Option<Rc<FacetTable>>> {
+        let Moving { scene, motion, .. } = *self;
+        let (Some(groups), Some((facets, seen)), true) = (groups, &block.part, solve::is_local(&scene.models)) else {
+            return Ok(None);
+        };
+        let sky = motion.sky(&scene.sky, motion.start.after_s(s))?;
+        let then = Scene::new(Setup {
+            body: block.body.clone(),
+            sky,
+            exposure: scene.exposure.clone(),
+            models: scene.models,
+        })?;
+        let terrain = solve::Terrain::around(&scene.body, groups, seen, facets);
+        Ok(Some(Rc::new(solve::solve_part(&then, &terrain, watch)?)))
     }
 
     /// By how many pixels what is in the middle of the mesh moves during an exposure at most, of some of them; `None` where that is not before the
@@ -308,9 +368,10 @@ pub fn acquire_by_slabs(
     watch: Watch<'_>,
 ) -> Result<(FacetTable, Observation<()>)> {
     let table = solve::solve(moving.scene, watch)?;
+    let groups = moving.groups();
     let steady_s = moving.steady_s(extremes, tolerance)?;
-    let solved =
-        Solved { steady_s: steady_s[0], ..Solved::new(moving, moving.mostly_steady_s(steady_s, tolerance, watch)?) };
+    let mostly_s = moving.mostly_steady_s(steady_s, groups.as_ref(), tolerance, watch)?;
+    let solved = Solved { steady_s: steady_s[0], ..Solved::new(moving, groups.as_ref(), mostly_s) };
     let observation = acquire((moving, solved), &table, (extremes, tolerance), wanted, put, watch)?;
     Ok((table, observation))
 }
@@ -327,7 +388,8 @@ pub fn acquire_by_table(
     put: Put<'_>,
     watch: Watch<'_>,
 ) -> Result<Observation<()>> {
-    let solved = Solved { given: Some(table), ..Solved::new(moving, 0.0) };
+    let groups = moving.groups();
+    let solved = Solved { given: Some(Rc::new(table.clone())), ..Solved::new(moving, groups.as_ref(), 0.0) };
     let mut observation = acquire((moving, solved), table, (extremes, tolerance), wanted, put, watch)?;
     let message = "the facet table is of one moment: light stands still while the image is taken";
     observation.warnings.push(message.to_owned());
@@ -352,7 +414,6 @@ fn acquire(
         return Err(Error::Invalid(vec![Problem::new(Location::item("--planes-of"), message)]));
     }
     serves(moving.optics, timing.readout, &scene.exposure)?;
-    let groups = by_line.then(|| FacetGroups::new(&scene.body.mesh));
     let takes: Vec<Take> = timing.takes(&scene.exposure).collect();
     // Lines have the same bands; images of a filter each their own.
     let of_line = takes.first().filter(|_| by_line).map(|take| take.exposure(&scene.exposure));
@@ -364,7 +425,7 @@ fn acquire(
     let mut taken: Vec<Exposed> = Vec::new();
     let total = takes.len() as u64;
     for takes in takes.chunks(if by_line { BLOCK } else { 1 }) {
-        let mut block = moving.block(takes, groups.as_ref())?;
+        let mut block = moving.block(takes, solved.groups)?;
         for take in takes {
             let done = taken.len() as u64;
             // The stages of each exposure would only flicker.
@@ -435,21 +496,21 @@ const BLOCK: usize = 16;
 /// Some exposures, and the part of the body that they may see.
 pub(super) struct Block {
     pub(super) body: Body,
-    /// Its facets' numbers in the body; `None`: it is all of the body.
-    facets: Option<Vec<u32>>,
+    /// Its facets' numbers in the body, ascending, and the groups that they are; `None`: it is all of the body.
+    part: Option<(Vec<u32>, Vec<bool>)>,
     /// The tables around, of this part, each with its moment.
-    tables: Vec<(f64, FacetTable)>,
+    tables: Vec<(f64, Rc<FacetTable>)>,
 }
 
 impl Block {
     /// The number in the body of a facet of this part.
     pub(super) fn facet_of_body(&self, facet: u32) -> u32 {
-        self.facets.as_ref().map_or(facet, |facets| facets[facet as usize])
+        self.part.as_ref().map_or(facet, |(facets, _)| facets[facet as usize])
     }
 
     /// Facets in planes and footprints have the numbers that they have in the body.
     fn rename_facets(&self, (planes, footprints): &mut Ground) {
-        let Some(facets) = &self.facets else { return };
+        let Some((facets, _)) = &self.part else { return };
         // Ascending in the part as in the body.
         footprints.iter_mut().flat_map(|of| &mut of.facet).for_each(|facet| *facet = facets[*facet as usize]);
         for value in planes.planes.iter_mut().filter(|plane| plane.name == "FACET").flat_map(|plane| &mut plane.values)
@@ -460,14 +521,19 @@ impl Block {
         }
     }
 
-    /// A table of the whole body, of this part: made when it is first asked for.
-    fn of(&mut self, s: f64, table: &FacetTable) -> usize {
-        if let Some(i) = self.tables.iter().position(|(of, _)| *of == s) {
-            return i;
+    /// The table of a moment: made when it is first asked for.
+    fn table(&mut self, s: f64, made: impl FnOnce(&Block) -> Result<Rc<FacetTable>>) -> Result<Rc<FacetTable>> {
+        if let Some((_, table)) = self.tables.iter().find(|(of, _)| *of == s) {
+            return Ok(table.clone());
         }
-        let part = self.facets.as_ref().map_or_else(|| table.clone(), |facets| table.part(facets));
-        self.tables.push((s, part));
-        self.tables.len() - 1
+        let table = made(self)?;
+        self.tables.push((s, table.clone()));
+        Ok(table)
+    }
+
+    /// A table of the whole body, of this part.
+    fn of(&self, table: &Rc<FacetTable>) -> Rc<FacetTable> {
+        self.part.as_ref().map_or_else(|| table.clone(), |(facets, _)| Rc::new(table.part(facets)))
     }
 }
 
@@ -477,21 +543,24 @@ const LONGEST_S: f64 = 1e9;
 /// Tables of the moments at which the scene is solved, and of those between them.
 struct Solved<'a> {
     moving: Moving<'a>,
+    /// Groups of the body's facets, if a block may be a part of it.
+    groups: Option<&'a FacetGroups>,
     /// For how long light is steady within the tolerance everywhere, s.
     steady_s: f64,
     /// The table of all moments, if it is given.
-    given: Option<&'a FacetTable>,
+    given: Option<Rc<FacetTable>>,
     /// From one such moment to the next, s; `None`: it is solved at each.
     step_s: Option<f64>,
-    /// The moments around the last one asked for, s after the start.
+    /// The moments around the last one asked for at which all of the body was solved, s after the start.
     around: Vec<(f64, Rc<FacetTable>)>,
 }
 
 impl<'a> Solved<'a> {
-    fn new(moving: Moving<'a>, steady_s: f64) -> Self {
+    fn new(moving: Moving<'a>, groups: Option<&'a FacetGroups>, steady_s: f64) -> Self {
         let period_s = moving.timing.period_s;
         Solved {
             moving,
+            groups,
             steady_s: f64::NAN,
             given: None,
             step_s: (steady_s > 2.0 * period_s).then_some(steady_s.min(LONGEST_S)),
@@ -500,33 +569,41 @@ impl<'a> Solved<'a> {
     }
 
     /// The table at the moment of a part of the cube, of which the scene is given: of the block's part of the body.
-    fn at(&mut self, take: &Take, then: &Scene, block: &mut Block, watch: Watch<'_>) -> Result<FacetTable> {
-        if let Some(table) = self.given {
-            let place = block.of(f64::NEG_INFINITY, table);
-            return Ok(block.tables[place].1.clone());
+    fn at(&mut self, take: &Take, then: &Scene, block: &mut Block, watch: Watch<'_>) -> Result<Rc<FacetTable>> {
+        if let Some(table) = &self.given {
+            let table = table.clone();
+            return block.table(f64::NEG_INFINITY, |block| Ok(block.of(&table)));
         }
         let Some(step_s) = self.step_s else {
-            let table = self.moving.solve(take.middle_s, watch)?;
-            return Ok(block.facets.as_ref().map_or_else(|| FacetTable::clone(&table), |facets| table.part(facets)));
+            block.tables.clear();
+            return self.solved(take.middle_s, block, &[take.middle_s], watch);
         };
         // Not beyond the last exposure, where nothing may be known.
         let last = self.moving.timing.count(&self.moving.scene.exposure).saturating_sub(1);
         let [first_s, last_s] = [0, last].map(|i| self.moving.timing.middle_s(i));
         let step = ((take.middle_s - first_s) / step_s).floor();
         let ends = [step, step + 1.0].map(|i| (first_s + i * step_s).min(last_s));
-        let mut places = [0; 2];
-        for (place, s) in places.iter_mut().zip(ends) {
-            if !self.around.iter().any(|(of, _)| *of == s) {
-                self.around.retain(|(of, _)| ends.contains(of));
-                let table = self.moving.solve(s, watch)?;
-                self.around.push((s, table));
-            }
-            let table = self.around.iter().find(|(of, _)| *of == s).map(|(_, table)| table.clone());
-            *place = table.map_or(0, |table| block.of(s, &table));
-        }
-        let [before, after] = places.map(|place| &block.tables[place].1);
+        let before = self.solved(ends[0], block, &ends, watch)?;
+        let after = self.solved(ends[1], block, &ends, watch)?;
         let share = if ends[1] > ends[0] { (take.middle_s - ends[0]) / (ends[1] - ends[0]) } else { 0.0 };
-        Ok(solve::between(then, [before, after], share))
+        Ok(Rc::new(solve::between(then, [&*before, &*after], share)))
+    }
+
+    /// The table of a block at a moment, one of those that are asked for next.
+    fn solved(&mut self, s: f64, block: &mut Block, next: &[f64], watch: Watch<'_>) -> Result<Rc<FacetTable>> {
+        let Solved { moving, groups, .. } = *self;
+        block.table(s, |block| {
+            if let Some(table) = moving.solve_part(s, block, groups, watch)? {
+                return Ok(table);
+            }
+            if let Some((_, table)) = self.around.iter().find(|(of, _)| *of == s) {
+                return Ok(block.of(table));
+            }
+            self.around.retain(|(of, _)| next.contains(of));
+            let table = moving.solve(s, watch)?;
+            self.around.push((s, table.clone()));
+            Ok(block.of(&table))
+        })
     }
 }
 

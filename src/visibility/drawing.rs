@@ -260,23 +260,23 @@ impl<'a> Drawing<'a> {
     ///
     /// The axes follow the mesh's own extent as seen from there, so that under grazing light cells are as flat as facets are.
     pub fn from_afar(mesh: &'a Mesh, topology: &'a Topology, towards: Direction, cells: f64) -> Self {
-        let (h, v) = long_and_short(mesh, towards);
-        let u = -towards.vec();
-        let (mut lo, mut hi) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for p in mesh.used_vertices_m() {
-            let at = [p.dot(h), p.dot(v)];
-            lo = [lo[0].min(at[0]), lo[1].min(at[1])];
-            hi = [hi[0].max(at[0]), hi[1].max(at[1])];
-        }
-        let side = cells.sqrt().ceil().clamp(1.0, 4096.0);
-        let grid = Grid { columns: whole_u32(side), rows: whole_u32(side) };
-        // A margin of 1e-3 cells keeps the outermost points inside.
-        let scale = [0, 1].map(|k| {
-            let extent = hi[k] - lo[k];
-            if extent > 0.0 { (side - 2e-3) / extent } else { 1.0 }
-        });
-        let offset = [1e-3 - lo[0] * scale[0], 1e-3 - lo[1] * scale[1]];
-        Self::new(mesh, topology, View::Parallel { h, v, u, scale, offset }, grid)
+        let axes = long_and_short(mesh, mesh.facets.len(), |place| place, towards);
+        let (view, grid) = fitted(mesh.used_vertices_m(), axes, towards, cells);
+        Self::new(mesh, topology, view, grid)
+    }
+
+    /// The same of some facets, ascending, and no others.
+    pub fn of_facets_from_afar(
+        mesh: &'a Mesh,
+        topology: &'a Topology,
+        towards: Direction,
+        cells: f64,
+        facets: &'a [u32],
+    ) -> Self {
+        let axes = long_and_short(mesh, facets.len(), |place| facets[place] as usize, towards);
+        let vertices_m = facets.iter().flat_map(|facet| mesh.facet(*facet as usize).corners_m);
+        let (view, grid) = fitted(vertices_m, axes, towards, cells);
+        Self::of_facets(mesh, topology, view, grid, facets)
     }
 
     /// Draws a mesh in a view.
@@ -799,16 +799,15 @@ fn lies(facet: &Facet, of: &Facet, rounding: f64) -> Lies {
     }
 }
 
-/// Unit vectors across `towards`: h along the longer extent of the mesh as seen from there, v along the shorter; h x v = -towards.
-fn long_and_short(mesh: &Mesh, towards: Direction) -> (DVec3, DVec3) {
+/// Unit vectors across `towards`: h along the longer extent of some facets as seen from there, v along the shorter; h x v = -towards.
+fn long_and_short(mesh: &Mesh, count: usize, facet: impl Fn(usize) -> usize, towards: Direction) -> (DVec3, DVec3) {
     let (h, v) = towards.reversed().frame();
-    let n = mesh.facets.len().max(1);
     // A few thousand facets tell the extent as well as all of them.
-    let step = n.div_ceil(4096);
-    let centres: Vec<[f64; 2]> = (0..mesh.facets.len())
+    let step = count.div_ceil(4096).max(1);
+    let centres: Vec<[f64; 2]> = (0..count)
         .step_by(step)
-        .map(|f| {
-            let p = mesh.facet(f).centroid_m();
+        .map(|place| {
+            let p = mesh.facet(facet(place)).centroid_m();
             [p.dot(h), p.dot(v)]
         })
         .collect();
@@ -818,4 +817,23 @@ fn long_and_short(mesh: &Mesh, towards: Direction) -> (DVec3, DVec3) {
     let angle = 0.5 * (2.0 * moment(0, 1)).atan2(moment(0, 0) - moment(1, 1));
     let (sin, cos) = angle.sin_cos();
     (cos * h + sin * v, cos * v - sin * h)
+}
+
+/// A view from afar with axes right and down, and about so many cells that hold some points.
+fn fitted(points_m: impl Iterator<Item = DVec3>, (h, v): (DVec3, DVec3), towards: Direction, cells: f64) -> (View, Grid) {
+    let (mut lo, mut hi) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    for p in points_m {
+        let at = [p.dot(h), p.dot(v)];
+        lo = [lo[0].min(at[0]), lo[1].min(at[1])];
+        hi = [hi[0].max(at[0]), hi[1].max(at[1])];
+    }
+    let side = cells.sqrt().ceil().clamp(1.0, 4096.0);
+    let grid = Grid { columns: whole_u32(side), rows: whole_u32(side) };
+    // A margin of 1e-3 cells keeps the outermost points inside.
+    let scale = [0, 1].map(|k| {
+        let extent = hi[k] - lo[k];
+        if extent > 0.0 { (side - 2e-3) / extent } else { 1.0 }
+    });
+    let offset = [1e-3 - lo[0] * scale[0], 1e-3 - lo[1] * scale[1]];
+    (View::Parallel { h, v, u: -towards.vec(), scale, offset }, grid)
 }

@@ -1,13 +1,16 @@
-//! Which facets a camera may see, found for groups of them: so that a narrow view costs what is near it, and not all of the mesh.
+//! Which facets a camera may see, and which may stand in the light of others, found for groups of them: so that a narrow view costs what is near it, and not all
+//! of the mesh.
 
 use glam::DVec3;
 
-use crate::geometry::{Camera, FrameCamera, Mesh, index_u32};
+use crate::geometry::{Camera, Direction, FrameCamera, Mesh, index_u32, whole};
 
 /// Facets of a group.
 const GROUP: usize = 64;
 /// A sum of a few products is rounded by less than this, relative to the sum of their sizes.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
+/// Heights are kept for at most so many squares of a side.
+const MOST_SQUARES: f64 = 1024.0;
 
 /// Facets in groups that lie near each other.
 #[derive(Debug)]
@@ -47,13 +50,56 @@ impl FacetGroups {
         let (x, y, z) = (rows.x_axis, rows.y_axis, rows.z_axis);
         // Where each of these is below 0, nothing is in view.
         let planes = [z, x, y, f64::from(camera.samples) * z - x, f64::from(camera.lines) * z - y];
-        for (seen, (middle, half)) in seen.iter_mut().zip(&self.boxes) {
+        for (seen, (middle, half)) in seen.iter_mut().zip(&self.boxes).filter(|(seen, _)| !**seen) {
             let from = *middle - projection.origin_m;
             *seen |= planes.iter().all(|plane| {
                 let size = plane.abs().dot(from.abs() + *half + projection.origin_m.abs());
                 plane.dot(from) + plane.abs().dot(*half) >= -ROUNDING * size
             });
         }
+    }
+
+    /// Some groups, and which others may hide some of them from an eye at infinity: what overlaps them there and is not below all of them.
+    #[must_use]
+    pub fn with_hiding(&self, of: &[bool], towards: Direction) -> Vec<bool> {
+        let (right, down) = towards.frame();
+        let axes = [right, down, towards.vec()];
+        // Along each axis from where to where a group is at most.
+        let extents = |(middle, half): &(DVec3, DVec3)| {
+            axes.map(|axis| {
+                let reach = axis.abs().dot(*half + ROUNDING * (middle.abs() + *half));
+                [axis.dot(*middle) - reach, axis.dot(*middle) + reach]
+            })
+        };
+        let asked = || self.boxes.iter().zip(of).filter(|(_, of)| **of).map(|(of_group, _)| extents(of_group));
+        let [mut low, mut high] = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+        for extent in asked() {
+            low = [0, 1].map(|k| low[k].min(extent[k][0]));
+            high = [0, 1].map(|k| high[k].max(extent[k][1]));
+        }
+        // About as many squares as groups, laid over what they cover.
+        let sides = [0, 1].map(|k| high[k] - low[k]);
+        let size = (sides[0] * sides[1] / asked().count().max(1) as f64).sqrt().max(sides[0].max(sides[1]) / MOST_SQUARES);
+        let count = sides.map(|side| if size > 0.0 { whole((side / size).floor()) + 1 } else { 1 });
+        let squares = |extent: &[[f64; 2]; 3]| {
+            let [columns, rows] = [0, 1].map(|k| {
+                if extent[k][1] < low[k] || extent[k][0] > high[k] {
+                    return 0..0;
+                }
+                let square = |x: f64| if size > 0.0 { whole(((x - low[k]) / size).max(0.0)).min(count[k] - 1) } else { 0 };
+                square(extent[k][0])..square(extent[k][1]) + 1
+            });
+            rows.flat_map(move |row| columns.clone().map(move |column| row * count[0] + column))
+        };
+        let mut lowest = vec![f64::INFINITY; count[0] * count[1]];
+        for extent in asked() {
+            squares(&extent).for_each(|square| lowest[square] = lowest[square].min(extent[2][0]));
+        }
+        let hides = |of_group: &(DVec3, DVec3)| {
+            let extent = extents(of_group);
+            squares(&extent).any(|square| lowest[square] <= extent[2][1])
+        };
+        self.boxes.iter().map(hides).collect()
     }
 
     /// Number of groups.

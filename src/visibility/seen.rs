@@ -182,7 +182,24 @@ impl Seen {
     ) -> Result<Self> {
         tell(watch, stage, 0, 1)?;
         let cells = mesh.facets.len() as f64 / FACETS_PER_CELL;
-        seen(&Drawing::from_afar(mesh, topology, towards, cells), stage, watch)
+        seen(&Drawing::from_afar(mesh, topology, towards, cells), None, stage, watch)
+    }
+
+    /// The same of some facets alone, which are counted from 0 in what comes out; `drawn` are they and all that may hide them. Both ascending.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
+    pub fn of_facets_from_afar(
+        mesh: &Mesh,
+        topology: &Topology,
+        towards: Direction,
+        (facets, drawn): (&[u32], &[u32]),
+        stage: &'static str,
+        watch: Watch<'_>,
+    ) -> Result<Self> {
+        tell(watch, stage, 0, 1)?;
+        let cells = drawn.len() as f64 / FACETS_PER_CELL;
+        seen(&Drawing::of_facets_from_afar(mesh, topology, towards, cells, drawn), Some(facets), stage, watch)
     }
 
     /// What an eye at `centre_m`, local, m, sees within the cone of some rays about `axis`; `stage` is the name reported to `watch`.
@@ -208,7 +225,7 @@ impl Seen {
         let [columns, rows] = extent.map(|e| whole_u32((e * scale).ceil().clamp(1.0, 16384.0)));
         let offset = [0, 1].map(|k| -frame.min[k] * scale);
         let view = View::pinhole(mesh.bounds_m(), centre_m, [h, v, u], [scale; 2], offset);
-        seen(&Drawing::new(mesh, topology, view, Grid { columns, rows }), stage, watch)
+        seen(&Drawing::new(mesh, topology, view, Grid { columns, rows }), None, stage, watch)
     }
 
     /// What a camera sees within its image, whatever the number of its pixels; `stage` is the name reported to `watch`.
@@ -240,7 +257,7 @@ impl Seen {
         };
         let (view, grid) = View::of_frame(&cells, mesh.bounds_m());
         let drawing = Drawing::new(mesh, topology, view, grid);
-        let all = seen(&drawing, stage, watch)?;
+        let all = seen(&drawing, None, stage, watch)?;
         let size = [camera.samples, camera.lines];
         Ok(if drawn.is_distorted() { in_pixels(&all, &drawing, &drawn, size, by) } else { all })
     }
@@ -253,8 +270,8 @@ fn holds(polygon: &[Point], point: Point) -> bool {
     sides().all(|side| side >= 0.0) || sides().all(|side| side <= 0.0)
 }
 
-/// What a view sees of each facet.
-fn seen(drawing: &Drawing, stage: &'static str, watch: Watch<'_>) -> Result<Seen> {
+/// What a view sees of each facet, or of some, ascending.
+fn seen(drawing: &Drawing, facets: Option<&[u32]>, stage: &'static str, watch: Watch<'_>) -> Result<Seen> {
     let coverage = Coverage::new(drawing);
     let total = u64::from(drawing.grid.rows);
     let done = AtomicU64::new(0);
@@ -277,7 +294,7 @@ fn seen(drawing: &Drawing, stage: &'static str, watch: Watch<'_>) -> Result<Seen
         )
         .collect();
     drop(coverage);
-    Ok(assemble(drawing, &rows?))
+    Ok(assemble(drawing, facets, &rows?))
 }
 
 /// What is not wholly seen in the cells of one row, and the polygons that are seen there, in drawing coordinates.
@@ -435,9 +452,9 @@ impl EntriesByTriangle {
     }
 }
 
-/// Gathers what the cells say about each facet.
-fn assemble(drawing: &Drawing, rows: &[Row]) -> Seen {
-    let facets = drawing.mesh().facets.len();
+/// Gathers what the cells say about each facet, or about some, which are then counted from 0.
+fn assemble(drawing: &Drawing, asked: Option<&[u32]>, rows: &[Row]) -> Seen {
+    let facets = asked.map_or(drawing.mesh().facets.len(), <[u32]>::len);
     let entries = EntriesByTriangle::new(drawing.len(), rows);
     let chunk = 4096;
     let parts: Vec<Seen> = (0..facets.div_ceil(chunk))
@@ -445,8 +462,10 @@ fn assemble(drawing: &Drawing, rows: &[Row]) -> Seen {
         .map(|c| {
             let mut part = Seen { polygon_start: vec![0], ..Seen::default() };
             let mut gather = Gather::default();
-            for facet in c * chunk..((c + 1) * chunk).min(facets) {
-                gather.facet(drawing, index_u32(facet), &entries, rows, &mut part);
+            for place in c * chunk..((c + 1) * chunk).min(facets) {
+                let place = index_u32(place);
+                let facet = asked.map_or(place, |asked| asked[place as usize]);
+                gather.facet(drawing, (facet, place), &entries, rows, &mut part);
             }
             part
         })
@@ -474,7 +493,15 @@ struct Gather {
 }
 
 impl Gather {
-    fn facet(&mut self, drawing: &Drawing, facet: u32, entries: &EntriesByTriangle, rows: &[Row], out: &mut Seen) {
+    /// What is seen of a facet, under the number that it has in what comes out.
+    fn facet(
+        &mut self,
+        drawing: &Drawing,
+        (facet, number): (u32, u32),
+        entries: &EntriesByTriangle,
+        rows: &[Row],
+        out: &mut Seen,
+    ) {
         if drawing.side(facet) != Side::Front || (!drawing.is_cut(facet) && drawing.is_edge_on(facet)) {
             out.shown.push(Shown::Nothing);
             return;
@@ -500,7 +527,7 @@ impl Gather {
                 let area = area(polygon);
                 if area > least_area && (area > ample || area > narrow * around(polygon)) {
                     out.uv.extend(polygon.iter().map(|p| frame.uv(*p)));
-                    out.polygon_facet.push(facet);
+                    out.polygon_facet.push(number);
                     out.polygon_start.push(out.uv.len());
                 }
             };

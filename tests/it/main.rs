@@ -78,6 +78,7 @@ mod oracles;
 mod ortho;
 mod out_of_range;
 mod old_tables;
+mod part_in_light;
 mod partly_sky;
 mod photometry_attack;
 mod photometry_files;

@@ -1,0 +1,60 @@
+//! A part of a body in the light that the rest of it leaves: as it is on the whole body.
+
+use glam::DVec3;
+use mmxrt::geometry::{Direction, Mesh};
+use mmxrt::landscape::{Recipe, generate};
+use mmxrt::progress::unwatched;
+use mmxrt::random::Draws;
+use mmxrt::visibility::{FacetGroups, Seen, Topology};
+
+use crate::shapes::{grid, joined, sphere};
+
+/// Groups near one of them, the groups around a random one, and every third.
+fn subsets(groups: &FacetGroups, draws: &mut Draws) -> Vec<Vec<bool>> {
+    let count = groups.count();
+    let from = (draws.unit() * count as f64) as usize;
+    // Groups follow one another as they lie.
+    let stretch = |length: usize| (0..count).map(|i| (from..from + length).contains(&i)).collect();
+    vec![stretch(1), stretch(count / 8 + 1), (0..count).map(|i| i % 3 == 0).collect()]
+}
+
+#[test]
+fn parts_are_lit_as_on_the_whole_body() {
+    let flat = |z: f64| grid(32.0, 32, move |_, _| z);
+    let meshes: [(&str, Mesh); 4] = [
+        ("site", generate(&Recipe { facets: 6000, ..Recipe::new(3) }, &unwatched).unwrap().mesh),
+        ("ball", sphere([1.0, -2.0, 3.0], 5.0, 4)),
+        // Integer heights, one on the other, and one twice.
+        ("layers", joined(&[flat(0.0), flat(1.0), flat(1.0), flat(4.0)])),
+        ("waves", grid(40.0, 48, |x, y| 2.0 * (0.9 * x).sin() * (0.7 * y).cos())),
+    ];
+    let mut draws = Draws::new(11);
+    let (mut compared, mut cut, mut left_out) = (0, 0, 0);
+    for (name, mesh) in &meshes {
+        let topology = Topology::new(mesh);
+        let groups = FacetGroups::new(mesh);
+        assert!(groups.count() > 20, "{name}");
+        let random = DVec3::from_array([0; 3].map(|_| draws.normal()));
+        let towards = [DVec3::Z, DVec3::X, DVec3::NEG_Z, DVec3::new(1.0, 1.0, 1e-3), DVec3::new(-1.0, 0.0, 1.0), random];
+        for towards in towards.map(|towards| Direction::new(towards).unwrap()) {
+            let whole = Seen::from_afar(mesh, &topology, towards, "sunlight", &unwatched).unwrap();
+            for of in subsets(&groups, &mut draws) {
+                let facets = groups.facets(&of);
+                let drawn = groups.facets(&groups.with_hiding(&of, towards));
+                left_out += usize::from(2 * drawn.len() < mesh.facets.len());
+                assert!(facets.iter().all(|facet| drawn.binary_search(facet).is_ok()));
+                let part =
+                    Seen::of_facets_from_afar(mesh, &topology, towards, (&facets, &drawn), "sunlight", &unwatched).unwrap();
+                part.validate().unwrap();
+                assert_eq!(part.shown.len(), facets.len());
+                for (place, facet) in facets.iter().enumerate() {
+                    let (of_whole, of_part) = (whole.fraction(*facet), part.fraction(place as u32));
+                    assert!((of_whole - of_part).abs() < 1e-9, "{name} {towards:?} facet {facet}: {of_whole} {of_part}");
+                    cut += usize::from(of_whole > 0.0 && of_whole < 1.0);
+                    compared += 1;
+                }
+            }
+        }
+    }
+    assert!(compared > 50_000 && cut > 2000 && left_out > 12, "{compared} {cut} {left_out}");
+}
