@@ -38,6 +38,8 @@ struct Stages {
     done: Vec<Stage>,
     /// Name, when it began, and the CPU time of this process then, s.
     current: Option<(&'static str, Instant, f64)>,
+    /// Since when each is on its way, and how far it is: one that others interrupt goes on, and one that begins again does so.
+    since: Vec<(&'static str, Instant, u64)>,
     bar: Option<ProgressBar>,
     line: Option<Instant>,
 }
@@ -56,7 +58,20 @@ impl Stages {
         if let Some(bar) = self.bar.take() {
             bar.finish_and_clear();
         }
-        self.line = None;
+    }
+
+    /// For how long a stage has been on its way.
+    fn elapsed(&mut self, Progress { stage, done, .. }: Progress) -> Duration {
+        let place = self.since.iter().position(|(name, ..)| *name == stage).unwrap_or_else(|| {
+            self.since.push((stage, Instant::now(), 0));
+            self.since.len() - 1
+        });
+        let (_, since, before) = &mut self.since[place];
+        if done == 0 && *before > 0 {
+            *since = Instant::now();
+        }
+        *before = done;
+        since.elapsed()
     }
 }
 
@@ -111,8 +126,7 @@ impl Console {
     }
 
     fn show(&self, stages: &mut Stages, progress: Progress) {
-        let Some((name, began, _)) = stages.current else { return };
-        let elapsed = began.elapsed();
+        let (name, elapsed) = (progress.stage, stages.elapsed(progress));
         if elapsed < PATIENCE || progress.done == 0 {
             return;
         }

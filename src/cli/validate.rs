@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use mmxrt::formats::ephemeris;
-use mmxrt::study::validate::{self, By, Row, Verdict};
+use mmxrt::formats::{ephemeris, obj};
+use mmxrt::study::validate::{self, By, Files, Row, Verdict};
 use mmxrt::{Result, formats};
 
 use super::Outcome;
@@ -30,7 +30,9 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
             let (text, _) = formats::text(path, LIMIT)?;
             let beside = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
             let folder = arguments.data.as_deref().unwrap_or(beside);
-            validate::oracles(&text, path, Some(&|names| ephemeris::of_names(folder, names)))?
+            let kernels = |names: &[&str]| ephemeris::of_names(folder, names);
+            let shapes = |name: &str| Some(obj::read(&ephemeris::file_named(folder, name)?).ok()?.mesh());
+            validate::oracles(&text, path, Some(Files { kernels: &kernels, shapes: &shapes }))?
         }
     };
     let count = |verdict| validate::count(&rows, verdict);

@@ -73,11 +73,15 @@ pub fn is_kernel(path: &Path) -> Result<bool> {
 /// seconds are known without their kernel.
 pub fn of_names(folder: &Path, names: &[&str]) -> Option<Almanac> {
     let needed = names.iter().filter(|name| ending(Path::new(name)) != "tls");
-    let named = |name: &&&str| Some(folder.join(name)).filter(|path| path.is_file());
-    let paths: Option<Vec<PathBuf>> = needed.map(|name| named(&name).or_else(|| find(folder, name, LEVELS))).collect();
+    let paths: Option<Vec<PathBuf>> = needed.map(|name| file_named(folder, name)).collect();
     let mut almanac = Almanac::default();
     furnish_all(&paths?, &mut almanac).ok()?;
     Some(almanac)
+}
+
+/// The file of this path in a folder, or else the first whose name ends so, two levels deep.
+pub fn file_named(folder: &Path, name: &str) -> Option<PathBuf> {
+    Some(folder.join(name)).filter(|path| path.is_file()).or_else(|| find(folder, name, LEVELS))
 }
 
 /// The file in a folder whose name ends so; of several the first by its path.

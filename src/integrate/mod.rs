@@ -121,6 +121,7 @@ pub fn integrate(scene: &Scene, table: &FacetTable, wanted: Wanted<'_>, watch: W
         let mut pixel = Pixel::new(&drawing, lights().collect());
         pixel.globes = Globes::new(mesh, &globes_in_view);
         pixel.wants_moments = emission.wants_moments();
+        pixel.wants_centre = !wanted.radiance_alone;
         pixel.pieces.are_kept = wanted.maps.is_some() || !scene.body.textures.is_empty();
         let map_texels = wanted.maps.map(|maps| PixelTexels::new(scene, &drawing, maps, &prepared, &map_polygons));
         (pixel, Weights::new(scene, &drawing, &emission), map_texels)

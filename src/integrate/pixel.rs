@@ -42,6 +42,8 @@ pub(super) struct Pixel<'a> {
     lights: Vec<LitArea<'a>>,
     /// Whether moments of lit parts are wanted.
     pub(super) wants_moments: bool,
+    /// Whether what is at the centre is wanted.
+    pub(super) wants_centre: bool,
     /// What sources after the Sun light: facet, source, part; ascending, one each, once [`Pixel::look`] is done.
     further: Vec<(u32, usize, ImagePart)>,
     /// Facets, ascending, one entry each, once [`Pixel::look`] is done.
@@ -73,6 +75,7 @@ impl<'a> Pixel<'a> {
             drawing,
             lights,
             wants_moments: false,
+            wants_centre: true,
             further: vec![],
             entries: vec![],
             centre: None,
@@ -321,7 +324,8 @@ impl Visit for Pixel<'_> {
             self.add(facet, &clipped, &Window::Rect { rect, outline: &outline }, 1.0);
             self.clipped = clipped;
         }
-        if self.centre.is_none()
+        if self.wants_centre
+            && self.centre.is_none()
             && bounds.holds(self.site.centre)
             && rect.holds(self.site.centre)
             && holds(&outline, self.site.centre)
@@ -342,7 +346,7 @@ impl Visit for Pixel<'_> {
     fn piece(&mut self, triangle: u32, _: &Rect, polygon: &[Point]) {
         let facet = self.drawing.facet(triangle);
         self.add_piece_of_cell(facet, polygon, 1.0);
-        if self.centre.is_none() && may_touch(polygon, &around(self.site.centre)) {
+        if self.wants_centre && self.centre.is_none() && may_touch(polygon, &around(self.site.centre)) {
             if holds(polygon, self.site.centre) {
                 self.take_centre(triangle);
             } else {

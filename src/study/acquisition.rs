@@ -424,7 +424,7 @@ fn acquire(
     let mut sweep: (Vec<Slab>, Vec<Ground>) = Default::default();
     let mut taken: Vec<Exposed> = Vec::new();
     let total = takes.len() as u64;
-    for takes in takes.chunks(if by_line { BLOCK } else { 1 }) {
+    for takes in solved.blocks(&takes) {
         let mut block = moving.block(takes, solved.groups)?;
         for take in takes {
             let done = taken.len() as u64;
@@ -490,7 +490,7 @@ fn acquire(
     Ok(observation)
 }
 
-/// Lines of a push-broom that look at one part of the body.
+/// Lines of a push-broom that look at one part of the body, at most.
 const BLOCK: usize = 16;
 
 /// Some exposures, and the part of the body that they may see.
@@ -568,6 +568,20 @@ impl<'a> Solved<'a> {
         }
     }
 
+    /// Exposures that share a block, of lines those between the same solved moments: the more they are, the more each carries along that it does not see.
+    fn blocks<'t>(&self, takes: &'t [Take]) -> Vec<&'t [Take]> {
+        if self.groups.is_none() {
+            return takes.chunks(1).collect();
+        }
+        let of_step = takes.chunk_by(|a, b| self.step_at(a.middle_s) == self.step_at(b.middle_s));
+        of_step.flat_map(|takes| takes.chunks(takes.len().div_ceil(takes.len().div_ceil(BLOCK)))).collect()
+    }
+
+    /// The number of the solved moment before another one, from 0.
+    fn step_at(&self, s: f64) -> f64 {
+        self.step_s.map_or(0.0, |step_s| ((s - self.moving.timing.middle_s(0)) / step_s).floor())
+    }
+
     /// The table at the moment of a part of the cube, of which the scene is given: of the block's part of the body.
     fn at(&mut self, take: &Take, then: &Scene, block: &mut Block, watch: Watch<'_>) -> Result<Rc<FacetTable>> {
         if let Some(table) = &self.given {
@@ -581,7 +595,7 @@ impl<'a> Solved<'a> {
         // Not beyond the last exposure, where nothing may be known.
         let last = self.moving.timing.count(&self.moving.scene.exposure).saturating_sub(1);
         let [first_s, last_s] = [0, last].map(|i| self.moving.timing.middle_s(i));
-        let step = ((take.middle_s - first_s) / step_s).floor();
+        let step = self.step_at(take.middle_s);
         let ends = [step, step + 1.0].map(|i| (first_s + i * step_s).min(last_s));
         let before = self.solved(ends[0], block, &ends, watch)?;
         let after = self.solved(ends[1], block, &ends, watch)?;

@@ -525,17 +525,22 @@ impl<'a> Drawing<'a> {
         let points = &self.points;
         let of_facet = |i: usize, facet: &[u32; 3], extent: &mut Extent| {
             let corners = facet.map(|v| points[v as usize]);
+            let outline = corners.map(|p| [p[0], p[1]]);
+            let bounds = Rect::of(&outline);
             if pinhole {
+                let in_front = |p: &[f64; 3]| afar || p[2] > 0.0;
                 let far = |p: &[f64; 3]| {
-                    let near =
-                        (afar || p[2] > 0.0) && (0..2).all(|k| -reach[k] <= p[k] && p[k] <= image.max[k] + reach[k]);
-                    !near
+                    !(in_front(p) && (0..2).all(|k| -reach[k] <= p[k] && p[k] <= image.max[k] + reach[k]))
                 };
-                if corners.iter().any(far) {
+                // Beside the image, in front of the camera, there is nothing to cut.
+                let is_beside = || {
+                    let has_place = |p: &[f64; 3]| in_front(p) && p.iter().all(|x| x.is_finite());
+                    corners.iter().all(has_place) && !bounds.overlaps(&image)
+                };
+                if corners.iter().any(far) && !is_beside() {
                     return CUT | MAYBE_EDGE_ON;
                 }
             }
-            let outline = corners.map(|p| [p[0], p[1]]);
             let [a, b, c] = outline;
             let turn = turn(a, b, c);
             // h right, v down, u forward is right-handed: an outer side seen from in front turns negative.
@@ -546,7 +551,6 @@ impl<'a> Drawing<'a> {
             } else {
                 return MAYBE_EDGE_ON;
             };
-            let bounds = Rect::of(&outline);
             let width_and_height = bounds.max[0] - bounds.min[0] + (bounds.max[1] - bounds.min[1]);
             let narrow = if turn.abs() <= 2.0 * NARROW * width_and_height { MAYBE_EDGE_ON } else { 0 };
             let hidden = side == BACK && hides_inner[i];
@@ -684,8 +688,14 @@ impl<'a> Drawing<'a> {
         self.magnitude[1] = match self.view {
             View::Parallel { .. } => {
                 // Heights are sums of products of coordinates, however flat the mesh.
-                let coordinates = self.mesh.vertices_m.iter().map(|p| p.abs().max_element());
-                coordinates.fold(near, f64::max)
+                let largest = |near: f64, vertex_m: &DVec3| near.max(vertex_m.abs().max_element());
+                match self.listed {
+                    None => self.mesh.vertices_m.iter().fold(near, largest),
+                    Some(facets) => {
+                        let corners_m = facets.iter().flat_map(|facet| self.mesh.facet(*facet as usize).corners_m);
+                        corners_m.fold(near, |near, corner_m| largest(near, &corner_m))
+                    }
+                }
             }
             // Heights above the point in the middle of the mesh are as good as what lies across, however flat the mesh.
             View::Pinhole { depth_m, scale, .. } if depth_m > 0.0 => {
@@ -820,7 +830,12 @@ fn long_and_short(mesh: &Mesh, count: usize, facet: impl Fn(usize) -> usize, tow
 }
 
 /// A view from afar with axes right and down, and about so many cells that hold some points.
-fn fitted(points_m: impl Iterator<Item = DVec3>, (h, v): (DVec3, DVec3), towards: Direction, cells: f64) -> (View, Grid) {
+fn fitted(
+    points_m: impl Iterator<Item = DVec3>,
+    (h, v): (DVec3, DVec3),
+    towards: Direction,
+    cells: f64,
+) -> (View, Grid) {
     let (mut lo, mut hi) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     for p in points_m {
         let at = [p.dot(h), p.dot(v)];

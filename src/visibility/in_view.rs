@@ -7,6 +7,8 @@ use crate::geometry::{Camera, Direction, FrameCamera, Mesh, index_u32, whole};
 
 /// Facets of a group.
 const GROUP: usize = 64;
+/// Groups that are looked at together first: they follow one another as they lie.
+const FEW: usize = 16;
 /// A sum of a few products is rounded by less than this, relative to the sum of their sizes.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// Heights are kept for at most so many squares of a side.
@@ -17,6 +19,8 @@ const MOST_SQUARES: f64 = 1024.0;
 pub struct FacetGroups {
     /// Middle of each group's box, and half its size, m.
     boxes: Vec<(DVec3, DVec3)>,
+    /// The same of each [`FEW`] groups together.
+    few: Vec<(DVec3, DVec3)>,
     /// First facet of each group in `facets`, and their number as the last element.
     start: Vec<usize>,
     facets: Vec<u32>,
@@ -38,8 +42,15 @@ impl FacetGroups {
                 corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
             (0.5 * (low + high), 0.5 * (high - low))
         };
-        let boxes = start.windows(2).map(box_of).collect();
-        FacetGroups { boxes, start, facets }
+        let boxes: Vec<(DVec3, DVec3)> = start.windows(2).map(box_of).collect();
+        let around = |boxes: &[(DVec3, DVec3)]| {
+            let (low, high) =
+                boxes.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), (middle, half)| {
+                    (low.min(*middle - *half), high.max(*middle + *half))
+                });
+            (0.5 * (low + high), 0.5 * (high - low))
+        };
+        FacetGroups { few: boxes.chunks(FEW).map(around).collect(), boxes, start, facets }
     }
 
     /// Which groups a camera may see some of; adds to what others may.
@@ -50,12 +61,16 @@ impl FacetGroups {
         let (x, y, z) = (rows.x_axis, rows.y_axis, rows.z_axis);
         // Where each of these is below 0, nothing is in view.
         let planes = [z, x, y, f64::from(camera.samples) * z - x, f64::from(camera.lines) * z - y];
-        for (seen, (middle, half)) in seen.iter_mut().zip(&self.boxes).filter(|(seen, _)| !**seen) {
+        let may_show = |(middle, half): &(DVec3, DVec3)| {
             let from = *middle - projection.origin_m;
-            *seen |= planes.iter().all(|plane| {
+            planes.iter().all(|plane| {
                 let size = plane.abs().dot(from.abs() + *half + projection.origin_m.abs());
                 plane.dot(from) + plane.abs().dot(*half) >= -ROUNDING * size
-            });
+            })
+        };
+        let together = seen.chunks_mut(FEW).zip(self.boxes.chunks(FEW)).zip(&self.few);
+        for ((seen, boxes), _) in together.filter(|(_, few)| may_show(few)) {
+            seen.iter_mut().zip(boxes).filter(|(seen, _)| !**seen).for_each(|(seen, of)| *seen = may_show(of));
         }
     }
 
@@ -79,14 +94,16 @@ impl FacetGroups {
         }
         // About as many squares as groups, laid over what they cover.
         let sides = [0, 1].map(|k| high[k] - low[k]);
-        let size = (sides[0] * sides[1] / asked().count().max(1) as f64).sqrt().max(sides[0].max(sides[1]) / MOST_SQUARES);
+        let size =
+            (sides[0] * sides[1] / asked().count().max(1) as f64).sqrt().max(sides[0].max(sides[1]) / MOST_SQUARES);
         let count = sides.map(|side| if size > 0.0 { whole((side / size).floor()) + 1 } else { 1 });
         let squares = |extent: &[[f64; 2]; 3]| {
             let [columns, rows] = [0, 1].map(|k| {
                 if extent[k][1] < low[k] || extent[k][0] > high[k] {
                     return 0..0;
                 }
-                let square = |x: f64| if size > 0.0 { whole(((x - low[k]) / size).max(0.0)).min(count[k] - 1) } else { 0 };
+                let square =
+                    |x: f64| if size > 0.0 { whole(((x - low[k]) / size).max(0.0)).min(count[k] - 1) } else { 0 };
                 square(extent[k][0])..square(extent[k][1]) + 1
             });
             rows.flat_map(move |row| columns.clone().map(move |column| row * count[0] + column))

@@ -32,6 +32,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use crate::error::{Error, Location, Result};
+use crate::geometry::{MaterialId, Mesh};
 use crate::report::{Fate, Note, Report};
 
 use super::input::{self, BYTE_ORDER_MARK, InputFile};
@@ -83,6 +84,16 @@ pub struct ObjFile {
 }
 
 impl ObjFile {
+    /// Its vertices and facets, in its own unit and axes.
+    pub fn mesh(&self) -> Mesh {
+        Mesh {
+            vertices_m: self.vertices.clone(),
+            facets: self.facets.clone(),
+            material: self.facet_material.iter().map(|of| MaterialId(*of)).collect(),
+            ..Mesh::default()
+        }
+    }
+
     /// Size along its axes, in its own unit.
     pub fn size(&self) -> DVec3 {
         let corners = || self.vertices.iter().copied();

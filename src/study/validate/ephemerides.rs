@@ -9,7 +9,7 @@ use crate::flight::{Epoch, Scale};
 impl Oracle<'_> {
     /// The state of what the file is about, or the rotation that it knows, at a moment.
     pub(super) fn ephemeris(&self) -> Option<Vec<Answer>> {
-        let almanac = (self.kernels?)(&[self.inputs.get("file")?.as_str()?])?;
+        let almanac = (self.files?.kernels)(&[self.inputs.get("file")?.as_str()?])?;
         let utc = self.inputs.get("utc").and_then(Value::as_str);
         let epoch = match utc {
             Some(utc) => Epoch::parse(utc, Some(Scale::Utc), &almanac.leap).ok()?,

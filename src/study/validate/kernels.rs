@@ -15,7 +15,7 @@ pub type Kernels<'a> = dyn Fn(&[&str]) -> Option<Almanac> + 'a;
 
 impl Oracle<'_> {
     pub(super) fn spk(&self) -> Option<Vec<Answer>> {
-        let almanac = (self.kernels?)(&[self.inputs.get("file")?.as_str()?])?;
+        let almanac = (self.files?.kernels)(&[self.inputs.get("file")?.as_str()?])?;
         let [target, centre] = ["target", "center"].map(|key| Some(self.inputs.get(key)?.as_i64()?.to_string()));
         // A Julian date as one number is off by up to 20 us, in which Mars goes half a metre: the name has it in two, as in "2451545-0.3".
         let in_name = self.name.rsplit_once("2451545").and_then(|(_, days)| days.trim_end_matches(')').parse().ok());
@@ -30,7 +30,7 @@ impl Oracle<'_> {
 
     pub(super) fn spice(&self, kind: &str) -> Option<Vec<Answer>> {
         let names: Vec<&str> = self.inputs.get("kernels")?.as_array()?.iter().filter_map(Value::as_str).collect();
-        let almanac = (self.kernels?)(&names)?;
+        let almanac = (self.files?.kernels)(&names)?;
         let (target, centre) = kind.split_once("_rel_")?;
         let epoch = match (self.input("et"), self.inputs.get("utc").and_then(Value::as_str)) {
             (Some(tdb_s), _) => Epoch::from_tdb_s(tdb_s)?,

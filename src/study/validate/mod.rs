@@ -11,6 +11,7 @@ mod kernels;
 mod patch;
 mod reflectance;
 mod scene_cases;
+mod shapes;
 mod values;
 
 use std::path::Path;
@@ -19,6 +20,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 pub use kernels::Kernels;
+pub use shapes::Shapes;
 
 use crate::error::{Error, Location, Problem, Result};
 
@@ -89,12 +91,21 @@ pub fn closed_forms() -> Result<Vec<Row>> {
     Ok(rows)
 }
 
-/// Runs a file of oracles, given its text; `path` is what messages call it. `kernels` finds those that oracles
+/// What finds the files that oracles name.
+#[derive(Clone, Copy)]
+pub struct Files<'a> {
+    /// Kernels and orbits.
+    pub kernels: &'a Kernels<'a>,
+    /// Meshes.
+    pub shapes: &'a Shapes<'a>,
+}
+
+/// Runs a file of oracles, given its text; `path` is what messages call it. `files` finds those that oracles
 /// name; those without are skipped.
 ///
 /// # Errors
 /// [`Error::Syntax`] if the text is not JSON; [`Error::Invalid`] with every oracle that lacks a group, name or expected value.
-pub fn oracles(text: &str, path: &Path, kernels: Option<&Kernels<'_>>) -> Result<Vec<Row>> {
+pub fn oracles(text: &str, path: &Path, files: Option<Files<'_>>) -> Result<Vec<Row>> {
     let file: Value = serde_json::from_str(text).map_err(|error| {
         let at = Location { column: Some(error.column()), ..Location::line(path, error.line()) };
         Error::syntax(at, format!("not JSON: {error}"))
@@ -104,7 +115,7 @@ pub fn oracles(text: &str, path: &Path, kernels: Option<&Kernels<'_>>) -> Result
     };
     let (mut rows, mut problems) = (Vec::new(), Vec::new());
     for (i, record) in list.iter().enumerate() {
-        match Oracle::read(record, kernels) {
+        match Oracle::read(record, files) {
             Ok(oracle) => oracle.run(&mut rows),
             Err(message) => {
                 problems.push(Problem::new(Location::file(path).with_item(format!("oracles[{i}]")), message));
@@ -130,11 +141,11 @@ struct Oracle<'a> {
     source: &'a str,
     tol_rel: Option<f64>,
     tol_abs: Option<f64>,
-    kernels: Option<&'a Kernels<'a>>,
+    files: Option<Files<'a>>,
 }
 
 impl<'a> Oracle<'a> {
-    fn read(record: &'a Value, kernels: Option<&'a Kernels<'a>>) -> std::result::Result<Self, String> {
+    fn read(record: &'a Value, files: Option<Files<'a>>) -> std::result::Result<Self, String> {
         let text = |key: &str| record.get(key).and_then(Value::as_str);
         let number = |key: &str| record.get(key).and_then(Value::as_f64);
         let needed = |key: &str| text(key).ok_or_else(|| format!("has no text {key:?}"));
@@ -147,7 +158,7 @@ impl<'a> Oracle<'a> {
             source: text("source").unwrap_or(""),
             tol_rel: number("tol_rel"),
             tol_abs: number("tol_abs"),
-            kernels,
+            files,
         })
     }
 

@@ -77,6 +77,7 @@ impl Oracle<'_> {
             "spk" => self.spk(),
             "spice" => self.spice(kind),
             "ccsds" => self.ephemeris(),
+            "shape" => self.shape(kind),
             _ => None,
         };
         answers.unwrap_or_default()
@@ -633,6 +634,12 @@ impl Oracle<'_> {
     }
 
     fn pushbroom(&self, kind: &str) -> Option<Vec<Answer>> {
+        if kind.contains("parallax_of_relief") {
+            // What is higher lies further out in the view from one point; straight below a slit it stays where it is.
+            let (height_m, along_m, up_m) = (1e3 * self.input("h_km")?, self.input("along_m")?, self.input("dz_m")?);
+            let shift_m = |along_m: f64| along_m * (height_m / (height_m - up_m) - 1.0);
+            return Some(reference(json!({ "frame_shift_m": shift_m(along_m), "pushbroom_shift_m": shift_m(0.0) })));
+        }
         let ifov_rad = 1e-3 * self.input("ifov_mrad")?;
         let pixel_m = 1e3 * self.input("alt_km").or_else(|| self.input("h_km"))? * ifov_rad;
         Some(match kind {
@@ -649,7 +656,7 @@ pub(super) fn from_zenith(angle_deg: f64, azimuth_deg: f64) -> DVec3 {
     DVec3::new(sin * cos_az, sin * sin_az, cos)
 }
 
-fn vector(value: &Value) -> Option<DVec3> {
+pub(super) fn vector(value: &Value) -> Option<DVec3> {
     let [x, y, z] = value.as_array()?.as_slice() else { return None };
     Some(DVec3::new(x.as_f64()?, y.as_f64()?, z.as_f64()?))
 }
