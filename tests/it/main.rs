@@ -79,6 +79,7 @@ mod ortho;
 mod out_of_range;
 mod old_tables;
 mod partly_sky;
+mod past;
 mod photometry_attack;
 mod photometry_files;
 mod photometry_heat;

@@ -186,7 +186,7 @@ impl Lines {
     fn scenes(&mut self, a: &Scene, b: &Scene) {
         let Setup {
             body,
-            sky: Sky { sun, mars, bodies, beams, rotation },
+            sky: Sky { sun, mars, bodies, beams, rotation, past },
             exposure,
             models:
                 Models {
@@ -252,6 +252,10 @@ impl Lines {
             (a, _) => {
                 self.push("thermal.period_s", if a.is_some() { "is there" } else { "is not" }, "the other way round")
             }
+        }
+        if past.is_some() != b.sky.past.is_some() {
+            let known = if past.is_some() { "is known" } else { "is not known" };
+            self.push("the day before", known, "the other way round");
         }
         self.debugged("sun.points", sun_model, &b.models.sun);
         self.debugged("mars.eclipse", eclipses, &b.models.eclipses);

@@ -256,6 +256,11 @@ fn read_all(
                     motion.start.after_s(middle_s)
                 );
                 report.note(Fate::Approximated, Location::file(&path).with_item("flight"), message);
+                if file.scene.sky.past.is_some() {
+                    let message =
+                        "in the day before, the Sun goes round steadily, and bodies of the sky stay where they are";
+                    report.note(Fate::Approximated, Location::file(&path).with_item("thermal"), message);
+                }
             }
             (Content::Scene(Box::new(file.scene), Flights::new()), report)
         }

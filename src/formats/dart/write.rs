@@ -173,6 +173,7 @@ fn tetrahedron(target: TargetVersion) -> Result<(Package, [Face; 4])> {
             bodies: vec![],
             beams: vec![],
             rotation: None,
+            past: None,
         },
         exposure: Exposure {
             instrument: "check".into(),
