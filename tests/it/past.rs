@@ -3,9 +3,10 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use glam::{DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 use mmxrt::flight::{
-    Aim, Almanac, Correction, Epoch, Orientation, Path, Pointing, Segment, Span, Trajectory, Turn, Turning, Up,
+    Aim, Almanac, Correction, Epoch, Interpolation, Nodes, Orientation, Path, Pointing, Segment, Span, Trajectory,
+    Turn, Turning, Up,
 };
 use mmxrt::formats::scene_toml;
 use mmxrt::progress::unwatched;
@@ -58,6 +59,36 @@ fn steady(known: Option<Span>) -> Motion {
         correction: Correction::None,
         start: Epoch::J2000,
     }
+}
+
+/// A rock that turns about its North, +z, as fast, over whose equator, at +x, a camera goes steadily, which looks straight down, North up: a kilometre over the
+/// ground 10 s after the start, which is so long after noon.
+pub(crate) fn over(velocity_m_s: DVec3, after_noon_deg: f64) -> Motion {
+    let mut motion = steady(None);
+    let start = moment(after_noon_deg);
+    let mut almanac = Almanac::clone(&motion.almanac);
+    motion.origin_m = DVec3::X * 11_000.0;
+    almanac.trajectories[0].segments[0].path = Path::Fixed(DVec3::X * SUN_M);
+    if let Turning::Spin(spin) = &mut almanac.orientations.last_mut().unwrap().turns[0].turning {
+        spin.rate_rad_s = DVec3::Z * (TAU / DAY_S);
+    }
+    let at = |s: f64| DVec3::X * 12_000.0 + velocity_m_s * (s - 10.0);
+    let path = Path::Nodes(Nodes {
+        tdb_s: vec![start.tdb_s() - 100.0, start.tdb_s() + 100.0],
+        position_m: vec![at(-100.0), at(100.0)],
+        velocity_m_s: vec![],
+        interpolation: Interpolation::Lagrange(2),
+    });
+    let span = Span { start: start.after_s(-100.0), end: start.after_s(100.0) };
+    almanac.trajectories.push(Trajectory {
+        target: "PROBE".into(),
+        frame: "IAU_ROCK".into(),
+        segments: vec![Segment { span, path }],
+        ..almanac.trajectories[0].clone()
+    });
+    let sensor = DMat3::from_cols(DVec3::Y, DVec3::NEG_Z, DVec3::NEG_X);
+    motion.pointing.aim = Aim::Fixed("IAU_ROCK".into(), sensor);
+    Motion { almanac: Arc::new(almanac), spacecraft: "PROBE".into(), start, ..motion }
 }
 
 fn moment(after_noon_deg: f64) -> Epoch {
