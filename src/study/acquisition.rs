@@ -156,15 +156,20 @@ impl Moving<'_> {
         let all = Block { body: self.scene.body.clone(), facets: None, tables: vec![] };
         let Some(groups) = groups else { return Ok(all) };
         let mut seen = vec![false; groups.count()];
+        let Exposure { spectrometer, bands, .. } = &self.scene.exposure;
+        let shifts_px = &spectrometer.steps_px(bands);
         for take in takes {
             for s in self.timing.poses_s(take).chain([take.middle_s]) {
-                let camera = self.exposure_at(take, s)?.camera;
-                match self.optics {
-                    None => groups.add_seen(&camera, &mut seen),
-                    // What is blurred comes from around, too.
-                    Some(optics) => {
-                        groups.add_seen(&refined(&camera, (1, optics.reach_px), 0..camera.lines)?, &mut seen);
-                    }
+                let exposure = self.exposure_at(take, s)?;
+                // Bands that keystone shifts look beside the slit's ends, and what is blurred comes from around, too.
+                let camera = match self.optics {
+                    None => exposure.camera.clone(),
+                    Some(optics) => refined(&exposure, (1, optics.reach_px), 0..exposure.camera.lines)?,
+                };
+                for shift_px in shifts_px {
+                    let mut shifted = camera.clone();
+                    shifted.boresight_px[0] -= shift_px;
+                    groups.add_seen(&shifted, &mut seen);
                 }
             }
         }
@@ -423,7 +428,7 @@ fn acquire(
             format!("band {} has no exposure of its own: each band of a tunable filter has", other.saturating_add(1));
         return Err(Error::Invalid(vec![Problem::new(Location::item("--planes-of"), message)]));
     }
-    serves(moving.optics, timing.readout, &scene.exposure)?;
+    serves(moving.optics, &scene.exposure)?;
     // Maps know facets by their numbers in the whole body.
     let groups = (by_line && maps.is_none()).then(|| FacetGroups::new(&scene.body.mesh));
     let takes: Vec<Take> = timing.takes(&scene.exposure).collect();

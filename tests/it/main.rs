@@ -74,6 +74,7 @@ mod mars_shadows;
 mod messages;
 mod mosaics;
 mod motion;
+mod optics_of_kinds;
 mod oracles;
 mod ortho;
 mod out_of_range;
