@@ -71,10 +71,14 @@ impl Motion {
             Ok::<_, crate::Error>(to_sun_m.dot(north).atan2(to_sun_m.dot(east)))
         };
         let now_rad = longitude_rad(0.0)?;
-        let mut period_s = TAU * TURNED_S / axis_sin.length().min(1.0).asin();
+        let further_rad =
+            |ago_s: f64| Ok::<_, crate::Error>((longitude_rad(ago_s)? - now_rad + PI).rem_euclid(TAU) - PI);
+        // How fast the Sun goes, by the body's own turn and its way about the Sun; as the body turns, if it stands over a pole.
+        let gone_rad = further_rad(TURNED_S)?;
+        let gone_rad = if gone_rad.abs() > ROUNDING { gone_rad } else { axis_sin.length().min(1.0).asin() };
+        let mut period_s = TAU * TURNED_S / gone_rad.abs();
         for _ in 0..STEPS {
-            let beyond_rad = (longitude_rad(period_s)? - now_rad + PI).rem_euclid(TAU) - PI;
-            period_s *= 1.0 - beyond_rad / TAU;
+            period_s *= 1.0 - gone_rad.signum() * further_rad(period_s)? / TAU;
         }
         Ok(Some(Rotation { axis, period_s }))
     }

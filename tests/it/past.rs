@@ -185,6 +185,25 @@ fn nothing_is_extrapolated() {
     assert!(scene.sky.ago(DAY_S / 5.0).is_ok() && scene.sky.ago(DAY_S / 3.0).is_err());
     assert!(scene.sky.reaches_back(96).is_err());
     assert!(solve::solve(&scene, &unwatched).is_err());
+    // As Venus: it turns backwards in 243 days, while the Sun goes round in 224.7.
+    let (turn_s, year_s) = (243.0 * 86_400.0, 224.7 * 86_400.0);
+    let mut slow = steady(None);
+    let mut almanac = Almanac::clone(&slow.almanac);
+    let mut spin = |frame: &str, rate_rad_s: f64| {
+        let mut turning = almanac.orientations.last().unwrap().clone();
+        if let Turning::Spin(spin) = &mut turning.turns[0].turning {
+            spin.rate_rad_s = DVec3::Z * rate_rad_s;
+        }
+        almanac.orientations.push(Orientation { frame: frame.into(), ..turning });
+    };
+    spin("IAU_ROCK", -TAU / turn_s);
+    spin("WAY", TAU / year_s);
+    almanac.trajectories[0].frame = "WAY".into();
+    almanac.trajectories[0].segments[0].path = Path::Fixed(DVec3::X * SUN_M);
+    slow.almanac = Arc::new(almanac);
+    let day_s = 1.0 / (1.0 / turn_s + 1.0 / year_s);
+    let found = slow.day(Epoch::J2000).unwrap().unwrap();
+    assert!((found.period_s / day_s - 1.0).abs() < 1e-9 && found.axis.vec().z < -0.999, "{found:?} {day_s}");
     // What does not turn has no day.
     let mut still = steady(None);
     still.frame = "J2000".into();
