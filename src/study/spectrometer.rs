@@ -20,7 +20,7 @@ pub(super) struct Looks {
     /// Smile, um, and its share in each sample.
     pub(super) smiles: Vec<(f64, Vec<f64>)>,
     /// Keystone, pixels, and its share in each band.
-    keystones: Vec<(f64, Vec<f64>)>,
+    pub(super) keystones: Vec<(f64, Vec<f64>)>,
 }
 
 impl Looks {
@@ -33,47 +33,44 @@ impl Looks {
             keystones: pairs(hats(&spectrometer.keystones_px(bands))),
         }
     }
+}
 
-    /// The radiance of a scene's image with one smile in all samples; `parts` of its pixels are one of those that keystone is counted in.
-    ///
-    /// # Errors
-    /// As [`integrate`](integrate::integrate), and as [`Scene::seen_by`] for shifted bands.
-    pub(super) fn slab(
-        &self,
-        scene: &Scene,
-        (smile_um, parts): (f64, u32),
-        table: &FacetTable,
-        watch: Watch<'_>,
-    ) -> Result<Slab> {
-        let wanted = Wanted { radiance_alone: true, ..Wanted::default() };
-        let mut slabs = Vec::new();
-        for (keystone_px, by_band) in &self.keystones {
-            let mut exposure = scene.exposure.clone();
-            exposure.camera.boresight_px[0] -= keystone_px * f64::from(parts);
-            exposure.bands.iter_mut().for_each(|band| band.centre_um += smile_um);
-            let slab = integrate::integrate(&scene.seen_by(exposure)?, table, wanted, watch)?.slab;
-            let all = vec![1.0; slab.row_start.len() - 1];
-            slabs.push(slab.scaled(&all, by_band));
-        }
-        Ok(Slab::over(&slabs))
+/// The radiance of a scene's image with one smile, um, in all samples and one keystone, pixels of its camera, in all bands.
+///
+/// # Errors
+/// As [`integrate`](integrate::integrate), and as [`Scene::seen_by`] for shifted bands.
+pub(super) fn look(
+    scene: &Scene,
+    (smile_um, keystone_px): (f64, f64),
+    table: &FacetTable,
+    watch: Watch<'_>,
+) -> Result<Slab> {
+    let wanted = Wanted { radiance_alone: true, ..Wanted::default() };
+    if scene.exposure.spectrometer.is_ideal() {
+        return Ok(integrate::integrate(scene, table, wanted, watch)?.slab);
     }
+    let mut exposure = scene.exposure.clone();
+    exposure.camera.boresight_px[0] -= keystone_px;
+    exposure.bands.iter_mut().for_each(|band| band.centre_um += smile_um);
+    Ok(integrate::integrate(&scene.seen_by(exposure)?, table, wanted, watch)?.slab)
 }
 
 /// The radiance of a scene's image, with the smile and the keystone of its sensor.
 ///
 /// # Errors
-/// As [`Looks::slab`].
+/// As [`look`].
 pub(super) fn radiance(scene: &Scene, table: &FacetTable, watch: Watch<'_>) -> Result<Slab> {
     if scene.exposure.spectrometer.is_ideal() {
-        let wanted = Wanted { radiance_alone: true, ..Wanted::default() };
-        return Ok(integrate::integrate(scene, table, wanted, watch)?.slab);
+        return look(scene, (0.0, 0.0), table, watch);
     }
-    let looks = Looks::of(&scene.exposure);
+    let Looks { smiles, keystones } = Looks::of(&scene.exposure);
     let mut parts = Vec::new();
-    for (smile_um, by_sample) in &looks.smiles {
-        let slab = looks.slab(scene, (*smile_um, 1), table, watch)?;
-        let by_pixel: Vec<f64> = by_sample.iter().copied().cycle().take(slab.row_start.len() - 1).collect();
-        parts.push(slab.scaled(&by_pixel, &vec![1.0; scene.exposure.bands.len()]));
+    for (keystone_px, by_band) in &keystones {
+        for (smile_um, by_sample) in &smiles {
+            let slab = look(scene, (*smile_um, *keystone_px), table, watch)?;
+            let by_pixel: Vec<f64> = by_sample.iter().copied().cycle().take(slab.row_start.len() - 1).collect();
+            parts.push(slab.scaled(&by_pixel, by_band));
+        }
     }
     Ok(Slab::over(&parts))
 }

@@ -120,40 +120,46 @@ impl Seen<'_> {
         let (bands, size) = (&exposure.bands, [samples, lines.len()]);
         let pixels = samples * lines.len();
         let mut radiance = vec![0.0; pixels * bands.len()];
-        let looks = Looks::of(exposure);
-        for (smile_um, by_sample) in &looks.smiles {
-            let fine = self.fine(&lines, (&looks, *smile_um), watch)?;
-            let parts = fine.row_start.len().saturating_sub(1);
-            radiance.par_chunks_mut(pixels * TOGETHER).enumerate().for_each(|(chunk, to)| {
-                let first = chunk * TOGETHER;
-                let mut values = vec![0.0; parts * (to.len() / pixels)];
-                fine.expand(0..parts, first..first + to.len() / pixels, |part, band, of_bands| {
-                    of_bands
-                        .iter()
-                        .enumerate()
-                        .for_each(|(k, value)| values[(band - first + k) * parts + part] = *value);
-                });
-                for (k, (to, fine)) in to.chunks_exact_mut(pixels).zip(values.chunks_exact(parts)).enumerate() {
-                    let blurred = blurs.pixels(self.optics, exposure, first + k, size, fine);
-                    let shares = by_sample.iter().cycle();
-                    to.iter_mut().zip(&blurred).zip(shares).for_each(|((to, value), share)| *to += share * value);
-                }
-            });
+        let Looks { smiles, keystones } = Looks::of(exposure);
+        // One after the other, as there may be many: what is blurred adds up.
+        for (smile_um, by_sample) in &smiles {
+            for (keystone_px, by_band) in &keystones {
+                let fine = self.fine(&lines, (*smile_um, *keystone_px), watch)?;
+                let parts = fine.row_start.len().saturating_sub(1);
+                radiance.par_chunks_mut(pixels * TOGETHER).zip(by_band.par_chunks(TOGETHER)).enumerate().for_each(
+                    |(chunk, (to, by_band))| {
+                        if by_band.iter().all(|share| *share == 0.0) {
+                            return;
+                        }
+                        let first = chunk * TOGETHER;
+                        let mut values = vec![0.0; parts * by_band.len()];
+                        fine.expand(0..parts, first..first + by_band.len(), |part, band, of_bands| {
+                            for (k, value) in of_bands.iter().enumerate() {
+                                values[(band - first + k) * parts + part] = *value;
+                            }
+                        });
+                        let bands = to.chunks_exact_mut(pixels).zip(values.chunks_exact(parts)).zip(by_band);
+                        for (k, ((to, fine), of_band)) in bands.enumerate().filter(|(_, (_, share))| **share != 0.0) {
+                            let blurred = blurs.pixels(self.optics, exposure, first + k, size, fine);
+                            for ((to, value), of_sample) in to.iter_mut().zip(blurred).zip(by_sample.iter().cycle()) {
+                                *to += of_sample * of_band * value;
+                            }
+                        }
+                    },
+                );
+            }
         }
         Ok(Slab::dense(lines.start as usize..lines.end as usize, 0..bands.len(), radiance))
     }
 
-    /// Some lines of the image by parts of pixels, and what is around them, from all poses, with one smile.
-    fn fine(&self, lines: &Range<u32>, (looks, smile_um): (&Looks, f64), watch: Watch<'_>) -> Result<Slab> {
+    /// Some lines of the image by parts of pixels, and what is around them, from all poses, with one smile, um, and one keystone, pixels.
+    fn fine(&self, lines: &Range<u32>, (smile_um, keystone_px): (f64, f64), watch: Watch<'_>) -> Result<Slab> {
         let Optics { subpixels, reach_px, .. } = *self.optics;
         let mut parts = Vec::new();
         for scene in self.poses {
             let camera = refined(&scene.exposure, (subpixels, reach_px), lines.clone())?;
             let fine = scene.seen_by(Exposure { camera, ..scene.exposure.clone() })?;
-            let slab = match scene.exposure.spectrometer.is_ideal() {
-                true => spectrometer::radiance(&fine, self.table, watch)?,
-                false => looks.slab(&fine, (smile_um, subpixels), self.table, watch)?,
-            };
+            let slab = spectrometer::look(&fine, (smile_um, keystone_px * f64::from(subpixels)), self.table, watch)?;
             parts.push((1.0 / self.poses.len() as f64, slab));
         }
         let fine = if parts.len() == 1 { parts.pop().map(|(_, slab)| slab) } else { Slab::sum(&parts) };

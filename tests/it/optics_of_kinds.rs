@@ -1,9 +1,10 @@
 //! Optics of sensors other than frames: of whisk-brooms, and beside smile and keystone.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use glam::DVec3;
-use mmxrt::geometry::{MaterialId, Mesh};
+use mmxrt::geometry::{BrownConrady, Lens, MaterialId, Mesh};
 use mmxrt::instrument::Optics;
 use mmxrt::integrate::Wanted;
 use mmxrt::physics::mtf;
@@ -32,7 +33,13 @@ fn gaussian(gaussian_px: f64) -> Optics {
 }
 
 /// What a resting sensor sees of ground, through optics and without: samples of all lines, band by band.
-fn seen(
+fn seen(ground: (Mesh, &[f64]), image: ([u32; 2], &[f64]), sensor: (Timing, &Spectrometer, &Optics)) -> [Vec<f64>; 2] {
+    seen_by_lens(0.0, ground, image, sensor)
+}
+
+/// The same through a slit's lens of this radial coefficient; without one of 0.
+fn seen_by_lens(
+    radial: f64,
     (ground, reflectances): (Mesh, &[f64]),
     ([samples, lines], bands): ([u32; 2], &[f64]),
     (timing, spectrometer, optics): (Timing, &Spectrometer, &Optics),
@@ -46,6 +53,10 @@ fn seen(
         let material = |(i, reflectance): (usize, &f64)| lambert(i, &format!("m{i}"), Spectrum::constant(*reflectance));
         parts.surface.materials = reflectances.iter().enumerate().map(material).collect();
         parts.exposure.spectrometer = spectrometer.clone();
+        let of = BrownConrady { radial: [radial, 0.0, 0.0], tangential: [0.0; 2] };
+        let camera = &mut parts.exposure.camera;
+        let (pitch, middle_px) = (camera.pitch, [0.5 * f64::from(samples), 0.5]);
+        camera.lens = Lens::brown_conrady(of, pitch, middle_px, [samples, 1]).unwrap().map(Arc::new);
     });
     let mut slabs: Vec<Slab> = Vec::new();
     let mut put = |slab| {
@@ -112,6 +123,14 @@ fn keystone_and_smile_lose_no_light() {
         assert!(without > 1.0 && (with / without - 1.0).abs() < 1e-12, "{with} {without}");
         assert!(blurred.iter().zip(sharp).any(|(a, b)| (a - b).abs() > 0.01 * without));
     }
+    // Through a lens, too, even ground stays even, at keystones beyond the slit's ends.
+    let even = |radial: f64| {
+        let ground = (strip(-500.0, 500.0, 0, true), &[0.3][..]);
+        let [blurred, sharp] = seen_by_lens(radial, ground, ([12, 1], &bands), (LINE, &keystone_alone, &gaussian(0.6)));
+        assert!(blurred.iter().zip(&sharp).all(|(a, b)| (a / b - 1.0).abs() < 1e-9), "{blurred:?} {sharp:?}");
+    };
+    even(0.0);
+    even(-300.0);
     // Smile is the detector's: on even ground it is what it is without optics.
     let [blurred, sharp] =
         seen((strip(-500.0, 500.0, 0, true), &[0.3]), ([12, 2], &bands), (LINE, &spectrometer, &gaussian(0.6)));
