@@ -58,6 +58,7 @@ fn main() -> Result<()> {
             bodies: vec![],
             beams: vec![],
             rotation: None,
+            past: None,
         },
         models: Models { thermal: Thermal::Equilibrium, ..Models::default() },
         exposure: Exposure {

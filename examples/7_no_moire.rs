@@ -122,6 +122,7 @@ fn scene(camera: FrameCamera) -> Result<Scene> {
             bodies: vec![],
             beams: vec![],
             rotation: None,
+            past: None,
         },
         exposure: Exposure {
             instrument: "walker".into(),

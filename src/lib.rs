@@ -46,7 +46,7 @@
 //! };
 //! let scene = SceneParts {
 //!     surface: Surface { origin_m: DVec3::new(0.0, 0.0, 11_000.0), mesh, materials: vec![grey], textures: vec![] },
-//!     sky: Sky { sun, mars: None, bodies: vec![], beams: vec![], rotation: None },
+//!     sky: Sky { sun, mars: None, bodies: vec![], beams: vec![], rotation: None, past: None },
 //!     models: Models { thermal: Thermal::Off, ..Models::default() },
 //!     exposure: Exposure {
 //!         instrument: "tour".into(),

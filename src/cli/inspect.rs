@@ -291,6 +291,7 @@ fn converted(path: &Path, console: &Console) -> Result<Facts> {
     let (format, content, report) = convert::read(path, &options, &|progress| console.watch(progress))?;
     let names: Vec<Value> = match &content {
         Content::Scene(scene, _) => scene.body.materials.iter().map(|m| json!({ "name": m.name })).collect(),
+        Content::Moving(moving) => moving.0.body.materials.iter().map(|m| json!({ "name": m.name })).collect(),
         Content::Mesh(surface) => surface.materials.iter().map(|m| json!({ "name": m.name })).collect(),
         Content::Spectra(libraries) => {
             let columns = |l: &mmxrt::spectral::SpectralLibrary| -> Vec<String> {

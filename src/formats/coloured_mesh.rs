@@ -172,6 +172,7 @@ impl ColouredMesh {
                 bodies: vec![],
                 beams: vec![],
                 rotation: None,
+                past: None,
             },
             exposure: Exposure {
                 instrument: SENSOR_NAME.into(),

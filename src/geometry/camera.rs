@@ -62,7 +62,11 @@ impl FrameCamera {
         let lens = match self.active_lens().map(Lens::coefficients) {
             None => None,
             Some(Some(of)) => Lens::brown_conrady(of, pitch, boresight_px, [samples, lines_of_parts])?.map(Arc::new),
-            Some(None) => return Err("a table of directions does not say where parts of pixels look".into()),
+            Some(None) => {
+                return Err("a table of directions says where pixels look, and not what is seen between them and beside the image, whose light optics \
+                            bring in: give the lens by `sensor.distortion`, or leave optics out with `ideal = true` (`--ideal`)"
+                    .into());
+            }
         };
         Ok(FrameCamera { samples, lines: lines_of_parts, pitch, boresight_px, lens, ..self.clone() })
     }

@@ -39,7 +39,7 @@ use weights::{WeightLine, Weights};
 pub use backplanes::plane_count;
 pub use footprints::{GlobesShown, footprints, footprints_among_globes};
 pub use ground::{GroundPiece, ground_pieces};
-pub use maps::{MapImage, MapView, Maps, Unknown, ViewChoice, meets, texels_seen};
+pub use maps::{MapImage, MapView, Maps, Unknown, ViewChoice, meets, seen_by_eye, texels_seen};
 pub use radiance::radiance;
 
 /// What a camera sees.
@@ -95,9 +95,9 @@ pub fn integrate(scene: &Scene, table: &FacetTable, wanted: Wanted<'_>, watch: W
     table.fits(scene)?;
     let (camera, mesh) = (&scene.exposure.camera, &scene.body.mesh);
     let topology = scene.body.topology_watched(watch)?;
-    let prepared = wanted.maps.map(|maps| maps::prepare(maps, scene, watch)).transpose()?.unwrap_or_default();
+    let views = wanted.maps.map_or(&[][..], |maps| &maps.terms);
     let map_polygons: Vec<Vec<_>> =
-        prepared.iter().map(|views| views.iter().map(|p| p.polygons(mesh.facets.len())).collect()).collect();
+        views.iter().map(|views| views.iter().map(|view| view.polygons(mesh.facets.len())).collect()).collect();
     tell(watch, "image", 0, 1)?;
     let (drawing, detector) = detector::draw(mesh, topology, scene.body.bounds_m(), camera);
     // Of each source that is known by parts: the Sun first.
@@ -123,7 +123,7 @@ pub fn integrate(scene: &Scene, table: &FacetTable, wanted: Wanted<'_>, watch: W
         pixel.wants_moments = emission.wants_moments();
         pixel.wants_centre = !wanted.radiance_alone;
         pixel.pieces.are_kept = wanted.maps.is_some() || !scene.body.textures.is_empty();
-        let map_texels = wanted.maps.map(|maps| PixelTexels::new(scene, &drawing, maps, &prepared, &map_polygons));
+        let map_texels = wanted.maps.map(|maps| PixelTexels::new(scene, &drawing, maps, &map_polygons));
         (pixel, Weights::new(scene, &drawing, &emission), map_texels)
     };
     let look = |(pixel, weights, map_texels): &mut (Pixel, Weights, Option<PixelTexels>),

@@ -42,13 +42,6 @@ pub fn integrate(
     watch: Watch<'_>,
 ) -> Result<Written> {
     let in_parts = subject.motion.clone().filter(|(_, timing)| timing.is_in_parts());
-    if in_parts.is_some() && !radiance.maps.is_empty() {
-        let at = Location::item("sensor.kind");
-        return Err(Error::Unsupported {
-            at,
-            feature: "maps of radiance for an image that is taken in parts: give `--table`, or none".to_owned(),
-        });
-    }
     let Radiance { table, maps, choice, texels, fill } = radiance;
     let ProductOptions { footprints, planes_of, .. } = folder.options().clone();
     let given = table.as_ref().map(|path| Ok((path.clone(), subject.read_table(path)?))).transpose()?;
@@ -99,7 +92,15 @@ pub fn integrate(
     let options = MapOptions { choice: *choice, texels: *texels, fill: *fill, add_solved, footprints };
     let mut product = folder.open(&subject)?;
     let mut put = |slab| product.put(slab, watch);
-    let (observation, maps) =
-        study::observe_maps_by_slabs(&subject.scene, &table, sum.terms, &options, &mut put, watch)?;
+    let scene = &subject.scene;
+    let (observation, maps) = match &in_parts {
+        Some((motion, timing)) => {
+            let moving = Moving { scene, motion, timing: *timing, optics: None };
+            let wanted = Wanted { planes_of: &planes_of, ..Wanted::default() };
+            let of = (&options, study::TOLERANCE);
+            study::acquire_by_maps(moving, (&table, sum.terms), of, wanted, &mut put, watch)?
+        }
+        None => study::observe_maps_by_slabs(scene, &table, sum.terms, &options, &mut put, watch)?,
+    };
     product.finish(Product { subject, table, table_from, observation, plan: None, maps: Some(maps) }, run, watch)
 }

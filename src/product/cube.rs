@@ -278,8 +278,7 @@ impl Slab {
         all
     }
 
-    /// One slab of several of the same bands and number of lines, side by side, each with those of its own spectra that pixels have; empty of none. What maps add is not
-    /// carried over.
+    /// One slab of several of the same bands and number of lines, side by side, each with those of its own spectra that pixels have; empty of none.
     pub fn beside(parts: &[Slab]) -> Slab {
         let used: Vec<Vec<bool>> = parts
             .iter()
@@ -291,13 +290,24 @@ impl Slab {
             .collect();
         let (mut all, numbers) = joined(parts, |part, row| used[part][row]);
         let lines = all.lines.len().max(1);
+        let mut order: Vec<(&Added, usize)> = Vec::new();
         for line in 0..lines {
             for (part, numbers) in parts.iter().zip(&numbers) {
                 let samples = part.row_start.len().saturating_sub(1) / lines;
                 for pixel in line * samples..(line + 1) * samples {
                     let entries: Vec<(u32, f64)> = part.renumbered(pixel, numbers).collect();
                     all.push_pixel(&entries);
+                    order.push((&part.added, pixel));
                 }
+            }
+        }
+        let bands = all.bands.len();
+        all.added = Added::zeros(order.iter().map(|(added, pixel)| added.place(*pixel).is_some()), bands);
+        let reached = all.added.reached();
+        for (pixel, (from, of_part)) in order.into_iter().enumerate() {
+            let Some((place, of_part)) = all.added.place(pixel).zip(from.place(of_part)) else { continue };
+            for band in 0..bands {
+                all.added.radiance[band * reached + place] = from.radiance[band * from.reached() + of_part];
             }
         }
         all

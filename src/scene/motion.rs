@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 
-use super::{Exposure, Scene, Setup, Sky};
+use super::{Exposure, Past, Scene, Setup, Sky};
 use crate::error::{Error, Location, Result};
 use crate::flight::{Almanac, Circumstances, Correction, Epoch, Pointing, Up};
 use crate::geometry::{Direction, Pose};
@@ -93,7 +93,7 @@ impl Motion {
         Ok(Pose { rotation, translation_m: position_m - self.origin_m })
     }
 
-    /// A sky at a moment: where it has a Sun, a Mars and bodies that the almanac knows, they are moved; the rest stays.
+    /// A sky at a moment: where it has a Sun, a Mars and bodies that the almanac knows when it starts, they are moved, and so is its past; the rest stays.
     ///
     /// # Errors
     /// As [`position_m`](Motion::position_m).
@@ -108,10 +108,11 @@ impl Motion {
             mars.centre_m = local_m("MARS")?;
         }
         for globe in &mut sky.bodies {
-            if self.knows(&globe.name, epoch) {
+            if self.knows(&globe.name, self.start) {
                 globe.centre_m = local_m(&globe.name)?;
             }
         }
+        sky.past = sky.past.map(|_| Past::new(self, epoch));
         Ok(sky)
     }
 

@@ -5,8 +5,8 @@ use std::ops::RangeInclusive;
 
 use glam::DQuat;
 
-use super::Globe;
-use crate::error::{Location, Problem, number};
+use super::{Globe, Past};
+use crate::error::{Location, Problem, Result, number};
 use crate::geometry::Direction;
 use crate::physics::sun;
 use crate::physics::sun_disc::{self, DiscRule, SubSun};
@@ -26,6 +26,8 @@ pub struct Sky {
     pub beams: Vec<Beam>,
     /// How the body turns under it, if that is known.
     pub rotation: Option<Rotation>,
+    /// What was before, if flight dynamics knows it for as long as a turn takes; the rotation alone says how long that is.
+    pub past: Option<Past>,
 }
 
 /// How a body turns under its sky: at a constant rate, Mars where it is.
@@ -97,15 +99,29 @@ impl Sky {
         [&self.sun.irradiance_1au].into_iter().chain(self.globes().map(|globe| &globe.reflectance)).chain(beams)
     }
 
-    /// As it was some time ago, if the body turns: the Sun stood elsewhere.
-    #[must_use]
-    pub fn ago(&self, time_s: f64) -> Sky {
+    /// As it was some time ago: all of it, if the past is known; else the Sun stood elsewhere, if the body turns.
+    ///
+    /// # Errors
+    /// As [`Past::sky`].
+    pub fn ago(&self, time_s: f64) -> Result<Sky> {
+        if let Some(past) = &self.past {
+            return past.sky(self, time_s);
+        }
         let mut sky = self.clone();
         if let Some(Rotation { axis, period_s }) = self.rotation {
             let turn = DQuat::from_axis_angle(axis.vec(), 2.0 * PI * time_s / period_s);
             sky.sun.direction = Direction::new(turn * self.sun.direction.vec()).unwrap_or(self.sun.direction);
         }
-        sky
+        Ok(sky)
+    }
+
+    /// Whether the past is known at all of so many steps of a day, if it is to be known at any.
+    ///
+    /// # Errors
+    /// As [`Past::sky`].
+    pub fn reaches_back(&self, steps: u32) -> Result<()> {
+        let (Some(past), Some(Rotation { period_s, .. })) = (&self.past, self.rotation) else { return Ok(()) };
+        (1..steps).try_for_each(|step| past.sky(self, period_s * f64::from(step) / f64::from(steps)).map(|_| ()))
     }
 
     /// What is wrong with it, whatever it lights.

@@ -42,6 +42,15 @@ impl Spectrometer {
         bands.iter().map(|band| polynomial(&self.keystone_px, at(band.centre_um))).collect()
     }
 
+    /// Keystone from the least to the most, pixels, in steps of at most one: what images that are shifted so see, all bands see.
+    pub fn steps_px(&self, bands: &[Band]) -> Vec<f64> {
+        let all = self.keystones_px(bands);
+        let (low, high) =
+            all.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), px| (px.min(low), px.max(high)));
+        let steps = crate::geometry::whole_u32((high - low).ceil());
+        (0..=steps).map(|i| if i == 0 { low } else { low + (high - low) * f64::from(i) / f64::from(steps) }).collect()
+    }
+
     /// What is wrong with it, for an image of these samples and bands.
     pub(super) fn problems(&self, samples: u32, bands: &[Band]) -> Vec<Problem> {
         let mut problems = Vec::new();
@@ -76,6 +85,8 @@ mod tests {
         let bands: Vec<Band> = [3.0, 1.0, 1.5].iter().map(|um| Band::new(*um, None)).collect();
         assert_eq!(of.keystones_px(&bands), [2.0, -2.0, -1.0]);
         assert_eq!(of.keystones_px(&bands[..1]), [0.0]);
+        assert_eq!(of.steps_px(&bands), [-2.0, -1.0, 0.0, 1.0, 2.0]);
+        assert_eq!(of.steps_px(&bands[..1]), [0.0]);
         assert!(Spectrometer { smile_um: vec![0.0], ..Spectrometer::default() }.is_ideal() && !of.is_ideal());
         assert_eq!(of.problems(4, &bands).len(), 1);
     }

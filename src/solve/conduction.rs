@@ -1,4 +1,4 @@
-//! Temperatures of ground that stores heat: each facet's own column, under the Sun of a day that repeats, shadows moving with it.
+//! Temperatures of ground that stores heat: each facet's own column, under the Sun of a day that repeats, shadows moving with it, and bodies of the sky where they then were.
 
 use rayon::prelude::*;
 
@@ -33,7 +33,7 @@ pub(super) fn fill(
     for step in 1..steps {
         tell(watch, STAGE, u64::from(step), u64::from(steps))?;
         let ago_s = rotation.period_s * f64::from(steps - step) / f64::from(steps);
-        let then = scene.under(scene.sky.ago(ago_s))?.by(models)?;
+        let then = scene.under(scene.sky.ago(ago_s)?)?.by(models)?;
         // Its own stages are of no interest.
         let within =
             |_| watch(crate::progress::Progress { stage: STAGE, done: u64::from(step), total: u64::from(steps) });

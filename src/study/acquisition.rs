@@ -4,8 +4,10 @@ use std::rc::Rc;
 
 use glam::DVec2;
 
+use super::cost::has_room;
 use super::effects::Given;
 use super::extremes::Extremes;
+use super::maps::{MapAccount, MapOptions, Ready};
 use super::observation::{Observation, Put};
 use super::simulate::account_for;
 use super::spectrometer;
@@ -15,7 +17,7 @@ use crate::flight::Epoch;
 use crate::geometry::{FrameCamera, whole, whole_u32};
 use crate::instrument::Optics;
 use crate::integrate::{self, Image, Wanted};
-use crate::product::{Backplanes, CubeAxes, Exposed, Exposures, FacetTable, Footprints, Plane, Slab};
+use crate::product::{Backplanes, CubeAxes, Exposed, Exposures, FacetTable, Footprints, Plane, RadianceMap, Slab};
 use crate::progress::{Progress, Watch, tell};
 use crate::scene::{Body, Exposure, Motion, Readout, Scene, Setup, Take, Timing};
 use crate::solve;
@@ -122,21 +124,60 @@ impl Moving<'_> {
         self.timing.readout.is_along_the_way().then(|| FacetGroups::new(&self.scene.body.mesh))
     }
 
+    /// The same by maps of radiance.
+    fn shown_by_maps(
+        &self,
+        maps: &mut Ready,
+        (take, with_planes): (&Take, bool),
+        then: &Scene,
+        table: &FacetTable,
+        (footprints, put): (bool, &mut dyn FnMut(Slab) -> Result<()>),
+        watch: Watch<'_>,
+    ) -> Result<Option<Ground>> {
+        let ground =
+            Wanted { radiance_alone: !with_planes, footprints: with_planes && footprints, ..Wanted::default() };
+        let alone = Wanted { radiance_alone: true, ..Wanted::default() };
+        // One pose is that of the middle, as planes are.
+        let is_one = self.timing.poses <= 1;
+        let share = 1.0 / f64::from(self.timing.poses.max(1));
+        let (mut parts, mut planes) = (Vec::new(), None);
+        for s in self.timing.poses_s(take) {
+            let scene = then.seen_by(self.exposure_at(take, s)?)?;
+            let (mut image, on_scene) = maps.look(&scene, table, if is_one { ground } else { alone }, watch)?;
+            let unknown = maps.note(&on_scene, take);
+            maps.add(&mut image.slab, &on_scene, take, watch)?;
+            maps.mark(&mut image.slab, &unknown);
+            parts.push((share, image.slab));
+            planes = Some((image.backplanes, image.footprints));
+        }
+        put(Slab::sum(&parts).ok_or_else(other_spectra)?)?;
+        if with_planes && !is_one {
+            let (image, _) = maps.look(then, table, ground, watch)?;
+            planes = Some((image.backplanes, image.footprints));
+        }
+        Ok(planes.filter(|_| with_planes))
+    }
+
     /// Some exposures, with the part of the body that they may see, if groups of its facets tell.
     pub(super) fn block(&self, takes: &[Take], groups: Option<&FacetGroups>) -> Result<Block> {
         let Some(groups) = groups else { return Ok(self.in_view(None)) };
         let mut seen = vec![false; groups.count()];
+        let Exposure { spectrometer, bands, .. } = &self.scene.exposure;
+        let shifts_px = &spectrometer.steps_px(bands);
         for take in takes {
             // Backplanes are those of the middle, which is the only pose if there is one.
             let middle_s = (self.timing.poses > 1).then_some(take.middle_s);
             for s in self.timing.poses_s(take).chain(middle_s) {
-                let camera = self.exposure_at(take, s)?.camera;
-                match self.optics {
-                    None => groups.add_seen(&camera, &mut seen),
-                    // What is blurred comes from around, too.
-                    Some(optics) => {
-                        groups.add_seen(&refined(&camera, (1, optics.reach_px), 0..camera.lines)?, &mut seen);
-                    }
+                let exposure = self.exposure_at(take, s)?;
+                // Bands that keystone shifts look beside the slit's ends, and what is blurred comes from around, too.
+                let camera = match self.optics {
+                    None => exposure.camera.clone(),
+                    Some(optics) => refined(&exposure, (1, optics.reach_px), 0..exposure.camera.lines)?,
+                };
+                for shift_px in shifts_px {
+                    let mut shifted = camera.clone();
+                    shifted.boresight_px[0] -= shift_px;
+                    groups.add_seen(&shifted, &mut seen);
                 }
             }
         }
@@ -372,7 +413,7 @@ pub fn acquire_by_slabs(
     let steady_s = moving.steady_s(extremes, tolerance)?;
     let mostly_s = moving.mostly_steady_s(steady_s, groups.as_ref(), tolerance, watch)?;
     let solved = Solved { steady_s: steady_s[0], ..Solved::new(moving, groups.as_ref(), mostly_s) };
-    let observation = acquire((moving, solved), &table, (extremes, tolerance), wanted, put, watch)?;
+    let observation = acquire((moving, solved), (&table, None), (extremes, tolerance), wanted, put, watch)?;
     Ok((table, observation))
 }
 
@@ -390,16 +431,52 @@ pub fn acquire_by_table(
 ) -> Result<Observation<()>> {
     let groups = moving.groups();
     let solved = Solved { given: Some(Rc::new(table.clone())), ..Solved::new(moving, groups.as_ref(), 0.0) };
-    let mut observation = acquire((moving, solved), table, (extremes, tolerance), wanted, put, watch)?;
+    let mut observation = acquire((moving, solved), (table, None), (extremes, tolerance), wanted, put, watch)?;
     let message = "the facet table is of one moment: light stands still while the image is taken";
     observation.warnings.push(message.to_owned());
     Ok(observation)
 }
 
-/// The same by tables as they are asked for, and one of the reference exposure.
+/// The same by maps of radiance: `terms` add up, and each consists of maps of the scene from different views, as for [`observe_maps`](super::observe_maps). What they hold
+/// stays what it is, while the camera moves; so does what `table` says of light.
+///
+/// # Errors
+/// As [`acquire_by_table`] and [`observe_maps`](super::observe_maps); [`Error::Unsupported`] with smile or keystone.
+pub fn acquire_by_maps(
+    moving: Moving<'_>,
+    (table, terms): (&FacetTable, Vec<Vec<RadianceMap>>),
+    (options, tolerance): (&MapOptions, f64),
+    wanted: Wanted<'_>,
+    put: Put<'_>,
+    watch: Watch<'_>,
+) -> Result<(Observation<()>, MapAccount)> {
+    let scene = moving.scene;
+    if !scene.exposure.spectrometer.is_ideal() {
+        let feature = "maps of radiance beside smile and keystone: leave one of them out".to_owned();
+        return Err(Error::Unsupported { at: Location::item("sensor"), feature });
+    }
+    table.fits(scene)?;
+    has_room(scene, true, None)?;
+    let mut maps = Ready::new(scene, terms, options, watch)?;
+    // A band of a filter is one of its exposures, and asked for once; all bands are in each line.
+    if moving.timing.readout != Readout::Band {
+        maps.keep_bands();
+    }
+    let solved = Solved { given: Some(Rc::new(table.clone())), ..Solved::new(moving, None, 0.0) };
+    let extremes = Extremes::new(scene);
+    let wanted = Wanted { footprints: wanted.footprints || options.footprints, ..wanted };
+    let of = (&extremes, tolerance);
+    let mut observation = acquire((moving, solved), (table, Some(&mut maps)), of, wanted, put, watch)?;
+    let account = maps.account_to(scene, &mut observation)?;
+    let message = "maps of radiance are of one moment: light stands still while the image is taken";
+    observation.warnings.push(message.to_owned());
+    Ok((observation, account))
+}
+
+/// The same by tables as they are asked for, and one of the reference exposure; radiance is that of maps, if there are any.
 fn acquire(
     (moving, mut solved): (Moving<'_>, Solved<'_>),
-    table: &FacetTable,
+    (table, mut maps): (&FacetTable, Option<&mut Ready>),
     (extremes, tolerance): (&Extremes, f64),
     wanted: Wanted<'_>,
     put: Put<'_>,
@@ -413,7 +490,7 @@ fn acquire(
             format!("band {} has no exposure of its own: each band of a tunable filter has", other.saturating_add(1));
         return Err(Error::Invalid(vec![Problem::new(Location::item("--planes-of"), message)]));
     }
-    serves(moving.optics, timing.readout, &scene.exposure)?;
+    serves(moving.optics, &scene.exposure)?;
     let takes: Vec<Take> = timing.takes(&scene.exposure).collect();
     // Lines have the same bands; images of a filter each their own.
     let of_line = takes.first().filter(|_| by_line).map(|take| take.exposure(&scene.exposure));
@@ -442,9 +519,16 @@ fn acquire(
                 put(slab)
             };
             let with_planes = by_line || wanted.planes_of.contains(&take.bands.start);
-            let to = (blurs.as_ref(), &mut put_there as &mut dyn FnMut(Slab) -> Result<()>);
+            let put_there = &mut put_there as &mut dyn FnMut(Slab) -> Result<()>;
             let with_footprints = by_line && wanted.footprints;
-            let ground = moving.looked_at((take, with_planes), &then, &table, with_footprints, to, &quiet)?;
+            let what = (take, with_planes);
+            let ground = match &mut maps {
+                Some(maps) => moving.shown_by_maps(maps, what, &then, &table, (with_footprints, put_there), &quiet)?,
+                None => {
+                    let to = (blurs.as_ref(), put_there);
+                    moving.looked_at(what, &then, &table, with_footprints, to, &quiet)?
+                }
+            };
             let mut ground = ground.map(|mut ground| {
                 block.rename_facets(&mut ground);
                 ground
@@ -479,8 +563,14 @@ fn acquire(
             tell(watch, STAGE, done + 1, total)?;
         }
     }
-    let reference = integrate::integrate(scene, table, wanted, watch)?;
-    let (mut observation, _) = account_for(scene, (table, extremes), reference, true, watch)?;
+    let (reference, uses_sun) = match &maps {
+        Some(maps) => {
+            let (image, on_scene) = maps.look(scene, table, wanted, watch)?;
+            (Image { maps: Some(on_scene), ..image }, maps.use_sun())
+        }
+        None => (integrate::integrate(scene, table, wanted, watch)?, true),
+    };
+    let (mut observation, _) = account_for(scene, (table, extremes), reference, uses_sun, watch)?;
     if by_line {
         (observation.backplanes, observation.footprints) = (lines, footprints);
     }

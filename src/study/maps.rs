@@ -1,5 +1,7 @@
 //! From radiance maps of elsewhere to what a camera sees of them.
 
+use std::ops::Range;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -11,13 +13,14 @@ use super::warnings::enclosed;
 use super::{map_light, partly_sky};
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::{Camera, Texels};
-use crate::integrate::{self, MapImage, MapView, Maps, Unknown, ViewChoice, Wanted};
+use crate::integrate::{self, Image, MapImage, MapView, Maps, Unknown, ViewChoice, Wanted};
 use crate::product::{
     Added, FacetTable, Placement, RadianceMap, Registration, SkyShare, Slab, TexelSource, TexelWeights, ViewImage,
 };
 use crate::progress::{Watch, tell};
-use crate::scene::Scene;
+use crate::scene::{Scene, Take, Timing};
 use crate::spectral::{Band, Mixes, mixes};
+use crate::visibility::Seen;
 
 /// Larger radiances are refused, W m-2 sr-1 um-1: a solar surface sends less than 1e8 at any wavelength. Single-precision products
 /// can hold sums of many such values, and a wrong byte order, which makes numbers of any size, is noticed.
@@ -158,91 +161,227 @@ pub fn observe_maps_by_slabs(
 ) -> Result<(Observation<()>, MapAccount)> {
     table.fits(scene)?;
     has_room(scene, true, None)?;
-    fit(scene, &terms)?;
-    let mut notes = map_light::heat_counts_once(scene, &terms, options.add_solved)?;
-    let subtracts = terms.iter().flatten().any(|map| map.weight < 0.0);
-    if let Fill::Value(value) = options.fill
-        && !(0.0..=LARGEST).contains(&value)
-    {
-        let message = format!("{} is not a radiance: give one from 0 to {LARGEST:e} W m-2 sr-1 um-1", number(value));
-        return Err(Error::invalid(Location::item("unknown"), message));
-    }
-    if options.fill == Fill::Solved && options.add_solved {
-        let message = "the scene's own light is added everywhere already: it cannot fill gaps as well";
-        return Err(Error::invalid(Location::item("unknown"), message));
-    }
-    if options.fill == Fill::Solved && terms.len() > 1 {
-        let message =
-            "gaps can be filled from the scene's own sources only if all maps have their texels at the same places";
-        return Err(Error::invalid(Location::item("unknown"), message));
-    }
-    let (mut terms, of_bands) = Term::of(scene, terms)?;
-    let mut problems = Vec::new();
-    for view in terms.iter_mut().flat_map(|t| &mut t.views) {
-        view.read_first(&mut problems)?;
-        view.find_seen(scene, options, watch)?;
-        view.find_known();
-    }
-    if !problems.is_empty() {
-        return Err(Error::Invalid(problems));
-    }
-    let maps = Maps {
-        terms: terms.iter().map(|t| t.views.iter().map(MapGroup::on_scene).collect()).collect(),
-        choice: options.choice,
-        texels: options.texels,
-        unknown: match options.fill {
-            Fill::Refuse(_) | Fill::Nan => Unknown::Mean,
-            Fill::Solved => Unknown::Solved,
-            Fill::Value(_) => Unknown::Left,
-        },
-        adds_solved: options.add_solved,
-    };
-    let mut image = integrate::integrate(
-        scene,
-        table,
-        Wanted { maps: Some(&maps), footprints: options.footprints, ..Wanted::default() },
-        watch,
-    )?;
-    let on_scene = image.maps.take().unwrap_or_default();
-    drop(maps);
-    let unverified = unverified(&terms);
-    let unknown_share = refuse(&on_scene, options, &unverified)?;
-    let (added, magnitude) = add_up(scene, &mut terms, &on_scene, options, subtracts, watch)?;
-    image.slab.added = added;
-    if subtracts {
-        subtract(&mut image.slab, scene.exposure.camera.samples as usize, &magnitude)?;
-        notes.push(subtracted(&terms));
-    }
-    let unknown = pixels_of_nothing(&on_scene);
-    notes.extend(told(unknown_share, unknown.len(), options, &unverified));
-    notes.extend(terms.iter().flat_map(|t| &t.views).flat_map(MapGroup::told));
-    notes.extend(terms.iter().flat_map(|t| &t.views).filter_map(|v| v.enclosed(scene)));
-    let account = MapAccount {
-        maps: terms.iter().enumerate().flat_map(|(t, term)| term.entries(t)).collect(),
-        unknown_share,
-        unknown_pixels: unknown.len() as u64,
-        largest_angle_deg: on_scene.largest_angle_deg,
-        quadrature_error: on_scene.quadrature_error,
-    };
+    let mut maps = Ready::new(scene, terms, options, watch)?;
+    let take = Timing::default().takes(&scene.exposure).next();
+    let take = take.ok_or_else(|| Error::invalid(Location::item("sensor"), "takes nothing"))?;
+    let wanted = Wanted { footprints: options.footprints, ..Wanted::default() };
+    let (mut image, on_scene) = maps.look(scene, table, wanted, watch)?;
+    let unknown = maps.note(&on_scene, &take);
+    maps.knows_enough()?;
+    maps.add(&mut image.slab, &on_scene, &take, watch)?;
     drop(on_scene);
-    let uses_sun = options.add_solved || options.fill == Fill::Solved;
-    let (mut observation, mut slab) = account_for(scene, (table, &Extremes::new(scene)), image, uses_sun, watch)?;
-    if !uses_sun {
-        // What maps have in them and leave out is theirs to say.
-        observation.effects.clear();
+    let (mut observation, mut slab) = account_for(scene, (table, &Extremes::new(scene)), image, maps.use_sun(), watch)?;
+    // Only now: what is computed is checked for numbers that are none.
+    maps.mark(&mut slab, &unknown);
+    put(slab)?;
+    let account = maps.account_to(scene, &mut observation)?;
+    Ok((observation, account))
+}
+
+/// Maps that fit a scene, read as far as it takes to look them up, by any number of cameras; and what these found.
+pub(super) struct Ready {
+    terms: Vec<Term>,
+    options: MapOptions,
+    subtracts: bool,
+    /// Whether bands are kept once they have been read, since other cameras will ask for them.
+    keeps: bool,
+    notes: Vec<String>,
+    of_bands: Vec<String>,
+    /// Samples of the cube.
+    samples: usize,
+    /// For each pixel of the cube whether a term knows nothing at all of what it shows.
+    knows_nothing: Vec<bool>,
+    area_px: f64,
+    unknown_px: f64,
+    largest_angle_deg: f64,
+    quadrature_error: f64,
+}
+
+/// Bands of maps are kept if all of them take no more, bytes.
+const KEPT_BYTES: usize = 512 << 20;
+
+impl Ready {
+    /// Maps of a scene, whose exposure is that of the whole cube.
+    pub(super) fn new(
+        scene: &Scene,
+        terms: Vec<Vec<RadianceMap>>,
+        options: &MapOptions,
+        watch: Watch<'_>,
+    ) -> Result<Self> {
+        fit(scene, &terms)?;
+        let notes = map_light::heat_counts_once(scene, &terms, options.add_solved)?;
+        let subtracts = terms.iter().flatten().any(|map| map.weight < 0.0);
+        if let Fill::Value(value) = options.fill
+            && !(0.0..=LARGEST).contains(&value)
+        {
+            let message =
+                format!("{} is not a radiance: give one from 0 to {LARGEST:e} W m-2 sr-1 um-1", number(value));
+            return Err(Error::invalid(Location::item("unknown"), message));
+        }
+        if options.fill == Fill::Solved && options.add_solved {
+            let message = "the scene's own light is added everywhere already: it cannot fill gaps as well";
+            return Err(Error::invalid(Location::item("unknown"), message));
+        }
+        if options.fill == Fill::Solved && terms.len() > 1 {
+            let message =
+                "gaps can be filled from the scene's own sources only if all maps have their texels at the same places";
+            return Err(Error::invalid(Location::item("unknown"), message));
+        }
+        let (mut terms, of_bands) = Term::of(scene, terms)?;
+        let mut problems = Vec::new();
+        for view in terms.iter_mut().flat_map(|t| &mut t.views) {
+            view.read_first(&mut problems)?;
+            view.find_seen(scene, options, watch)?;
+            view.find_known();
+            view.eye = integrate::seen_by_eye(&view.placement, scene, watch)?;
+        }
+        if !problems.is_empty() {
+            return Err(Error::Invalid(problems));
+        }
+        let camera = &scene.exposure.camera;
+        let (samples, lines) = (camera.samples as usize, camera.lines as usize);
+        Ok(Ready {
+            terms,
+            options: *options,
+            subtracts,
+            keeps: false,
+            notes,
+            of_bands,
+            samples,
+            knows_nothing: vec![false; samples * lines],
+            area_px: 0.0,
+            unknown_px: 0.0,
+            largest_angle_deg: 0.0,
+            quadrature_error: 0.0,
+        })
     }
-    if options.fill == Fill::Nan {
-        // Only now: what is computed is checked for numbers that are none.
+
+    /// Reads each band once for all cameras that will ask for it, if memory can well hold them.
+    pub(super) fn keep_bands(&mut self) {
+        let views = || self.terms.iter().flat_map(|term| &term.views);
+        let values: usize =
+            views().flat_map(|view| view.sources.iter().map(|s| s.uses.len() * view.placement.texels())).sum();
+        self.keeps = values.saturating_mul(size_of::<f64>()) <= KEPT_BYTES;
+    }
+
+    /// Whether the scene's own light is in the image, too.
+    pub(super) fn use_sun(&self) -> bool {
+        self.options.add_solved || self.options.fill == Fill::Solved
+    }
+
+    /// What a camera sees of the scene, as yet without their radiance, and which of their texels it sees.
+    pub(super) fn look(
+        &self,
+        scene: &Scene,
+        table: &FacetTable,
+        wanted: Wanted<'_>,
+        watch: Watch<'_>,
+    ) -> Result<(Image, MapImage)> {
+        let maps = Maps {
+            terms: self.terms.iter().map(|t| t.views.iter().map(MapGroup::on_scene).collect()).collect(),
+            choice: self.options.choice,
+            texels: self.options.texels,
+            unknown: match self.options.fill {
+                Fill::Refuse(_) | Fill::Nan => Unknown::Mean,
+                Fill::Solved => Unknown::Solved,
+                Fill::Value(_) => Unknown::Left,
+            },
+            adds_solved: self.options.add_solved,
+        };
+        let mut image = integrate::integrate(scene, table, Wanted { maps: Some(&maps), ..wanted }, watch)?;
+        let on_scene = image.maps.take().unwrap_or_default();
+        Ok((image, on_scene))
+    }
+
+    /// Keeps in mind what they know of a part of the cube; the pixels of it of which they know nothing, counted in the part.
+    pub(super) fn note(&mut self, on_scene: &MapImage, take: &Take) -> Vec<usize> {
+        let most = |pixel: usize| on_scene.unknown.iter().map(|term| term[pixel]).fold(0.0, f64::max);
+        self.area_px += on_scene.area.iter().sum::<f64>();
+        self.unknown_px += (0..on_scene.area.len()).map(most).sum::<f64>();
+        self.largest_angle_deg = self.largest_angle_deg.max(on_scene.largest_angle_deg);
+        self.quadrature_error = self.quadrature_error.max(on_scene.quadrature_error);
+        let unknown = pixels_of_nothing(on_scene);
+        for pixel in &unknown {
+            let (sample, line) = in_cube(take, *pixel);
+            self.knows_nothing[line * self.samples + sample] = true;
+        }
+        unknown
+    }
+
+    /// The share of what is seen that they do not know.
+    fn unknown_share(&self) -> f64 {
+        if self.area_px > 0.0 { self.unknown_px / self.area_px } else { 0.0 }
+    }
+
+    /// Refuses if they know too little of what was seen.
+    pub(super) fn knows_enough(&self) -> Result<()> {
+        let share = self.unknown_share();
+        match self.options.fill {
+            Fill::Refuse(limit) if share > limit => {
+                let message = format!(
+                    "{:.2} % of what the camera sees is unknown: outside the maps, hidden from where they were seen, or without a value{}",
+                    100.0 * share,
+                    unverified(&self.terms)
+                );
+                let problem = Problem::new(Location::item("--radiance"), message).with_help(
+                    "--unknown solve fills it from the scene's own sources, --unknown 0 with a radiance; more maps from other directions may know it",
+                );
+                Err(Error::Invalid(vec![problem]))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Adds their radiance to a part of the cube that was looked at.
+    pub(super) fn add(&mut self, slab: &mut Slab, on_scene: &MapImage, take: &Take, watch: Watch<'_>) -> Result<()> {
+        let (added, magnitude) = self.add_up(on_scene, &take.bands, watch)?;
+        slab.added = added;
+        if self.subtracts { subtract(slab, take, &magnitude) } else { Ok(()) }
+    }
+
+    /// Makes pixels NaN of which they know nothing, if that is what marks them.
+    pub(super) fn mark(&self, slab: &mut Slab, unknown: &[usize]) {
+        if self.options.fill != Fill::Nan {
+            return;
+        }
         let places: Vec<usize> = unknown.iter().filter_map(|pixel| slab.added.place(*pixel)).collect();
         for band in bands_mut(&mut slab.added) {
             places.iter().for_each(|place| band[*place] = f64::NAN);
         }
     }
-    put(slab)?;
-    notes.append(&mut observation.warnings);
-    notes.extend(of_bands);
-    observation.warnings = notes;
-    Ok((observation, account))
+
+    /// What a product says of them; the account of an image of the scene learns what is worth knowing.
+    pub(super) fn account_to(self, scene: &Scene, observation: &mut Observation<()>) -> Result<MapAccount> {
+        self.knows_enough()?;
+        let (unknown_share, unverified) = (self.unknown_share(), unverified(&self.terms));
+        let unknown_pixels = self.knows_nothing.iter().filter(|knows_nothing| **knows_nothing).count();
+        let views = || self.terms.iter().flat_map(|t| &t.views);
+        let mut notes = self.notes;
+        notes.extend(self.subtracts.then(|| subtracted(&self.terms)));
+        notes.extend(told(unknown_share, unknown_pixels, &self.options, &unverified));
+        notes.extend(views().flat_map(MapGroup::told));
+        notes.extend(views().filter_map(|v| v.enclosed(scene)));
+        notes.append(&mut observation.warnings);
+        notes.extend(self.of_bands);
+        observation.warnings = notes;
+        if !(self.options.add_solved || self.options.fill == Fill::Solved) {
+            // What maps have in them and leave out is theirs to say.
+            observation.effects.clear();
+        }
+        Ok(MapAccount {
+            maps: self.terms.iter().enumerate().flat_map(|(t, term)| term.entries(t)).collect(),
+            unknown_share,
+            unknown_pixels: unknown_pixels as u64,
+            largest_angle_deg: self.largest_angle_deg,
+            quadrature_error: self.quadrature_error,
+        })
+    }
+}
+
+/// Sample and line in the cube of a pixel of a part of it.
+fn in_cube(take: &Take, pixel: usize) -> (usize, usize) {
+    let samples = take.samples.len().max(1);
+    (take.samples.start + pixel % samples, take.lines.start + pixel / samples)
 }
 
 /// A band of a map, and its weights in the sensor's bands.
@@ -255,8 +394,8 @@ struct MapSource {
     source: Box<dyn TexelSource>,
     /// For each band of the map that is needed, ascending: its weights in the sensor's bands.
     uses: Vec<Use>,
-    /// The first of these bands, until it has been used: it shows which texels have a value.
-    first: Vec<f64>,
+    /// Of each of these bands its values while they are held: of the first, which shows what texels have a value, until it has been used.
+    held: Vec<Vec<f64>>,
     /// For each texel whether that has no value; empty if no other band is needed.
     valueless: Vec<bool>,
     /// What texels that show the scene in part hold, as far as anybody says.
@@ -267,6 +406,11 @@ struct MapSource {
 }
 
 impl MapSource {
+    /// The values of the first band that is needed, as long as they are held; none if no band is.
+    fn first(&self) -> &[f64] {
+        self.held.first().map_or(&[], Vec::as_slice)
+    }
+
     /// Refuses a band that has a value where the first one has none: texels without a value are unknown in all bands.
     fn knows_the_same(&self, band: usize, values: &[f64], placement: &Placement) -> Result<()> {
         let odd = self.valueless.iter().zip(values).position(|(is_valueless, value)| *is_valueless && !value.is_nan());
@@ -293,6 +437,8 @@ struct MapGroup {
     sky: Vec<bool>,
     /// How many texels of each source have no value.
     undefined: Vec<u64>,
+    /// What its eye sees of each facet.
+    eye: Option<Seen>,
 }
 
 impl MapGroup {
@@ -371,7 +517,7 @@ impl Term {
                     }
                 }
                 let RadianceMap { name, placement, source, weight, light: _, sky, registration } = map;
-                let (first, is_divided) = (vec![], false);
+                let (held, is_divided) = (vec![vec![]; uses.len()], false);
                 views.push(MapGroup {
                     placement,
                     sources: vec![MapSource {
@@ -379,7 +525,7 @@ impl Term {
                         weight,
                         source,
                         uses,
-                        first,
+                        held,
                         valueless: vec![],
                         sky,
                         is_divided,
@@ -389,6 +535,7 @@ impl Term {
                     seen: vec![],
                     sky: vec![],
                     undefined: vec![],
+                    eye: None,
                 });
             }
             let same = |term: &&mut Term| {
@@ -439,7 +586,7 @@ fn uses(map: &RadianceMap, sensor: &[Band]) -> std::result::Result<(Vec<Use>, Ve
 
 impl MapGroup {
     fn on_scene(&self) -> MapView<'_> {
-        MapView { placement: &self.placement, known: &self.known, sky: &self.sky }
+        MapView { placement: &self.placement, known: &self.known, sky: &self.sky, eye: self.eye.as_ref() }
     }
 
     /// Finds the share of each texel in which its eye sees the scene, if that matters; the first bands have been read.
@@ -452,7 +599,7 @@ impl MapGroup {
             }
         }
         let is_blended = options.texels == Texels::Bilinear;
-        let may_be = |source: &MapSource| partly_sky::may_be_in_means(source.sky, image, &source.first);
+        let may_be = |source: &MapSource| partly_sky::may_be_in_means(source.sky, image, source.first());
         if is_blended || self.sources.iter().any(may_be) {
             self.seen = integrate::texels_seen(image, scene, watch)?.unwrap_or_default();
         }
@@ -494,9 +641,8 @@ impl MapGroup {
     fn read_first(&mut self, problems: &mut Vec<Problem>) -> Result<()> {
         let texels = self.placement.texels();
         for source in &mut self.sources {
-            let Some((band, _)) = source.uses.first() else { continue };
-            source.source.read(*band, &mut source.first)?;
-            let values = &mut source.first;
+            let (Some((band, _)), Some(values)) = (source.uses.first(), source.held.first_mut()) else { continue };
+            source.source.read(*band, values)?;
             if values.len() != texels {
                 let message = format!("has {} values in a band, but its placement has {texels} texels", values.len());
                 problems.push(Problem::new(Location::item(&source.name), message));
@@ -514,13 +660,13 @@ impl MapGroup {
     /// Which texels have a value, by the first band of each source that is needed.
     fn find_known(&mut self) {
         self.known = vec![true; self.placement.texels()];
-        for source in self.sources.iter_mut().filter(|source| !source.first.is_empty()) {
+        for source in self.sources.iter_mut().filter(|source| !source.first().is_empty()) {
             source.is_divided = !self.seen.is_empty()
-                && partly_sky::is_in_means(source.sky, &self.placement, &self.seen, &source.first);
-            if source.is_divided {
-                divide(&mut source.first, &self.seen);
+                && partly_sky::is_in_means(source.sky, &self.placement, &self.seen, source.first());
+            if let Some(first) = source.held.first_mut().filter(|_| source.is_divided) {
+                divide(first, &self.seen);
             }
-            for (known, value) in self.known.iter_mut().zip(&source.first) {
+            for (known, value) in self.known.iter_mut().zip(source.first()) {
                 *known &= !value.is_nan();
             }
         }
@@ -585,27 +731,6 @@ fn told(share: f64, pixels: usize, options: &MapOptions, unverified: &str) -> Op
         .then(|| format!("{percent} % of what the camera sees is unknown to the maps{how}{of_nothing}{unverified}"))
 }
 
-/// The share of what is seen that is unknown, if it is not too much.
-fn refuse(maps: &MapImage, options: &MapOptions, unverified: &str) -> Result<f64> {
-    let area: f64 = maps.area.iter().sum();
-    let most = |pixel: usize| maps.unknown.iter().map(|term| term[pixel]).fold(0.0, f64::max);
-    let unknown: f64 = (0..maps.area.len()).map(most).sum();
-    let share = if area > 0.0 { unknown / area } else { 0.0 };
-    match options.fill {
-        Fill::Refuse(limit) if share > limit => {
-            let message = format!(
-                "{:.2} % of what the camera sees is unknown: outside the maps, hidden from where they were seen, or without a value{unverified}",
-                100.0 * share
-            );
-            let problem = Problem::new(Location::item("--radiance"), message).with_help(
-                "--unknown solve fills it from the scene's own sources, --unknown 0 with a radiance; more maps from other directions may know it",
-            );
-            Err(Error::Invalid(vec![problem]))
-        }
-        _ => Ok(share),
-    }
-}
-
 /// For each pixel whether maps add something to it, or where they know nothing the fill does.
 fn are_reached<'m>(on_scene: &'m MapImage, options: &MapOptions) -> impl Iterator<Item = bool> + use<'m> {
     let fills = match options.fill {
@@ -628,41 +753,36 @@ fn bands_mut(added: &mut Added) -> std::slice::ChunksExactMut<'_, f64> {
     added.radiance.chunks_exact_mut(reached)
 }
 
-/// Radiance by maps; and, if something is subtracted, for each value the sum of the magnitudes of what was added up.
-fn add_up(
-    scene: &Scene,
-    terms: &mut [Term],
-    on_scene: &MapImage,
-    options: &MapOptions,
-    subtracts: bool,
-    watch: Watch<'_>,
-) -> Result<(Added, Vec<f64>)> {
-    let mut added = Added::zeros(are_reached(on_scene, options), scene.exposure.bands.len());
-    let mut magnitude = vec![0.0; if subtracts { added.radiance.len() } else { 0 }];
-    // For each value of a band its pixel.
-    let reached: Vec<usize> = (0..on_scene.area.len()).filter(|pixel| added.place(*pixel).is_some()).collect();
-    let total: usize = terms.iter().flat_map(|t| &t.views).flat_map(|v| &v.sources).map(|s| s.uses.len()).sum();
-    let mut done = 0;
-    let mut values = Vec::new();
-    for (t, term) in terms.iter_mut().enumerate() {
-        let unfilled = &on_scene.unfilled[t];
-        for (v, view) in term.views.iter_mut().enumerate() {
-            let weights = &on_scene.weights[t][v];
-            for source in &mut view.sources {
-                for (band, shares) in &source.uses {
-                    tell(watch, "maps", done, total as u64)?;
-                    done += 1;
-                    if source.first.is_empty() {
-                        source.source.read(*band, &mut values)?;
-                        source.knows_the_same(*band, &values, &view.placement)?;
-                        if source.is_divided {
-                            divide(&mut values, &view.seen);
+impl Ready {
+    /// Their radiance in some bands of the cube; and, if something is subtracted, for each value the sum of the magnitudes of what was added up.
+    fn add_up(&mut self, on_scene: &MapImage, bands: &Range<usize>, watch: Watch<'_>) -> Result<(Added, Vec<f64>)> {
+        let Ready { terms, options, subtracts, keeps, .. } = self;
+        let mut added = Added::zeros(are_reached(on_scene, options), bands.len());
+        let mut magnitude = vec![0.0; if *subtracts { added.radiance.len() } else { 0 }];
+        // For each value of a band its pixel.
+        let reached: Vec<usize> = (0..on_scene.area.len()).filter(|pixel| added.place(*pixel).is_some()).collect();
+        let is_asked = |(_, shares): &&Use| shares.iter().any(|(band, _)| bands.contains(band));
+        let sources = terms.iter().flat_map(|t| &t.views).flat_map(|v| &v.sources);
+        let total: usize = sources.map(|s| s.uses.iter().filter(is_asked).count()).sum();
+        let mut done = 0;
+        for (t, term) in terms.iter_mut().enumerate() {
+            let unfilled = &on_scene.unfilled[t];
+            for (v, view) in term.views.iter_mut().enumerate() {
+                let weights = &on_scene.weights[t][v];
+                for source in &mut view.sources {
+                    for (i, (band, shares)) in source.uses.iter().enumerate().filter(|(_, used)| is_asked(used)) {
+                        tell(watch, "maps", done, total as u64)?;
+                        done += 1;
+                        let mut values = std::mem::take(&mut source.held[i]);
+                        if values.is_empty() {
+                            source.source.read(*band, &mut values)?;
+                            source.knows_the_same(*band, &values, &view.placement)?;
+                            if source.is_divided {
+                                divide(&mut values, &view.seen);
+                            }
                         }
-                    } else {
-                        values = std::mem::take(&mut source.first);
-                    }
-                    let most = LARGEST / source.weight.abs().max(1.0);
-                    let sums = weights.apply(&values, most).map_err(|texel| {
+                        let most = LARGEST / source.weight.abs().max(1.0);
+                        let sums = weights.apply(&values, most).map_err(|texel| {
                         let texel = texel as usize;
                         let at = Location::item(format!("{}, band {}", source.name, band + 1));
                         let (place, value) = (place(&view.placement, texel), values[texel]);
@@ -679,42 +799,46 @@ fn add_up(
                         };
                         Error::Invalid(vec![Problem::new(at, message).with_help(help)])
                     })?;
-                    for (sensor_band, share) in shares {
-                        let first = sensor_band * reached.len();
-                        let out = &mut added.radiance[first..first + reached.len()];
-                        for (place, (out, &pixel)) in out.iter_mut().zip(&reached).enumerate() {
-                            let mut value = source.weight * share * sums[pixel];
-                            let filled = on_scene.area[pixel] - unfilled[pixel];
-                            let is_something = filled > NOTHING * on_scene.area[pixel];
-                            if options.fill.is_by_mean() && is_something && unfilled[pixel] > 0.0 {
-                                value *= on_scene.area[pixel] / filled;
+                        for (sensor_band, share) in shares.iter().filter(|(band, _)| bands.contains(band)) {
+                            let first = (sensor_band - bands.start) * reached.len();
+                            let out = &mut added.radiance[first..first + reached.len()];
+                            for (place, (out, &pixel)) in out.iter_mut().zip(&reached).enumerate() {
+                                let mut value = source.weight * share * sums[pixel];
+                                let filled = on_scene.area[pixel] - unfilled[pixel];
+                                let is_something = filled > NOTHING * on_scene.area[pixel];
+                                if options.fill.is_by_mean() && is_something && unfilled[pixel] > 0.0 {
+                                    value *= on_scene.area[pixel] / filled;
+                                }
+                                *out += value;
+                                if let Some(sum) = magnitude.get_mut(first + place) {
+                                    *sum += value.abs();
+                                }
                             }
-                            *out += value;
-                            if let Some(sum) = magnitude.get_mut(first + place) {
-                                *sum += value.abs();
-                            }
+                        }
+                        if *keeps {
+                            source.held[i] = values;
                         }
                     }
                 }
             }
         }
-    }
-    if let Fill::Value(radiance) = options.fill {
-        for out in bands_mut(&mut added) {
-            for (out, &pixel) in out.iter_mut().zip(&reached) {
-                let most = on_scene.unknown.iter().map(|term| term[pixel]).fold(0.0, f64::max);
-                *out += radiance * most;
+        if let Fill::Value(radiance) = options.fill {
+            for out in bands_mut(&mut added) {
+                for (out, &pixel) in out.iter_mut().zip(&reached) {
+                    let most = on_scene.unknown.iter().map(|term| term[pixel]).fold(0.0, f64::max);
+                    *out += radiance * most;
+                }
             }
         }
+        tell(watch, "maps", total as u64, total as u64)?;
+        Ok((added, magnitude))
     }
-    tell(watch, "maps", total as u64, total as u64)?;
-    Ok((added, magnitude))
 }
 
 /// Says where a sum is below 0. Below by rounding it is made 0.
-fn subtract(slab: &mut Slab, samples: usize, magnitude: &[f64]) -> Result<()> {
+fn subtract(slab: &mut Slab, take: &Take, magnitude: &[f64]) -> Result<()> {
     let (mut worst, mut count): (Option<(f64, usize, usize)>, u64) = (None, 0);
-    let mut sums = vec![0.0; samples * slab.lines.len()];
+    let mut sums = vec![0.0; slab.row_start.len().saturating_sub(1)];
     for band in 0..slab.bands.len() {
         slab.expand(0..sums.len(), band..band + 1, |pixel, _, values| sums[pixel] = values[0]);
         let Slab { added, .. } = slab;
@@ -731,12 +855,11 @@ fn subtract(slab: &mut Slab, samples: usize, magnitude: &[f64]) -> Result<()> {
         }
     }
     let Some((sum, band, pixel)) = worst else { return Ok(()) };
+    let (sample, line) = in_cube(take, pixel);
     let message = format!(
-        "the sum is {} W m-2 sr-1 um-1 at sample {}, line {} (from 0) of band {}, the least of {count} values below 0",
+        "the sum is {} W m-2 sr-1 um-1 at sample {sample}, line {line} (from 0) of band {}, the least of {count} values below 0",
         number(sum),
-        pixel % samples,
-        pixel / samples,
-        band + 1
+        take.bands.start + band + 1
     );
     let problem = Problem::new(Location::item("--radiance"), message)
         .with_help("no surface sends less than nothing: a map with a weight below 0 must hold less than those that it is subtracted from");

@@ -37,7 +37,7 @@ mod through_optics;
 pub mod validate;
 mod warnings;
 
-pub use acquisition::{Moving, acquire_by_slabs, acquire_by_table, foreseen, tell_exposure};
+pub use acquisition::{Moving, acquire_by_maps, acquire_by_slabs, acquire_by_table, foreseen, tell_exposure};
 pub use coarser::Coarser;
 pub use cost::{WITHIN, has_room, memory_bytes, product_bytes};
 pub use dry_run::{DryRun, dry_run};

@@ -14,7 +14,7 @@ use crate::integrate::{self, Image, Wanted};
 use crate::physics::bounds;
 use crate::product::{FacetTable, Slab};
 use crate::progress::{Watch, tell};
-use crate::scene::{MarsModel, Readout, Scene, Sky};
+use crate::scene::{MarsModel, Scene, Sky};
 use crate::solve;
 use crate::visibility::Shown;
 
@@ -67,7 +67,7 @@ pub fn observe_through(
 ) -> Result<Observation<()>> {
     table.fits(scene)?;
     has_room(scene, false, None)?;
-    serves(optics, Readout::Frame, &scene.exposure)?;
+    serves(optics, &scene.exposure)?;
     let image = integrate::integrate(scene, table, wanted, watch)?;
     let (observation, slab) = account_for(scene, (table, extremes), image, true, watch)?;
     match optics {

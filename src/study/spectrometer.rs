@@ -15,26 +15,59 @@ const LOOKS_A_PIXEL: f64 = 32.0;
 /// Bands with no more keystones than this are looked at one by one.
 const FEW: u32 = 16;
 
-/// The radiance of a scene's image, with the smile and the keystone of its sensor.
+/// With which shifts an image is looked at, and how much each of them counts.
+pub(super) struct Looks {
+    /// Smile, um, and its share in each sample.
+    pub(super) smiles: Vec<(f64, Vec<f64>)>,
+    /// Keystone, pixels, and its share in each band.
+    pub(super) keystones: Vec<(f64, Vec<f64>)>,
+}
+
+impl Looks {
+    /// Those of an exposure.
+    pub(super) fn of(exposure: &Exposure) -> Self {
+        let Exposure { camera, bands, spectrometer, .. } = exposure;
+        let pairs = |(shifts, shares): (Vec<f64>, Vec<Vec<f64>>)| shifts.into_iter().zip(shares).collect();
+        Looks {
+            smiles: pairs(parabolas(&spectrometer.smiles_um(camera.samples))),
+            keystones: pairs(hats(&spectrometer.keystones_px(bands))),
+        }
+    }
+}
+
+/// The radiance of a scene's image with one smile, um, in all samples and one keystone, pixels of its camera, in all bands.
 ///
 /// # Errors
 /// As [`integrate`](integrate::integrate), and as [`Scene::seen_by`] for shifted bands.
-pub(super) fn radiance(scene: &Scene, table: &FacetTable, watch: Watch<'_>) -> Result<Slab> {
+pub(super) fn look(
+    scene: &Scene,
+    (smile_um, keystone_px): (f64, f64),
+    table: &FacetTable,
+    watch: Watch<'_>,
+) -> Result<Slab> {
     let wanted = Wanted { radiance_alone: true, ..Wanted::default() };
-    let Exposure { camera, bands, spectrometer, .. } = &scene.exposure;
-    if spectrometer.is_ideal() {
+    if scene.exposure.spectrometer.is_ideal() {
         return Ok(integrate::integrate(scene, table, wanted, watch)?.slab);
     }
-    let (smiles_um, by_sample) = parabolas(&spectrometer.smiles_um(camera.samples));
-    let (keystones_px, by_band) = hats(&spectrometer.keystones_px(bands));
+    let mut exposure = scene.exposure.clone();
+    exposure.camera.boresight_px[0] -= keystone_px;
+    exposure.bands.iter_mut().for_each(|band| band.centre_um += smile_um);
+    Ok(integrate::integrate(&scene.seen_by(exposure)?, table, wanted, watch)?.slab)
+}
+
+/// The radiance of a scene's image, with the smile and the keystone of its sensor.
+///
+/// # Errors
+/// As [`look`].
+pub(super) fn radiance(scene: &Scene, table: &FacetTable, watch: Watch<'_>) -> Result<Slab> {
+    if scene.exposure.spectrometer.is_ideal() {
+        return look(scene, (0.0, 0.0), table, watch);
+    }
+    let Looks { smiles, keystones } = Looks::of(&scene.exposure);
     let mut parts = Vec::new();
-    for (keystone_px, by_band) in keystones_px.iter().zip(&by_band) {
-        for (smile_um, by_sample) in smiles_um.iter().zip(&by_sample) {
-            let mut exposure = scene.exposure.clone();
-            exposure.camera.boresight_px[0] -= keystone_px;
-            exposure.bands.iter_mut().for_each(|band| band.centre_um += smile_um);
-            let then = scene.seen_by(exposure)?;
-            let slab = integrate::integrate(&then, table, wanted, watch)?.slab;
+    for (keystone_px, by_band) in &keystones {
+        for (smile_um, by_sample) in &smiles {
+            let slab = look(scene, (*smile_um, *keystone_px), table, watch)?;
             let by_pixel: Vec<f64> = by_sample.iter().copied().cycle().take(slab.row_start.len() - 1).collect();
             parts.push(slab.scaled(&by_pixel, by_band));
         }

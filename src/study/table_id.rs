@@ -15,7 +15,7 @@ pub fn table_id(scene: &Scene) -> String {
     let mut put = |values: &[f64]| values.iter().for_each(|v| _ = hasher.update(&v.to_le_bytes()));
     let Setup {
         body,
-        sky: Sky { sun, mars, bodies, beams, rotation },
+        sky: Sky { sun, mars, bodies, beams, rotation, past },
         exposure: _,
         models:
             Models {
@@ -70,6 +70,16 @@ pub fn table_id(scene: &Scene) -> String {
         let [x, y, z] = axis.vec().to_array();
         let inertias = materials.iter().map(|material| material.thermal_inertia);
         [x, y, z, *period_s].into_iter().chain(inertias).for_each(|v| _ = hasher.update(&v.to_le_bytes()));
+        if past.is_some() {
+            hasher.update(b"past");
+            for step in 1..*steps {
+                // Where nothing is known, nothing is solved either.
+                let Ok(then) = scene.sky.ago(period_s * f64::from(step) / f64::from(*steps)) else { break };
+                let places_m = then.globes().map(|globe| globe.centre_m);
+                let all = [then.sun.direction.vec() * then.sun.distance_m].into_iter().chain(places_m);
+                all.flat_map(|v| v.to_array()).for_each(|v| _ = hasher.update(&v.to_le_bytes()));
+            }
+        }
     }
     if let Some(rule) = mars_shadows {
         hasher.update(b"mars_shadows");

@@ -1,17 +1,20 @@
 //! What optics let through: an image is looked at on a grid finer than pixels, with what lies around it, blurred there, and averaged over pixels.
+//!
+//! A spectrometer's keystone moves what optics have blurred, which is the same as to blur what is moved: it is in the finer image. Its smile is the detector's, and gives each
+//! sample its share of blurred images with one smile each. Of a whisk-broom each sample is an image of its own, of a column and what lies around that at the moment.
 
 use std::ops::Range;
 use std::sync::OnceLock;
 
 use rayon::prelude::*;
 
+use super::spectrometer::{self, Looks};
 use crate::error::{Error, Location, Result};
-use crate::geometry::FrameCamera;
+use crate::geometry::{FrameCamera, whole_u32};
 use crate::instrument::{Blur, Optics};
-use crate::integrate::{self, Wanted};
 use crate::product::{FacetTable, Slab};
 use crate::progress::Watch;
-use crate::scene::{Exposure, Readout, Scene};
+use crate::scene::{Exposure, Scene};
 
 /// Bands that are expanded together: what [`Slab::expand`] computes at once.
 const TOGETHER: usize = 16;
@@ -49,8 +52,11 @@ impl Blurs {
     }
 }
 
-/// Lines of an image that are looked at together.
+/// Lines of an image that are looked at together: of a column, which is a sample of a whisk-broom, all.
 fn strip_lines(optics: &Optics, exposure: &Exposure) -> u32 {
+    if exposure.camera.samples == 1 {
+        return exposure.camera.lines;
+    }
     let parts = optics.subpixels as usize;
     let line_parts = (exposure.camera.samples as usize + 2 * optics.reach_px as usize) * parts * parts;
     u32::try_from((STRIP / line_parts.max(1)).max(2 * optics.reach_px as usize)).unwrap_or(u32::MAX).max(1)
@@ -96,7 +102,7 @@ impl Seen<'_> {
         }
         let mut sums: Vec<f64> = vec![];
         for scene in self.poses {
-            let slab = alone(scene, self.table, watch)?;
+            let slab = spectrometer::radiance(scene, self.table, watch)?;
             let pixels = pixels_of(&scene.exposure, &slab);
             sums.resize(slab.bands.len(), 0.0);
             let share = 1.0 / (pixels * self.poses.len()) as f64;
@@ -109,59 +115,74 @@ impl Seen<'_> {
 
     /// Some lines of the image, from all poses.
     fn strip(&self, lines: Range<u32>, blurs: &Blurs, watch: Watch<'_>) -> Result<Slab> {
-        let Optics { subpixels, reach_px, .. } = *self.optics;
-        let mut parts = Vec::new();
-        for scene in self.poses {
-            let camera = refined(&scene.exposure.camera, (subpixels, reach_px), lines.clone())?;
-            let fine = scene.seen_by(Exposure { camera, ..scene.exposure.clone() })?;
-            parts.push((1.0 / self.poses.len() as f64, alone(&fine, self.table, watch)?));
-        }
-        let fine = if parts.len() == 1 { parts.pop().map(|(_, slab)| slab) } else { Slab::sum(&parts) };
-        let Some(fine) = fine else { return Err(other_spectra()) };
         let Some(first) = self.poses.first() else { return Err(other_spectra()) };
         let (exposure, samples) = (&first.exposure, first.exposure.camera.samples as usize);
         let (bands, size) = (&exposure.bands, [samples, lines.len()]);
         let pixels = samples * lines.len();
-        let parts = fine.row_start.len().saturating_sub(1);
         let mut radiance = vec![0.0; pixels * bands.len()];
-        radiance.par_chunks_mut(pixels * TOGETHER).enumerate().for_each(|(chunk, to)| {
-            let first = chunk * TOGETHER;
-            let mut values = vec![0.0; parts * (to.len() / pixels)];
-            fine.expand(0..parts, first..first + to.len() / pixels, |part, band, of_bands| {
-                of_bands.iter().enumerate().for_each(|(k, value)| values[(band - first + k) * parts + part] = *value);
-            });
-            for (k, (to, fine)) in to.chunks_exact_mut(pixels).zip(values.chunks_exact(parts)).enumerate() {
-                to.copy_from_slice(&blurs.pixels(self.optics, exposure, first + k, size, fine));
+        let Looks { smiles, keystones } = Looks::of(exposure);
+        // One after the other, as there may be many: what is blurred adds up.
+        for (smile_um, by_sample) in &smiles {
+            for (keystone_px, by_band) in &keystones {
+                let fine = self.fine(&lines, (*smile_um, *keystone_px), watch)?;
+                let parts = fine.row_start.len().saturating_sub(1);
+                radiance.par_chunks_mut(pixels * TOGETHER).zip(by_band.par_chunks(TOGETHER)).enumerate().for_each(
+                    |(chunk, (to, by_band))| {
+                        if by_band.iter().all(|share| *share == 0.0) {
+                            return;
+                        }
+                        let first = chunk * TOGETHER;
+                        let mut values = vec![0.0; parts * by_band.len()];
+                        fine.expand(0..parts, first..first + by_band.len(), |part, band, of_bands| {
+                            for (k, value) in of_bands.iter().enumerate() {
+                                values[(band - first + k) * parts + part] = *value;
+                            }
+                        });
+                        let bands = to.chunks_exact_mut(pixels).zip(values.chunks_exact(parts)).zip(by_band);
+                        for (k, ((to, fine), of_band)) in bands.enumerate().filter(|(_, (_, share))| **share != 0.0) {
+                            let blurred = blurs.pixels(self.optics, exposure, first + k, size, fine);
+                            for ((to, value), of_sample) in to.iter_mut().zip(blurred).zip(by_sample.iter().cycle()) {
+                                *to += of_sample * of_band * value;
+                            }
+                        }
+                    },
+                );
             }
-        });
+        }
         Ok(Slab::dense(lines.start as usize..lines.end as usize, 0..bands.len(), radiance))
+    }
+
+    /// Some lines of the image by parts of pixels, and what is around them, from all poses, with one smile, um, and one keystone, pixels.
+    fn fine(&self, lines: &Range<u32>, (smile_um, keystone_px): (f64, f64), watch: Watch<'_>) -> Result<Slab> {
+        let Optics { subpixels, reach_px, .. } = *self.optics;
+        let mut parts = Vec::new();
+        for scene in self.poses {
+            let camera = refined(&scene.exposure, (subpixels, reach_px), lines.clone())?;
+            let fine = scene.seen_by(Exposure { camera, ..scene.exposure.clone() })?;
+            let slab = spectrometer::look(&fine, (smile_um, keystone_px * f64::from(subpixels)), self.table, watch)?;
+            parts.push((1.0 / self.poses.len() as f64, slab));
+        }
+        let fine = if parts.len() == 1 { parts.pop().map(|(_, slab)| slab) } else { Slab::sum(&parts) };
+        fine.ok_or_else(other_spectra)
     }
 }
 
-/// A camera by parts of pixels.
-pub(super) fn refined(camera: &FrameCamera, (parts, more): (u32, u32), lines: Range<u32>) -> Result<FrameCamera> {
-    camera.refined(parts, more, lines).map_err(|message| Error::invalid(Location::item("sensor.optics"), message))
+/// The camera of an exposure by parts of pixels, with so many pixels more on each side; its lens is known for as far as keystone shifts it besides.
+pub(super) fn refined(exposure: &Exposure, (parts, more): (u32, u32), lines: Range<u32>) -> Result<FrameCamera> {
+    let shifts_px = exposure.spectrometer.keystones_px(&exposure.bands);
+    let farthest = whole_u32(shifts_px.iter().fold(0.0_f64, |most, px| most.max(px.abs())).ceil());
+    let refused = |message| Error::invalid(Location::item("sensor.optics"), message);
+    let wide = exposure.camera.refined(parts, more + farthest, lines).map_err(refused)?;
+    let within = |n: u32| farthest * parts..n - farthest * parts;
+    Ok(wide.window(within(wide.samples), within(wide.lines)))
 }
 
 /// Says if this version does not blur the images of a sensor.
-pub(super) fn serves(optics: Option<&Optics>, readout: Readout, exposure: &Exposure) -> Result<()> {
+pub(super) fn serves(optics: Option<&Optics>, exposure: &Exposure) -> Result<()> {
     let Some(optics) = optics else { return Ok(()) };
-    let feature = match readout {
-        Readout::Sample(_) => "optics of a whisk-broom: `ideal = true`, or `--ideal`, leaves them out",
-        _ if !exposure.spectrometer.is_ideal() => "optics beside smile and keystone: leave one of them out",
-        // What its camera says against it, it says before anything is computed.
-        _ => {
-            let by = (optics.subpixels, optics.reach_px);
-            return refined(&exposure.camera, by, 0..exposure.camera.lines).map(|_| ());
-        }
-    };
-    Err(Error::Unsupported { at: Location::item("sensor.optics"), feature: feature.to_owned() })
-}
-
-/// Radiance and nothing else.
-fn alone(scene: &Scene, table: &FacetTable, watch: Watch<'_>) -> Result<Slab> {
-    let wanted = Wanted { radiance_alone: true, ..Wanted::default() };
-    Ok(integrate::integrate(scene, table, wanted, watch)?.slab)
+    // What its camera says against it, it says before anything is computed.
+    let by = (optics.subpixels, optics.reach_px);
+    refined(exposure, by, 0..exposure.camera.lines).map(|_| ())
 }
 
 fn pixels_of(exposure: &Exposure, slab: &Slab) -> usize {

@@ -11,13 +11,13 @@ use mmxrt::formats::{scene_toml, xml};
 use mmxrt::geometry::{Direction, FrameCamera, MaterialId, Mesh, Pose};
 use mmxrt::progress::unwatched;
 use mmxrt::report::{Fate, Report};
-use mmxrt::scene::{Globe, Hapke, Material, Photometry, Rpv, Scene, Thermal};
+use mmxrt::scene::{Globe, Hapke, Material, Photometry, Readout, Rpv, Scene, Thermal, Timing};
 use mmxrt::spectral::{Band, Extend, Light, Spectrum};
 use mmxrt::units::AU_M;
 
 use crate::scenes::{self, edited, lambert};
 use crate::scratch::Scratch;
-use crate::shapes::{direction, mesh};
+use crate::shapes::{direction, mesh, nadir, plane, sun};
 
 /// On the equator at longitude 90 deg: up is +y of the body, East -x, North +z, so South -z.
 ///
@@ -670,4 +670,61 @@ fn filter_curves_that_become_rectangles_are_told_with_what_that_costs() {
     let note = report.notes.iter().find(|n| n.message.contains("tabulated responses")).unwrap();
     // Means: 0.1 + 0.2 x 0.15 / 0.5 = 0.16 over the peaks; 0.3 - 0.4 x 0.05 / 2 = 0.29 over 0.1 um about 1 um: 0.8125 more.
     assert!(note.fate == Fate::Approximated && note.message.contains("up to 8.1e-1 off"), "{note:?}");
+}
+
+/// A push-broom over a site on the equator, straight down: three lines 10 s apart, 12 m/s towards the South; the Sun sinks in the West by 0.013065 deg/s.
+#[test]
+fn exposures_become_a_sequence() {
+    let timing = Timing { readout: Readout::Line, period_s: 10.0, exposure_s: 0.0, poses: 1 };
+    let motion = crate::past::over(DVec3::new(0.0, 0.0, -12.0), 40.0);
+    let mut parts = edited_parts(&motion);
+    parts.exposure.camera.lines = 3;
+    parts.exposure.camera.boresight_px[1] = 1.5;
+    let scene = parts.check().unwrap();
+    let middle_s = timing.middle_s(timing.reference(&scene.exposure));
+    let scene = motion.at(&scene, scene.exposure.clone(), motion.start.after_s(middle_s)).unwrap();
+    for target in [TargetVersion::V5_7_4, TargetVersion::V5_11_0] {
+        let (mut package, mut report) = dart::from_scene(&scene, &options(target)).unwrap();
+        dart::add_flight(&mut package, &scene, (&motion, &timing), &mut report).unwrap();
+        let told: Vec<String> = report.notes.iter().map(ToString::to_string).collect();
+        assert!(told.iter().any(|note| note.contains("3 exposures are the sequence `flight.xml`")), "{told:#?}");
+        let scratch = Scratch::new();
+        let folder = scratch.join("sim");
+        dart::write(&package, &folder, false, &unwatched).unwrap();
+        let (simulation, ..) = dart::read(&folder, &dart::ReadOptions::default()).unwrap();
+        let [sequence] = &simulation.sequences[..] else { panic!("{:?}", simulation.sequences) };
+        assert_eq!((sequence.name.as_str(), dart::rows(sequence).unwrap().len()), ("flight", 3));
+        let (steps, report) = dart::flight(&folder, sequence, &dart::ReadOptions::default()).unwrap();
+        assert!(report.notes.iter().all(|note| note.fate != Fate::Dropped), "{report:?}");
+        let middle = package.simulation.phase.cameras[0].position_m;
+        for (k, step) in steps.iter().enumerate() {
+            let since_s = 10.0 * (k as f64);
+            // 40 deg after noon at the start, and 360 deg in a day of 27553.843872 s; West is the azimuth of 270 deg, from South by East.
+            let zenith_deg = 40.0 + 360.0 * since_s / 27_553.843_872;
+            assert!((step.sun_deg[0] - zenith_deg).abs() < 1e-5, "{:?} {zenith_deg}", step.sun_deg);
+            assert!((step.sun_deg[1] - 270.0).abs() < 1e-5, "{:?}", step.sun_deg);
+            let [camera] = &step.cameras[..] else { panic!("{step:?}") };
+            // DART's x is South.
+            let expected = middle + DVec3::new(12.0 * (since_s - 10.0), 0.0, 0.0);
+            assert!((camera.position_m - expected).length() < 1e-6, "{camera:?} {expected}");
+            assert!((camera.look_deg[0] - 180.0).abs() < 1e-9 && camera.pixels[1] == 1, "{camera:?}");
+            let pitch = scene.exposure.camera.pitch[1];
+            let of_line = 2.0 * (0.5 * pitch).atan().to_degrees();
+            assert!((camera.field_of_view_deg[1] / of_line - 1.0).abs() < 1e-9, "{camera:?}");
+        }
+        // Its place and the Sun's are what changes, and its height of three lines that is one now; nothing else.
+        let properties: Vec<&str> = sequence.groups[0].entries.iter().map(|entry| entry.property.as_str()).collect();
+        assert!(properties.contains(&"Directions.SunViewingAngles.sunViewingZenithAngle"), "{properties:?}");
+        assert!(properties.iter().all(|p| !p.contains("irradiance") && !p.contains("meanLambda")), "{properties:?}");
+        assert!(properties.iter().filter(|p| p.starts_with("Phase.SensorImageSimulation.")).count() >= 3);
+    }
+}
+
+/// A grey site at longitude 0, as others are, under the sky of a motion and with a camera of 4 x 3 pixels.
+fn edited_parts(motion: &mmxrt::scene::Motion) -> mmxrt::scene::SceneParts {
+    let mut parts = scenes::parts(plane(10.0, 0.0), nadir(1000.0, 20.0, 4), sun(40.0, 0.0));
+    parts.surface.origin_m = motion.origin_m;
+    // Facing outwards, which is +x there.
+    parts.surface.mesh.vertices_m.iter_mut().for_each(|v| *v = DVec3::new(v.z, v.x, v.y));
+    parts
 }

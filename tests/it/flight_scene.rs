@@ -192,3 +192,30 @@ fn a_file_that_ends_is_not_continued_roughly() {
         "{err}"
     );
 }
+
+/// A filter's bands become a sequence of DART simulations, which comes back as a flight table; other formats have the middle moment, and it is said.
+#[test]
+fn a_moving_scene_becomes_a_sequence_of_dart() {
+    let scratch = Scratch::new();
+    let kind = "samples = 8\nkind = \"tunable_filter\"\nperiod_s = 20.0\nexposure_s = 0.1";
+    scratch.write("scene.toml", replaced(FLYING, &[("samples = 8", kind)]));
+    let argument = |name: &str| scratch.argument(name);
+    let (code, out, err) = run(&["convert", &argument("scene.toml"), &argument("sim")]);
+    assert_eq!(code, 0, "{err}");
+    assert!((out + &err).contains("3 exposures are the sequence `flight.xml`"), "{err}");
+    let (code, _, err) = run(&["convert", &argument("sim"), &argument("back/scene.toml")]);
+    assert_eq!(code, 0, "{err}");
+    let table = std::fs::read_to_string(scratch.join("back/scene.flight.flight.csv")).unwrap();
+    let rows: Vec<&str> = table.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit())).collect();
+    assert_eq!(rows.len(), 3, "{table}");
+    // 12.187 m/s past the sub-Mars point, over 20 s.
+    let place = |row: &str| {
+        let cells: Vec<f64> = row.split(',').map(|cell| cell.parse().unwrap()).collect();
+        DVec3::new(cells[4], cells[5], cells[6])
+    };
+    let moved_m = (place(rows[2]) - place(rows[0])).length();
+    assert!((moved_m - 40.0 * 12.187).abs() < 1.0, "{moved_m}");
+    let (code, out, err) = run(&["convert", &argument("scene.toml"), &argument("plain/scene.toml")]);
+    assert_eq!(code, 0, "{err}");
+    assert!((out + &err).contains("with all of the image taken at once"), "{err}");
+}

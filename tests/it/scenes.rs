@@ -117,6 +117,7 @@ pub(crate) fn parts(mesh: Mesh, camera: FrameCamera, towards_sun: Direction) -> 
             bodies: vec![],
             beams: vec![],
             rotation: None,
+            past: None,
         },
         exposure: Exposure {
             instrument: "test".into(),

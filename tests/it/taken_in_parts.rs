@@ -1,16 +1,23 @@
-//! Images that are taken in parts: what comes with them besides radiance, and radiance by a table from elsewhere.
+//! Images that are taken in parts: what comes with them besides radiance, and radiance by a table or maps from elsewhere.
 
 use glam::DVec3;
+use mmxrt::formats::scene_toml;
 use mmxrt::integrate::Wanted;
-use mmxrt::product::{Cube, CubeAxes, Slab};
+use mmxrt::product::{Cube, CubeAxes, Placement, RadianceMap, Slab};
 use mmxrt::progress::unwatched;
 use mmxrt::scene::{Mirror, Motion, Readout, Scene, Timing};
 use mmxrt::solve;
-use mmxrt::study::{Extremes, Moving, Observation, acquire_by_slabs, acquire_by_table};
+use mmxrt::spectral::Band;
+use mmxrt::study::{
+    Extremes, Fill, MapAccount, MapOptions, Moving, Observation, acquire_by_maps, acquire_by_slabs, acquire_by_table,
+    observe_maps,
+};
 
 use crate::cli::run;
 use crate::flight_scene::FLYING;
+use crate::maps::{Texels, camera_image, map};
 use crate::motion::{down, moving_scene, steady};
+use crate::scenes::replaced;
 use crate::scratch::Scratch;
 use crate::shapes::*;
 
@@ -100,8 +107,170 @@ fn the_command_takes_tables_and_footprints_of_push_brooms() {
     let (code, _, err) = run(&["integrate", &scene, "--table", &table, "-o", &out, "--footprints", "--quiet"]);
     assert_eq!(code, 0, "{err}");
     assert!(scratch.join("out/footprints.npz").exists() && scratch.join("out/exposures.csv").exists());
-    scratch.write("m.csv", "1\n");
-    let (code, _, err) =
-        run(&["integrate", &scene, "--radiance", &scratch.argument("m.csv"), "-o", &out, "--force", "--quiet"]);
-    assert!(code != 0 && err.contains("taken in parts"), "{err}");
+    // Maps of radiance, too: 3 everywhere is 3 everywhere.
+    let facets = scene_toml::read(&scratch.join("scene.toml"), &unwatched).unwrap().scene.body.mesh.facets.len();
+    let rows: String = (0..facets).map(|f| format!("{f},3\n")).collect();
+    scratch.write("m.csv", format!("facet,radiance_w_m2_sr_um at 1 um\n{rows}"));
+    scratch.write("scene.toml", replaced(&std::fs::read_to_string(&scene).unwrap(), &[("[1.0, 2.0, 3.0]", "[1.0]")]));
+    let map = scratch.argument("m.csv");
+    let (code, _, err) = run(&["integrate", &scene, "--radiance", &map, "-o", &out, "--force"]);
+    assert!(code == 0 && err.contains("of one moment"), "{err}");
+    let cube = std::fs::read(scratch.join("out/cube.img")).unwrap();
+    let values: Vec<f32> = cube.chunks_exact(4).map(|b| f32::from_le_bytes(b.try_into().unwrap())).collect();
+    assert!(values.len() == 12 && values.iter().all(|value| (value - 3.0).abs() < 1e-6), "{values:?}");
+}
+
+/// Radiance of facets that tells each from all others, in two bands; without a value where `unknown` says so.
+fn of_facets(scene: &Scene, unknown: impl Fn(usize) -> bool) -> RadianceMap {
+    let facets = scene.body.mesh.facets.len();
+    let band = |times: f64| {
+        (0..facets).map(|f| if unknown(f) { f64::NAN } else { times * (1.0 + (f * 37 % 101) as f64) }).collect()
+    };
+    let bands = vec![Band::new(1.0, None), Band::new(2.0, None)];
+    let source = Box::new(Texels(bands, vec![band(1.0), band(0.125)]));
+    RadianceMap { source, ..map(Placement::Facets(facets), vec![]) }
+}
+
+/// What maps show of a moving scene.
+fn by_maps(
+    (scene, motion, timing): &(Scene, Motion, Timing),
+    maps: Vec<RadianceMap>,
+    options: &MapOptions,
+) -> mmxrt::Result<(Cube, Observation<()>, MapAccount)> {
+    let table = solve::solve(scene, &unwatched).unwrap();
+    let moving = Moving { scene, motion, timing: *timing, optics: None };
+    let mut slabs = Vec::new();
+    let mut put = |slab| {
+        slabs.push(slab);
+        Ok(())
+    };
+    let wanted = Wanted { footprints: true, ..Wanted::default() };
+    let terms = maps.into_iter().map(|map| vec![map]).collect();
+    let (observation, account) =
+        acquire_by_maps(moving, (&table, terms), (options, 1e-3), wanted, &mut put, &unwatched)?;
+    Ok((Cube::new(CubeAxes::of(&scene.exposure), slabs).unwrap(), observation, account))
+}
+
+/// A pixel has of each facet as much as it sees of it then.
+#[test]
+fn facets_have_the_radiance_of_maps_at_every_exposure() {
+    for readout in [Readout::Line, mirror()] {
+        let of = moving(readout);
+        let (cube, observation, account) =
+            by_maps(&of, vec![of_facets(&of.0, |_| false)], &MapOptions::default()).unwrap();
+        let footprints = observation.footprints.unwrap();
+        for pixel in 0..24 {
+            let mean: f64 = footprints.pixel(pixel).map(|(f, area, _)| area * (1.0 + (f * 37 % 101) as f64)).sum();
+            for (band, times) in [(0, 1.0), (1, 0.125)] {
+                let value = cube.band(band)[pixel];
+                assert!(
+                    (value - times * mean).abs() < 1e-12 * mean && mean > 1.0,
+                    "{readout:?} {pixel} {value} {mean}"
+                );
+            }
+        }
+        assert_eq!((account.unknown_share, account.unknown_pixels), (0.0, 0));
+        assert!(observation.effects.is_empty() && observation.warnings.iter().any(|w| w.contains("of one moment")));
+        assert_eq!(observation.backplanes.plane("MAP_COVERAGE").unwrap().values.len(), 24);
+    }
+}
+
+/// Each band of a filter, and each line of a push-broom that stands still, is a frame of its own.
+#[test]
+fn maps_show_to_each_exposure_what_they_show_to_a_frame() {
+    for readout in [Readout::Band, Readout::Line] {
+        let mut of = moving(readout);
+        if readout == Readout::Line {
+            of.1 = steady(DVec3::ZERO, 1.5, sun(50.0, 40.0).vec(), down());
+        }
+        let (scene, motion, timing) = &of;
+        let (cube, ..) = by_maps(&of, vec![of_facets(scene, |_| false)], &MapOptions::default()).unwrap();
+        let table = solve::solve(scene, &unwatched).unwrap();
+        for take in timing.takes(&scene.exposure) {
+            let mut exposure = take.exposure(&scene.exposure);
+            exposure.camera.world_from_sensor = motion.pose(motion.start.after_s(take.middle_s)).unwrap();
+            let frame = scene.seen_by(exposure).unwrap();
+            let maps = vec![vec![of_facets(scene, |_| false)]];
+            let (shown, _) = observe_maps(&frame, &table, maps, &MapOptions::default(), &unwatched).unwrap();
+            for band in take.bands.clone() {
+                let all = cube.band(band);
+                let there = &all[take.lines.start * 6..take.lines.end * 6];
+                let alone = shown.cube.band(band - take.bands.start);
+                assert!(there.iter().zip(&alone).all(|(a, b)| (a - b).abs() <= 1e-12 * b && *b > 0.1), "{readout:?}");
+            }
+        }
+    }
+}
+
+/// What an image knows and what fills the rest are alike, from however many poses: so is all that is seen.
+#[test]
+fn images_and_fills_serve_exposures_of_several_poses() {
+    for readout in [Readout::Frame, Readout::Band, Readout::Line, mirror()] {
+        for poses in [0, 1, 3] {
+            let mut of = moving(readout);
+            (of.2.poses, of.2.exposure_s) = (poses, 0.5);
+            let (eye, small) = (nadir(20_000.0, 400.0, 2), nadir(20_000.0, 30.0, 2));
+            for (camera, is_enough) in [(&eye, true), (&small, false)] {
+                let bands = vec![Band::new(1.0, None), Band::new(2.0, None)];
+                let source = Box::new(Texels(bands, vec![vec![5.0; 4]; 2]));
+                let image = || RadianceMap { source, ..map(camera_image(camera, true), vec![]) };
+                let options = MapOptions { fill: Fill::Value(5.0), ..MapOptions::default() };
+                let (cube, observation, account) = by_maps(&of, vec![image()], &options).unwrap();
+                assert_eq!(account.unknown_share < 1e-9, is_enough);
+                let coverage = &observation.backplanes.plane("COVERAGE").unwrap().values;
+                for band in 0..2 {
+                    let values = cube.band(band);
+                    assert!(values.iter().zip(coverage).all(|(l, c)| (l - 5.0 * c).abs() < 1e-9 && *c > 0.9));
+                }
+            }
+        }
+    }
+}
+
+/// What maps leave unknown is counted over all exposures, refused, or marked; sums that are too small say where in the cube.
+#[test]
+fn what_is_unknown_is_of_all_exposures() {
+    for readout in [Readout::Band, Readout::Line, mirror()] {
+        let of = moving(readout);
+        let scene = &of.0;
+        let beyond = |f: usize| {
+            let facet = scene.body.mesh.facet(f);
+            facet.corners_m.iter().map(|corner| corner.x).sum::<f64>() > 3.0 * 12.0
+        };
+        let map = || of_facets(scene, beyond);
+        let refused = by_maps(&of, vec![map()], &MapOptions::default()).unwrap_err().to_string();
+        assert!(refused.contains("% of what the camera sees is unknown"), "{refused}");
+        let options = MapOptions { fill: Fill::Nan, ..MapOptions::default() };
+        let (cube, observation, account) = by_maps(&of, vec![map()], &options).unwrap();
+        let bands = [cube.band(0), cube.band(1)];
+        let marked = (0..24).filter(|pixel| bands[0][*pixel].is_nan()).count();
+        assert!(marked > 3 && marked < 21, "{readout:?} {marked}");
+        let either = (0..24).filter(|pixel| bands.iter().any(|band| band[*pixel].is_nan())).count();
+        assert_eq!(account.unknown_pixels, either as u64);
+        assert!(account.unknown_share > 0.1 && account.unknown_share < 0.9);
+        if readout != Readout::Band {
+            let known = &observation.backplanes.plane("MAP_COVERAGE").unwrap().values;
+            let none = |pixel: usize| known[pixel] < 1e-9;
+            assert!((0..24).all(|pixel| bands[0][pixel].is_nan() == none(pixel)));
+            let mean = known.iter().sum::<f64>() / 24.0;
+            assert!((account.unknown_share - (1.0 - mean)).abs() < 1e-9);
+        }
+        // The last pixel alone sees less than nothing: of a facet that no other has.
+        if readout == Readout::Band {
+            continue;
+        }
+        let (_, whole, _) = by_maps(&of, vec![of_facets(scene, |_| false)], &MapOptions::default()).unwrap();
+        let footprints = whole.footprints.unwrap();
+        let of_others: Vec<u32> = (0..23).flat_map(|pixel| footprints.pixel(pixel).map(|(f, ..)| f)).collect();
+        let own = footprints.pixel(23).map(|(f, ..)| f).find(|f| !of_others.contains(f)).unwrap();
+        let facets = scene.body.mesh.facets.len();
+        let mut dark = vec![0.0; facets];
+        dark[own as usize] = 1e6;
+        let both = vec![Band::new(1.0, None), Band::new(2.0, None)];
+        let source = Box::new(Texels(both, vec![dark; 2]));
+        let less = RadianceMap { source, weight: -1.0, ..crate::maps::map(Placement::Facets(facets), vec![]) };
+        let wrong = by_maps(&of, vec![of_facets(scene, |_| false), less], &MapOptions::default());
+        let wrong = wrong.unwrap_err().to_string();
+        assert!(wrong.contains("sample 5, line 3 (from 0)"), "{readout:?} {wrong}");
+    }
 }

@@ -21,7 +21,7 @@ use crate::scene::{
 use crate::spectral::{Band, Column, Extend, SpectralLibrary, Spectrum};
 
 use super::Content;
-use super::dart::Flights;
+use super::dart::Flown;
 
 /// Positions are the same within this, m, or within rounding of far ones.
 const POSITION_M: f64 = 1e-9;
@@ -35,11 +35,12 @@ const TOLD: usize = 10;
 /// One line for each difference: where, and both values. Empty: the same in meaning.
 pub fn differences(a: &Content, b: &Content) -> Vec<String> {
     let mut lines = Lines(Vec::new());
+    if let (Some((a, flights_a)), Some((b, flights_b))) = (scene(a), scene(b)) {
+        lines.scenes(a, b);
+        lines.flights(flights_a, flights_b);
+        return lines.0;
+    }
     match (a, b) {
-        (Content::Scene(a, flights_a), Content::Scene(b, flights_b)) => {
-            lines.scenes(a, b);
-            lines.flights(flights_a, flights_b);
-        }
         (Content::Mesh(a), Content::Mesh(b)) => lines.coloured_meshes(a, b),
         // One spectrum's name is its file's.
         (Content::Spectra(a), Content::Spectra(b)) if a.len() == 1 && b.len() == 1 => {
@@ -53,6 +54,15 @@ pub fn differences(a: &Content, b: &Content) -> Vec<String> {
         _ => lines.0.push(format!("the first holds {}, the second {}: convert one of them", a.kind(), b.kind())),
     }
     lines.0
+}
+
+/// A scene, one that moves too, and what flies over it.
+fn scene(content: &Content) -> Option<(&Scene, &[Flown])> {
+    match content {
+        Content::Scene(scene, flights) => Some((scene, flights)),
+        Content::Moving(moving) => Some((&moving.0, &[])),
+        _ => None,
+    }
 }
 
 struct Lines(Vec<String>);
@@ -186,7 +196,7 @@ impl Lines {
     fn scenes(&mut self, a: &Scene, b: &Scene) {
         let Setup {
             body,
-            sky: Sky { sun, mars, bodies, beams, rotation },
+            sky: Sky { sun, mars, bodies, beams, rotation, past },
             exposure,
             models:
                 Models {
@@ -252,6 +262,10 @@ impl Lines {
             (a, _) => {
                 self.push("thermal.period_s", if a.is_some() { "is there" } else { "is not" }, "the other way round")
             }
+        }
+        if past.is_some() != b.sky.past.is_some() {
+            let known = if past.is_some() { "is known" } else { "is not known" };
+            self.push("the day before", known, "the other way round");
         }
         self.debugged("sun.points", sun_model, &b.models.sun);
         self.debugged("mars.eclipse", eclipses, &b.models.eclipses);
@@ -532,8 +546,8 @@ impl Lines {
     }
 
     /// What flies over a scene: the Sun and cameras of a sequence's simulations.
-    fn flights(&mut self, a: &Flights, b: &Flights) {
-        let names = |flights: &Flights| flights.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
+    fn flights(&mut self, a: &[Flown], b: &[Flown]) {
+        let names = |flights: &[Flown]| flights.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
         self.each("sequence", &names(a), &names(b), |lines, at, i, j| {
             let (a, b) = (&a[i].1, &b[j].1);
             if a.len() != b.len() {

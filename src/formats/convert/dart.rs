@@ -12,13 +12,14 @@ use crate::formats::input::InputFile;
 use crate::physics::reflectance::ALL_LIGHT;
 use crate::progress::{Watch, unwatched};
 use crate::report::{Fate, Report};
-use crate::scene::Scene;
+use crate::scene::{Motion, Scene, Timing};
 use crate::spectral::SpectralLibrary;
 
 use super::{Content, DATABASE, Options, SIMULATION, differences, format_of, unsupported};
 
 /// The Sun and cameras of a sequence's simulations, by its name.
-pub(super) type Flights = Vec<(String, Vec<Step>)>;
+pub(super) type Flown = (String, Vec<Step>);
+pub(super) type Flights = Vec<Flown>;
 
 fn reading(options: &Options) -> Result<dart::ReadOptions> {
     if let Some(folder) = options.dart_databases.as_ref().filter(|folder| !folder.is_dir()) {
@@ -57,7 +58,12 @@ pub(super) fn read(
 }
 
 /// The simulation of a scene, not written yet.
-pub(super) fn package(scene: &Scene, options: &Options, report: &mut Report) -> Result<dart::Package> {
+pub(super) fn package(
+    scene: &Scene,
+    flight: Option<(&Motion, &Timing)>,
+    options: &Options,
+    report: &mut Report,
+) -> Result<dart::Package> {
     let target = match options.dart_version.as_deref() {
         None | Some("5.7.4") => TargetVersion::V5_7_4,
         Some("5.11.0") => TargetVersion::V5_11_0,
@@ -67,7 +73,10 @@ pub(super) fn package(scene: &Scene, options: &Options, report: &mut Report) -> 
         }
     };
     let options = SimulationOptions { target, cell_m: options.cell_m, ..SimulationOptions::default() };
-    let (package, more) = dart::from_scene(scene, &options)?;
+    let (mut package, mut more) = dart::from_scene(scene, &options)?;
+    if let Some(flight) = flight {
+        dart::add_flight(&mut package, scene, flight, &mut more)?;
+    }
     if !scene.body.mesh.uv.is_empty() {
         let message = "DART's objects have no texture coordinates";
         report.note(Fate::Dropped, Location::item("mesh"), message);

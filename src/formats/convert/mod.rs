@@ -18,7 +18,7 @@ use crate::error::{Error, Location, Problem, Result};
 use crate::flight::LeapSeconds;
 use crate::progress::{Watch, tell};
 use crate::report::{Fate, Report};
-use crate::scene::{Photometry, Scene};
+use crate::scene::{Motion, Photometry, Scene, Timing};
 use crate::spectral::{Band, Column, Extend, SpectralLibrary, Spectrum};
 
 use super::coloured_mesh;
@@ -117,6 +117,8 @@ pub struct Conversion {
 pub enum Content {
     /// A scene, and what flies over it.
     Scene(Box<Scene>, Flights),
+    /// A scene that moves, at the moment of its middle exposure.
+    Moving(Box<(Scene, Motion, Timing)>),
     /// A mesh and its materials' names.
     Mesh(ColouredMesh),
     /// Spectra.
@@ -249,15 +251,11 @@ fn read_all(
             for default in &file.defaults {
                 report.note(Fate::Defaulted, Location::file(&path).with_item(&default.item), &default.value);
             }
-            if let Some((motion, timing)) = &file.motion {
-                let middle_s = timing.middle_s(timing.reference(&file.scene.exposure));
-                let message = format!(
-                    "the scene is that of {}, with all of the image taken at once: how it moves is not written",
-                    motion.start.after_s(middle_s)
-                );
-                report.note(Fate::Approximated, Location::file(&path).with_item("flight"), message);
-            }
-            (Content::Scene(Box::new(file.scene), Flights::new()), report)
+            let content = match file.motion {
+                Some((motion, timing)) => Content::Moving(Box::new((file.scene, motion, timing))),
+                None => Content::Scene(Box::new(file.scene), Flights::new()),
+            };
+            (content, report)
         }
         Holds::Mesh { read } => {
             let mut file = read(&path, options.allow_outside)?;
@@ -324,7 +322,7 @@ impl Content {
     /// What it is, in words.
     fn kind(&self) -> &'static str {
         match self {
-            Content::Scene(..) => "a scene",
+            Content::Scene(..) | Content::Moving(_) => "a scene",
             Content::Mesh(_) => "a mesh",
             Content::Spectra(_) => "spectra",
             Content::Raster(_) => "an image",
@@ -336,6 +334,7 @@ impl Content {
     pub fn size(&self) -> String {
         match self {
             Content::Scene(scene, _) => format!("{} facets", scene.body.mesh.facets.len()),
+            Content::Moving(moving) => format!("{} facets", moving.0.body.mesh.facets.len()),
             Content::Mesh(surface) => format!("{} facets", surface.mesh.facets.len()),
             Content::Spectra(libraries) => format!("{} spectra", libraries.len()),
             Content::Raster(raster) => raster_size(raster, raster.bands.len()),
@@ -437,11 +436,19 @@ impl Job<'_> {
                 let help = "end the output's name in .db, .txt, .sli or .csv, or say which with --to";
                 Err(Error::Invalid(vec![Problem::new(Location::file(self.input), message).with_help(help)]))
             }
+            (Content::Moving(moving), Holds::Simulation) => {
+                let (scene, motion, timing) = &*moving;
+                self.dart(scene, Some((motion, timing)))
+            }
+            (Content::Moving(moving), _) => {
+                let scene = self.at_once(*moving);
+                self.write(Content::Scene(Box::new(scene), Flights::new()), to)
+            }
             (Content::Scene(scene, flights), Holds::Scene) => {
                 let unsaid = self.unsaid();
                 self.scene(&scene, &flights, unsaid)
             }
-            (Content::Scene(scene, _), Holds::Simulation) => self.dart(&scene),
+            (Content::Scene(scene, _), Holds::Simulation) => self.dart(&scene, None),
             (Content::Scene(scene, _), Holds::Spectra { .. }) => {
                 let message = "mesh, Sun, camera and heat: only the spectra of its materials are written";
                 self.report.note(Fate::Dropped, Location::file(self.input), message);
@@ -467,7 +474,7 @@ impl Job<'_> {
                 let scene = self.scene_of(surface)?;
                 let is_radial = self.options.pose == Some(NamedPose::Radial);
                 let scene = if is_radial { coloured_mesh::in_body_axes(scene)? } else { scene };
-                self.dart(&scene)
+                self.dart(&scene, None)
             }
             (Content::Mesh(_), Holds::Spectra { .. }) => {
                 let message = format!("holds a mesh: it has no spectra for {}", to.name);
@@ -547,8 +554,22 @@ impl Job<'_> {
         Ok(true)
     }
 
-    fn dart(self, scene: &Scene) -> Result<bool> {
-        let package = dart::package(scene, self.options, self.report)?;
+    /// A scene that moves, as if all of its image were taken at once.
+    fn at_once(&mut self, (scene, motion, timing): (Scene, Motion, Timing)) -> Scene {
+        let when = motion.start.after_s(timing.middle_s(timing.reference(&scene.exposure)));
+        let at = |item: &str| Location::file(self.input).with_item(item);
+        let message =
+            format!("the scene is that of {when}, with all of the image taken at once: how it moves is not written");
+        self.report.note(Fate::Approximated, at("flight"), message);
+        if scene.sky.past.is_some() {
+            let message = "in the day before, the Sun goes round steadily, and bodies of the sky stay where they are";
+            self.report.note(Fate::Approximated, at("thermal"), message);
+        }
+        scene
+    }
+
+    fn dart(self, scene: &Scene, flight: Option<(&Motion, &Timing)>) -> Result<bool> {
+        let package = dart::package(scene, flight, self.options, self.report)?;
         if self.refused() {
             return Ok(false);
         }

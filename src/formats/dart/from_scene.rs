@@ -1,5 +1,6 @@
 //! A scene as a DART simulation, with all the files it names.
 
+mod flown;
 mod optics;
 mod surfaces;
 
@@ -17,6 +18,7 @@ use super::frame;
 use super::inputs::TargetVersion;
 use super::sidecar::{self, Sidecar};
 use super::simulation::{Directions, Group, Links, Maket, Object, Phase, Pinhole, Simulation};
+pub use flown::add_flight;
 use optics::{
     MONOCHROMATIC_UM, band_mean, databases, emissivity_off, links, on_facet_from_mars, optical, rectangle_off,
     sunlight, unique_names,
@@ -139,7 +141,7 @@ pub fn from_scene(scene: &Scene, options: &SimulationOptions) -> Result<(Package
         }
     };
     // A whole number of cells, and a margin on all sides: nothing lies on the scene's edge or in the ground plane.
-    let extent_m = (size_m / cell_m).floor() * cell_m + DVec3::splat(cell_m);
+    let extent_m = extent_m(size_m, cell_m);
     let origin_in_dart_m = 0.5 * (extent_m - size_m) - low_m;
     let site = Site { scene, dart_from_body, origin_in_dart_m };
 
@@ -187,6 +189,11 @@ pub fn from_scene(scene: &Scene, options: &SimulationOptions) -> Result<(Package
     let mars = site.by_mars(&simulation, &mut report);
     let databases = databases(scene, &names);
     Ok((Package { simulation, surfaces, databases, mars, sidecar: Some(sidecar), size }, report))
+}
+
+/// What cells hold all of a surface of this size, m.
+fn extent_m(size_m: DVec3, cell_m: f64) -> DVec3 {
+    (size_m / cell_m).floor() * cell_m + DVec3::splat(cell_m)
 }
 
 /// A simulation of the scene with Mars in the Sun's place: a beam from its centre, with the irradiance of a facet that faces it.

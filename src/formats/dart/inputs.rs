@@ -84,6 +84,15 @@ pub fn inputs(simulation: &Simulation, boxes_m: &[(DVec3, DVec3)]) -> Result<Vec
     Ok(files.into_iter().map(|(name, content)| (name, root(content))).collect())
 }
 
+/// What of the inputs depends on the moment: the Sun and views, then bands, irradiances and cameras.
+///
+/// # Errors
+/// As [`inputs`].
+pub(super) fn of_a_moment(simulation: &Simulation) -> Result<[Element; 2]> {
+    let writer = Writer { simulation, boxes_m: &[], target: TargetVersion::of(&simulation.version)? };
+    Ok([writer.directions(), writer.phase()?])
+}
+
 struct Writer<'a> {
     simulation: &'a Simulation,
     boxes_m: &'a [(DVec3, DVec3)],

@@ -139,7 +139,7 @@ impl SceneBuilder<'_> {
 
     /// The sky under this Sun, with what was written beside the simulation for this place.
     fn sky(&mut self, sun: Sun, place: &SceneFrame) -> Sky {
-        let mut sky = Sky { sun, mars: None, bodies: vec![], beams: vec![], rotation: None };
+        let mut sky = Sky { sun, mars: None, bodies: vec![], beams: vec![], rotation: None, past: None };
         let Some(sidecar) = &self.sidecar else { return sky };
         let (bodies, beams, rotation) = (sidecar.bodies(), sidecar.beams(), sidecar.rotation());
         if place.is_kept {

@@ -4,6 +4,7 @@
 //! README.md   what this is, how to run it, what to check first
 //! mmxrt.toml  what DART has no place for
 //! input/      the eleven XML files, obj/, databases
+//! flight.xml  the exposures of a scene that moves, as a sequence
 //! mars/       the same surface lit by Mars, where it is
 //! check/      a tetrahedron whose radiances the README gives
 //! ```
@@ -29,12 +30,15 @@ use super::database;
 use super::frame;
 use super::from_scene::{Package, SimulationOptions, from_scene};
 use super::inputs::{TargetVersion, inputs};
+use super::sequencer;
 use super::sidecar;
 use super::simulation::Simulation;
 
 /// A folder written here; DART's own output beside it keeps it from being replaced.
-const SIMULATION: FolderKind =
-    FolderKind { marks: &[sidecar::FILE, "input"], parts: &["README.md", sidecar::FILE, "input", "mars", "check"] };
+const SIMULATION: FolderKind = FolderKind {
+    marks: &[sidecar::FILE, "input"],
+    parts: &["README.md", sidecar::FILE, "input", "flight.xml", "mars", "check"],
+};
 
 /// Writes a simulation's folder. It appears whole or not at all.
 ///
@@ -84,10 +88,14 @@ fn fill(package: &Package, folder: &Path, watch: Watch<'_>) -> Result<()> {
 
 fn write_inputs(simulation: &Simulation, package: &Package, folder: &Path) -> Result<()> {
     let boxes_m: Vec<_> = package.surfaces.iter().map(|s| s.mesh.bounds_m().unwrap_or_default()).collect();
-    let folder = folder.join("input");
-    make_folder(&folder)?;
+    let input = folder.join("input");
+    make_folder(&input)?;
     for (name, root) in inputs(simulation, &boxes_m)? {
-        write_text(&folder.join(name), &root.write())?;
+        write_text(&input.join(name), &root.write())?;
+    }
+    for sequence in &simulation.sequences {
+        let root = sequencer::file(sequence, &simulation.version);
+        write_text(&folder.join(format!("{}.xml", sequence.name)), &root.write())?;
     }
     Ok(())
 }
@@ -173,6 +181,7 @@ fn tetrahedron(target: TargetVersion) -> Result<(Package, [Face; 4])> {
             bodies: vec![],
             beams: vec![],
             rotation: None,
+            past: None,
         },
         exposure: Exposure {
             instrument: "check".into(),
@@ -217,6 +226,16 @@ fn readme(package: &Package, target: TargetVersion, expected: &[Face; 4]) -> Str
         },
         if package.mars.is_some() { " and `NAME/mars`" } else { "" },
     );
+    for sequence in &package.simulation.sequences {
+        let count = super::rows(sequence).map_or(0, |rows| rows.len());
+        // Writing to a string does not fail.
+        let _ = writeln!(
+            text,
+            "`{}.xml` is a sequence of {count} simulations, one for each exposure of the scene, with its Sun and camera: run it by DART's\n\
+             sequencer; simulation i is then in `sequence/{}_i`. Which of its modules run is said in `DartSequencerPreferences`.\n",
+            sequence.name, sequence.name
+        );
+    }
     text.push_str(
         "## What to check first\n\n\
          `check` is a tetrahedron with four different faces, the Sun in the East at a zenith angle of 30 deg, 1000 W m-2 um-1 normal\n\

@@ -35,8 +35,8 @@ use crate::instrument::Chain;
 use crate::physics::sun_disc::DiscRule;
 use crate::progress::{Progress, Watch};
 use crate::scene::{
-    Exposure, FARTHEST_M, Fixed, Globe, MARS_ALBEDO, MARS_DAY_NIGHT_K, MarsModel, Models, Motion, Readout, Rotation,
-    STEPS_OF_A_DAY, Scene, SceneParts, Sky, Sun, SunModel, Surface, Texture, Thermal, Timing,
+    Exposure, FARTHEST_M, Fixed, Globe, MARS_ALBEDO, MARS_DAY_NIGHT_K, MarsModel, Models, Motion, Past, Readout,
+    Rotation, STEPS_OF_A_DAY, Scene, SceneParts, Sky, Sun, SunModel, Surface, Texture, Thermal, Timing,
 };
 use crate::spectral::{Extend, Spectrum, SunTotal, solar_e490};
 use crate::units::{AU_M, MARS_RADIUS_M, SUN_RADIUS_M, TSI_1AU_W_M2};
@@ -186,6 +186,16 @@ fn at_reference(scene: &Scene, exposure: &Exposure, motion: &Motion, timing: &Ti
     motion.at(scene, exposure.clone(), motion.start.after_s(middle_s))
 }
 
+/// An error's problems, each with what to do about it, to be part of a sentence.
+fn in_a_line(error: &Error) -> String {
+    let Error::Invalid(problems) = error else { return error.to_string() };
+    let of = |problem: &Problem| match &problem.help {
+        Some(help) => format!("{} ({help})", problem.message),
+        None => problem.message.clone(),
+    };
+    problems.iter().map(of).collect::<Vec<_>>().join("; ")
+}
+
 /// The JSON Schema of `scene.toml`.
 pub fn schema() -> schemars::Schema {
     schemars::schema_for!(SceneToml)
@@ -306,7 +316,8 @@ impl TomlReader<'_> {
         let mars_light = toml.mars.as_ref().map(|mars| self.mars_light(mars)).unwrap_or_default();
         let thermal = self.thermal(toml.thermal.as_ref());
         let stores_heat = dictionary.materials.iter().flatten().any(|material| material.thermal_inertia > 0.0);
-        let (rotation, conduction) = self.day(toml.thermal.as_ref(), stores_heat);
+        let flown = flies.as_ref().and_then(|known| known.as_ref().map(|(motion, _)| motion));
+        let (rotation, conduction) = self.day(toml.thermal.as_ref(), stores_heat, flown);
         let beams = self.lamps(&toml.lamps);
         let sun_model = self.sun_model(&toml.sun);
         let bodies = self.bodies(&toml.bodies, flies.as_ref().map(|known| known.as_ref().map(|(motion, _)| motion)));
@@ -323,18 +334,31 @@ impl TomlReader<'_> {
         let textures = self.textures(toml, &dictionary.names, mesh.as_ref());
         self.chain = self.sensor_chain(&toml.sensor, timing);
         self.motion = flies.flatten().map(|(motion, _)| motion).zip(timing);
+        let mut sky = Sky {
+            sun: sun?,
+            mars: match mars {
+                Some(mars) => Some(mars?),
+                None => None,
+            },
+            bodies,
+            beams,
+            rotation,
+            past: None,
+        };
+        if let (Some(motion), Some(_), true) = (&self.motion, rotation, stores_heat) {
+            sky.past = Some(Past::new(&motion.0, motion.0.start));
+            if let Err(error) = sky.reaches_back(conduction.unwrap_or(STEPS_OF_A_DAY)) {
+                let message = format!(
+                    "the day before the scene is not known, so the Sun goes round steadily, and bodies of the sky stay where they are: {}",
+                    in_a_line(&error)
+                );
+                self.note("thermal", message);
+                sky.past = None;
+            }
+        }
         Some(SceneParts {
             surface: Surface { origin_m: self.origin_m, mesh: mesh?, materials: dictionary.materials?, textures },
-            sky: Sky {
-                sun: sun?,
-                mars: match mars {
-                    Some(mars) => Some(mars?),
-                    None => None,
-                },
-                bodies,
-                beams,
-                rotation,
-            },
+            sky,
             exposure: exposure?,
             models: Models {
                 thermal,
@@ -798,27 +822,41 @@ impl TomlReader<'_> {
         }
     }
 
-    /// How the body turns, and in how many steps of a day heat is conducted, if the scene says that it is.
-    fn day(&mut self, toml: Option<&ThermalToml>, stores_heat: bool) -> (Option<Rotation>, Option<u32>) {
-        let Some(toml) = toml else { return (None, None) };
+    /// How the body turns, and in how many steps of a day heat is conducted, if the scene says that it is, or flight dynamics knows.
+    fn day(
+        &mut self,
+        toml: Option<&ThermalToml>,
+        stores_heat: bool,
+        flown: Option<&Motion>,
+    ) -> (Option<Rotation>, Option<u32>) {
+        let nothing = ThermalToml::default();
+        let toml = toml.unwrap_or(&nothing);
         let conducts = toml.model == Some(ThermalModelToml::Conduction);
-        let axis = match toml.axis {
-            Some(axis) => Direction::new(DVec3::from_array(axis)),
-            None => Some(Direction::Z),
-        };
-        if axis.is_none() {
+        let axis = toml.axis.map(|axis| Direction::new(DVec3::from_array(axis)));
+        if axis == Some(None) {
             self.problem("thermal.axis", "has no length");
         }
-        if toml.period_s.is_none() {
+        let is_needed = toml.period_s.is_none() && (stores_heat || conducts);
+        let flown = flown.filter(|_| is_needed).map(|motion| motion.day(motion.start));
+        let unknown = match &flown {
+            Some(Err(error)) => format!("; {}", in_a_line(error)),
+            Some(Ok(None)) => "; its frame does not turn".to_owned(),
+            _ => String::new(),
+        };
+        let flown = flown.and_then(Result::ok).flatten();
+        if let Some(Rotation { period_s, .. }) = flown {
+            self.stated("thermal.period_s", format!("{period_s:.2}: from noon to noon, as `flight` has it"));
+        } else if toml.period_s.is_none() {
             let needing =
                 [("axis", toml.axis.is_some()), ("inertia", toml.inertia.is_some()), ("steps", toml.steps.is_some())];
             for (key, _) in needing.into_iter().filter(|(_, is_given)| *is_given) {
-                self.note(&format!("thermal.{key}"), "counts for nothing without `period_s`, the length of a day");
+                let message = format!("counts for nothing without `period_s`, the length of a day{unknown}");
+                self.note(&format!("thermal.{key}"), message);
             }
             if conducts {
                 self.helped(
                     "thermal.model",
-                    "heat is conducted over a day, and nothing says how long that is",
+                    format!("heat is conducted over a day, and nothing says how long that is{unknown}"),
                     "give `period_s`: 27553.84 on Phobos",
                 );
             }
@@ -831,7 +869,11 @@ impl TomlReader<'_> {
         if let Some(model) = toml.model.filter(|_| toml.steps.is_some() && !conducts) {
             self.note("thermal.steps", format!("counts for nothing: `model` is {model:?}").to_lowercase());
         }
-        let rotation = axis.zip(toml.period_s).map(|(axis, period_s)| Rotation { axis, period_s });
+        let stated = toml.period_s.map(|period_s| Rotation { axis: Direction::Z, period_s });
+        let rotation = match axis {
+            None => stated.or(flown),
+            Some(axis) => axis.and_then(|axis| Some(Rotation { axis, ..stated.or(flown)? })),
+        };
         // Without a word about the model the steps are those of a plan that conducts.
         let steps = match toml.model {
             Some(ThermalModelToml::Conduction) => Some(toml.steps.unwrap_or(STEPS_OF_A_DAY)),

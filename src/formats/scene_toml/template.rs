@@ -12,7 +12,7 @@ use crate::formats::InputFile;
 use crate::formats::located::Document;
 use crate::instrument::Chain;
 use crate::progress::{Watch, unwatched};
-use crate::scene::{Exposure, Motion, Readout, Scene, Timing};
+use crate::scene::{Exposure, Motion, Readout, STEPS_OF_A_DAY, Scene, Timing};
 
 /// A scene file with a table `flight`.
 #[derive(Debug)]
@@ -79,6 +79,7 @@ impl Template {
     pub(in crate::formats) fn scene(&self, variant: &Variant) -> Result<Scene> {
         let scene = at_reference(&self.file.scene, &variant.exposure, &variant.motion, &variant.timing)?;
         scene.simulable()?;
+        scene.sky.reaches_back(scene.models.conduction.unwrap_or(STEPS_OF_A_DAY))?;
         Ok(scene)
     }
 

@@ -612,19 +612,20 @@ pub(crate) enum MarsModelToml {
 }
 
 /// How warm the surface is.
-#[derive(Debug, Deserialize, JsonSchema)]
+#[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ThermalToml {
     /// Which model. What is stated here stays, whatever the tolerance: "equilibrium" is without conduction. Default "equilibrium", where the plan's
-    /// tolerance needs heat; it is conducted, too, where the tolerance needs that, and `period_s` and `inertia` are given.
+    /// tolerance needs heat; it is conducted, too, where the tolerance needs that, and `inertia` and (without `flight`) `period_s` are given.
     pub(crate) model: Option<ThermalModelToml>,
     /// Thermal inertia of all materials that don't state theirs, J m-2 K-1 s-1/2. Default: heat is not stored.
     #[schemars(range(min = 0))]
     pub(crate) inertia: Option<f64>,
-    /// From noon to noon, s: 27553.84 on Phobos.
+    /// From noon to noon, s: 27553.84 on Phobos. With `flight` Sun, Mars and bodies are at each step of that day where they were before the scene. Default: as
+    /// `flight` has it.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub(crate) period_s: Option<f64>,
-    /// Axis about which the body turns, by the right hand, in the body-fixed frame. Default z.
+    /// Axis about which the body turns, by the right hand, in the body-fixed frame, where `flight` does not know the day before. Default z.
     pub(crate) axis: Option<[f64; 3]>,
     /// Steps of a day in which heat is conducted. Default 96.
     #[schemars(range(min = 3, max = 10000))]

@@ -1,6 +1,6 @@
 //! What the eye of a map, the camera that took it, sees of the scene.
 
-use super::{MapView, Maps};
+use super::MapView;
 use crate::error::Result;
 use crate::geometry::polygon::Rect;
 use crate::geometry::{Camera, Direction};
@@ -10,29 +10,17 @@ use crate::progress::Watch;
 use crate::scene::Scene;
 use crate::visibility::Seen;
 
-/// A map, ready to be looked up.
-pub(in crate::integrate) struct PreparedMap<'a> {
-    pub(super) view: MapView<'a>,
-    pub(super) seen: Option<Seen>,
+/// What a map's eye sees of each facet; `None` if it has none, or sees through everything. Cameras that look at the map share it.
+///
+/// # Errors
+/// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
+pub fn seen_by_eye(placement: &Placement, scene: &Scene, watch: Watch<'_>) -> Result<Option<Seen>> {
+    match placement {
+        Placement::View(image) if image.occlusion => seen_by(image, scene, watch).map(Some),
+        _ => Ok(None),
+    }
 }
 
-/// Finds what each map's eye sees of the scene.
-pub(in crate::integrate) fn prepare<'a>(
-    maps: &Maps<'a>,
-    scene: &Scene,
-    watch: Watch<'_>,
-) -> Result<Vec<Vec<PreparedMap<'a>>>> {
-    let prepare = |view: &MapView<'a>| {
-        let seen = match view.placement {
-            Placement::View(image) if image.occlusion => Some(seen_by(image, scene, watch)?),
-            _ => None,
-        };
-        Ok(PreparedMap { view: *view, seen })
-    };
-    maps.terms.iter().map(|views| views.iter().map(prepare).collect()).collect()
-}
-
-/// What an image's eye sees of each facet.
 fn seen_by(image: &ViewImage, scene: &Scene, watch: Watch<'_>) -> Result<Seen> {
     const STAGE: &str = "what the map sees";
     let (mesh, topology) = (&scene.body.mesh, scene.body.topology());
@@ -50,10 +38,10 @@ fn seen_by(image: &ViewImage, scene: &Scene, watch: Watch<'_>) -> Result<Seen> {
     }
 }
 
-impl PreparedMap<'_> {
+impl<'a> MapView<'a> {
     /// The polygons on facets that the map is made of, or that it sees.
-    pub(in crate::integrate) fn polygons(&self, facets: usize) -> Option<Polygons<'_>> {
-        match (self.view.placement, &self.seen) {
+    pub(in crate::integrate) fn polygons(&self, facets: usize) -> Option<Polygons<'a>> {
+        match (self.placement, self.eye) {
             (Placement::Patches(patches), _) => Some(Polygons::of_patches(facets, patches)),
             (_, Some(seen)) => Some(Polygons::of_seen(seen)),
             _ => None,

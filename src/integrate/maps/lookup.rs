@@ -1,6 +1,6 @@
 //! One map, or texture: which of its texels lie in what is seen of a facet.
 
-use super::PreparedMap;
+use super::MapView;
 use super::charts::{of_corners, of_projection};
 use super::lens::MapLens;
 use super::sums::TexelSums;
@@ -78,24 +78,22 @@ impl<'a> Lookup<'a> {
     pub(in crate::integrate) fn new(
         scene: &'a Scene,
         drawing: &'a Drawing<'a>,
-        prepared: &'a PreparedMap<'a>,
+        view: &'a MapView<'a>,
         polygons: Option<&'a Polygons<'a>>,
         texels: Texels,
     ) -> Self {
-        let kind = match prepared.view.placement {
+        let kind = match view.placement {
             Placement::Facets(_) => TexelLayout::Facets,
             Placement::Patches(patches) => TexelLayout::Patches(patches),
-            Placement::View(image) => {
-                TexelLayout::View(image, Box::new(image.camera.projection()), prepared.seen.as_ref())
-            }
+            Placement::View(image) => TexelLayout::View(image, Box::new(image.camera.projection()), view.eye),
             Placement::Atlas(atlas) => TexelLayout::Texture(&atlas.corners, [atlas.columns, atlas.rows]),
         };
-        let lens = match prepared.view.placement {
+        let lens = match view.placement {
             Placement::View(image) => MapLens::of(&image.camera),
             _ => None,
         };
-        let lookup = Lookup::of(scene, drawing, kind, Some(prepared.view.known), polygons, texels);
-        Lookup { sky: prepared.view.sky, lens, ..lookup }
+        let lookup = Lookup::of(scene, drawing, kind, Some(view.known), polygons, texels);
+        Lookup { sky: view.sky, lens, ..lookup }
     }
 
     pub(in crate::integrate) fn of(

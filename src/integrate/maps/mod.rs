@@ -13,10 +13,10 @@ mod together;
 
 use crate::geometry::Texels;
 use crate::product::{Placement, Plane, TexelWeights};
+use crate::visibility::Seen;
 
 pub use choice::ViewChoice;
-pub use eye::meets;
-pub(super) use eye::{PreparedMap, prepare};
+pub use eye::{meets, seen_by_eye};
 pub(super) use lookup::{Lookup, TexelLayout};
 pub(super) use texels_of_pixel::{MapLine, PixelTexels};
 pub use texels_seen::texels_seen;
@@ -42,6 +42,8 @@ pub struct MapView<'a> {
     pub known: &'a [bool],
     /// For each texel whether its eye sees nothing of the scene there; empty if that is not asked for.
     pub sky: &'a [bool],
+    /// What its eye sees of each facet, as [`seen_by_eye`] finds it.
+    pub eye: Option<&'a Seen>,
 }
 
 /// How maps are put onto a scene.

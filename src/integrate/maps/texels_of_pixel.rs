@@ -3,7 +3,7 @@
 use super::choice::{ViewChoice, views_shares};
 use super::lookup::{Lookup, TexelLayout};
 use super::together::{Together, differ};
-use super::{Maps, PreparedMap, Unknown};
+use super::{MapView, Maps, Unknown};
 use crate::geometry::{Eye, FrameCamera, angle_rad};
 use crate::integrate::parts::Polygons;
 use crate::integrate::pixel::{Entry, Pixel};
@@ -54,17 +54,16 @@ impl<'a> PixelTexels<'a> {
     pub(in crate::integrate) fn new(
         scene: &'a Scene,
         drawing: &'a Drawing<'a>,
-        maps: &Maps,
-        prepared: &'a [Vec<PreparedMap<'a>>],
+        maps: &'a Maps<'a>,
         polygons: &'a [Vec<Option<Polygons<'a>>>],
     ) -> Self {
-        let lookups = |(views, polygons): (&'a Vec<PreparedMap<'a>>, &'a Vec<Option<Polygons<'a>>>)| {
-            let one = |(p, polygons): (&'a PreparedMap<'a>, &'a Option<Polygons<'a>>)| {
-                Lookup::new(scene, drawing, p, polygons.as_ref(), maps.texels)
+        let lookups = |(views, polygons): (&'a Vec<MapView<'a>>, &'a Vec<Option<Polygons<'a>>>)| {
+            let one = |(view, polygons): (&'a MapView<'a>, &'a Option<Polygons<'a>>)| {
+                Lookup::new(scene, drawing, view, polygons.as_ref(), maps.texels)
             };
             views.iter().zip(polygons).map(one).collect()
         };
-        let terms: Vec<Vec<Lookup>> = prepared.iter().zip(polygons).map(lookups).collect();
+        let terms: Vec<Vec<Lookup>> = maps.terms.iter().zip(polygons).map(lookups).collect();
         let angles = terms.iter().map(|views| vec![f64::NAN; views.len()]).collect();
         let (together, choice, unknown) = (Together::default(), maps.choice, maps.unknown);
         let camera = scene.exposure.camera.drawn().pinhole;

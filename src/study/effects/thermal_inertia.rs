@@ -60,9 +60,10 @@ fn find(given: &Given) -> Finding {
         missing: missing(given).map(str::to_owned),
         bound: cold.error(|&Place { at, material, .. }| emission(material, at.um, noon_k)),
         note: match steps {
-            Some(steps) => {
-                format!("each facet's own column, by {steps} steps of a day, shadows moving; no heat flows sideways")
-            }
+            Some(steps) => format!(
+                "each facet's own column, by {steps} steps of a day, shadows moving{}; no heat flows sideways",
+                if given.scene.sky.past.is_some() { ", the Sun and bodies where they were" } else { "" }
+            ),
             None => "no heat is stored or conducted".into(),
         },
         because: format!(

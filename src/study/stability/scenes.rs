@@ -160,6 +160,7 @@ pub(super) fn scene(mesh: Mesh, reflectances: &[f64], sun: Direction, camera: Fr
             bodies: vec![],
             beams: vec![],
             rotation: None,
+            past: None,
         },
         exposure: Exposure {
             instrument: "stability".into(),

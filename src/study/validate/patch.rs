@@ -136,6 +136,7 @@ impl Patch {
                 bodies: vec![],
                 beams: vec![],
                 rotation: None,
+                past: None,
             },
             exposure: Exposure {
                 instrument: "frame camera".to_owned(),

@@ -141,7 +141,7 @@ fn look(mesh: Mesh, reflectance: f64, sun: Sun, camera: FrameCamera) -> Result<V
     let bands = vec![Band::new(1.0, None)];
     let parts = SceneParts {
         surface: Surface { origin_m: TARGET_M, mesh, materials: vec![material], textures: vec![] },
-        sky: Sky { sun, mars: None, bodies: vec![], beams: vec![], rotation: None },
+        sky: Sky { sun, mars: None, bodies: vec![], beams: vec![], rotation: None, past: None },
         exposure: Exposure {
             instrument: "frame camera".to_owned(),
             camera,
