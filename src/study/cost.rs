@@ -3,8 +3,9 @@
 use super::extremes::Extremes;
 use super::summary::summary;
 use crate::error::{Error, Location, Problem, Result};
+use crate::instrument::Optics;
 use crate::integrate::plane_count;
-use crate::scene::{Scene, Setup, SunModel, Texture, Thermal};
+use crate::scene::{Readout, Scene, Setup, SunModel, Texture, Thermal, Timing};
 use crate::solve::Emission;
 
 /// A process without facets and pixels holds this, bytes.
@@ -49,6 +50,8 @@ mod seconds {
     pub(super) const DIRECTION: f64 = 2.5e-7;
     /// A material with a model: its albedos in all directions, for what it absorbs and emits, and its bounds.
     pub(super) const MODEL: f64 = 0.2;
+    /// To draw a facet once more.
+    pub(super) const DRAWN: f64 = 1.5e-7;
     /// A texel in a layer.
     pub(super) const TEXEL: f64 = 2.3e-7;
 }
@@ -117,6 +120,58 @@ pub(super) fn directions_s(scene: &Setup, extremes: &Extremes, directions: usize
     let glimpse = &extremes.glimpse;
     let fragments = (pixels(scene) + glimpse.facets_in_frame) as f64 * glimpse.filled();
     seconds::DIRECTION * fragments * directions as f64
+}
+
+/// What is looked at besides one plain image: exposures, or finer images that are blurred.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Looks {
+    /// How many.
+    pub count: f64,
+    /// Pixels of one, over those of the image.
+    pub pixels: f64,
+    /// The share of the image's facets that one has in its frame; the same share of the mesh is drawn.
+    pub facets: f64,
+}
+
+impl Looks {
+    /// Those that a scene's exposures and optics ask for.
+    pub fn of(scene: &Setup, timing: Option<Timing>, optics: Option<&Optics>) -> Self {
+        let camera = &scene.exposure.camera;
+        let [samples, lines] = [camera.samples, camera.lines].map(f64::from);
+        let count = timing.map_or(1, |timing| timing.count(&scene.exposure));
+        let is_one = count <= 1 && timing.is_none_or(|timing| timing.poses <= 1);
+        if is_one && optics.is_none() {
+            return Looks { count: 0.0, pixels: 0.0, facets: 0.0 };
+        }
+        let [columns, rows] = match timing.map(|timing| timing.readout) {
+            Some(Readout::Line) => [samples, 1.0],
+            Some(Readout::Sample(mirror)) => [1.0, f64::from(mirror.elements)],
+            _ => [samples, lines],
+        };
+        let (around, parts) =
+            optics.map_or((0.0, 1.0), |optics| (2.0 * f64::from(optics.reach_px), f64::from(optics.subpixels)));
+        let seen = (columns + around) * (rows + around) / (samples * lines);
+        // Blocks of lines carry along what their neighbours see.
+        let beside = if rows < lines { 10.0 } else { 0.0 };
+        Looks {
+            count: count as f64 * f64::from(timing.map_or(1, |timing| timing.poses.max(1))),
+            pixels: seen * parts * parts,
+            facets: ((rows + around + beside) / lines).min(1.0),
+        }
+    }
+}
+
+/// About the CPU time, s, that looks take.
+pub(super) fn looks_s(scene: &Setup, workload: &Workload, looks: Looks, directions: usize) -> f64 {
+    let Looks { count, pixels, facets } = looks;
+    let pixels = pixels * self::pixels(scene) as f64;
+    let in_frame = facets * workload.facets_in_frame as f64 * workload.filled;
+    let fragments = pixels * workload.filled + in_frame;
+    count
+        * (seconds::DRAWN * facets * scene.body.mesh.facets.len() as f64
+            + seconds::PIXEL * pixels
+            + seconds::CROSSING * (in_frame * pixels).sqrt()
+            + seconds::DIRECTION * fragments * directions as f64)
 }
 
 fn pixels(scene: &Setup) -> u64 {

@@ -39,7 +39,7 @@ mod warnings;
 
 pub use acquisition::{Moving, acquire_by_maps, acquire_by_slabs, acquire_by_table, foreseen, tell_exposure};
 pub use coarser::Coarser;
-pub use cost::{WITHIN, has_room, memory_bytes, product_bytes};
+pub use cost::{Looks, WITHIN, has_room, memory_bytes, product_bytes};
 pub use dry_run::{DryRun, dry_run};
 pub use effects::{Bound, Decision, Effect, OwnTolerance, StageShare, tell_correction, tell_instrument};
 pub use extremes::Extremes;
@@ -47,7 +47,7 @@ pub use maps::{Fill, MapAccount, MapEntry, MapOptions, RegistrationEntry, observ
 pub use observation::{Check, Counts, Observation, Put};
 pub use orientation::Orientation;
 pub use ortho::{MapWish, ortho, reference_band};
-pub use plan::{Choice, Plan, Request, TOLERANCE, decide, left_out_of_table, plan, unheeded};
+pub use plan::{Choice, Plan, Request, TOLERANCE, decide, left_out_of_table, looks_s, plan, unheeded};
 pub use reading::{BandSignal, GOOD, Reader, Reading};
 pub use sights::sights;
 pub use simulate::{observe, observe_by_slabs, observe_through, simulate};

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::coarser::{Coarser, coarser};
-use super::cost::{self, Workload};
+use super::cost::{self, Looks, Workload};
 use super::effects::{ALL, Bound, Decision, Effect, EffectKind, Given, Switch, effects};
 use super::extremes::Extremes;
 use crate::error::{Error, Location, Result};
@@ -224,6 +224,12 @@ pub fn decide(scene: &Scene, request: &Request, watch: Watch<'_>) -> Result<(Mod
     plan.coarser = coarser(scene, &extremes, plan.cost_s());
     tell(watch, "plan", 1, 1)?;
     Ok((models, extremes, plan))
+}
+
+/// About the CPU time, s, that exposures and optics take beside one plain image by some models.
+pub fn looks_s(scene: &Scene, extremes: &Extremes, looks: Looks) -> f64 {
+    let given = Given::new(scene, extremes, &extremes.sunlit);
+    cost::looks_s(scene, &Workload::of(scene, extremes), looks, given.all_directions())
 }
 
 /// The plan that these models are.

@@ -61,22 +61,27 @@ impl<'a> Heat<'a> {
         };
         let surfaces: Vec<Surface> = emitting.iter().map(surface).collect();
         let mut radiance = vec![0.0; spectra * temperatures_k.len() * bands.len()];
+        // One band's lie together while they are summed.
+        let mut of_band = vec![0.0; spectra * temperatures_k.len()];
+        let mut black = vec![0.0; temperatures_k.len()];
         for (b, band) in bands.iter().enumerate().filter(|(_, band)| band.light.glows()) {
+            of_band.fill(0.0);
             for (um, weight) in quadrature(band) {
-                let black: Vec<f64> = temperatures_k.iter().map(|t| blackbody::radiance_w_m2_sr_um(um, *t)).collect();
+                let temperatures = black.iter_mut().zip(&temperatures_k);
+                temperatures.for_each(|(black, t_k)| *black = blackbody::radiance_w_m2_sr_um(um, *t_k));
                 for ((material, emitting), Surface { first, .. }) in materials.iter().zip(emitting).zip(&surfaces) {
                     let factors = match emitting.as_ref().zip(material.photometry.model()) {
                         None => vec![at(&material.emissivity, um)],
                         Some(((separated, _), model)) => [vec![1.0], separated.rows(at(&model.albedo, um))].concat(),
                     };
-                    for (i, factor) in factors.into_iter().enumerate() {
-                        for (k, black) in black.iter().enumerate() {
-                            let at = ((first + i) * temperatures_k.len() + k) * bands.len() + b;
-                            radiance[at] += weight * factor * black;
-                        }
+                    let spectra = of_band.chunks_exact_mut(temperatures_k.len()).skip(*first);
+                    for (spectrum, factor) in spectra.zip(factors) {
+                        let times = weight * factor;
+                        spectrum.iter_mut().zip(&black).for_each(|(sum, black)| *sum += times * black);
                     }
                 }
             }
+            radiance.iter_mut().skip(b).step_by(bands.len()).zip(&of_band).for_each(|(to, value)| *to = *value);
         }
         Some(Heat { grid, lit_k, shaded_k, bands: bands.len(), surfaces, radiance })
     }

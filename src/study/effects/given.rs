@@ -7,7 +7,7 @@ use crate::physics::mars_directions::Directions;
 use crate::physics::reflectance::{Brdf, Lambert};
 use crate::physics::sun::Eclipse;
 use crate::physics::{blackbody, heat};
-use crate::scene::{Globe, MarsModel, Material, Models, Setup, Thermal};
+use crate::scene::{Globe, MarsModel, Material, Models, Setup, Sky, Thermal};
 use crate::spectral::{Light, Spectrum};
 use crate::study::cost;
 use crate::study::draft::Draft;
@@ -472,11 +472,22 @@ impl<'a> Given<'a> {
 
     /// CPU time, s, that surfaces with models take for light from all of a globe.
     pub(super) fn directions_s(&self, globe: &Globe) -> f64 {
-        if self.materials.iter().all(|(_, material)| material.photometry.key().is_none()) {
-            return 0.0;
-        }
-        let sin_radius = globe.radius_m / self.extremes.site.distance_m(globe.centre_m);
-        cost::directions_s(self.scene, self.extremes, Directions::for_size(sin_radius).count())
+        if self.has_models() { cost::directions_s(self.scene, self.extremes, self.directions(globe)) } else { 0.0 }
+    }
+
+    /// From how many directions light comes to each part of a surface with a model, as the models at hand have it; 0 if no surface has one.
+    pub(in crate::study) fn all_directions(&self) -> usize {
+        let reflects = |globe: &&Globe| globe.name != Sky::MARS || self.models.mars_light != MarsModel::Off;
+        let of_globes = self.scene.sky.globes().filter(reflects).map(|globe| self.directions(globe));
+        if self.has_models() { 1 + of_globes.sum::<usize>() } else { 0 }
+    }
+
+    fn has_models(&self) -> bool {
+        self.materials.iter().any(|(_, material)| material.photometry.key().is_some())
+    }
+
+    fn directions(&self, globe: &Globe) -> usize {
+        Directions::for_size(globe.radius_m / self.extremes.site.distance_m(globe.centre_m)).count()
     }
 
     /// Width of a pixel at the nearest point of the surface, square to the line of sight, m.
