@@ -279,6 +279,10 @@ def products(mmxrt, folder):
             add("products", path.name, bytes([which]) + path.read_bytes())
 
 
+def flight():
+    folder_seeds("flight", FUZZ / "flight", b"")
+
+
 def maps():
     found = files(FUZZ / "maps")
     chosen = [1 << k for k in range(8)] + [0x0F, 0x3F]
@@ -439,6 +443,7 @@ def main():
         obj()
         scene()
         maps()
+        flight()
         tables()
         polygons()
         products(mmxrt, convert.folder)

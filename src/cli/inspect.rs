@@ -13,7 +13,8 @@ use mmxrt::formats::mtl::{self, ObjMaterial};
 use mmxrt::formats::report_json::{self, FORMAT_VERSION, InstrumentReport, ProductReport, Run};
 use mmxrt::formats::spectrum_csv::{self, Quantity};
 use mmxrt::formats::{
-    envi, ephemeris, exr_cube, gltf, npz, obj, pixel, product_folder, radiance_map, recipe_toml, registry, spice,
+    envi, ephemeris, exposures_csv, exr_cube, gltf, npz, obj, pixel, product_folder, radiance_map, recipe_toml,
+    registry, spice,
 };
 use mmxrt::job::{self, CurveSheet, FlightFacts, PartFacts, SurfaceFacts, Survey};
 use mmxrt::physics::reflectance::Preset;
@@ -98,6 +99,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         found => found.and_then(|found| Some(found.ok()?.0)),
     };
     let facts = match found {
+        _ if arguments.picture.is_none() && path.is_file() && exposures_csv::is_one(path)? => exposures(path)?,
         Some(format) if format.is_image() => image(path, format, arguments, console)?,
         Some(format) if format.is_flight() => {
             if let Some(target) = &arguments.picture {
@@ -352,6 +354,36 @@ fn flight(path: &Path, kind: &str) -> Result<Facts> {
         ("altitude_km", altitudes.collect()),
         ("told", file.report.notes.iter().map(|note| json!(note.to_string())).collect()),
     ])
+}
+
+/// When the parts of a product were taken, and how fast its image drifted.
+fn exposures(path: &Path) -> Result<Facts> {
+    let found = job::exposure_facts(path)?;
+    // Moments are told apart by 1.2e-7 s.
+    let rounded = |s: f64| (s * 1e6).round() / 1e6;
+    let steps = |of: Option<job::Steps>| json!(of.map(|steps| [steps.min_s, steps.median_s, steps.max_s].map(rounded)));
+    let [first, last] = found.ends.map(|moment| format!("{moment} TDB"));
+    let gap = |(after, s): &(usize, f64)| json!({ "after_exposure": after + 1, "s": rounded(*s) });
+    let mut facts = vec![
+        ("kind", json!("exposures of a product")),
+        ("exposures", json!(found.exposures)),
+        ("each_takes", json!(found.of)),
+        ("first", json!(first)),
+        ("last", json!(last)),
+        ("span_s", json!(rounded(found.span_s))),
+        ("step_s_min_median_max", steps(found.steps)),
+        ("between_sweeps_s_min_median_max", steps(found.between_sweeps)),
+        ("gaps", found.gaps.iter().map(gap).collect()),
+    ];
+    let [speed, turn] = found.moves.map_or([None; 2], |moves| moves.map(Some));
+    let drift = found.drift_px_s;
+    facts.extend([
+        ("speed_m_s", json!(speed)),
+        ("turn_mrad_s", json!(turn.map(|rad_s| 1e3 * rad_s))),
+        ("drift_px_s", json!(drift.map(|of| json!({ "samples": of.mean[0], "lines": of.mean[1], "most": of.most })))),
+    ]);
+    facts.retain(|(_, value)| !value.is_null());
+    Ok(facts)
 }
 
 fn surface(path: &Path) -> Result<Facts> {

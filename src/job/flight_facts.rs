@@ -122,13 +122,19 @@ fn by_turns(attitudes: &Attitudes) -> String {
 }
 
 fn steps(tdb_s: &[f64]) -> Option<Steps> {
-    let mut steps: Vec<f64> = tdb_s.windows(2).map(|two| two[1] - two[0]).collect();
-    steps.sort_by(f64::total_cmp);
-    Some(Steps {
-        min_s: *steps.first()?,
-        median_s: f64::midpoint(steps[(steps.len() - 1) / 2], steps[steps.len() / 2]),
-        max_s: *steps.last()?,
-    })
+    Steps::of(tdb_s.windows(2).map(|two| two[1] - two[0]).collect())
+}
+
+impl Steps {
+    /// Of some steps; `None` of none.
+    pub(super) fn of(mut steps: Vec<f64>) -> Option<Steps> {
+        steps.sort_by(f64::total_cmp);
+        Some(Steps {
+            min_s: *steps.first()?,
+            median_s: f64::midpoint(steps[(steps.len() - 1) / 2], steps[steps.len() / 2]),
+            max_s: *steps.last()?,
+        })
+    }
 }
 
 fn gaps(spans: &[Span]) -> Vec<Span> {

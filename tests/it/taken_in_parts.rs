@@ -1,8 +1,10 @@
 //! Images that are taken in parts: what comes with them besides radiance, and radiance by a table or maps from elsewhere.
 
 use glam::DVec3;
-use mmxrt::formats::scene_toml;
+use mmxrt::formats::envi::{self, Precision};
+use mmxrt::formats::{exposures_csv, scene_toml};
 use mmxrt::integrate::Wanted;
+use mmxrt::job::exposure_facts;
 use mmxrt::product::{Cube, CubeAxes, Placement, RadianceMap, Slab};
 use mmxrt::progress::unwatched;
 use mmxrt::scene::{Mirror, Motion, Readout, Scene, Timing};
@@ -272,5 +274,102 @@ fn what_is_unknown_is_of_all_exposures() {
         let wrong = by_maps(&of, vec![of_facets(scene, |_| false), less], &MapOptions::default());
         let wrong = wrong.unwrap_err().to_string();
         assert!(wrong.contains("sample 5, line 3 (from 0)"), "{readout:?} {wrong}");
+    }
+}
+
+/// Ground that is as flat as anything, and what a product of it has beside its table of exposures.
+fn flat_product(scratch: &Scratch, readout: Readout) -> std::path::PathBuf {
+    let timing = Timing { readout, period_s: 1.0, exposure_s: 0.0, poses: 1 };
+    let motion = steady(DVec3::NEG_Y * 20.0, 1.5, sun(50.0, 40.0).vec(), down());
+    let scene = moving_scene(plane(900.0, 0.0), [6, 4], 10.0, &[1.0, 2.0, 3.0], &motion, timing);
+    let (_, observation) = crate::motion::taken(&scene, &motion, timing);
+    let (table, exposures) = (scratch.join("exposures.csv"), observation.exposures.unwrap());
+    exposures_csv::write(&table, &exposures).unwrap();
+    let planes = &observation.backplanes;
+    envi::write_backplanes(&scratch.join("backplanes.img"), planes, Precision::F64, "t").unwrap();
+    if readout == Readout::Band {
+        let all = (0..6).map(|i| std::borrow::Cow::Owned(exposures.displacement(planes, i / 2, i % 2).unwrap()));
+        envi::write_planes(&scratch.join("displacement.img"), [6, 4], all, Precision::F64, "t").unwrap();
+    }
+    table
+}
+
+/// 20 m a second are two pixels a second; lines go down the way, so that what was seen moves up.
+#[test]
+fn a_table_of_exposures_tells_times_and_drift() {
+    for (readout, of, count, drift) in [
+        (Readout::Band, "a band", 3, Some([0.0, -2.0])),
+        (Readout::Line, "a line", 4, Some([0.0, 2.0])),
+        (mirror(), "a sample", 12, None),
+    ] {
+        let scratch = Scratch::new();
+        let table = flat_product(&scratch, readout);
+        let facts = exposure_facts(&table).unwrap();
+        assert_eq!((facts.of, facts.exposures, facts.gaps.len()), (of, count, 0));
+        let is = |value: f64, wanted: f64| (value - wanted).abs() < 1e-6;
+        let (step_s, span_s) = if readout == mirror() { (0.1, 1.5) } else { (1.0, (count - 1) as f64) };
+        let steps = facts.steps.unwrap();
+        assert!(is(facts.span_s, span_s) && is(steps.min_s, step_s) && is(steps.max_s, step_s), "{facts:?}");
+        // Five steps of a tenth of a second, and then the mirror goes back until the second is over.
+        assert_eq!(facts.between_sweeps.map(|of| is(of.median_s, 0.5)), (readout == mirror()).then_some(true));
+        let [speed, turn] = facts.moves.unwrap();
+        assert!((speed - 20.0).abs() < 1e-5 && (turn < 1e-9 || readout == mirror()), "{readout:?} {speed} {turn}");
+        if readout == mirror() {
+            assert!((turn - 5e-3).abs() < 1e-8, "half a milliradian in a tenth of a second: {turn}");
+        }
+        match (facts.drift_px_s, drift) {
+            (None, None) => {}
+            (Some(found), Some(wanted)) => {
+                assert!((0..2).all(|axis| (found.mean[axis] - wanted[axis]).abs() < 1e-6), "{found:?}");
+                assert!((found.most - 2.0).abs() < 1e-6);
+            }
+            other => panic!("{other:?}"),
+        }
+        let (code, out, err) = run(&["inspect", table.to_str().unwrap()]);
+        assert!(
+            code == 0 && out.contains(&format!("exposures: {count}\n")) && out.contains("gaps: none"),
+            "{out}{err}"
+        );
+        assert_eq!(out.contains("drift_px_s"), drift.is_some(), "{out}");
+    }
+}
+
+#[test]
+fn a_table_of_exposures_that_is_not_whole_says_so() {
+    let scratch = Scratch::new();
+    let table = flat_product(&scratch, Readout::Line);
+    let text = std::fs::read_to_string(&table).unwrap();
+    let rows: Vec<&str> = text.lines().collect();
+    // A line is missing: nothing of backplanes can be said, but of a table alone that a second was left out.
+    std::fs::write(&table, [rows[0], rows[1], rows[2], rows[4], ""].join("\n")).unwrap();
+    let message = exposure_facts(&table).unwrap_err().to_string();
+    assert!(message.contains("has 4 lines, but exposures.csv 3 exposures"), "{message}");
+    std::fs::remove_file(scratch.join("backplanes.img")).unwrap();
+    let facts = exposure_facts(&table).unwrap();
+    assert!(facts.gaps.len() == 1 && facts.gaps[0].0 == 1 && (facts.gaps[0].1 - 2.0).abs() < 1e-6, "{facts:?}");
+    assert_eq!(facts.drift_px_s, None);
+    // One exposure alone has no steps, and none has nothing.
+    std::fs::write(&table, [rows[0], rows[1]].join("\n")).unwrap();
+    let facts = exposure_facts(&table).unwrap();
+    assert_eq!((facts.of, facts.steps, facts.moves, facts.span_s), ("all", None, None, 0.0));
+    let bad = |text: String, words: &str| {
+        std::fs::write(&table, text).unwrap();
+        let message = exposure_facts(&table).unwrap_err().to_string();
+        assert!(message.contains(words), "{words}: {message}");
+    };
+    bad(rows[0].to_owned(), "has no rows");
+    bad(format!("{},more\n{},1", rows[0], rows[1]), "the header is not");
+    bad([rows[0], rows[2], rows[1]].join("\n"), "exposures.csv:3:");
+    bad([rows[0], rows[1], rows[1]].join("\n"), "moments must ascend");
+    bad([rows[0], &rows[1].replace("1,1,1,3,", "1,1,0,3,")].join("\n"), "first_band counts from 1");
+    bad([rows[0], &rows[1].replace("1,1,1,3,", "1,1,4,3,")].join("\n"), "ends at 3, before it begins at 4");
+    bad([rows[0], &rows[1].replace("1,1,1,3,", "1,1,1,3,,")].join("\n"), "18 cells of 17");
+    for nothing in ["nan", "inf", "1e999", "x", ""] {
+        let cells: Vec<&str> =
+            rows[1].split(',').enumerate().map(|(i, cell)| if i == 7 { nothing } else { cell }).collect();
+        bad([rows[0], &cells.join(",")].join("\n"), "y_m is not a finite number");
+        let cells: Vec<&str> =
+            rows[1].split(',').enumerate().map(|(i, cell)| if i == 12 { "0.5" } else { cell }).collect();
+        bad([rows[0], &cells.join(",")].join("\n"), "not of length 1");
     }
 }
