@@ -1,7 +1,7 @@
 //! What is looked at: a surface, and the same surface once it is checked.
 
 use std::ops::Deref;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use glam::DVec3;
 
@@ -48,6 +48,15 @@ struct Checked {
 struct Albedos {
     absorbing: OnceLock<Vec<Option<Absorbing>>>,
     emitting: OnceLock<Vec<Option<(Separated, DirectionalAlbedos)>>>,
+    glow: Mutex<Option<Glow>>,
+}
+
+/// What materials radiate.
+struct Glow {
+    /// Wavelengths, um, and weights of each band.
+    bands: Vec<Vec<(f64, f64)>>,
+    temperatures_k: Vec<f64>,
+    radiance: Arc<[f64]>,
 }
 
 /// What a material absorbs by incidence: a table, and the factor of its weights.
@@ -109,6 +118,26 @@ impl Body {
             Some((separated, albedos))
         };
         self.0.albedos.emitting.get_or_init(|| self.materials.iter().map(of).collect())
+    }
+
+    /// What its materials radiate in some bands, of which each has wavelengths, um, and weights, at some temperatures, as `found` says: kept until others are asked
+    /// for, as poses of an exposure and lines that follow one another ask for the same.
+    pub(crate) fn glow(
+        &self,
+        bands: Vec<Vec<(f64, f64)>>,
+        temperatures_k: &[f64],
+        found: impl FnOnce(&[Vec<(f64, f64)>]) -> Vec<f64>,
+    ) -> Arc<[f64]> {
+        // It is whole whenever the lock is free, whatever became of who held it.
+        let mut kept = self.0.albedos.glow.lock().unwrap_or_else(PoisonError::into_inner);
+        match &*kept {
+            Some(glow) if glow.temperatures_k == temperatures_k && glow.bands == bands => glow.radiance.clone(),
+            _ => {
+                let radiance: Arc<[f64]> = found(&bands).into();
+                *kept = Some(Glow { bands, temperatures_k: temperatures_k.to_vec(), radiance: radiance.clone() });
+                radiance
+            }
+        }
     }
 
     /// What hangs together with what: found when it is first asked for.

@@ -52,6 +52,8 @@ mod seconds {
     pub(super) const MODEL: f64 = 0.2;
     /// To draw a facet once more.
     pub(super) const DRAWN: f64 = 1.5e-7;
+    /// A part of a pixel in a band, to blur it.
+    pub(super) const BLURRED: f64 = 4.0e-8;
     /// A texel in a layer.
     pub(super) const TEXEL: f64 = 2.3e-7;
 }
@@ -131,6 +133,10 @@ pub struct Looks {
     pub pixels: f64,
     /// The share of the image's facets that one has in its frame; the same share of the mesh is drawn.
     pub facets: f64,
+    /// Whether each is blurred.
+    pub is_blurred: bool,
+    /// Over how many looks the bands are spread.
+    pub of_bands: usize,
 }
 
 impl Looks {
@@ -141,7 +147,7 @@ impl Looks {
         let count = timing.map_or(1, |timing| timing.count(&scene.exposure));
         let is_one = count <= 1 && timing.is_none_or(|timing| timing.poses <= 1);
         if is_one && optics.is_none() {
-            return Looks { count: 0.0, pixels: 0.0, facets: 0.0 };
+            return Looks { count: 0.0, pixels: 0.0, facets: 0.0, is_blurred: false, of_bands: 1 };
         }
         let [columns, rows] = match timing.map(|timing| timing.readout) {
             Some(Readout::Line) => [samples, 1.0],
@@ -157,21 +163,27 @@ impl Looks {
             count: count as f64 * f64::from(timing.map_or(1, |timing| timing.poses.max(1))),
             pixels: seen * parts * parts,
             facets: ((rows + around + beside) / lines).min(1.0),
+            is_blurred: optics.is_some(),
+            of_bands: if timing.is_some_and(|timing| timing.readout == Readout::Band) { count.max(1) } else { 1 },
         }
     }
 }
 
 /// About the CPU time, s, that looks take.
 pub(super) fn looks_s(scene: &Setup, workload: &Workload, looks: Looks, directions: usize) -> f64 {
-    let Looks { count, pixels, facets } = looks;
+    // Each band of a filter is looked at by itself.
+    let bands = scene.exposure.bands.len().div_ceil(looks.of_bands);
+    let Looks { count, pixels, facets, is_blurred, .. } = looks;
     let pixels = pixels * self::pixels(scene) as f64;
     let in_frame = facets * workload.facets_in_frame as f64 * workload.filled;
     let fragments = pixels * workload.filled + in_frame;
+    let blurred_s = if is_blurred { seconds::BLURRED * pixels * bands as f64 } else { 0.0 };
     count
         * (seconds::DRAWN * facets * scene.body.mesh.facets.len() as f64
             + seconds::PIXEL * pixels
             + seconds::CROSSING * (in_frame * pixels).sqrt()
-            + seconds::DIRECTION * fragments * directions as f64)
+            + seconds::DIRECTION * fragments * directions as f64
+            + blurred_s)
 }
 
 fn pixels(scene: &Setup) -> u64 {

@@ -3,6 +3,8 @@
 //! A material with a model emits in each direction what it does not reflect from there: the emission of a black body, less what its albedo
 //! is the sum of, product by product ([`Separated`]).
 
+use std::sync::Arc;
+
 use super::at;
 use super::light::Fragment;
 use super::temperature_grid::{POINTS, TemperatureGrid};
@@ -22,7 +24,7 @@ pub(super) struct Heat<'a> {
     /// Of each material.
     surfaces: Vec<Surface<'a>>,
     /// Thermal radiance of [spectrum of a material, temperature, band], W m-2 sr-1 um-1.
-    radiance: Vec<f64>,
+    radiance: Arc<[f64]>,
 }
 
 /// What a material emits: its own spectrum, less those of the products that its albedo is the sum of.
@@ -60,29 +62,35 @@ impl<'a> Heat<'a> {
             Surface { first, albedos: of.as_ref().map(|(_, albedos)| albedos) }
         };
         let surfaces: Vec<Surface> = emitting.iter().map(surface).collect();
-        let mut radiance = vec![0.0; spectra * temperatures_k.len() * bands.len()];
-        // One band's lie together while they are summed.
-        let mut of_band = vec![0.0; spectra * temperatures_k.len()];
-        let mut black = vec![0.0; temperatures_k.len()];
-        for (b, band) in bands.iter().enumerate().filter(|(_, band)| band.light.glows()) {
-            of_band.fill(0.0);
-            for (um, weight) in quadrature(band) {
-                let temperatures = black.iter_mut().zip(&temperatures_k);
-                temperatures.for_each(|(black, t_k)| *black = blackbody::radiance_w_m2_sr_um(um, *t_k));
-                for ((material, emitting), Surface { first, .. }) in materials.iter().zip(emitting).zip(&surfaces) {
-                    let factors = match emitting.as_ref().zip(material.photometry.model()) {
-                        None => vec![at(&material.emissivity, um)],
-                        Some(((separated, _), model)) => [vec![1.0], separated.rows(at(&model.albedo, um))].concat(),
-                    };
-                    let spectra = of_band.chunks_exact_mut(temperatures_k.len()).skip(*first);
-                    for (spectrum, factor) in spectra.zip(factors) {
-                        let times = weight * factor;
-                        spectrum.iter_mut().zip(&black).for_each(|(sum, black)| *sum += times * black);
+        let of_band = |band: &Band| if band.light.glows() { quadrature(band) } else { vec![] };
+        let radiance = scene.body.glow(bands.iter().map(of_band).collect(), &temperatures_k, |bands| {
+            let mut radiance = vec![0.0; spectra * temperatures_k.len() * bands.len()];
+            // One band's lie together while they are summed.
+            let mut of_band = vec![0.0; spectra * temperatures_k.len()];
+            let mut black = vec![0.0; temperatures_k.len()];
+            for (b, quadrature) in bands.iter().enumerate() {
+                of_band.fill(0.0);
+                for (um, weight) in quadrature {
+                    let temperatures = black.iter_mut().zip(&temperatures_k);
+                    temperatures.for_each(|(black, t_k)| *black = blackbody::radiance_w_m2_sr_um(*um, *t_k));
+                    for ((material, emitting), Surface { first, .. }) in materials.iter().zip(emitting).zip(&surfaces) {
+                        let factors = match emitting.as_ref().zip(material.photometry.model()) {
+                            None => vec![at(&material.emissivity, *um)],
+                            Some(((separated, _), model)) => {
+                                [vec![1.0], separated.rows(at(&model.albedo, *um))].concat()
+                            }
+                        };
+                        let spectra = of_band.chunks_exact_mut(temperatures_k.len()).skip(*first);
+                        for (spectrum, factor) in spectra.zip(factors) {
+                            let times = weight * factor;
+                            spectrum.iter_mut().zip(&black).for_each(|(sum, black)| *sum += times * black);
+                        }
                     }
                 }
+                radiance.iter_mut().skip(b).step_by(bands.len()).zip(&of_band).for_each(|(to, value)| *to = *value);
             }
-            radiance.iter_mut().skip(b).step_by(bands.len()).zip(&of_band).for_each(|(to, value)| *to = *value);
-        }
+            radiance
+        });
         Some(Heat { grid, lit_k, shaded_k, bands: bands.len(), surfaces, radiance })
     }
 
