@@ -4,8 +4,10 @@ use crate::geometry::whole;
 use std::fmt::Write as _;
 
 /// Size of the picture and of the margins around the plot, px: left, top, right, bottom.
-const SIZE: [f64; 2] = [720.0, 420.0];
-const MARGIN: [f64; 4] = [84.0, 40.0, 20.0, 52.0];
+const SIZE: [f64; 2] = [720.0, 440.0];
+const MARGIN: [f64; 4] = [84.0, 60.0, 20.0, 52.0];
+/// Width of a letter, on average, px.
+const LETTER: f64 = 7.0;
 /// Lines of the curves; their widths distinguish them even without colour.
 const STROKES: [(&str, f64); 3] = [("#1b3a5c", 2.0), ("#b8860b", 1.4), ("#b22222", 1.0)];
 
@@ -42,6 +44,8 @@ pub fn draw(title: &str, x_label: &str, y_label: &str, x: &[f64], curves: &[(&st
         let _ = writeln!(svg, "<path d=\"M{left} {0:.1} H{1:.1}\" stroke=\"#ddd\"/>", py(tick.0), left + width);
         text(&mut svg, left - 8.0, py(tick.0) + 4.0, "end", &tick.1);
     }
+    // Names stand above the plot, where no curve goes.
+    let (mut name_x, name_y) = (left, 46.0);
     for (i, (name, values)) in curves.iter().enumerate() {
         let (colour, stroke) = STROKES[i % STROKES.len()];
         let mut path = String::new();
@@ -57,14 +61,13 @@ pub fn draw(title: &str, x_label: &str, y_label: &str, x: &[f64], curves: &[(&st
             "<path d=\"{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{stroke}\" stroke-linecap=\"round\"/>",
             path.trim_end()
         );
-        let y = top + 18.0 + 18.0 * i as f64;
         let _ = writeln!(
             svg,
-            "<path d=\"M{:.1} {:.1} h24\" stroke=\"{colour}\" stroke-width=\"{stroke}\"/>",
-            left + width - 120.0,
-            y - 4.0
+            "<path d=\"M{name_x:.1} {:.1} h24\" stroke=\"{colour}\" stroke-width=\"{stroke}\"/>",
+            name_y - 4.0
         );
-        text(&mut svg, left + width - 90.0, y, "start", name);
+        text(&mut svg, name_x + 30.0, name_y, "start", name);
+        name_x += 60.0 + LETTER * name.chars().count() as f64;
     }
     svg.push_str("</svg>\n");
     svg
@@ -119,7 +122,7 @@ mod tests {
     #[test]
     fn a_curve_goes_from_corner_to_corner_and_breaks_where_nothing_is_known() {
         let svg = draw("a < b", "um", "L", &[1.0, 2.0, 3.0], &[("one", vec![0.0, f64::NAN, 2.0])]);
-        assert!(svg.contains("a &lt; b") && svg.contains("M84.00 368.00 M700.00 40.00"), "{svg}");
+        assert!(svg.contains("a &lt; b") && svg.contains("M84.00 388.00 M700.00 60.00"), "{svg}");
         // One band, and a dark pixel, are curves too.
         assert!(!draw("", "", "", &[1.0], &[("one", vec![0.0])]).contains("NaN"));
         assert!(!draw("", "", "", &[f64::NAN], &[("one", vec![f64::NAN])]).contains("NaN"));
