@@ -70,5 +70,6 @@ sensor = { samples = 256, lines = 256, fit = "scene", bands = { centres_um = [1.
 phobos_blue = { reflectance = 0.07$texture }
 phobos_red = { reflectance = 0.06$texture }
 SCENE
-    mmxrt simulate "$out/$name.toml" -o "$out/$name" --force
+    # By sunlight and heat alone: texels are what is to be seen.
+    mmxrt simulate "$out/$name.toml" --model sunlight,heat -o "$out/$name" --force
 done

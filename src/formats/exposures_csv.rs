@@ -90,7 +90,7 @@ pub fn is_one(path: &Path) -> Result<bool> {
     Ok(input::beginning(path, COLUMNS.len())? == COLUMNS.as_bytes())
 }
 
-/// Reads what [`write`] has written.
+/// Reads what [`write()`] has written.
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::Invalid`] with every cell that is not what its column says, and moments that do not ascend; for no rows.

@@ -2,7 +2,7 @@
 //!
 //! Image coordinates are ours: pixels from the outer corner of the first pixel, (0.5, 0.5) in its middle. Positions are from the body's centre along its axes; quaternions
 //! (x, y, z, w) carry the sensor's axes (x sample, y line, z boresight) into those. Of the lens only the width of a pixel over the focal length is known: the latter is taken
-//! to be [`FOCAL_MM`], and pixels follow.
+//! to be 100 mm, and pixels follow.
 
 use glam::{DQuat, DVec3};
 use serde_json::{Value, json};

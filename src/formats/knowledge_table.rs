@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 use crate::product::Plane;
 use crate::study::knowledge::{Asked, Budget, Part, PixelBudget, Row};
 
-/// The folder that [`write`] fills.
+/// The folder that [`write()`] fills.
 pub const FOLDER: FolderKind =
     FolderKind { marks: &["errors.json"], parts: &["errors.json", "errors.csv", "errors.img", "errors.hdr"] };
 
