@@ -31,7 +31,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
             let beside = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
             let folder = arguments.data.as_deref().unwrap_or(beside);
             let kernels = |names: &[&str]| ephemeris::of_names(folder, names);
-            let shapes = |name: &str| Some(obj::read(&ephemeris::file_named(folder, name)?).ok()?.mesh());
+            let shapes = |name: &str| Some(obj::read(&formats::file_named(folder, name)?).ok()?.mesh());
             validate::oracles(&text, path, Some(Files { kernels: &kernels, shapes: &shapes }))?
         }
     };

@@ -238,6 +238,25 @@ impl Problems {
     }
 }
 
+/// Levels of folders in which files are looked for by their names.
+const LEVELS: usize = 2;
+
+/// The file of this path in a folder, or else the first whose name ends so, two levels deep.
+pub fn file_named(folder: &Path, name: &str) -> Option<PathBuf> {
+    Some(folder.join(name)).filter(|path| path.is_file()).or_else(|| find(folder, name, LEVELS))
+}
+
+/// The file in a folder whose name ends so; of several the first by its path.
+fn find(folder: &Path, name: &str, levels: usize) -> Option<PathBuf> {
+    let mut entries: Vec<PathBuf> = folder.read_dir().ok()?.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    entries.sort();
+    let is_it =
+        |path: &&PathBuf| path.is_file() && path.file_name().is_some_and(|of| of.to_string_lossy().ends_with(name));
+    let here = entries.iter().find(is_it).cloned();
+    let below = || entries.iter().filter(|of| of.is_dir()).find_map(|of| find(of, name, levels.checked_sub(1)?));
+    here.or_else(below)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -76,6 +76,6 @@ pub mod track_picture;
 pub mod xml;
 
 pub use format::Format;
-pub use input::{InputFile, text};
+pub use input::{InputFile, file_named, text};
 pub use picture::picture;
 pub use subject::Subject;
