@@ -3,6 +3,7 @@
 pub mod chart;
 pub mod coregister;
 mod acquisition;
+mod block;
 mod coarser;
 mod cost;
 mod draft;
@@ -15,6 +16,7 @@ pub mod knowledge;
 pub mod locate;
 mod map_light;
 mod maps;
+mod moments;
 mod observation;
 pub mod over_cube;
 mod partly_sky;
@@ -26,18 +28,18 @@ mod resolved_slopes;
 mod sights;
 mod simulate;
 mod site;
+mod smear;
 mod spectrometer;
 pub mod stability;
 mod summary;
 mod surface_map;
-
 mod surfaces;
 mod table_id;
 mod through_optics;
 pub mod validate;
 mod warnings;
 
-pub use acquisition::{Moving, acquire_by_maps, acquire_by_slabs, acquire_by_table, foreseen, tell_exposure};
+pub use acquisition::{Moving, acquire_by_maps, acquire_by_slabs, acquire_by_table};
 pub use coarser::Coarser;
 pub use cost::{Looks, WITHIN, has_room, memory_bytes, product_bytes};
 pub use dry_run::{DryRun, dry_run};
@@ -51,6 +53,7 @@ pub use plan::{Choice, Plan, Request, TOLERANCE, decide, left_out_of_table, look
 pub use reading::{BandSignal, GOOD, Reader, Reading};
 pub use sights::sights;
 pub use simulate::{observe, observe_by_slabs, observe_through, simulate};
+pub use smear::{foreseen, tell_exposure};
 pub use summary::Summary;
 pub use surface_map::SurfaceMap;
 pub use surfaces::{

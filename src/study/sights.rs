@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::acquisition::Moving;
+use super::block::BLOCK;
 use crate::error::Result;
 use crate::geometry::polygon::{Point, Rect, area, area_and_moment, intersect, side, split};
 use crate::geometry::{Facet, FrameCamera};
@@ -14,8 +15,6 @@ use crate::visibility::{FacetGroups, Seen, Shown};
 
 /// What a stage of progress is called here.
 const STAGE: &str = "sights";
-/// Parts of a push-broom or whisk-broom that look at one part of the body.
-const BLOCK: usize = 16;
 /// All of a facet, (u, v).
 const WHOLE: [Point; 3] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
 /// Parts below this share of a facet are what rounding leaves of polygons that are taken off one another.

@@ -74,14 +74,30 @@ fn parts_are_lit_as_on_the_whole_body() {
 fn wide_sources_light_parts_as_the_whole_body() {
     let hills = of_material(grid(40.0, 40, |x, y| 2.0 * (0.9 * x).sin() * (0.7 * y).cos()), 0);
     let bare = scene(hills, nadir(1000.0, 30.0, 4), [0.9, 0.2, 0.3]);
-    let whole = edited(&bare, |parts| {
-        parts.sky.mars = Some(mars(9_376_000.0 * DVec3::new(0.8, -0.3, 0.35).normalize()));
+    // High beside the Sun, and with its limb before the Sun's middle: then some facets' Sun is half covered.
+    let off = DVec3::new(0.8, -0.3, 0.35).normalize();
+    let (to_sun, radius_rad) = (bare.sky.sun.direction.vec(), (3_389_500.0_f64 / 9_376_000.0).asin());
+    let across = (off - off.dot(to_sun) * to_sun).normalize();
+    let before = radius_rad.cos() * to_sun + radius_rad.sin() * across;
+    for (to_mars, is_eclipsed) in [(off, false), (before, true)] {
+        parts_have_light_of_the_whole(&bare, to_mars, is_eclipsed);
+    }
+}
+
+fn parts_have_light_of_the_whole(bare: &Scene, to_mars: DVec3, is_eclipsed: bool) {
+    let whole = edited(bare, |parts| {
+        parts.sky.mars = Some(mars(9_376_000.0 * to_mars));
+        parts.models.eclipses = is_eclipsed;
         parts.models.sun = SunModel::Disc(DiscRule::G7);
         parts.models.mars_shadows = Some(DiscRule::G7);
         parts.models.thermal = Thermal::Equilibrium;
     });
     let groups = FacetGroups::new(&whole.body.mesh);
     let table = solve(&whole, &unwatched).unwrap();
+    let suns = |table: &FacetTable| table.sources[0].irradiance.iter().sum::<f64>();
+    let free = edited(&whole, |parts| parts.models.eclipses = false);
+    let left = suns(&table) / suns(&solve(&free, &unwatched).unwrap());
+    assert!(if is_eclipsed { left > 0.4 && left < 0.6 } else { left == 1.0 }, "{left}");
     let of: Vec<bool> = (0..groups.count()).map(|i| i % 5 == 1).collect();
     let facets = groups.facets(&of);
     let part = Scene::new(Setup { body: whole.body.part(&facets), ..(*whole).clone() }).unwrap();

@@ -4,11 +4,12 @@ use glam::DVec3;
 use mmxrt::geometry::{Direction, FrameCamera, Mesh};
 use mmxrt::integrate::Wanted;
 use mmxrt::progress::unwatched;
-use mmxrt::scene::{Exposure, Scene, Setup, Sky, Sun};
+use mmxrt::scene::{Body, Exposure, Scene, Setup, Sky, Sun, Thermal};
 use mmxrt::solve::solve;
+use mmxrt::spectral::{Band, Spectrum};
 use mmxrt::study;
 
-use crate::scenes::scene;
+use crate::scenes::{edited, scene};
 use crate::shapes::{grid, nadir};
 
 /// Where a scene keeps what is large.
@@ -41,8 +42,7 @@ fn one_body_serves_three_hundred_skies_and_exposures() {
             // What is solved and seen of it is its own.
             let table = solve(&seen, &unwatched).unwrap();
             let image = study::observe(&seen, &table, Wanted::default(), &unwatched).unwrap();
-            let alone =
-                Setup { body: mmxrt::scene::Body::new(seen.clone().into_parts().surface).unwrap(), ..(*seen).clone() };
+            let alone = Setup { body: Body::new(seen.clone().into_parts().surface).unwrap(), ..(*seen).clone() };
             let (_, same) = study::simulate(&Scene::new(alone).unwrap(), &unwatched).unwrap();
             assert_eq!(image.cube, same.cube);
         }
@@ -73,4 +73,29 @@ fn what_belongs_to_pairs_is_checked_when_they_meet() {
         items(first.seen_by(Exposure { camera, bands: vec![], ..first.exposure.clone() })),
         ["sensor", "sensor.bands"]
     );
+}
+
+/// What was found of a body's heat for some bands does not answer for others, nor for other temperatures.
+#[test]
+fn a_warm_body_is_looked_at_in_other_bands_and_under_other_suns() {
+    let hills = grid(20.0, 12, |x, y| (0.4 * x).sin() * (0.3 * y).cos());
+    let warm = edited(&scene(hills, nadir(1000.0, 30.0, 4), [0.3, 0.1, 1.0]), |parts| {
+        parts.models.thermal = Thermal::Equilibrium;
+        parts.surface.materials[0].emissivity = Spectrum::constant(0.9);
+    });
+    let bands = |um: &[f64]| um.iter().map(|um| Band::new(*um, None)).collect::<Vec<_>>();
+    let band_sets = [bands(&[2.5, 3.5]), bands(&[3.5, 2.5]), bands(&[3.0]), bands(&[2.5, 3.5])];
+    let mut hottest = 0.0_f64;
+    for step in [0, 0, 60, 0] {
+        for bands in band_sets.iter().chain(&band_sets) {
+            let shared = warm.under(Sky { sun: later(&warm.sky.sun, step), ..warm.sky.clone() }).unwrap();
+            let shared = shared.seen_by(Exposure { bands: bands.clone(), ..shared.exposure.clone() }).unwrap();
+            let alone = Setup { body: Body::new(shared.clone().into_parts().surface).unwrap(), ..(*shared).clone() };
+            let cube = |scene: &Scene| study::simulate(scene, &unwatched).unwrap().1.cube;
+            let (of_shared, of_alone) = (cube(&shared), cube(&Scene::new(alone).unwrap()));
+            assert_eq!(of_shared, of_alone);
+            hottest = hottest.max(of_shared.band(0).iter().copied().fold(0.0, f64::max));
+        }
+    }
+    assert!(hottest > 0.1, "{hottest}");
 }

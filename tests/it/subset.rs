@@ -5,7 +5,7 @@ use mmxrt::geometry::Mesh;
 use mmxrt::progress::unwatched;
 use mmxrt::visibility::{Drawing, Topology, View, covered};
 
-use crate::shapes::{camera, cuboid, grid, joined};
+use crate::shapes::{Seen, camera, cuboid, direction, grid, joined, nadir, see};
 
 /// Facets that lie before the camera for a part, and whose image, as far as it goes, may touch the lines of its image.
 pub(crate) fn near_the_lines(mesh: &Mesh, camera: &FrameCamera) -> Vec<u32> {
@@ -64,8 +64,50 @@ fn a_line_of_a_push_broom_needs_the_facets_near_it_alone() {
 #[test]
 fn a_view_of_no_facets_shows_nothing() {
     let mesh = grid(1.0, 2, |_, _| 0.0);
-    let (topology, camera) = (Topology::new(&mesh), crate::shapes::nadir(10.0, 4.0, 4));
+    let (topology, camera) = (Topology::new(&mesh), nadir(10.0, 4.0, 4));
     let (view, grid) = View::of_frame(&camera, mesh.bounds_m());
     let drawing = Drawing::of_facets(&mesh, &topology, view, grid, &[]);
     assert_eq!(covered(&drawing, "nothing", |sides| sides[0] + sides[1], &unwatched).unwrap(), [0.0; 16]);
+}
+
+/// Integer corners under a camera whose pixels are units of the ground: edges lie on the windows' borders, and corners on their corners.
+#[test]
+fn a_window_shows_what_the_frame_shows_there() {
+    let steps = joined(&[
+        grid(6.0, 12, |_, _| 0.0),
+        cuboid([-2.0, -1.0, -1.0], [1.0, 2.0, 3.0]),
+        cuboid([1.0, -1.0, -1.0], [3.0, 0.0, 1.0]),
+        // Coincident with the top of the first, and upright on a border of pixels.
+        grid(1.0, 2, |_, _| 3.0),
+        cuboid([-5.0, -5.0, 0.0], [-5.0, 5.0, 8.0]),
+    ]);
+    let frames = [
+        ("from above", nadir(1e6, 12.0, 12)),
+        ("askance", camera([20.0, -30.0, 15.0], [0.0; 3], [0.0, 0.0, 1.0], 12, 0.05)),
+        // Half of all facets are behind it.
+        ("within", camera([0.5, 0.5, 3.5], [5.5, 0.5, 0.5], [0.0, 0.0, 1.0], 12, 0.2)),
+    ];
+    let mut compared = 0;
+    for (name, frame) in &frames {
+        let whole = see(&steps, direction([0.3, 0.2, 1.0]), frame);
+        let (samples, lines) = (frame.samples, frame.lines);
+        let mut windows = vec![(3..9, 4..7), (0..1, 0..1), (11..12, 11..12)];
+        windows.extend((0..lines).map(|line| (0..samples, line..line + 1)));
+        windows.extend((0..samples).map(|sample| (sample..sample + 1, 0..lines)));
+        for (columns, rows) in windows {
+            let part = see(&steps, direction([0.3, 0.2, 1.0]), &frame.window(columns.clone(), rows.clone()));
+            for (place, (line, sample)) in rows.flat_map(|y| columns.clone().map(move |x| (y, x))).enumerate() {
+                let pixel = (line * samples + sample) as usize;
+                let facets = |seen: &Seen, pixel| -> Vec<(u32, f64, f64)> { seen.footprints.pixel(pixel).collect() };
+                let sums = |of: &[(u32, f64, f64)]| of.iter().fold((0.0, 0.0), |sum, f| (sum.0 + f.1, sum.1 + f.2));
+                let (whole, part) = (sums(&facets(&whole, pixel)), sums(&facets(&part, place)));
+                assert!(
+                    (whole.0 - part.0).abs() < 1e-12 && (whole.1 - part.1).abs() < 1e-12,
+                    "{name} {line} {sample}: {whole:?} {part:?}"
+                );
+                compared += usize::from(whole.1 > 0.0);
+            }
+        }
+    }
+    assert!(compared > 500, "{compared}");
 }

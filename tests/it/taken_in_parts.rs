@@ -11,8 +11,8 @@ use mmxrt::scene::{Mirror, Motion, Readout, Scene, Timing};
 use mmxrt::solve;
 use mmxrt::spectral::Band;
 use mmxrt::study::{
-    Extremes, Fill, MapAccount, MapOptions, Moving, Observation, acquire_by_maps, acquire_by_slabs, acquire_by_table,
-    observe_maps,
+    Extremes, Fill, Looks, MapAccount, MapOptions, Moving, Observation, acquire_by_maps, acquire_by_slabs,
+    acquire_by_table, observe_maps,
 };
 
 use crate::cli::run;
@@ -371,5 +371,21 @@ fn a_table_of_exposures_that_is_not_whole_says_so() {
         let cells: Vec<&str> =
             rows[1].split(',').enumerate().map(|(i, cell)| if i == 12 { "0.5" } else { cell }).collect();
         bad([rows[0], &cells.join(",")].join("\n"), "not of length 1");
+    }
+}
+
+/// What is foreseen of exposures' work: without optics their parts together have the image's pixels once for each pose, a filter's once for each band.
+#[test]
+fn exposures_are_foreseen_by_the_pixels_that_they_have() {
+    let pixels = |readout: Readout, poses: u32| {
+        let (scene, _, timing) = moving(readout);
+        let looks = Looks::of(&scene, Some(Timing { poses, ..timing }), None);
+        assert!(looks.facets > 0.0 && looks.facets <= 1.0);
+        looks.count * looks.pixels
+    };
+    for (readout, once) in [(Readout::Line, 1.0), (mirror(), 1.0), (Readout::Band, 2.0)] {
+        for poses in [1, 5] {
+            assert!((pixels(readout, poses) - once * f64::from(poses)).abs() < 1e-12, "{readout:?} {poses}");
+        }
     }
 }
