@@ -63,6 +63,7 @@ pub(crate) fn write_product(
         cpu_s: None,
         stages: vec![],
         costs: vec![],
+        files: std::collections::BTreeMap::new(),
     };
     job::simulate(subject, &Request::default(), folder, run, &|progress| gauge.watch(progress))
 }

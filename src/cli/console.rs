@@ -168,6 +168,7 @@ impl Console {
             cpu_s: Some(self.cpu_s()),
             stages: stages.done.clone(),
             costs: vec![],
+            files: std::collections::BTreeMap::new(),
         }
     }
 

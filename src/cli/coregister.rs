@@ -18,7 +18,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "A,B", value_parser = pair)]
     bands: [u32; 2],
     /// Pixels along a window's side, an odd number
-    #[arg(long, value_name = "N", default_value_t = 15, value_parser = clap::value_parser!(u32).range(3..=255))]
+    #[arg(long, value_name = "N", default_value_t = 15, value_parser = odd)]
     window: u32,
     /// Pixels that are searched in every direction
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=255))]
@@ -39,6 +39,11 @@ fn pair(text: &str) -> std::result::Result<[u32; 2], String> {
     bands.and_then(|bands| bands.try_into().ok()).ok_or_else(|| "give two bands, counted from 1, as 1,300".to_owned())
 }
 
+fn odd(text: &str) -> std::result::Result<u32, String> {
+    let side = text.parse().ok().filter(|side| (3..=255).contains(side) && side % 2 == 1);
+    side.ok_or_else(|| "give an odd number from 3 to 255: a window has a pixel in its middle".to_owned())
+}
+
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let watch = |progress| console.watch(progress);
     super::settle_input(&arguments.product, console)?;
@@ -52,12 +57,16 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let bands = arguments.bands.map(|band| band as usize - 1);
     let quality = job::coregister(&arguments.product, bands, windows, output, &watch)?;
     let Quality { windows, matched, median_px, p95_px, within_half } = quality;
-    let text = format!(
-        "{matched} of {windows} windows matched; off by {} pixels (median), {} (95 of 100); {} % within half a pixel",
-        short(median_px),
-        short(p95_px),
-        short(100.0 * within_half)
-    );
+    let text = if matched == 0 {
+        format!("none of {windows} windows matched: nothing in them stands out, or it moved farther than `--search`")
+    } else {
+        format!(
+            "{matched} of {windows} windows matched; off by {} pixels (median), {} (95 of 100); {} % within half a pixel",
+            short(median_px),
+            short(p95_px),
+            short(100.0 * within_half)
+        )
+    };
     match &arguments.output {
         Some(target) => console.done(&format!("{}: {text}", target.display()), &json!(quality)),
         None => console.result(&text, &json!(quality))?,

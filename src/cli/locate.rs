@@ -44,6 +44,9 @@ pub(crate) struct Arguments {
     /// With --ortho: west, south, east and north borders of the map, in its unit; default: around what the image shows
     #[arg(long, value_name = "W,S,E,N", requires = "ortho", value_parser = borders, allow_hyphen_values = true)]
     borders: Option<[f64; 4]>,
+    /// With --ortho of a product of a campaign: the campaign's file
+    #[arg(long, value_name = "CAMPAIGN.toml", requires = "ortho")]
+    campaign: Option<PathBuf>,
     /// Write the camera for other programs: image support data (ISD) for the models of usgscsm
     #[arg(long, value_name = "OUT.json", group = "asked", conflicts_with_all = ["pixel", "ground", "points", "knowledge", "ortho", "output"])]
     isd: Option<PathBuf>,
@@ -160,7 +163,8 @@ fn errors(arguments: &Arguments, known: &Path, band: Option<usize>, console: &Co
 fn mapped(arguments: &Arguments, wish: (MapWish, Option<usize>), target: &Path, console: &Console) -> Result<Outcome> {
     let watch = |progress| console.watch(progress);
     super::settle(target, console)?;
-    let Mapped { grid, entries, bands } = job::ortho(&arguments.scene, wish, (target, arguments.force), &watch)?;
+    let Mapped { grid, entries, bands } =
+        job::ortho((&arguments.scene, arguments.campaign.as_deref()), wish, (target, arguments.force), &watch)?;
     let text =
         format!("{}: {} x {} cells, {entries} entries, {bands} bands", target.display(), grid.columns, grid.rows);
     let json = json!({

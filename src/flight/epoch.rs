@@ -172,6 +172,11 @@ impl Epoch {
         Epoch((self.0 + seconds).clamp(-Self::MOST_S, Self::MOST_S))
     }
 
+    /// The same, if it is within 100,000 years of J2000.
+    pub fn checked_after_s(self, seconds: f64) -> Option<Self> {
+        Self::from_tdb_s(self.0 + seconds)
+    }
+
     /// Later by some seconds of clocks on the ground (TT, and UTC between two leaps), which TDB runs ahead of and behind by turns.
     #[must_use]
     pub fn after_tt_s(self, seconds: f64, leap: &LeapSeconds) -> Self {

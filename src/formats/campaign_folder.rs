@@ -135,18 +135,22 @@ impl CampaignFolder {
             Precision::F64 => 8,
         };
         let cube_bytes = image.samples * image.lines * image.bands * width;
-        let bytes = |part: &str| folder.join(part).metadata().map_or(0, |about| about.len());
-        let mut parts = vec!["cube.hdr", "backplanes.img", "backplanes.hdr", "run.json", "exposures.csv"];
-        let more = [
+        // What it was made with is in the run, and what of that is still there, in the folder.
+        let Ok(run) = report_json::read::<Run>(&folder.join("run.json")) else { return false };
+        let Ok(found) = product_folder::files(&folder) else { return false };
+        let is_there = |(name, bytes): (&String, &u64)| {
+            found.binary_search_by(|(other, _)| other.cmp(name)).is_ok_and(|place| found[place].1 == *bytes)
+        };
+        let wanted = [
             (options.exr, "cube.exr"),
             (options.split, "thermal.img"),
             (options.table, "table.npz"),
             (options.footprints, "footprints.npz"),
-            (report.signal.is_some(), "dn.img"),
-            (report.signal.is_some(), "snr.img"),
         ];
-        parts.extend(more.iter().filter(|(is_wanted, _)| *is_wanted).map(|(_, part)| *part));
-        report.scene == id && bytes("cube.img") == cube_bytes && parts.iter().all(|part| bytes(part) > 0)
+        report.scene == id
+            && run.files.get("cube.img") == Some(&cube_bytes)
+            && wanted.iter().all(|(is_wanted, part)| !is_wanted || run.files.contains_key(*part))
+            && run.files.iter().all(is_there)
     }
 
     /// Writes what an acquisition sees.

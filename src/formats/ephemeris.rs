@@ -7,6 +7,7 @@ use super::format::{Format, Holds, ending};
 use super::{input, registry, spice};
 use crate::error::{Error, Location, Problem, Result};
 use crate::flight::{Almanac, LeapSeconds};
+use crate::report::Report;
 
 /// This much of a file is read to recognise its format, bytes.
 const BEGINNING: usize = 1 << 16;
@@ -19,18 +20,27 @@ pub fn furnish(path: &Path, almanac: &mut Almanac) -> Result<()> {
     furnish_all(&[path.to_owned()], almanac).map(|_| ())
 }
 
-/// Reads files into an almanac, and returns all that were read: those that meta-kernels name too. Kernels come first, because names and leap seconds of theirs
+/// Files that an almanac was furnished with.
+#[derive(Debug, Default)]
+pub struct Furnished {
+    /// All that were read: those that meta-kernels name too.
+    pub paths: Vec<PathBuf>,
+    /// What was taken that they do not say, and what of them is lost.
+    pub report: Report,
+}
+
+/// Reads files into an almanac. Kernels come first, because names and leap seconds of theirs
 /// say what other files mean; of two files that know the same, the later one of either kind holds, and one that is no kernel stands before kernels.
 ///
 /// # Errors
 /// As [`furnish`].
-pub fn furnish_all(paths: &[PathBuf], almanac: &mut Almanac) -> Result<Vec<PathBuf>> {
+pub fn furnish_all(paths: &[PathBuf], almanac: &mut Almanac) -> Result<Furnished> {
     let (mut kernels, mut others) = (Vec::new(), Vec::new());
     for path in paths {
         let of_its_kind = if is_kernel(path)? { &mut kernels } else { &mut others };
         of_its_kind.push(path.clone());
     }
-    let mut all = spice::furnish(&kernels, almanac)?;
+    let mut all = Furnished { paths: spice::furnish(&kernels, almanac)?, report: Report::default() };
     for path in others {
         let file = read(&path, &almanac.leap)?;
         for (_, mut trajectory) in file.trajectories {
@@ -39,7 +49,8 @@ pub fn furnish_all(paths: &[PathBuf], almanac: &mut Almanac) -> Result<Vec<PathB
             almanac.trajectories.push(trajectory);
         }
         almanac.orientations.extend(file.orientations.into_iter().map(|(_, orientation)| orientation));
-        all.push(path);
+        all.paths.push(path);
+        all.report.notes.extend(file.report.notes);
     }
     Ok(all)
 }

@@ -41,6 +41,7 @@ use super::flight_file::{FlightFile, MOST_OFF, Object};
 use super::format::{Format, Holds, ending};
 use super::input::{self, InputFile, Problems};
 use super::located::Document;
+use super::spelling;
 use super::table::{Places, place};
 use crate::error::{Location, Problem, Result};
 use crate::flight::{
@@ -187,8 +188,8 @@ pub fn parse(text: &str, input: InputFile, leap: &LeapSeconds) -> Result<FlightF
         }
         let moment = match heading.start.filter(|_| is_of_seconds) {
             Some(start) => decimal::parse(cells[0], 0)
-                .map(|seconds| start.after_s(seconds))
-                .ok_or_else(|| format!("`{}` is not a finite number", cells[0])),
+                .ok_or_else(|| format!("`{}` is not a finite number", cells[0]))
+                .and_then(|seconds| start.checked_after_s(seconds).ok_or_else(|| TOO_FAR.to_owned())),
             None => Epoch::parse(cells[0], scale, leap),
         };
         match moment {
@@ -223,6 +224,9 @@ pub fn parse(text: &str, input: InputFile, leap: &LeapSeconds) -> Result<FlightF
     problems.finish(path)?;
     Ok(file(&heading, &epochs, &things, scale.unwrap_or(Scale::Utc), input))
 }
+
+/// What is said of seconds that lead too far.
+const TOO_FAR: &str = "is more than 100,000 years away";
 
 /// A table as TOML.
 #[derive(Debug, Deserialize, JsonSchema)]
@@ -315,7 +319,13 @@ pub fn parse_toml(document: &Document, input: InputFile, leap: &LeapSeconds) -> 
         let item = format!("row[{i}]");
         let moment = match (&row.time, row.seconds, start) {
             (Some(text), None, _) => epoch(text, &format!("{item}.time"), &mut problems),
-            (None, Some(seconds), Some(start)) => Some(start.after_s(seconds)),
+            (None, Some(seconds), Some(start)) => {
+                let moment = start.checked_after_s(seconds);
+                if moment.is_none() {
+                    problems.push(|| Problem::new(document.at(&format!("{item}.seconds")), TOO_FAR));
+                }
+                moment
+            }
             _ => {
                 let message = "needs either `time`, with its scale, or `seconds`, and above all rows their `epoch`";
                 problems.push(|| Problem::new(document.at(&item), message));
@@ -374,7 +384,16 @@ fn heading<'a>(path: &Path, text: &'a str, leap: &LeapSeconds, problems: &mut Pr
                 Ok(epoch) => heading.start = Some(epoch),
                 Err(why) => wrong(why),
             },
-            _ => {}
+            // A remark may hold what it likes, but for what is meant as a key of these.
+            other => {
+                if let Some(meant) = spelling::nearest(other, &["centre", "frame", "degree", "epoch"]) {
+                    problems.push(|| {
+                        let problem =
+                            Problem::new(place(path, text, line), format!("`{other}` is not a key of a table"));
+                        problem.with_help(format!("did you mean `{meant}`? If it is a remark, leave out the `=`"))
+                    });
+                }
+            }
         }
     }
     if heading.centre.is_none_or(str::is_empty) {

@@ -138,9 +138,10 @@ fn lines(isd: &mut Value, camera: &FrameCamera, motion: &Motion, timing: Timing)
     // The slit is where the boresight is; of the detector's one line that is the middle.
     isd["detector_center"] = json!({ "sample": camera.boresight_px[0], "line": 0.5 });
     isd["center_ephemeris_time"] = json!(motion.start.after_s(middle_s).tdb_s());
-    isd["starting_ephemeris_time"] = json!(motion.start.after_s(first_s).tdb_s());
-    // From the middle of the first line on: when, from the central time, and how long a line is.
-    isd["line_scan_rate"] = json!([[0.5, first_s - middle_s, timing.period_s]]);
+    let start_s = first_s - 0.5 * timing.period_s;
+    isd["starting_ephemeris_time"] = json!(motion.start.after_s(start_s).tdb_s());
+    // The middle of the first line, when it begins, from the central time, and how long a line is: usgscsm adds half a line (`getImageTime`).
+    isd["line_scan_rate"] = json!([[0.5, start_s - middle_s, timing.period_s]]);
     for kind in ["ephemeris", "quaternion"] {
         isd[format!("t0_{kind}")] = json!(begin_s - middle_s);
         isd[format!("dt_{kind}")] = json!(step_s);

@@ -215,7 +215,13 @@ pub fn read(path: &Path, origin_m: DVec3) -> Result<KnowledgeFile> {
         height_m: shape.and_then(|shape| shape.height_sd_m).unwrap_or(0.0),
     };
     let mesh = match shape {
-        Some(shape) => reader.mesh(shape, origin_m)?,
+        Some(shape) => match reader.mesh(shape, origin_m) {
+            Err(Error::Invalid(more)) => {
+                reader.problems.extend(more);
+                None
+            }
+            read => read?,
+        },
         None => None,
     };
     let Reader { problems, inputs, .. } = reader;

@@ -257,6 +257,7 @@ impl OpenProduct {
         if let Some((motion, _)) = &product.subject.motion {
             study::tell_correction(&mut product.observation.effects, motion.correction);
         }
+        product.observation.warnings.extend(detector.iter().flat_map(|(reader, _)| reader.remarks()));
         let product = product;
         let write = || {
             cube.end()?;
@@ -355,6 +356,7 @@ fn write_files(
     tell(watch, "writing pictures and reports", 1, 1)?;
     let mut run = run();
     product.plan.iter().for_each(|plan| run.set_costs(plan));
+    run.files = files(staged.path())?.into_iter().collect();
     report_json::write(&file("run.json"), &run)?;
     Ok((report, run))
 }

@@ -2,6 +2,7 @@
 //!
 //! The first is the same, byte for byte, at every run; the second never is. JSON Schemas of both are in `schemas/`.
 
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufReader, Write};
 use std::path::Path;
@@ -324,6 +325,9 @@ pub struct Run {
     /// What the plan said that would take, and what it took: all of it first, and effects that have time of their own. Empty without a plan.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub costs: Vec<Cost>,
+    /// The other files of a product, and their sizes, bytes: by these it is told whether it is whole.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub files: BTreeMap<String, u64>,
 }
 
 /// A part of a run.

@@ -7,10 +7,11 @@ use super::radiance_map::unit::Unit as Dimension;
 use super::wave_unit::{self, WaveUnit};
 
 /// Quantities, and what people call them.
-const QUANTITIES: [(&str, &[&str]); 9] = [
+const QUANTITIES: [(&str, &[&str]); 10] = [
     (REFLECTANCE, &["reflectance", "reflectances", "reflectivity", "refl"]),
     (EMISSIVITY, &["emissivity", "emissivities", "emittance"]),
     (ALBEDO, &["albedo"]),
+    (THROUGHPUT, &["throughput"]),
     (IRRADIANCE, &["irradiance"]),
     ("radiance", &["radiance"]),
     ("transmittance", &["transmittance", "transmission", "transmissivity"]),
@@ -21,6 +22,7 @@ const QUANTITIES: [(&str, &[&str]); 9] = [
 pub(super) const REFLECTANCE: &str = "reflectance";
 pub(super) const EMISSIVITY: &str = "emissivity";
 pub(super) const ALBEDO: &str = "albedo";
+pub(super) const THROUGHPUT: &str = "throughput";
 pub(super) const IRRADIANCE: &str = "irradiance";
 pub(super) const LOG: &str = "log(1/R)";
 /// Words next to a quantity that do not change it.

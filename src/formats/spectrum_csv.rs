@@ -23,7 +23,7 @@ use super::dart::text_spectra;
 use super::folder::Staged;
 use super::format::{Format, Holds};
 use super::input::{self, InputFile, Problems};
-use super::spectral_heading::{ALBEDO, EMISSIVITY, IRRADIANCE, LOG, REFLECTANCE, Unit, quantities};
+use super::spectral_heading::{ALBEDO, EMISSIVITY, IRRADIANCE, LOG, REFLECTANCE, THROUGHPUT, Unit, quantities};
 use super::spectral_table::{self, SpectralTable, TableColumn};
 use super::table::{self, Labelled, Places, doubtful_unit, gathered, is_plain, labelled, parts, place};
 
@@ -54,6 +54,8 @@ pub enum Quantity {
     Emissivity,
     /// Albedo, 0 to 1: of a Lambert surface, its reflectance.
     Albedo,
+    /// Electrons per photon that enters an instrument, 0 to 1.
+    Throughput,
     /// Spectral irradiance, W m-2 um-1.
     Irradiance,
 }
@@ -70,6 +72,7 @@ impl Quantity {
             Quantity::Reflectance => &[REFLECTANCE, ALBEDO],
             Quantity::Emissivity => &[EMISSIVITY],
             Quantity::Albedo => &[ALBEDO, REFLECTANCE],
+            Quantity::Throughput => &[THROUGHPUT],
             Quantity::Irradiance => &[IRRADIANCE],
         }
     }
@@ -146,7 +149,8 @@ pub fn parse(text: &str, path: &Path, quantity: Quantity, extend: Extend) -> Res
 pub fn read_any(path: &Path, extend: Extend) -> Result<(Quantity, Spectrum, Report)> {
     let (text, _) = input::text(path, LIMIT)?;
     let table = spectral_table::parse(&text, path, None)?;
-    let all = [Quantity::Reflectance, Quantity::Emissivity, Quantity::Albedo, Quantity::Irradiance];
+    let all =
+        [Quantity::Reflectance, Quantity::Emissivity, Quantity::Albedo, Quantity::Throughput, Quantity::Irradiance];
     let has = |quantity: &Quantity| table.columns.iter().any(|column| column.name == quantity.name());
     let quantity = all.into_iter().find(has).unwrap_or(Quantity::Reflectance);
     let (spectrum, report) = parse(&text, path, quantity, extend)?;

@@ -62,6 +62,8 @@ pub struct Counting {
     pub read_e: f64,
     /// Electrons of a step.
     pub step_e: f64,
+    /// Standard deviation of the sensitivity of elements.
+    pub sensitivity_sd: f64,
     full_well_e: f64,
     offset_dn: f64,
     most_dn: f64,
@@ -88,11 +90,11 @@ pub struct Element {
 }
 
 impl Detector {
-    /// How a band is counted; `None` if it has no width.
+    /// How a band is counted; `None` if it has no width, or the throughput is not known at its centre.
     pub fn counting(&self, band: &Band) -> Option<Counting> {
-        let width_um = band.fwhm_um.or(self.width_um)?;
+        let width_um = band.equivalent_width_um().or(self.width_um)?;
         let etendue_m2_sr = signal::etendue_m2_sr(self.lens.pixel_um * 1e-6, self.lens.f_number);
-        let throughput = self.throughput.at(band.centre_um).unwrap_or(0.0);
+        let throughput = self.throughput.at(band.centre_um)?;
         Some(Counting {
             electrons_per_radiance: signal::electrons_per_radiance(
                 band.centre_um,
@@ -104,10 +106,16 @@ impl Detector {
             others_e: (self.dark_e_s + self.background_e_s) * self.exposure_s,
             read_e: self.read_e,
             step_e: self.step_e,
+            sensitivity_sd: self.sensitivity_sd,
             full_well_e: self.full_well_e,
             offset_dn: self.offset_dn,
-            most_dn: 2.0_f64.powi(self.bits.cast_signed()) - 1.0,
+            most_dn: self.most_dn(),
         })
+    }
+
+    /// The largest number that is sent.
+    fn most_dn(&self) -> f64 {
+        2.0_f64.powi(self.bits.min(MOST_BITS).cast_signed()) - 1.0
     }
 
     /// An element by its number.
@@ -160,6 +168,11 @@ impl Detector {
         if !(1..=MOST_BITS).contains(&self.bits) {
             problem("bits", format!("{} is not from 1 to {MOST_BITS}", self.bits));
         }
+        let most_dn = self.most_dn();
+        if self.offset_dn >= most_dn {
+            let message = format!("{} leaves no number for light: {} bits end at {most_dn}", self.offset_dn, self.bits);
+            problem("offset_dn", message);
+        }
         if self.throughput.value().iter().any(|value| !(0.0..=1.0).contains(value)) {
             problem("throughput", "is not from 0 to 1 everywhere".to_owned());
         }
@@ -184,19 +197,42 @@ impl Counting {
 
     /// The radiance that a number stands for, W m-2 sr-1 um-1: what is no signal is taken off. 0 where the band lets nothing through.
     pub fn radiance(&self, dn: f64) -> f64 {
-        let signal_e = (dn - self.offset_dn) * self.step_e - self.others_e;
-        if self.electrons_per_radiance > 0.0 { signal_e / self.electrons_per_radiance } else { 0.0 }
+        self.radiance_of_electrons((dn - self.offset_dn) * self.step_e - self.others_e)
     }
 
-    /// Signal over noise of a radiance.
+    /// Radiance of so many electrons, W m-2 sr-1 um-1; 0 where the band lets nothing through.
+    fn radiance_of_electrons(&self, electrons: f64) -> f64 {
+        if self.electrons_per_radiance > 0.0 { electrons / self.electrons_per_radiance } else { 0.0 }
+    }
+
+    /// Radiance of a step, W m-2 sr-1 um-1.
+    pub fn radiance_per_dn(&self) -> f64 {
+        self.radiance_of_electrons(self.step_e)
+    }
+
+    /// The number that no light gives, on average.
+    pub fn zero_dn(&self) -> f64 {
+        self.offset_dn + self.others_e / self.step_e
+    }
+
+    /// Signal over noise of a radiance; 0 of one that saturates, as what is sent then says nothing of it.
     pub fn snr(&self, radiance: f64) -> f64 {
-        signal::snr(radiance * self.electrons_per_radiance, self.others_e, self.read_e, self.step_e)
+        if radiance > self.brightest() {
+            return 0.0;
+        }
+        signal::snr(
+            radiance * self.electrons_per_radiance,
+            self.others_e,
+            self.read_e,
+            self.step_e,
+            self.sensitivity_sd,
+        )
     }
 
     /// The brightest radiance that is not saturated, on average.
     pub fn brightest(&self) -> f64 {
         let most_e = self.full_well_e.min((self.most_dn - self.offset_dn) * self.step_e);
-        (most_e - self.others_e).max(0.0) / self.electrons_per_radiance
+        self.radiance_of_electrons((most_e - self.others_e).max(0.0))
     }
 }
 

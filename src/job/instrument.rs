@@ -40,8 +40,8 @@ pub fn instrument(
     watch: Watch<'_>,
 ) -> Result<InstrumentReport> {
     let Chain { optics, detector } = &asked.instrument.chain;
-    let remark = over_cube::remark(&asked.instrument.chain);
-    if remark.is_some() && !asked.approximate {
+    let mut remarks: Vec<String> = over_cube::remark(&asked.instrument.chain).into_iter().collect();
+    if !remarks.is_empty() && !asked.approximate {
         let problem = Problem::new(
             Location::file(&asked.cube),
             "optics blur what lies within pixels, which their means do not hold",
@@ -51,6 +51,14 @@ pub fn instrument(
     }
     let staged = Staged::folder(folder, replace)?;
     let mut raster = registry::image(&asked.cube)?;
+    remarks.extend(raster.report.notes.iter().map(|note| format!("{}: {}", note.at, note.message)));
+    if raster.unit.is_none() {
+        remarks.push(format!(
+            "{} does not state its unit (`data units`): its values are taken as radiance in {}",
+            asked.cube.display(),
+            Quantity::Radiance.unit()
+        ));
+    }
     let is_radiance = raster.unit.as_deref().is_none_or(|unit| unit == Quantity::Radiance.unit());
     let centres: Option<Vec<Band>> = raster
         .bands
@@ -98,6 +106,7 @@ pub fn instrument(
         }
         cube.end()?;
         numbers.map_or(Ok(()), EnviCube::end)?;
+        let said = reader.as_ref().map(Reader::remarks).unwrap_or_default();
         let signal = reader
             .as_ref()
             .map(|reader| SignalEntry { dead_elements: reader.dead_elements(), bands: reader.account() });
@@ -107,7 +116,7 @@ pub fn instrument(
             mmxrt: env!("CARGO_PKG_VERSION").to_owned(),
             inputs,
             signal,
-            warnings: asked.instrument.notes.iter().cloned().chain(remark.clone()).collect(),
+            warnings: asked.instrument.notes.iter().cloned().chain(remarks.clone()).chain(said).collect(),
         };
         report_json::write(&staged.path().join("report.json"), &report)?;
         report_json::write(&staged.path().join("run.json"), &run())?;

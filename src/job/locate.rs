@@ -68,7 +68,7 @@ fn opened(file: &Path, acquisition: Option<&str>, watch: Watch<'_>) -> Result<Su
 }
 
 /// An acquisition of a campaign.
-fn acquired(file: &Path, name: &str, watch: Watch<'_>) -> Result<Subject> {
+pub(super) fn acquired(file: &Path, name: &str, watch: Watch<'_>) -> Result<Subject> {
     let mut campaign = Campaign::open(file, watch)?;
     let Some(acquisition) = campaign.acquisitions.iter().find(|acquisition| acquisition.name == name).cloned() else {
         let names = campaign.acquisitions.iter().map(|acquisition| acquisition.name.as_str());

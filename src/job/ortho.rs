@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use super::locate::acquired;
 use crate::error::{Error, Location, Problem, Result};
 use crate::formats::folder::Staged;
 use crate::formats::report_json::{self, ProductReport};
-use crate::formats::{ortho_folder, registry, scene_toml};
+use crate::formats::{Subject, ortho_folder, registry, scene_toml};
 use crate::product::{MapGrid, Plane};
 use crate::progress::Watch;
 use crate::scene::Readout;
@@ -22,33 +23,63 @@ pub struct Mapped {
     pub bands: usize,
 }
 
-/// The scene of a product, and its cube; a scene file is a scene alone.
-fn scene_and_cube(of: &Path) -> Result<(PathBuf, Option<PathBuf>)> {
+/// What is in a product's image, as the files that it was made of have it now, and its cube; a scene file is a scene alone. Of a product of a campaign, the campaign's file says it.
+///
+/// # Errors
+/// [`Error::Invalid`] if the product was made of something else.
+fn subject_and_cube(of: &Path, campaign: Option<&Path>, watch: Watch<'_>) -> Result<(Subject, Option<PathBuf>)> {
     let report = of.join("report.json");
     if !report.is_file() {
-        return Ok((of.to_owned(), None));
+        let subject = match campaign {
+            None => Subject::from(scene_toml::read(of, watch)?),
+            Some(_) => return Err(Error::invalid(Location::file(of), "is not a product of a campaign")),
+        };
+        return Ok((subject, None));
     }
     let report: ProductReport = report_json::read(&report)?;
-    match report.inputs.first() {
-        Some(scene) => Ok((PathBuf::from(&scene.path), Some(of.join("cube.img")))),
-        None => Err(Error::invalid(Location::file(of), "its report names no scene: name the scene file")),
+    let subject = match (campaign, report.inputs.first()) {
+        (Some(campaign), _) => {
+            let of = of.canonicalize().map_err(|e| Error::io(of, "reading", e))?;
+            let name = of.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            acquired(campaign, &name, watch)?
+        }
+        (None, Some(scene)) => Subject::from(scene_toml::read(Path::new(&scene.path), watch)?),
+        (None, None) => {
+            return Err(Error::invalid(Location::file(of), "its report names no scene: name the scene file"));
+        }
+    };
+    if subject.id != report.scene {
+        let is_changed =
+            |input: &&report_json::Input| subject.inputs.iter().all(|now| report_json::Input::from(now) != **input);
+        let changed: Vec<&str> = report.inputs.iter().filter(is_changed).map(|input| input.path.as_str()).collect();
+        let (message, help) = match changed.is_empty() {
+            false => (
+                format!("was made of other files than are there now: {}", changed.join(", ")),
+                "simulate it again, or put back what it was made of",
+            ),
+            true => (
+                "is not of the moment and camera of its scene file: a campaign made it".to_owned(),
+                "name its campaign: --campaign CAMPAIGN.toml",
+            ),
+        };
+        return Err(Error::Invalid(vec![Problem::new(Location::file(of), message).with_help(help)]));
     }
+    Ok((subject, Some(of.join("cube.img"))))
 }
 
-/// Lays the image of a scene or product on the ground, and fills a folder (whether it may be replaced) with the map and its look-up table. Of a tunable filter one band
+/// Lays the image of a scene or product, of a campaign with its file, on the ground, and fills a folder (whether it may be replaced) with the map and its look-up table. Of a tunable filter one band
 /// is mapped, counted from 0: without one the reference.
 ///
 /// # Errors
 /// Those of [`scene_toml::read`], [`study::ortho`] and [`Staged::folder_of`]; [`Error::Invalid`] if the cube is not that scene's image; [`Error::Io`].
 pub fn ortho(
-    of: &Path,
+    (of, campaign): (&Path, Option<&Path>),
     (wish, band): (MapWish, Option<usize>),
     (target, replace): (&Path, bool),
     watch: Watch<'_>,
 ) -> Result<Mapped> {
     let staged = Staged::folder_of(&ortho_folder::FOLDER, target, replace)?;
-    let (scene_path, cube) = scene_and_cube(of)?;
-    let file = scene_toml::read(&scene_path, watch)?;
+    let (file, cube) = subject_and_cube(of, campaign, watch)?;
     staged.spares(file.inputs.iter().map(|input| input.path.as_path()).chain(cube.as_deref()))?;
     let motion = file.motion.as_ref().map(|(motion, timing)| (motion, *timing));
     let scene = &file.scene;
@@ -88,8 +119,7 @@ pub fn ortho(
         }
     }
     let mapped = Mapped { grid, entries: parts.len(), bands: bands.len() };
-    let id = scene_toml::id(&file.inputs);
-    ortho_folder::write(staged.path(), &grid, &parts, bands, &id).map_err(|error| staged.named(error))?;
+    ortho_folder::write(staged.path(), &grid, &parts, bands, &file.id).map_err(|error| staged.named(error))?;
     staged.commit()?;
     Ok(mapped)
 }

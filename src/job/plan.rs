@@ -8,7 +8,11 @@ use crate::study::{self, Extremes, Moving, Plan, Request};
 /// Decides by which models a scene is simulated, gives it these, and warns of what was asked for and does not come about.
 pub(super) fn decide(subject: &mut Subject, request: &Request, watch: Watch<'_>) -> Result<(Extremes, Plan)> {
     let (models, extremes, mut plan) = study::decide(&subject.scene, request, watch)?;
-    if let Some((motion, timing)) = &subject.motion {
+    if let Some((motion, timing)) = &mut subject.motion {
+        if timing.poses == 0 {
+            let moving = Moving { scene: &subject.scene, motion, timing: *timing, optics: None };
+            timing.poses = if request.choice.has_smear() { study::poses(moving, request.tolerance) } else { 1 };
+        }
         study::tell_correction(&mut plan.effects, motion.correction);
         let moving = Moving { scene: &subject.scene, motion, timing: *timing, optics: None };
         plan.moving = study::foreseen(moving, request.tolerance);

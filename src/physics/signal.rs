@@ -52,9 +52,9 @@ pub fn variance_e2(counted_e: f64, read_e: f64, step_e: f64) -> f64 {
     counted_e + read_e * read_e + step_e * step_e / 12.0
 }
 
-/// Signal over noise, of which the signal counts too: N / sqrt(N + D + R^2 + Q^2 / 12).
-pub fn snr(signal_e: f64, others_e: f64, read_e: f64, step_e: f64) -> f64 {
-    let variance = variance_e2(signal_e + others_e, read_e, step_e);
+/// Signal over noise, of which the signal counts too: N / sqrt(N + D + R^2 + Q^2 / 12 + (s N)^2), s the standard deviation of elements' sensitivities that calibration does not know.
+pub fn snr(signal_e: f64, others_e: f64, read_e: f64, step_e: f64, sensitivity_sd: f64) -> f64 {
+    let variance = variance_e2(signal_e + others_e, read_e, step_e) + (sensitivity_sd * signal_e).powi(2);
     if signal_e > 0.0 { signal_e / variance.sqrt() } else { 0.0 }
 }
 
@@ -73,7 +73,7 @@ mod tests {
     #[test]
     fn noise_adds_in_squares() {
         // 100 electrons beside 21 others, read 2, steps of sqrt(12) x 2: sqrt(121 + 4 + 4).
-        assert!((snr(100.0, 21.0, 2.0, 48.0_f64.sqrt()) - 100.0 / 129.0_f64.sqrt()).abs() < 1e-13);
-        assert_eq!(snr(0.0, 0.0, 0.0, 0.0), 0.0);
+        assert!((snr(100.0, 21.0, 2.0, 48.0_f64.sqrt(), 0.0) - 100.0 / 129.0_f64.sqrt()).abs() < 1e-13);
+        assert_eq!(snr(0.0, 0.0, 0.0, 0.0, 0.1), 0.0);
     }
 }

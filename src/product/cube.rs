@@ -203,19 +203,44 @@ impl Slab {
         part
     }
 
-    /// One slab of several, each times its weight: the same lines and bands, seen under the same sky from several poses.
-    /// `None` if they are not of the same pixels, bands and spectra, or one does not fit together.
+    /// One slab of several, each times its weight: the same lines and bands, seen from several poses. Spectra may be others, as of a body that comes into view.
+    /// `None` if they are not of the same pixels and bands, or one does not fit together.
     pub fn sum(parts: &[(f64, Slab)]) -> Option<Slab> {
         let (_, first) = parts.first()?;
         let pixels = first.row_start.len().checked_sub(1)?;
         let is_alike = |slab: &Slab| {
-            slab.problems(pixels).is_empty()
-                && (&slab.lines, &slab.bands, slab.first_thermal_row)
-                    == (&first.lines, &first.bands, first.first_thermal_row)
-                && slab.spectra == first.spectra
+            slab.problems(pixels).is_empty() && (&slab.lines, &slab.bands) == (&first.lines, &first.bands)
         };
         if !parts.iter().all(|(_, slab)| is_alike(slab)) {
             return None;
+        }
+        let mut sum = Self::sum_of_weights(parts, pixels);
+        let bands = first.bands.len();
+        let is_reached = |pixel| parts.iter().any(|(_, slab)| slab.added.place(pixel).is_some());
+        sum.added = Added::zeros((0..pixels).map(is_reached), bands);
+        let all = sum.added.reached();
+        for (share, Slab { added, .. }) in parts {
+            let places = (0..pixels).filter_map(|pixel| sum.added.place(pixel).zip(added.place(pixel)));
+            for (to, from) in places.collect::<Vec<_>>() {
+                for band in 0..bands {
+                    sum.added.radiance[band * all + to] += share * added.radiance[band * added.reached() + from];
+                }
+            }
+        }
+        Some(sum)
+    }
+
+    /// The same without what maps add: one list of spectra where all have it, else those of all.
+    fn sum_of_weights(parts: &[(f64, Slab)], pixels: usize) -> Slab {
+        let Some((_, first)) = parts.first() else { return Slab::default() };
+        let has_spectra_of_first =
+            |slab: &Slab| slab.first_thermal_row == first.first_thermal_row && slab.spectra == first.spectra;
+        if !parts.iter().all(|(_, slab)| has_spectra_of_first(slab)) {
+            let weighted = |(share, slab): &(f64, Slab)| {
+                let weight = slab.weight.iter().map(|weight| share * weight).collect();
+                Slab { weight, added: Added::default(), ..slab.clone() }
+            };
+            return Slab::over(&parts.iter().map(weighted).collect::<Vec<_>>());
         }
         let mut sum =
             Slab { row_start: vec![0], row: vec![], weight: vec![], added: Added::default(), ..first.clone() };
@@ -238,19 +263,7 @@ impl Slab {
             sum.weight.extend(entries.iter().map(|entry| entry.1));
             sum.row_start.push(sum.row.len());
         }
-        let bands = first.bands.len();
-        let is_reached = |pixel| parts.iter().any(|(_, slab)| slab.added.place(pixel).is_some());
-        sum.added = Added::zeros((0..pixels).map(is_reached), bands);
-        let all = sum.added.reached();
-        for (share, Slab { added, .. }) in parts {
-            let places = (0..pixels).filter_map(|pixel| sum.added.place(pixel).zip(added.place(pixel)));
-            for (to, from) in places.collect::<Vec<_>>() {
-                for band in 0..bands {
-                    sum.added.radiance[band * all + to] += share * added.radiance[band * added.reached() + from];
-                }
-            }
-        }
-        Some(sum)
+        sum
     }
 
     /// The same with a factor on each pixel and one on each band; what maps add is not carried over.
@@ -417,6 +430,9 @@ mod tests {
             all
         };
         let (beside, over) = (Slab::beside(&[a.clone(), b.clone()]), Slab::over(&[a.clone(), b.clone()]));
+        // Poses that see other spectra: half of each.
+        let sum = Slab::sum(&[(0.5, a.clone()), (0.5, b.clone())]).unwrap();
+        assert_eq!((radiance(&sum), radiance(&sum.thermal())), (vec![21.0, 1.5], vec![15.0, 1.5]));
         assert_eq!(
             (radiance(&beside), radiance(&beside.thermal())),
             (vec![32.0, 3.0, 10.0, 0.0], vec![30.0, 3.0, 0.0, 0.0])

@@ -3,7 +3,7 @@
 use crate::spectral::{ALL_UM, Band, MOST_BEYOND, Spectrum};
 
 /// The first relevant band that reaches too far beyond where a spectrum is known, as a sentence.
-pub(super) fn uncovered(
+pub(crate) fn uncovered(
     what: &str,
     spectrum: &Spectrum,
     bands: &[Band],

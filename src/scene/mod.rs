@@ -26,7 +26,8 @@ use glam::DVec3;
 use crate::error::{Error, Location, Problem, Result};
 use crate::geometry::signed_solid_angle_sr;
 use crate::spectral::{ALL_UM, Band, Light, MOST_BEYOND, Spectrum, solar_e490};
-use coverage::{percent, uncovered};
+use coverage::percent;
+pub(crate) use coverage::uncovered;
 
 pub use body::{Body, Surface};
 pub use exposure::Exposure;

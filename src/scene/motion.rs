@@ -48,7 +48,7 @@ impl Motion {
     /// # Errors
     /// [`Error::Invalid`] that says what is not known, and when it would be.
     pub fn position_m(&self, epoch: Epoch) -> Result<DVec3> {
-        Ok(self.almanac.state(&self.spacecraft, &self.body, &self.frame, epoch)?.position_m)
+        self.almanac.position_by_files_m(&self.spacecraft, &self.body, &self.frame, epoch)
     }
 
     /// A body of the sky as the surface sees it, from the body's centre along its axes, m.

@@ -26,6 +26,9 @@ impl Readout {
     }
 }
 
+/// A scene may state no more poses of an exposure.
+const MOST_POSES: f64 = 1000.0;
+
 /// When a sensor takes what.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Timing {
@@ -35,7 +38,7 @@ pub struct Timing {
     pub period_s: f64,
     /// For how long light is gathered, s.
     pub exposure_s: f64,
-    /// Poses of the camera that stand for its motion meanwhile, at even steps: 1 is the middle alone. 0 counts as 1.
+    /// Poses of the camera that stand for its motion meanwhile, at even steps: 1 is the middle alone. 0, which counts as 1, leaves it to a plan.
     pub poses: u32,
 }
 
@@ -124,9 +127,9 @@ impl Timing {
         if poses > 1.0 { moved_px / (8.0 * poses * poses) } else { moved_px }.min(1.0)
     }
 
-    /// How many poses keep that within a tolerance.
+    /// How many poses keep that within a tolerance; no more than a scene may state.
     pub fn poses_for(moved_px: f64, tolerance: f64) -> f64 {
-        (moved_px / (8.0 * tolerance)).sqrt().ceil().max(2.0)
+        (moved_px / (8.0 * tolerance)).sqrt().ceil().clamp(2.0, MOST_POSES)
     }
 
     /// From the start of the first exposure to the end of the last, s.

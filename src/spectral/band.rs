@@ -151,13 +151,19 @@ impl Band {
         if lo >= first_um.max(0.0) && hi <= last_um {
             return 0.0;
         }
-        let whole = match &self.response {
+        let whole = self.equivalent_width_um().unwrap_or(width_um);
+        let within: f64 = self.nodes(&[], known_um).iter().map(|n| n.1).sum();
+        (1.0 - within / whole).clamp(0.0, 1.0)
+    }
+
+    /// Integral of the response over its largest value, um; `None` for a monochromatic band. Of a Gaussian 1.064 times its full width at half maximum, of a squared sinc 1.122 times.
+    pub fn equivalent_width_um(&self) -> Option<f64> {
+        let width_um = self.fwhm_um?;
+        Some(match &self.response {
             Response::Gaussian => self.sigma_um() * std::f64::consts::TAU.sqrt(),
             Response::Sinc2 => self.first_null_um() * sinc_squared::energy_within(sinc_squared::CUT_NULLS),
             Response::Box | Response::Table(_) => width_um,
-        };
-        let within: f64 = self.nodes(&[], known_um).iter().map(|n| n.1).sum();
-        (1.0 - within / whole).clamp(0.0, 1.0)
+        })
     }
 
     /// Radiance in the band, W m-2 sr-1, from radiance per um: L times the FWHM; `None` for a monochromatic band.

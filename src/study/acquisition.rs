@@ -1,57 +1,26 @@
 //! What a camera sees of a scene that moves: each part of the cube at its own moment.
 
+use super::block::Ground;
 use super::cost::has_room;
 use super::extremes::Extremes;
 use super::maps::{MapAccount, MapOptions, Ready};
 use super::moments::Solved;
+use super::moving::Moving;
 use super::observation::{Observation, Put};
 use super::simulate::account_for;
 use super::spectrometer;
 use super::through_optics::{Blurs, Seen, other_spectra, serves};
 use crate::error::{Error, Location, Problem, Result};
-use crate::flight::Epoch;
-use crate::instrument::Optics;
 use crate::integrate::{self, Image, Wanted};
 use crate::product::{Backplanes, Exposed, Exposures, FacetTable, Footprints, Plane, RadianceMap, Slab};
 use crate::progress::{Progress, Watch, tell};
-use crate::scene::{Body, Exposure, Motion, Readout, Scene, Setup, Take, Timing};
+use crate::scene::{Readout, Scene, Take};
 use crate::solve;
-
-/// A scene at the moment of its reference exposure, and how it moves.
-#[derive(Debug, Clone, Copy)]
-pub struct Moving<'a> {
-    /// The scene then.
-    pub scene: &'a Scene,
-    /// How it moves.
-    pub motion: &'a Motion,
-    /// When what is taken.
-    pub timing: Timing,
-    /// What blurs an image before it is taken.
-    pub optics: Option<&'a Optics>,
-}
 
 /// What a stage of progress is called here.
 const STAGE: &str = "exposures";
 
 impl Moving<'_> {
-    /// The scene at the moment of a part of the cube, with what is exposed then, of a body or a part of it; under a sky that moves, or stands still.
-    fn at(&self, body: &Body, take: &Take, is_still: bool) -> Result<Scene> {
-        let Moving { scene, motion, .. } = *self;
-        let sky = if is_still { scene.sky.clone() } else { motion.sky(&scene.sky, self.epoch(take))? };
-        Scene::new(Setup { body: body.clone(), sky, exposure: self.exposure(take)?, models: scene.models })
-    }
-
-    /// What is exposed of a part of the cube, with the camera where it then is.
-    pub(super) fn exposure(&self, take: &Take) -> Result<Exposure> {
-        self.exposure_at(take, take.middle_s)
-    }
-
-    pub(super) fn exposure_at(&self, take: &Take, s: f64) -> Result<Exposure> {
-        let mut exposure = take.exposure(&self.scene.exposure);
-        exposure.camera.world_from_sensor = take.pose(self.motion.pose(self.motion.start.after_s(s))?, s);
-        Ok(exposure)
-    }
-
     /// The radiance of a part of the cube: the mean of its poses, under the sky of its middle; if they are wanted also the planes and footprints of its middle.
     fn looked_at(
         &self,
@@ -131,14 +100,7 @@ impl Moving<'_> {
         }
         Ok(planes.filter(|_| with_planes))
     }
-
-    pub(super) fn epoch(&self, take: &Take) -> Epoch {
-        self.motion.start.after_s(take.middle_s)
-    }
 }
-
-/// Planes of lines, and which facets their pixels see, if that is wanted.
-pub(super) type Ground = (Backplanes, Option<Footprints>);
 
 /// Looks at a moving scene: `put` takes the slabs of the cube as they are made. Backplanes of a filter are those of the reference exposure, of
 /// a push-broom those of its lines. The account is of the reference exposure.
@@ -317,7 +279,9 @@ fn acquire(
         (observation.backplanes, observation.footprints) = (lines, footprints);
     }
     let reference = (timing.readout == Readout::Band).then(|| timing.reference(&scene.exposure));
-    observation.warnings.extend(moving.smear_remark(tolerance).into_iter().chain(solved.remark(tolerance)));
+    observation.warnings.extend(
+        moving.smear_remark(tolerance).into_iter().chain(moving.advance_remark()).chain(solved.remark(tolerance)),
+    );
     observation.exposures = Some(Exposures { origin_m: scene.body.origin_m, taken, reference });
     Ok(observation)
 }

@@ -2,13 +2,16 @@
 
 use std::rc::Rc;
 
-use super::acquisition::{Ground, Moving};
+use super::moving::Moving;
 use super::through_optics::refined;
 use crate::error::Result;
 use crate::geometry::whole;
-use crate::product::FacetTable;
+use crate::product::{Backplanes, FacetTable, Footprints};
 use crate::scene::{Body, Exposure, Take};
 use crate::visibility::FacetGroups;
+
+/// Planes of lines, and which facets their pixels see, if that is wanted.
+pub(super) type Ground = (Backplanes, Option<Footprints>);
 
 /// Lines of a push-broom that look at one part of the body, at most.
 pub(super) const BLOCK: usize = 16;

@@ -321,17 +321,26 @@ impl<'a> Locator<'a> {
             }
         };
         let mut before = look(0)?;
+        let mut outside = None;
         for i in 1..=looks {
             let after = look(i)?;
             if let (Some(a), Some(b)) = (before.1, after.1)
                 && (a <= 0.0) != (b <= 0.0)
             {
-                return self.crossing((before.0, a), (after.0, b), side).map(Some);
+                // Jitter crosses it several times: in the image, if in any.
+                let line = self.crossing((before.0, a), (after.0, b), side)?;
+                if (0.0..=lines - 1.0).contains(&line) {
+                    return Ok(Some(line));
+                }
+                outside.get_or_insert(line);
             }
             before = after;
         }
         if let Some(problems) = unknown.filter(|_| known == 0) {
             return Err(Error::Invalid(problems));
+        }
+        if outside.is_some() {
+            return Ok(outside);
         }
         // Exactly in the last moment's slit.
         Ok(before.1.filter(|y| *y == 0.0).map(|_| before.0))

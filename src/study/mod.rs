@@ -17,6 +17,7 @@ pub mod locate;
 mod map_light;
 mod maps;
 mod moments;
+mod moving;
 mod observation;
 pub mod over_cube;
 mod partly_sky;
@@ -39,13 +40,14 @@ mod through_optics;
 pub mod validate;
 mod warnings;
 
-pub use acquisition::{Moving, acquire_by_maps, acquire_by_slabs, acquire_by_table};
+pub use acquisition::{acquire_by_maps, acquire_by_slabs, acquire_by_table};
 pub use coarser::Coarser;
 pub use cost::{Looks, WITHIN, has_room, memory_bytes, product_bytes};
 pub use dry_run::{DryRun, dry_run};
 pub use effects::{Bound, Decision, Effect, OwnTolerance, StageShare, tell_correction, tell_instrument};
 pub use extremes::Extremes;
 pub use maps::{Fill, MapAccount, MapEntry, MapOptions, RegistrationEntry, observe_maps, observe_maps_by_slabs};
+pub use moving::Moving;
 pub use observation::{Check, Counts, Observation, Put};
 pub use orientation::Orientation;
 pub use ortho::{MapWish, ortho, reference_band};
@@ -53,7 +55,7 @@ pub use plan::{Choice, Plan, Request, TOLERANCE, decide, left_out_of_table, look
 pub use reading::{BandSignal, GOOD, Reader, Reading};
 pub use sights::sights;
 pub use simulate::{observe, observe_by_slabs, observe_through, simulate};
-pub use smear::{foreseen, tell_exposure};
+pub use smear::{foreseen, poses, tell_exposure};
 pub use summary::Summary;
 pub use surface_map::SurfaceMap;
 pub use surfaces::{

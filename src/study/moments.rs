@@ -2,10 +2,10 @@
 
 use std::rc::Rc;
 
-use super::acquisition::Moving;
 use super::block::{BLOCK, Block};
 use super::effects::Given;
 use super::extremes::Extremes;
+use super::moving::Moving;
 use crate::error::{Error, Result};
 use crate::geometry::whole_u32;
 use crate::integrate::{self, Wanted};

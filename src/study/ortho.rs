@@ -11,6 +11,9 @@ use crate::scene::{Motion, Readout, Scene, Timing};
 /// A map of more cells is refused.
 const MOST_CELLS: f64 = (1_u64 << 26) as f64;
 
+/// Borders that are this part of a cell off whole cells are so by rounding.
+const PART_OF_CELL: f64 = 1e-6;
+
 /// A map that is asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MapWish {
@@ -75,6 +78,14 @@ fn grid(scene: &Scene, looks: &[(Scene, [u32; 2])], wish: MapWish, watch: Watch<
     let (columns, rows) = (((east - west) / wish.cell).round(), ((north - south) / wish.cell).round());
     if !(columns >= 1.0 && rows >= 1.0) {
         return refused("borders are west, south, east, north, and at least a cell apart");
+    }
+    let is_whole = |extent: f64, cells: f64| (extent / wish.cell - cells).abs() <= PART_OF_CELL;
+    if !is_whole(east - west, columns) || !is_whole(north - south, rows) {
+        let (east, north) = (west + columns * wish.cell, south + rows * wish.cell);
+        return refused(&format!(
+            "from border to border there are whole cells of {}: with {columns} x {rows} of them the borders are {west}, {south}, {east} and {north}",
+            wish.cell
+        ));
     }
     if columns * rows > MOST_CELLS {
         return refused(&format!("{columns} x {rows} cells are too many: take larger ones, or state borders"));

@@ -58,18 +58,27 @@ impl Choice {
         }
         for key in text.split(',').map(str::trim) {
             let of_key = |kind: &&EffectKind| kind.switch.is_some() || kind.key == SUNLIGHT;
-            let Some(kind) = ALL.iter().filter(of_key).find(|kind| kind.key == key) else {
-                let known: Vec<&str> = ALL.iter().filter(of_key).map(|kind| kind.key).collect();
+            let known: Vec<&str> = ALL.iter().filter(of_key).map(|kind| kind.key).chain([SMEAR]).collect();
+            if !known.contains(&key) {
                 return Err(format!(
                     "{key:?} is not a model: give auto, thesis, full, or some of {}, joined by commas",
                     known.join(", ")
                 ));
-            };
-            if !keys.iter().any(|k| k == kind.key) {
-                keys.push(kind.key.to_owned());
+            }
+            if !keys.iter().any(|k| k == key) {
+                keys.push(key.to_owned());
             }
         }
         Ok(Choice::Only(keys))
+    }
+
+    /// Whether motion within an exposure is integrated as finely as the tolerance needs, where the scene does not say how.
+    pub fn has_smear(&self) -> bool {
+        match self {
+            Choice::Auto | Choice::Full => true,
+            Choice::Thesis => false,
+            Choice::Only(keys) => keys.iter().any(|key| key == SMEAR),
+        }
     }
 }
 
@@ -86,6 +95,8 @@ impl std::fmt::Display for Choice {
 
 /// Sunlight is always there: a list may name it.
 const SUNLIGHT: &str = "sunlight";
+/// Motion within an exposure, which is no effect on the light.
+const SMEAR: &str = "smear";
 
 /// Which effects are modelled, and why.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

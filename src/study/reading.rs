@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::{Error, Location, Problem, Result};
 use crate::instrument::{Counting, Detector, Element};
 use crate::product::{CubeAxes, Slab};
-use crate::scene::Readout;
+use crate::scene::{Readout, uncovered};
 
 /// A detector at work on one cube.
 #[derive(Debug, Clone)]
@@ -57,6 +57,15 @@ pub struct BandSignal {
     pub read_e: f64,
     /// Noise of rounding to whole steps, electrons.
     pub rounding_e: f64,
+    /// Noise of the elements' sensitivities, electrons, at the mean radiance: the same in every image.
+    #[serde(default)]
+    pub sensitivity_e: f64,
+    /// Calibration: radiance is `radiance_per_dn` times (number - `zero_dn`), W m-2 sr-1 um-1.
+    #[serde(default)]
+    pub radiance_per_dn: f64,
+    /// The number that no light gives, on average.
+    #[serde(default)]
+    pub zero_dn: f64,
     /// Signal over noise of the lowest radiance.
     pub snr_lowest: f64,
     /// Signal over noise of the mean radiance.
@@ -76,8 +85,11 @@ impl Reader {
     /// For the cube of an exposure, of which this much is read at once. Noise is another one on another occasion; elements are the same.
     ///
     /// # Errors
-    /// [`Error::Invalid`] with each band that has no width.
+    /// [`Error::Invalid`] with each band that has no width, or is not covered by the detector's throughput.
     pub fn new(detector: &Detector, axes: CubeAxes, (readout, occasion): (Readout, u64)) -> Result<Self> {
+        if let Some(message) = uncovered("throughput", &detector.throughput, &axes.bands, |_| true) {
+            return Err(Error::invalid(Location::item("sensor.detector.throughput"), message));
+        }
         let bands: Vec<Option<Counting>> = axes.bands.iter().map(|band| detector.counting(band)).collect();
         let problem = |(i, _): (usize, &Option<Counting>)| {
             let message = format!("a band at {} um without a width has no electrons", axes.bands[i].centre_um);
@@ -101,6 +113,9 @@ impl Reader {
             shot_e: 0.0,
             read_e: counting.read_e,
             rounding_e: counting.step_e / 12.0_f64.sqrt(),
+            sensitivity_e: 0.0,
+            radiance_per_dn: counting.radiance_per_dn(),
+            zero_dn: counting.zero_dn(),
             snr_lowest: 0.0,
             snr_mean: 0.0,
             pixels: 0,
@@ -206,6 +221,7 @@ impl Reader {
                 mean,
                 lowest,
                 signal_e,
+                sensitivity_e: counting.sensitivity_sd * signal_e,
                 shot_e: (signal_e + sums.others_e).sqrt(),
                 snr_lowest: counting.snr(lowest),
                 snr_mean: counting.snr(mean),
@@ -213,6 +229,22 @@ impl Reader {
             }
         };
         self.account.iter().zip(&self.bands).map(finished).collect()
+    }
+
+    /// What a reader of the cube must know of it, as sentences: values that are bounds, because they were too bright.
+    pub fn remarks(&self) -> Vec<String> {
+        let full: Vec<&BandSignal> = self.account.iter().filter(|band| band.saturated > 0).collect();
+        let Some(worst) = full.iter().max_by_key(|band| band.saturated) else { return vec![] };
+        vec![format!(
+            "{} of {} bands have saturated values, which the cube holds as if they were radiances: {} of {} pixels at {} um, where nothing above {:.3e} W m-2 sr-1 um-1 is measured; \
+             take a shorter exposure, or less throughput",
+            full.len(),
+            self.account.len(),
+            worst.saturated,
+            self.axes.samples * self.axes.lines,
+            worst.centre_um,
+            worst.brightest
+        )]
     }
 
     /// Images of signal over noise: the mean over bands, the lowest of them, and the share of bands in which it is at least [`GOOD`].

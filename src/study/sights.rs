@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::acquisition::Moving;
 use super::block::BLOCK;
+use super::moving::Moving;
 use crate::error::Result;
 use crate::geometry::polygon::{Point, Rect, area, area_and_moment, intersect, side, split};
 use crate::geometry::{Facet, FrameCamera};

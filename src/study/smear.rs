@@ -1,61 +1,121 @@
 //! Smear: how far what is seen moves during an exposure, and what is said of it.
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
-use super::acquisition::Moving;
+use super::moving::Moving;
 use super::observation::Observation;
-use crate::geometry::FrameCamera;
+use crate::geometry::{FrameCamera, whole_u32};
 use crate::product::{Exposed, Exposures};
-use crate::scene::{Readout, Timing};
+use crate::scene::{Readout, Take, Timing};
 
 /// Exposures whose smear is looked at, and steps in each.
 const SMEARS: usize = 16;
 const SMEAR_STEPS: u32 = 8;
+/// A plan takes no more poses of an exposure: what is left is said.
+const MOST_POSES: u32 = 64;
 /// A smear of fewer pixels is not worth a word.
 const SMEAR_PX: f64 = 0.05;
+/// Lines that follow one another closer, or farther apart, than so many pixels are worth one.
+const ADVANCE_PX: [f64; 2] = [0.5, 1.5];
 
 impl Moving<'_> {
-    /// By how many pixels what is in the middle of the mesh moves during an exposure at most, of some of them; `None` where that is not before the
-    /// camera, or not known.
+    /// By how many pixels what an exposure shows moves meanwhile at most, of some exposures: in the middle of its image, along its borders and in its corners, as far away as the middle
+    /// of the mesh. Infinite where it comes to lie behind the camera, `None` where nothing is known.
     fn smear_px(&self) -> Option<f64> {
-        let Moving { scene, motion, timing, .. } = *self;
-        if let Readout::Sample(mirror) = timing.readout {
-            // The mirror is what moves.
-            let turned_rad = mirror.step_rad.abs() * timing.exposure_s / mirror.sample_s;
-            return Some(turned_rad / scene.exposure.camera.pitch[0]);
-        }
-        let (low_m, high_m) = scene.body.bounds_m()?;
-        let seen = |s: f64| {
-            let pose = motion.pose(motion.start.after_s(s)).ok()?;
-            let camera = FrameCamera { world_from_sensor: pose, ..scene.exposure.camera.clone() };
-            camera.place(0.5 * (low_m + high_m)).map(DVec2::from)
+        let timing = self.timing;
+        let takes: Vec<Take> = timing.takes(&self.scene.exposure).collect();
+        let of_take = |take: &Take| {
+            let points_m = self.shown_m(take)?;
+            let at = |k: u32| take.middle_s + timing.exposure_s * (f64::from(k) / f64::from(SMEAR_STEPS) - 0.5);
+            // Beside the middle, nothing may be known.
+            let cameras = (0..=SMEAR_STEPS).filter_map(|k| Some(self.exposure_at(take, at(k)).ok()?.camera));
+            let cameras: Vec<FrameCamera> = cameras.collect();
+            let moved_px = |point_m: &DVec3| {
+                let places: Option<Vec<DVec2>> =
+                    cameras.iter().map(|camera| camera.place(*point_m).map(DVec2::from)).collect();
+                let Some(places) = places else { return f64::INFINITY };
+                let end = |by: fn(DVec2, DVec2) -> DVec2| places.iter().copied().reduce(by).unwrap_or_default();
+                (end(DVec2::max) - end(DVec2::min)).length()
+            };
+            points_m.iter().map(moved_px).reduce(f64::max)
         };
-        let count = timing.count(&scene.exposure);
-        let of_exposure = |i: usize| {
-            let at = |k: u32| timing.middle_s(i) + timing.exposure_s * (f64::from(k) / f64::from(SMEAR_STEPS) - 0.5);
-            let places: Option<Vec<DVec2>> = (0..=SMEAR_STEPS).map(|k| seen(at(k))).collect();
-            let places = places?;
-            let end = |by: fn(DVec2, DVec2) -> DVec2| places.iter().copied().reduce(by);
-            Some((end(DVec2::max)? - end(DVec2::min)?).length())
-        };
-        (0..count).step_by(count.div_ceil(SMEARS).max(1)).filter_map(of_exposure).reduce(f64::max)
+        some(&takes).filter_map(of_take).reduce(f64::max)
+    }
+
+    /// Points that an exposure shows in its middle, along its borders and in its corners, as far away as the middle of the mesh, m.
+    fn shown_m(&self, take: &Take) -> Option<Vec<DVec3>> {
+        let (low_m, high_m) = self.scene.body.bounds_m()?;
+        let camera = self.exposure_at(take, take.middle_s).ok()?.camera;
+        let far_m = (0.5 * (low_m + high_m) - camera.centre_m()).length();
+        let [samples, lines] = [camera.samples, camera.lines].map(f64::from);
+        let shares = [0.5, 0.0, 1.0];
+        let places = shares.into_iter().flat_map(|x| shares.map(|y| (x * samples, y * lines)));
+        let points = places.map(|(x, y)| camera.centre_m() + far_m * camera.ray(x, y).normalize());
+        Some(points.filter(|point| point.is_finite()).collect())
     }
 
     /// What a reader of the result should know of it.
     pub(super) fn smear_remark(&self, tolerance: f64) -> Option<String> {
         let smear_px = self.smear_px().filter(|px| *px > SMEAR_PX)?;
+        let camera = &self.scene.exposure.camera;
+        let poses = self.timing.poses.max(1);
+        // Then parts of the image have nothing in common.
+        if smear_px > f64::from(camera.samples.max(camera.lines)) {
+            let count = if poses == 1 { "one pose stands".to_owned() } else { format!("{poses} poses stand") };
+            return Some(format!(
+                "what is seen leaves the image during an exposure, for which {count}: no bound holds; a shorter `sensor.exposure_s`, or a slower turn, would be another image"
+            ));
+        }
         let moves = format!("what is seen moves by {smear_px:.2} pixels during an exposure");
-        Some(match self.timing.poses {
-            0 | 1 => format!(
+        Some(match poses {
+            1 => format!(
                 "{moves}, of which the middle is taken: `sensor.exposure_poses = {}` keeps errors at edges within {tolerance}",
                 Timing::poses_for(smear_px, tolerance)
             ),
-            poses => format!(
-                "{moves}, for which {poses} poses stand: at an edge a pixel is off by at most {:.1e} of the contrast",
+            _ => format!(
+                "{moves}, for which {poses} poses stand: at an edge a pixel is off by at most {:.1e} of the contrast; Sun and shadows are those of the middle",
                 self.timing.smear_error(smear_px)
             ),
         })
     }
+
+    /// Of a push-broom, what a reader should know of how its lines follow one another: that they show the same ground, or leave some out.
+    pub(super) fn advance_remark(&self) -> Option<String> {
+        if self.timing.readout != Readout::Line {
+            return None;
+        }
+        let takes: Vec<Take> = self.timing.takes(&self.scene.exposure).collect();
+        let advance_px = |pair: &[Take]| {
+            let point_m = *self.shown_m(&pair[0])?.first()?;
+            let seen = |take: &Take| self.exposure_at(take, take.middle_s).ok()?.camera.place(point_m);
+            Some((seen(&pair[1])?[1] - seen(&pair[0])?[1]).abs())
+        };
+        let pairs: Vec<&[Take]> = takes.windows(2).collect();
+        let mut all: Vec<f64> = some(&pairs).filter_map(|pair| advance_px(pair)).collect();
+        if all.is_empty() {
+            return None;
+        }
+        let middle = all.len() / 2;
+        let px = *all.select_nth_unstable_by(middle, f64::total_cmp).1;
+        let lines = format!("from line to line the slit goes on by {px:.2} pixels of the ground");
+        if px < ADVANCE_PX[0] {
+            let help = "a push-broom flies across its slit: leave `target_m` out, and take `up = \"backward\"` in `[flight.pointing]`, or a longer `period_s`";
+            return Some(format!("{lines}: lines show nearly the same ({help})"));
+        }
+        (px > ADVANCE_PX[1])
+            .then(|| format!("{lines}: what is between lines is not seen (a shorter `period_s` would show it)"))
+    }
+}
+
+/// Some of a list, evenly.
+fn some<T>(all: &[T]) -> impl Iterator<Item = &T> {
+    all.iter().step_by(all.len().div_ceil(SMEARS).max(1))
+}
+
+/// How many poses keep an exposure's smear within a tolerance: one if that does, or if how things move is not known.
+pub fn poses(moving: Moving<'_>, tolerance: f64) -> u32 {
+    let smear_px = moving.smear_px().filter(|px| *px > tolerance);
+    smear_px.map_or(1, |px| whole_u32(Timing::poses_for(px, tolerance)).clamp(1, MOST_POSES))
 }
 
 /// What is known before of how a scene is taken: by how much it moves during an exposure, and what moment other commands take for all of it.
@@ -70,7 +130,7 @@ pub fn foreseen(moving: Moving<'_>, tolerance: f64) -> Vec<String> {
             reference + 1
         )
     });
-    parts.into_iter().chain(moving.smear_remark(tolerance)).collect()
+    parts.into_iter().chain(moving.smear_remark(tolerance)).chain(moving.advance_remark()).collect()
 }
 
 /// Adds to the account of a frame that was taken at once when and from where it was.

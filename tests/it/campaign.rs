@@ -300,6 +300,8 @@ fn what_has_changed_is_made_again() {
     std::fs::write(product.join("cube.img"), "short").unwrap();
     std::fs::remove_file(scratch.join(&format!("out/products/{}/backplanes.hdr", NAMES[0]))).unwrap();
     std::fs::write(scratch.join(&format!("out/sights/{}.npz", NAMES[1])), "PK").unwrap();
+    std::fs::remove_file(scratch.join(&format!("out/products/{}/quicklook.png", NAMES[1]))).unwrap();
+    std::fs::write(scratch.join(&format!("out/products/{}/exposures.csv", NAMES[2])), "part").unwrap();
     std::fs::create_dir_all(scratch.join("out/failed")).unwrap();
     std::fs::write(scratch.join("out/failed/site.json"), "?").unwrap();
     let (code, lines, err) = made(&scratch, "out", &[]);
@@ -319,6 +321,25 @@ fn what_has_changed_is_made_again() {
     assert_eq!(run(&["-q", "simulate", &scene, "-o", &folder]).0, 0);
     let (code, lines, _) = made(&scratch, "out", &[]);
     assert_eq!((code, states(&lines, "failed"), states(&lines, "kept")), (1, 1, 3));
+}
+
+/// A product of a campaign is of its own moment and camera, which its scene file does not say.
+#[test]
+fn a_product_is_mapped_by_its_campaign() {
+    let scratch = scratch();
+    assert_eq!(made(&scratch, "out", &[]).0, 0);
+    let [product, map, campaign] = ["out/products/site", "map", "campaign.toml"].map(|name| scratch.argument(name));
+    let (code, _, err) = run(&["locate", &product, "--ortho", "plate-carree:0.5", "-o", &map]);
+    assert!(code != 0 && err.contains("--campaign"), "{err}");
+    let ortho = ["locate", &product, "--ortho", "plate-carree:0.5", "-o", &map, "--campaign", &campaign];
+    let (code, _, err) = run(&ortho);
+    assert_eq!(code, 0, "{err}");
+    // What the image shows lies about what it looks at.
+    let header = std::fs::read_to_string(scratch.join("map/ortho.hdr")).unwrap();
+    let info = header.lines().find(|line| line.starts_with("map info")).unwrap();
+    let numbers: Vec<f64> = info.split([',', '{', '}']).filter_map(|part| part.trim().parse().ok()).collect();
+    let [west, north] = [numbers[2], numbers[3]];
+    assert!((west - 10.0).abs() < 20.0 && (north - 5.0).abs() < 20.0, "{info}");
 }
 
 /// What cannot be made does not stop the others, is told at the place that asks for it, and is tried again.

@@ -494,6 +494,8 @@ fn tables_are_read() {
         ("\n10,", "\n0,", "a.csv:5:1: is not later than the row before it"),
         ("0.1,", "0.1,7,", "a.csv:5:1: 12 columns where the header has 11"),
         ("0.1", "?", "a.csv:5:7: `?` is not a finite number"),
+        ("# epoch", "# fram = J2000\n# epoch", "did you mean `frame`?"),
+        ("\n20,", "\n1e14,", "more than 100,000 years away"),
         ("0.5,0.5,0.5,0.5\n10", "0.5,0.5,0.5,0.7\n10", "the quaternion of sc has length"),
     ] {
         let changed = text.replacen(from, to, 1);
@@ -608,6 +610,22 @@ fn steps_are_sampled_and_their_number_is_bounded() {
         .collect();
     // 3600 s and 3000 s, both ends included.
     assert_eq!(lengths, [7, 6]);
+    // An hour has 60 steps of a minute in the scale of the file, whose seconds are not those of TDB: no row lies just before the last one.
+    let mut looked_at = 0;
+    for scale in ["utc", "tai", "tt", "gps", "tdb"] {
+        for month in 1..=12 {
+            let at = |hour: u32| format!("2027-{month:02}-0{}T0{hour}:59:30.{month:03}", 1 + month % 9);
+            let rows = format!("{},1,2,3\n{},2,2,3\n", at(6), at(7));
+            let text = format!("# centre = PHOBOS\n# frame = J2000\n# degree = 1\n{scale},a_x_m,a_y_m,a_z_m\n{rows}");
+            let (text, _) = ccsds::oem(&table(&text).unwrap(), &leap(), Some(60.0)).unwrap();
+            let trajectory = parsed(&text).unwrap().trajectories.remove(0).1;
+            let flight::Path::Nodes(nodes) = &trajectory.segments[0].path else { panic!("{trajectory:?}") };
+            let steps: Vec<f64> = nodes.tdb_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+            assert!(steps.len() == 60 && steps.iter().all(|s| (s - 60.0).abs() < 1e-5), "{scale} {month}: {steps:?}");
+            looked_at += 1;
+        }
+    }
+    assert_eq!(looked_at, 60);
     for step_s in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-9] {
         assert!(ccsds::oem(&file, &leap(), Some(step_s)).is_err(), "{step_s}");
     }

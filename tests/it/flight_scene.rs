@@ -219,3 +219,89 @@ fn a_moving_scene_becomes_a_sequence_of_dart() {
     assert_eq!(code, 0, "{err}");
     assert!((out + &err).contains("with all of the image taken at once"), "{err}");
 }
+
+/// Motion within an exposure is integrated as finely as the tolerance needs, unless the scene or a list of models says otherwise.
+#[test]
+fn a_plan_takes_as_many_poses_as_its_tolerance_needs() {
+    let scratch = Scratch::new();
+    let filter = "samples = 8\nkind = \"tunable_filter\"\nperiod_s = 1.0";
+    let (scene, out) = (scratch.argument("scene.toml"), scratch.argument("out"));
+    let cube = |poses: &str, more: &[&str]| {
+        let sensor = format!("{filter}\n{poses}");
+        scratch.write("scene.toml", replaced(FLYING, &[("samples = 8", sensor.as_str())]));
+        let (code, _, err) = run(&[&["simulate", &scene, "-o", &out, "--force", "--dtype", "f64"], more].concat());
+        assert_eq!(code, 0, "{err}");
+        let report = std::fs::read_to_string(scratch.join("out/report.json")).unwrap();
+        (std::fs::read(scratch.join("out/cube.img")).unwrap(), report)
+    };
+    // 12 m/s along the way, below which Phobos turns, at 7 km: 1 or 2 pixels of 7 m in a second.
+    let (by_plan, report) = cube("", &["--model", "sunlight,smear", "--tolerance", "0.01"]);
+    let count: u32 = report.split(" poses stand").next().unwrap().rsplit(' ').next().unwrap().parse().unwrap();
+    // The square root of 1.2 to 2.5 pixels over 8 times the tolerance.
+    assert!((4..=6).contains(&count), "{report}");
+    assert!(by_plan == cube(&format!("exposure_poses = {count}"), &["--model", "sunlight"]).0);
+    let (middle, report) = cube("", &["--model", "sunlight"]);
+    assert!(report.contains("of which the middle is taken") && middle != by_plan);
+    assert!(middle == cube("exposure_poses = 1", &["--model", "sunlight,smear"]).0);
+}
+
+/// An orbit about Mars needs to know where the body is: a rough orbit is for light alone.
+#[test]
+fn a_camera_is_not_placed_by_what_is_rough() {
+    let scratch = Scratch::new();
+    let orbit = "# centre = MARS\n# frame = J2000\n# degree = 1\ntdb,mmx_x_km,mmx_y_km,mmx_z_km\n\
+                 2027-05-01T00:00:00,9400,0,0\n2027-05-02T00:00:00,9400,1,0\n";
+    scratch.write("mmx.csv", orbit.to_owned());
+    let files = "files = [\"mmx.csv\"]\nspacecraft = \"MMX\"";
+    scratch.write("scene.toml", replaced(FLYING, &[("orbit = \"qso-20x27\"", files)]));
+    let scene = scratch.argument("scene.toml");
+    let (code, _, err) = run(&["simulate", &scene, "-o", &scratch.argument("out")]);
+    assert!(code != 0 && err.contains("MMX is about PHOBOS is not known"), "{err}");
+    assert!(err.contains("no file says where PHOBOS is about MARS"), "{err}");
+    // With it, all is known; and what tables do not say is said to be taken.
+    let phobos = orbit.replace("mmx_", "phobos_").replace("9400,0,0", "9380,0,0").replace("9400,1,0", "9380,1,0");
+    scratch.write("phobos.csv", phobos.replace("# degree = 1\n", ""));
+    scratch.edit("scene.toml", "[\"mmx.csv\"]", "[\"mmx.csv\", \"phobos.csv\"]");
+    let file = scene_toml::read(&scratch.join("scene.toml"), &unwatched).unwrap();
+    let eye = file.scene.exposure.camera.centre_m() + file.scene.body.origin_m;
+    assert!((eye.length() - 20_000.0).abs() < 1e-3, "{eye:?}");
+    assert!(file.defaults.iter().any(|stated| stated.value.contains("phobos.csv") && stated.value.contains("degree")));
+}
+
+/// A push-broom that looks at one point shows one line again and again.
+#[test]
+fn lines_that_do_not_go_on_are_told() {
+    let scratch = Scratch::new();
+    let (scene, out) = (scratch.argument("scene.toml"), scratch.argument("out"));
+    let told = |pointing: &str| {
+        let sensor = "samples = 8\nkind = \"push_broom\"\nperiod_s = 0.6\nexposure_poses = 1";
+        let orbit = format!("orbit = \"qso-20x27\"\npointing = {{ {pointing} }}");
+        scratch.write("scene.toml", replaced(FLYING, &[("samples = 8", sensor), ("orbit = \"qso-20x27\"", &orbit)]));
+        let (code, _, err) = run(&["simulate", &scene, "-o", &out, "--force", "--model", "sunlight"]);
+        assert_eq!(code, 0, "{err}");
+        err
+    };
+    assert!(told("target_m = [13000.0, 0.0, 0.0]").contains("goes on by 0.0"));
+    assert!(told("up = \"north\"").contains("show nearly the same"));
+    assert!(!told("up = \"backward\"").contains("goes on by"));
+}
+
+/// What turns about the boresight moves in the corners, and what turns away is nowhere after half of an exposure.
+#[test]
+fn turns_within_an_exposure_are_smear() {
+    let scratch = Scratch::new();
+    let (scene, out) = (scratch.argument("scene.toml"), scratch.argument("out"));
+    let told = |scan: &str| {
+        let orbit = format!("orbit = \"qso-20x27\"\npointing = {{ scan = {{ {scan} }} }}");
+        let sensor = "samples = 8\nexposure_s = 0.5";
+        scratch.write("scene.toml", replaced(FLYING, &[("samples = 8", sensor), ("orbit = \"qso-20x27\"", &orbit)]));
+        let (code, _, err) = run(&["simulate", &scene, "-o", &out, "--force", "--model", "sunlight"]);
+        assert_eq!(code, 0, "{err}");
+        err
+    };
+    // A corner is 4 sqrt 2 pixels off: 10 deg/s for half a second are a chord of 0.49, and the way adds up to 0.6.
+    let err = told("axis = \"z\", rate_deg_s = 10.0");
+    let px: f64 = err.split("moves by ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    assert!((0.5..=1.5).contains(&px), "{err}");
+    assert!(told("axis = \"x\", rate_deg_s = 720.0, start_deg = -180.0").contains("leaves the image"), "{err}");
+}

@@ -48,6 +48,7 @@ fn run() -> Run {
         cpu_s: None,
         stages: vec![],
         costs: vec![],
+        files: std::collections::BTreeMap::new(),
     }
 }
 

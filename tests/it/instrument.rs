@@ -3,6 +3,7 @@
 use mmxrt::formats::scene_toml;
 use mmxrt::physics::mtf;
 use mmxrt::progress::unwatched;
+use mmxrt::spectral::{Band, Extend, Response, Spectrum};
 use serde_json::Value;
 
 use crate::cli::run;
@@ -96,6 +97,9 @@ fn scattered_light_is_the_mean_of_the_image() {
     }
 }
 
+/// Area under a Gaussian of height 1, over its full width at half maximum: sqrt(pi / (4 ln 2)).
+const GAUSSIAN: f64 = 1.064_467_019_431_226_2;
+
 /// F/4, 30 um, 0.3, 0.05 s: electrons as worked out by hand for 1 um.
 const DETECTOR: &str = "f_number = 4.0\npixel_um = 30.0\nexposure_s = 0.05\n[sensor.detector]\nthroughput = 0.3\nread_e = 100\ndark_e_s = 1e4\nstep_e = 50\noffset_dn = 300\n";
 
@@ -105,8 +109,8 @@ fn a_detector_counts_what_it_should_and_as_noisily() {
     let ideal = simulate(&scratch, "ideal", &["--ideal"]);
     let cube = simulate(&scratch, "read", &[]);
     // pi (30e-6)^2 / 65 m2 sr x 0.01 um x 0.3 x 0.05 s / (h c / 1 um).
-    let per_radiance =
-        std::f64::consts::PI * 9e-10 / 65.0 * 0.01 * 0.3 * 0.05 * 1e-6 / (6.626_070_15e-34 * 299_792_458.0);
+    let per_radiance = std::f64::consts::PI * 9e-10 / 65.0 * (0.01 * GAUSSIAN) * 0.3 * 0.05 * 1e-6
+        / (6.626_070_15e-34 * 299_792_458.0);
     let mut squares = 0.0;
     for (value, ideal) in cube[..192].iter().zip(&ideal[..192]) {
         let signal_e = ideal * per_radiance;
@@ -226,6 +230,116 @@ fn what_is_wrong_is_said_where_it_is() {
     assert!(code != 0 && err.contains("--ideal"), "{err}");
     let (code, _, err) = run(&["simulate", &scratch.argument("scene.toml"), "-o", &out, "--split", "--ideal"]);
     assert_eq!(code, 0, "{err}");
+}
+
+/// What passes an instrument is a table: electrons go by it, and bands that it does not cover have none that are known.
+#[test]
+fn throughput_covers_the_bands_it_is_asked_for() {
+    let scratch = scratch(&DETECTOR.replace("0.3", "\"throughput.csv\""));
+    let simulated = |table: &str| {
+        scratch.write("throughput.csv", table.to_owned());
+        let (code, _, err) =
+            run(&["simulate", &scratch.argument("scene.toml"), "-o", &scratch.argument("out"), "--force"]);
+        (code, err, scratch.join("out").exists().then(|| report(&scratch, "out")))
+    };
+    let (code, err, known) = simulated("wavelength_um,throughput\n0.9,0.2\n4.0,0.2\n");
+    assert_eq!(code, 0, "{err}");
+    let (_, _, half) = simulated("wavelength_nm,throughput_percent\n900,10\n4000,10\n");
+    let electrons = |report: &serde_json::Value| report["signal"]["bands"][0]["signal_e"].as_f64().unwrap();
+    let (known, half) = (electrons(&known.unwrap()), electrons(&half.unwrap()));
+    assert!(known > 0.0 && (known / half - 2.0).abs() < 1e-12, "{known} {half}");
+    // From beyond the first band on.
+    let (code, err, _) = simulated("wavelength_um,throughput\n1.5,0.2\n4.0,0.2\n");
+    assert!(code != 0 && err.contains("sensor.detector.throughput") && err.contains("band 1"), "{err}");
+    let (code, err, _) = simulated("wavelength_um,reflectance\n0.9,0.2\n4.0,0.2\n");
+    assert!(code != 0 && err.contains("a column `throughput`"), "{err}");
+    // A cube is asked the same.
+    let ideal = self::scratch("");
+    simulate(&ideal, "ideal", &[]);
+    let (cube, file, out) =
+        (ideal.argument("ideal/cube.img"), ideal.argument("instrument.toml"), ideal.argument("out"));
+    let detector = DETECTOR.replace("[sensor.", "[").replace("0.3", "\"throughput.csv\"");
+    ideal.write("instrument.toml", format!("mmxrt_instrument = 1\n{detector}"));
+    ideal.write("throughput.csv", "wavelength_um,throughput\n1.5,0.2\n4.0,0.2\n".to_owned());
+    let (code, _, err) = run(&["instrument", &cube, "--instrument", &file, "-o", &out]);
+    assert!(code != 0 && err.contains("throughput") && !ideal.join("out").exists(), "{err}");
+}
+
+/// The same response as a shape and as a table counts the same electrons.
+#[test]
+fn electrons_go_by_the_area_of_a_response() {
+    let scratch = scratch(DETECTOR);
+    let file = scene_toml::read(&scratch.join("scene.toml"), &unwatched).unwrap();
+    let detector = file.chain.unwrap().detector.unwrap();
+    let um: Vec<f64> = (0..=4000).map(|i| 1.8 + 1e-4 * f64::from(i)).collect();
+    let null_um = 0.02 / 0.885_892_941_378_904_7;
+    let gaussian = |l: f64| (-4.0 * std::f64::consts::LN_2 * ((l - 2.0) / 0.02).powi(2)).exp();
+    let sinc2 = |l: f64| match std::f64::consts::PI * (l - 2.0) / null_um {
+        0.0 => 1.0,
+        x => (x.sin() / x).powi(2),
+    };
+    let shapes: [(Response, &dyn Fn(f64) -> f64, f64); 2] =
+        [(Response::Gaussian, &gaussian, 1e-6), (Response::Sinc2, &sinc2, 6e-3)];
+    for (response, curve, within) in shapes {
+        let values = um.iter().map(|l| curve(*l)).collect();
+        let table = Band::tabulated(&Spectrum::new(um.clone(), values, Extend::Error).unwrap()).unwrap();
+        let shape = Band { response, ..Band::new(2.0, Some(0.02)) };
+        let [of_shape, of_table] = [shape, table].map(|band| detector.counting(&band).unwrap().electrons_per_radiance);
+        // What of a squared sinc is beyond the table is the difference.
+        assert!((of_shape / of_table - 1.0).abs() < within, "{of_shape} {of_table}");
+    }
+}
+
+/// What is too bright is no radiance, and said not to be; numbers are calibrated by what the report says.
+#[test]
+fn saturated_values_are_told_and_have_no_signal() {
+    let scratch = scratch(DETECTOR);
+    let cube = simulate(&scratch, "read", &[]);
+    let radiance = simulate(&scratch, "ideal", &["--ideal"]);
+    let of_band = |name: &str| report(&scratch, name)["signal"]["bands"][0].clone();
+    let number = |band: &Value, key: &str| band[key].as_f64().unwrap_or_else(|| panic!("{key}: {band}"));
+    let band = of_band("read");
+    let bytes = std::fs::read(scratch.join("read/dn.img")).unwrap();
+    let sent = bytes.chunks_exact(2).map(|b| f64::from(u16::from_le_bytes(b.try_into().unwrap())));
+    for (dn, value) in sent.zip(&cube[..192]) {
+        let by_report = number(&band, "radiance_per_dn") * (dn - number(&band, "zero_dn"));
+        assert!((by_report - value).abs() <= 1e-7 * value.abs().max(1e-3), "{by_report} {value}");
+    }
+    assert!(!report(&scratch, "read")["warnings"].to_string().contains("saturated"));
+    // A well that the bright half overflows, and the dark half does not.
+    let full_e = 2.0 * number(&band, "signal_e");
+    let [dark, bright] = [radiance[0], radiance[191]];
+    assert!(bright > 4.0 * dark);
+    scratch.edit("scene.toml", "read_e = 100", &format!("read_e = 100\nfull_well_e = {:.0}", 0.5 * full_e));
+    let (code, _, err) = run(&["simulate", &scratch.argument("scene.toml"), "-o", &scratch.argument("full")]);
+    assert!(code == 0 && err.contains("saturated"), "{err}");
+    let told = report(&scratch, "full")["warnings"].to_string();
+    assert!(told.contains("1 of 2 bands") || told.contains("2 of 2 bands"), "{told}");
+    let bytes = std::fs::read(scratch.join("full/snr.img")).unwrap();
+    let snr: Vec<f32> = bytes.chunks_exact(4).map(|b| f32::from_le_bytes(b.try_into().unwrap())).collect();
+    assert!(snr[192] > 10.0 && snr[192 + 191] == 0.0, "{} {}", snr[192], snr[192 + 191]);
+    // Numbers that begin beyond the last one.
+    scratch.edit("scene.toml", "offset_dn = 300", "offset_dn = 65535");
+    let (code, _, err) = run(&["simulate", &scratch.argument("scene.toml"), "-o", &scratch.argument("none")]);
+    assert!(code != 0 && err.contains("offset_dn") && !scratch.join("none").exists(), "{err}");
+}
+
+/// The sensitivities of elements, which calibration does not know, are noise of an image: measured over even ground, and reported.
+#[test]
+fn reported_noise_is_what_an_even_image_shows() {
+    let scratch = scratch(&DETECTOR.replace("read_e = 100", "read_e = 100\nsensitivity_sd = 0.02"));
+    scratch.edit("plane.obj", "v 0.3 -20 0", "v -19 -20 0");
+    scratch.edit("plane.obj", "v 0.3 20 0", "v -19 20 0");
+    let cube = simulate(&scratch, "read", &[]);
+    for band in 0..2 {
+        let values = &cube[192 * band..192 * (band + 1)];
+        let mean = values.iter().sum::<f64>() / 192.0;
+        let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / 191.0;
+        let told = report(&scratch, "read")["signal"]["bands"][band]["snr_mean"].as_f64().unwrap();
+        // Of 192 values a standard deviation is known to 5 %.
+        assert!((mean / variance.sqrt() / told - 1.0).abs() < 0.2, "{} {told}", mean / variance.sqrt());
+        assert!(told < 50.0, "{told}");
+    }
 }
 
 #[test]

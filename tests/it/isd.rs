@@ -93,7 +93,8 @@ fn a_push_broom_projects_as_the_line_scanner_model_does() {
         let place = mmxrt::study::locate::Place { sample: place.0, line: place.1 };
         let point_m = locator.ground(place, 0).unwrap().unwrap().point_m;
         // At the line that the point is in, it is drawn in the middle of the detector's one line.
-        let s = rate[1] + (place.line - rate[0]) * rate[2];
+        // Half a line is added to when the line begins: `getImageTime` of usgscsm.
+        let s = rate[1] + (place.line - rate[0] + 0.5) * rate[2];
         let at = |kind: &str| (s - number(&isd[format!("t0_{kind}")])) / number(&isd[format!("dt_{kind}")]);
         let position_m = between(&isd["sensor_position"]["positions"], at("ephemeris"));
         let quaternion = between(&isd["sensor_orientation"]["quaternions"], at("quaternion"));
@@ -102,7 +103,8 @@ fn a_push_broom_projects_as_the_line_scanner_model_does() {
         seen += 1;
     }
     assert_eq!(seen, 3);
-    assert!((number(&isd["starting_ephemeris_time"]) - 0.5).abs() < 1e-12);
+    // The first line is exposed from 0 to 1 s, and its time is 1.7 s.
+    assert!((number(&isd["starting_ephemeris_time"]) - (0.5 - 0.85)).abs() < 1e-12);
 }
 
 /// Of the shipped kind of scene, which states places and no time.

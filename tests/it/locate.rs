@@ -111,3 +111,25 @@ fn the_command_answers_as_a_table() {
     let (code, _, err) = run(&["locate", &scene]);
     assert!(code == 2 && err.contains("--pixel"), "{err}");
 }
+
+/// A slit that trembles crosses a point several times: where it does so in the image, that is where the point is.
+#[test]
+fn a_point_in_the_image_is_found_there_though_the_slit_trembles() {
+    let timing = timing(Readout::Line);
+    let jitter = Jitter { seed: 5, rms_rad: DVec3::new(2e-4, 0.0, 0.0), band_hz: [0.01, 2.0] };
+    let motion = steady(DVec3::new(0.0, -5.0, 0.0), 10.0, DVec3::Z, Pointing { jitter: Some(jitter), ..down() });
+    let scene = moving_scene(plane(2000.0, 0.0), [40, 24], 10.0, &[1.0], &motion, timing);
+    let locator = Locator::new(&scene, Some((&motion, timing)));
+    let mut several = 0;
+    for i in 0..240 {
+        let place = Place { sample: 20.0, line: 0.05 + 0.1 * f64::from(i) };
+        let ground = locator.ground(place, 0).unwrap().unwrap();
+        let found = locator.place(ground.point_m, 0).unwrap().unwrap();
+        assert!(found.inside, "{place:?}: {found:?}");
+        // It may be another moment, but shows the same.
+        let again = locator.ground(found.place, 0).unwrap().unwrap();
+        assert!((again.point_m - ground.point_m).length() < 1e-5, "{place:?}: {found:?}");
+        several += usize::from((found.place.line - place.line).abs() > 0.01);
+    }
+    assert!(several > 10, "{several}");
+}

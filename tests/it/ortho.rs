@@ -147,12 +147,19 @@ fn the_command_maps_a_product() {
         ("tangent:0", None, "tangent:CELL"),
         ("tangent:1e-6", None, "too many"),
         ("tangent:5", Some("10,0,-10,5"), "borders"),
+        ("tangent:10", Some("-100,-100,103,100"), "20 x 20 of them the borders are -100, -100, 100 and 100"),
     ] {
         let mut arguments = vec!["locate", &scene, "--ortho", ortho, "-o", &map, "--force"];
         arguments.extend(borders.iter().flat_map(|borders| ["--borders", borders]));
         let (code, _, err) = run(&arguments);
         assert!(code != 0 && err.contains(what), "{ortho}: {err}");
     }
+    // A product is the image of the files that it was made of.
+    let text = std::fs::read_to_string(scratch.join("scene.toml")).unwrap();
+    scratch.write("scene.toml", format!("{text}\n# later\n"));
+    let (code, _, err) = run(&["locate", &product, "--ortho", "tangent:25", "-o", &map, "--force"]);
+    assert!(code != 0 && err.contains("other files") && err.contains("scene.toml"), "{err}");
+    scratch.write("scene.toml", text);
     let (code, _, err) = run(&["locate", &scene, "--ortho", "tangent:5"]);
     assert!(code != 0 && err.contains("--output"), "{err}");
 }

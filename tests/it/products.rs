@@ -587,6 +587,7 @@ fn reports_come_back_and_their_errors_are_located() {
         cpu_s: Some(0.5),
         stages: vec![report_json::Stage { name: "sunlight".into(), wall_s: 0.25, cpu_s: 0.4 }],
         costs: vec![],
+        files: std::collections::BTreeMap::new(),
     };
     report_json::write(&path, &run).unwrap();
     assert_eq!(report_json::read::<report_json::Run>(&path).unwrap(), run);

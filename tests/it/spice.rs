@@ -370,3 +370,65 @@ fn inspect_tells_what_a_kernel_holds() {
     assert_eq!(of("probe.tf").frames.len(), 9);
     assert_eq!(of("probe.tsc").clocks, ["-888", "-999"]);
 }
+
+/// Velocities are those of inertial axes, also along frames that turn: what moves in none is the difference of positions.
+#[test]
+fn velocities_are_the_rates_of_positions() {
+    let almanac = Almanac::with_rough_trajectories();
+    let mut fastest_m_s = 0.0_f64;
+    for (target, centre) in [("PHOBOS", "MARS"), ("DEIMOS", "MARS"), ("PHOBOS", "SUN"), ("MARS", "PHOBOS")] {
+        for at_s in [8.6e8, 8.61e8, 8.65e8] {
+            let state = |by_s: f64| {
+                let epoch = Epoch::from_tdb_s(at_s + by_s).unwrap();
+                almanac.state(target, centre, "J2000", epoch).unwrap()
+            };
+            let rate_m_s = (state(10.0).position_m - state(-10.0).position_m) / 20.0;
+            let velocity_m_s = state(0.0).velocity_m_s;
+            // A difference over 20 s is off by (w h)^2 / 6: 1e-6 of a turn in 7.7 hours.
+            assert!(
+                (velocity_m_s - rate_m_s).length() < 1e-6 * rate_m_s.length() + 0.02,
+                "{target} {centre} {at_s}: {velocity_m_s} {rate_m_s}"
+            );
+            fastest_m_s = fastest_m_s.max(if centre == "MARS" { velocity_m_s.length() } else { 0.0 });
+        }
+    }
+    // Of a circle of 9376 km in 7.654 h.
+    assert!((fastest_m_s - 2138.0).abs() < 3.0, "{fastest_m_s}");
+}
+
+/// A rotation is a pole and a prime meridian; SPICE knows three coefficients of each.
+#[test]
+fn half_a_rotation_is_refused() {
+    let scratch = Scratch::new();
+    for (text, told) in [
+        ("BODY401_PM = ( 35.06 1128.8445850 )", "BODY401_POLE_RA is missing"),
+        ("BODY401_POLE_RA = ( 317.68 )\nBODY401_POLE_DEC = ( 52.9 )", "BODY401_PM is missing"),
+        ("BODY401_POLE_RA = ( 317.68 )\nBODY401_POLE_DEC = ( 52.9 )\nBODY401_PM = ( 1 2 3 4 )", "has 4 coefficients"),
+    ] {
+        scratch.write("half.tpc", format!("KPL/PCK\n\\begindata\n{text}\n"));
+        let error = refused(&scratch, &["half.tpc"]);
+        assert!(error.contains(told), "{text}: {error}");
+    }
+}
+
+/// A kernel that was copied as text has other bytes where SPICE put some to tell.
+#[test]
+fn a_kernel_that_was_copied_as_text_is_refused() {
+    let scratch = copied();
+    let name = std::fs::read_dir(scratch.path())
+        .unwrap()
+        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+        .find(|name| std::path::Path::new(name).extension().is_some_and(|end| end == "bsp"))
+        .unwrap();
+    let bytes = std::fs::read(scratch.join(&name)).unwrap();
+    let place = bytes.windows(7).position(|part| part == b"FTPSTR:").unwrap();
+    let mut changed = bytes.clone();
+    changed.splice(place + 7..place + 8, *b"\n");
+    std::fs::write(scratch.join(&name), &changed).unwrap();
+    assert!(refused(&scratch, &[&name]).contains("copied as text"));
+    // The first record of summaries, by its number.
+    let mut none = bytes;
+    none[76..80].fill(0);
+    std::fs::write(scratch.join(&name), &none).unwrap();
+    assert!(refused(&scratch, &[&name]).contains("no record of summaries"));
+}

@@ -210,7 +210,10 @@ impl Campaign {
                 };
                 Error::Invalid(problems.into_iter().map(here).collect())
             }
-            Error::Unsupported { feature, .. } => Error::Unsupported { at: at(), feature },
+            // A file says better where than the entry that needs it.
+            Error::Unsupported { at: inside, feature } if inside.file.is_none() => {
+                Error::Unsupported { at: at(), feature }
+            }
             other => other,
         }
     }

@@ -9,8 +9,8 @@ use glam::{DQuat, DVec3, DVec4};
 
 use crate::error::{Error, Location, Problem, Result};
 use crate::flight::{
-    Attitudes, Between, Epoch, Interpolation, J2000, LeapSeconds, Nodes, Orientation, Path, Span, State, Trajectory,
-    Turning,
+    Attitudes, Between, Epoch, Interpolation, J2000, LeapSeconds, Nodes, Orientation, Path, Scale, Span, State,
+    Trajectory, Turning,
 };
 use crate::formats::decimal;
 use crate::formats::flight_file::{FlightFile, Object, time_text};
@@ -91,6 +91,9 @@ fn of_some<'a>(file: &FlightFile, message: Option<Message<'a>>, what: &str) -> R
     message.ok_or_else(|| Error::invalid(Location::file(&file.input.path), format!("holds no {what} to write")))
 }
 
+/// The last row is at least this part of a step after the one before it.
+const LEAST_STEP: f64 = 1e-3;
+
 impl<'a> Writing<'a> {
     fn new(file: &'a FlightFile, leap: &'a LeapSeconds, step_s: Option<f64>) -> Result<Self> {
         if let Some(step_s) = step_s.filter(|step_s| !(*step_s > 0.0 && step_s.is_finite())) {
@@ -167,10 +170,16 @@ impl<'a> Writing<'a> {
         }
         let message = format!("{name}: at steps of {step_s} s, and interpolated between them");
         self.report.note(Fate::Approximated, Location::file(source), message);
-        let steps = (0_u32..).map(|i| span.start.after_s(f64::from(i) * step_s));
-        let mut epochs: Vec<Epoch> = steps.take_while(|epoch| *epoch < span.end).collect();
+        // Steps are even in the scale of the file's times, but for leap seconds.
+        let after = |s: f64| match self.file.scale {
+            Scale::Tdb => span.start.after_s(s),
+            _ => span.start.after_tt_s(s, self.leap),
+        };
+        let steps = (0_u32..).map(|i| after(f64::from(i) * step_s));
+        // A row right before the last one says nothing more, and polynomials through both would magnify rounding.
+        let is_before = |epoch: &Epoch| span.end.since_s(*epoch) > LEAST_STEP * step_s;
+        let mut epochs: Vec<Epoch> = steps.take_while(is_before).collect();
         epochs.push(span.end);
-        epochs.dedup();
         Ok(epochs)
     }
 

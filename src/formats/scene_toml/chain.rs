@@ -11,6 +11,9 @@ use crate::physics::{mtf, signal};
 use crate::scene::Timing;
 use crate::spectral::{Extend, Spectrum};
 
+/// What is sent for no electrons, in standard deviations of the noise of reading, where nothing says so: noise then goes below it only once in 3e6 values.
+const OFFSET_SIGMA: f64 = 5.0;
+
 /// What a file says of an instrument.
 pub(in crate::formats) struct Said<'t> {
     /// What its keys begin with.
@@ -143,12 +146,9 @@ impl TomlReader<'_> {
             return None;
         };
         let throughput = match (&toml.throughput, &preset) {
-            (Some(values), _) => self.fraction_spectrum(
-                &format!("{at}detector.throughput"),
-                values,
-                Quantity::Reflectance,
-                Extend::Error,
-            ),
+            (Some(values), _) => {
+                self.fraction_spectrum(&format!("{at}detector.throughput"), values, Quantity::Throughput, Extend::Error)
+            }
             (None, Some(preset)) => Some(preset.throughput.clone()),
             (None, None) => {
                 self.problem(&format!("{at}detector"), "`throughput` is missing: electrons per photon that enters");
@@ -170,8 +170,20 @@ impl TomlReader<'_> {
                 e_s
             }
         };
+        let read_e = toml.read_e.unwrap_or(of_preset(|of| of.read_e));
         let bits = toml.bits.or(preset.as_ref().map(|of| of.bits)).unwrap_or(16);
         let all_e = step_e * 2.0_f64.powi(bits.cast_signed());
+        let offset_dn = toml.offset_dn.or(preset.as_ref().map(|of| of.offset_dn)).unwrap_or_else(|| {
+            let most_dn = 2.0_f64.powi(bits.cast_signed()) - 1.0;
+            let offset_dn = (OFFSET_SIGMA * read_e / step_e).ceil().min((0.5 * most_dn).floor());
+            if offset_dn > 0.0 {
+                let what = format!(
+                    "{offset_dn}: {OFFSET_SIGMA} times the noise of reading, so that faint light is not cut off"
+                );
+                self.stated(&format!("{at}detector.offset_dn"), what);
+            }
+            offset_dn
+        });
         Some(Detector {
             lens,
             throughput: throughput?,
@@ -179,10 +191,10 @@ impl TomlReader<'_> {
             width_um: toml.width_um.or(preset.as_ref().and_then(|of| of.width_um)),
             dark_e_s: toml.dark_e_s.unwrap_or(of_preset(|of| of.dark_e_s)),
             background_e_s,
-            read_e: toml.read_e.unwrap_or(of_preset(|of| of.read_e)),
+            read_e,
             full_well_e: toml.full_well_e.or(preset.as_ref().map(|of| of.full_well_e)).unwrap_or(all_e),
             step_e,
-            offset_dn: toml.offset_dn.unwrap_or(of_preset(|of| of.offset_dn)),
+            offset_dn,
             bits,
             sensitivity_sd: toml.sensitivity_sd.unwrap_or(of_preset(|of| of.sensitivity_sd)),
             dead: toml.dead.unwrap_or(of_preset(|of| of.dead)),

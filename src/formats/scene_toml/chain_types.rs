@@ -50,7 +50,7 @@ pub(crate) struct PointSpreadToml {
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct DetectorToml {
-    /// Electrons per photon that enters the aperture, over wavelength: a number, or path of a CSV table with a column `reflectance`.
+    /// Electrons per photon that enters the aperture, over wavelength: a number, or path of a CSV table with a column `throughput`.
     pub(crate) throughput: Option<Values>,
     /// Width of bands that have none, um.
     #[schemars(extend("exclusiveMinimum" = 0))]
@@ -69,7 +69,7 @@ pub(crate) struct DetectorToml {
     /// Electrons of one step of what is sent (gain).
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub(crate) step_e: Option<f64>,
-    /// Number that is sent for no electrons. Default 0.
+    /// Number that is sent for no electrons. Default: five times the noise of reading.
     #[schemars(range(min = 0))]
     pub(crate) offset_dn: Option<f64>,
     /// Binary digits of what is sent. Default 16.

@@ -12,8 +12,10 @@ use super::types::{
 };
 use crate::error::{Error, Problem, Result};
 use crate::flight::{Aim, Almanac, Correction, Epoch, Jitter, Pointing, Qso, Scan, Span, Up, body_name, frame_name};
+use crate::formats::ephemeris::Furnished;
 use crate::formats::{InputFile, ephemeris};
 use crate::geometry::Pose;
+use crate::report::Fate;
 use crate::scene::{Mirror, Motion, Readout, Timing};
 
 /// What carries the camera on an orbit by name, where nothing else is said.
@@ -47,9 +49,17 @@ impl TomlReader<'_> {
             let read = ephemeris::furnish_all(&paths, &mut almanac);
             let read = self.taken("flight.files", read);
             all_read = read.is_some();
-            for path in read.into_iter().flatten() {
+            let Furnished { paths, report } = read.unwrap_or_default();
+            for path in paths {
                 let input = self.taken("flight.files", InputFile::hashed(&path));
                 self.inputs.extend(input.filter(|input| !self.inputs.contains(input)));
+            }
+            for note in report.notes {
+                let what = format!("{}: {}", note.at, note.message);
+                match note.fate {
+                    Fate::Defaulted => self.stated("flight.files", what),
+                    _ => self.note("flight.files", what),
+                }
             }
         }
         let start = self.epoch("flight.epoch", &toml.epoch, &almanac);
@@ -239,7 +249,7 @@ impl TomlReader<'_> {
             self.problem("sensor.mirror", "goes with `kind` = \"whisk_broom\"");
             return None;
         }
-        let poses = toml.exposure_poses.unwrap_or(1);
+        let poses = toml.exposure_poses.unwrap_or(0);
         if poses > 1 && !flies {
             self.helped(
                 "sensor.exposure_poses",
@@ -277,7 +287,7 @@ impl TomlReader<'_> {
             return None;
         }
         let exposure_s = toml.exposure_s.unwrap_or(period_s);
-        if exposure_s > period_s && readout == Readout::Band {
+        if exposure_s > period_s {
             self.problem("sensor.exposure_s", format!("{exposure_s} s is longer than `period_s`, {period_s} s"));
             return None;
         }
@@ -324,7 +334,11 @@ impl TomlReader<'_> {
             return None;
         }
         let exposure_s = toml.exposure_s.unwrap_or(sample_s);
-        let poses = toml.exposure_poses.unwrap_or(1);
+        if exposure_s > sample_s {
+            self.problem("sensor.exposure_s", format!("{exposure_s} s is longer than a sample, {sample_s} s"));
+            return None;
+        }
+        let poses = toml.exposure_poses.unwrap_or(0);
         let step_rad = mirror.field_deg.to_radians() / f64::from(samples);
         let readout = Readout::Sample(Mirror { samples, sample_s, step_rad, elements });
         Some(Timing { readout, period_s, exposure_s, poses })

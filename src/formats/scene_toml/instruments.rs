@@ -49,7 +49,8 @@ pub(super) struct Reading {
     pub(super) sensitivity_sd: f64,
 }
 
-/// Nothing of this is published of either instrument: what detectors of this kind have, so that sunlit ground fills them to three quarters in a second.
+/// Nothing of this is published of either instrument: what detectors of this kind have. Lambert ground of 0.07 under an overhead Sun at 1.5 au fills them to about three
+/// quarters in a second, where it is brightest: in the first band.
 const ASSUMED: Reading = Reading {
     dark_e_s: 1e4,
     read_e: 100.0,
@@ -79,7 +80,7 @@ const MACROMEGA: Instrument = Instrument {
 };
 
 /// MIRS (Barucci et al. 2021, table 2): a slit of 3.3 deg with pixels of 0.35 mrad, 0.9 to 3.6 um, a band of 20 nm every 10 nm. That a pixel is square, and that
-/// bands are Gaussian, is assumed. Pixels of 30 um are published, and that more than 0.08 passes at Nyquist and that signal over noise is at least 100 from 2.7 to 3.2 um in 2 s; the
+/// bands are Gaussian, is assumed; on a detector of 256 columns a band would be every 10.5 nm. Pixels of 30 um are published, and that more than 0.08 passes at Nyquist and that signal over noise is at least 100 from 2.7 to 3.2 um in 2 s; the
 /// rest of its optics and detector is assumed, so that it does.
 const MIRS: Instrument = Instrument {
     name: "MIRS",
@@ -92,7 +93,7 @@ const MIRS: Instrument = Instrument {
     f_number: 4.0,
     pixel_um: 30.0,
     gaussian_mtf_nyquist: 0.5,
-    throughput: 0.2,
+    throughput: 0.08,
     width_um: None,
     reading: &ASSUMED,
 };

@@ -883,7 +883,7 @@ pub(crate) struct SensorToml {
     #[schemars(range(min = 0))]
     pub(crate) exposure_s: Option<f64>,
     /// Poses of the camera that stand for its motion during an exposure, at even steps; with n of them a pixel at an edge is off by at most d / (8 n^2) of the contrast, d
-    /// the pixels that the edge moves. Default 1: the middle alone.
+    /// the pixels that the edge moves. Default: as many as the tolerance of a plan needs, and 1, the middle alone, by a list of models without `smear`.
     #[schemars(range(min = 1, max = 1000))]
     pub(crate) exposure_poses: Option<u32>,
     /// "macromega": 256 x 256 pixels, 300 bands from 0.95 to 3.6 um, IFOV 0.5 mrad; with `flight` a tunable filter of a band a second. "mirs": a slit of 165

@@ -60,6 +60,9 @@ pub(super) struct Daf<R> {
     pub(super) arrays: Vec<Array>,
 }
 
+/// What SPICE writes into the first record, to find out whether a file was changed on its way.
+const TRANSFERRED: &[u8] = b"FTPSTR:\r:\n:\r\n:\r\x00:\x81:\x10\xce:ENDFTP";
+
 impl Daf<File> {
     /// Opens a file whose summaries have `doubles` and `integers`, the two addresses among them, and reads its summaries.
     ///
@@ -76,6 +79,12 @@ impl<R: Read + Seek> Daf<R> {
         let bytes = source.seek(SeekFrom::End(0)).map_err(|e| Error::io(path, "reading", e))?;
         let mut daf = Daf { path: path.to_owned(), source, bytes, order: Order::Little, arrays: vec![] };
         let head = daf.record(1)?;
+        // Where ends of lines were changed on the way, so was this; files of before 2000 do not have it.
+        if head.windows(7).any(|part| part == b"FTPSTR:")
+            && !head.windows(TRANSFERRED.len()).any(|part| part == TRANSFERRED)
+        {
+            return Err(daf.wrong("was damaged on its way: it was copied as text, where kernels are binary".to_owned()));
+        }
         daf.order = match &head[88..96] {
             b"LTL-IEEE" => Order::Little,
             b"BIG-IEEE" => Order::Big,
@@ -89,6 +98,9 @@ impl<R: Read + Seek> Daf<R> {
             return Err(daf.wrong(format!(
                 "summaries have {nd} and {ni} numbers, where {doubles} and {integers} are those of its kind"
             )));
+        }
+        if first == 0 {
+            return Err(daf.wrong("has no record of summaries: the file is damaged"));
         }
         daf.summaries(first, doubles, integers)?;
         Ok(daf)

@@ -173,6 +173,9 @@ fn settle(orientation: Orientation, almanac: &mut Almanac) {
     }
 }
 
+/// Coefficients of an angle of a rotation, as SPICE has it.
+const MOST_COEFFICIENTS: usize = 3;
+
 /// A body's rotation, by the variables `BODYn_...`; angles of periodic terms are those of the barycentre of its system: of 401, those of 4.
 fn rotation_model(body: i32, pool: &Pool) -> Result<Turning> {
     let barycentre = match body {
@@ -191,7 +194,21 @@ fn rotation_model(body: i32, pool: &Pool) -> Result<Turning> {
         Ok(pool.numbers(&format!("BODY{body}_{name}"))?.unwrap_or_default().to_vec())
     };
     let angle = |polynomial: &str, periodic: &str| -> Result<Angle> {
-        Ok(Angle { polynomial: list(body, polynomial)?, periodic: list(body, periodic)? })
+        let angle = Angle { polynomial: list(body, polynomial)?, periodic: list(body, periodic)? };
+        let name = format!("BODY{body}_{polynomial}");
+        match angle.polynomial.len() {
+            0 => {
+                // Said where one of the others is.
+                let there = ["PM", "POLE_RA", "POLE_DEC"].map(|of| format!("BODY{body}_{of}"));
+                let there = there.iter().find(|name| pool.has(name)).unwrap_or(&name);
+                Err(pool.wrong(there, &format!("is not all of a rotation: {name} is missing")))
+            }
+            1..=MOST_COEFFICIENTS => Ok(angle),
+            count => {
+                Err(pool
+                    .wrong(&name, &format!("has {count} coefficients: {MOST_COEFFICIENTS} at most are known to SPICE")))
+            }
+        }
     };
     let degree = pool.integer(&format!("BODY{barycentre}_MAX_PHASE_DEGREE"))?.unwrap_or(1);
     let terms = usize::try_from(degree).ok().filter(|degree| (1..=9).contains(degree)).map(|degree| degree + 1);

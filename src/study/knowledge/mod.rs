@@ -213,16 +213,23 @@ pub struct Asked {
     pub seed: u64,
 }
 
+/// Elements of a covariance that should be the same differ by this at most, over the standard deviations of their rows: the digits of a file.
+const WRITTEN: f64 = 1e-5;
+
 /// The factor L of a covariance L L^T, rows first, by Cholesky; of one that has no extent in some direction too. `None` if it is no covariance: not symmetric, or
 /// negative somewhere, by more than rounding.
 pub fn factor(covariance: [[f64; 3]; 3]) -> Option<DMat3> {
-    let c = covariance;
-    // Rounding of an element, by the sizes on the diagonal.
-    let rounding = |i: usize, j: usize| 64.0 * f64::EPSILON * (c[i][i] * c[j][j]).abs().sqrt();
-    let is_symmetric = (0..3).all(|i| (0..3).all(|j| (c[i][j] - c[j][i]).abs() <= rounding(i, j)));
+    // Files hold six digits or more; what is meant lies between the two.
+    let half = |i: usize, j: usize| 0.5 * (covariance[i][j] + covariance[j][i]);
+    let c: [[f64; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|j| half(i, j)));
+    // Of an element, by the diagonal.
+    let size = |i: usize, j: usize| (c[i][i] * c[j][j]).abs().sqrt();
+    let is_symmetric =
+        (0..3).all(|i| (0..3).all(|j| (covariance[i][j] - covariance[j][i]).abs() <= WRITTEN * size(i, j)));
     if !is_symmetric || !c.as_flattened().iter().all(|x| x.is_finite()) {
         return None;
     }
+    let rounding = |i: usize, j: usize| 64.0 * f64::EPSILON * size(i, j);
     let mut l = [[0.0_f64; 3]; 3];
     for j in 0..3 {
         let left = |i: usize, l: &[[f64; 3]; 3]| c[i][j] - (0..j).map(|k| l[i][k] * l[j][k]).sum::<f64>();
@@ -256,6 +263,13 @@ mod tests {
         // Fully dependent numbers, and none at all.
         let l = factor([[1.0, -2.0, 0.0], [-2.0, 4.0, 0.0], [0.0; 3]]).unwrap();
         assert_eq!(l.row(1), DVec3::new(-2.0, 0.0, 0.0));
+        // Six digits in a file: the mean of both is meant.
+        let l = factor([[4.0, 2.000_02, 0.0], [1.999_98, 5.0, 3.0], [0.0, 3.0, 10.0]]).unwrap();
+        assert!(
+            (l * l.transpose() - DMat3::from_cols_array(&[4.0, 2.0, 0.0, 2.0, 5.0, 3.0, 0.0, 3.0, 10.0]))
+                .abs_diff_eq(DMat3::ZERO, 1e-12)
+        );
+        assert_eq!(factor([[4.0, 2.0, 0.0], [1.99, 5.0, 3.0], [0.0, 3.0, 10.0]]), None);
         assert_eq!(factor([[0.0; 3]; 3]), Some(DMat3::ZERO));
         for no_covariance in [
             [[1.0, 2.0, 0.0], [2.0, 1.0, 0.0], [0.0, 0.0, 1.0]],

@@ -490,7 +490,7 @@ impl Oracle<'_> {
         let signal_e = input("L_W_m2_sr_um")? * per_radiance;
         Some(simulate(json!({
             "signal_e": signal_e,
-            "snr": signal::snr(signal_e, input("dark_e")?, input("read_noise_e")?, 0.0),
+            "snr": signal::snr(signal_e, input("dark_e")?, input("read_noise_e")?, 0.0, 0.0),
         })))
     }
 
