@@ -1,4 +1,4 @@
-//! An image as a map of the ground.
+//! Orthorectifies an image.
 
 use std::path::{Path, PathBuf};
 
@@ -11,7 +11,7 @@ use crate::progress::Watch;
 use crate::scene::Readout;
 use crate::study::{self, MapWish};
 
-/// What has been mapped.
+/// Result.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mapped {
     /// The grid.
@@ -31,12 +31,12 @@ fn scene_and_cube(of: &Path) -> Result<(PathBuf, Option<PathBuf>)> {
     let report: ProductReport = report_json::read(&report)?;
     match report.inputs.first() {
         Some(scene) => Ok((PathBuf::from(&scene.path), Some(of.join("cube.img")))),
-        None => Err(Error::invalid(Location::file(of), "its report names no scene: name the scene file")),
+        None => Err(Error::invalid(Location::file(of), "report.json names no scene; pass the scene file")),
     }
 }
 
-/// Lays the image of a scene or product on the ground, and fills a folder (whether it may be replaced) with the map and its look-up table. Of a tunable filter one band
-/// is mapped, counted from 0: without one the reference.
+/// Orthorectifies the image of a scene or product, and fills a folder (whether it may be replaced) with the map and its
+/// look-up table. For a tunable filter one band is mapped, counted from 0; by default the reference.
 ///
 /// # Errors
 /// Those of [`scene_toml::read`], [`study::ortho`] and [`Staged::folder_of`]; [`Error::Invalid`] if the cube is not that scene's image; [`Error::Io`].
@@ -67,7 +67,7 @@ pub fn ortho(
         let size = [camera.samples as usize, camera.lines as usize, count];
         if [raster.columns, raster.rows, raster.bands.len()] != size {
             let message = format!(
-                "has {} x {} pixels and {} bands, and the scene {} x {} and {count}: it is no image of it",
+                "does not match the scene: {} x {}, {} bands against {} x {}, {count}",
                 raster.columns,
                 raster.rows,
                 raster.bands.len(),

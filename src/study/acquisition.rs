@@ -1,4 +1,4 @@
-//! What a camera sees of a scene that moves: each part of the cube at its own moment.
+//! Acquisition of a moving scene: each part of the cube at its own epoch.
 
 use super::cost::has_room;
 use super::extremes::Extremes;
@@ -17,7 +17,7 @@ use crate::progress::{Progress, Watch, tell};
 use crate::scene::{Body, Exposure, Motion, Readout, Scene, Setup, Take, Timing};
 use crate::solve;
 
-/// A scene at the moment of its reference exposure, and how it moves.
+/// A scene at its reference exposure, and its motion.
 #[derive(Debug, Clone, Copy)]
 pub struct Moving<'a> {
     /// The scene then.
@@ -34,14 +34,15 @@ pub struct Moving<'a> {
 const STAGE: &str = "exposures";
 
 impl Moving<'_> {
-    /// The scene at the moment of a part of the cube, with what is exposed then, of a body or a part of it; under a sky that moves, or stands still.
+    /// The scene at the epoch of a part of the cube, with its exposure, of a body or a part of it; under a moving or
+    /// fixed sky.
     fn at(&self, body: &Body, take: &Take, is_still: bool) -> Result<Scene> {
         let Moving { scene, motion, .. } = *self;
         let sky = if is_still { scene.sky.clone() } else { motion.sky(&scene.sky, self.epoch(take))? };
         Scene::new(Setup { body: body.clone(), sky, exposure: self.exposure(take)?, models: scene.models })
     }
 
-    /// What is exposed of a part of the cube, with the camera where it then is.
+    /// The exposure of a part of the cube, at the camera's pose then.
     pub(super) fn exposure(&self, take: &Take) -> Result<Exposure> {
         self.exposure_at(take, take.middle_s)
     }
@@ -174,7 +175,7 @@ pub fn acquire_by_table(
     let groups = moving.groups();
     let solved = Solved::given(moving, groups.as_ref(), table);
     let mut observation = acquire((moving, solved), (table, None), (extremes, tolerance), wanted, put, watch)?;
-    let message = "the facet table is of one moment: light stands still while the image is taken";
+    let message = "the facet table is of one epoch: illumination is held fixed while the camera moves";
     observation.warnings.push(message.to_owned());
     Ok(observation)
 }
@@ -210,7 +211,7 @@ pub fn acquire_by_maps(
     let of = (&extremes, tolerance);
     let mut observation = acquire((moving, solved), (table, Some(&mut maps)), of, wanted, put, watch)?;
     let account = maps.account_to(scene, &mut observation)?;
-    let message = "maps of radiance are of one moment: light stands still while the image is taken";
+    let message = "radiance maps are of one epoch: illumination is held fixed while the camera moves";
     observation.warnings.push(message.to_owned());
     Ok((observation, account))
 }
@@ -228,8 +229,10 @@ fn acquire(
     let by_line = timing.readout.is_along_the_way();
     let of_band = |band: &&usize| timing.readout == Readout::Band && **band < scene.exposure.bands.len();
     if let Some(other) = wanted.planes_of.iter().find(|band| !of_band(band)) {
-        let message =
-            format!("band {} has no exposure of its own: each band of a tunable filter has", other.saturating_add(1));
+        let message = format!(
+            "band {} has no exposure of its own, unlike each band of a tunable filter",
+            other.saturating_add(1)
+        );
         return Err(Error::Invalid(vec![Problem::new(Location::item("--planes-of"), message)]));
     }
     serves(moving.optics, &scene.exposure)?;

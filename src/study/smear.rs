@@ -1,4 +1,4 @@
-//! Smear: how far what is seen moves during an exposure, and what is said of it.
+//! Motion smear during an exposure, and its warning.
 
 use glam::DVec2;
 
@@ -8,15 +8,15 @@ use crate::geometry::FrameCamera;
 use crate::product::{Exposed, Exposures};
 use crate::scene::{Readout, Timing};
 
-/// Exposures whose smear is looked at, and steps in each.
+/// Exposures sampled for smear, and steps in each.
 const SMEARS: usize = 16;
 const SMEAR_STEPS: u32 = 8;
-/// A smear of fewer pixels is not worth a word.
+/// Smear below this, pixels, is not reported.
 const SMEAR_PX: f64 = 0.05;
 
 impl Moving<'_> {
-    /// By how many pixels what is in the middle of the mesh moves during an exposure at most, of some of them; `None` where that is not before the
-    /// camera, or not known.
+    /// Largest smear of the mesh's middle over sampled exposures, pixels; `None` where it is not in front of the
+    /// camera, or unknown.
     fn smear_px(&self) -> Option<f64> {
         let Moving { scene, motion, timing, .. } = *self;
         if let Readout::Sample(mirror) = timing.readout {
@@ -41,17 +41,17 @@ impl Moving<'_> {
         (0..count).step_by(count.div_ceil(SMEARS).max(1)).filter_map(of_exposure).reduce(f64::max)
     }
 
-    /// What a reader of the result should know of it.
+    /// The warning about smear.
     pub(super) fn smear_remark(&self, tolerance: f64) -> Option<String> {
         let smear_px = self.smear_px().filter(|px| *px > SMEAR_PX)?;
-        let moves = format!("what is seen moves by {smear_px:.2} pixels during an exposure");
+        let moves = format!("the scene moves by {smear_px:.2} pixels during an exposure");
         Some(match self.timing.poses {
             0 | 1 => format!(
-                "{moves}, of which the middle is taken: `sensor.exposure_poses = {}` keeps errors at edges within {tolerance}",
+                "{moves}, and only its middle is modelled: `sensor.exposure_poses = {}` keeps errors at edges within {tolerance}",
                 Timing::poses_for(smear_px, tolerance)
             ),
             poses => format!(
-                "{moves}, for which {poses} poses stand: at an edge a pixel is off by at most {:.1e} of the contrast",
+                "{moves}, modelled by {poses} poses: the error at an edge is at most {:.1e} of the contrast",
                 self.timing.smear_error(smear_px)
             ),
         })
